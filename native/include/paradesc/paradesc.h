@@ -1,0 +1,243 @@
+/* paradesc.h - geometric descriptors of a UV-mapped triangle mesh, computed in its texture space. C99.
+ *
+ * The method is that of Andreadis, Papaioannou, Mavridis, "GPU Accelerated Computation of Geometric Descriptors in
+ * Parametric Space"; "(n)" below is an equation of that paper.
+ *
+ * CONVENTIONS
+ *   Right-handed object space. The winding of the faces says which side is outside; normals point there.
+ *   A convex place has positive curvature: a sphere of radius R has H = k1 = k2 = 1/R with outward faces.
+ *   Units: H, k1, k2, curvedness 1/length; K and local bending energy 1/length^2; sphere volume length^3;
+ *   euclidean area length^2; normalized sphere volume, shape index and coverage have none. Length is that of
+ *   the positions given: apply the object's scale first where world units are wanted.
+ *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) is NaN in raw results.
+ *
+ * MEMORY AND THREADS
+ *   Inputs are borrowed for the duration of a call; outputs are allocated by the caller, who says their length.
+ *   Handles are opaque. Every handle may be used from any thread; calls on one context, on its meshes and on their fields are
+ *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh.
+ *
+ * ERRORS
+ *   A call that can fail returns a pdesc_status, and on failure leaves one sentence (what was asked, what was found, what to
+ *   do) in pdesc_last_error() of the calling thread. Outputs are untouched on failure. Defects of a mesh that leave sound
+ *   vertices are no errors: they are counted in pdesc_mesh_report and the results of the others are given.
+ *
+ * GROWTH
+ *   Every struct starts with struct_size, set by its *_init function; members are only ever appended.
+ */
+#ifndef PARADESC_H
+#define PARADESC_H
+
+#include <stdint.h>
+
+#if defined(_WIN32)
+#  if defined(PARADESC_BUILDING)
+#    define PDESC_API __declspec(dllexport)
+#  else
+#    define PDESC_API __declspec(dllimport)
+#  endif
+#else
+#  define PDESC_API __attribute__((visibility("default")))
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Raised when an existing call or struct member changes its meaning; appended members do not raise it. */
+#define PDESC_ABI_VERSION 1
+
+typedef enum pdesc_status {
+  PDESC_OK = 0,
+  PDESC_ERROR_UNKNOWN = 1,           /* a defect of this library; the sentence says where */
+  PDESC_ERROR_INVALID_ARGUMENT = 2,  /* an input is unusable; the sentence names the first offender */
+  PDESC_ERROR_INVALID_OPERATION = 3, /* the call does not fit the state of the object */
+  PDESC_ERROR_OUT_OF_MEMORY = 4,
+  PDESC_ERROR_UNSUPPORTED = 5,       /* no device of the backend asked for, or the device lacks something */
+  PDESC_ERROR_CANCELLED = 6          /* the progress callback returned 0; the mesh stays usable */
+} pdesc_status;
+
+typedef enum pdesc_backend {
+  PDESC_BACKEND_AUTO = 0,      /* gpu, else software, else reference */
+  PDESC_BACKEND_GPU = 1,       /* a hardware device by EGL, OpenGL 4.5 */
+  PDESC_BACKEND_SOFTWARE = 2,  /* a software rasterizer by EGL (llvmpipe), OpenGL 4.5 */
+  PDESC_BACKEND_REFERENCE = 3  /* object space on the CPU, exact quadrature over the surface, needs no UV map */
+} pdesc_backend;
+
+typedef enum pdesc_normals {
+  PDESC_NORMALS_FITTED = 0, /* local jets over mesh rings (Cazals and Pouget), Max's where the surface is not smooth */
+  PDESC_NORMALS_MAX = 1,    /* weights sin(angle)/(|e1||e2|) (Max 1999) */
+  PDESC_NORMALS_MESH = 2    /* the corner normals given with the mesh */
+} pdesc_normals;
+
+typedef enum pdesc_radius_unit {
+  PDESC_RADIUS_DIAGONAL = 0,  /* fraction of the bounding box's diagonal */
+  PDESC_RADIUS_ABSOLUTE = 1,  /* units of the positions */
+  PDESC_RADIUS_MEAN_EDGE = 2  /* multiples of the mean edge length */
+} pdesc_radius_unit;
+
+/* Bits of a vertex' mask. */
+#define PDESC_MASK_NO_FACE 1u      /* no usable face at this vertex: NaN */
+#define PDESC_MASK_BOUNDARY 2u     /* the neighborhood is cut by a boundary of the mesh: the formulas take what is there */
+#define PDESC_MASK_LOW_COVERAGE 4u /* coverage below 0.9: part of the neighborhood was not found in the UV map */
+#define PDESC_MASK_NO_TEXEL 8u     /* the vertex has no place in the UV map (no area there): NaN */
+
+typedef struct pdesc_context pdesc_context; /* a device and its compiled programs */
+typedef struct pdesc_mesh pdesc_mesh;       /* a mesh, its adjacency, charts and seams */
+typedef struct pdesc_field pdesc_field;     /* results at the vertices of one mesh */
+
+/* ---- Library ------------------------------------------------------------------------------------------------------------ */
+
+PDESC_API int32_t pdesc_abi_version(void);        /* compare with PDESC_ABI_VERSION before any other call */
+PDESC_API const char *pdesc_version(void);        /* "0.1.0" */
+PDESC_API const char *pdesc_last_error(void);     /* sentence of the calling thread's last failure; valid until its next call */
+
+/* One row of the descriptor registry. Strings live as long as the library is loaded. */
+typedef struct pdesc_descriptor_info {
+  uint32_t struct_size;
+  const char *name;         /* "mean_curvature": used in every call, and as attribute name */
+  const char *label;        /* "Mean curvature" */
+  const char *description;  /* one sentence with the source */
+  int32_t length_power;     /* unit is length^power: -1 for H */
+  int32_t is_signed;        /* 1: zero is the neutral value, show with a diverging color map */
+  double neutral_value;     /* the value of a plane (NaN where a plane has none); in units that do not depend on r */
+  double display_minimum;   /* fixed display range, NaN where the range is to be taken from the values */
+  double display_maximum;
+} pdesc_descriptor_info;
+
+PDESC_API void pdesc_descriptor_info_init(pdesc_descriptor_info *info);
+PDESC_API int32_t pdesc_descriptor_count(void);
+/* index in [0, pdesc_descriptor_count()). */
+PDESC_API int32_t pdesc_descriptor_get(int32_t index, pdesc_descriptor_info *info);
+
+/* ---- Context ------------------------------------------------------------------------------------------------------------ */
+
+typedef struct pdesc_context_options {
+  uint32_t struct_size;
+  int32_t backend;      /* pdesc_backend; default AUTO */
+  int32_t device_index; /* among the devices of that backend, -1 (default): the first that works */
+  int32_t threads;      /* for work on the CPU, 0 (default): all cores */
+} pdesc_context_options;
+
+PDESC_API void pdesc_context_options_init(pdesc_context_options *options);
+/* options may be NULL: defaults. AUTO never fails for want of a device: it falls back to REFERENCE and
+ * pdesc_context_fallback says why. */
+PDESC_API int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context **context);
+PDESC_API void pdesc_context_destroy(pdesc_context *context); /* NULL is allowed */
+PDESC_API int32_t pdesc_context_backend(const pdesc_context *context);       /* the pdesc_backend in use */
+PDESC_API const char *pdesc_context_device(const pdesc_context *context);    /* its name, for people */
+PDESC_API const char *pdesc_context_fallback(const pdesc_context *context);  /* why AUTO did not get a device, or "" */
+
+/* ---- Mesh --------------------------------------------------------------------------------------------------------------- */
+
+/* A corner is a face's use of a vertex (Blender's loop). Triangles refer to corners, corners to vertices. */
+typedef struct pdesc_mesh_input {
+  uint32_t struct_size;
+  int32_t vertex_count;
+  int32_t corner_count;
+  int32_t triangle_count;
+  const float *positions;            /* (vertex_count, 3) */
+  const int32_t *corner_vertices;    /* (corner_count) */
+  const int32_t *triangle_corners;   /* (triangle_count, 3) */
+  const float *corner_uvs;           /* (corner_count, 2), or NULL: only backend REFERENCE can compute */
+  const float *corner_normals;       /* (corner_count, 3) unit, or NULL; read by PDESC_NORMALS_MESH only */
+  const uint8_t *triangle_smooth;    /* (triangle_count) 0 where flat shaded, or NULL: all smooth */
+  const int32_t *sharp_edges;        /* (sharp_edge_count, 2) vertex pairs marked sharp, or NULL. Between two smooth faces fitted and
+                                        Max's normals do not reach across them */
+  int32_t sharp_edge_count;
+} pdesc_mesh_input;
+
+PDESC_API void pdesc_mesh_input_init(pdesc_mesh_input *input);
+
+/* What was found in a mesh. Counts are of triangles, edges or vertices as named. */
+typedef struct pdesc_mesh_report {
+  uint32_t struct_size;
+  int32_t vertex_count;
+  int32_t triangle_count;
+  int32_t loose_vertices;           /* no usable face */
+  int32_t welded_vertices;          /* vertices that share their point with an earlier one (split by an exporter) */
+  int32_t degenerate_triangles;     /* no area in space, or a corner used twice: left out */
+  int32_t zero_uv_area_triangles;   /* on the surface, but carried by no texel */
+  int32_t flipped_triangles;        /* their UV orientation is that of the lesser part of the UV area */
+  int32_t nonmanifold_edges;        /* more than two faces, or two wound against each other: taken apart */
+  int32_t nonmanifold_vertices;     /* several fans of faces at one vertex: taken apart */
+  int32_t boundary_edges;           /* one face */
+  int32_t charts;
+  int32_t seam_edges;               /* mesh edges whose two sides lie apart in the UV map */
+  int32_t self_seam_edges;          /* of those, within one chart */
+  int32_t unlinked_edges;           /* chart edges that border a triangle without UV area: nothing can be carried across */
+  int32_t parts;                    /* connected pieces */
+  int32_t uv_remapped;              /* 1: UVs outside [0,1] were mapped into the unit square by one affine map */
+  float diagonal;                   /* of the bounding box of the vertices with a face */
+  float mean_edge;
+} pdesc_mesh_report;
+
+PDESC_API void pdesc_mesh_report_init(pdesc_mesh_report *report);
+
+/* Validates and copies the input, builds adjacency, charts and seams. INVALID_ARGUMENT names the first index or coordinate
+ * that cannot be used. */
+PDESC_API int32_t pdesc_mesh_create(pdesc_context *context, const pdesc_mesh_input *input, pdesc_mesh **mesh);
+/* New positions for the same topology: (vertex_count, 3). Report's diagonal and mean_edge follow. */
+PDESC_API int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32_t vertex_count);
+PDESC_API int32_t pdesc_mesh_get_report(const pdesc_mesh *mesh, pdesc_mesh_report *report);
+PDESC_API void pdesc_mesh_destroy(pdesc_mesh *mesh); /* NULL is allowed */
+
+/* ---- Compute ------------------------------------------------------------------------------------------------------------ */
+
+typedef struct pdesc_options {
+  uint32_t struct_size;
+  double radius;        /* > 0; default 0.02 */
+  int32_t radius_unit;  /* pdesc_radius_unit; default DIAGONAL. The radius may not exceed the diagonal */
+  int32_t samples;      /* per vertex, 8 to 4096; default 256. Not used by REFERENCE */
+  int32_t buffer_size;  /* texels along a side of the square buffers, 64 to 8192; default 1024. Not used by REFERENCE */
+  int32_t normals;      /* pdesc_normals; default FITTED */
+  int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Not used by REFERENCE */
+  uint32_t seed;        /* of the pattern's rotations; default 0 */
+  int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map, and keep the differences; default 0 */
+} pdesc_options;
+
+PDESC_API void pdesc_options_init(pdesc_options *options);
+
+/* stage: "mesh", "bake", ...; fraction of the whole in [0, 1]. Return 0 to cancel. Called on the calling thread. */
+typedef int32_t (*pdesc_progress)(void *user, const char *stage, double fraction);
+
+/* Computes the named descriptors at every vertex from one sampling. descriptor_count >= 1. progress may be NULL. */
+PDESC_API int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
+                                int32_t descriptor_count, pdesc_progress progress, void *user, pdesc_field **field);
+
+typedef struct pdesc_field_report {
+  uint32_t struct_size;
+  double radius;                /* as used, in units of the positions */
+  double coverage_mean;         /* over vertices with a face; 1 where nothing is lost */
+  int32_t undefined_vertices;   /* NaN in at least one of the descriptors */
+  int32_t boundary_vertices;    /* PDESC_MASK_BOUNDARY */
+  int32_t low_coverage_vertices;
+  int32_t overlapping_texels;   /* texels claimed by more than one triangle; their count at buffer_size */
+  int32_t covered_texels;
+  int32_t bare_triangles;       /* usable triangles without a texel of their own */
+  double radius_in_texels;      /* median of the support radius measured in texels; below 4 the buffer is too coarse */
+  double seconds_prepare;       /* normals, metric and seam maps on the CPU */
+  double seconds_bake;
+  double seconds_evaluate;
+  double seconds_total;
+} pdesc_field_report;
+
+PDESC_API void pdesc_field_report_init(pdesc_field_report *report);
+PDESC_API int32_t pdesc_field_get_report(const pdesc_field *field, pdesc_field_report *report);
+/* One sentence per line about what limits these results (overlapping UVs, a coarse buffer, ...), or "". */
+PDESC_API const char *pdesc_field_warnings(const pdesc_field *field);
+
+/* values: (vertex_count) float32, one for each original vertex. name: a descriptor asked for, or "coverage". */
+PDESC_API int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *values, int32_t vertex_count);
+/* The largest difference between the results from two places of the vertex in the UV map; NaN at a vertex with one place.
+ * Needs options.seam_error = 1 and a backend other than REFERENCE. */
+PDESC_API int32_t pdesc_field_seam_error(const pdesc_field *field, const char *name, float *values, int32_t vertex_count);
+/* (vertex_count) bits PDESC_MASK_*. */
+PDESC_API int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int32_t vertex_count);
+/* (vertex_count) 1 where a seam of the UV map lies within the radius, measured along edges from vertex to vertex. */
+PDESC_API int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *near_seam, int32_t vertex_count);
+PDESC_API void pdesc_field_destroy(pdesc_field *field); /* NULL is allowed */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,52 @@
+// Half-edges + corner UVs → charts, the places of each point in the UV map, and the border half-edges with their twins.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mesh/halfedge.h"
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+enum class BorderKind : int32_t {
+  seam = 0,     // the surface goes on at the twin
+  boundary = 1, // the surface ends
+  unlinked = 2  // the surface goes on, but on a triangle without UV area: nothing can be carried across
+};
+
+struct Border {
+  int32_t half_edge; // 3 * triangle + corner
+  int32_t twin;      // index into Charts::borders, or -1
+  int32_t chart;
+  BorderKind kind;
+};
+
+// A place of a point in the UV map: all corners of one point on one chart with the same (u, v).
+struct Site {
+  int32_t point;
+  int32_t chart;
+  vec2 uv;
+  vec2 inside;  // (u, v) of the centroid of the incident triangle that is widest there: a direction into the chart
+  double angle; // of the surface around the point that this site sees, in radians
+};
+
+struct Charts {
+  int chart_count = 0;
+  std::vector<int32_t> triangle_chart; // (triangle_count) -1: degenerate or without UV area
+  std::vector<int32_t> corner_site;    // (3 * triangle_count) -1 where triangle_chart is -1
+  std::vector<int32_t> half_edge_border; // (3 * triangle_count) index into borders, or -1
+  std::vector<Site> sites;
+  std::vector<int32_t> point_site;     // (point_count) the site with the largest angle; -1: no place in the UV map
+  std::vector<Border> borders;
+
+  int zero_uv_area_triangles = 0;
+  int flipped_triangles = 0;
+  int seam_edges = 0;
+  int self_seam_edges = 0;
+  int unlinked_edges = 0;
+};
+
+Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges);
+
+} // namespace paradesc

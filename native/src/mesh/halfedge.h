@@ -1,0 +1,36 @@
+// Triangle list → manifold half-edges, as flat arrays. halfedge.cpp is the only file that includes OpenMesh.
+//
+// A point is a place of the surface with one fan of faces: vertices split by an exporter share a point, a vertex where
+// several fans touch has several points. Edges are paired by vertex index first; what is left over as boundary is paired
+// by position, so that closed parts which merely touch stay apart.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+struct HalfEdges {
+  int point_count = 0;
+  std::vector<int32_t> corner_point;    // (3 * triangle_count) -1: triangle left out (degenerate)
+  std::vector<int32_t> twin;            // (3 * triangle_count) the other side's half-edge; -1: boundary or left out
+  std::vector<int32_t> point_vertex;    // (point_count) an original vertex there
+  std::vector<int32_t> point_half_edge; // (point_count) an outgoing half-edge; of a boundary point, the one with which turning
+                                        // by twin[previous_corner(h)] reaches every face
+  std::vector<int32_t> vertex_point;    // (vertex_count) the point that answers for the vertex; -1: loose
+  std::vector<uint8_t> point_boundary;  // (point_count) 1: on a boundary
+
+  int degenerate_triangles = 0;
+  int nonmanifold_edges = 0;
+  int nonmanifold_vertices = 0;
+  int boundary_edges = 0;
+  int welded_vertices = 0;
+  int loose_vertices = 0;
+  int parts = 0;
+};
+
+HalfEdges build_half_edges(const Triangles &triangles);
+
+} // namespace paradesc

@@ -1,0 +1,31 @@
+// Vectors for the whole library: the one place that includes GLM.
+#pragma once
+
+#include <glm/geometric.hpp>
+#include <glm/mat2x2.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+namespace paradesc {
+
+using glm::dmat2;
+using glm::dvec2;
+using glm::dvec3;
+using glm::ivec2;
+using glm::ivec4;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+
+inline constexpr double pi = 3.14159265358979323846;
+
+// Twice the signed area of a triangle in the plane.
+inline double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+// Half-edge 3t + i runs from corner i of triangle t to the next corner.
+inline constexpr int next_corner(int corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+inline constexpr int previous_corner(int corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
+
+} // namespace paradesc
