@@ -1,0 +1,10 @@
+# shaders/** → a C++ source that defines paradesc::embedded_shaders: (path below shaders/, text) pairs.
+file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/*.glsl ${ROOT}/*.h)
+list(SORT files)
+set(code "#include \"gpu/program.h\"\n\nnamespace paradesc {\nconst std::vector<EmbeddedShader> &embedded_shaders() {\n  static const std::vector<EmbeddedShader> files = {\n")
+foreach(file ${files})
+  file(READ ${ROOT}/${file} text)
+  string(APPEND code "      {\"${file}\", R\"SHADER(${text})SHADER\"},\n")
+endforeach()
+string(APPEND code "  };\n  return files;\n}\n} // namespace paradesc\n")
+file(WRITE ${OUTPUT} "${code}")

@@ -1,0 +1,41 @@
+// Loops over cores. Work is handed out in blocks of fixed size, so results do not depend on the number of threads.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <thread>
+#include <vector>
+
+namespace paradesc {
+
+inline int thread_count(int asked) {
+  return asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+// body(begin, end) for blocks of [0, count); the calling thread takes part. The first exception is thrown on after all have
+// stopped.
+template <class Body> void parallel_blocks(int count, int threads, int block, const Body &body) {
+  std::atomic<int> next{0};
+  std::atomic<bool> failed{false};
+  std::exception_ptr error;
+  auto work = [&] {
+    while (!failed) {
+      const int begin = next.fetch_add(block);
+      if (begin >= count || begin < 0) return;
+      try {
+        body(begin, std::min(begin + block, count));
+      } catch (...) {
+        if (!failed.exchange(true)) error = std::current_exception();
+      }
+    }
+  };
+  std::vector<std::jthread> team;
+  const int helpers = std::min(thread_count(threads), (count + block - 1) / std::max(block, 1)) - 1;
+  for (int i = 0; i < helpers; ++i) team.emplace_back(work);
+  work();
+  team.clear();
+  if (error) std::rethrow_exception(error);
+}
+
+} // namespace paradesc
