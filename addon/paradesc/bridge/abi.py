@@ -1,0 +1,230 @@
+"""The C interface of native/include/paradesc/paradesc.h, declared for ctypes: same names, same order, same types."""
+
+import ctypes
+from ctypes import (
+    CFUNCTYPE,
+    POINTER,
+    Structure,
+    c_char_p,
+    c_double,
+    c_float,
+    c_int32,
+    c_uint8,
+    c_uint32,
+    c_void_p,
+)
+
+ABI_VERSION = 1
+
+STATUS_OK = 0
+STATUS_UNKNOWN = 1
+STATUS_INVALID_ARGUMENT = 2
+STATUS_INVALID_OPERATION = 3
+STATUS_OUT_OF_MEMORY = 4
+STATUS_UNSUPPORTED = 5
+STATUS_CANCELLED = 6
+
+BACKEND_AUTO = 0
+BACKEND_GPU = 1
+BACKEND_SOFTWARE = 2
+BACKEND_REFERENCE = 3
+
+NORMALS_FITTED = 0
+NORMALS_MAX = 1
+NORMALS_MESH = 2
+
+RADIUS_DIAGONAL = 0
+RADIUS_ABSOLUTE = 1
+RADIUS_MEAN_EDGE = 2
+
+MASK_NO_FACE = 1
+MASK_BOUNDARY = 2
+MASK_LOW_COVERAGE = 4
+MASK_NO_TEXEL = 8
+
+Float32Pointer = POINTER(c_float)
+Int32Pointer = POINTER(c_int32)
+Uint8Pointer = POINTER(c_uint8)
+ContextPointer = c_void_p
+MeshPointer = c_void_p
+FieldPointer = c_void_p
+
+# int32_t (*pdesc_progress)(void *user, const char *stage, double fraction)
+Progress = CFUNCTYPE(c_int32, c_void_p, c_char_p, c_double)
+
+
+class DescriptorInfo(Structure):
+    """pdesc_descriptor_info"""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("name", c_char_p),
+        ("label", c_char_p),
+        ("description", c_char_p),
+        ("length_power", c_int32),
+        ("is_signed", c_int32),
+        ("neutral_value", c_double),
+        ("display_minimum", c_double),
+        ("display_maximum", c_double),
+    ]
+
+
+class ContextOptions(Structure):
+    """pdesc_context_options"""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("backend", c_int32),
+        ("device_index", c_int32),
+        ("threads", c_int32),
+    ]
+
+
+class MeshInput(Structure):
+    """pdesc_mesh_input"""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("vertex_count", c_int32),
+        ("corner_count", c_int32),
+        ("triangle_count", c_int32),
+        ("positions", Float32Pointer),
+        ("corner_vertices", Int32Pointer),
+        ("triangle_corners", Int32Pointer),
+        ("corner_uvs", Float32Pointer),
+        ("corner_normals", Float32Pointer),
+        ("triangle_smooth", Uint8Pointer),
+        ("sharp_edges", Int32Pointer),
+        ("sharp_edge_count", c_int32),
+    ]
+
+
+class MeshReport(Structure):
+    """pdesc_mesh_report"""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("vertex_count", c_int32),
+        ("triangle_count", c_int32),
+        ("loose_vertices", c_int32),
+        ("welded_vertices", c_int32),
+        ("degenerate_triangles", c_int32),
+        ("zero_uv_area_triangles", c_int32),
+        ("flipped_triangles", c_int32),
+        ("nonmanifold_edges", c_int32),
+        ("nonmanifold_vertices", c_int32),
+        ("boundary_edges", c_int32),
+        ("charts", c_int32),
+        ("seam_edges", c_int32),
+        ("self_seam_edges", c_int32),
+        ("unlinked_edges", c_int32),
+        ("parts", c_int32),
+        ("uv_remapped", c_int32),
+        ("diagonal", c_float),
+        ("mean_edge", c_float),
+    ]
+
+
+class ComputeOptions(Structure):
+    """pdesc_options"""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("radius", c_double),
+        ("radius_unit", c_int32),
+        ("samples", c_int32),
+        ("buffer_size", c_int32),
+        ("normals", c_int32),
+        ("max_jumps", c_int32),
+        ("seed", c_uint32),
+        ("seam_error", c_int32),
+    ]
+
+
+class FieldReport(Structure):
+    """pdesc_field_report"""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("radius", c_double),
+        ("coverage_mean", c_double),
+        ("undefined_vertices", c_int32),
+        ("boundary_vertices", c_int32),
+        ("low_coverage_vertices", c_int32),
+        ("overlapping_texels", c_int32),
+        ("covered_texels", c_int32),
+        ("bare_triangles", c_int32),
+        ("radius_in_texels", c_double),
+        ("seconds_prepare", c_double),
+        ("seconds_bake", c_double),
+        ("seconds_evaluate", c_double),
+        ("seconds_total", c_double),
+    ]
+
+
+# Each struct with its C name; pdesc_<name>_init fills it with defaults.
+STRUCTS: dict[type[Structure], str] = {
+    DescriptorInfo: "pdesc_descriptor_info",
+    ContextOptions: "pdesc_context_options",
+    MeshInput: "pdesc_mesh_input",
+    MeshReport: "pdesc_mesh_report",
+    ComputeOptions: "pdesc_options",
+    FieldReport: "pdesc_field_report",
+}
+
+# name: (restype, argtypes), in the header's order
+FUNCTIONS: dict[str, tuple[object, list[object]]] = {
+    "pdesc_abi_version": (c_int32, []),
+    "pdesc_version": (c_char_p, []),
+    "pdesc_last_error": (c_char_p, []),
+    "pdesc_descriptor_info_init": (None, [POINTER(DescriptorInfo)]),  # info
+    "pdesc_descriptor_count": (c_int32, []),
+    "pdesc_descriptor_get": (c_int32, [c_int32, POINTER(DescriptorInfo)]),  # index, info
+    "pdesc_context_options_init": (None, [POINTER(ContextOptions)]),  # options
+    "pdesc_context_create": (c_int32, [POINTER(ContextOptions), POINTER(ContextPointer)]),  # options, context
+    "pdesc_context_destroy": (None, [ContextPointer]),  # context
+    "pdesc_context_backend": (c_int32, [ContextPointer]),  # context
+    "pdesc_context_device": (c_char_p, [ContextPointer]),  # context
+    "pdesc_context_fallback": (c_char_p, [ContextPointer]),  # context
+    "pdesc_mesh_input_init": (None, [POINTER(MeshInput)]),  # input
+    "pdesc_mesh_report_init": (None, [POINTER(MeshReport)]),  # report
+    "pdesc_mesh_create": (c_int32, [ContextPointer, POINTER(MeshInput), POINTER(MeshPointer)]),  # context, input, mesh
+    "pdesc_mesh_set_positions": (c_int32, [MeshPointer, Float32Pointer, c_int32]),  # mesh, positions, vertex_count
+    "pdesc_mesh_get_report": (c_int32, [MeshPointer, POINTER(MeshReport)]),  # mesh, report
+    "pdesc_mesh_destroy": (None, [MeshPointer]),  # mesh
+    "pdesc_options_init": (None, [POINTER(ComputeOptions)]),  # options
+    "pdesc_compute": (
+        c_int32,
+        [
+            MeshPointer,  # mesh
+            POINTER(ComputeOptions),  # options
+            POINTER(c_char_p),  # descriptors
+            c_int32,  # descriptor_count
+            Progress,  # progress
+            c_void_p,  # user
+            POINTER(FieldPointer),  # field
+        ],
+    ),
+    "pdesc_field_report_init": (None, [POINTER(FieldReport)]),  # report
+    "pdesc_field_get_report": (c_int32, [FieldPointer, POINTER(FieldReport)]),  # field, report
+    "pdesc_field_warnings": (c_char_p, [FieldPointer]),  # field
+    "pdesc_field_values": (c_int32, [FieldPointer, c_char_p, Float32Pointer, c_int32]),  # field, name, values, vertex_count
+    "pdesc_field_seam_error": (
+        c_int32,
+        [FieldPointer, c_char_p, Float32Pointer, c_int32],  # field, name, values, vertex_count
+    ),
+    "pdesc_field_mask": (c_int32, [FieldPointer, Uint8Pointer, c_int32]),  # field, mask, vertex_count
+    "pdesc_mesh_near_seam": (
+        c_int32,
+        [MeshPointer, c_double, Uint8Pointer, c_int32],  # mesh, radius, near_seam, vertex_count
+    ),
+    "pdesc_field_destroy": (None, [FieldPointer]),  # field
+}
+
+
+def declare(library: ctypes.CDLL) -> None:
+    """Gives every function of the library its result and argument types."""
+    for name, (result, arguments) in FUNCTIONS.items():
+        function = getattr(library, name)
+        function.restype = result
+        function.argtypes = arguments

@@ -1,0 +1,154 @@
+"""Finds, loads and checks libparadesc in the add-on's own lib folder, and reads its descriptor registry."""
+
+import ctypes
+import sys
+from ctypes import byref, sizeof
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TypeVar
+
+from . import abi
+
+LIBRARY_NAMES = {"linux": "libparadesc.so", "darwin": "libparadesc.dylib", "win32": "paradesc.dll"}
+# Libraries that libparadesc needs; loaded first, from the same folder, where they lie there.
+COMPANION_NAMES = ("libOpenMeshCore.so.9.0",)
+# Bytes kept free behind every struct: a newer library of the same ABI version may know more members than abi.py.
+GROWTH_ROOM = 256
+
+Struct = TypeVar("Struct", bound=ctypes.Structure)
+
+
+class ParadescError(Exception):
+    """A failure with its status code (abi.STATUS_*) and one sentence for people."""
+
+    def __init__(self, status: int, sentence: str) -> None:
+        super().__init__(sentence)
+        self.status = status
+        self.sentence = sentence
+
+
+@dataclass(frozen=True)
+class Descriptor:
+    """One row of the native registry."""
+
+    name: str
+    label: str
+    description: str
+    length_power: int
+    is_signed: bool
+    neutral_value: float
+    display_minimum: float
+    display_maximum: float
+
+    @property
+    def unit(self) -> str:
+        """The unit as text: "1/length", "length^3", or "" where there is none."""
+        power = self.length_power
+        if power == 0:
+            return ""
+        name = "length" if abs(power) == 1 else f"length^{abs(power)}"
+        return name if power > 0 else f"1/{name}"
+
+
+def library_path() -> Path:
+    """The absolute path where the native library has to be."""
+    name = LIBRARY_NAMES.get(sys.platform, "libparadesc.so")
+    return Path(__file__).resolve().parent.parent / "lib" / name
+
+
+def missing_sentence() -> str:
+    """Why the native library cannot be used, as one sentence; "" when it can."""
+    try:
+        load_library()
+    except ParadescError as error:
+        return error.sentence
+    return ""
+
+
+@lru_cache(maxsize=1)
+def load_library() -> ctypes.CDLL:
+    """Loads libparadesc once, compares its ABI version and declares its functions."""
+    return open_library(library_path())
+
+
+def open_library(path: Path) -> ctypes.CDLL:
+    """Loads the library at an absolute path; ParadescError says in one sentence what is wrong with it."""
+    if not path.is_file():
+        raise ParadescError(
+            abi.STATUS_UNSUPPORTED,
+            f"native library missing – {path.name} is not in {path.parent}; build it with cmake, or install the add-on "
+            "from a release package instead of a source archive.",
+        )
+    try:
+        for name in COMPANION_NAMES:
+            if (path.parent / name).is_file():
+                ctypes.CDLL(str(path.parent / name), mode=ctypes.RTLD_LOCAL)
+        library = ctypes.CDLL(str(path), mode=ctypes.RTLD_LOCAL)
+    except OSError as error:
+        sentence = f"native library cannot be loaded – {str(error).strip().rstrip('.')}."
+        raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
+    check_version(library, path)
+    abi.declare(library)
+    return library
+
+
+def check_version(library: ctypes.CDLL, path: Path) -> None:
+    """Compares the library's ABI version with the one abi.py was written for, before any other call."""
+    try:
+        library.pdesc_abi_version.restype = ctypes.c_int32
+        found = library.pdesc_abi_version()
+        for name in abi.FUNCTIONS:
+            getattr(library, name)
+    except AttributeError as error:
+        sentence = f"native library does not fit – {path.name} lacks a function ({error}); install both from one release."
+        raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
+    if found != abi.ABI_VERSION:
+        raise ParadescError(
+            abi.STATUS_UNSUPPORTED,
+            f"native library does not fit – {path.name} has ABI version {found} and this add-on needs "
+            f"{abi.ABI_VERSION}; install both from one release.",
+        )
+
+
+def check(library: ctypes.CDLL, status: int) -> None:
+    """Turns a pdesc_status into an exception that carries the library's sentence."""
+    if status != abi.STATUS_OK:
+        sentence = text(library.pdesc_last_error()) or f"The native library failed with status {status}."
+        raise ParadescError(status, sentence)
+
+
+def text(raw: bytes | None) -> str:
+    """A C string as str."""
+    return raw.decode("utf-8", "replace") if raw else ""
+
+
+def new_struct(library: ctypes.CDLL, kind: type[Struct]) -> Struct:
+    """A struct with the library's defaults, and room behind it for members that only the library knows."""
+    room = (ctypes.c_ubyte * (sizeof(kind) + GROWTH_ROOM))()
+    struct = kind.from_buffer(room)
+    getattr(library, abi.STRUCTS[kind] + "_init")(byref(struct))
+    return struct
+
+
+@lru_cache(maxsize=1)
+def descriptors() -> tuple[Descriptor, ...]:
+    """The native registry, in its order."""
+    library = load_library()
+    rows = []
+    for index in range(library.pdesc_descriptor_count()):
+        info = new_struct(library, abi.DescriptorInfo)
+        check(library, library.pdesc_descriptor_get(index, byref(info)))
+        rows.append(
+            Descriptor(
+                text(info.name),
+                text(info.label),
+                text(info.description),
+                info.length_power,
+                bool(info.is_signed),
+                info.neutral_value,
+                info.display_minimum,
+                info.display_maximum,
+            )
+        )
+    return tuple(rows)
