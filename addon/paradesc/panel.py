@@ -1,0 +1,116 @@
+"""The sidebar panel: settings, the bake button, and the report of what the active mesh carries."""
+
+import bpy
+
+from . import bridge, mesh_io, properties
+
+# Mesh defects worth a line each when there are any: member of the mesh report, words for people.
+DEFECTS = (
+    ("loose_vertices", "vertices without a face"),
+    ("degenerate_triangles", "triangles without area"),
+    ("zero_uv_area_triangles", "triangles without UV area"),
+    ("flipped_triangles", "flipped triangles"),
+    ("nonmanifold_edges", "non-manifold edges"),
+    ("nonmanifold_vertices", "non-manifold vertices"),
+)
+
+
+class SidebarPanel:
+    """Where all panels are: the Paradesc tab of the 3D viewport's sidebar."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Paradesc"
+
+
+class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
+    """What to compute, and the button"""
+
+    bl_label = "Paradesc"
+    bl_idname = "PARADESC_PT_bake"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Descriptors, radius, button."""
+        layout = self.layout
+        missing = bridge.missing_sentence()
+        if missing:
+            for line in wrapped(missing, 36):
+                layout.label(text=line, icon="ERROR" if missing.startswith(line) else "BLANK1")
+            return
+        settings = context.scene.paradesc
+        layout.label(text="Descriptors (Shift: several)")
+        layout.column(align=True).prop(settings, "descriptors")
+        row = layout.row(align=True)
+        row.prop(settings, properties.radius_member(settings))
+        row.prop(settings, "radius_unit", text="")
+        layout.operator("paradesc.bake", icon="SHADING_TEXTURE")
+
+
+class PARADESC_PT_quality(SidebarPanel, bpy.types.Panel):
+    """How to compute"""
+
+    bl_label = "Quality and Device"
+    bl_idname = "PARADESC_PT_quality"
+    bl_parent_id = "PARADESC_PT_bake"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Samples, buffers, normals, device."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.paradesc
+        for name in ("samples", "buffer_size", "normals", "max_jumps", "backend", "device_index"):
+            layout.prop(settings, name)
+
+
+class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
+    """What the last bake of this mesh found"""
+
+    bl_label = "Last Run"
+    bl_idname = "PARADESC_PT_report"
+    bl_parent_id = "PARADESC_PT_bake"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only where there was one."""
+        target = context.active_object
+        return target is not None and target.type == "MESH" and mesh_io.PROPERTY in target.data
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """One line a fact, warnings below."""
+        column = self.layout.column(align=True)
+        stored = context.active_object.data[mesh_io.PROPERTY].to_dict()
+        for line in report_lines(stored):
+            column.label(text=line)
+        for sentence in stored["warnings"].splitlines():
+            for index, line in enumerate(wrapped(sentence, 36)):
+                column.label(text=line, icon="BLANK1" if index else "ERROR")
+
+
+def report_lines(stored: dict[str, dict]) -> list[str]:
+    """The facts of one bake, as lines."""
+    mesh, field = stored["mesh_report"], stored["field_report"]
+    lines = [
+        f"{mesh['vertex_count']:,} vertices, {mesh['triangle_count']:,} triangles",
+        f"Charts: {mesh['charts']}, seam edges: {mesh['seam_edges']}",
+        f"Radius: {field['radius']:.4g} ({field['radius_in_texels']:.1f} texels)",
+        f"Coverage: {100 * field['coverage_mean']:.2f} %",
+        f"Undefined vertices: {field['undefined_vertices']:,}",
+        f"Time: {field['seconds_total']:.2f} s ({stored['backend']})",
+        stored["device"],
+    ]
+    lines += [f"{mesh[name]:,} {words}" for name, words in DEFECTS if mesh[name]]
+    return lines
+
+
+def wrapped(sentence: str, width: int) -> list[str]:
+    """The sentence in lines of at most width characters: Blender's labels do not wrap."""
+    lines = [""]
+    for word in sentence.split():
+        if lines[-1] and len(lines[-1]) + len(word) >= width:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
+    return lines
+
+
+classes = (PARADESC_PT_bake, PARADESC_PT_quality, PARADESC_PT_report)

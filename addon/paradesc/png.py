@@ -1,0 +1,32 @@
+"""Writes an image as a PNG file with the standard library alone (PNG specification, ISO/IEC 15948)."""
+
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+EIGHT_BITS, RGB = 8, 2
+
+
+def chunk(kind: bytes, content: bytes) -> bytes:
+    """One PNG chunk: length, type, content, checksum over type and content."""
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+
+def encode_png(image: np.ndarray) -> bytes:
+    """(height, width, 3) uint8 display colors, top row first, as the bytes of a PNG file."""
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
+        raise ValueError(f"an image is (height, width, 3) uint8, not {image.shape} {image.dtype}")
+    height, width, _ = image.shape
+    rows = np.zeros((height, 1 + 3 * width), np.uint8)  # each row starts with its filter type, 0: none
+    rows[:, 1:] = image.reshape(height, -1)
+    header = struct.pack(">IIBBBBB", width, height, EIGHT_BITS, RGB, 0, 0, 0)
+    content = zlib.compress(rows.tobytes(), 6)
+    return SIGNATURE + chunk(b"IHDR", header) + chunk(b"IDAT", content) + chunk(b"IEND", b"")
+
+
+def write_png(path: Path, image: np.ndarray) -> None:
+    """Writes a (height, width, 3) uint8 image."""
+    path.write_bytes(encode_png(image))

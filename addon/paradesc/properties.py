@@ -1,0 +1,106 @@
+"""The settings kept in a scene; the descriptors to choose from come from the native registry."""
+
+import bpy
+
+from . import bridge
+from .job import Settings
+
+RADIUS_UNITS = [
+    ("diagonal", "% of diagonal", "Percent of the diagonal of the mesh's bounding box"),
+    ("absolute", "Units", "Units of the mesh's own coordinates, before the object's scale"),
+    ("mean-edge", "× mean edge", "Multiples of the mean edge length"),
+]
+NORMALS = [
+    ("fitted", "Fitted", "Fit the surface around each vertex; best wherever the surface is smooth"),
+    ("max", "Max's weights", "Average the faces around each vertex by Max's weights"),
+    ("mesh", "Of the mesh", "Take the object's own normals, custom ones included"),
+]
+BACKENDS = [
+    ("auto", "Automatic", "A graphics card, else the software rasterizer, else the reference"),
+    ("gpu", "Graphics card", "A hardware device with OpenGL 4.5"),
+    ("software", "Software", "A software rasterizer on the CPU"),
+    ("reference", "Reference", "Exact quadrature in object space on the CPU; slow, needs no UV map"),
+]
+DEFAULT_DESCRIPTOR = "mean_curvature"
+NO_DESCRIPTOR = ("missing", "None", "The native library is missing", 1)
+
+
+def descriptor_items() -> list[tuple[str, str, str, int]]:
+    """Menu items (name, label, description, bit) of the native registry."""
+    if bridge.missing_sentence():
+        return [NO_DESCRIPTOR]
+    return [
+        (row.name, row.label, row.description + (f" [{row.unit}]" if row.unit else ""), 1 << index)
+        for index, row in enumerate(bridge.descriptors())
+    ]
+
+
+def make_settings() -> type:
+    """The class of the settings, with the registry as it is now."""
+    items = descriptor_items()
+    default = DEFAULT_DESCRIPTOR if any(item[0] == DEFAULT_DESCRIPTOR for item in items) else items[0][0]
+    annotations = {
+        "descriptors": bpy.props.EnumProperty(
+            name="Descriptors",
+            description="What to compute; hold Shift to choose several, which costs little more than one",
+            items=items,
+            options={"ENUM_FLAG"},
+            default={default},
+        ),
+        "radius_percent": bpy.props.FloatProperty(
+            name="Radius", description="Support radius", default=2.0, min=0.01, soft_max=20.0, max=100.0, precision=2
+        ),
+        "radius_absolute": bpy.props.FloatProperty(
+            name="Radius", description="Support radius", default=0.1, min=1e-6, precision=4, unit="LENGTH"
+        ),
+        "radius_edges": bpy.props.FloatProperty(
+            name="Radius", description="Support radius", default=4.0, min=0.01, soft_max=50.0, precision=2
+        ),
+        "radius_unit": bpy.props.EnumProperty(
+            name="Unit", description="What the radius is measured in", items=RADIUS_UNITS, default="diagonal"
+        ),
+        "samples": bpy.props.IntProperty(
+            name="Samples", description="Surface samples around every vertex", default=256, min=8, max=4096
+        ),
+        "buffer_size": bpy.props.IntProperty(
+            name="Buffer size", description="Texels along a side of the baked buffers", default=1024, min=64, max=8192
+        ),
+        "normals": bpy.props.EnumProperty(
+            name="Normals", description="Where the vertex normals come from", items=NORMALS, default="fitted"
+        ),
+        "max_jumps": bpy.props.IntProperty(
+            name="Max jumps", description="Seams that one sample may cross", default=8, min=0, max=64
+        ),
+        "backend": bpy.props.EnumProperty(
+            name="Backend", description="What computes", items=BACKENDS, default="auto"
+        ),
+        "device_index": bpy.props.IntProperty(
+            name="Device", description="Which device of the backend; -1 takes the first that works", default=-1, min=-1
+        ),
+    }
+    body = {"__annotations__": annotations, "__doc__": "Paradesc's settings of one scene.", "__module__": __name__}
+    return type("PARADESC_PG_settings", (bpy.types.PropertyGroup,), body)
+
+
+def radius_member(group: bpy.types.PropertyGroup) -> str:
+    """The name of the radius that the chosen unit uses."""
+    return {"diagonal": "radius_percent", "absolute": "radius_absolute"}.get(group.radius_unit, "radius_edges")
+
+
+def job_settings(group: bpy.types.PropertyGroup) -> Settings:
+    """A scene's settings as the computation takes them, descriptors in the registry's order."""
+    radius = getattr(group, radius_member(group))
+    chosen = group.descriptors
+    return Settings(
+        descriptors=tuple(row.name for row in bridge.descriptors() if row.name in chosen),
+        options=bridge.Options(
+            radius=radius / 100 if group.radius_unit == "diagonal" else radius,
+            radius_unit=group.radius_unit,
+            samples=group.samples,
+            buffer_size=group.buffer_size,
+            normals=group.normals,
+            max_jumps=group.max_jumps,
+        ),
+        backend=group.backend,
+        device_index=group.device_index,
+    )
