@@ -28,7 +28,8 @@ struct Normals {
   std::vector<vec3> point;  // (point_count) unit: of the evaluation at that point, common to all its fans
 };
 
-NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half_edges);
+// threads as in pdesc_context_options.
+NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half_edges, int threads = 0);
 
 // kind as pdesc_normals. Throws Error(INVALID_OPERATION) for MESH where no corner normals were given.
 Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
