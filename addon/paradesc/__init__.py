@@ -3,7 +3,7 @@
 Importing the package imports no part of Blender; register() does.
 """
 
-# Read by Blender before 4.2 without running this file: literals only. The manifest beside it says the same to later ones.
+# Read by Blender before 4.2 without running this file: literals only. The manifest tells later ones.
 bl_info = {
     "name": "Paradesc",
     "author": "The Paradesc authors",

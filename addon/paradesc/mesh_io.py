@@ -140,14 +140,21 @@ def check_writable(target: bpy.types.Object) -> None:
     if mesh.library is not None or target.library is not None:
         raise refuse(f'The mesh "{mesh.name}" is linked from another file; make it local first.')
     if mesh.override_library is not None:
-        raise refuse(f'The mesh "{mesh.name}" is a library override, which cannot keep attributes; make it local first.')
+        raise refuse(
+            f'The mesh "{mesh.name}" is a library override, which cannot keep attributes; make it local first.'
+        )
 
 
-def written_attributes(mesh: bpy.types.Mesh) -> dict[str, tuple[str, str]]:
-    """Names of the attributes that an earlier bake left on this mesh, with their type and domain."""
+def stored_summary(mesh: bpy.types.Mesh) -> dict[str, object]:
+    """What summary() left on this mesh with the last bake; empty without one."""
     stored = mesh.get(PROPERTY)
-    names = stored.to_dict().get("attributes", []) if stored is not None and hasattr(stored, "to_dict") else []
-    return {name: wanted_kind(name) for name in names}
+    content = stored.to_dict() if hasattr(stored, "to_dict") else {}
+    return content if "attributes" in content else {}
+
+
+def written_attributes(mesh: bpy.types.Mesh) -> list[str]:
+    """Names of the attributes that earlier bakes left on this mesh."""
+    return list(stored_summary(mesh).get("attributes", []))
 
 
 def wanted_kind(name: str) -> tuple[str, str]:

@@ -74,12 +74,12 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Only where there was one."""
         target = context.active_object
-        return target is not None and target.type == "MESH" and mesh_io.PROPERTY in target.data
+        return target is not None and target.type == "MESH" and bool(mesh_io.stored_summary(target.data))
 
     def draw(self, context: bpy.types.Context) -> None:
         """One line a fact, warnings below."""
         column = self.layout.column(align=True)
-        stored = context.active_object.data[mesh_io.PROPERTY].to_dict()
+        stored = mesh_io.stored_summary(context.active_object.data)
         for line in report_lines(stored):
             column.label(text=line)
         for sentence in stored["warnings"].splitlines():

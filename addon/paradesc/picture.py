@@ -86,16 +86,14 @@ class Drawing:
 def camera_axes() -> np.ndarray:
     """(3, 3): rows are the camera's right, up and towards-the-viewer in world space."""
     azimuth, elevation = np.radians(AZIMUTH), np.radians(ELEVATION)
-    back = np.array(
-        [np.sin(azimuth) * np.cos(elevation), -np.cos(azimuth) * np.cos(elevation), np.sin(elevation)]
-    )
+    back = np.array([np.sin(azimuth) * np.cos(elevation), -np.cos(azimuth) * np.cos(elevation), np.sin(elevation)])
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(back, right), back])
 
 
 def project(points: np.ndarray, triangles: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """World points (n, 3) to camera axes (n, 3), and to the screen (n, 3): x, y in pixels from the top left, 1/distance."""
+    """World points (n, 3) in camera axes, and on the screen: x, y in pixels from the top left, 1/distance."""
     camera = np.nan_to_num(points.astype(np.float64), posinf=0, neginf=0) @ camera_axes().T
     used = camera[np.unique(triangles)] if len(triangles) else np.zeros((1, 3))
     center = (used.min(axis=0) + used.max(axis=0)) / 2

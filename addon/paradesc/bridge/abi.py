@@ -208,7 +208,10 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "pdesc_field_report_init": (None, [POINTER(FieldReport)]),  # report
     "pdesc_field_get_report": (c_int32, [FieldPointer, POINTER(FieldReport)]),  # field, report
     "pdesc_field_warnings": (c_char_p, [FieldPointer]),  # field
-    "pdesc_field_values": (c_int32, [FieldPointer, c_char_p, Float32Pointer, c_int32]),  # field, name, values, vertex_count
+    "pdesc_field_values": (
+        c_int32,
+        [FieldPointer, c_char_p, Float32Pointer, c_int32],  # field, name, values, vertex_count
+    ),
     "pdesc_field_seam_error": (
         c_int32,
         [FieldPointer, c_char_p, Float32Pointer, c_int32],  # field, name, values, vertex_count

@@ -101,7 +101,9 @@ def check_version(library: ctypes.CDLL, path: Path) -> None:
         for name in abi.FUNCTIONS:
             getattr(library, name)
     except AttributeError as error:
-        sentence = f"native library does not fit – {path.name} lacks a function ({error}); install both from one release."
+        sentence = (
+            f"native library does not fit – {path.name} lacks a function ({error}); install both from one release."
+        )
         raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
     if found != abi.ABI_VERSION:
         raise ParadescError(

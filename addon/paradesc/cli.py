@@ -1,0 +1,298 @@
+"""The command line: bake, compare, list. Runs as `python -m paradesc …` and as `blender -b FILE -P cli.py -- …`."""
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+if __name__ == "__main__":  # run by Blender as a script: find the package that this file lies in
+    sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from paradesc import bridge, compare, job, results
+from paradesc.bridge import ParadescError, abi
+
+if TYPE_CHECKING:
+    import bpy
+
+WRITERS: dict[str, Callable[[Path, results.Baked], None]] = {
+    ".npz": results.write_npz,
+    ".ply": results.write_ply,
+    ".png": results.write_picture,
+}
+OUTPUT_SUFFIXES = (*WRITERS, ".blend")
+EXIT_FAILED, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
+COLUMNS = (
+    ("mean_percent_ae", "mean %"),
+    ("median_percent_ae", "median %"),
+    ("p99_percent_ae", "p99 %"),
+    ("max_percent_ae", "max %"),
+    ("seam_mean_percent_ae", "near seams %"),
+    ("seam_error_mean", "seam error %"),
+    ("seam_error_p99", "seam p99 %"),
+    ("coverage_mean", "coverage"),
+    ("undefined", "undefined"),
+)
+
+
+class UsageError(Exception):
+    """The arguments make no sense; the text is one sentence."""
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse whose errors are one sentence."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raises instead of printing the usage and exiting."""
+        sentence = message[:1].upper() + message[1:].rstrip(".")
+        raise UsageError(f"{sentence}; see {self.prog} --help.")
+
+
+def make_parser() -> Parser:
+    """All commands and their options."""
+    parser = Parser(
+        prog="paradesc", description="Geometric descriptors of UV-mapped meshes, computed in their texture space."
+    )
+    commands = parser.add_subparsers(
+        dest="command", required=True, metavar="bake | compare | list", parser_class=Parser
+    )
+    bake = commands.add_parser("bake", help="compute descriptors and write them to files")
+    add_mesh_options(bake)
+    bake.add_argument(
+        "--output", "-o", action="append", required=True, metavar="OUT", type=Path,
+        help="where to write; the suffix says what: .blend, .npz, .ply, .png; give it again for more",
+    )  # fmt: skip
+    bake.add_argument("--json", metavar="REPORT", type=Path, help="write settings, reports and ranges as JSON")
+    bake.set_defaults(run=run_bake)
+    comparison = commands.add_parser("compare", help="compare a device's results with those of the reference")
+    add_mesh_options(comparison)
+    comparison.add_argument("--json", metavar="FILE", type=Path, help="write the table as a JSON list of rows")
+    comparison.set_defaults(run=run_compare)
+    listing = commands.add_parser("list", help="show the descriptors and the devices there are")
+    listing.set_defaults(run=run_list)
+    return parser
+
+
+def add_mesh_options(parser: argparse.ArgumentParser) -> None:
+    """What bake and compare have in common."""
+    defaults = bridge.Options()
+    add = parser.add_argument
+    add("input", nargs="?", metavar="INPUT", type=Path, help=".blend, .obj, .ply or .glb; in Blender: the open file")
+    add("--descriptors", default="mean_curvature", metavar="A,B,C", help="see paradesc list (default: mean_curvature)")
+    add("--object", metavar="NAME", help="the mesh object (default: a .blend's active one, else the largest)")
+    add("--radius", type=float, default=defaults.radius, metavar="R", help="support radius (default: 0.02)")
+    add("--radius-unit", choices=bridge.RADIUS_UNITS, default=defaults.radius_unit,
+        help="diagonal: a fraction of the bounding box's (default); absolute: the mesh's own units")  # fmt: skip
+    add("--samples", type=int, default=defaults.samples, metavar="N", help="samples around a vertex (default: 256)")
+    add("--buffer", type=int, default=defaults.buffer_size, metavar="N", help="side of the buffers (default: 1024)")
+    add("--normals", choices=bridge.NORMALS, default=defaults.normals, help="vertex normals (default: fitted)")
+    add("--max-jumps", type=int, default=defaults.max_jumps, metavar="N", help="seams a sample may cross (default: 8)")
+    add("--backend", choices=bridge.BACKENDS, default="auto", help="what computes (default: auto)")
+    add("--device", type=int, default=-1, metavar="N", help="which device of the backend (default: the first)")
+    add("--seed", type=int, default=defaults.seed, metavar="N", help="of the sampling pattern (default: 0)")
+    add("--verbose", action="store_true", help="show what Blender itself prints")
+
+
+def settings_of(arguments: argparse.Namespace) -> job.Settings:
+    """The computation's settings; unknown descriptors are refused before any file is opened."""
+    names = tuple(name.strip() for name in arguments.descriptors.split(",") if name.strip())
+    job.check_descriptors(names)
+    options = bridge.Options(
+        radius=arguments.radius,
+        radius_unit=arguments.radius_unit,
+        samples=arguments.samples,
+        buffer_size=arguments.buffer,
+        normals=arguments.normals,
+        max_jumps=arguments.max_jumps,
+        seed=arguments.seed,
+    )
+    return job.Settings(names, options, arguments.backend, arguments.device)
+
+
+def check_outputs(paths: list[Path]) -> None:
+    """Refuses what cannot be written before anything is computed."""
+    for path in paths:
+        if not path.absolute().parent.is_dir():
+            raise UsageError(f'There is no folder "{path.absolute().parent}" to write "{path.name}" into.')
+        if path.is_dir() or not os.access(path.absolute().parent, os.W_OK):
+            raise UsageError(f'"{path}" cannot be written.')
+
+
+def open_object(arguments: argparse.Namespace) -> "bpy.types.Object":
+    """Opens the input, if there is one, and picks the object."""
+    try:
+        import bpy
+
+        from paradesc import scene_io
+    except ImportError as error:
+        raise ParadescError(abi.STATUS_UNSUPPORTED, "Blender's Python module bpy is not installed here.") from error
+    imported = False
+    if arguments.input is not None:
+        imported = arguments.input.suffix.lower() != ".blend"
+        scene_io.open_scene(arguments.input, arguments.verbose)
+    elif not bpy.app.binary_path:
+        raise UsageError("INPUT is missing; give a .blend, .obj, .ply or .glb file.")
+    return scene_io.choose_object(arguments.object, prefer_active=not imported)
+
+
+def run_bake(arguments: argparse.Namespace) -> None:
+    """Reads the mesh, computes, and writes every output and the report."""
+    for path in arguments.output:
+        if path.suffix.lower() not in OUTPUT_SUFFIXES:
+            raise UsageError(f'"{path}" has none of the suffixes {", ".join(OUTPUT_SUFFIXES)}.')
+    check_outputs(arguments.output + ([arguments.json] if arguments.json else []))
+    settings = settings_of(arguments)
+    target = open_object(arguments)
+    from paradesc import mesh_io, scene_io
+
+    saves_scene = any(path.suffix.lower() == ".blend" for path in arguments.output)
+    if saves_scene:
+        mesh_io.check_writable(target)
+    arrays = mesh_io.read_object(target, settings.options.normals == "mesh")
+    with Progress() as progress:
+        computed = job.run(arrays, settings, progress)
+    baked = results.Baked(target.name, computed, arrays, mesh_io.world_matrix(target))
+    notes = mesh_io.write_results(target, computed) if saves_scene else []
+    for path in arguments.output:
+        if path.suffix.lower() == ".blend":
+            scene_io.save_blend(path, arguments.verbose)
+        else:
+            write_whole(path, baked, WRITERS[path.suffix.lower()])
+    if arguments.json:
+        content = {**results.report(baked), "notes": notes, "outputs": [str(path) for path in arguments.output]}
+        write_whole(arguments.json, content, results.write_json)
+    print_summary(baked, notes)
+    for path in arguments.output + ([arguments.json] if arguments.json else []):
+        print(f"wrote {path}")
+
+
+def write_whole(path: Path, content: object, writer: Callable) -> None:
+    """Writes beside the path first: a failure leaves no half file, and an old one as it was."""
+    temporary = path.with_name(f".{path.name}.part")
+    try:
+        writer(temporary, content)
+        temporary.replace(path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        sentence = f'"{path}" cannot be written: {error.strerror or error}.'
+        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error
+
+
+def print_summary(baked: results.Baked, notes: list[str]) -> None:
+    """What was found, in a few lines."""
+    found = baked.results
+    mesh, field = found.mesh_report, found.field_report
+    print(
+        f'object "{baked.object_name}": {mesh["vertex_count"]:,} vertices, {mesh["triangle_count"]:,} triangles, '
+        f"{mesh['charts']:,} charts, {mesh['seam_edges']:,} seam edges"
+    )
+    print(
+        f"radius {field['radius']:.6g} ({field['radius_in_texels']:.1f} texels), "
+        f"coverage {100 * field['coverage_mean']:.3f} %, undefined vertices {field['undefined_vertices']:,}"
+    )
+    print(f"{field['seconds_total']:.2f} s, {found.backend}: {found.device}")
+    for name, row in results.report(baked)["descriptors"].items():
+        if row["minimum"] is None:
+            print(f"  {name}: undefined everywhere")
+        else:
+            print(f"  {name}: {row['minimum']:.6g} to {row['maximum']:.6g} {row['unit']}".rstrip())
+    for sentence in [*notes, *found.warnings]:
+        print(f"note: {sentence}")
+
+
+def run_compare(arguments: argparse.Namespace) -> None:
+    """Computes on a device and on the reference, and prints the table of errors."""
+    if arguments.backend == "reference":
+        raise UsageError("The reference is what compare compares with; choose another backend.")
+    check_outputs([arguments.json] if arguments.json else [])
+    settings = settings_of(arguments)
+    target = open_object(arguments)
+    from paradesc import mesh_io
+
+    arrays = mesh_io.read_object(target, settings.options.normals == "mesh")
+    with Progress() as progress:
+        rows, device, reference = compare.compare(arrays, settings, progress)
+    if arguments.json:
+        write_whole(arguments.json, rows, results.write_json)
+    print(f'object "{target.name}", radius {device.radius:.6g}, {settings.options.samples} samples')
+    print(f"{device.backend}: {device.device}, {device.field_report['seconds_total']:.2f} s")
+    print(f"reference: {reference.device}, {reference.field_report['seconds_total']:.2f} s")
+    print_table(rows)
+    for sentence in device.warnings:
+        print(f"note: {sentence}")
+
+
+def print_table(rows: list[dict[str, object]]) -> None:
+    """One line a descriptor."""
+    print(f"{'descriptor':26}" + "".join(f"{title:>14}" for _, title in COLUMNS))
+    for row in rows:
+        cells = "".join(
+            f"{row[name]:>14}" if isinstance(row[name], int) else f"{row[name]:>14.4f}" for name, _ in COLUMNS
+        )
+        print(f"{row['descriptor']:26}{cells}")
+
+
+def run_list(_arguments: argparse.Namespace) -> None:
+    """Prints the registry and the devices."""
+    print("Descriptors")
+    for row in bridge.descriptors():
+        unit = f" [{row.unit}]" if row.unit else ""
+        print(f"  {row.name:26}{row.description}{unit}")
+    print("Devices")
+    for row in bridge.devices():
+        print(f"  {row['backend']:26}{row['device'] or 'none: ' + row['missing']}")
+
+
+class Progress:
+    """One line that is written over and over, on a terminal only."""
+
+    def __init__(self) -> None:
+        self.shown = sys.stderr.isatty()
+        self.time = 0.0
+
+    def __call__(self, stage: str, fraction: float) -> bool:
+        """Shows the stage and the percentage, ten times a second at most; never cancels (Ctrl-C does)."""
+        now = time.monotonic()
+        if self.shown and now - self.time > 0.1:
+            self.time = now
+            sys.stderr.write(f"\r\x1b[K{fraction:6.1%} {stage}")
+            sys.stderr.flush()
+        return True
+
+    def __enter__(self) -> "Progress":
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        if self.shown:
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()
+
+
+def main(words: list[str]) -> int:
+    """Runs one command; gives the exit code. Whatever fails is one sentence on the standard error stream."""
+    try:
+        arguments = make_parser().parse_args(words)
+        arguments.run(arguments)
+    except UsageError as error:
+        return fail(str(error), EXIT_USAGE)
+    except ParadescError as error:
+        return fail(error.sentence, EXIT_FAILED)
+    except KeyboardInterrupt:
+        return fail("Interrupted.", EXIT_INTERRUPTED)
+    except Exception as error:  # a defect of ours; --verbose shows where
+        if "--verbose" in words:
+            raise
+        return fail(f"Unexpected {type(error).__name__}: {error} (--verbose says where).", EXIT_FAILED)
+    return 0
+
+
+def fail(sentence: str, code: int) -> int:
+    """Says why, on one line."""
+    print("paradesc: " + " ".join(sentence.split()), file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []))

@@ -1,0 +1,110 @@
+"""Compares the results of a device with those of the reference: the one definition of error, in percent.
+
+%AE = 100 |x - reference| / (P97.5(reference) - P2.5(reference)), over the vertices with a face. A value undefined on
+both sides is left out; undefined on one side only counts 100. Never imports bpy.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from . import bridge, job
+from .bridge import Descriptor, abi
+from .results import registry_row
+
+# Below this share of its largest value the reference's range counts as none: the surface has one value everywhere.
+CONSTANT_SHARE = 1e-3
+# Curvature times radius (to the unit's power) that a plane's rounding stays below.
+PLANE_SHARE = 1e-4
+UNDEFINED_ERROR = 100.0
+
+
+@dataclass
+class Errors:
+    """Errors of one descriptor, in percent."""
+
+    percent: np.ndarray  # (vertex_count,) NaN where left out
+    denominator: float
+
+
+def denominator(reference: np.ndarray, descriptor: Descriptor, radius: float) -> float:
+    """What errors are measured against: the range of the (n,) defined reference values, or what stands in for it."""
+    if reference.size == 0:
+        return 1.0
+    largest = float(np.abs(reference).max())
+    power = descriptor.length_power
+    if power < 0 and largest < (PLANE_SHARE / radius) ** -power:
+        return (1.0 / radius) ** -power
+    low, high = np.percentile(reference, [2.5, 97.5])
+    if high - low < CONSTANT_SHARE * largest:
+        return largest
+    return float(high - low) if high > low else 1.0
+
+
+def percent_errors(
+    values: np.ndarray, reference: np.ndarray, with_face: np.ndarray, descriptor: Descriptor, radius: float
+) -> Errors:
+    """Error at each vertex; all arrays (vertex_count,), radius in units of the positions."""
+    values, reference = values.astype(np.float64), reference.astype(np.float64)
+    here, there = np.isfinite(values), np.isfinite(reference)
+    scale = denominator(reference[there & with_face], descriptor, radius)
+    percent = np.full(len(values), np.nan)
+    both = here & there
+    percent[both] = 100.0 * np.abs(values[both] - reference[both]) / scale
+    percent[here != there] = UNDEFINED_ERROR
+    percent[~with_face] = np.nan
+    return Errors(percent, scale)
+
+
+def statistic(percent: np.ndarray, function: object, *arguments: float) -> float:
+    """A statistic over the (n,) errors that count; NaN without any."""
+    counted = percent[np.isfinite(percent)]
+    return float(function(counted, *arguments)) if counted.size else float("nan")
+
+
+def row(name: str, device: job.Results, reference: job.Results) -> dict[str, object]:
+    """The errors of one descriptor on one mesh at one radius."""
+    with_face = (reference.mask & abi.MASK_NO_FACE) == 0
+    errors = percent_errors(device.values[name], reference.values[name], with_face, registry_row(name), device.radius)
+    percent = errors.percent
+    near_seam = device.near_seam if device.near_seam is not None else np.zeros(len(percent), bool)
+    seam_error = device.seam_error.get(name, np.zeros(0)) * (100.0 / errors.denominator)
+    undefined = ~np.isfinite(device.values[name]) & with_face
+    return {
+        "descriptor": name,
+        "radius": device.settings.options.radius,
+        "mean_percent_ae": statistic(percent, np.mean),
+        "median_percent_ae": statistic(percent, np.median),
+        "p99_percent_ae": statistic(percent, np.percentile, 99),
+        "max_percent_ae": statistic(percent, np.max),
+        "seam_mean_percent_ae": statistic(percent[near_seam], np.mean),
+        "seam_error_mean": statistic(seam_error, np.mean),
+        "seam_error_p99": statistic(seam_error, np.percentile, 99),
+        "coverage_mean": device.field_report["coverage_mean"],
+        "undefined": int(undefined.sum()),
+    }
+
+
+def compare(
+    arrays: bridge.MeshArrays, settings: job.Settings, progress: job.ProgressFunction | None = None
+) -> tuple[list[dict[str, object]], job.Results, job.Results]:
+    """Rows of errors, one a descriptor, and the two results they come from."""
+    device_settings = replace(settings, options=replace(settings.options, seam_error=True))
+    device = job.run(arrays, device_settings, staged(progress, "device", 0.0))
+    if device.backend == "reference":
+        reason = device.warnings[0] if device.warnings else ""
+        sentence = f"There is no device to compare with the reference. {reason}".strip()
+        raise bridge.ParadescError(abi.STATUS_UNSUPPORTED, sentence)
+    reference_settings = replace(
+        settings, backend="reference", device_index=-1, options=replace(settings.options, seam_error=False)
+    )
+    reference = job.run(arrays, reference_settings, staged(progress, "reference", 0.5))
+    rows = [row(name, device, reference) for name in settings.descriptors]
+    return rows, device, reference
+
+
+def staged(progress: job.ProgressFunction | None, name: str, start: float) -> job.ProgressFunction | None:
+    """The same progress for one of two halves of the work."""
+    if progress is None:
+        return None
+    return lambda stage, fraction: progress(f"{name}, {stage}", start + fraction / 2)

@@ -1,0 +1,124 @@
+"""Writes what a bake left behind as files: .npz, .ply, .png and a JSON report. Never imports bpy."""
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from . import bridge, color_maps, picture, png
+from .job import Results
+
+
+@dataclass
+class Baked:
+    """One object's results with all that the files need of the object."""
+
+    object_name: str
+    results: Results
+    arrays: bridge.MeshArrays
+    matrix_world: np.ndarray  # (4, 4) float64
+
+    def shown(self, name: str) -> color_maps.ValueRange:
+        """The range of values that the colors of a descriptor span."""
+        return color_maps.value_range(self.results.values[name], registry_row(name), self.results.radius)
+
+    def colors(self, name: str) -> np.ndarray:
+        """(vertex_count, 3) float32 display colors of a descriptor."""
+        return color_maps.colors(self.results.values[name], self.shown(name))
+
+
+def registry_row(name: str) -> bridge.Descriptor:
+    """The registry's row of a descriptor."""
+    return next(row for row in bridge.descriptors() if row.name == name)
+
+
+def write_npz(path: Path, baked: Baked) -> None:
+    """Writes vertices (n, 3) in object space, matrix_world (4, 4), every descriptor (n,), coverage (n,)."""
+    with path.open("wb") as file:
+        np.savez(
+            file,
+            vertices=baked.arrays.positions,
+            matrix_world=baked.matrix_world,
+            **baked.results.values,
+            coverage=baked.results.coverage,
+        )
+
+
+def write_ply(path: Path, baked: Baked) -> None:
+    """A binary PLY in object space: vertices with the first descriptor's colors, and every value as a property."""
+    values = {**baked.results.values, "coverage": baked.results.coverage}
+    layout = [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
+    vertices = np.empty(len(baked.arrays.positions), np.dtype(layout + [(name, "<f4") for name in values]))
+    for axis, name in enumerate("xyz"):
+        vertices[name] = baked.arrays.positions[:, axis]
+    colors = np.round(255 * baked.colors(next(iter(baked.results.values)))).astype(np.uint8)
+    for channel, name in enumerate(("red", "green", "blue")):
+        vertices[name] = colors[:, channel]
+    for name, array in values.items():
+        vertices[name] = array
+    triangles = baked.arrays.triangle_vertices
+    faces = np.empty(len(triangles), np.dtype([("count", "u1"), ("vertices", "<i4", (3,))]))
+    faces["count"] = 3
+    faces["vertices"] = triangles
+    kinds = {"<f4": "float", "u1": "uchar"}
+    header = ["ply", "format binary_little_endian 1.0", "comment Paradesc", f"element vertex {len(vertices)}"]
+    header += [f"property {kinds[vertices.dtype[name].str.replace('|', '')]} {name}" for name in vertices.dtype.names]
+    header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
+    path.write_bytes("\n".join(header).encode() + vertices.tobytes() + faces.tobytes())
+
+
+def write_picture(path: Path, baked: Baked) -> None:
+    """A PNG with one view a descriptor, in world space."""
+    matrix = baked.matrix_world
+    points = baked.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    views = []
+    for name in baked.results.values:
+        unit = registry_row(name).unit
+        title = name.replace("_", " ") + (f" ({unit})" if unit else "")
+        views.append(picture.View(baked.colors(name), title, baked.shown(name)))
+    png.write_png(path, picture.compose(points, baked.arrays.triangle_vertices, views))
+
+
+def report(baked: Baked) -> dict[str, object]:
+    """Everything about a bake but its values."""
+    results = baked.results
+    ranges = {}
+    for name, values in results.values.items():
+        finite = values[np.isfinite(values)]
+        shown = baked.shown(name)
+        ranges[name] = {
+            "minimum": float(finite.min()) if finite.size else None,
+            "maximum": float(finite.max()) if finite.size else None,
+            "shown_minimum": shown.minimum,
+            "shown_maximum": shown.maximum,
+            "undefined": int(len(values) - finite.size),
+            "unit": registry_row(name).unit,
+        }
+    return {
+        "object": baked.object_name,
+        "settings": results.settings.as_dict(),
+        "backend": results.backend,
+        "device": results.device,
+        "mesh_report": results.mesh_report,
+        "field_report": results.field_report,
+        "descriptors": ranges,
+        "warnings": results.warnings,
+    }
+
+
+def write_json(path: Path, content: object) -> None:
+    """Writes plain Python as JSON, with null for what is not a number."""
+    path.write_text(json.dumps(finite_only(content), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def finite_only(content: object) -> object:
+    """The same with None for NaN and infinity, which JSON cannot hold."""
+    if isinstance(content, dict):
+        return {name: finite_only(value) for name, value in content.items()}
+    if isinstance(content, (list, tuple)):
+        return [finite_only(value) for value in content]
+    if isinstance(content, float) and not math.isfinite(content):
+        return None
+    return content
