@@ -33,4 +33,25 @@ struct HalfEdges {
 
 HalfEdges build_half_edges(const Triangles &triangles);
 
+// Corners around one point that are reached from each other by turning over links (link[h]: the half-edge across, or -1; always
+// mutual). Fans of twins are points, fans of links within charts are the places of a point in the UV map.
+struct Fans {
+  int count = 0;
+  std::vector<int32_t> corner_fan; // (3 * triangle_count) numbered by first corner; -1: triangle left out
+  std::vector<int32_t> first;      // (count) the corner from which turning by link[previous_corner(h)] reaches every other
+};
+
+// Triangles reached from each other over links.
+struct Pieces {
+  int count = 0;
+  std::vector<int32_t> triangle_piece; // (triangle_count) numbered by first triangle; -1: left out
+};
+
+// left_out: (triangle_count) 1 where a triangle takes no part; its links are -1.
+Fans trace_fans(const std::vector<int32_t> &link, const std::vector<uint8_t> &left_out);
+Pieces trace_pieces(const std::vector<int32_t> &link, const std::vector<uint8_t> &left_out);
+
+// In radians, by positions.
+double surface_angle(const Triangles &triangles, int corner);
+
 } // namespace paradesc

@@ -1,0 +1,331 @@
+// A triangle list, as split and as non-manifold as files are → manifold half-edges in flat arrays, connected by OpenMesh.
+//
+// Pair edges, by vertex and then by position; give every fan of paired faces a point of its own; let OpenMesh connect faces
+// over points, which then cannot but be manifold; read its half-edges back.
+#include "mesh/halfedge.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <span>
+
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+
+namespace paradesc {
+namespace {
+
+using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
+
+// Twice the area against the square of the longest edge. Positions are floats, so real slivers lie far above this; what lies
+// below is collinear but for the rounding of this very test.
+constexpr double no_area = 1e-12;
+
+size_t at(int32_t index) { return static_cast<size_t>(index); }
+
+dvec3 position(const Triangles &triangles, int corner) {
+  return dvec3(triangles.positions[at(triangles.corner_vertex[at(corner)])]);
+}
+
+bool is_degenerate(const Triangles &triangles, int triangle) {
+  const dvec3 a = position(triangles, 3 * triangle);
+  const dvec3 ab = position(triangles, 3 * triangle + 1) - a;
+  const dvec3 ac = position(triangles, 3 * triangle + 2) - a;
+  const double longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(ac - ab, ac - ab)});
+  return glm::length(glm::cross(ab, ac)) <= no_area * longest; // so are two corners at one place
+}
+
+uint64_t hash(const vec3 &p) {
+  uint64_t h = 0;
+  for (int i = 0; i < 3; ++i) {
+    h = (h ^ std::bit_cast<uint32_t>(p[i] + 0.0f)) * 0x9e3779b97f4a7c15u; // adding zero makes -0 and 0 one
+    h ^= h >> 29;
+  }
+  return h;
+}
+
+// Each vertex → the first vertex at exactly the same position.
+std::vector<int32_t> weld(const std::vector<vec3> &positions) {
+  const size_t slots = std::bit_ceil(2 * positions.size());
+  std::vector<int32_t> table(slots, -1);
+  std::vector<int32_t> welded(positions.size());
+  for (size_t vertex = 0; vertex < positions.size(); ++vertex) {
+    size_t slot = hash(positions[vertex]) & (slots - 1);
+    while (table[slot] >= 0 && positions[at(table[slot])] != positions[vertex]) slot = (slot + 1) & (slots - 1);
+    if (table[slot] < 0) table[slot] = static_cast<int32_t>(vertex);
+    welded[vertex] = table[slot];
+  }
+  return welded;
+}
+
+struct Pairing {
+  std::vector<int32_t> twin;        // (3 * triangle_count)
+  std::vector<uint8_t> nonmanifold; // (3 * triangle_count) 1: a side of an edge that was taken apart
+  int nonmanifold_edges = 0;
+};
+
+// Calls visit(span of half-edges) once for each edge of the half-edges given, ids[corner] being the ends.
+template <class Visit>
+void for_each_edge(std::span<const int32_t> half_edges, const std::vector<int32_t> &ids, int id_count, const Visit &visit) {
+  struct Side {
+    int32_t high;
+    int32_t half_edge;
+  };
+  const auto ends = [&](int32_t h) { return std::minmax(ids[at(h)], ids[at(next_corner(h))]); };
+  std::vector<int32_t> begin(at(id_count) + 2, 0);
+  for (int32_t h : half_edges) ++begin[at(ends(h).first) + 2];
+  for (size_t i = 2; i < begin.size(); ++i) begin[i] += begin[i - 1];
+  std::vector<Side> sides(half_edges.size());
+  for (int32_t h : half_edges) {
+    const auto [low, high] = ends(h);
+    sides[at(begin[at(low) + 1]++)] = {high, h};
+  }
+  std::vector<int32_t> edge;
+  for (size_t low = 0; low < at(id_count); ++low) {
+    const std::span<Side> bucket(sides.begin() + begin[low], sides.begin() + begin[low + 1]);
+    std::ranges::sort(bucket, [](Side a, Side b) { return a.high != b.high ? a.high < b.high : a.half_edge < b.half_edge; });
+    for (size_t i = 0; i < bucket.size();) {
+      const int32_t high = bucket[i].high;
+      for (edge.clear(); i < bucket.size() && bucket[i].high == high; ++i) edge.push_back(bucket[i].half_edge);
+      visit(std::span<const int32_t>(edge));
+    }
+  }
+}
+
+// Pairs what can be paired without doubt and returns the half-edges that are alone on their edge.
+std::vector<int32_t> pair_edges(std::span<const int32_t> half_edges, const std::vector<int32_t> &ids, int id_count,
+                                Pairing &pairing) {
+  std::vector<int32_t> alone;
+  for_each_edge(half_edges, ids, id_count, [&](std::span<const int32_t> edge) {
+    if (edge.size() == 1) {
+      alone.push_back(edge[0]);
+    } else if (edge.size() == 2 && ids[at(edge[0])] != ids[at(edge[1])]) { // they start at different ends
+      pairing.twin[at(edge[0])] = edge[1];
+      pairing.twin[at(edge[1])] = edge[0];
+    } else {
+      ++pairing.nonmanifold_edges;
+      for (int32_t h : edge) pairing.nonmanifold[at(h)] = 1;
+    }
+  });
+  return alone;
+}
+
+Pairing pair_half_edges(const Triangles &triangles, const std::vector<int32_t> &welded, const std::vector<uint8_t> &left_out) {
+  const int32_t count = 3 * triangles.triangle_count;
+  Pairing pairing;
+  pairing.twin.assign(at(count), -1);
+  pairing.nonmanifold.assign(at(count), 0);
+  std::vector<int32_t> used;
+  used.reserve(at(count));
+  for (int32_t h = 0; h < count; ++h)
+    if (!left_out[at(h / 3)]) used.push_back(h);
+  const std::vector<int32_t> alone = pair_edges(used, triangles.corner_vertex, triangles.vertex_count, pairing);
+  if (alone.empty()) return pairing;
+  std::vector<int32_t> corner_place(at(count));
+  for (size_t i = 0; i < corner_place.size(); ++i) corner_place[i] = welded[at(triangles.corner_vertex[i])];
+  pair_edges(alone, corner_place, triangles.vertex_count, pairing);
+  return pairing;
+}
+
+// A host that prints what OpenMesh thinks of its meshes helps nobody: refused faces are dealt with below.
+void silence_openmesh() {
+  static const bool silent = [] {
+    omerr().disable();
+    omlog().disable();
+    omout().disable();
+    return true;
+  }();
+  static_cast<void>(silent);
+}
+
+// Adds the points of all fans and every triangle in use. A face that OpenMesh refuses gets points of its own: it comes off its
+// neighbors, but it is not lost. corner_vertex receives the OpenMesh vertex of each corner; returns the triangle of each face.
+std::vector<int32_t> add_faces(const Triangles &triangles, const std::vector<uint8_t> &left_out, const Fans &fans, Mesh &mesh,
+                               std::vector<int32_t> &corner_vertex) {
+  const auto add_vertex = [&](int corner) {
+    const vec3 &p = triangles.positions[at(triangles.corner_vertex[at(corner)])];
+    return mesh.add_vertex(Mesh::Point(p.x, p.y, p.z)).idx();
+  };
+  const auto add_face = [&](int triangle) {
+    const int32_t *v = corner_vertex.data() + 3 * at(triangle);
+    return mesh.add_face(mesh.vertex_handle(static_cast<unsigned>(v[0])), mesh.vertex_handle(static_cast<unsigned>(v[1])),
+                         mesh.vertex_handle(static_cast<unsigned>(v[2])));
+  };
+  mesh.reserve(at(fans.count), fans.corner_fan.size() / 2 + at(fans.count), left_out.size());
+  for (int32_t corner : fans.first) add_vertex(corner);
+  corner_vertex = fans.corner_fan; // fan i is vertex i
+  std::vector<int32_t> face_triangle;
+  face_triangle.reserve(left_out.size());
+  for (int triangle = 0; triangle < triangles.triangle_count; ++triangle) {
+    if (left_out[at(triangle)]) continue;
+    if (!add_face(triangle).is_valid()) {
+      for (int corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) corner_vertex[at(corner)] = add_vertex(corner);
+      add_face(triangle);
+    }
+    face_triangle.push_back(triangle);
+  }
+  return face_triangle;
+}
+
+// OpenMesh's connectivity → twin by corner.
+std::vector<int32_t> read_twins(const Mesh &mesh, const std::vector<int32_t> &face_triangle,
+                                const std::vector<int32_t> &corner_vertex) {
+  std::vector<int32_t> half_edge_corner(mesh.n_halfedges(), -1);
+  for (size_t face = 0; face < face_triangle.size(); ++face) {
+    auto half_edge = mesh.halfedge_handle(mesh.face_handle(static_cast<unsigned>(face)));
+    const int32_t start = mesh.from_vertex_handle(half_edge).idx();
+    int corner = 3 * face_triangle[face];
+    while (corner_vertex[at(corner)] != start) ++corner; // it is one of the three
+    for (int i = 0; i < 3; ++i) {
+      half_edge_corner[at(half_edge.idx())] = corner;
+      half_edge = mesh.next_halfedge_handle(half_edge);
+      corner = next_corner(corner);
+    }
+  }
+  std::vector<int32_t> twin(corner_vertex.size(), -1);
+  for (size_t i = 0; i < half_edge_corner.size(); ++i)
+    if (half_edge_corner[i] >= 0) twin[at(half_edge_corner[i])] = half_edge_corner[i ^ 1]; // halves of one edge are neighbors
+  return twin;
+}
+
+std::vector<int32_t> connect(const Triangles &triangles, const std::vector<uint8_t> &left_out, const Fans &fans) {
+  silence_openmesh();
+  Mesh mesh;
+  std::vector<int32_t> corner_vertex;
+  const std::vector<int32_t> face_triangle = add_faces(triangles, left_out, fans, mesh, corner_vertex);
+  return read_twins(mesh, face_triangle, corner_vertex);
+}
+
+void count_edges(const Pairing &pairing, HalfEdges &result) {
+  result.nonmanifold_edges = pairing.nonmanifold_edges;
+  for (size_t h = 0; h < result.twin.size(); ++h) {
+    if (result.corner_point[h] < 0 || result.twin[h] >= 0) continue;
+    const int32_t lost = pairing.twin[h]; // paired by us, but its face was refused
+    if (lost > static_cast<int32_t>(h)) ++result.nonmanifold_edges;
+    if (lost < 0 && !pairing.nonmanifold[h]) ++result.boundary_edges;
+  }
+}
+
+void describe_points(const Triangles &triangles, const Fans &fans, HalfEdges &result) {
+  result.point_count = fans.count;
+  result.corner_point = fans.corner_fan;
+  result.point_half_edge = fans.first;
+  result.point_boundary.resize(at(fans.count));
+  for (size_t point = 0; point < fans.first.size(); ++point) // a fan that closes has no edge without a twin
+    result.point_boundary[point] = result.twin[at(fans.first[point])] < 0;
+  result.point_vertex.assign(at(fans.count), triangles.vertex_count);
+  for (size_t corner = 0; corner < fans.corner_fan.size(); ++corner) {
+    if (fans.corner_fan[corner] < 0) continue;
+    int32_t &vertex = result.point_vertex[at(fans.corner_fan[corner])];
+    vertex = std::min(vertex, triangles.corner_vertex[corner]);
+  }
+}
+
+// Among several points of one vertex the widest answers for it.
+void choose_widest(const Triangles &triangles, const std::vector<uint8_t> &is_split, HalfEdges &result) {
+  std::vector<double> angle(at(result.point_count), 0.0);
+  for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
+    const int32_t point = result.corner_point[corner];
+    if (point >= 0) angle[at(point)] += surface_angle(triangles, static_cast<int>(corner));
+  }
+  for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
+    const int32_t point = result.corner_point[corner];
+    if (point < 0 || !is_split[at(triangles.corner_vertex[corner])]) continue;
+    int32_t &chosen = result.vertex_point[at(triangles.corner_vertex[corner])];
+    const double gain = angle[at(point)] - angle[at(chosen)];
+    if (gain > 0 || (gain == 0 && point < chosen)) chosen = point;
+  }
+}
+
+void answer_vertices(const Triangles &triangles, const std::vector<int32_t> &welded, HalfEdges &result) {
+  std::vector<uint8_t> is_split(at(triangles.vertex_count), 0), is_split_place(at(triangles.vertex_count), 0);
+  result.vertex_point.assign(at(triangles.vertex_count), -1);
+  for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
+    const int32_t vertex = triangles.corner_vertex[corner];
+    const int32_t point = result.corner_point[corner];
+    if (point < 0) continue;
+    int32_t &first = result.vertex_point[at(vertex)];
+    if (first < 0) first = point;
+    if (first == point || is_split[at(vertex)]) continue;
+    is_split[at(vertex)] = 1;
+    result.nonmanifold_vertices += is_split_place[at(welded[at(vertex)])]++ == 0;
+  }
+  if (result.nonmanifold_vertices > 0) choose_widest(triangles, is_split, result);
+  std::vector<uint8_t> is_answered(at(result.point_count), 0);
+  for (const int32_t point : result.vertex_point) {
+    if (point < 0)
+      ++result.loose_vertices;
+    else if (is_answered[at(point)])
+      ++result.welded_vertices;
+    else
+      is_answered[at(point)] = 1;
+  }
+}
+
+} // namespace
+
+double surface_angle(const Triangles &triangles, int corner) {
+  const dvec3 p = position(triangles, corner);
+  const dvec3 a = position(triangles, next_corner(corner)) - p;
+  const dvec3 b = position(triangles, previous_corner(corner)) - p;
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+Fans trace_fans(const std::vector<int32_t> &link, const std::vector<uint8_t> &left_out) {
+  Fans fans;
+  fans.corner_fan.assign(link.size(), -1);
+  for (int32_t corner = 0; corner < static_cast<int32_t>(link.size()); ++corner) {
+    if (left_out[at(corner / 3)] || fans.corner_fan[at(corner)] >= 0) continue;
+    int32_t first = corner; // clockwise to the end of the fan, or once around
+    while (link[at(first)] >= 0) {
+      first = next_corner(link[at(first)]);
+      if (first == corner) break;
+    }
+    for (int32_t h = first; h >= 0 && fans.corner_fan[at(h)] < 0; h = link[at(previous_corner(h))])
+      fans.corner_fan[at(h)] = fans.count;
+    fans.first.push_back(first);
+    ++fans.count;
+  }
+  return fans;
+}
+
+Pieces trace_pieces(const std::vector<int32_t> &link, const std::vector<uint8_t> &left_out) {
+  Pieces pieces;
+  pieces.triangle_piece.assign(left_out.size(), -1);
+  std::vector<int32_t> open;
+  for (int32_t start = 0; start < static_cast<int32_t>(left_out.size()); ++start) {
+    if (left_out[at(start)] || pieces.triangle_piece[at(start)] >= 0) continue;
+    const int32_t piece = pieces.count++;
+    pieces.triangle_piece[at(start)] = piece;
+    open.push_back(start);
+    while (!open.empty()) {
+      const int32_t triangle = open.back();
+      open.pop_back();
+      for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
+        const int32_t next = link[at(h)] < 0 ? triangle : link[at(h)] / 3;
+        if (pieces.triangle_piece[at(next)] >= 0) continue;
+        pieces.triangle_piece[at(next)] = piece;
+        open.push_back(next);
+      }
+    }
+  }
+  return pieces;
+}
+
+HalfEdges build_half_edges(const Triangles &triangles) {
+  HalfEdges result;
+  std::vector<uint8_t> left_out(at(triangles.triangle_count));
+  for (int triangle = 0; triangle < triangles.triangle_count; ++triangle) {
+    left_out[at(triangle)] = is_degenerate(triangles, triangle);
+    result.degenerate_triangles += left_out[at(triangle)];
+  }
+  const std::vector<int32_t> welded = weld(triangles.positions);
+  const Pairing pairing = pair_half_edges(triangles, welded, left_out);
+  result.twin = connect(triangles, left_out, trace_fans(pairing.twin, left_out));
+  describe_points(triangles, trace_fans(result.twin, left_out), result); // again: a refused face may have split a fan
+  count_edges(pairing, result);
+  answer_vertices(triangles, welded, result);
+  result.parts = trace_pieces(result.twin, left_out).count;
+  return result;
+}
+
+} // namespace paradesc
