@@ -1,0 +1,48 @@
+// Arrays in memory → storage buffers and textures on the device.
+#include "gpu/buffer.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "shared.h"
+#include "support/error.h"
+
+namespace paradesc {
+
+void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
+  if (!id_) {
+    gl_ = &gl;
+    gl.CreateBuffers(1, &id_);
+  }
+  // An empty buffer cannot be bound for storage; one element keeps every binding valid.
+  const size_t size = std::max<size_t>(bytes, 16);
+  gl.NamedBufferData(id_, static_cast<GLsizeiptr>(size), bytes ? data : nullptr, usage);
+}
+
+Texture::Texture(const Gl &gl, int width, int height, GLenum format) : gl_(&gl) {
+  gl.CreateTextures(GL_TEXTURE_2D, 1, &id_);
+  gl.TextureStorage2D(id_, 1, format, width, height);
+  gl.TextureParameteri(id_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl.TextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+}
+
+void ListTexture::upload(const Gl &gl, GLenum format, const void *elements, size_t count) {
+  const bool integer = format == GL_RG32I || format == GL_R32I;
+  const size_t channels = format == GL_RGBA32F ? 4 : format == GL_RG32I ? 2 : 1;
+  const GLenum layout = format == GL_RGBA32F ? GL_RGBA : format == GL_RG32I ? GL_RG_INTEGER : integer ? GL_RED_INTEGER : GL_RED;
+  const size_t rows = std::max<size_t>(1, (count + LIST_ROW - 1) / LIST_ROW);
+  GLint limit = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+  if (rows > static_cast<size_t>(limit))
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh is too large for this device (" + std::to_string(count) +
+                                             " list elements); use the reference backend.");
+  if (rows != rows_) texture_ = Texture(gl, LIST_ROW, static_cast<int>(rows), format);
+  rows_ = rows;
+  const size_t element = channels * 4;
+  staging_.assign(rows * LIST_ROW * element, std::byte{0});
+  if (count) std::memcpy(staging_.data(), elements, count * element);
+  gl.TextureSubImage2D(texture_.id(), 0, 0, 0, LIST_ROW, static_cast<GLsizei>(rows), layout, integer ? GL_INT : GL_FLOAT,
+                       staging_.data());
+}
+
+} // namespace paradesc

@@ -1,0 +1,78 @@
+// The OpenGL 4.5 entry points that the library uses, as members: no global function pointers that a host could share.
+#pragma once
+
+#include <GL/glcorearb.h>
+
+#define PARADESC_GL_FUNCTIONS(F)                                                                                                   \
+  F(PFNGLGETERRORPROC, GetError)                                                                                                   \
+  F(PFNGLGETSTRINGPROC, GetString)                                                                                                 \
+  F(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                                             \
+  F(PFNGLGETINTEGER64VPROC, GetInteger64v)                                                                                         \
+  F(PFNGLENABLEPROC, Enable)                                                                                                       \
+  F(PFNGLDISABLEPROC, Disable)                                                                                                     \
+  F(PFNGLVIEWPORTPROC, Viewport)                                                                                                   \
+  F(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                                 \
+  F(PFNGLDEPTHMASKPROC, DepthMask)                                                                                                 \
+  F(PFNGLBLENDFUNCPROC, BlendFunc)                                                                                                 \
+  F(PFNGLFINISHPROC, Finish)                                                                                                       \
+  F(PFNGLDRAWELEMENTSPROC, DrawElements)                                                                                           \
+  F(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                               \
+  F(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                                         \
+  F(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                                                     \
+  F(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                                                         \
+  F(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                                         \
+  F(PFNGLNAMEDBUFFERDATAPROC, NamedBufferData)                                                                                     \
+  F(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)                                                                         \
+  F(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                                       \
+  F(PFNGLCREATETEXTURESPROC, CreateTextures)                                                                                       \
+  F(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                                                       \
+  F(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                                                                                   \
+  F(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                                                                                 \
+  F(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                                                                 \
+  F(PFNGLGETTEXTUREIMAGEPROC, GetTextureImage)                                                                                     \
+  F(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                                                     \
+  F(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)                                                                                   \
+  F(PFNGLCREATEFRAMEBUFFERSPROC, CreateFramebuffers)                                                                               \
+  F(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                                                                               \
+  F(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                                     \
+  F(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)                                                                     \
+  F(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERSPROC, NamedFramebufferDrawBuffers)                                                             \
+  F(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                                                             \
+  F(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)                                                                     \
+  F(PFNGLCLEARNAMEDFRAMEBUFFERIVPROC, ClearNamedFramebufferiv)                                                                     \
+  F(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                                                               \
+  F(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                               \
+  F(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                                     \
+  F(PFNGLVERTEXARRAYELEMENTBUFFERPROC, VertexArrayElementBuffer)                                                                   \
+  F(PFNGLVERTEXARRAYVERTEXBUFFERPROC, VertexArrayVertexBuffer)                                                                     \
+  F(PFNGLVERTEXARRAYATTRIBFORMATPROC, VertexArrayAttribFormat)                                                                     \
+  F(PFNGLVERTEXARRAYATTRIBIFORMATPROC, VertexArrayAttribIFormat)                                                                   \
+  F(PFNGLVERTEXARRAYATTRIBBINDINGPROC, VertexArrayAttribBinding)                                                                   \
+  F(PFNGLENABLEVERTEXARRAYATTRIBPROC, EnableVertexArrayAttrib)                                                                     \
+  F(PFNGLCREATESHADERPROC, CreateShader)                                                                                           \
+  F(PFNGLDELETESHADERPROC, DeleteShader)                                                                                           \
+  F(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                                           \
+  F(PFNGLCOMPILESHADERPROC, CompileShader)                                                                                         \
+  F(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                                             \
+  F(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                                   \
+  F(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                                         \
+  F(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                                                         \
+  F(PFNGLATTACHSHADERPROC, AttachShader)                                                                                           \
+  F(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                                             \
+  F(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                                           \
+  F(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                                 \
+  F(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                               \
+  F(PFNGLUNIFORM1IPROC, Uniform1i)
+
+namespace paradesc {
+
+struct Gl {
+#define PARADESC_MEMBER(type, name) type name = nullptr;
+  PARADESC_GL_FUNCTIONS(PARADESC_MEMBER)
+#undef PARADESC_MEMBER
+};
+
+// Throws Error with the stage's name where OpenGL has recorded an error.
+void check_gl(const Gl &gl, const char *stage);
+
+} // namespace paradesc

@@ -1,0 +1,66 @@
+// Posted functions → calls on the one thread where the OpenGL context is current.
+#include "gpu/gl_thread.h"
+
+namespace paradesc {
+
+GlThread::GlThread(bool software, int device_index) : thread_([=, this] { loop(software, device_index); }) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return ready_; });
+  if (!error_) return;
+  lock.unlock();
+  thread_.join();
+  std::rethrow_exception(error_);
+}
+
+GlThread::~GlThread() {
+  {
+    std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void GlThread::run(const std::function<void(const Gl &, ProgramCache &)> &work) {
+  std::lock_guard one_caller(calls_);
+  std::unique_lock lock(mutex_);
+  work_ = &work;
+  error_ = nullptr;
+  changed_.notify_all();
+  changed_.wait(lock, [&] { return work_ == nullptr; });
+  if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
+}
+
+void GlThread::loop(bool software, int device_index) {
+  std::unique_ptr<EglContext> context;
+  std::unique_lock lock(mutex_);
+  try {
+    context = std::make_unique<EglContext>(software, device_index);
+    device_ = context->device();
+  } catch (...) {
+    error_ = std::current_exception();
+  }
+  ready_ = true;
+  changed_.notify_all();
+  if (error_) return;
+
+  ProgramCache programs;
+  while (true) {
+    changed_.wait(lock, [&] { return work_ || stop_; });
+    if (!work_) break;
+    lock.unlock();
+    std::exception_ptr error;
+    try {
+      (*work_)(context->gl(), programs);
+    } catch (...) {
+      error = std::current_exception();
+    }
+    lock.lock();
+    error_ = error;
+    work_ = nullptr;
+    changed_.notify_all();
+  }
+  programs.clear();
+}
+
+} // namespace paradesc

@@ -1,0 +1,41 @@
+// The private thread that owns the EGL context and makes every OpenGL call; others post work to it and wait.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "gpu/egl_context.h"
+#include "gpu/program.h"
+
+namespace paradesc {
+
+class GlThread {
+public:
+  GlThread(bool software, int device_index); // throws as EglContext does
+  ~GlThread();
+  GlThread(const GlThread &) = delete;
+  GlThread &operator=(const GlThread &) = delete;
+
+  // Runs work on the thread, waits for it, and throws on what it throws. One caller at a time.
+  void run(const std::function<void(const Gl &, ProgramCache &)> &work);
+  const std::string &device() const { return device_; }
+
+private:
+  void loop(bool software, int device_index);
+
+  std::mutex calls_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  const std::function<void(const Gl &, ProgramCache &)> *work_ = nullptr;
+  bool ready_ = false;
+  bool stop_ = false;
+  std::exception_ptr error_;
+  std::string device_;
+  std::thread thread_;
+};
+
+} // namespace paradesc

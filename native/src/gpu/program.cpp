@@ -1,0 +1,84 @@
+// Shader texts with #include → linked OpenGL programs; driver messages name our files.
+#include "gpu/program.h"
+
+#include <set>
+#include <sstream>
+
+#include "support/error.h"
+
+namespace paradesc {
+
+static std::string find_text(const std::string &path, const std::map<std::string, std::string> &generated) {
+  if (const auto found = generated.find(path); found != generated.end()) return found->second;
+  for (const EmbeddedShader &file : embedded_shaders())
+    if (path == file.path) return file.text;
+  throw Error(PDESC_ERROR_UNKNOWN, "Shader file " + path + " was not built into the library; rebuild it.");
+}
+
+// GLSL numbers its sources: the number of a file is its place in `files`, which the error message resolves.
+static void append_source(const std::string &path, const std::map<std::string, std::string> &generated, std::vector<std::string> &files,
+                          std::string &source) {
+  for (const std::string &known : files)
+    if (known == path) return;
+  const size_t number = files.size();
+  files.push_back(path);
+  std::istringstream text(find_text(path, generated));
+  std::string line;
+  bool after_include = number > 0;
+  for (int row = 1; std::getline(text, line); ++row) {
+    if (line.starts_with("#include \"")) {
+      append_source(line.substr(10, line.rfind('"') - 10), generated, files, source);
+      after_include = true;
+      continue;
+    }
+    if (after_include) source += "#line " + std::to_string(row) + " " + std::to_string(number) + "\n";
+    after_include = false;
+    source += line + "\n";
+  }
+}
+
+std::string shader_source(const std::string &path, const std::map<std::string, std::string> &generated) {
+  std::vector<std::string> files;
+  std::string source;
+  append_source(path, generated, files, source);
+  return source;
+}
+
+static GLuint compile(const Gl &gl, const ShaderStage &stage, const std::map<std::string, std::string> &generated) {
+  const std::string source = shader_source(stage.path, generated);
+  const char *text = source.c_str();
+  const GLuint shader = gl.CreateShader(stage.type);
+  gl.ShaderSource(shader, 1, &text, nullptr);
+  gl.CompileShader(shader);
+  GLint compiled = 0;
+  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+  if (compiled) return shader;
+  std::string log(2000, '\0');
+  GLsizei length = 0;
+  gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), &length, log.data());
+  log.resize(static_cast<size_t>(length));
+  gl.DeleteShader(shader);
+  throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics driver did not compile " + stage.path + ": " + log);
+}
+
+GLuint ProgramCache::get(const Gl &gl, const std::string &name, const std::vector<ShaderStage> &stages,
+                         const std::map<std::string, std::string> &generated) {
+  if (const auto found = programs_.find(name); found != programs_.end()) return found->second;
+  std::vector<GLuint> shaders;
+  for (const ShaderStage &stage : stages) shaders.push_back(compile(gl, stage, generated));
+  const GLuint program = gl.CreateProgram();
+  for (const GLuint shader : shaders) gl.AttachShader(program, shader);
+  gl.LinkProgram(program);
+  for (const GLuint shader : shaders) gl.DeleteShader(shader);
+  GLint linked = 0;
+  gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
+  if (!linked) {
+    std::string log(2000, '\0');
+    gl.GetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
+    gl.DeleteProgram(program);
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics driver did not link " + name + ": " + log.c_str());
+  }
+  return programs_[name] = program;
+}
+
+} // namespace paradesc
