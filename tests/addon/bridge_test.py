@@ -1,0 +1,289 @@
+"""The bridge without Blender: contexts, meshes, fields, and every error as one sentence."""
+
+import dataclasses
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import ADDON, RADIUS, as_arrays, cube_sphere
+from paradesc import bridge
+from paradesc.bridge import ParadescError, abi, library
+
+OPTIONS = bridge.Options(radius=0.04, samples=128, buffer_size=512)
+DEVICE = "software"
+
+
+def compute(arrays, names=("mean_curvature",), backend=DEVICE, options=OPTIONS):
+    """Values by name."""
+    with bridge.Context(backend) as context, context.mesh(arrays) as mesh, mesh.compute(names, options) as field:
+        return {name: field.values(name) for name in names}
+
+
+def refusal(action, *arguments, **named):
+    """The error of an action, which has to be one sentence."""
+    with pytest.raises(ParadescError) as caught:
+        action(*arguments, **named)
+    sentence = caught.value.sentence
+    assert sentence == str(caught.value)
+    assert sentence.strip()
+    assert "\n" not in sentence.strip()
+    return caught.value
+
+
+def test_bridge_never_imports_blender():
+    code = "import sys; sys.modules['bpy'] = None; import paradesc.bridge, paradesc.job, paradesc.compare, paradesc.results"
+    subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {str(ADDON)!r}); {code}"], check=True)
+
+
+def test_registry_names_are_unique_and_described():
+    rows = bridge.descriptors()
+    names = [row.name for row in rows]
+    assert len(set(names)) == len(names)
+    assert {"mean_curvature", "gaussian_curvature", "shape_index", "local_bending_energy"} <= set(names)
+    assert all(row.label and row.description for row in rows)
+
+
+def test_units_follow_the_power_of_length():
+    units = {row.name: row.unit for row in bridge.descriptors()}
+    assert units["mean_curvature"] == "1/length"
+    assert units["gaussian_curvature"] == "1/length^2"
+    assert units["sphere_volume"] == "length^3"
+    assert units["shape_index"] == ""
+
+
+def test_defaults_are_those_of_the_library():
+    native = library.new_struct(bridge.load_library(), abi.ComputeOptions)
+    ours = bridge.Options()
+    assert (native.radius, native.samples, native.buffer_size) == (ours.radius, ours.samples, ours.buffer_size)
+    assert (native.max_jumps, native.seed, native.seam_error) == (ours.max_jumps, ours.seed, ours.seam_error)
+    assert native.radius_unit == bridge.RADIUS_UNITS[ours.radius_unit]
+    assert native.normals == bridge.NORMALS[ours.normals]
+
+
+@pytest.mark.parametrize("backend", ["software", "reference"])
+def test_sphere_has_mean_curvature_one_over_radius(sphere, backend):
+    values = compute(sphere, backend=backend)["mean_curvature"]
+    # A 14-step cube sphere is a polyhedron; its fitted normals carry the sphere's curvature to well within two percent.
+    np.testing.assert_allclose(values, 1 / RADIUS, rtol=0.02)
+
+
+def test_software_and_reference_agree(sphere):
+    names = ("mean_curvature", "gaussian_curvature", "local_bending_energy", "sphere_volume_normalized")
+    device, reference = compute(sphere, names), compute(sphere, names, backend="reference")
+    for name in names:
+        # Sampling noise of 128 samples on a coarse sphere; METHOD's mean errors are an order below.
+        assert np.abs(device[name] - reference[name]).mean() < 0.01 * np.abs(reference[name]).mean(), name
+
+
+def test_same_input_gives_the_same_bits(sphere):
+    assert np.array_equal(compute(sphere)["mean_curvature"], compute(sphere)["mean_curvature"])
+
+
+def test_descriptors_together_equal_descriptors_alone(sphere):
+    together = compute(sphere, ("mean_curvature", "curvedness"))
+    assert np.array_equal(together["curvedness"], compute(sphere, ("curvedness",))["curvedness"])
+
+
+def test_reports_count_what_is_there(sphere):
+    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh:
+        report = mesh.report()
+        assert report["vertex_count"] == len(sphere.positions)
+        assert report["triangle_count"] == len(sphere.triangle_corners)
+        assert report["charts"] == 6
+        assert report["boundary_edges"] == 0
+        np.testing.assert_allclose(report["diagonal"], 2 * RADIUS * np.sqrt(3), rtol=0.02)
+        with mesh.compute(("mean_curvature",), OPTIONS) as field:
+            found = field.report()
+    np.testing.assert_allclose(found["radius"], 0.04 * report["diagonal"], rtol=1e-5)
+    assert found["undefined_vertices"] == 0
+    assert 0.98 < found["coverage_mean"] <= 1.0
+
+
+def test_coverage_and_mask_come_with_every_result(sphere):
+    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh, mesh.compute(["curvedness"], OPTIONS) as field:
+        coverage, mask = field.values("coverage"), field.mask()
+    assert coverage.shape == mask.shape == (len(sphere.positions),)
+    assert (coverage > 0.9).all()
+    assert not mask.any()
+
+
+def test_seam_error_is_defined_at_seams_alone(sphere):
+    options = dataclasses.replace(OPTIONS, seam_error=True)
+    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh:
+        near = mesh.near_seam(0.04 * mesh.report()["diagonal"])
+        with mesh.compute(["mean_curvature"], options) as field:
+            error = field.seam_error("mean_curvature")
+    at_seam = np.isfinite(error)
+    assert 0 < at_seam.sum() < len(error)
+    assert near[at_seam].all()
+    assert error[at_seam].max() < 0.05 / RADIUS
+
+
+def test_loose_vertex_is_undefined_and_the_others_are_not(sphere):
+    arrays = dataclasses.replace(sphere, positions=np.vstack([sphere.positions, [[0, 0, 0]]]).astype(np.float32))
+    values = compute(arrays)["mean_curvature"]
+    assert np.isnan(values[-1])
+    assert np.isfinite(values[:-1]).all()
+
+
+def test_new_positions_scale_the_curvature(sphere):
+    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh:
+        mesh.set_positions(3 * sphere.positions)
+        with mesh.compute(["mean_curvature"], OPTIONS) as field:
+            np.testing.assert_allclose(field.values("mean_curvature"), 1 / (3 * RADIUS), rtol=0.02)
+
+
+def test_field_outlives_its_mesh_and_context(sphere):
+    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh:
+        field = mesh.compute(["mean_curvature"], OPTIONS)
+    assert np.isfinite(field.values("mean_curvature")).all()
+    field.close()
+
+
+def test_reference_needs_no_uv_map(sphere):
+    arrays = dataclasses.replace(sphere, corner_uvs=None)
+    values = compute(arrays, backend="reference")["mean_curvature"]
+    np.testing.assert_allclose(values, 1 / RADIUS, rtol=0.02)
+
+
+def test_device_without_uv_map_is_refused(sphere):
+    arrays = dataclasses.replace(sphere, corner_uvs=None)
+    assert "UV" in refusal(compute, arrays).sentence
+
+
+def test_cancelled_computation_leaves_the_mesh_usable(sphere):
+    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh:
+        error = refusal(mesh.compute, ["mean_curvature"], OPTIONS, lambda stage, fraction: False)
+        assert error.status == abi.STATUS_CANCELLED
+        with mesh.compute(["mean_curvature"], OPTIONS) as field:
+            assert np.isfinite(field.values("mean_curvature")).all()
+
+
+def test_progress_rises_from_stage_to_stage(sphere):
+    seen = []
+    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh:
+        mesh.compute(["mean_curvature"], OPTIONS, lambda stage, fraction: seen.append((stage, fraction)) or True).close()
+    fractions = [fraction for _, fraction in seen]
+    assert fractions
+    assert fractions == sorted(fractions)
+    assert 0 <= fractions[0] <= fractions[-1] <= 1
+    assert all(stage for stage, _ in seen)
+
+
+def test_exception_in_progress_reaches_the_caller(sphere):
+    def interrupt(stage, fraction):
+        raise KeyboardInterrupt
+
+    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh, pytest.raises(KeyboardInterrupt):
+        mesh.compute(["mean_curvature"], OPTIONS, interrupt)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"radius": 0.0},
+        {"radius": -1.0},
+        {"radius": float("nan")},
+        {"radius": 1.5},
+        {"samples": 0},
+        {"samples": 2**40},
+        {"buffer_size": 1},
+        {"normals": "none"},
+        {"radius_unit": "miles"},
+        {"max_jumps": -1},
+        {"seed": -1},
+    ],
+    ids=str,
+)
+def test_bad_option_is_one_sentence(sphere, change):
+    error = refusal(compute, sphere, options=dataclasses.replace(OPTIONS, **change))
+    assert error.status == abi.STATUS_INVALID_ARGUMENT
+
+
+def test_unknown_descriptor_is_named(sphere):
+    error = refusal(compute, sphere, ("pointiness",))
+    assert error.status == abi.STATUS_INVALID_ARGUMENT
+    assert "pointiness" in error.sentence
+
+
+def test_value_that_was_not_asked_for_is_refused(sphere):
+    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh, mesh.compute(["curvedness"], OPTIONS) as field:
+        refusal(field.values, "mean_curvature")
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_position_that_is_not_finite_is_named(sphere, value):
+    positions = sphere.positions.copy()
+    positions[17, 1] = value
+    error = refusal(compute, dataclasses.replace(sphere, positions=positions))
+    assert error.status == abi.STATUS_INVALID_ARGUMENT
+    assert "17" in error.sentence
+
+
+@pytest.mark.parametrize("member", ["corner_vertices", "triangle_corners"])
+@pytest.mark.parametrize("index", [-1, 10**6])
+def test_index_out_of_range_is_named(sphere, member, index):
+    array = getattr(sphere, member).copy()
+    array.reshape(-1)[5] = index
+    error = refusal(compute, dataclasses.replace(sphere, **{member: array}))
+    assert error.status == abi.STATUS_INVALID_ARGUMENT
+    assert str(index) in error.sentence.replace(",", "")
+
+
+def test_mesh_without_triangles_is_refused(sphere):
+    arrays = dataclasses.replace(sphere, triangle_corners=np.zeros((0, 3), np.int32))
+    assert refusal(compute, arrays).status == abi.STATUS_INVALID_ARGUMENT
+
+
+@pytest.mark.parametrize(
+    ("member", "array"),
+    [
+        ("positions", np.zeros((5, 2))),
+        ("corner_uvs", np.zeros((3, 2))),
+        ("triangle_smooth", np.ones(1)),
+        ("corner_vertices", np.zeros((4, 2))),
+    ],
+)
+def test_array_of_wrong_shape_never_reaches_c(sphere, member, array):
+    error = refusal(compute, dataclasses.replace(sphere, **{member: array}))
+    assert member in error.sentence
+
+
+def test_backend_and_device_that_do_not_exist_are_refused():
+    refusal(bridge.Context, "vulkan")
+    refusal(bridge.Context, DEVICE, 1000)
+
+
+def test_missing_library_is_one_clear_sentence(tmp_path):
+    error = refusal(library.open_library, tmp_path / "libparadesc.so")
+    assert error.sentence.startswith("native library missing – ")
+
+
+def test_broken_library_is_one_clear_sentence(tmp_path):
+    path = tmp_path / "libparadesc.so"
+    path.write_bytes(b"not a library")
+    assert refusal(library.open_library, path).sentence.startswith("native library cannot be loaded – ")
+
+
+def test_library_of_another_version_is_refused(tmp_path):
+    functions = "".join(f"int {name}(void) {{ return 999; }}\n" for name in abi.FUNCTIONS)
+    (tmp_path / "other.c").write_text(functions)
+    path = tmp_path / "libother.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", path, tmp_path / "other.c"], check=True)
+    sentence = refusal(library.open_library, path).sentence
+    assert "999" in sentence
+    assert str(abi.ABI_VERSION) in sentence
+
+
+def test_library_without_a_function_is_refused(tmp_path):
+    (tmp_path / "old.c").write_text("int pdesc_abi_version(void) { return 1; }\n")
+    path = tmp_path / "libold.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", path, tmp_path / "old.c"], check=True)
+    assert "does not fit" in refusal(library.open_library, path).sentence
+
+
+def test_many_contexts_come_and_go():
+    arrays = as_arrays(*cube_sphere(4))
+    for _ in range(8):
+        assert np.isfinite(compute(arrays, options=dataclasses.replace(OPTIONS, radius=0.2))["mean_curvature"]).all()

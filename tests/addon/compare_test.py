@@ -1,0 +1,140 @@
+"""The one definition of error, on arrays small enough to check by hand."""
+
+import math
+
+import numpy as np
+import pytest
+from paradesc import bridge, compare, job
+from paradesc.bridge import Descriptor, abi
+
+CURVATURE = Descriptor("h", "H", "", -1, True, 0.0, math.nan, math.nan)
+SQUARED = Descriptor("k", "K", "", -2, True, 0.0, math.nan, math.nan)
+VOLUME = Descriptor("v", "V", "", 3, False, math.nan, math.nan, math.nan)
+SHARE = Descriptor("s", "S", "", 0, False, math.nan, math.nan, math.nan)
+REFERENCE = np.linspace(0.0, 40.0, 41)  # P97.5 - P2.5 = 39 - 1
+EVERYWHERE = np.ones(41, bool)
+
+
+def errors(values, reference=REFERENCE, with_face=None, row=CURVATURE, radius=0.1):
+    """Percent errors."""
+    faces = np.ones(len(reference), bool) if with_face is None else with_face
+    return compare.percent_errors(np.asarray(values), np.asarray(reference), faces, row, radius).percent
+
+
+def test_error_is_relative_to_the_inner_range_of_the_reference():
+    np.testing.assert_allclose(errors(REFERENCE + 0.38), 1.0)
+
+
+def test_exact_values_have_no_error():
+    assert (errors(REFERENCE) == 0).all()
+
+
+def test_undefined_on_both_sides_is_left_out():
+    values, reference = REFERENCE.copy(), REFERENCE.copy()
+    values[3] = reference[3] = np.nan
+    found = errors(values, reference)
+    assert np.isnan(found[3])
+    assert np.isfinite(np.delete(found, 3)).all()
+
+
+@pytest.mark.parametrize("side", ["values", "reference"])
+def test_undefined_on_one_side_counts_a_hundred(side):
+    arrays = {"values": REFERENCE.copy(), "reference": REFERENCE.copy()}
+    arrays[side][7] = np.nan
+    assert errors(**arrays)[7] == 100.0
+
+
+def test_vertex_without_face_is_left_out():
+    faces = EVERYWHERE.copy()
+    faces[0] = False
+    values = REFERENCE.copy()
+    values[0] = np.nan
+    found = errors(values, with_face=faces)
+    assert np.isnan(found[0])
+    assert np.nanmax(found) == 0
+
+
+def test_vertex_without_face_does_not_stretch_the_range():
+    reference = np.append(REFERENCE, 1e9)
+    faces = np.append(EVERYWHERE, False)
+    np.testing.assert_allclose(errors(reference + 0.38, reference, faces)[:-1], 1.0)
+
+
+def test_constant_reference_is_measured_against_its_size():
+    reference = np.full(50, -0.25) + np.linspace(0, 1e-5, 50)
+    np.testing.assert_allclose(errors(reference + 0.0025, reference), 1.0, rtol=1e-3)
+
+
+@pytest.mark.parametrize(("row", "scale"), [(CURVATURE, 10.0), (SQUARED, 100.0)])
+def test_plane_is_measured_against_the_radius(row, scale):
+    reference = np.linspace(-1e-9, 1e-9, 41)
+    np.testing.assert_allclose(errors(reference + 0.01 * scale, reference, row=row, radius=0.1), 1.0, rtol=1e-6)
+
+
+@pytest.mark.parametrize("row", [VOLUME, SHARE])
+def test_constant_without_inverse_length_is_measured_against_its_size(row):
+    reference = np.full(9, 0.5)
+    np.testing.assert_allclose(errors(reference + 0.005, reference, row=row), 1.0)
+
+
+def test_nothing_defined_gives_no_statistic():
+    found = errors(np.full(4, np.nan), np.full(4, np.nan))
+    assert math.isnan(compare.statistic(found, np.mean))
+
+
+def results(values, reference_side, mask, near_seam=None, seam_error=None):
+    """Results that hold these arrays and nothing else of interest."""
+    name = "mean_curvature"
+    return job.Results(
+        settings=job.Settings((name,), bridge.Options(radius=0.02)),
+        values={name: values},
+        coverage=np.ones(len(values), np.float32),
+        mask=mask,
+        mesh_report={},
+        field_report={"radius": 0.1, "coverage_mean": 0.999},
+        backend="reference" if reference_side else "software",
+        device="",
+        warnings=[],
+        near_seam=near_seam,
+        seam_error={} if seam_error is None else {name: seam_error},
+    )
+
+
+def test_row_gathers_errors_seams_and_seam_errors():
+    mask = np.zeros(42, np.uint8)
+    mask[41] = abi.MASK_NO_FACE
+    reference = np.append(REFERENCE, np.nan)
+    values = reference + 0.38
+    values[:10] = reference[:10] + 0.76
+    values[40] = np.nan
+    near = np.arange(42) < 10
+    seam_error = np.full(42, np.nan)
+    seam_error[:4] = [0.38, 0.38, 0.38, 0.76]
+    row = compare.row("mean_curvature", results(values, False, mask, near, seam_error), results(reference, True, mask))
+    assert row["descriptor"] == "mean_curvature"
+    assert row["radius"] == 0.02
+    assert row["undefined"] == 1
+    assert row["coverage_mean"] == 0.999
+    np.testing.assert_allclose(row["mean_percent_ae"], (10 * 2 + 30 * 1 + 100) / 41)
+    np.testing.assert_allclose(row["median_percent_ae"], 1.0)
+    np.testing.assert_allclose(row["max_percent_ae"], 100.0)
+    np.testing.assert_allclose(row["seam_mean_percent_ae"], 2.0)
+    np.testing.assert_allclose(row["seam_error_mean"], 1.25)
+    np.testing.assert_allclose(row["seam_error_p99"], np.percentile([1, 1, 1, 2], 99))
+
+
+def test_reference_is_compared_with_a_device_on_the_same_settings(sphere):
+    settings = job.Settings(("mean_curvature", "curvedness"), bridge.Options(radius=0.04, samples=128), "software")
+    rows, device, reference = compare.compare(sphere, settings)
+    assert [row["descriptor"] for row in rows] == ["mean_curvature", "curvedness"]
+    assert (device.backend, reference.backend) == ("software", "reference")
+    for row in rows:
+        # A sphere is constant, so this is relative to 1/R; noise of 128 samples stays well below a percent.
+        assert row["mean_percent_ae"] < 1.0
+        assert row["undefined"] == 0
+        assert row["seam_error_mean"] < 1.0
+
+
+def test_reference_against_itself_is_refused(sphere):
+    with pytest.raises(bridge.ParadescError, match="no device"):
+        compare.compare(sphere, job.Settings(backend="reference"))
