@@ -1,0 +1,183 @@
+"""The operator, the settings and the panel, inside Blender without a window."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+import paradesc  # noqa: E402
+from paradesc import bridge, job, mesh_io, operators, panel, properties  # noqa: E402
+from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
+
+
+@pytest.fixture(autouse=True)
+def registered():
+    empty_scene()
+    paradesc.register()
+    yield
+    paradesc.unregister()
+
+
+@pytest.fixture
+def sphere_object():
+    made = add_sphere()
+    settings = bpy.context.scene.paradesc
+    settings.radius_percent, settings.samples, settings.buffer_size = 8.0, 64, 256
+    settings.backend = "software"
+    return made
+
+
+def names_of(target):
+    """The object's attributes."""
+    return {attribute.name for attribute in target.data.attributes}
+
+
+def test_registering_twice_leaves_nothing_behind():
+    paradesc.unregister()
+    assert not hasattr(bpy.types.Scene, "paradesc")
+    assert not hasattr(bpy.types, "PARADESC_OT_bake")
+    paradesc.register()
+    assert hasattr(bpy.types, "PARADESC_OT_bake")
+
+
+def test_menu_is_the_native_registry():
+    items = bpy.context.scene.paradesc.bl_rna.properties["descriptors"].enum_items
+    assert [item.identifier for item in items] == [row.name for row in bridge.descriptors()]
+    assert [item.name for item in items] == [row.label for row in bridge.descriptors()]
+    assert bpy.context.scene.paradesc.descriptors == {"mean_curvature"}
+
+
+def test_settings_become_those_of_the_computation():
+    group = bpy.context.scene.paradesc
+    group.descriptors = {"curvedness", "gaussian_curvature"}
+    group.radius_percent, group.samples, group.buffer_size, group.max_jumps = 3.0, 99, 333, 5
+    settings = properties.job_settings(group)
+    assert settings.descriptors == ("gaussian_curvature", "curvedness")
+    np.testing.assert_allclose(settings.options.radius, 0.03, rtol=1e-6)
+    assert (settings.options.samples, settings.options.buffer_size, settings.options.max_jumps) == (99, 333, 5)
+    group.radius_unit, group.radius_absolute = "absolute", 0.7
+    np.testing.assert_allclose(properties.job_settings(group).options.radius, 0.7, rtol=1e-6)
+    group.radius_unit, group.radius_edges = "mean-edge", 6.0
+    assert properties.job_settings(group).options.radius == 6.0
+
+
+@pytest.mark.parametrize(
+    ("member", "choices"), [("radius_unit", bridge.RADIUS_UNITS), ("normals", bridge.NORMALS), ("backend", bridge.BACKENDS)]
+)
+def test_every_choice_is_known_to_the_bridge(member, choices):
+    items = bpy.context.scene.paradesc.bl_rna.properties[member].enum_items
+    assert [item.identifier for item in items] == list(choices)
+
+
+def test_bake_writes_the_values_that_the_job_computes(sphere_object):
+    bpy.context.scene.paradesc.descriptors = {"mean_curvature", "curvedness"}
+    arrays = mesh_io.read_object(sphere_object, corner_normals=False)
+    expected = job.run(arrays, properties.job_settings(bpy.context.scene.paradesc))
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    for name, values in expected.values.items():
+        assert np.array_equal(attribute_values(sphere_object.data, name), values, equal_nan=True)
+    assert {"mean_curvature_color", "curvedness_color", "coverage"} <= names_of(sphere_object)
+
+
+def test_invoking_without_a_window_runs_the_same_steps(sphere_object):
+    assert bpy.ops.paradesc.bake("INVOKE_DEFAULT") == {"FINISHED"}
+    assert "mean_curvature" in names_of(sphere_object)
+
+
+def test_bake_in_edit_mode_stays_in_edit_mode(sphere_object):
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert sphere_object.mode == "EDIT"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.isfinite(attribute_values(sphere_object.data, "mean_curvature")).all()
+
+
+def test_own_normals_are_taken_on_request(sphere_object):
+    bpy.context.scene.paradesc.normals = "mesh"
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    np.testing.assert_allclose(attribute_values(sphere_object.data, "mean_curvature"), 0.5, rtol=0.1)
+
+
+def test_nothing_selected_cannot_be_baked():
+    assert operators.obstacle(bpy.context)
+    with pytest.raises(RuntimeError, match="poll"):
+        bpy.ops.paradesc.bake()
+
+
+def test_missing_library_is_said_before_anything_else(sphere_object, monkeypatch):
+    monkeypatch.setattr(bridge, "missing_sentence", lambda: "native library missing – somewhere.")
+    assert operators.obstacle(bpy.context).startswith("native library missing")
+    assert properties.descriptor_items() == [properties.NO_DESCRIPTOR]
+    with pytest.raises(RuntimeError, match="poll"):
+        bpy.ops.paradesc.bake()
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"descriptors": set()}, "choose at least one"),
+        ({"radius_unit": "absolute", "radius_absolute": 1000.0}, "adius"),
+    ],
+    ids=str,
+)
+def test_bad_settings_are_one_sentence_and_change_nothing(sphere_object, change, words):
+    for name, value in change.items():
+        setattr(bpy.context.scene.paradesc, name, value)
+    before = fingerprint(sphere_object)
+    with pytest.raises(RuntimeError, match=words) as caught:
+        bpy.ops.paradesc.bake()
+    assert "Traceback" not in str(caught.value)
+    assert fingerprint(sphere_object) == before
+
+
+def test_mesh_without_uv_map_is_one_sentence_and_changes_nothing():
+    target = add_sphere(uv_map=False)
+    bpy.context.scene.paradesc.backend = "software"
+    before = fingerprint(target)
+    with pytest.raises(RuntimeError, match="no UV map") as caught:
+        bpy.ops.paradesc.bake()
+    assert "Traceback" not in str(caught.value)
+    assert fingerprint(target) == before
+
+
+def test_mesh_with_nan_is_one_sentence_and_changes_nothing(sphere_object):
+    sphere_object.data.vertices[3].co.x = float("nan")
+    before = fingerprint(sphere_object)
+    with pytest.raises(RuntimeError, match="3"):
+        bpy.ops.paradesc.bake()
+    assert fingerprint(sphere_object) == before
+
+
+def test_report_lines_tell_the_last_run(sphere_object):
+    bpy.ops.paradesc.bake()
+    text = "\n".join(panel.report_lines(mesh_io.stored_summary(sphere_object.data)))
+    assert "Charts: 6" in text
+    assert "Coverage: " in text
+    assert "software" in text
+
+
+def test_labels_are_wrapped_without_losing_words():
+    sentence = "One sentence that is much longer than the panel is wide, with averylongwordthatfitsnowhereatall."
+    lines = panel.wrapped(sentence, 20)
+    assert " ".join(lines) == sentence
+    assert all(len(line) <= 20 or " " not in line for line in lines)
+
+
+def test_worker_gives_results_and_progress(sphere_object):
+    arrays = mesh_io.read_object(sphere_object, corner_normals=False)
+    worker = job.Worker(arrays, properties.job_settings(bpy.context.scene.paradesc))
+    worker.start()
+    results = worker.results()
+    assert worker.done
+    assert 0 < worker.fraction <= 1
+    assert np.isfinite(results.values["mean_curvature"]).all()
+
+
+def test_cancelled_worker_raises_cancelled(sphere_object):
+    arrays = mesh_io.read_object(sphere_object, corner_normals=False)
+    worker = job.Worker(arrays, properties.job_settings(bpy.context.scene.paradesc))
+    worker.cancel()
+    worker.start()
+    with pytest.raises(bridge.ParadescError) as caught:
+        worker.results()
+    assert caught.value.status == bridge.abi.STATUS_CANCELLED
