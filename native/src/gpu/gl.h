@@ -62,6 +62,7 @@
   F(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                                           \
   F(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                                 \
   F(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                               \
+  F(PFNGLUNIFORM1FPROC, Uniform1f)                                                                                                 \
   F(PFNGLUNIFORM1IPROC, Uniform1i)
 
 namespace paradesc {

@@ -1,0 +1,24 @@
+#version 450 core
+// Chart edges → quads that reach every texel an edge passes through, so that no chart falls apart (paper 3.3). A line of the
+// rasterizer would skip texels that it only touches.
+#include "shared.h"
+layout(std430, binding = BINDING_EDGES) readonly buffer Edges { EdgeData edges[]; };
+layout(location = 0) uniform int buffer_size;
+
+flat out int edge;
+
+// Half a texel's diagonal: the center of a touched texel is at most that far from the edge.
+const float REACH = 0.7072;
+
+void main() {
+  edge = gl_VertexID / 6;
+  const vec2 corners[6] = vec2[](vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, -1), vec2(1, 1), vec2(-1, 1));
+  vec2 corner = corners[gl_VertexID % 6];
+  vec4 uv = edges[edge].uv * float(buffer_size);
+  vec2 along = uv.zw - uv.xy;
+  float span = length(along);
+  along = span > 0.0 ? along / span : vec2(1.0, 0.0);
+  vec2 across = vec2(-along.y, along.x);
+  vec2 place = (corner.x < 0.0 ? uv.xy - along * REACH : uv.zw + along * REACH) + across * corner.y * REACH;
+  gl_Position = vec4(place / float(buffer_size) * 2.0 - 1.0, 0.0, 1.0);
+}

@@ -1,0 +1,63 @@
+// Structs, limits and bindings that C++ and GLSL both compile. std430 layout: vec4 and ivec4 members only.
+#ifndef PARADESC_SHARED_H
+#define PARADESC_SHARED_H
+
+#define LIST_ROW 4096 // elements per row of a list texture
+#define GROUP_SIZE 64 // invocations per work group
+#define MAX_MARCH_STEPS 4096 // guard of the march; a straight line crosses at most 2 x 8192 texels between seams, far less in practice
+
+// Textures (sampler units).
+#define UNIT_TRIANGLES 0   // list, RGBA32F: E, F, G, area element of each triangle
+#define UNIT_POSITION 1    // buffer, RGBA32F: position, area element (0: no surface)
+#define UNIT_NORMAL 2      // buffer, RGBA32F: unit normal
+#define UNIT_IDS 3         // buffer, RG32I: chart (-1: none), triangle
+#define UNIT_BORDER 4      // buffer, RG32I: free texels around (or -number of border edges in this texel), first list entry
+#define UNIT_BORDER_LIST 5 // list, RG32I: border, chart
+#define UNIT_BORDER_UV 6   // list, RGBA32F: u0, v0, u1, v1 of each border, the chart on its left
+#define UNIT_LINKS 7       // list, RGBA32F, two a border: the matrix of M_e; its image of (u0, v0), twin (or -1 - kind), twin's chart
+
+// Storage buffers.
+#define BINDING_CENTERS 0
+#define BINDING_PATTERN 1
+#define BINDING_RESULTS 2
+#define BINDING_EDGES 3    // chart-edge lines to rasterize
+
+// Rows of the results that come before the descriptors'.
+#define ROW_COVERAGE 0
+#define ROW_FLAGS 1
+#define ROW_DESCRIPTORS 2
+
+#ifdef __cplusplus
+namespace paradesc {
+struct alignas(16) CenterData {
+  vec4 position_chart; // xyz in buffer units, w: chart
+  vec4 normal_phase;   // xyz unit, w: rotation of the pattern in radians
+  vec4 place;          // (u, v) of the evaluation; (u, v) just inside the chart where marches start
+  vec4 ellipse;        // columns of the 2x2 map from the unit disk to (u, v) offsets
+};
+struct alignas(16) EdgeData {
+  vec4 uv;               // u0, v0, u1, v1
+  vec4 position0_chart;  // xyz, w: chart
+  vec4 position1_triangle; // xyz, w: triangle (exact up to 2^24, which limits the mesh)
+  vec4 normal0;
+  vec4 normal1;
+};
+} // namespace paradesc
+#else
+struct CenterData {
+  vec4 position_chart;
+  vec4 normal_phase;
+  vec4 place;
+  vec4 ellipse;
+};
+struct EdgeData {
+  vec4 uv;
+  vec4 position0_chart;
+  vec4 position1_triangle;
+  vec4 normal0;
+  vec4 normal1;
+};
+ivec2 list_place(int index) { return ivec2(index % LIST_ROW, index / LIST_ROW); }
+#endif
+
+#endif
