@@ -66,8 +66,7 @@ template <class Visit> void visit_region(const DiscRegion &region, dvec2 center,
     BoundaryPiece piece = region.pieces[static_cast<size_t>(k)];
     const int parts = piece.angle > widest_arc ? static_cast<int>(std::ceil(piece.angle / widest_arc)) : 1;
     piece.angle /= parts;
-    for (int part = 0; part < parts; ++part, piece.angle_begin += piece.angle)
-      visit_sector(region, piece, center, rule, visit);
+    for (int part = 0; part < parts; ++part, piece.angle_begin += piece.angle) visit_sector(region, piece, center, rule, visit);
   }
 }
 
