@@ -1,13 +1,17 @@
 // A triangle list, as split and as non-manifold as files are → manifold half-edges in flat arrays, connected by OpenMesh.
 //
 // Pair edges, by vertex and then by position; give every fan of paired faces a point of its own; let OpenMesh connect faces
-// over points, which then cannot but be manifold; read its half-edges back.
+// over points, and read its half-edges back.
 #include "mesh/halfedge.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <span>
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized" // OpenMesh pushes points before it sets them; seen under sanitizers
+#endif
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
