@@ -1,0 +1,348 @@
+// Every backend against exact values, on surfaces whose curvatures have a closed form; figures of issue "Core" and METHOD.md.
+//
+// By default each case runs once. PARADESC_LONG_TESTS adds meshes, seeds, regular grids and bent UV maps.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "support/layout.h"
+#include "support/percent_ae.h"
+#include "support/run.h"
+#include "support/surfaces.h"
+
+namespace paradesc::test {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+const std::vector<std::string> measured{"mean_curvature", "gaussian_curvature", "local_bending_energy", "sphere_volume"};
+
+// One row of the table that a person reads, and the same in the XML report.
+void record(const std::string &what, const std::string &descriptor, const PercentAe &error) {
+  std::ostringstream row;
+  row << std::left << std::setw(44) << what << std::setw(22) << descriptor << std::fixed << std::setprecision(4) << "%AE mean "
+      << error.mean << "  median " << error.median << "  p99 " << error.p99 << "  max " << error.max << "  (" << error.count
+      << ")";
+  std::cout << row.str() << '\n';
+  std::string key = what + "_" + descriptor;
+  std::replace_if(
+      key.begin(), key.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
+  ::testing::Test::RecordProperty(key, std::to_string(error.mean));
+}
+
+TestMesh test_torus(const Triangulation &triangulation = {}) { return torus(1, 0.4, triangulation); }
+TestMesh test_ellipsoid(const Triangulation &triangulation = {}) { return ellipsoid(1, 0.75, 0.5, triangulation); }
+
+// ---- The figures asked for: irregular torus and ellipsoid, 1 to 60 charts
+
+class IrregularSurface : public ::testing::TestWithParam<std::tuple<const char *, int, double>> {
+protected:
+  void SetUp() override {
+    const auto [surface, charts, fraction] = GetParam();
+    mesh = std::string(surface) == "torus" ? test_torus() : test_ellipsoid();
+    lay_out(mesh, {.charts = charts});
+    settings.radius = fraction;
+    std::ostringstream name;
+    name << surface << ", " << charts << " charts, r " << fraction * 100 << " %";
+    title = name.str();
+    std::string why_not;
+    reference = open_context(PDESC_BACKEND_REFERENCE, why_not);
+    ASSERT_TRUE(reference);
+    software = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+    if (!software) GTEST_SKIP() << why_not;
+  }
+
+  TestMesh mesh;
+  Settings settings; // 256 samples, buffer 1024, fitted normals
+  std::string title;
+  Context reference, software;
+};
+
+TEST_P(IrregularSurface, has_its_exact_curvatures_and_the_oracles_volume_and_bending) {
+  const Results results = compute(software.get(), mesh, settings, measured);
+  const Results oracle = compute(reference.get(), mesh, settings, measured);
+  std::cout << title << ": " << mesh.vertex_count << " vertices, radius in texels " << results.report.radius_in_texels
+            << ", coverage " << results.report.coverage_mean << '\n';
+  const std::vector<uint8_t> seam = near_seam(mesh, results.report.radius);
+  const std::vector<uint8_t> inside = without(std::vector<uint8_t>(seam.size(), 1), seam);
+  const std::vector<double> *exact[]{&mesh.H, &mesh.K};
+  for (size_t i = 0; i < measured.size(); ++i) {
+    const std::vector<float> &values = results[measured[i]];
+    const std::vector<double> truth = i < 2 ? *exact[i] : as_double(oracle[measured[i]]);
+    const PercentAe error = percent_ae(values, truth), at_seams = percent_ae(values, truth, seam);
+    const PercentAe off_seams = percent_ae(values, truth, inside);
+    record(title, measured[i], error);
+    record(title + ", seams", measured[i], at_seams);
+    record(title + ", interior", measured[i], off_seams);
+    // Issue "Core": 0.25 % of H and K against exact values, 1 % of the others against the oracle. Exact normals alone leave
+    // 0.08 to 0.18 % (METHOD.md, "Normals decide"), fitted ones 0.02 to 0.05 % more.
+    EXPECT_LE(error.mean, i < 2 ? 0.25 : 1.0) << measured[i];
+    // Issue "Core": seam vertices at most 1.5 times the interior. With few vertices on one side the means are not comparable.
+    if (at_seams.count >= 200 && off_seams.count >= 200) EXPECT_LE(at_seams.mean, 1.5 * off_seams.mean) << measured[i];
+    if (i < 2) {
+      const PercentAe of_oracle = percent_ae(oracle[measured[i]], truth);
+      record(title + ", oracle", measured[i], of_oracle);
+      EXPECT_LE(of_oracle.mean, 0.25) << measured[i] << " of the oracle";
+    }
+  }
+  // Issue "Core": coverage within 1 % of the oracle's area.
+  EXPECT_NEAR(results.report.coverage_mean, 1, 0.01);
+}
+
+std::string figures_name(const ::testing::TestParamInfo<std::tuple<const char *, int, double>> &info) {
+  const auto [surface, charts, fraction] = info.param;
+  return std::string(surface) + "_" + std::to_string(charts) + "_charts_r_" + std::to_string(std::lround(fraction * 100)) +
+         "_percent";
+}
+INSTANTIATE_TEST_SUITE_P(, IrregularSurface,
+                         ::testing::Combine(::testing::Values("torus", "ellipsoid"), ::testing::Values(1, 6, 15, 60),
+                                            ::testing::Values(0.01, 0.02)),
+                         figures_name);
+
+// Meshes of other sizes and seeds, grids, bent charts: the same figures, when asked for.
+TEST(IrregularSurfaces, keep_their_exact_curvatures_for_other_sizes_seeds_and_layouts) {
+  if (!long_tests()) GTEST_SKIP() << "set PARADESC_LONG_TESTS to run it";
+  std::string why_not;
+  const Context context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+  if (!context) GTEST_SKIP() << why_not;
+  for (const int vertices : {15000, 25000})
+    for (const uint32_t seed : {2u, 3u})
+      for (const Layout &layout :
+           {Layout{.charts = 6, .seed = seed, .offset = 0.2}, Layout{.charts = 15, .seed = seed, .anisotropy = 1.5},
+            Layout{.charts = 60, .seed = seed, .warp = 0.3}})
+        for (TestMesh mesh :
+             {test_torus({.vertices = vertices, .seed = seed}), test_ellipsoid({.vertices = vertices, .seed = seed}),
+              goursat(0.5, {.vertices = vertices, .seed = seed})}) {
+          lay_out(mesh, layout);
+          for (const double fraction : {0.01, 0.02}) {
+            const Results results = compute(context.get(), mesh, {.radius = fraction}, measured);
+            std::ostringstream title;
+            title << (mesh.domain == Domain::sphere ? mesh.lengths.y == 1 ? "goursat " : "ellipsoid " : "torus ") << vertices
+                  << ", " << layout.charts << " charts, seed " << seed << ", r " << fraction;
+            for (size_t i = 0; i < 2; ++i) {
+              const PercentAe error = percent_ae(results[measured[i]], i == 0 ? mesh.H : mesh.K);
+              record(title.str(), measured[i], error);
+              EXPECT_LE(error.mean, 0.25) << title.str() << ' ' << measured[i]; // issue "Core"
+            }
+          }
+        }
+}
+
+// ---- Both backends
+
+class Analytic : public OnBackend {
+protected:
+  Results compute(const TestMesh &mesh, const Settings &settings) {
+    return test::compute(context.get(), mesh, settings, measured);
+  }
+  void expect_exact(const std::string &what, const std::vector<float> &values, const std::vector<double> &exact, double percent,
+                    std::span<const uint8_t> subset = {}, double flat_scale = 0) {
+    const PercentAe error = percent_ae(values, exact, subset, flat_scale);
+    record(what, "", error);
+    EXPECT_LE(error.mean, percent) << what;
+    EXPECT_GT(error.count, 0) << what;
+  }
+};
+PDESC_ON_EACH_BACKEND(Analytic);
+
+// 0.25 %: the torus' bound. A sphere has no bias at any radius, so what is left is the normals' and the chords' error.
+TEST_P(Analytic, sphere_has_its_curvatures_bending_and_volume) {
+  TestMesh mesh = sphere(2);
+  lay_out(mesh, {.charts = 15});
+  for (const double fraction : {0.01, 0.02}) {
+    const Results results = compute(mesh, {.radius = fraction});
+    const double r = results.report.radius, volume = 2 * pi * r * r * r / 3 - pi * r * r * r * r / (4 * 2);
+    const std::string title = "sphere, r " + std::to_string(fraction);
+    expect_exact(title + " H", results["mean_curvature"], mesh.H, 0.25);
+    expect_exact(title + " K", results["gaussian_curvature"], mesh.K, 0.25);
+    expect_exact(title + " LBE", results["local_bending_energy"], mesh.K, 0.25);
+    expect_exact(title + " V_r", results["sphere_volume"], std::vector<double>(mesh.points.size(), volume), 0.25);
+  }
+}
+
+// Scaled by 1/r and 1/r² (METHOD.md, "Error"). 1e-3 %: float positions of size 1 are rounded to 6e-8, which over r = 0.04 turns a
+// normal by 1e-6 at most; half-texel weights do not matter where every summand is zero.
+TEST_P(Analytic, plane_is_flat_over_interior_vertices) {
+  TestMesh mesh = plane(2, 1.5, {.vertices = 10000});
+  lay_out(mesh, {.charts = 6});
+  rotate(mesh, rotation_about({1, -2, 0.5}, 1.1));
+  const Results results = compute(mesh, {});
+  const double r = results.report.radius;
+  const std::vector<uint8_t> inside = interior(mesh, r);
+  expect_exact("plane H", results["mean_curvature"], mesh.H, 1e-3, inside, 1 / r);
+  expect_exact("plane K", results["gaussian_curvature"], mesh.K, 1e-3, inside, 1 / (r * r));
+  expect_exact("plane LBE", results["local_bending_energy"], mesh.K, 1e-3, inside, 1 / (r * r));
+  expect_exact("plane V_r", results["sphere_volume"], std::vector<double>(inside.size(), 2 * pi * r * r * r / 3), 1e-3, inside);
+}
+
+// 0.25 %, the torus' bound. K is zero: measured against 1/R². Vertices one radius and a half from the boundary: jets at the
+// boundary are one-sided, and their normals reach one radius further.
+TEST_P(Analytic, cylinder_has_its_curvatures_over_interior_vertices) {
+  TestMesh mesh = cylinder(0.5, 2, {.vertices = 15000});
+  lay_out(mesh, {.charts = 6});
+  const Results results = compute(mesh, {});
+  const std::vector<uint8_t> inside = interior(mesh, 1.5 * results.report.radius);
+  expect_exact("cylinder H", results["mean_curvature"], mesh.H, 0.25, inside);
+  expect_exact("cylinder K", results["gaussian_curvature"], mesh.K, 0.25, inside, 4);
+  // LBE tends to 1/(2R²) as r → 0; r/R = 0.09 keeps the O(r²) rest, r²/(8 R²), below 0.1 %.
+  expect_exact("cylinder LBE", results["local_bending_energy"], std::vector<double>(inside.size(), 2), 0.4, inside);
+}
+
+TEST_P(Analytic, saddle_has_its_curvatures_over_interior_vertices) {
+  TestMesh mesh = saddle(1, {.vertices = 15000});
+  lay_out(mesh, {.charts = 6});
+  const Results results = compute(mesh, {});
+  const std::vector<uint8_t> inside = interior(mesh, 1.5 * results.report.radius);
+  expect_exact("saddle H", results["mean_curvature"], mesh.H, 0.25, inside); // the torus' bound
+  expect_exact("saddle K", results["gaussian_curvature"], mesh.K, 0.25, inside);
+}
+
+// H is zero: measured against the largest k1, 1/neck, which is far stricter than 1/r.
+TEST_P(Analytic, catenoid_has_no_mean_curvature_over_interior_vertices) {
+  TestMesh mesh = catenoid(0.5, 0.6, {.vertices = 15000});
+  lay_out(mesh, {.charts = 6});
+  const Results results = compute(mesh, {});
+  const std::vector<uint8_t> inside = interior(mesh, 1.5 * results.report.radius);
+  expect_exact("catenoid H", results["mean_curvature"], mesh.H, 0.25, inside, 2); // the torus' bound
+  expect_exact("catenoid K", results["gaussian_curvature"], mesh.K, 0.25, inside);
+}
+
+TEST_P(Analytic, regular_grids_have_their_exact_curvatures) {
+  for (TestMesh mesh : {test_torus({.irregular = false}), test_ellipsoid({.irregular = false})}) {
+    lay_out(mesh, {.charts = 15});
+    const Results results = compute(mesh, {});
+    const std::string title = mesh.domain == Domain::sphere ? "regular ellipsoid" : "regular torus";
+    expect_exact(title + " H", results["mean_curvature"], mesh.H, 0.25); // an irregular mesh's bound
+    expect_exact(title + " K", results["gaussian_curvature"], mesh.K, 0.25);
+  }
+}
+
+// ---- Invariance. Two results differ by no more than the larger of their errors against exact values.
+
+class Invariance : public Analytic {
+protected:
+  void expect_unchanged(const std::string &what, const Results &before, const Results &after, const TestMesh &mesh) {
+    const std::vector<double> *exact[]{&mesh.H, &mesh.K};
+    for (size_t i = 0; i < 2; ++i) {
+      const std::vector<float> &a = before[measured[i]], &b = after[measured[i]];
+      const PercentAe change = percent_ae(b, as_double(a));
+      record(what + ", change", measured[i], change);
+      const double error = std::max(percent_ae(a, *exact[i]).mean, percent_ae(b, *exact[i]).mean);
+      EXPECT_LE(change.mean, error) << measured[i];
+    }
+    for (size_t i = 2; i < measured.size(); ++i) {
+      const PercentAe change = percent_ae(after[measured[i]], as_double(before[measured[i]]));
+      record(what + ", change", measured[i], change);
+      EXPECT_LE(change.mean, 1.0) << measured[i]; // issue "Core": their error against the oracle
+    }
+  }
+};
+PDESC_ON_EACH_BACKEND(Invariance);
+
+TEST_P(Invariance, moving_the_seams_changes_no_more_than_the_error) {
+  for (TestMesh mesh : {test_torus(), test_ellipsoid()}) {
+    lay_out(mesh, {.charts = 15});
+    const Results before = compute(mesh, {});
+    lay_out(mesh, {.charts = 15, .seed = 2, .offset = 0.3});
+    expect_unchanged("seams moved", before, compute(mesh, {}), mesh);
+  }
+}
+
+TEST_P(Invariance, one_chart_or_sixty_changes_no_more_than_the_error) {
+  TestMesh mesh = test_torus();
+  lay_out(mesh, {.charts = 1});
+  const Results before = compute(mesh, {});
+  lay_out(mesh, {.charts = 60});
+  expect_unchanged("60 charts for 1", before, compute(mesh, {}), mesh);
+}
+
+TEST_P(Invariance, bending_and_stretching_the_charts_changes_no_more_than_the_error) {
+  TestMesh mesh = test_torus();
+  lay_out(mesh, {.charts = 6});
+  const Results before = compute(mesh, {});
+  lay_out(mesh, {.charts = 6, .anisotropy = 1.5, .warp = 0.3});
+  expect_unchanged("charts bent", before, compute(mesh, {}), mesh);
+}
+
+TEST_P(Invariance, rotating_in_space_changes_no_more_than_the_error) {
+  TestMesh mesh = test_ellipsoid();
+  lay_out(mesh, {.charts = 15});
+  // The same radius: the bounding box turns with the mesh.
+  const Settings settings{.radius = 0.05, .radius_unit = PDESC_RADIUS_ABSOLUTE};
+  const Results before = compute(mesh, settings);
+  rotate(mesh, rotation_about({3, 1, -2}, 0.8));
+  expect_unchanged("rotated", before, compute(mesh, settings), mesh);
+}
+
+TEST_P(Invariance, scaling_with_the_radius_scales_the_results) {
+  TestMesh mesh = test_ellipsoid();
+  lay_out(mesh, {.charts = 15});
+  const Results before = compute(mesh, {});
+  constexpr double factor = 37;
+  scale(mesh, factor);
+  Results after = compute(mesh, {});
+  const int power[]{-1, -2, -2, 3};
+  for (size_t i = 0; i < measured.size(); ++i)
+    for (float &value : after.values.at(measured[i])) value = static_cast<float>(value / std::pow(factor, power[i]));
+  scale(mesh, 1 / factor);
+  expect_unchanged("scaled", before, after, mesh);
+}
+
+TEST_P(Invariance, two_runs_give_the_same_bits) {
+  TestMesh mesh = test_torus();
+  lay_out(mesh, {.charts = 15});
+  const Results first = compute(mesh, {});
+  std::string why_not;
+  context = open_context(GetParam(), why_not); // in another context, too
+  const Results second = compute(mesh, {});
+  for (const auto &[name, values] : first.values) expect_same_bits(values, second[name]);
+  EXPECT_EQ(first.mask, second.mask);
+}
+
+TEST_P(Invariance, vertices_split_at_the_seams_get_the_results_of_the_whole) {
+  TestMesh mesh = test_torus({.vertices = 6000});
+  lay_out(mesh, {.charts = 15});
+  const SplitMesh split = split_at_seams(mesh);
+  const Results whole = compute(mesh, {}), parts = compute(split.mesh, {});
+  for (const std::string &name : measured) {
+    std::vector<double> expected;
+    for (const int32_t origin : split.origin) expected.push_back(whole[name][static_cast<size_t>(origin)]);
+    const PercentAe change = percent_ae(parts[name], expected);
+    record("vertices split", name, change);
+    EXPECT_LE(change.mean, 0.25) << name; // the error that another choice among a vertex' places may make
+  }
+}
+
+// The seam error of issue "Core": the difference between a vertex' places in the UV map.
+TEST(SeamError, places_of_one_vertex_agree) {
+  std::string why_not;
+  const Context context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+  if (!context) GTEST_SKIP() << why_not;
+  for (TestMesh mesh : {test_torus(), test_ellipsoid()}) {
+    lay_out(mesh, {.charts = 15});
+    const Results results = compute(context.get(), mesh, {.seam_error = 1}, measured);
+    for (size_t i = 0; i < 2; ++i) {
+      std::vector<double> values = as_double(results[measured[i]]);
+      std::vector<float> other;
+      std::vector<uint8_t> seam;
+      for (size_t v = 0; v < values.size(); ++v) {
+        const float difference = results.seam_error.at(measured[i])[v];
+        seam.push_back(!std::isnan(difference));
+        other.push_back(static_cast<float>(values[v]) + (seam.back() ? difference : 0));
+      }
+      const PercentAe error = percent_ae(other, values, seam);
+      record(mesh.domain == Domain::sphere ? "ellipsoid seam error" : "torus seam error", measured[i], error);
+      EXPECT_GT(error.count, 500);
+      EXPECT_LE(error.mean, 0.25); // issue "Core"
+      EXPECT_LE(error.p99, 1.0);
+    }
+  }
+}
+
+} // namespace
+} // namespace paradesc::test

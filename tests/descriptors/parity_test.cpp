@@ -1,0 +1,130 @@
+// The registry's rows, one by one: texture space (software) against object space (reference), alone against together.
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+
+#include <gtest/gtest.h>
+
+#include "support/layout.h"
+#include "support/percent_ae.h"
+#include "support/run.h"
+#include "support/surfaces.h"
+
+namespace paradesc::test {
+namespace {
+
+class Parity : public ::testing::Test {
+protected:
+  void SetUp() override {
+    std::string why_not;
+    reference = open_context(PDESC_BACKEND_REFERENCE, why_not);
+    ASSERT_TRUE(reference);
+    software = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+    if (!software) GTEST_SKIP() << why_not;
+    names = registered_descriptors();
+  }
+
+  void expect_parity(const TestMesh &mesh, const Settings &settings) {
+    const Results fast = compute(software.get(), mesh, settings, names), oracle = compute(reference.get(), mesh, settings, names);
+    for (const std::string &name : names) {
+      const std::vector<double> expected = as_double(oracle[name]);
+      const PercentAe error = percent_ae(fast[name], expected);
+      const double relative = relative_error(fast[name], expected);
+      std::cout << std::left << std::setw(26) << name << std::fixed << std::setprecision(4) << "%AE mean " << error.mean
+                << "  p99 " << error.p99 << "  max " << error.max << "  relative " << relative << " %\n";
+      RecordProperty(name, std::to_string(error.mean));
+      // Issue "Core": 1 % for every descriptor. The area of a ball's cut with a smooth surface is pi r² (1 + O(r²)) everywhere:
+      // its range is no measure of it, so it is held to 1 % of itself.
+      EXPECT_LE(name == "euclidean_area" ? relative : error.mean, 1.0) << name;
+      for (size_t v = 0; v < expected.size(); ++v)
+        ASSERT_EQ(std::isnan(fast[name][v]), std::isnan(expected[v]))
+            << name << " at vertex " << v << " is defined on one side only";
+    }
+    EXPECT_NEAR(fast.report.radius, oracle.report.radius, 1e-9 * oracle.report.radius);
+    EXPECT_NEAR(fast.report.coverage_mean, 1, 0.01); // issue "Core"
+    EXPECT_EQ(oracle.report.coverage_mean, 1);
+    EXPECT_EQ(fast.report.undefined_vertices, oracle.report.undefined_vertices);
+  }
+
+  // 100 mean |x - ref| / mean |ref|.
+  static double relative_error(std::span<const float> values, std::span<const double> expected) {
+    double difference = 0, total = 0;
+    for (size_t v = 0; v < values.size(); ++v) {
+      difference += std::abs(static_cast<double>(values[v]) - expected[v]);
+      total += std::abs(expected[v]);
+    }
+    return 100 * difference / total;
+  }
+
+  Context reference, software;
+  std::vector<std::string> names;
+};
+
+TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_a_torus_of_60_charts) {
+  TestMesh mesh = torus(1, 0.4);
+  lay_out(mesh, {.charts = 60});
+  expect_parity(mesh, {});
+}
+
+TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_an_ellipsoid_of_15_charts) {
+  TestMesh mesh = ellipsoid(1, 0.75, 0.5);
+  lay_out(mesh, {.charts = 15});
+  expect_parity(mesh, {});
+}
+
+TEST_F(Parity, every_descriptor_agrees_with_the_oracle_at_twice_the_radius) {
+  TestMesh mesh = torus(1, 0.4);
+  lay_out(mesh, {.charts = 15});
+  expect_parity(mesh, {.radius = 0.04});
+}
+
+TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_an_open_surface_with_loose_vertices) {
+  TestMesh mesh = saddle(1, {.vertices = 8000});
+  lay_out(mesh, {.charts = 6});
+  const size_t loose = mesh.points.size();
+  mesh.points.insert(mesh.points.end(), 3, Vec3{0.1, 0.2, 0.3});
+  mesh.normals.insert(mesh.normals.end(), 3, Vec3{0, 0, 1});
+  mesh.vertex_count += 3;
+  round_to_float(mesh);
+  expect_parity(mesh, {});
+  for (pdesc_context *context : {reference.get(), software.get()}) {
+    const Results results = compute(context, mesh, {}, names);
+    for (size_t v = 0; v < mesh.points.size(); ++v) {
+      ASSERT_EQ((results.mask[v] & PDESC_MASK_NO_FACE) != 0, v >= loose) << "vertex " << v;
+      if (v < loose) continue;
+      for (const std::string &name : names) EXPECT_TRUE(std::isnan(results[name][v])) << name;
+    }
+    EXPECT_EQ(results.report.undefined_vertices, 3);
+  }
+}
+
+// Boundaries are seen by both, though each in its own way: texture space by the samples that meet one.
+TEST_F(Parity, the_boundary_mask_agrees_with_the_oracle) {
+  TestMesh mesh = cylinder(0.5, 2, {.vertices = 8000});
+  lay_out(mesh, {.charts = 6});
+  const Results fast = compute(software.get(), mesh, {}, names), oracle = compute(reference.get(), mesh, {}, names);
+  const double r = fast.report.radius;
+  for (size_t v = 0; v < mesh.points.size(); ++v) {
+    // A tenth of the radius on either side of the rim is left to the samples' spacing, r/16, and to the triangles' edges.
+    if (mesh.boundary_distance[v] > 0.9 * r && mesh.boundary_distance[v] < 1.1 * r) continue;
+    const bool cut = mesh.boundary_distance[v] < r;
+    ASSERT_EQ((fast.mask[v] & PDESC_MASK_BOUNDARY) != 0, cut) << "software, vertex " << v;
+    ASSERT_EQ((oracle.mask[v] & PDESC_MASK_BOUNDARY) != 0, cut) << "reference, vertex " << v;
+  }
+}
+
+// Together they share one sampling, and must not share more.
+TEST_F(Parity, a_descriptor_alone_has_the_bits_it_has_among_the_others) {
+  TestMesh mesh = torus(1, 0.4, {.vertices = 3000});
+  lay_out(mesh, {.charts = 6});
+  for (pdesc_context *context : {reference.get(), software.get()}) {
+    const Results together = compute(context, mesh, {.radius = 0.04}, names);
+    for (const std::string &name : names) {
+      SCOPED_TRACE(name);
+      expect_same_bits(compute(context, mesh, {.radius = 0.04}, std::span(&name, 1))[name], together[name]);
+    }
+  }
+}
+
+} // namespace
+} // namespace paradesc::test
