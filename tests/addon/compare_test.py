@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+
 from paradesc import bridge, compare, job
 from paradesc.bridge import Descriptor, abi
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from conftest import cube_sphere
+
+from shapes import cube_sphere
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 

@@ -1,13 +1,13 @@
 """Pictures: the PNG file, the rasterizer, and a sphere that is where it should be."""
 
 import struct
-import time
 import zlib
 
 import numpy as np
 import pytest
-from conftest import as_arrays, cube_sphere
+
 from paradesc import color_maps, lettering, picture, png
+from shapes import as_arrays, cube_sphere
 
 SHOWN = color_maps.ValueRange(-1.0, 1.0, True)
 
@@ -96,7 +96,10 @@ def test_picture_shows_red_above_and_blue_below():
     colors = color_maps.colors(np.sign(arrays.positions[:, 2]), SHOWN)
     image = picture.compose(arrays.positions, arrays.triangle_vertices, [picture.View(colors, "sign", SHOWN)])
     assert image.shape == (picture.PANEL + picture.LEGEND, picture.PANEL, 3)
-    top, bottom = image[picture.PANEL // 4, picture.PANEL // 2].astype(int), image[3 * picture.PANEL // 4, picture.PANEL // 2]
+    top, bottom = (
+        image[picture.PANEL // 4, picture.PANEL // 2].astype(int),
+        image[3 * picture.PANEL // 4, picture.PANEL // 2],
+    )
     assert top[0] > top[2] + 50
     assert bottom[2] > bottom[0] + 50
 
@@ -120,9 +123,7 @@ def test_bad_coordinates_do_not_stop_the_picture():
 def test_hundred_thousand_triangles_are_all_drawn():
     arrays = as_arrays(*cube_sphere(92))
     assert len(arrays.triangle_corners) > 100_000
-    start = time.perf_counter()
     drawn = picture.Drawing(arrays.positions, arrays.triangle_vertices, picture.PANEL)
-    print(f"{time.perf_counter() - start:.2f} s")  # said, not asserted
     share = len(drawn.pixels) / (picture.PANEL * picture.SUPERSAMPLING) ** 2
     assert 0.6 < share < np.pi / 4
 

@@ -1,4 +1,7 @@
-"""Runs these tests inside a real Blender: blender -b --factory-startup -P run_in_blender.py -- SITE_PACKAGES [pytest words]."""
+"""Runs these tests inside a real Blender.
+
+Usage: blender -b --factory-startup -P run_in_blender.py -- SITE_PACKAGES [pytest's words]
+"""
 
 import sys
 from pathlib import Path

@@ -4,7 +4,8 @@ import hashlib
 
 import bpy
 import numpy as np
-from conftest import cube_sphere
+
+from shapes import cube_sphere
 
 
 def empty_scene():
