@@ -40,9 +40,9 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         settings = context.scene.paradesc
         layout.label(text="Descriptors (Shift: several)")
         layout.column(align=True).prop(settings, "descriptors")
-        row = layout.row(align=True)
-        row.prop(settings, properties.radius_member(settings))
-        row.prop(settings, "radius_unit", text="")
+        column = layout.column(align=True)
+        column.prop(settings, properties.radius_member(settings))
+        column.prop(settings, "radius_unit", text="")
         layout.operator("paradesc.bake", icon="SHADING_TEXTURE")
 
 
@@ -82,6 +82,11 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
         stored = mesh_io.stored_summary(context.active_object.data)
         for line in report_lines(stored):
             column.label(text=line)
+        shading = context.space_data.shading
+        if shading.type == "SOLID" and shading.color_type != "VERTEX":
+            column.label(text="Colors show with the viewport's", icon="INFO")
+            column.label(text="Color set to Attribute:", icon="BLANK1")
+            column.prop(shading, "color_type", text="")
         for sentence in stored["warnings"].splitlines():
             for index, line in enumerate(wrapped(sentence, 36)):
                 column.label(text=line, icon="BLANK1" if index else "ERROR")

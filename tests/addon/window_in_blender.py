@@ -20,6 +20,8 @@ from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
 STEP = 0.2
 PATIENCE = 120.0
+# Pixels from the sidebar's top to the middle of the Paradesc tab, for the screenshot.
+TAB_BELOW_TOP = 168
 
 
 def view_context() -> dict[str, object]:
@@ -86,10 +88,17 @@ def steps(target, screenshot: str) -> Iterator[None]:
     values = attribute_values(bpy.data.meshes[mesh_name], "mean_curvature")
     np.testing.assert_allclose(values, 0.5, rtol=0.05)
     say("baked with the right values")
-    for _ in range(10):
-        area.tag_redraw()
-        yield
     if screenshot:
+        sidebar = next(region for region in area.regions if region.type == "UI")
+        place = {"x": sidebar.x + sidebar.width - 12, "y": sidebar.y + sidebar.height - TAB_BELOW_TOP}
+        for value in ("PRESS", "RELEASE"):
+            window.event_simulate("LEFTMOUSE", value, **place)
+            yield
+        with bpy.context.temp_override(**view_context()):
+            bpy.ops.view3d.view_selected()
+        for _ in range(5):
+            area.tag_redraw()
+            yield
         bpy.ops.screen.screenshot(filepath=screenshot)
         say(f"wrote {screenshot}")
     with bpy.context.temp_override(**view_context()):
@@ -117,6 +126,7 @@ def run_steps(iterator: Iterator[None]) -> float | None:
 
 def main() -> None:
     """Prepares the scene and lets the event loop do the rest."""
+    bpy.context.preferences.view.show_splash = False
     paradesc.register()
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
