@@ -112,5 +112,5 @@ void main() {
   Support support = finish_support(m);
   results[ROW_COVERAGE * total + index] = m.area > 0.0 ? m.area / (m.area + m.lost) : 0.0;
   results[ROW_FLAGS * total + index] = m.cut > 0.0 ? 1.0 : 0.0;
-  states_finish(states, center, support);
+  STATES_FINISH
 }

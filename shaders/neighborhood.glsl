@@ -39,7 +39,7 @@ int first_exit(ivec2 cell, Walk walk, int came_from, float limit, inout float t)
     if (slope >= 0.0) continue;
     vec2 gap = walk.from - uv.xy;
     float place = -cross_product(edge, gap) / slope;
-    float along = cross_product(gap, way) / slope * -1.0;
+    float along = cross_product(gap, way) / slope;
     if (along < -1e-5 || along > 1.0 + 1e-5 || place < -1e-4 || place > limit) continue;
     limit = place;
     t = place;
@@ -73,7 +73,7 @@ void march(inout Walk walk) {
   int jumps = 0;
   float t = 0.0;
   walk.outcome = FOUND;
-  for (int step = 0; step < MAX_MARCH_STEPS; ++step) {
+  for (int count = 0; count < MAX_MARCH_STEPS; ++count) {
     vec2 way = walk.to - walk.from;
     float span = max(length(way), 1e-6);
     vec2 place = walk.from + way * t;

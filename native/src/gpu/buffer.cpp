@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cstring>
 
-#include "shared.h"
 #include "support/error.h"
+#include "support/math.h"
+
+#include "shared.h"
 
 namespace paradesc {
 

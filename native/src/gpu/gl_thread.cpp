@@ -1,6 +1,8 @@
 // Posted functions → calls on the one thread where the OpenGL context is current.
 #include "gpu/gl_thread.h"
 
+#include <utility>
+
 namespace paradesc {
 
 GlThread::GlThread(bool software, int device_index) : thread_([=, this] { loop(software, device_index); }) {

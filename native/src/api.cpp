@@ -1,0 +1,285 @@
+// The C edge and nothing else: checks handles and arguments, turns exceptions into codes and sentences.
+#include <cmath>
+#include <cstring>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "descriptor/registry.h"
+#include "mesh/near_seam.h"
+#include "pipeline.h"
+#include "support/error.h"
+
+struct pdesc_context {
+  std::shared_ptr<paradesc::Context> context;
+};
+struct pdesc_mesh {
+  std::unique_ptr<paradesc::Mesh> mesh;
+};
+struct pdesc_field {
+  paradesc::Field field;
+};
+
+namespace {
+
+using paradesc::Error;
+
+thread_local std::string last_error;
+
+// Runs a call's body; whatever it throws becomes a code and a sentence.
+template <class Body> int32_t guarded(const Body &body) noexcept {
+  try {
+    last_error.clear();
+    body();
+    return PDESC_OK;
+  } catch (const Error &error) {
+    last_error = error.what();
+    return error.status();
+  } catch (const std::bad_alloc &) {
+    last_error = "Out of memory; use a smaller mesh or smaller buffers.";
+    return PDESC_ERROR_OUT_OF_MEMORY;
+  } catch (const std::exception &error) {
+    last_error = std::string("Internal error: ") + error.what() + "; please report it.";
+    return PDESC_ERROR_UNKNOWN;
+  } catch (...) {
+    last_error = "Internal error of unknown kind; please report it.";
+    return PDESC_ERROR_UNKNOWN;
+  }
+}
+
+[[noreturn]] void refuse(const std::string &sentence) { throw Error(PDESC_ERROR_INVALID_ARGUMENT, sentence); }
+
+void need(const void *pointer, const char *name) {
+  if (!pointer) refuse(std::string("The argument '") + name + "' is NULL; pass a valid pointer.");
+}
+
+// A caller may be older or newer than the library: what it did not pass keeps its default, what we do not know is left alone.
+template <class Struct> Struct read_struct(const Struct *given, void (*init)(Struct *), const char *name) {
+  Struct ours;
+  init(&ours);
+  if (!given) return ours;
+  if (given->struct_size < 2 * sizeof(uint32_t) || given->struct_size > 4096)
+    refuse(std::string(name) + ".struct_size is " + std::to_string(given->struct_size) + "; call " + name + "_init before filling it.");
+  std::memcpy(static_cast<void *>(&ours), given, std::min<size_t>(given->struct_size, sizeof(Struct)));
+  return ours;
+}
+
+template <class Struct> void write_struct(Struct ours, Struct *out, const char *name) {
+  need(out, name);
+  const uint32_t size = out->struct_size;
+  if (size < sizeof(uint32_t) || size > 4096)
+    refuse(std::string(name) + ".struct_size is " + std::to_string(size) + "; call " + name + "_init first.");
+  ours.struct_size = size;
+  std::memcpy(static_cast<void *>(out), &ours, std::min<size_t>(size, sizeof(Struct)));
+}
+
+template <class Struct> void zero_init(Struct *value) {
+  if (!value) return;
+  std::memset(static_cast<void *>(value), 0, sizeof *value);
+  value->struct_size = sizeof *value;
+}
+
+void check_range(const char *name, long long value, long long low, long long high) {
+  if (value < low || value > high)
+    refuse(std::string("The option ") + name + " is " + std::to_string(value) + "; choose from " + std::to_string(low) + " to " +
+           std::to_string(high) + ".");
+}
+
+void check_options(const pdesc_options &options) {
+  if (!std::isfinite(options.radius) || options.radius <= 0.0)
+    refuse("The radius is " + std::to_string(options.radius) + "; it must be a finite number above 0.");
+  check_range("radius_unit", options.radius_unit, PDESC_RADIUS_DIAGONAL, PDESC_RADIUS_MEAN_EDGE);
+  check_range("samples", options.samples, 8, 4096);
+  check_range("buffer_size", options.buffer_size, 64, 8192);
+  check_range("normals", options.normals, PDESC_NORMALS_FITTED, PDESC_NORMALS_MESH);
+  check_range("max_jumps", options.max_jumps, 0, 64);
+}
+
+void check_length(int32_t given, size_t needed) {
+  if (given < 0 || static_cast<size_t>(given) != needed)
+    refuse("The array has room for " + std::to_string(given) + " vertices, but the mesh has " + std::to_string(needed) + ".");
+}
+
+const std::vector<float> &column(const paradesc::Field &field, const std::vector<std::vector<float>> &columns, const char *name) {
+  need(name, "name");
+  for (size_t i = 0; i < field.names.size(); ++i)
+    if (field.names[i] == name) return columns[i];
+  std::string known;
+  for (const std::string &one : field.names) known += (known.empty() ? "" : ", ") + one;
+  refuse(std::string("This field has no '") + name + "'; it has " + known + ".");
+}
+
+} // namespace
+
+int32_t pdesc_abi_version(void) { return PDESC_ABI_VERSION; }
+const char *pdesc_version(void) { return PARADESC_VERSION; }
+const char *pdesc_last_error(void) { return last_error.c_str(); }
+
+void pdesc_descriptor_info_init(pdesc_descriptor_info *info) { zero_init(info); }
+
+int32_t pdesc_descriptor_count(void) { return static_cast<int32_t>(paradesc::descriptors().size()); }
+
+int32_t pdesc_descriptor_get(int32_t index, pdesc_descriptor_info *info) {
+  return guarded([&] {
+    check_range("index", index, 0, pdesc_descriptor_count() - 1);
+    const auto &row = paradesc::descriptors()[static_cast<size_t>(index)];
+    pdesc_descriptor_info ours;
+    zero_init(&ours);
+    ours.name = row.name;
+    ours.label = row.label;
+    ours.description = row.description;
+    ours.length_power = row.length_power;
+    ours.is_signed = row.is_signed;
+    ours.neutral_value = row.neutral;
+    ours.display_minimum = row.display_minimum;
+    ours.display_maximum = row.display_maximum;
+    write_struct(ours, info, "pdesc_descriptor_info");
+  });
+}
+
+void pdesc_context_options_init(pdesc_context_options *options) {
+  zero_init(options);
+  if (options) options->device_index = -1;
+}
+
+int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context **context) {
+  return guarded([&] {
+    need(context, "context");
+    const auto ours = read_struct(options, pdesc_context_options_init, "pdesc_context_options");
+    check_range("backend", ours.backend, PDESC_BACKEND_AUTO, PDESC_BACKEND_REFERENCE);
+    check_range("device_index", ours.device_index, -1, 1023);
+    check_range("threads", ours.threads, 0, 4096);
+    *context = new pdesc_context{paradesc::make_context(ours)};
+  });
+}
+
+void pdesc_context_destroy(pdesc_context *context) { delete context; }
+int32_t pdesc_context_backend(const pdesc_context *context) { return context ? context->context->backend : PDESC_BACKEND_AUTO; }
+const char *pdesc_context_device(const pdesc_context *context) { return context ? context->context->device.c_str() : ""; }
+const char *pdesc_context_fallback(const pdesc_context *context) { return context ? context->context->fallback.c_str() : ""; }
+
+void pdesc_mesh_input_init(pdesc_mesh_input *input) { zero_init(input); }
+void pdesc_mesh_report_init(pdesc_mesh_report *report) { zero_init(report); }
+
+int32_t pdesc_mesh_create(pdesc_context *context, const pdesc_mesh_input *input, pdesc_mesh **mesh) {
+  return guarded([&] {
+    need(context, "context");
+    need(input, "input");
+    need(mesh, "mesh");
+    const auto ours = read_struct(input, pdesc_mesh_input_init, "pdesc_mesh_input");
+    *mesh = new pdesc_mesh{paradesc::make_mesh(context->context, ours)};
+  });
+}
+
+int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32_t vertex_count) {
+  return guarded([&] {
+    need(mesh, "mesh");
+    need(positions, "positions");
+    std::lock_guard lock(mesh->mesh->context->mutex);
+    paradesc::move_mesh(*mesh->mesh, positions, vertex_count);
+  });
+}
+
+int32_t pdesc_mesh_get_report(const pdesc_mesh *mesh, pdesc_mesh_report *report) {
+  return guarded([&] {
+    need(mesh, "mesh");
+    std::lock_guard lock(mesh->mesh->context->mutex);
+    write_struct(paradesc::report_of(*mesh->mesh), report, "pdesc_mesh_report");
+  });
+}
+
+int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *near_seam, int32_t vertex_count) {
+  return guarded([&] {
+    need(mesh, "mesh");
+    need(near_seam, "near_seam");
+    if (!std::isfinite(radius) || radius < 0.0) refuse("The radius is " + std::to_string(radius) + "; it must be a finite number from 0 on.");
+    std::lock_guard lock(mesh->mesh->context->mutex);
+    const paradesc::Mesh &ours = *mesh->mesh;
+    check_length(vertex_count, static_cast<size_t>(ours.triangles.vertex_count));
+    const auto near = paradesc::vertices_near_seams(ours.triangles, ours.half_edges, ours.charts, radius);
+    std::copy(near.begin(), near.end(), near_seam);
+  });
+}
+
+void pdesc_mesh_destroy(pdesc_mesh *mesh) {
+  if (!mesh) return;
+  guarded([&] {
+    const auto context = mesh->mesh->context; // the lock must outlive the mesh
+    std::lock_guard lock(context->mutex);
+    delete mesh;
+  });
+}
+
+void pdesc_options_init(pdesc_options *options) {
+  zero_init(options);
+  if (!options) return;
+  options->radius = 0.02;
+  options->samples = 256;
+  options->buffer_size = 1024;
+  options->max_jumps = 8;
+}
+
+int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *names, int32_t count, pdesc_progress progress,
+                      void *user, pdesc_field **field) {
+  return guarded([&] {
+    need(mesh, "mesh");
+    need(names, "descriptors");
+    need(field, "field");
+    check_range("descriptor_count", count, 1, pdesc_descriptor_count());
+    const auto ours = read_struct(options, pdesc_options_init, "pdesc_options");
+    check_options(ours);
+    std::vector<int> asked;
+    for (int32_t i = 0; i < count; ++i) asked.push_back(paradesc::find_descriptor(names[i]));
+    std::lock_guard lock(mesh->mesh->context->mutex);
+    auto result = std::make_unique<pdesc_field>();
+    result->field = paradesc::compute(*mesh->mesh, ours, asked, [&](const char *stage, double fraction) {
+      return !progress || progress(user, stage, fraction) != 0;
+    });
+    *field = result.release();
+  });
+}
+
+void pdesc_field_report_init(pdesc_field_report *report) { zero_init(report); }
+
+int32_t pdesc_field_get_report(const pdesc_field *field, pdesc_field_report *report) {
+  return guarded([&] {
+    need(field, "field");
+    write_struct(field->field.report, report, "pdesc_field_report");
+  });
+}
+
+const char *pdesc_field_warnings(const pdesc_field *field) { return field ? field->field.warnings.c_str() : ""; }
+
+int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *values, int32_t vertex_count) {
+  return guarded([&] {
+    need(field, "field");
+    need(values, "values");
+    const auto &ours = column(field->field, field->field.values, name);
+    check_length(vertex_count, ours.size());
+    std::copy(ours.begin(), ours.end(), values);
+  });
+}
+
+int32_t pdesc_field_seam_error(const pdesc_field *field, const char *name, float *values, int32_t vertex_count) {
+  return guarded([&] {
+    need(field, "field");
+    need(values, "values");
+    if (field->field.seam_error.empty())
+      throw Error(PDESC_ERROR_INVALID_OPERATION,
+                  "This field has no seam errors; compute with seam_error = 1 on a backend other than the reference.");
+    const auto &ours = column(field->field, field->field.seam_error, name);
+    check_length(vertex_count, ours.size());
+    std::copy(ours.begin(), ours.end(), values);
+  });
+}
+
+int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int32_t vertex_count) {
+  return guarded([&] {
+    need(field, "field");
+    need(mask, "mask");
+    check_length(vertex_count, field->field.mask.size());
+    std::copy(field->field.mask.begin(), field->field.mask.end(), mask);
+  });
+}
+
+void pdesc_field_destroy(pdesc_field *field) { delete field; }

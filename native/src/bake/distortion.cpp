@@ -1,0 +1,81 @@
+// Triangle edges in space and in (u, v) → first fundamental forms and sampling ellipses.
+#include "bake/distortion.h"
+
+#include <cmath>
+#include <limits>
+
+#include "support/parallel.h"
+
+namespace paradesc {
+
+BufferFrame frame_of(const Triangles &triangles, const HalfEdges &half_edges) {
+  dvec3 low(std::numeric_limits<double>::max()), high(-std::numeric_limits<double>::max());
+  for (const int32_t vertex : half_edges.point_vertex) {
+    low = glm::min(low, dvec3(triangles.positions[static_cast<size_t>(vertex)]));
+    high = glm::max(high, dvec3(triangles.positions[static_cast<size_t>(vertex)]));
+  }
+  if (half_edges.point_vertex.empty()) return {};
+  const dvec3 half = 0.5 * (high - low);
+  const double longest = std::max({half.x, half.y, half.z});
+  return {0.5 * (low + high), longest > 0.0 ? 1.0 / longest : 1.0};
+}
+
+static vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t triangle) {
+  dvec3 p[3];
+  dvec2 uv[3];
+  for (size_t i = 0; i < 3; ++i) {
+    const size_t corner = 3 * triangle + i;
+    p[i] = dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner])]);
+    uv[i] = dvec2(triangles.corner_uv[corner]);
+  }
+  const dvec3 e1 = (p[1] - p[0]) * frame.scale, e2 = (p[2] - p[0]) * frame.scale;
+  const dvec2 d1 = uv[1] - uv[0], d2 = uv[2] - uv[0];
+  const double area = cross(d1, d2);
+  const dvec3 p_u = (e1 * d2.y - e2 * d1.y) / area;
+  const dvec3 p_v = (e2 * d1.x - e1 * d2.x) / area;
+  return vec4(dot(p_u, p_u), dot(p_u, p_v), dot(p_v, p_v), length(cross(p_u, p_v)));
+}
+
+std::vector<vec4> first_fundamental_forms(const Triangles &triangles, const Charts &charts, const BufferFrame &frame, int threads) {
+  std::vector<vec4> forms(static_cast<size_t>(triangles.triangle_count), vec4(0.0f));
+  parallel_blocks(triangles.triangle_count, threads, 4096, [&](int begin, int end) {
+    for (auto t = static_cast<size_t>(begin); t < static_cast<size_t>(end); ++t)
+      if (charts.triangle_chart[t] >= 0) forms[t] = form_of(triangles, frame, t);
+  });
+  return forms;
+}
+
+static double corner_angle(const Triangles &triangles, int corner) {
+  auto position = [&](int c) { return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[static_cast<size_t>(c)])]); };
+  const dvec3 p = position(corner);
+  const dvec3 a = position(next_corner(corner)) - p, b = position(previous_corner(corner)) - p;
+  return std::atan2(length(cross(a, b)), dot(a, b));
+}
+
+// The symmetric square root of a positive 2x2 matrix (xx, xy, yy).
+static vec4 square_root(dvec3 m) {
+  const double root = std::sqrt(std::max(m.x * m.z - m.y * m.y, 0.0));
+  const double trace = std::sqrt(std::max(m.x + m.z + 2.0 * root, 1e-300));
+  return vec4((m.x + root) / trace, m.y / trace, m.y / trace, (m.z + root) / trace);
+}
+
+std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const std::vector<vec4> &forms) {
+  std::vector<dvec3> inverse(charts.sites.size(), dvec3(0.0));
+  std::vector<double> weight(charts.sites.size(), 0.0);
+  for (int corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
+    const int32_t site = charts.corner_site[static_cast<size_t>(corner)];
+    if (site < 0) continue;
+    const auto &form = forms[static_cast<size_t>(corner / 3)];
+    const double determinant = static_cast<double>(form.w) * form.w;
+    if (!(determinant > 0.0)) continue;
+    const double angle = corner_angle(triangles, corner);
+    inverse[static_cast<size_t>(site)] += angle / determinant * dvec3(form.z, -form.y, form.x);
+    weight[static_cast<size_t>(site)] += angle;
+  }
+  std::vector<vec4> ellipses(charts.sites.size(), vec4(0.0f));
+  for (size_t i = 0; i < ellipses.size(); ++i)
+    if (weight[i] > 0.0) ellipses[i] = square_root(inverse[i] / weight[i]);
+  return ellipses;
+}
+
+} // namespace paradesc

@@ -1,0 +1,61 @@
+// Two triangles that share a seam edge in space → the map between their places in (u, v).
+#include "bake/seam_links.h"
+
+#include <cmath>
+
+namespace paradesc {
+
+static dvec2 uv_of(const Triangles &triangles, int corner) { return dvec2(triangles.corner_uv[static_cast<size_t>(corner)]); }
+
+static dvec3 position_of(const Triangles &triangles, int corner) {
+  return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[static_cast<size_t>(corner)])]);
+}
+
+std::pair<int, int> border_ends(const Triangles &triangles, const Border &border) {
+  const int a = border.half_edge, b = next_corner(a), c = next_corner(b);
+  const dvec2 origin = uv_of(triangles, a);
+  const bool left = cross(uv_of(triangles, b) - origin, uv_of(triangles, c) - origin) > 0.0;
+  return left ? std::pair(a, b) : std::pair(b, a);
+}
+
+// Columns: the shared edge and the third corner of a triangle, from corner `first`, in a plane whose x axis runs along the edge and in
+// which the third corner has the sign of `side`.
+static dmat2 unfold(const Triangles &triangles, int first, int second, int third, double side) {
+  const dvec3 edge = position_of(triangles, second) - position_of(triangles, first);
+  const dvec3 spoke = position_of(triangles, third) - position_of(triangles, first);
+  const double span = length(edge);
+  return dmat2(dvec2(span, 0.0), dvec2(dot(spoke, edge) / span, side * length(cross(edge, spoke)) / span));
+}
+
+static dmat2 in_chart(const Triangles &triangles, int first, int second, int third) {
+  const dvec2 origin = uv_of(triangles, first);
+  return dmat2(uv_of(triangles, second) - origin, uv_of(triangles, third) - origin);
+}
+
+std::vector<vec4> seam_links(const Triangles &triangles, const Charts &charts) {
+  std::vector<vec4> links(2 * charts.borders.size(), vec4(0.0f));
+  for (size_t i = 0; i < charts.borders.size(); ++i) {
+    const Border &border = charts.borders[i];
+    links[2 * i + 1].z = -1.0f - static_cast<float>(border.kind);
+    if (border.kind != BorderKind::seam) continue;
+    const Border &twin = charts.borders[static_cast<size_t>(border.twin)];
+    const auto [first, second] = border_ends(triangles, border);
+    const int third = previous_corner(border.half_edge);
+    // The twin runs the other way along the same edge.
+    const bool forward = first == border.half_edge;
+    const int far_first = forward ? next_corner(twin.half_edge) : twin.half_edge;
+    const int far_second = forward ? twin.half_edge : next_corner(twin.half_edge);
+    const int far_third = previous_corner(twin.half_edge);
+    const dmat2 near_plane = unfold(triangles, first, second, third, -1.0);
+    const dmat2 far_plane = unfold(triangles, far_first, far_second, far_third, 1.0);
+    const dmat2 map = in_chart(triangles, far_first, far_second, far_third) * inverse(far_plane) * near_plane *
+                      inverse(in_chart(triangles, first, second, third));
+    links[2 * i] = vec4(map[0], map[1]);
+    links[2 * i + 1] = vec4(uv_of(triangles, far_first), static_cast<float>(border.twin), static_cast<float>(twin.chart));
+    if (!(std::isfinite(links[2 * i].x + links[2 * i].y + links[2 * i].z + links[2 * i].w)))
+      links[2 * i + 1].z = -1.0f - static_cast<float>(BorderKind::unlinked);
+  }
+  return links;
+}
+
+} // namespace paradesc

@@ -1,0 +1,367 @@
+// The data path in reading order: prepare → bake → evaluate → gather. compute() is its table of contents.
+#include "pipeline.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "bake/distortion.h"
+#include "bake/seam_links.h"
+#include "descriptor/reference.h"
+#include "descriptor/registry.h"
+#include "sample/pattern.h"
+#include "support/error.h"
+#include "support/parallel.h"
+
+namespace paradesc {
+
+// The sampling ellipse reaches beyond the ball: curvature leaves the rim of one that just touches it empty.
+static constexpr float ellipse_enlargement = 1.25f;
+
+std::shared_ptr<Context> make_context(const pdesc_context_options &options) {
+  auto context = std::make_shared<Context>();
+  context->threads = options.threads;
+  const bool automatic = options.backend == PDESC_BACKEND_AUTO;
+  for (const int backend : {PDESC_BACKEND_GPU, PDESC_BACKEND_SOFTWARE}) {
+    if (!automatic && options.backend != backend) continue;
+    try {
+      context->gl = std::make_unique<GlThread>(backend == PDESC_BACKEND_SOFTWARE, options.device_index);
+      context->backend = backend;
+      context->device = context->gl->device();
+      return context;
+    } catch (const Error &error) {
+      if (!automatic) throw;
+      context->fallback = error.what();
+    }
+  }
+  context->backend = PDESC_BACKEND_REFERENCE;
+  context->device = "CPU, " + std::to_string(thread_count(options.threads)) + " threads (object-space reference)";
+  return context;
+}
+
+static void measure(Mesh &mesh) {
+  dvec3 low(1e300), high(-1e300);
+  for (const int32_t vertex : mesh.half_edges.point_vertex) {
+    low = glm::min(low, dvec3(mesh.triangles.positions[static_cast<size_t>(vertex)]));
+    high = glm::max(high, dvec3(mesh.triangles.positions[static_cast<size_t>(vertex)]));
+  }
+  mesh.diagonal = mesh.half_edges.point_count ? length(high - low) : 0.0;
+  double sum = 0.0;
+  int count = 0;
+  for (int h = 0; h < 3 * mesh.triangles.triangle_count; ++h) {
+    // Each edge once: a pair by its lower half-edge.
+    const int32_t twin = mesh.half_edges.twin[static_cast<size_t>(h)];
+    if (mesh.half_edges.corner_point[static_cast<size_t>(h)] < 0 || (twin >= 0 && twin < h)) continue;
+    auto at = [&](int c) { return dvec3(mesh.triangles.positions[static_cast<size_t>(mesh.triangles.corner_vertex[static_cast<size_t>(c)])]); };
+    sum += length(at(next_corner(h)) - at(h));
+    ++count;
+  }
+  mesh.mean_edge = count ? sum / count : 0.0;
+}
+
+std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
+  auto mesh = std::make_unique<Mesh>();
+  mesh->context = std::move(context);
+  mesh->triangles = read_triangles(input);
+  mesh->half_edges = build_half_edges(mesh->triangles);
+  mesh->charts = build_charts(mesh->triangles, mesh->half_edges);
+  measure(*mesh);
+  return mesh;
+}
+
+Mesh::~Mesh() {
+  if (device && context->gl) context->gl->run([&](const Gl &, ProgramCache &) { device.reset(); });
+}
+
+void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
+  set_positions(mesh.triangles, positions, vertex_count);
+  measure(mesh);
+}
+
+pdesc_mesh_report report_of(const Mesh &mesh) {
+  pdesc_mesh_report report{};
+  report.vertex_count = mesh.triangles.vertex_count;
+  report.triangle_count = mesh.triangles.triangle_count;
+  report.loose_vertices = mesh.half_edges.loose_vertices;
+  report.welded_vertices = mesh.half_edges.welded_vertices;
+  report.degenerate_triangles = mesh.half_edges.degenerate_triangles;
+  report.zero_uv_area_triangles = mesh.charts.zero_uv_area_triangles;
+  report.flipped_triangles = mesh.charts.flipped_triangles;
+  report.nonmanifold_edges = mesh.half_edges.nonmanifold_edges;
+  report.nonmanifold_vertices = mesh.half_edges.nonmanifold_vertices;
+  report.boundary_edges = mesh.half_edges.boundary_edges;
+  report.charts = mesh.charts.chart_count;
+  report.seam_edges = mesh.charts.seam_edges;
+  report.self_seam_edges = mesh.charts.self_seam_edges;
+  report.unlinked_edges = mesh.charts.unlinked_edges;
+  report.parts = mesh.half_edges.parts;
+  report.uv_remapped = mesh.triangles.uv_remapped;
+  report.diagonal = static_cast<float>(mesh.diagonal);
+  report.mean_edge = static_cast<float>(mesh.mean_edge);
+  return report;
+}
+
+static double resolve_radius(const Mesh &mesh, const pdesc_options &options) {
+  const double unit = options.radius_unit == PDESC_RADIUS_DIAGONAL    ? mesh.diagonal
+                      : options.radius_unit == PDESC_RADIUS_MEAN_EDGE ? mesh.mean_edge
+                                                                      : 1.0;
+  const double radius = options.radius * unit;
+  if (radius > mesh.diagonal)
+    throw Error(PDESC_ERROR_INVALID_ARGUMENT, "The radius is " + std::to_string(radius) + ", but the mesh's diagonal is only " +
+                                                  std::to_string(mesh.diagonal) + "; choose a smaller radius.");
+  return radius;
+}
+
+static void check_cancel(const Progress &progress, const char *stage, double fraction) {
+  if (!progress(stage, fraction)) throw Error(PDESC_ERROR_CANCELLED, std::string("Cancelled in stage ") + stage + ".");
+}
+
+namespace {
+
+// Everything of one frame that is made on the CPU before the device is asked.
+struct Frame {
+  Normals normals;
+  BufferFrame buffer_frame;
+  std::vector<vec4> forms, links;
+  std::vector<CenterData> centers; // interior ones first
+  std::vector<int32_t> sites;      // (centers)
+  int interior = 0;
+  double radius_in_texels = 0.0;
+};
+
+class Clock {
+public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
+  }
+
+private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+} // namespace
+
+static Normals prepare_normals(Mesh &mesh, int32_t kind) {
+  if (!mesh.rings) mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges);
+  return compute_normals(mesh.triangles, mesh.half_edges, *mesh.rings, kind, mesh.context->threads);
+}
+
+// Marches start a little inside the chart: from a vertex on its border every direction would begin on an edge.
+static vec2 march_start(const Site &site, int size) {
+  const vec2 way = site.inside - site.uv;
+  const float texels = length(way) * static_cast<float>(size);
+  return site.uv + way * std::min(0.2f, 0.02f / std::max(texels, 1e-6f));
+}
+
+static void prepare_centers(const Mesh &mesh, const BorderGrid &grid, const pdesc_options &options, double radius, Frame &frame) {
+  const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
+  const auto reach = static_cast<float>(radius * frame.buffer_frame.scale) * ellipse_enlargement;
+  std::vector<CenterData> centers;
+  std::vector<int32_t> sites;
+  std::vector<uint8_t> interior;
+  std::vector<double> sizes;
+  for (size_t i = 0; i < mesh.charts.sites.size(); ++i) {
+    const Site &site = mesh.charts.sites[i];
+    const auto point = static_cast<size_t>(site.point);
+    if (!options.seam_error && mesh.charts.point_site[point] != static_cast<int32_t>(i)) continue;
+    const vec3 position = mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])];
+    const vec4 ellipse = ellipses[i] * reach;
+    centers.push_back({vec4(frame.buffer_frame.to_buffer(position), static_cast<float>(site.chart)),
+                       vec4(frame.normals.point[point], pattern_rotation(static_cast<uint32_t>(site.point), options.seed)),
+                       vec4(site.uv, march_start(site, grid.size)), ellipse});
+    sites.push_back(static_cast<int32_t>(i));
+    // The larger eigenvalue of the symmetric map is the longer half-axis.
+    const float mean = 0.5f * (ellipse.x + ellipse.w), half_gap = length(vec2(0.5f * (ellipse.x - ellipse.w), ellipse.y));
+    interior.push_back((mean + half_gap) * static_cast<float>(grid.size) + 2.0f < static_cast<float>(clearance(grid, site.uv)));
+    sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) * static_cast<float>(grid.size) /
+                    ellipse_enlargement);
+  }
+  for (const bool inside : {true, false}) {
+    for (size_t i = 0; i < centers.size(); ++i) {
+      if ((interior[i] != 0) != inside) continue;
+      frame.centers.push_back(centers[i]);
+      frame.sites.push_back(sites[i]);
+    }
+    if (inside) frame.interior = static_cast<int>(frame.centers.size());
+  }
+  if (sizes.empty()) return;
+  std::nth_element(sizes.begin(), sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2), sizes.end());
+  frame.radius_in_texels = sizes[sizes.size() / 2];
+}
+
+// Makes or keeps the device's buffers; true where the topology's part has to be uploaded.
+static bool prepare_device(Mesh &mesh, const pdesc_options &options) {
+  if (!mesh.device) mesh.device = std::make_unique<DeviceMesh>();
+  DeviceMesh &device = *mesh.device;
+  bool changed = false;
+  if (device.grid.size != options.buffer_size) {
+    device.grid = build_border_grid(mesh.triangles, mesh.charts, options.buffer_size);
+    changed = true;
+  }
+  // Corners of one fan share a normal, unless the mesh brings its own.
+  const bool own = options.normals == PDESC_NORMALS_MESH;
+  if (changed || (device.normals_kind == PDESC_NORMALS_MESH) != own || device.normals_kind < 0) {
+    device.vertices = build_bake_vertices(mesh.triangles, mesh.charts, own ? std::vector<int32_t>() : mesh.rings->corner_fan);
+    changed = true;
+  }
+  if (changed) device.normals_kind = -1; // until bake() has brought it to the device: a run may be cancelled before
+  return changed;
+}
+
+static int count_bare_triangles(const Mesh &mesh, const GeometryBuffer &buffer) {
+  std::vector<uint8_t> seen(static_cast<size_t>(mesh.triangles.triangle_count), 0);
+  const std::vector<int32_t> ids = buffer.read_ids();
+  for (size_t i = 0; i < ids.size(); i += 2)
+    if (ids[i] >= 0) seen[static_cast<size_t>(ids[i + 1])] = 1;
+  int bare = 0;
+  for (size_t i = 0; i < seen.size(); ++i) bare += mesh.charts.triangle_chart[i] >= 0 && !seen[i];
+  return bare;
+}
+
+static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, bool changed) {
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
+    DeviceMesh &device = *mesh.device;
+    if (changed) {
+      if (!device.buffer || device.buffer->size() != options.buffer_size)
+        device.buffer = std::make_unique<GeometryBuffer>(gl, options.buffer_size);
+      device.evaluator.set_borders(gl, device.grid);
+    }
+    device.buffer->bake(programs, {mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.forms, frame.buffer_frame}, changed);
+    if (!changed) return;
+    device.counts = device.buffer->count_owners(programs);
+    device.bare_triangles = count_bare_triangles(mesh, *device.buffer);
+    device.normals_kind = options.normals;
+  });
+}
+
+// Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
+static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame, const Progress &progress) {
+  GlThread &thread = *mesh.context->gl;
+  Evaluator &evaluator = mesh.device->evaluator;
+  thread.run([&](const Gl &gl, ProgramCache &) {
+    evaluator.set_frame(gl, frame.links, frame.centers, frame.interior);
+    evaluator.set_settings(gl, settings);
+  });
+  const int count = evaluator.center_count();
+  int tile = 16 * GROUP_SIZE;
+  for (int first = 0; first < count;) {
+    const int side = first < frame.interior ? frame.interior : count;
+    const int last = std::min(first + tile, side);
+    Clock clock;
+    thread.run([&](const Gl &gl, ProgramCache &programs) { evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last); });
+    const double seconds = clock.lap();
+    const double scale = std::clamp(0.03 / std::max(seconds, 1e-4), 0.25, 4.0);
+    tile = std::max(GROUP_SIZE, static_cast<int>(tile * scale) / GROUP_SIZE * GROUP_SIZE);
+    first = last;
+    check_cancel(progress, "evaluate", 0.3 + 0.7 * first / std::max(count, 1));
+  }
+}
+
+static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame) {
+  std::vector<float> raw;
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { raw = mesh.device->evaluator.read(gl, settings); });
+  const size_t count = frame.sites.size();
+  SiteResults results;
+  results.values.resize(settings.descriptors.size());
+  for (size_t i = 0; i < count; ++i) {
+    const int32_t point = mesh.charts.sites[static_cast<size_t>(frame.sites[i])].point;
+    results.point.push_back(point);
+    results.primary.push_back(mesh.charts.point_site[static_cast<size_t>(point)] == frame.sites[i]);
+    results.coverage.push_back(raw[ROW_COVERAGE * count + i]);
+    results.boundary.push_back(raw[ROW_FLAGS * count + i] > 0.0f);
+  }
+  for (size_t row = 0; row < settings.descriptors.size(); ++row) {
+    const int power = descriptors()[static_cast<size_t>(settings.descriptors[row])].length_power;
+    const auto unit = static_cast<float>(std::pow(frame.buffer_frame.scale, -power));
+    for (size_t i = 0; i < count; ++i) results.values[row].push_back(raw[(ROW_DESCRIPTORS + row) * count + i] * unit);
+  }
+  return results;
+}
+
+static void warn(const Mesh &mesh, Field &field) {
+  auto add = [&](const std::string &sentence) { field.warnings += (field.warnings.empty() ? "" : "\n") + sentence; };
+  const pdesc_field_report &report = field.report;
+  if (report.overlapping_texels > 0)
+    add("The UV map overlaps itself on " + std::to_string(report.overlapping_texels) + " of " + std::to_string(report.covered_texels) +
+        " texels, and results there are wrong; unwrap without overlaps, or use the reference backend.");
+  if (report.radius_in_texels < 4.0)
+    add("The radius spans only " + std::to_string(report.radius_in_texels).substr(0, 4) +
+        " texels of the buffers; use larger buffers or a larger radius.");
+  if (report.bare_triangles > 0)
+    add(std::to_string(report.bare_triangles) + " triangles are smaller than a texel and left to their neighbors; use larger buffers if "
+                                                "that is much of the surface.");
+  if (mesh.charts.zero_uv_area_triangles > 0)
+    add(std::to_string(mesh.charts.zero_uv_area_triangles) + " triangles have no area in the UV map and carry no samples; unwrap them.");
+  if (report.low_coverage_vertices > 0)
+    add("At " + std::to_string(report.low_coverage_vertices) + " vertices more than a tenth of the neighborhood was not found in the UV map.");
+}
+
+static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
+                                            const Progress &progress, Field &field) {
+  Clock clock;
+  Frame frame;
+  frame.normals = prepare_normals(mesh, options.normals);
+  check_cancel(progress, "prepare", 0.1);
+  const bool changed = prepare_device(mesh, options);
+  frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
+  frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
+  frame.links = seam_links(mesh.triangles, mesh.charts);
+  prepare_centers(mesh, mesh.device->grid, options, radius, frame);
+  field.report.seconds_prepare = clock.lap();
+  check_cancel(progress, "bake", 0.2);
+
+  bake(mesh, options, frame, changed);
+  field.report.seconds_bake = clock.lap();
+  check_cancel(progress, "evaluate", 0.3);
+
+  const EvaluateSettings settings{asked, options.samples, options.max_jumps, static_cast<float>(radius * frame.buffer_frame.scale),
+                                  ellipse_enlargement};
+  evaluate_tiles(mesh, settings, frame, progress);
+  field.report.overlapping_texels = mesh.device->counts.overlapping;
+  field.report.covered_texels = mesh.device->counts.covered;
+  field.report.bare_triangles = mesh.device->bare_triangles;
+  field.report.radius_in_texels = frame.radius_in_texels;
+  SiteResults results = read_results(mesh, settings, frame);
+  field.report.seconds_evaluate = clock.lap();
+  return results;
+}
+
+static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
+                                           const Progress &progress, Field &field) {
+  Clock clock;
+  const Normals normals = prepare_normals(mesh, options.normals);
+  field.report.seconds_prepare = clock.lap();
+  ReferenceField reference = compute_reference(mesh.triangles, mesh.half_edges, normals, radius, asked, mesh.context->threads,
+                                               [&](double fraction) { return progress("evaluate", fraction); });
+  SiteResults results;
+  results.values = std::move(reference.values);
+  results.boundary = std::move(reference.boundary);
+  const auto points = static_cast<size_t>(mesh.half_edges.point_count);
+  for (size_t i = 0; i < points; ++i) results.point.push_back(static_cast<int32_t>(i));
+  results.primary.assign(points, 1);
+  results.coverage.assign(points, 1.0f);
+  field.report.seconds_evaluate = clock.lap();
+  return results;
+}
+
+Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, const Progress &progress) {
+  const bool reference = mesh.context->backend == PDESC_BACKEND_REFERENCE;
+  if (!reference && mesh.triangles.corner_uv.empty())
+    throw Error(PDESC_ERROR_INVALID_OPERATION, "The mesh has no UV map, which texture space needs; unwrap it, or use the reference backend.");
+  Clock clock;
+  Field field;
+  const double radius = resolve_radius(mesh, options);
+  check_cancel(progress, "prepare", 0.0);
+  const SiteResults results = reference ? compute_in_object_space(mesh, options, asked, radius, progress, field)
+                                        : compute_in_texture_space(mesh, options, asked, radius, progress, field);
+  for (const int descriptor : asked) field.names.emplace_back(descriptors()[static_cast<size_t>(descriptor)].name);
+  gather(mesh.half_edges, results, options.seam_error != 0 && !reference, field);
+  field.report.radius = radius;
+  field.report.seconds_total = clock.lap();
+  if (!reference) warn(mesh, field);
+  return field;
+}
+
+} // namespace paradesc
