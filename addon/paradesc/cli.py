@@ -198,7 +198,12 @@ def print_summary(baked: results.Baked, notes: list[str]) -> None:
             print(f"  {name}: undefined everywhere")
         else:
             print(f"  {name}: {row['minimum']:.6g} to {row['maximum']:.6g} {row['unit']}".rstrip())
-    for sentence in [*notes, *found.warnings]:
+    print_notes([*notes, found.fallback, *found.warnings])
+
+
+def print_notes(sentences: list[str]) -> None:
+    """What limits the results, a line each."""
+    for sentence in filter(None, sentences):
         print(f"note: {sentence}")
 
 
@@ -220,8 +225,7 @@ def run_compare(arguments: argparse.Namespace) -> None:
     print(f"{device.backend}: {device.device}, {device.field_report['seconds_total']:.2f} s")
     print(f"reference: {reference.device}, {reference.field_report['seconds_total']:.2f} s")
     print_table(rows)
-    for sentence in device.warnings:
-        print(f"note: {sentence}")
+    print_notes([device.fallback, *device.warnings])
 
 
 def print_table(rows: list[dict[str, object]]) -> None:

@@ -92,8 +92,7 @@ def compare(
     device_settings = replace(settings, options=replace(settings.options, seam_error=True))
     device = job.run(arrays, device_settings, staged(progress, "device", 0.0))
     if device.backend == "reference":
-        reason = device.warnings[0] if device.warnings else ""
-        sentence = f"There is no device to compare with the reference. {reason}".strip()
+        sentence = f"There is no device to compare with the reference. {device.fallback}".strip()
         raise bridge.ParadescError(abi.STATUS_UNSUPPORTED, sentence)
     reference_settings = replace(
         settings, backend="reference", device_index=-1, options=replace(settings.options, seam_error=False)

@@ -41,6 +41,7 @@ class Results:
     field_report: dict[str, float | int]
     backend: str
     device: str
+    fallback: str  # why "auto" did not get a better device, or ""
     warnings: list[str]
     near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
     seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
@@ -84,7 +85,8 @@ def run(arrays: bridge.MeshArrays, settings: Settings, progress: ProgressFunctio
                 field_report=result.report(),
                 backend=context.backend,
                 device=context.device,
-                warnings=([context.fallback] if context.fallback else []) + result.warnings(),
+                fallback=context.fallback,
+                warnings=result.warnings(),
             )
             if settings.options.seam_error and context.backend != "reference":
                 results.near_seam = mesh.near_seam(results.radius)

@@ -263,6 +263,7 @@ def summary(mesh: bpy.types.Mesh, results: Results) -> dict[str, object]:
         "field_report": results.field_report,
         "backend": results.backend,
         "device": results.device,
+        "fallback": results.fallback,
         "warnings": "\n".join(results.warnings),
         "ranges": {name: [span.minimum, span.maximum] for name, span in shown.items()},
         "attributes": [name for name in names if name in mesh.attributes],

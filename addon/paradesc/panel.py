@@ -102,7 +102,7 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
         f"Coverage: {100 * field['coverage_mean']:.2f} %",
         f"Undefined vertices: {field['undefined_vertices']:,}",
         f"Time: {field['seconds_total']:.2f} s ({stored['backend']})",
-        stored["device"],
+        *wrapped(stored["device"], 36),
     ]
     lines += [f"{mesh[name]:,} {words}" for name, words in DEFECTS if mesh[name]]
     return lines

@@ -104,6 +104,7 @@ def report(baked: Baked) -> dict[str, object]:
         "mesh_report": results.mesh_report,
         "field_report": results.field_report,
         "descriptors": ranges,
+        "fallback": results.fallback,
         "warnings": results.warnings,
     }
 
