@@ -13,7 +13,7 @@ void main() {
   ivec2 id = texelFetch(ids, texel, 0).xy;
   vec4 result = vec4(0.0);
   if (id.x >= 0) {
-    vec4 form = texelFetch(triangles, list_place(id.y), 0);
+    vec4 form = texelFetch(triangles, list_place(id.y < 0 ? -1 - id.y : id.y), 0);
     float mean = 0.5 * (form.x + form.z);
     float difference = 0.5 * (form.x - form.z);
     float radius = sqrt(difference * difference + form.y * form.y);

@@ -22,6 +22,6 @@ void main() {
   int triangle = int(data.position1_triangle.w);
   position_area = vec4(mix(data.position0_chart.xyz, data.position1_triangle.xyz, t), texelFetch(triangles, list_place(triangle), 0).w);
   normal = vec4(normalize(mix(data.normal0.xyz, data.normal1.xyz, t)), 0.0);
-  ids = ivec2(int(data.position0_chart.w), triangle);
+  ids = ivec2(int(data.position0_chart.w), -1 - triangle); // below 0: the texel's center is not on the chart
   gl_FragDepth = 0.25 + 0.5 * clamp(distance / 2.0, 0.0, 1.0);
 }

@@ -2,11 +2,15 @@
 // One invocation, one place of a vertex in the UV map → every descriptor asked for, from one sampling of its neighborhood (paper 4.1).
 #include "variant.glsl"
 #include "interface.glsl"
-#include "neighborhood.glsl"
+#include "buffers.glsl"
 #include "descriptors.glsl"
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
 layout(std430, binding = BINDING_PATTERN) readonly restrict buffer Pattern { vec2 pattern[]; };
+#if SEAMS
+layout(std430, binding = BINDING_WINDOWS) readonly restrict buffer Windows { WindowData windows[]; };
+layout(std430, binding = BINDING_LOSSES) readonly restrict buffer Losses { vec4 losses[]; };
+#endif
 layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { float results[]; };
 layout(location = 2) uniform int first;
 layout(location = 3) uniform int last;
@@ -53,62 +57,96 @@ Support finish_support(Moments m) {
   return support;
 }
 
+struct Sums {
+  Center center;
+  vec3 t1;
+  vec3 t2;
+  Moments moments;
+  States states;
+};
+
+// One texel: weight is the area of its cell in (u, v).
+void add_texel(inout Sums sums, ivec2 texel, float cell, bool near) {
+  vec4 point = texelFetch(positions, texel, 0);
+  Neighbor neighbor;
+  neighbor.offset = point.xyz - sums.center.position;
+  neighbor.rho = length(neighbor.offset);
+  neighbor.weight = point.w * cell;
+  // A cell that the ball's rim cuts counts by the part of it that lies inside.
+  neighbor.weight *= clamp((radius - neighbor.rho) * inversesqrt(max(neighbor.weight, 1e-20)) + 0.5, 0.0, 1.0);
+  if (!(neighbor.weight > 0.0)) return;
+  neighbor.normal = texelFetch(normals, texel, 0).xyz;
+  neighbor.near = near;
+  vec2 x = vec2(dot(neighbor.offset, sums.t1), dot(neighbor.offset, sums.t2)) / radius;
+  vec2 y = vec2(dot(neighbor.normal, sums.t1), dot(neighbor.normal, sums.t2));
+  neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12));
+  sums.moments.area += neighbor.weight;
+  sums.moments.xx += neighbor.weight * outer(x);
+  sums.moments.xy += neighbor.weight * vec3(x.x * y.x, x.x * y.y + x.y * y.x, x.y * y.y);
+  states_add(sums.states, sums.center, neighbor);
+}
+
+#if SEAMS
+// A place that an earlier window on the same chart has sampled already.
+bool seen_before(vec2 place, int index, int window, float chart) {
+  for (int k = 0; k < window; ++k) {
+    WindowData other = windows[index * MAX_WINDOWS + k];
+    if (other.origin_chart.z != chart) continue;
+    vec2 inside = inverse(mat2(other.map.xy, other.map.zw)) * (place - other.origin_chart.xy);
+    if (all(greaterThanEqual(inside, vec2(0.0))) && all(lessThan(inside, vec2(1.0)))) return true;
+  }
+  return false;
+}
+
+// Every window evenly, by the pattern of the unit square; what lies on the window's chart counts.
+void sample_support(inout Sums sums, CenterData data, int index) {
+  vec4 loss = losses[index];
+  sums.moments.lost = loss.y;
+  sums.moments.cut = loss.z;
+  vec2 home = data.place.xy * float(buffer_size);
+  for (int k = 0; k < int(loss.x); ++k) {
+    WindowData window = windows[index * MAX_WINDOWS + k];
+    mat2 map = mat2(window.map.xy, window.map.zw);
+    float cell = abs(determinant(map)) / (float(samples) * float(buffer_size) * float(buffer_size));
+    for (int i = 0; i < samples; ++i) {
+      vec2 place = window.origin_chart.xy + map * pattern[samples + i];
+      ivec2 texel = ivec2(floor(place));
+      if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(buffer_size)))) continue;
+      ivec2 id = texelFetch(ids, texel, 0).xy;
+      if (id.x != int(window.origin_chart.z) || id.y < 0 || seen_before(place, index, k, window.origin_chart.z)) continue;
+      vec2 apart = place - home;
+      add_texel(sums, texel, cell, k == 0 && dot(apart, apart) < 1.0);
+    }
+  }
+}
+#else
+// The whole support lies on one chart: the golden-angle pattern over the ellipse, no questions asked.
+void sample_support(inout Sums sums, CenterData data, int index) {
+  float size = float(buffer_size);
+  mat2 rotation = mat2(cos(data.normal_phase.w), sin(data.normal_phase.w), -sin(data.normal_phase.w), cos(data.normal_phase.w));
+  mat2 ellipse = mat2(data.ellipse.xy, data.ellipse.zw) * rotation * size;
+  float cell = PI * abs(determinant(ellipse)) / (float(samples) * size * size);
+  for (int i = 0; i < samples; ++i) {
+    vec2 offset = ellipse * pattern[i];
+    add_texel(sums, ivec2(data.place.xy * size + offset), cell, dot(offset, offset) < 1.0);
+  }
+}
+#endif
+
 void main() {
   int index = first + int(gl_GlobalInvocationID.x);
   if (index >= last) return;
   CenterData data = centers[index];
-  Center center = Center(data.position_chart.xyz, data.normal_phase.xyz, radius);
-  vec3 t1, t2;
-  tangents(center.normal, t1, t2);
-  float size = float(buffer_size);
-  mat2 rotation = mat2(cos(data.normal_phase.w), sin(data.normal_phase.w), -sin(data.normal_phase.w), cos(data.normal_phase.w));
-  mat2 ellipse = mat2(data.ellipse.xy, data.ellipse.zw) * rotation * size;
-  float reach = enlargement * radius;
-  float cell_space = PI * reach * reach / float(samples); // a cell's area where the metric is that of the center
-  float cell_uv = PI * abs(determinant(ellipse)) / (float(samples) * size * size);
-  int home = int(data.position_chart.w);
+  Sums sums;
+  sums.center = Center(data.position_chart.xyz, data.normal_phase.xyz, radius);
+  tangents(sums.center.normal, sums.t1, sums.t2);
+  sums.moments = Moments(0.0, vec3(0.0), vec3(0.0), 0.0, 0.0);
+  states_init(sums.states);
+  sample_support(sums, data, index);
 
-  Moments m = Moments(0.0, vec3(0.0), vec3(0.0), 0.0, 0.0);
-  States states;
-  states_init(states);
-  for (int i = 0; i < samples; ++i) {
-    vec2 offset = ellipse * pattern[i];
-#if SEAMS
-    Walk walk = Walk(data.place.zw * size, data.place.xy * size + offset, home, 1.0, FOUND);
-    march(walk);
-    ivec2 texel;
-    if (walk.outcome == LOST || !find_texel(walk.to, walk.chart, texel)) {
-      if (walk.outcome != BOUNDARY && length(pattern[i]) * enlargement <= 1.0) m.lost += cell_space;
-      continue;
-    }
-    if (walk.outcome == BOUNDARY) {
-      if (length(texelFetch(positions, texel, 0).xyz - center.position) < radius) m.cut += 1.0;
-      continue;
-    }
-    float cell = cell_uv * walk.factor;
-#else
-    ivec2 texel = ivec2(data.place.xy * size + offset);
-    float cell = cell_uv;
-#endif
-    vec4 point = texelFetch(positions, texel, 0);
-    Neighbor neighbor;
-    neighbor.offset = point.xyz - center.position;
-    neighbor.rho = length(neighbor.offset);
-    neighbor.weight = point.w * cell;
-    // A cell that the ball's rim cuts counts by the part of it that lies inside.
-    neighbor.weight *= clamp((radius - neighbor.rho) * inversesqrt(max(neighbor.weight, 1e-20)) + 0.5, 0.0, 1.0);
-    if (!(neighbor.weight > 0.0)) continue;
-    neighbor.normal = texelFetch(normals, texel, 0).xyz;
-    neighbor.near = dot(offset, offset) < 1.0;
-    vec2 x = vec2(dot(neighbor.offset, t1), dot(neighbor.offset, t2)) / radius;
-    vec2 y = vec2(dot(neighbor.normal, t1), dot(neighbor.normal, t2));
-    neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12));
-    m.area += neighbor.weight;
-    m.xx += neighbor.weight * outer(x);
-    m.xy += neighbor.weight * vec3(x.x * y.x, x.x * y.y + x.y * y.x, x.y * y.y);
-    states_add(states, center, neighbor);
-  }
-
+  Moments m = sums.moments;
+  Center center = sums.center;
+  States states = sums.states;
   Support support = finish_support(m);
   results[ROW_COVERAGE * total + index] = m.area > 0.0 ? m.area / (m.area + m.lost) : 0.0;
   results[ROW_FLAGS * total + index] = m.cut > 0.0 ? 1.0 : 0.0;

@@ -1,14 +1,10 @@
 // A sample's straight way through the UV map → the texel where it lands, over any seams (paper 3.4, with the affine map of each seam
 // edge in place of eq. 2 and 3). Lengths are in texels.
-#include "shared.h"
-layout(binding = UNIT_POSITION) uniform sampler2D positions;
-layout(binding = UNIT_NORMAL) uniform sampler2D normals;
-layout(binding = UNIT_IDS) uniform isampler2D ids;
+#include "buffers.glsl"
 layout(binding = UNIT_BORDER) uniform isampler2D border;
 layout(binding = UNIT_BORDER_LIST) uniform isampler2D border_list;
 layout(binding = UNIT_BORDER_UV) uniform sampler2D border_uv;
 layout(binding = UNIT_LINKS) uniform sampler2D links;
-layout(location = 0) uniform int buffer_size;
 layout(location = 1) uniform int max_jumps;
 
 const int FOUND = 0;
@@ -19,7 +15,8 @@ struct Walk {
   vec2 from;
   vec2 to;
   int chart;
-  float factor; // |det| of the maps applied: area of the pattern's cell at its end
+  mat2 turn;    // the linear part of all maps applied
+  vec2 center;  // where the maps take the place the pattern is centered on
   int outcome;
 };
 
@@ -63,7 +60,8 @@ bool jump(inout Walk walk, int edge, float t, out int came_from) {
   vec2 crossing = mix(walk.from, walk.to, t);
   walk.from = linear * (crossing - origin) + image.xy * float(buffer_size);
   walk.to = linear * (walk.to - origin) + image.xy * float(buffer_size);
-  walk.factor *= abs(determinant(linear));
+  walk.center = linear * (walk.center - origin) + image.xy * float(buffer_size);
+  walk.turn = linear * walk.turn;
   walk.chart = int(image.w);
   return true;
 }

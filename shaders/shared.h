@@ -10,7 +10,7 @@
 #define UNIT_TRIANGLES 0   // list, RGBA32F: E, F, G, area element of each triangle
 #define UNIT_POSITION 1    // buffer, RGBA32F: position, area element (0: no surface)
 #define UNIT_NORMAL 2      // buffer, RGBA32F: unit normal
-#define UNIT_IDS 3         // buffer, RG32I: chart (-1: none), triangle
+#define UNIT_IDS 3         // buffer, RG32I: chart (-1: none), triangle (-1 - triangle: on a chart-edge line)
 #define UNIT_BORDER 4      // buffer, RG32I: free texels around (or -number of border edges in this texel), first list entry
 #define UNIT_BORDER_LIST 5 // list, RG32I: border, chart
 #define UNIT_BORDER_UV 6   // list, RGBA32F: u0, v0, u1, v1 of each border, the chart on its left
@@ -21,6 +21,11 @@
 #define BINDING_PATTERN 1
 #define BINDING_RESULTS 2
 #define BINDING_EDGES 3    // chart-edge lines to rasterize
+#define BINDING_WINDOWS 4  // MAX_WINDOWS a center
+#define BINDING_LOSSES 5   // vec4 a center: windows, lost area, samples that met a boundary
+
+#define MAX_WINDOWS 12     // pieces of the UV map that one support may lie on
+#define SCOUTS 96          // samples that look for them
 
 // Rows of the results that come before the descriptors'.
 #define ROW_COVERAGE 0
@@ -34,6 +39,10 @@ struct alignas(16) CenterData {
   vec4 normal_phase;   // xyz unit, w: rotation of the pattern in radians
   vec4 place;          // (u, v) of the evaluation; (u, v) just inside the chart where marches start
   vec4 ellipse;        // columns of the 2x2 map from the unit disk to (u, v) offsets
+};
+struct alignas(16) WindowData {
+  vec4 origin_chart; // texels; z: chart
+  vec4 map;          // columns of the 2x2 map from the unit square to texels
 };
 struct alignas(16) EdgeData {
   vec4 uv;               // u0, v0, u1, v1
@@ -49,6 +58,10 @@ struct CenterData {
   vec4 normal_phase;
   vec4 place;
   vec4 ellipse;
+};
+struct WindowData {
+  vec4 origin_chart;
+  vec4 map;
 };
 struct EdgeData {
   vec4 uv;

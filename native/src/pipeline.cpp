@@ -214,7 +214,7 @@ static int count_bare_triangles(const Mesh &mesh, const GeometryBuffer &buffer) 
   std::vector<uint8_t> seen(static_cast<size_t>(mesh.triangles.triangle_count), 0);
   const std::vector<int32_t> ids = buffer.read_ids();
   for (size_t i = 0; i < ids.size(); i += 2)
-    if (ids[i] >= 0) seen[static_cast<size_t>(ids[i + 1])] = 1;
+    if (ids[i] >= 0 && ids[i + 1] >= 0) seen[static_cast<size_t>(ids[i + 1])] = 1;
   int bare = 0;
   for (size_t i = 0; i < seen.size(); ++i) bare += mesh.charts.triangle_chart[i] >= 0 && !seen[i];
   return bare;

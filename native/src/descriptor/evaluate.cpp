@@ -52,35 +52,63 @@ void Evaluator::set_frame(const Gl &gl, const std::vector<vec4> &links, const st
 }
 
 void Evaluator::set_settings(const Gl &gl, const EvaluateSettings &settings) {
-  pattern_.upload(gl, golden_angle_pattern(settings.samples));
+  // The disk's pattern, then the square's.
+  std::vector<vec2> pattern = golden_angle_pattern(settings.samples);
+  const std::vector<vec2> square = square_pattern(settings.samples);
+  pattern.insert(pattern.end(), square.begin(), square.end());
+  pattern_.upload(gl, pattern);
+  scouts_.upload(gl, golden_angle_pattern(SCOUTS));
+  const auto count = static_cast<size_t>(count_);
+  windows_.upload(gl, nullptr, count * MAX_WINDOWS * sizeof(WindowData), GL_STREAM_COPY);
+  losses_.upload(gl, nullptr, count * sizeof(vec4), GL_STREAM_COPY);
   // NaN everywhere first: a center that a driver forgets must not look like a result.
-  const std::vector<float> nothing((ROW_DESCRIPTORS + settings.descriptors.size()) * static_cast<size_t>(count_),
-                                   std::numeric_limits<float>::quiet_NaN());
+  const std::vector<float> nothing((ROW_DESCRIPTORS + settings.descriptors.size()) * count, std::numeric_limits<float>::quiet_NaN());
   results_.upload(gl, nothing, GL_STREAM_READ);
   check_gl(gl, "settings upload");
+}
+
+// One invocation a center, with what both kernels know.
+static void dispatch(const Gl &gl, const EvaluateSettings &settings, int first, int last, int buffer_size) {
+  gl.Uniform1i(0, buffer_size);
+  gl.Uniform1i(2, first);
+  gl.Uniform1i(3, last);
+  gl.Uniform1f(6, settings.radius);
+  gl.Uniform1f(7, settings.enlargement);
+  gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+  gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void Evaluator::find_windows(const Gl &gl, ProgramCache &programs, const EvaluateSettings &settings, int first, int last,
+                             int buffer_size) const {
+  gl.UseProgram(programs.get(gl, "windows", {{GL_COMPUTE_SHADER, "windows.comp.glsl"}}));
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PATTERN, scouts_.id());
+  gl.Uniform1i(1, settings.max_jumps);
+  dispatch(gl, settings, first, last, buffer_size);
 }
 
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
                     int last) const {
   const bool seams = first >= interior_;
-  std::string name = seams ? "evaluate seams" : "evaluate interior";
-  for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
-  gl.UseProgram(programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},
-                             {{"variant.glsl", seams ? "#define SEAMS 1\n" : "#define SEAMS 0\n"},
-                              {"descriptors.glsl", compose_descriptors(settings.descriptors)}}));
   buffer.bind();
   gl.BindTextureUnit(UNIT_BORDER, border_.id());
   gl.BindTextureUnit(UNIT_BORDER_LIST, border_list_.id());
   gl.BindTextureUnit(UNIT_BORDER_UV, border_uv_.id());
   gl.BindTextureUnit(UNIT_LINKS, links_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_WINDOWS, windows_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_LOSSES, losses_.id());
+  if (seams) find_windows(gl, programs, settings, first, last, buffer.size());
+
+  std::string name = seams ? "evaluate seams" : "evaluate interior";
+  for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
+  gl.UseProgram(programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},
+                             {{"variant.glsl", seams ? "#define SEAMS 1\n" : "#define SEAMS 0\n"},
+                              {"descriptors.glsl", compose_descriptors(settings.descriptors)}}));
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PATTERN, pattern_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
-  const GLint integers[] = {buffer.size(), settings.max_jumps, first, last, count_, settings.samples};
-  for (GLint i = 0; i < 6; ++i) gl.Uniform1i(i, integers[i]);
-  gl.Uniform1f(6, settings.radius);
-  gl.Uniform1f(7, settings.enlargement);
-  gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+  gl.Uniform1i(4, count_);
+  gl.Uniform1i(5, settings.samples);
+  dispatch(gl, settings, first, last, buffer.size());
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.Finish();
   check_gl(gl, "evaluate");

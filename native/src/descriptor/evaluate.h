@@ -36,9 +36,11 @@ public:
   std::vector<float> read(const Gl &gl, const EvaluateSettings &settings) const;
 
 private:
+  void find_windows(const Gl &gl, ProgramCache &programs, const EvaluateSettings &settings, int first, int last, int buffer_size) const;
+
   Texture border_;
   ListTexture border_list_, border_uv_, links_;
-  Buffer centers_, pattern_, results_;
+  Buffer centers_, pattern_, scouts_, windows_, losses_, results_;
   int count_ = 0, interior_ = 0;
 };
 

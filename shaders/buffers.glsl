@@ -1,0 +1,6 @@
+// The baked buffers, fetched nearest: every texel is an exact point of the surface.
+#include "shared.h"
+layout(binding = UNIT_POSITION) uniform sampler2D positions;
+layout(binding = UNIT_NORMAL) uniform sampler2D normals;
+layout(binding = UNIT_IDS) uniform isampler2D ids;
+layout(location = 0) uniform int buffer_size;
