@@ -83,7 +83,9 @@ TEST_P(IrregularSurface, has_its_exact_curvatures_and_the_oracles_volume_and_ben
     // 0.08 to 0.18 % (METHOD.md, "Normals decide"), fitted ones 0.02 to 0.05 % more.
     EXPECT_LE(error.mean, i < 2 ? 0.25 : 1.0) << measured[i];
     // Issue "Core": seam vertices at most 1.5 times the interior. With few vertices on one side the means are not comparable.
-    if (at_seams.count >= 200 && off_seams.count >= 200) EXPECT_LE(at_seams.mean, 1.5 * off_seams.mean) << measured[i];
+    if (at_seams.count >= 200 && off_seams.count >= 200) {
+      EXPECT_LE(at_seams.mean, 1.5 * off_seams.mean) << measured[i];
+    }
     if (i < 2) {
       const PercentAe of_oracle = percent_ae(oracle[measured[i]], truth);
       record(title + ", oracle", measured[i], of_oracle);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "support/triangulation.h"
 
@@ -32,13 +33,20 @@ template <class At> void evaluate(TestMesh &mesh, const At &at) {
   }
 }
 
+double distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
+  const Vec3 along = b - a;
+  const double t = std::clamp(dot(p - a, along) / dot(along, along), 0.0, 1.0);
+  return length(p - a - t * along);
+}
+
 void measure_boundary_distance(TestMesh &mesh) {
-  const std::vector<int32_t> boundary = boundary_vertices(mesh);
   mesh.boundary_distance.assign(mesh.points.size(), std::numeric_limits<double>::infinity());
-  for (size_t v = 0; v < mesh.points.size(); ++v)
-    for (const int32_t b : boundary)
-      mesh.boundary_distance[v] =
-          std::min(mesh.boundary_distance[v], length(mesh.points[v] - mesh.points[static_cast<size_t>(b)]));
+  for (const MeshEdge &edge : mesh_edges(mesh)) {
+    if (edge.triangle_b >= 0) continue;
+    const Vec3 a = mesh.points[static_cast<size_t>(edge.low)], b = mesh.points[static_cast<size_t>(edge.high)];
+    for (size_t v = 0; v < mesh.points.size(); ++v)
+      mesh.boundary_distance[v] = std::min(mesh.boundary_distance[v], distance_to_segment(mesh.points[v], a, b));
+  }
 }
 
 void finish(TestMesh &mesh, const Triangulation &triangulation) {
@@ -201,6 +209,18 @@ void scale(TestMesh &mesh, double factor) {
   for (double &value : mesh.K) value /= factor * factor;
   for (double &distance : mesh.boundary_distance) distance *= factor;
   mesh.lengths = factor * mesh.lengths;
+  round_to_float(mesh);
+}
+
+void turn_inside_out(TestMesh &mesh) {
+  for (size_t t = 0; t < mesh.corner_vertices.size(); t += 3) std::swap(mesh.corner_vertices[t + 1], mesh.corner_vertices[t + 2]);
+  for (Vec3 &normal : mesh.normals) normal = -1 * normal;
+  for (double &value : mesh.H) value = -value;
+  for (size_t v = 0; v < mesh.k1.size(); ++v) {
+    std::swap(mesh.k1[v], mesh.k2[v]);
+    mesh.k1[v] = -mesh.k1[v];
+    mesh.k2[v] = -mesh.k2[v];
+  }
   round_to_float(mesh);
 }
 

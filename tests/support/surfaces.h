@@ -64,7 +64,7 @@ struct TestMesh {
 
   std::vector<Vec3> points, normals;     // (vertex_count) before rounding to float; outward
   std::vector<double> H, K, k1, k2;      // (vertex_count) exact, positive where convex
-  std::vector<double> boundary_distance; // (vertex_count) to the nearest boundary vertex, infinite on a closed surface
+  std::vector<double> boundary_distance; // (vertex_count) to the nearest boundary edge, infinite on a closed surface
 
   Domain domain = Domain::rectangle;
   bool periodic_u = false, periodic_v = false;
@@ -104,6 +104,8 @@ std::vector<uint8_t> interior(const TestMesh &mesh, double r);
 // The same mesh elsewhere: exact values follow.
 void rotate(TestMesh &mesh, const Rotation &rotation);
 void scale(TestMesh &mesh, double factor);
+// Wound the other way: normals and signs follow. Before lay_out.
+void turn_inside_out(TestMesh &mesh);
 // Gaussian noise in every coordinate, deviation = fraction * diagonal; exact values stay those of the smooth surface.
 void add_noise(TestMesh &mesh, double fraction, uint32_t seed);
 

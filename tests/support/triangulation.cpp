@@ -174,15 +174,6 @@ std::vector<MeshEdge> mesh_edges(const TestMesh &mesh) {
   return edges;
 }
 
-std::vector<int32_t> boundary_vertices(const TestMesh &mesh) {
-  std::vector<int32_t> vertices;
-  for (const MeshEdge &edge : mesh_edges(mesh))
-    if (edge.triangle_b < 0) vertices.insert(vertices.end(), {edge.low, edge.high});
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  return vertices;
-}
-
 void flip_towards_delaunay(TestMesh &mesh) {
   for (int round = 0, flips = 1; round < flip_rounds && flips > 0; ++round) {
     flips = 0;

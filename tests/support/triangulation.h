@@ -19,8 +19,6 @@ struct MeshEdge {
 };
 std::vector<MeshEdge> mesh_edges(const TestMesh &mesh);
 
-std::vector<int32_t> boundary_vertices(const TestMesh &mesh);
-
 // Turns edges whose two opposite angles sum to more than half a turn, within each patch, for a few rounds.
 void flip_towards_delaunay(TestMesh &mesh);
 

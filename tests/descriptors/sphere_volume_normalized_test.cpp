@@ -1,0 +1,44 @@
+// Sphere volume as a share of the ball, eq. (7).
+#include "support/run.h"
+
+#include "support/layout.h"
+
+namespace paradesc::test {
+namespace {
+
+// Exact corner normals, so that the estimator alone is tested.
+constexpr Settings settings{.normals = PDESC_NORMALS_MESH};
+
+class SphereVolumeNormalized : public OnBackend {};
+PDESC_ON_EACH_BACKEND(SphereVolumeNormalized);
+
+// 1/2 - 3r/(16R): the lens of two balls. 0.2 % of 0.5, as for the volume itself.
+TEST_P(SphereVolumeNormalized, sphere_has_half_less_three_sixteenths_of_r_over_radius) {
+  TestMesh mesh = sphere(2, {.vertices = 6000});
+  lay_out(mesh, {.charts = 6});
+  for (const double fraction : {0.02, 0.1}) {
+    const std::vector<float> values =
+        compute_one(mesh, "sphere_volume_normalized", {.radius = fraction, .normals = PDESC_NORMALS_MESH});
+    expect_near(values, 0.5 - 3 * radius / (16 * 2), 1e-3);
+  }
+}
+
+// Inside and outside share the ball. The same 0.1 % of it.
+TEST_P(SphereVolumeNormalized, sphere_turned_inside_out_has_the_rest) {
+  TestMesh mesh = sphere(2, {.vertices = 6000});
+  turn_inside_out(mesh);
+  lay_out(mesh, {.charts = 6});
+  const std::vector<float> values = compute_one(mesh, "sphere_volume_normalized", settings);
+  expect_near(values, 0.5 + 3 * radius / (16 * 2), 1e-3);
+}
+
+// Rounding: 1e-6 of the half ball.
+TEST_P(SphereVolumeNormalized, plane_has_one_half) {
+  TestMesh mesh = plane(2, 1, {.vertices = 1000});
+  lay_out(mesh, {.charts = 1});
+  const std::vector<float> values = compute_one(mesh, "sphere_volume_normalized", settings);
+  expect_near(values, 0.5, 5e-7, interior(mesh, 1.1 * radius));
+}
+
+} // namespace
+} // namespace paradesc::test
