@@ -1,0 +1,351 @@
+// Normals of surfaces whose normals are known, of creases, of noise and of meshes that are no surface.
+#include "mesh/normals.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "support/error.h"
+#include "support/surfaces.h"
+
+namespace paradesc::test {
+namespace {
+
+constexpr double degrees = 180 / 3.14159265358979323846;
+
+struct Subject {
+  Triangles triangles;
+  HalfEdges half_edges;
+  NormalRings rings;
+
+  explicit Subject(Triangles list)
+      : triangles(std::move(list)), half_edges(build_half_edges(triangles)), rings(build_normal_rings(triangles, half_edges)) {}
+  explicit Subject(const TestMesh &mesh) : Subject(read_triangles(input_of(mesh))) {}
+  Normals normals(int32_t kind, int threads = 0) const { return compute_normals(triangles, half_edges, rings, kind, threads); }
+};
+
+double angle_between(dvec3 a, dvec3 b) { return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * degrees; }
+
+struct AngleError {
+  double mean = 0, max = 0;
+};
+
+AngleError angle_error(const TestMesh &mesh, const Subject &subject, int32_t kind) {
+  const Normals normals = subject.normals(kind);
+  AngleError error;
+  for (size_t v = 0; v < mesh.normals.size(); ++v) {
+    const auto point = static_cast<size_t>(subject.half_edges.vertex_point[v]);
+    const Vec3 n = mesh.normals[v];
+    const double angle = angle_between(dvec3(normals.point[point]), dvec3(n.x, n.y, n.z));
+    error.mean += angle / static_cast<double>(mesh.normals.size());
+    error.max = std::max(error.max, angle);
+  }
+  return error;
+}
+
+AngleError angle_error(const TestMesh &mesh, int32_t kind) { return angle_error(mesh, Subject(mesh), kind); }
+
+Triangles shape(std::vector<vec3> positions, std::vector<int32_t> corners) {
+  Triangles triangles;
+  triangles.vertex_count = static_cast<int>(positions.size());
+  triangles.triangle_count = static_cast<int>(corners.size() / 3);
+  triangles.positions = std::move(positions);
+  triangles.corner_vertex = std::move(corners);
+  triangles.half_edge_sharp.assign(triangles.corner_vertex.size(), 0);
+  return triangles;
+}
+
+// Each side of [-1, 1]³ as a grid of cells by cells, welded by position; outward.
+Triangles cube(int cells) {
+  std::vector<vec3> positions;
+  std::vector<int32_t> corners;
+  for (int side = 0; side < 6; ++side) {
+    const int axis = side / 2;
+    const float sign = side % 2 ? -1.0f : 1.0f;
+    const auto first = static_cast<int32_t>(positions.size());
+    for (int j = 0; j <= cells; ++j)
+      for (int i = 0; i <= cells; ++i) {
+        vec3 p(0);
+        p[axis] = sign;
+        p[(axis + 1) % 3] = sign * (2 * static_cast<float>(i) / static_cast<float>(cells) - 1);
+        p[(axis + 2) % 3] = 2 * static_cast<float>(j) / static_cast<float>(cells) - 1;
+        positions.push_back(p);
+      }
+    for (int j = 0; j < cells; ++j)
+      for (int i = 0; i < cells; ++i) {
+        const int32_t a = first + j * (cells + 1) + i, b = a + 1, d = a + cells + 1, c = d + 1;
+        corners.insert(corners.end(), {a, b, c, a, c, d});
+      }
+  }
+  return shape(positions, corners);
+}
+
+// Marks edges between faces that do not lie in one plane, as if a user had.
+void mark_bent_edges(Triangles &triangles) {
+  const Subject unmarked(triangles);
+  const auto face_normal = [&](size_t corner) {
+    const auto p = [&](size_t k) {
+      return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner / 3 * 3 + k])]);
+    };
+    return glm::cross(p(1) - p(0), p(2) - p(0));
+  };
+  for (size_t h = 0; h < triangles.corner_vertex.size(); ++h) {
+    const int32_t twin = unmarked.half_edges.twin[h];
+    if (twin >= 0 && angle_between(face_normal(h), face_normal(static_cast<size_t>(twin))) > 1) triangles.half_edge_sharp[h] = 1;
+  }
+}
+
+bool is_unit(vec3 v) { return std::abs(glm::length(dvec3(v)) - 1) < 1e-6; } // float rounding of three coordinates
+
+TEST(Normals, max_are_exact_on_a_sphere) {
+  // Max's weights give the exact normal of any polyhedron inscribed in a sphere. Positions are floats: 6e-8 of the radius over an
+  // edge of 0.05 is 7e-5 degrees, times the irregularity of the fan.
+  EXPECT_LT(angle_error(sphere(1, {.vertices = 5000}), PDESC_NORMALS_MAX).max, 1e-3);
+}
+
+TEST(Normals, fitted_come_near_the_exact_ones) {
+  // METHOD's trial of cubic jets on such meshes gave a mean of 0.002 to 0.004 degrees, of quadratic ones 0.016 to 0.025: between.
+  const TestMesh bent = torus(1, 0.4, {.vertices = 15000});
+  const AngleError on_torus = angle_error(bent, PDESC_NORMALS_FITTED);
+  EXPECT_LT(on_torus.mean, 0.012);
+  EXPECT_LT(on_torus.max, 0.1);
+  EXPECT_LT(angle_error(ellipsoid(1.5, 1, 0.7, {.vertices = 22000}), PDESC_NORMALS_FITTED).mean, 0.002);
+  EXPECT_GT(angle_error(bent, PDESC_NORMALS_MAX).mean, 10 * on_torus.mean);
+}
+
+TEST(Normals, fitted_converge_with_the_cube_of_the_edge_length) {
+  // Cazals and Pouget: the gradient of a jet of degree n has error h^n. Four times the vertices halve h: cubic 8, quadratic 4.
+  const double coarse = angle_error(torus(1, 0.4, {.vertices = 8000}), PDESC_NORMALS_FITTED).mean;
+  const double fine = angle_error(torus(1, 0.4, {.vertices = 32000}), PDESC_NORMALS_FITTED).mean;
+  EXPECT_GT(coarse, 6 * fine); // nearer to the former
+}
+
+TEST(Normals, fitted_hold_at_a_boundary) {
+  // One-sided fits are worse than those inside (mean 0.001 degrees against 0.0003), but the tangent plane of Max is far worse
+  // there.
+  const TestMesh open = saddle(1, {.vertices = 5000});
+  EXPECT_LT(angle_error(open, PDESC_NORMALS_FITTED).max, 0.02);
+  EXPECT_GT(angle_error(open, PDESC_NORMALS_MAX).max, 0.4);
+}
+
+TEST(Normals, fitted_dampen_small_noise) {
+  // 1e-4 of the diagonal is 2 % of an edge. The fit averages over 18 neighbors and more, Max's over six faces.
+  TestMesh mesh = torus(1, 0.4, {.vertices = 15000});
+  add_noise(mesh, 1e-4, 3);
+  const Subject subject(mesh);
+  EXPECT_LT(angle_error(mesh, subject, PDESC_NORMALS_FITTED).mean, angle_error(mesh, subject, PDESC_NORMALS_MAX).mean / 3);
+}
+
+TEST(Normals, fitted_stay_within_twelve_degrees_of_max_under_noise) {
+  for (const double noise : {1e-3, 1e-2}) { // a fifth of an edge, and twice an edge
+    TestMesh mesh = torus(1, 0.4, {.vertices = 15000});
+    add_noise(mesh, noise, 3);
+    const Subject subject(mesh);
+    const Normals fitted = subject.normals(PDESC_NORMALS_FITTED), max = subject.normals(PDESC_NORMALS_MAX);
+    for (size_t p = 0; p < fitted.point.size(); ++p) {
+      ASSERT_TRUE(is_unit(fitted.point[p]));
+      ASSERT_LT(angle_between(dvec3(fitted.point[p]), dvec3(max.point[p])), 12.01); // the guard's limit, and float rounding
+    }
+  }
+}
+
+TEST(Normals, cube_with_sharp_edges_keeps_its_face_normals) {
+  Triangles marked = cube(6);
+  mark_bent_edges(marked);
+  const Subject subject(marked);
+  for (const int32_t kind : {PDESC_NORMALS_FITTED, PDESC_NORMALS_MAX}) {
+    const Normals normals = subject.normals(kind);
+    for (size_t corner = 0; corner < normals.corner.size(); ++corner) {
+      const auto p = [&](size_t k) {
+        return subject.triangles.positions[static_cast<size_t>(subject.triangles.corner_vertex[k])];
+      };
+      const size_t a = corner / 3 * 3;
+      const dvec3 face = glm::cross(dvec3(p(a + 1) - p(a)), dvec3(p(a + 2) - p(a)));
+      ASSERT_LT(angle_between(dvec3(normals.corner[corner]), face), 1e-5); // float rounding
+    }
+  }
+}
+
+TEST(Normals, cube_with_sharp_edges_has_mean_normals_at_its_points) {
+  Triangles marked = cube(1);
+  mark_bent_edges(marked);
+  const Subject subject(marked);
+  ASSERT_EQ(subject.half_edges.point_count, 8);
+  EXPECT_EQ(subject.rings.fan_count, 24); // three at each vertex
+  const Normals normals = subject.normals(PDESC_NORMALS_FITTED);
+  for (size_t p = 0; p < 8; ++p) { // each side takes a right angle, by one triangle or by two
+    const vec3 position = subject.triangles.positions[static_cast<size_t>(subject.half_edges.point_vertex[p])];
+    EXPECT_LT(angle_between(dvec3(normals.point[p]), dvec3(position)), 1e-5); // float rounding
+  }
+}
+
+TEST(Normals, cube_without_marks_falls_back_to_max_at_its_edges) {
+  const Subject subject(cube(6));
+  const Normals fitted = subject.normals(PDESC_NORMALS_FITTED), max = subject.normals(PDESC_NORMALS_MAX);
+  for (size_t p = 0; p < fitted.point.size(); ++p) {
+    const vec3 position = subject.triangles.positions[static_cast<size_t>(subject.half_edges.point_vertex[p])];
+    const int sides = (std::abs(position.x) == 1) + (std::abs(position.y) == 1) + (std::abs(position.z) == 1);
+    if (sides >= 2) {
+      EXPECT_EQ(fitted.point[p], max.point[p]);
+    }
+  }
+}
+
+TEST(Normals, an_edge_sharp_on_one_side_only_is_no_crease) {
+  Triangles triangles = cube(1);
+  mark_bent_edges(triangles);
+  const HalfEdges half_edges = build_half_edges(triangles);
+  for (size_t h = 0; h < half_edges.twin.size(); ++h)
+    if (half_edges.twin[h] > static_cast<int32_t>(h)) triangles.half_edge_sharp[h] = 0; // that side is flat shaded
+  EXPECT_EQ(Subject(triangles).rings.fan_count, 8);
+}
+
+TEST(Normals, a_crease_that_ends_on_the_surface_leaves_one_fan_at_its_end) {
+  TestMesh mesh = plane(1, 1, {.vertices = 400, .irregular = false});
+  Triangles triangles = read_triangles(input_of(mesh));
+  const HalfEdges half_edges = build_half_edges(triangles);
+  size_t inner = 0; // any edge between two inner points
+  while (half_edges.twin[inner] < 0 || half_edges.point_boundary[static_cast<size_t>(half_edges.corner_point[inner])] ||
+         half_edges.point_boundary[static_cast<size_t>(
+             half_edges.corner_point[static_cast<size_t>(next_corner(static_cast<int>(inner)))])])
+    ++inner;
+  triangles.half_edge_sharp[inner] = triangles.half_edge_sharp[static_cast<size_t>(half_edges.twin[inner])] = 1;
+  EXPECT_EQ(Subject(triangles).rings.fan_count, half_edges.point_count);
+}
+
+TEST(Normals, rings_do_not_reach_across_creases) {
+  Triangles marked = cube(6);
+  mark_bent_edges(marked);
+  const Subject subject(marked);
+  for (int fan = 0; fan < subject.rings.fan_count; ++fan) {
+    const auto f = static_cast<size_t>(fan);
+    const auto begin = static_cast<size_t>(subject.rings.face_begin[f]),
+               end = static_cast<size_t>(subject.rings.face_begin[f + 1]);
+    const int32_t side = subject.rings.face[begin] / (2 * 6 * 6);
+    for (size_t i = begin; i < end; ++i) ASSERT_EQ(subject.rings.face[i] / (2 * 6 * 6), side);
+  }
+}
+
+TEST(Normals, rings_hold_each_point_once_and_start_with_the_nearest) {
+  const Subject subject(torus(1, 0.4, {.vertices = 2000}));
+  for (size_t fan = 0; fan < static_cast<size_t>(subject.rings.fan_count); ++fan) {
+    const auto begin = subject.rings.ring_point.begin() + subject.rings.ring_begin[fan];
+    std::vector<int32_t> points(begin, subject.rings.ring_point.begin() + subject.rings.ring_begin[fan + 1]);
+    const int32_t valence = subject.rings.own_faces[fan]; // closed: as many neighbors as faces
+    for (int32_t i = 0; i < valence; ++i) {
+      bool adjacent = false;
+      for (size_t c = 0; c < subject.rings.corner_fan.size() && !adjacent; ++c) {
+        const auto end = static_cast<size_t>(next_corner(static_cast<int>(c)));
+        adjacent = subject.rings.corner_fan[c] == static_cast<int32_t>(fan) &&
+                   subject.half_edges.corner_point[end] == points[static_cast<size_t>(i)];
+      }
+      ASSERT_TRUE(adjacent);
+    }
+    std::sort(points.begin(), points.end());
+    EXPECT_EQ(std::adjacent_find(points.begin(), points.end()), points.end());
+    EXPECT_FALSE(std::binary_search(points.begin(), points.end(), subject.rings.fan_point[fan]));
+    if (fan == 40) break; // each is the same walk; the search above is slow
+  }
+}
+
+TEST(Normals, a_fan_of_thousands_of_faces_costs_no_more_than_its_faces) {
+  constexpr int count = 20000; // a cone: its apex neighbors everything, and everything has the apex' fan in its rings
+  std::vector<vec3> positions{{0, 0, 1}};
+  std::vector<int32_t> corners;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * pi * i / count;
+    positions.push_back(vec3(std::cos(angle), std::sin(angle), 0));
+    corners.insert(corners.end(), {0, 1 + i, 1 + (i + 1) % count});
+  }
+  const Subject subject(shape(positions, corners));
+  EXPECT_LT(subject.rings.ring_point.size(), size_t{count} * 100); // its square would be 4e8
+  const Normals normals = subject.normals(PDESC_NORMALS_FITTED);
+  const auto apex = static_cast<size_t>(subject.half_edges.vertex_point[0]);
+  EXPECT_LT(angle_between(dvec3(normals.point[apex]), dvec3(0, 0, 1)), 0.01); // edges of 3e-4 on floats of 6e-8
+}
+
+TEST(Normals, vertices_split_by_an_exporter_change_nothing) {
+  const Triangles whole = read_triangles(input_of(torus(1, 0.4, {.vertices = 3000})));
+  std::vector<vec3> positions;
+  std::vector<int32_t> corners;
+  for (const int32_t vertex : whole.corner_vertex) {
+    corners.push_back(static_cast<int32_t>(corners.size()));
+    positions.push_back(whole.positions[static_cast<size_t>(vertex)]);
+  }
+  const Normals expected = Subject(whole).normals(PDESC_NORMALS_FITTED);
+  const Normals found = Subject(shape(positions, corners)).normals(PDESC_NORMALS_FITTED);
+  EXPECT_EQ(found.corner, expected.corner); // bit for bit: the same points in the same order
+}
+
+TEST(Normals, mesh_normals_are_those_given) {
+  const TestMesh mesh = torus(1, 0.4, {.vertices = 2000});
+  const Subject subject(mesh);
+  const Normals normals = subject.normals(PDESC_NORMALS_MESH);
+  for (size_t i = 0; i < normals.corner.size(); ++i)
+    ASSERT_LT(glm::length(normals.corner[i] - subject.triangles.corner_normal[i]), 3e-7f); // normalized again, in float
+  EXPECT_LT(angle_error(mesh, PDESC_NORMALS_MESH).max, 1e-4);                              // float rounding
+}
+
+TEST(Normals, mesh_normals_must_have_been_given) {
+  TestMesh mesh = sphere(1, {.vertices = 100});
+  mesh.corner_normals.clear();
+  const Subject subject(mesh);
+  try {
+    subject.normals(PDESC_NORMALS_MESH);
+    FAIL() << "no error";
+  } catch (const Error &error) {
+    EXPECT_EQ(error.status(), PDESC_ERROR_INVALID_OPERATION);
+    EXPECT_NE(std::string(error.what()).find("corner_normals"), std::string::npos);
+  }
+}
+
+TEST(Normals, zero_mesh_normals_become_those_of_the_face) {
+  TestMesh mesh = plane(1, 1, {.vertices = 100});
+  std::fill(mesh.corner_normals.begin(), mesh.corner_normals.end(), 0.0f);
+  for (const vec3 n : Subject(mesh).normals(PDESC_NORMALS_MESH).corner) EXPECT_EQ(n, vec3(0, 0, 1));
+}
+
+TEST(Normals, faces_back_to_back_have_the_normal_of_one_of_them) {
+  const Subject subject(shape({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 1, 2, 0, 2, 1}));
+  for (const int32_t kind : {PDESC_NORMALS_FITTED, PDESC_NORMALS_MAX})
+    for (const vec3 n : subject.normals(kind).point) EXPECT_EQ(std::abs(n.z), 1.0f);
+}
+
+TEST(Normals, degenerate_triangles_have_none_and_spoil_none) {
+  // A square of two triangles, and one without area.
+  const Subject subject(shape({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 2, 0}}, {0, 1, 2, 0, 2, 3, 0, 2, 4}));
+  const Normals normals = subject.normals(PDESC_NORMALS_FITTED);
+  for (size_t i = 0; i < 9; ++i) EXPECT_EQ(normals.corner[i], i < 6 ? vec3(0, 0, 1) : vec3(0));
+}
+
+TEST(Normals, tiny_and_huge_meshes_have_the_normals_of_any) {
+  const TestMesh mesh = torus(1, 0.4, {.vertices = 2000});
+  const double expected = angle_error(mesh, PDESC_NORMALS_FITTED).mean;
+  for (const double factor : {1e-12, 1e12}) {
+    TestMesh scaled = mesh;
+    scale(scaled, factor);
+    EXPECT_NEAR(angle_error(scaled, PDESC_NORMALS_FITTED).mean, expected, 1e-5); // other float roundings
+  }
+}
+
+TEST(Normals, do_not_depend_on_the_number_of_threads) {
+  const TestMesh mesh = torus(1, 0.4, {.vertices = 5000});
+  const Subject subject(mesh);
+  const NormalRings alone = build_normal_rings(subject.triangles, subject.half_edges, 1);
+  const NormalRings five = build_normal_rings(subject.triangles, subject.half_edges, 5);
+  EXPECT_EQ(alone.ring_point, five.ring_point);
+  EXPECT_EQ(alone.face, five.face);
+  EXPECT_EQ(alone.own_faces, five.own_faces);
+  const Normals one = subject.normals(PDESC_NORMALS_FITTED, 1), four = subject.normals(PDESC_NORMALS_FITTED, 4);
+  EXPECT_EQ(one.corner, four.corner);
+  EXPECT_EQ(one.point, four.point);
+}
+
+TEST(Normals, of_an_empty_mesh_are_empty) {
+  const Subject subject(shape({}, {}));
+  EXPECT_TRUE(subject.normals(PDESC_NORMALS_FITTED).point.empty());
+}
+
+} // namespace
+} // namespace paradesc::test
