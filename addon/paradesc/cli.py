@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable
@@ -250,28 +251,37 @@ def run_list(_arguments: argparse.Namespace) -> None:
 
 
 class Progress:
-    """One line that is written over and over, on a terminal only."""
+    """One line that is written over and over, on a terminal only. Ctrl-C cancels the computation at its next tile."""
 
     def __init__(self) -> None:
         self.shown = sys.stderr.isatty()
         self.time = 0.0
+        self.interrupted = False
 
     def __call__(self, stage: str, fraction: float) -> bool:
-        """Shows the stage and the percentage, ten times a second at most; never cancels (Ctrl-C does)."""
+        """Shows the stage and the percentage, ten times a second at most; False after Ctrl-C."""
         now = time.monotonic()
         if self.shown and now - self.time > 0.1:
             self.time = now
             sys.stderr.write(f"\r\x1b[K{fraction:6.1%} {stage}")
             sys.stderr.flush()
-        return True
+        return not self.interrupted
 
     def __enter__(self) -> "Progress":
+        self.former = signal.signal(signal.SIGINT, self.interrupt)  # an exception could not pass through C
         return self
 
     def __exit__(self, *_error: object) -> None:
+        signal.signal(signal.SIGINT, self.former)
         if self.shown:
             sys.stderr.write("\r\x1b[K")
             sys.stderr.flush()
+        if self.interrupted:
+            raise KeyboardInterrupt
+
+    def interrupt(self, *_signal: object) -> None:
+        """Remembers Ctrl-C until the native library asks."""
+        self.interrupted = True
 
 
 def main(words: list[str]) -> int:
