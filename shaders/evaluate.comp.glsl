@@ -9,7 +9,7 @@ layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { Cen
 layout(std430, binding = BINDING_PATTERN) readonly restrict buffer Pattern { vec2 pattern[]; };
 #if SEAMS
 layout(std430, binding = BINDING_WINDOWS) readonly restrict buffer Windows { WindowData windows[]; };
-layout(std430, binding = BINDING_LOSSES) readonly restrict buffer Losses { vec4 losses[]; };
+layout(std430, binding = BINDING_SEARCH) readonly restrict buffer Searches { vec4 searches[]; };
 #endif
 layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { float results[]; };
 layout(location = 2) uniform int first;
@@ -91,29 +91,41 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, bool near) {
 bool seen_before(vec2 place, int index, int window, float chart) {
   for (int k = 0; k < window; ++k) {
     WindowData other = windows[index * MAX_WINDOWS + k];
-    if (other.origin_chart.z != chart) continue;
-    vec2 inside = inverse(mat2(other.map.xy, other.map.zw)) * (place - other.origin_chart.xy);
-    if (all(greaterThanEqual(inside, vec2(0.0))) && all(lessThan(inside, vec2(1.0)))) return true;
+    if (other.center_chart.z != chart) continue;
+    vec2 local = inverse(frame_of(other)) * (place - other.center_chart.xy);
+    if (all(greaterThanEqual(local, other.box.xy)) && all(lessThan(local, other.box.zw))) return true;
   }
   return false;
 }
 
+// Samples of a window: its share of the disk's, so that they lie equally dense everywhere.
+float window_samples(WindowData window, float most) {
+  vec2 span = window.box.zw - window.box.xy;
+  return ceil(clamp(most * span.x * span.y / 4.0, min(most, 32.0), most));
+}
+
 // Every window evenly, by the pattern of the unit square; what lies on the window's chart counts.
 void sample_support(inout Sums sums, CenterData data, int index) {
-  vec4 loss = losses[index];
-  sums.moments.lost = loss.y;
-  sums.moments.cut = loss.z;
+  vec4 search = searches[index];
+  sums.moments.lost = search.y;
+  sums.moments.cut = search.z;
   vec2 home = data.place.xy * float(buffer_size);
-  for (int k = 0; k < int(loss.x); ++k) {
+  int count = int(search.x);
+  float iterations = 0.0;
+  for (int k = 0; k < count; ++k) iterations += window_samples(windows[index * MAX_WINDOWS + k], float(samples)) * float(k + 1);
+  float most = float(samples) * min(1.0, float(MAX_ITERATIONS) / iterations);
+  for (int k = 0; k < count; ++k) {
     WindowData window = windows[index * MAX_WINDOWS + k];
-    mat2 map = mat2(window.map.xy, window.map.zw);
-    float cell = abs(determinant(map)) / (float(samples) * float(buffer_size) * float(buffer_size));
-    for (int i = 0; i < samples; ++i) {
-      vec2 place = window.origin_chart.xy + map * pattern[samples + i];
+    vec2 span = window.box.zw - window.box.xy;
+    mat2 frame = frame_of(window);
+    int own = int(window_samples(window, most));
+    float cell = abs(determinant(frame)) * span.x * span.y / (float(own) * float(buffer_size) * float(buffer_size));
+    for (int i = 0; i < own; ++i) {
+      vec2 place = window.center_chart.xy + frame * (window.box.xy + span * pattern[samples + i]);
       ivec2 texel = ivec2(floor(place));
       if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(buffer_size)))) continue;
       ivec2 id = texelFetch(ids, texel, 0).xy;
-      if (id.x != int(window.origin_chart.z) || id.y < 0 || seen_before(place, index, k, window.origin_chart.z)) continue;
+      if (id.x != int(window.center_chart.z) || id.y < 0 || seen_before(place, index, k, window.center_chart.z)) continue;
       vec2 apart = place - home;
       add_texel(sums, texel, cell, k == 0 && dot(apart, apart) < 1.0);
     }

@@ -15,8 +15,6 @@ struct Walk {
   vec2 from;
   vec2 to;
   int chart;
-  mat2 turn;    // the linear part of all maps applied
-  vec2 center;  // where the maps take the place the pattern is centered on
   int outcome;
 };
 
@@ -60,8 +58,6 @@ bool jump(inout Walk walk, int edge, float t, out int came_from) {
   vec2 crossing = mix(walk.from, walk.to, t);
   walk.from = linear * (crossing - origin) + image.xy * float(buffer_size);
   walk.to = linear * (walk.to - origin) + image.xy * float(buffer_size);
-  walk.center = linear * (walk.center - origin) + image.xy * float(buffer_size);
-  walk.turn = linear * walk.turn;
   walk.chart = int(image.w);
   return true;
 }

@@ -22,10 +22,16 @@
 #define BINDING_RESULTS 2
 #define BINDING_EDGES 3    // chart-edge lines to rasterize
 #define BINDING_WINDOWS 4  // MAX_WINDOWS a center
-#define BINDING_LOSSES 5   // vec4 a center: windows, lost area, samples that met a boundary
+#define BINDING_SEARCH 5   // vec4 a center: windows found, lost area, scouts that met a boundary, last scout that found anything
+#define BINDING_ACTIVE 6   // one counter: centers that have scouts to send yet
 
 #define MAX_WINDOWS 12     // pieces of the UV map that one support may lie on
-#define SCOUTS 96          // samples that look for them
+#define SCOUTS 96          // samples over the enlarged ellipse that look for them
+#define MAX_SCOUTS 768     // as far as they go on while they find any
+// llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): so scouts
+// go out in parties, one dispatch each, and evaluation keeps within this many.
+#define SCOUT_PARTY 48
+#define MAX_ITERATIONS 50000
 
 // Rows of the results that come before the descriptors'.
 #define ROW_COVERAGE 0
@@ -41,8 +47,9 @@ struct alignas(16) CenterData {
   vec4 ellipse;        // columns of the 2x2 map from the unit disk to (u, v) offsets
 };
 struct alignas(16) WindowData {
-  vec4 origin_chart; // texels; z: chart
-  vec4 map;          // columns of the 2x2 map from the unit square to texels
+  vec4 center_chart; // of the frame, texels; z: chart
+  vec4 frame;        // columns of the 2x2 map from the unit disk to texels
+  vec4 box;          // low and high corner in the frame
 };
 struct alignas(16) EdgeData {
   vec4 uv;               // u0, v0, u1, v1
@@ -60,9 +67,11 @@ struct CenterData {
   vec4 ellipse;
 };
 struct WindowData {
-  vec4 origin_chart;
-  vec4 map;
+  vec4 center_chart;
+  vec4 frame;
+  vec4 box;
 };
+mat2 frame_of(WindowData window) { return mat2(window.frame.xy, window.frame.zw); }
 struct EdgeData {
   vec4 uv;
   vec4 position0_chart;

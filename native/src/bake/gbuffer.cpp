@@ -173,6 +173,7 @@ TexelCounts GeometryBuffer::count_owners(ProgramCache &programs) {
 }
 
 void GeometryBuffer::bind() const {
+  gl_.BindTextureUnit(UNIT_TRIANGLES, forms_.id());
   gl_.BindTextureUnit(UNIT_POSITION, position_.id());
   gl_.BindTextureUnit(UNIT_NORMAL, normal_.id());
   gl_.BindTextureUnit(UNIT_IDS, ids_.id());

@@ -53,14 +53,15 @@ void Evaluator::set_frame(const Gl &gl, const std::vector<vec4> &links, const st
 
 void Evaluator::set_settings(const Gl &gl, const EvaluateSettings &settings) {
   // The disk's pattern, then the square's.
-  std::vector<vec2> pattern = golden_angle_pattern(settings.samples);
+  std::vector<vec2> pattern = golden_angle_pattern(settings.samples, settings.samples);
   const std::vector<vec2> square = square_pattern(settings.samples);
   pattern.insert(pattern.end(), square.begin(), square.end());
   pattern_.upload(gl, pattern);
-  scouts_.upload(gl, golden_angle_pattern(SCOUTS));
+  scouts_.upload(gl, golden_angle_pattern(SCOUTS, MAX_SCOUTS));
   const auto count = static_cast<size_t>(count_);
   windows_.upload(gl, nullptr, count * MAX_WINDOWS * sizeof(WindowData), GL_STREAM_COPY);
-  losses_.upload(gl, nullptr, count * sizeof(vec4), GL_STREAM_COPY);
+  searches_.upload(gl, nullptr, count * sizeof(vec4), GL_STREAM_COPY);
+  active_.upload(gl, nullptr, sizeof(GLuint), GL_STREAM_READ);
   // NaN everywhere first: a center that a driver forgets must not look like a result.
   const std::vector<float> nothing((ROW_DESCRIPTORS + settings.descriptors.size()) * count, std::numeric_limits<float>::quiet_NaN());
   results_.upload(gl, nothing, GL_STREAM_READ);
@@ -82,7 +83,24 @@ void Evaluator::find_windows(const Gl &gl, ProgramCache &programs, const Evaluat
                              int buffer_size) const {
   gl.UseProgram(programs.get(gl, "windows", {{GL_COMPUTE_SHADER, "windows.comp.glsl"}}));
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PATTERN, scouts_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_ACTIVE, active_.id());
   gl.Uniform1i(1, settings.max_jumps);
+  for (int round = 0; round < MAX_WINDOWS; ++round) {
+    bool more = false;
+    for (int begin = 0; begin < MAX_SCOUTS; begin += SCOUT_PARTY) {
+      GLuint active = 0;
+      gl.NamedBufferSubData(active_.id(), 0, sizeof active, &active);
+      gl.Uniform1i(8, round);
+      gl.Uniform1i(9, begin);
+      dispatch(gl, settings, first, last, buffer_size);
+      gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+      gl.GetNamedBufferSubData(active_.id(), 0, sizeof active, &active);
+      more |= active > 0;
+      if (active == 0) break;
+    }
+    if (!more) break;
+  }
+  gl.UseProgram(programs.get(gl, "grow", {{GL_COMPUTE_SHADER, "grow.comp.glsl"}}));
   dispatch(gl, settings, first, last, buffer_size);
 }
 
@@ -96,7 +114,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   gl.BindTextureUnit(UNIT_LINKS, links_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_WINDOWS, windows_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_LOSSES, losses_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SEARCH, searches_.id());
   if (seams) find_windows(gl, programs, settings, first, last, buffer.size());
 
   std::string name = seams ? "evaluate seams" : "evaluate interior";

@@ -40,7 +40,7 @@ private:
 
   Texture border_;
   ListTexture border_list_, border_uv_, links_;
-  Buffer centers_, pattern_, scouts_, windows_, losses_, results_;
+  Buffer centers_, pattern_, scouts_, windows_, searches_, active_, results_;
   int count_ = 0, interior_ = 0;
 };
 

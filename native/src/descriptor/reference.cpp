@@ -99,7 +99,7 @@ void add_cut_triangle(Moments &moments, const Center &center, const Patch &patch
   const auto flat = [&](dvec3 v) { return dvec2(glm::dot(v, e1), glm::dot(v, e2)); };
   const std::array<dvec2, 3> corners{flat(a), flat(b), flat(c)};
   const DiscRegion region = clip_by_disc(corners, std::sqrt(disc2));
-  const dvec2 star = patch.center >= 0 ? corners[static_cast<size_t>(patch.center)] : star_center(region);
+  const dvec2 star = patch.center >= 0 ? corners[static_cast<size_t>(patch.center)] : nearest_to_origin(corners);
   const dvec2 ab = corners[1] - corners[0], ac = corners[2] - corners[0];
   visit_region(region, star, rule, [&](dvec2 x, double weight) {
     const dvec2 from_a = x - corners[0];

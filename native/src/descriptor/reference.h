@@ -15,12 +15,12 @@ namespace paradesc {
 // What quadrature leaves behind at one point. w is area; d = q - p, rho = |d|, n the unit normal at p, n_i that at q.
 struct ReferenceNeighborhood {
   double radius = 0;
-  double area = 0;            // integral of w
-  double rho = 0;             // of w rho
-  double height = 0;          // of w n.d
-  double bending = 0;         // of w |n - n_i|^2 / rho^2
-  double k1 = 0, k2 = 0;      // of the least-squares shape operator, k1 >= k2; NaN where it cannot be fitted
-  bool boundary = false;      // a mesh boundary lies within the ball
+  double area = 0;       // integral of w
+  double rho = 0;        // of w rho
+  double height = 0;     // of w n.d
+  double bending = 0;    // of w |n - n_i|^2 / rho^2
+  double k1 = 0, k2 = 0; // of the least-squares shape operator, k1 >= k2; NaN where it cannot be fitted
+  bool boundary = false; // a mesh boundary lies within the ball
 };
 
 // One of these for each row of descriptors.def; each gives NaN where the value does not exist.

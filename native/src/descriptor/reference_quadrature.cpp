@@ -97,17 +97,17 @@ DiscRegion clip_by_disc(const std::array<dvec2, 3> &corners, double radius) {
   return region;
 }
 
-dvec2 star_center(const DiscRegion &region) {
-  dvec2 sum(0);
-  double count = 0;
-  for (int k = 0; k < region.count; ++k) {
-    const BoundaryPiece &piece = region.pieces[static_cast<size_t>(k)];
-    if (piece.angle >= 2 * pi) return dvec2(0);
-    const double middle = piece.angle_begin + 0.5 * piece.angle;
-    sum += piece.angle > 0 ? piece.begin + region.radius * dvec2(std::cos(middle), std::sin(middle)) : piece.begin;
-    count += piece.angle > 0 ? 2 : 1;
+dvec2 nearest_to_origin(const std::array<dvec2, 3> &corners) {
+  if (holds_origin(corners)) return dvec2(0);
+  dvec2 nearest = corners[0];
+  for (size_t i = 0; i < 3; ++i) {
+    const dvec2 a = corners[i], edge = corners[(i + 1) % 3] - a;
+    const double length2 = glm::dot(edge, edge);
+    const double t = length2 > 0 ? std::clamp(-glm::dot(a, edge) / length2, 0.0, 1.0) : 0;
+    const dvec2 foot = t < 1 ? a + t * edge : corners[(i + 1) % 3];
+    if (glm::dot(foot, foot) < glm::dot(nearest, nearest)) nearest = foot;
   }
-  return count > 0 ? sum / count : sum;
+  return nearest;
 }
 
 GaussRule gauss_rule(int points) {

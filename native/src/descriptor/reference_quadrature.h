@@ -28,8 +28,9 @@ struct DiscRegion {
 // corners counter-clockwise. count = 0 where triangle and disc do not overlap.
 DiscRegion clip_by_disc(const std::array<dvec2, 3> &corners, double radius);
 
-// A point of the region for sectors to start from: the mean of points of its boundary.
-dvec2 star_center(const DiscRegion &region);
+// The point of a triangle nearest to the origin. Where the region is not empty it lies in it, and integrands that vary fastest
+// near the ball's center do so there, where sectors that start from it have their points closest together.
+dvec2 nearest_to_origin(const std::array<dvec2, 3> &corners);
 
 struct GaussRule {
   std::span<const double> nodes, weights; // on [0, 1]

@@ -18,7 +18,8 @@ void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) 
   }
   // An empty buffer cannot be bound for storage; one element keeps every binding valid.
   const size_t size = std::max<size_t>(bytes, 16);
-  gl.NamedBufferData(id_, static_cast<GLsizeiptr>(size), bytes ? data : nullptr, usage);
+  gl.NamedBufferData(id_, static_cast<GLsizeiptr>(size), bytes >= size ? data : nullptr, usage);
+  if (data && bytes && bytes < size) gl.NamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(bytes), data);
 }
 
 Texture::Texture(const Gl &gl, int width, int height, GLenum format) : gl_(&gl) {

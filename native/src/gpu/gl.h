@@ -22,6 +22,7 @@
   F(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                                                         \
   F(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                                         \
   F(PFNGLNAMEDBUFFERDATAPROC, NamedBufferData)                                                                                     \
+  F(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                                                                               \
   F(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)                                                                         \
   F(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                                       \
   F(PFNGLCREATETEXTURESPROC, CreateTextures)                                                                                       \

@@ -8,8 +8,9 @@
 
 namespace paradesc {
 
-// Vogel's golden-angle set: equal areas, low discrepancy at every count.
-std::vector<vec2> golden_angle_pattern(int count);
+// Vogel's golden-angle set: equal areas, low discrepancy at every count. The first `in_disk` of `count` places lie in the unit disk,
+// the spiral goes on with the rest.
+std::vector<vec2> golden_angle_pattern(int in_disk, int count);
 
 // A rank-1 sequence in the unit square with the plastic number's ratios: low discrepancy at every count.
 std::vector<vec2> square_pattern(int count);
