@@ -98,36 +98,63 @@ bool seen_before(vec2 place, int index, int window, float chart) {
   return false;
 }
 
-// Samples of a window: its share of the disk's, so that they lie equally dense everywhere.
-float window_samples(WindowData window, float most) {
-  vec2 span = window.box.zw - window.box.xy;
-  return ceil(clamp(most * span.x * span.y / 4.0, min(most, 32.0), most));
+bool on_chart(ivec2 texel, int chart) {
+  if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(buffer_size)))) return false;
+  ivec2 id = texelFetch(ids, texel, 0).xy;
+  return id.x == chart && id.y >= 0;
 }
 
-// Every window evenly, by the pattern of the unit square; what lies on the window's chart counts.
+// A rectangle of a window's frame: corner, span, and the largest area in space that it may hold of the ball.
+struct Stratum {
+  vec2 low;
+  vec2 span;
+  float area;
+};
+
+// Looks at four places: where the parameterization is stretched, few samples of a window would stand for much of the surface.
+Stratum probe(WindowData window, mat2 frame, vec2 low, vec2 span, vec3 ball) {
+  float largest = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    ivec2 texel = ivec2(floor(window.center_chart.xy + frame * (low + span * (0.25 + 0.5 * vec2(i & 1, i >> 1)))));
+    if (!on_chart(texel, int(window.center_chart.z))) continue;
+    vec4 point = texelFetch(positions, texel, 0);
+    if (length(point.xyz - ball) < 1.1 * radius) largest = max(largest, point.w);
+  }
+  float size = float(buffer_size);
+  return Stratum(low, span, largest * abs(determinant(frame)) * span.x * span.y / (size * size));
+}
+
+// Every window in strata, each as densely sampled as the disk of a center without seams; what lies on the window's chart counts.
 void sample_support(inout Sums sums, CenterData data, int index) {
   vec4 search = searches[index];
   sums.moments.lost = search.y;
   sums.moments.cut = search.z;
-  vec2 home = data.place.xy * float(buffer_size);
-  int count = int(search.x);
-  float iterations = 0.0;
-  for (int k = 0; k < count; ++k) iterations += window_samples(windows[index * MAX_WINDOWS + k], float(samples)) * float(k + 1);
-  float most = float(samples) * min(1.0, float(MAX_ITERATIONS) / iterations);
-  for (int k = 0; k < count; ++k) {
+  float size = float(buffer_size);
+  vec2 home = data.place.xy * size;
+  float density = float(samples) / (PI * enlargement * enlargement * radius * radius);
+  int iterations = 0;
+  for (int k = 0; k < int(search.x); ++k) {
     WindowData window = windows[index * MAX_WINDOWS + k];
-    vec2 span = window.box.zw - window.box.xy;
     mat2 frame = frame_of(window);
-    int own = int(window_samples(window, most));
-    float cell = abs(determinant(frame)) * span.x * span.y / (float(own) * float(buffer_size) * float(buffer_size));
-    for (int i = 0; i < own; ++i) {
-      vec2 place = window.center_chart.xy + frame * (window.box.xy + span * pattern[samples + i]);
-      ivec2 texel = ivec2(floor(place));
-      if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(buffer_size)))) continue;
-      ivec2 id = texelFetch(ids, texel, 0).xy;
-      if (id.x != int(window.center_chart.z) || id.y < 0 || seen_before(place, index, k, window.center_chart.z)) continue;
-      vec2 apart = place - home;
-      add_texel(sums, texel, cell, k == 0 && dot(apart, apart) < 1.0);
+    vec2 span = window.box.zw - window.box.xy;
+    int side = span.x * span.y > 0.3 ? 4 : 2;
+    for (int j = 0; j < side * side; ++j) {
+      vec2 part = span / float(side);
+      Stratum stratum = probe(window, frame, window.box.xy + part * vec2(j % side, j / side), part, sums.center.position);
+      int own = int(clamp(ceil(stratum.area * density), 4.0, float(samples)));
+      iterations += 4 + own * (k + 1);
+      if (iterations > MAX_ITERATIONS) {
+        sums.moments.lost += stratum.area;
+        continue;
+      }
+      float cell = abs(determinant(frame)) * part.x * part.y / (float(own) * size * size);
+      for (int i = 0; i < own; ++i) {
+        vec2 place = window.center_chart.xy + frame * (stratum.low + part * fract(pattern[samples + i] + pattern[samples + j]));
+        ivec2 texel = ivec2(floor(place));
+        if (!on_chart(texel, int(window.center_chart.z)) || seen_before(place, index, k, window.center_chart.z)) continue;
+        vec2 apart = place - home;
+        add_texel(sums, texel, cell, k == 0 && dot(apart, apart) < 1.0);
+      }
     }
   }
 }
