@@ -66,7 +66,7 @@ struct Sums {
 };
 
 // One texel: weight is the area of its cell in (u, v).
-void add_texel(inout Sums sums, ivec2 texel, float cell, bool near) {
+void add_texel(inout Sums sums, ivec2 texel, float cell) {
   vec4 point = texelFetch(positions, texel, 0);
   Neighbor neighbor;
   neighbor.offset = point.xyz - sums.center.position;
@@ -76,7 +76,7 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, bool near) {
   neighbor.weight *= clamp((radius - neighbor.rho) * inversesqrt(max(neighbor.weight, 1e-20)) + 0.5, 0.0, 1.0);
   if (!(neighbor.weight > 0.0)) return;
   neighbor.normal = texelFetch(normals, texel, 0).xyz;
-  neighbor.near = near;
+  neighbor.near = neighbor.rho * float(buffer_size) < sqrt(point.w);
   vec2 x = vec2(dot(neighbor.offset, sums.t1), dot(neighbor.offset, sums.t2)) / radius;
   vec2 y = vec2(dot(neighbor.normal, sums.t1), dot(neighbor.normal, sums.t2));
   neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12));
@@ -87,73 +87,90 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, bool near) {
 }
 
 #if SEAMS
-// A place that an earlier window on the same chart has sampled already.
-bool seen_before(vec2 place, int index, int window, float chart) {
-  for (int k = 0; k < window; ++k) {
-    WindowData other = windows[index * MAX_WINDOWS + k];
+layout(binding = UNIT_BLOCKS) uniform sampler2D blocks;
+layout(location = 8) uniform int block_size;
+
+// Whether a block of texels, its low corner given, meets a window's box. With the block inside the box' bounds this is exact.
+bool meets(WindowData window, vec2 low) {
+  mat2 to_frame = inverse(frame_of(window));
+  vec2 middle = to_frame * (low + 0.5 * float(block_size) - window.center_chart.xy);
+  vec2 half_size = 0.5 * float(block_size) * (abs(to_frame[0]) + abs(to_frame[1]));
+  return all(greaterThan(middle + half_size, window.box.xy)) && all(lessThan(middle - half_size, window.box.zw));
+}
+
+// Bounds of a window in blocks: low and high, inclusive.
+ivec4 block_bounds(WindowData window) {
+  mat2 frame = frame_of(window);
+  vec2 middle = window.center_chart.xy + frame * (0.5 * (window.box.xy + window.box.zw));
+  vec2 half_span = 0.5 * (window.box.zw - window.box.xy);
+  vec2 reach = abs(frame[0]) * half_span.x + abs(frame[1]) * half_span.y;
+  vec2 limit = vec2((buffer_size - 1) / block_size);
+  return ivec4(clamp(floor((middle - reach) / float(block_size)), vec2(0.0), limit),
+               clamp(floor((middle + reach) / float(block_size)), vec2(0.0), limit));
+}
+
+// A block that an earlier window on the same chart has sampled already.
+bool seen_before(ivec2 block, int first_window, int window, float chart) {
+  for (int k = first_window; k < window; ++k) {
+    WindowData other = windows[k];
     if (other.center_chart.z != chart) continue;
-    vec2 local = inverse(frame_of(other)) * (place - other.center_chart.xy);
-    if (all(greaterThanEqual(local, other.box.xy)) && all(lessThan(local, other.box.zw))) return true;
+    ivec4 bounds = block_bounds(other);
+    if (all(greaterThanEqual(block, bounds.xy)) && all(lessThanEqual(block, bounds.zw)) && meets(other, vec2(block * block_size))) return true;
   }
   return false;
 }
 
-bool on_chart(ivec2 texel, int chart) {
-  if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(buffer_size)))) return false;
-  ivec2 id = texelFetch(ids, texel, 0).xy;
-  return id.x == chart && id.y >= 0;
+// A place in [0, 2^16)^2 that depends on the cell alone: every center takes the same texel of it.
+ivec2 jitter(ivec2 cell) {
+  uint h = uint(cell.x) * 0x8da6b343u ^ uint(cell.y) * 0xd8163841u;
+  h = (h ^ (h >> 16)) * 0x85ebca6bu;
+  h = (h ^ (h >> 13)) * 0xc2b2ae35u;
+  h ^= h >> 16;
+  return ivec2(h & 0xffffu, h >> 16);
 }
 
-// A rectangle of a window's frame: corner, span, and the largest area in space that it may hold of the ball.
-struct Stratum {
-  vec2 low;
-  vec2 span;
-  float area;
-};
-
-// Looks at four places: where the parameterization is stretched, few samples of a window would stand for much of the surface.
-Stratum probe(WindowData window, mat2 frame, vec2 low, vec2 span, vec3 ball) {
-  float largest = 0.0;
-  for (int i = 0; i < 4; ++i) {
-    ivec2 texel = ivec2(floor(window.center_chart.xy + frame * (low + span * (0.25 + 0.5 * vec2(i & 1, i >> 1)))));
-    if (!on_chart(texel, int(window.center_chart.z))) continue;
-    vec4 point = texelFetch(positions, texel, 0);
-    if (length(point.xyz - ball) < 1.1 * radius) largest = max(largest, point.w);
-  }
-  float size = float(buffer_size);
-  return Stratum(low, span, largest * abs(determinant(frame)) * span.x * span.y / (size * size));
+// Texels between the samples of a block: a power of two, so that blocks hold whole cells, and no cell is larger than the disk's.
+int stride_of(ivec2 block) {
+  float texel_area = texelFetch(blocks, block, 0).x / (float(buffer_size) * float(buffer_size));
+  if (!(texel_area > 0.0)) return 0;
+  float cell_area = PI * enlargement * enlargement * radius * radius / float(samples);
+  return clamp(1 << int(floor(max(0.5 * log2(cell_area / texel_area), 0.0))), 1, block_size);
 }
 
-// Every window in strata, each as densely sampled as the disk of a center without seams; what lies on the window's chart counts.
+// Every block that a window meets, by one texel of each of its cells. Which texels those are depends on the surface and not on the center,
+// so a vertex on a seam gets the same samples from each of its places in the UV map.
 void sample_support(inout Sums sums, CenterData data, int index) {
   vec4 search = searches[index];
   sums.moments.lost = search.y;
   sums.moments.cut = search.z;
   float size = float(buffer_size);
-  vec2 home = data.place.xy * size;
-  float density = float(samples) / (PI * enlargement * enlargement * radius * radius);
+  int base = index * MAX_WINDOWS;
   int iterations = 0;
-  for (int k = 0; k < int(search.x); ++k) {
-    WindowData window = windows[index * MAX_WINDOWS + k];
-    mat2 frame = frame_of(window);
-    vec2 span = window.box.zw - window.box.xy;
-    int side = span.x * span.y > 0.3 ? 4 : 2;
-    for (int j = 0; j < side * side; ++j) {
-      vec2 part = span / float(side);
-      Stratum stratum = probe(window, frame, window.box.xy + part * vec2(j % side, j / side), part, sums.center.position);
-      int own = int(clamp(ceil(stratum.area * density), 4.0, float(samples)));
-      iterations += 4 + own * (k + 1);
+  for (int k = base; k < base + int(search.x); ++k) {
+    WindowData window = windows[k];
+    int chart = int(window.center_chart.z);
+    ivec4 bounds = block_bounds(window);
+    int width = bounds.z - bounds.x + 1;
+    int count = width * (bounds.w - bounds.y + 1);
+    for (int j = 0; j < count; ++j) {
+      ivec2 block = bounds.xy + ivec2(j % width, j / width);
+      ++iterations;
+      if (!meets(window, vec2(block * block_size)) || seen_before(block, base, k, window.center_chart.z)) continue;
+      int stride = stride_of(block);
+      if (stride == 0) continue;
+      int side = block_size / stride;
+      iterations += k - base + side * side;
       if (iterations > MAX_ITERATIONS) {
-        sums.moments.lost += stratum.area;
+        sums.moments.lost += texelFetch(blocks, block, 0).x * float(block_size * block_size) / (size * size);
         continue;
       }
-      float cell = abs(determinant(frame)) * part.x * part.y / (float(own) * size * size);
-      for (int i = 0; i < own; ++i) {
-        vec2 place = window.center_chart.xy + frame * (stratum.low + part * fract(pattern[samples + i] + pattern[samples + j]));
-        ivec2 texel = ivec2(floor(place));
-        if (!on_chart(texel, int(window.center_chart.z)) || seen_before(place, index, k, window.center_chart.z)) continue;
-        vec2 apart = place - home;
-        add_texel(sums, texel, cell, k == 0 && dot(apart, apart) < 1.0);
+      float cell = float(stride * stride) / (size * size);
+      for (int i = 0; i < side * side; ++i) {
+        ivec2 low = block * block_size + ivec2(i % side, i / side) * stride;
+        ivec2 texel = low + (jitter(low) & (stride - 1));
+        if (any(greaterThanEqual(texel, ivec2(buffer_size)))) continue;
+        ivec2 id = texelFetch(ids, texel, 0).xy;
+        if (id.x == chart && id.y >= 0) add_texel(sums, texel, cell);
       }
     }
   }
@@ -167,7 +184,7 @@ void sample_support(inout Sums sums, CenterData data, int index) {
   float cell = PI * abs(determinant(ellipse)) / (float(samples) * size * size);
   for (int i = 0; i < samples; ++i) {
     vec2 offset = ellipse * pattern[i];
-    add_texel(sums, ivec2(data.place.xy * size + offset), cell, dot(offset, offset) < 1.0);
+    add_texel(sums, ivec2(data.place.xy * size + offset), cell);
   }
 }
 #endif

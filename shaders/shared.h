@@ -16,6 +16,8 @@
 #define UNIT_BORDER_UV 6   // list, RGBA32F: u0, v0, u1, v1 of each border, the chart on its left
 #define UNIT_LINKS 7       // list, RGBA32F, two a border: the matrix of M_e; its image of (u0, v0), twin (or -1 - kind), twin's chart
 
+#define UNIT_BLOCKS 8      // blocks of the buffer, R32F: the largest area element in each
+
 // Storage buffers.
 #define BINDING_CENTERS 0
 #define BINDING_PATTERN 1

@@ -240,9 +240,9 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
 static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame, const Progress &progress) {
   GlThread &thread = *mesh.context->gl;
   Evaluator &evaluator = mesh.device->evaluator;
-  thread.run([&](const Gl &gl, ProgramCache &) {
+  thread.run([&](const Gl &gl, ProgramCache &programs) {
     evaluator.set_frame(gl, frame.links, frame.centers, frame.interior);
-    evaluator.set_settings(gl, settings);
+    evaluator.set_settings(gl, programs, *mesh.device->buffer, settings);
   });
   const int count = evaluator.center_count();
   int tile = 16 * GROUP_SIZE;
@@ -298,6 +298,13 @@ static void warn(const Mesh &mesh, Field &field) {
     add("At " + std::to_string(report.low_coverage_vertices) + " vertices more than a tenth of the neighborhood was not found in the UV map.");
 }
 
+// About half the radius: a support then meets a few dozen blocks, at every radius.
+static int block_size(double radius_in_texels, int buffer_size) {
+  int size = 4;
+  while (size * 4 <= radius_in_texels && size * 2 <= buffer_size) size *= 2;
+  return size;
+}
+
 static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
                                             const Progress &progress, Field &field) {
   Clock clock;
@@ -317,7 +324,7 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   check_cancel(progress, "evaluate", 0.3);
 
   const EvaluateSettings settings{asked, options.samples, options.max_jumps, static_cast<float>(radius * frame.buffer_frame.scale),
-                                  ellipse_enlargement};
+                                  block_size(frame.radius_in_texels, options.buffer_size), ellipse_enlargement};
   evaluate_tiles(mesh, settings, frame, progress);
   field.report.overlapping_texels = mesh.device->counts.overlapping;
   field.report.covered_texels = mesh.device->counts.covered;

@@ -51,12 +51,18 @@ void Evaluator::set_frame(const Gl &gl, const std::vector<vec4> &links, const st
   check_gl(gl, "center upload");
 }
 
-void Evaluator::set_settings(const Gl &gl, const EvaluateSettings &settings) {
-  // The disk's pattern, then the square's.
-  std::vector<vec2> pattern = golden_angle_pattern(settings.samples, settings.samples);
-  const std::vector<vec2> square = square_pattern(settings.samples);
-  pattern.insert(pattern.end(), square.begin(), square.end());
-  pattern_.upload(gl, pattern);
+void Evaluator::set_settings(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings) {
+  const int side = (buffer.size() + settings.block_size - 1) / settings.block_size;
+  blocks_ = Texture(gl, side, side, GL_R32F);
+  gl.UseProgram(programs.get(gl, "blocks", {{GL_COMPUTE_SHADER, "blocks.comp.glsl"}}));
+  buffer.bind();
+  gl.BindImageTexture(0, blocks_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  gl.Uniform1i(0, buffer.size());
+  gl.Uniform1i(8, settings.block_size);
+  gl.DispatchCompute(static_cast<GLuint>((side + 7) / 8), static_cast<GLuint>((side + 7) / 8), 1);
+  gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+
+  pattern_.upload(gl, golden_angle_pattern(settings.samples, settings.samples));
   scouts_.upload(gl, golden_angle_pattern(SCOUTS, MAX_SCOUTS));
   const auto count = static_cast<size_t>(count_);
   windows_.upload(gl, nullptr, count * MAX_WINDOWS * sizeof(WindowData), GL_STREAM_COPY);
@@ -126,6 +132,8 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
   gl.Uniform1i(4, count_);
   gl.Uniform1i(5, settings.samples);
+  if (seams) gl.Uniform1i(8, settings.block_size);
+  gl.BindTextureUnit(UNIT_BLOCKS, blocks_.id());
   dispatch(gl, settings, first, last, buffer.size());
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.Finish();

@@ -17,8 +17,9 @@ struct EvaluateSettings {
   std::span<const int> descriptors; // indices into the registry
   int samples;
   int max_jumps;
-  float radius;      // in buffer units
-  float enlargement; // of the sampling ellipse over the radius
+  float radius;       // in buffer units
+  int block_size;     // texels, a power of two: supports near seams are sampled block by block
+  float enlargement;  // of the sampling ellipse over the radius
 };
 
 // The part of the device's state that samples read beside the geometry buffer.
@@ -28,7 +29,7 @@ public:
   void set_borders(const Gl &gl, const BorderGrid &grid);
   // Of a frame. Centers [0, interior) have their support wholly inside their chart.
   void set_frame(const Gl &gl, const std::vector<vec4> &links, const std::vector<CenterData> &centers, int interior);
-  void set_settings(const Gl &gl, const EvaluateSettings &settings);
+  void set_settings(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings);
   int center_count() const { return count_; }
   // Computes centers [first, last), which lie on one side of `interior`; returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first, int last) const;
@@ -38,7 +39,7 @@ public:
 private:
   void find_windows(const Gl &gl, ProgramCache &programs, const EvaluateSettings &settings, int first, int last, int buffer_size) const;
 
-  Texture border_;
+  Texture border_, blocks_;
   ListTexture border_list_, border_uv_, links_;
   Buffer centers_, pattern_, scouts_, windows_, searches_, active_, results_;
   int count_ = 0, interior_ = 0;

@@ -16,16 +16,6 @@ std::vector<vec2> golden_angle_pattern(int in_disk, int count) {
   return pattern;
 }
 
-std::vector<vec2> square_pattern(int count) {
-  const double plastic = 1.32471795724474602596;
-  std::vector<vec2> pattern;
-  pattern.reserve(static_cast<size_t>(count));
-  double whole = 0.0;
-  for (int i = 1; i <= count; ++i)
-    pattern.emplace_back(std::modf(0.5 + i / plastic, &whole), std::modf(0.5 + i / (plastic * plastic), &whole));
-  return pattern;
-}
-
 float pattern_rotation(uint32_t point, uint32_t seed) {
   // The finalizer of MurmurHash3 over both numbers.
   uint32_t h = point * 0x9e3779b9u ^ (seed + 0x7f4a7c15u);

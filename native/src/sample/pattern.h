@@ -12,9 +12,6 @@ namespace paradesc {
 // the spiral goes on with the rest.
 std::vector<vec2> golden_angle_pattern(int in_disk, int count);
 
-// A rank-1 sequence in the unit square with the plastic number's ratios: low discrepancy at every count.
-std::vector<vec2> square_pattern(int count);
-
 // An angle in [0, 2 pi) from a point's number and the seed: the same everywhere.
 float pattern_rotation(uint32_t point, uint32_t seed);
 
