@@ -40,6 +40,15 @@ TestMesh test_ellipsoid(const Triangulation &triangulation = {}) { return ellips
 
 // ---- The figures asked for: irregular torus and ellipsoid, 1 to 60 charts
 
+struct Errors {
+  PercentAe all, seams, interior;
+};
+
+Errors errors_of(std::span<const float> values, std::span<const double> truth, std::span<const uint8_t> seam) {
+  return {percent_ae(values, truth), percent_ae(values, truth, seam),
+          percent_ae(values, truth, without(std::vector<uint8_t>(seam.size(), 1), seam))};
+}
+
 class IrregularSurface : public ::testing::TestWithParam<std::tuple<const char *, int, double>> {
 protected:
   void SetUp() override {
@@ -69,28 +78,26 @@ TEST_P(IrregularSurface, has_its_exact_curvatures_and_the_oracles_volume_and_ben
   std::cout << title << ": " << mesh.vertex_count << " vertices, radius in texels " << results.report.radius_in_texels
             << ", coverage " << results.report.coverage_mean << '\n';
   const std::vector<uint8_t> seam = near_seam(mesh, results.report.radius);
-  const std::vector<uint8_t> inside = without(std::vector<uint8_t>(seam.size(), 1), seam);
-  const std::vector<double> *exact[]{&mesh.H, &mesh.K};
   for (size_t i = 0; i < measured.size(); ++i) {
-    const std::vector<float> &values = results[measured[i]];
-    const std::vector<double> truth = i < 2 ? *exact[i] : as_double(oracle[measured[i]]);
-    const PercentAe error = percent_ae(values, truth), at_seams = percent_ae(values, truth, seam);
-    const PercentAe off_seams = percent_ae(values, truth, inside);
-    record(title, measured[i], error);
-    record(title + ", seams", measured[i], at_seams);
-    record(title + ", interior", measured[i], off_seams);
+    const std::vector<double> truth = i == 0 ? mesh.H : i == 1 ? mesh.K : as_double(oracle[measured[i]]);
+    const Errors errors = errors_of(results[measured[i]], truth, seam);
+    record(title, measured[i], errors.all);
+    record(title + ", seams", measured[i], errors.seams);
+    record(title + ", interior", measured[i], errors.interior);
     // Issue "Core": 0.25 % of H and K against exact values, 1 % of the others against the oracle. Exact normals alone leave
     // 0.08 to 0.18 % (METHOD.md, "Normals decide"), fitted ones 0.02 to 0.05 % more.
-    EXPECT_LE(error.mean, i < 2 ? 0.25 : 1.0) << measured[i];
-    // Issue "Core": seam vertices at most 1.5 times the interior. With few vertices on one side the means are not comparable.
-    if (at_seams.count >= 200 && off_seams.count >= 200) {
-      EXPECT_LE(at_seams.mean, 1.5 * off_seams.mean) << measured[i];
-    }
+    EXPECT_LE(errors.all.mean, i < 2 ? 0.25 : 1.0) << measured[i];
+    // Issue "Core": seam vertices at most 1.5 times the interior. The bias of a finite support is larger at some places, with or
+    // without seams: the oracle, which knows no seams, shows by how much.
+    double place = 1;
     if (i < 2) {
-      const PercentAe of_oracle = percent_ae(oracle[measured[i]], truth);
-      record(title + ", oracle", measured[i], of_oracle);
-      EXPECT_LE(of_oracle.mean, 0.25) << measured[i] << " of the oracle";
+      const Errors of_oracle = errors_of(oracle[measured[i]], truth, seam);
+      record(title + ", oracle", measured[i], of_oracle.all);
+      EXPECT_LE(of_oracle.all.mean, 0.25) << measured[i] << " of the oracle";
+      place = std::max(1.0, of_oracle.seams.mean / of_oracle.interior.mean);
+      std::cout << "seams to interior: " << errors.seams.mean / errors.interior.mean << ", of the oracle " << place << '\n';
     }
+    EXPECT_LE(errors.seams.mean, 1.5 * place * errors.interior.mean) << measured[i];
   }
   // Issue "Core": coverage within 1 % of the oracle's area.
   EXPECT_NEAR(results.report.coverage_mean, 1, 0.01);
@@ -152,18 +159,34 @@ protected:
 };
 PDESC_ON_EACH_BACKEND(Analytic);
 
-// 0.25 %: the torus' bound. A sphere has no bias at any radius, so what is left is the normals' and the chords' error.
+// How far a sphere's triangles lie below it on average: the mean of rho²/(2R) over each.
+double mean_depth(const TestMesh &mesh, double sphere_radius) {
+  double depth = 0, total = 0;
+  for (size_t c = 0; c < mesh.corner_vertices.size(); c += 3) {
+    const auto point = [&](size_t i) { return mesh.points[static_cast<size_t>(mesh.corner_vertices[c + i])]; };
+    const Vec3 a = point(1) - point(0), b = point(2) - point(1), d = point(0) - point(2);
+    const double area = length(cross(a, b));
+    depth += area * (dot(a, a) + dot(b, b) + dot(d, d)) / (24 * sphere_radius);
+    total += area;
+  }
+  return depth / total;
+}
+
+// 0.25 %: the torus' bound. A sphere has no bias at any radius, so what is left is the normals' and the chords' error. Triangles
+// below the sphere take pi r² times their depth from the lens of two balls.
 TEST_P(Analytic, sphere_has_its_curvatures_bending_and_volume) {
   TestMesh mesh = sphere(2);
   lay_out(mesh, {.charts = 15});
+  const double depth = mean_depth(mesh, 2);
   for (const double fraction : {0.01, 0.02}) {
     const Results results = compute(mesh, {.radius = fraction});
-    const double r = results.report.radius, volume = 2 * pi * r * r * r / 3 - pi * r * r * r * r / (4 * 2);
+    const double r = results.report.radius, lens = 2 * pi * r * r * r / 3 - pi * r * r * r * r / (4 * 2);
     const std::string title = "sphere, r " + std::to_string(fraction);
     expect_exact(title + " H", results["mean_curvature"], mesh.H, 0.25);
     expect_exact(title + " K", results["gaussian_curvature"], mesh.K, 0.25);
     expect_exact(title + " LBE", results["local_bending_energy"], mesh.K, 0.25);
-    expect_exact(title + " V_r", results["sphere_volume"], std::vector<double>(mesh.points.size(), volume), 0.25);
+    expect_exact(title + " V_r", results["sphere_volume"], std::vector<double>(mesh.points.size(), lens - pi * r * r * depth),
+                 0.25);
   }
 }
 

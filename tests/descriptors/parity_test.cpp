@@ -1,4 +1,5 @@
 // The registry's rows, one by one: texture space (software) against object space (reference), alone against together.
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <iostream>
@@ -33,9 +34,14 @@ protected:
       std::cout << std::left << std::setw(26) << name << std::fixed << std::setprecision(4) << "%AE mean " << error.mean
                 << "  p99 " << error.p99 << "  max " << error.max << "  relative " << relative << " %\n";
       RecordProperty(name, std::to_string(error.mean));
-      // Issue "Core": 1 % for every descriptor. The area of a ball's cut with a smooth surface is pi r² (1 + O(r²)) everywhere:
-      // its range is no measure of it, so it is held to 1 % of itself.
-      EXPECT_LE(name == "euclidean_area" ? relative : error.mean, 1.0) << name;
+      // Issue "Core": 1 % for every descriptor; the area within 1 % of the oracle's. Where the reference varies by less than 1 %
+      // of itself (k1 of a torus: 1/r, but for the bias of a finite support) its range is no measure, and it is held to 1 % of
+      // itself.
+      double largest = 0;
+      for (const double value : expected)
+        if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+      const bool by_itself = name == "euclidean_area" || error.range < 0.01 * largest;
+      EXPECT_LE(by_itself ? relative : error.mean, 1.0) << name;
       for (size_t v = 0; v < expected.size(); ++v)
         ASSERT_EQ(std::isnan(fast[name][v]), std::isnan(expected[v]))
             << name << " at vertex " << v << " is defined on one side only";
@@ -50,6 +56,7 @@ protected:
   static double relative_error(std::span<const float> values, std::span<const double> expected) {
     double difference = 0, total = 0;
     for (size_t v = 0; v < values.size(); ++v) {
+      if (!std::isfinite(values[v]) || !std::isfinite(expected[v])) continue;
       difference += std::abs(static_cast<double>(values[v]) - expected[v]);
       total += std::abs(expected[v]);
     }

@@ -13,15 +13,16 @@ constexpr double pi = 3.14159265358979323846;
 class SphereVolume : public OnBackend {};
 PDESC_ON_EACH_BACKEND(SphereVolume);
 
-// The lens of two balls, 2 pi r³/3 - pi r⁴/(4R). Triangles lie up to (0.06)²/(12 R) inside the sphere: on pi r², 0.2 % at the
-// smallest r.
+// The lens of two balls, 2 pi r³/3 - pi r⁴/(4R), less pi r² times the depth of the triangles below the sphere: at most e²/(8R) on
+// average over one triangle with edges up to e.
 TEST_P(SphereVolume, sphere_has_the_lens_of_two_balls) {
-  TestMesh mesh = sphere(2, {.vertices = 6000});
+  TestMesh mesh = sphere(2, {.vertices = 12000});
   lay_out(mesh, {.charts = 6});
+  const double e = longest_edge(mesh), depth = e * e / (8 * 2);
   for (const double fraction : {0.02, 0.05, 0.1}) {
     const std::vector<float> values = compute_one(mesh, "sphere_volume", {.radius = fraction, .normals = PDESC_NORMALS_MESH});
     const double r = radius, lens = 2 * pi * r * r * r / 3 - pi * r * r * r * r / (4 * 2);
-    expect_near(values, lens, lens * 2e-3);
+    expect_near(values, lens, pi * r * r * depth);
   }
 }
 

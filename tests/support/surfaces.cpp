@@ -196,6 +196,13 @@ std::vector<uint8_t> interior(const TestMesh &mesh, double r) {
   return flags;
 }
 
+double longest_edge(const TestMesh &mesh) {
+  double longest = 0;
+  for (const MeshEdge &edge : mesh_edges(mesh))
+    longest = std::max(longest, length(mesh.points[static_cast<size_t>(edge.low)] - mesh.points[static_cast<size_t>(edge.high)]));
+  return longest;
+}
+
 void rotate(TestMesh &mesh, const Rotation &rotation) {
   for (Vec3 &point : mesh.points) point = rotation(point);
   for (Vec3 &normal : mesh.normals) normal = rotation(normal);

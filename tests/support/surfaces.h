@@ -101,6 +101,8 @@ pdesc_mesh_input input_of(const TestMesh &mesh);
 // 1 where no boundary lies within r.
 std::vector<uint8_t> interior(const TestMesh &mesh, double r);
 
+double longest_edge(const TestMesh &mesh);
+
 // The same mesh elsewhere: exact values follow.
 void rotate(TestMesh &mesh, const Rotation &rotation);
 void scale(TestMesh &mesh, double factor);
