@@ -14,6 +14,7 @@ if __name__ == "__main__":  # run by Blender as a script: find the package that 
 
 from paradesc import bridge, compare, job, results
 from paradesc.bridge import ParadescError, abi
+from paradesc.streams import quiet
 
 if TYPE_CHECKING:
     import bpy
@@ -124,9 +125,10 @@ def check_outputs(paths: list[Path]) -> None:
 def open_object(arguments: argparse.Namespace) -> "bpy.types.Object":
     """Opens the input, if there is one, and picks the object."""
     try:
-        import bpy
+        with quiet(arguments.verbose):
+            import bpy
 
-        from paradesc import scene_io
+            from paradesc import scene_io
     except ImportError as error:
         raise ParadescError(abi.STATUS_UNSUPPORTED, "Blender's Python module bpy is not installed here.") from error
     imported = False
@@ -268,11 +270,14 @@ class Progress:
         return not self.interrupted
 
     def __enter__(self) -> "Progress":
-        self.former = signal.signal(signal.SIGINT, self.interrupt)  # an exception could not pass through C
+        self.former = signal.getsignal(signal.SIGINT)
+        if self.former is not None:  # Blender itself keeps the signal in C, and ends by it
+            signal.signal(signal.SIGINT, self.interrupt)  # an exception could not pass through C
         return self
 
     def __exit__(self, *_error: object) -> None:
-        signal.signal(signal.SIGINT, self.former)
+        if self.former is not None:
+            signal.signal(signal.SIGINT, self.former)
         if self.shown:
             sys.stderr.write("\r\x1b[K")
             sys.stderr.flush()

@@ -119,8 +119,10 @@ class Worker:
         self._cancelled.set()
 
     def results(self) -> Results:
-        """Waits for the end; gives the results or raises what went wrong."""
+        """Waits for the end; gives the results or raises what went wrong. Cancelled is cancelled, however late."""
         self._thread.join()
+        if self._cancelled.is_set():
+            raise bridge.ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
         if self._error is not None:
             raise self._error
         if self._results is None:

@@ -1,9 +1,6 @@
 """Opens what the command line is given as a Blender scene, and saves it: .blend, .obj, .ply, .glb."""
 
-import os
 import re
-import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,30 +9,9 @@ import bpy
 import numpy as np
 
 from .mesh_io import refuse
+from .streams import quiet
 
 SUFFIXES = (".blend", ".obj", ".ply", ".glb", ".gltf")
-
-
-@contextmanager
-def quiet(verbose: bool) -> Iterator[None]:
-    """Keeps what Blender's importers write to the two standard streams out of ours."""
-    if verbose:
-        yield
-        return
-    sys.stdout.flush()
-    sys.stderr.flush()
-    kept = os.dup(1), os.dup(2)
-    with tempfile.TemporaryFile() as sink:
-        os.dup2(sink.fileno(), 1)
-        os.dup2(sink.fileno(), 2)
-        try:
-            yield
-        finally:
-            sys.stdout.flush()
-            sys.stderr.flush()
-            for number, copy in enumerate(kept, start=1):
-                os.dup2(copy, number)
-                os.close(copy)
 
 
 def open_scene(path: Path, verbose: bool = False) -> None:

@@ -174,6 +174,16 @@ def test_worker_gives_results_and_progress(sphere_object):
     assert np.isfinite(results.values["mean_curvature"]).all()
 
 
+def test_worker_cancelled_after_its_end_gives_no_results(sphere_object):
+    arrays = mesh_io.read_object(sphere_object, corner_normals=False)
+    worker = job.Worker(arrays, properties.job_settings(bpy.context.scene.paradesc))
+    worker.start()
+    worker.results()
+    worker.cancel()
+    with pytest.raises(bridge.ParadescError):
+        worker.results()
+
+
 def test_cancelled_worker_raises_cancelled(sphere_object):
     arrays = mesh_io.read_object(sphere_object, corner_normals=False)
     worker = job.Worker(arrays, properties.job_settings(bpy.context.scene.paradesc))

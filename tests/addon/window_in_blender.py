@@ -70,7 +70,7 @@ def steps(target, screenshot: str) -> Iterator[None]:
     settings.backend = "software"
     yield
     before = fingerprint(target)
-    settings.samples = 4096
+    settings.samples, settings.radius_percent = 4096, 15.0  # seconds of work
     start_bake()
     yield
     assert computing(), "ended before it could be cancelled"
@@ -82,7 +82,7 @@ def steps(target, screenshot: str) -> Iterator[None]:
         yield
     assert fingerprint(target) == before, "cancelling changed the mesh"
     say("cancelled without a trace")
-    settings.samples = 256
+    settings.samples, settings.radius_percent = 256, 4.0
     start_bake()
     yield from wait_for(lambda: "mean_curvature" in bpy.data.meshes[mesh_name].attributes)
     values = attribute_values(bpy.data.meshes[mesh_name], "mean_curvature")
