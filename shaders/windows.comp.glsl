@@ -95,8 +95,9 @@ void main() {
   ellipse = ellipse * rotation;
   for (int i = begin; i < begin + SCOUT_PARTY && goes_on(i, search); ++i) {
     Walk walk = Walk(start, middle + ellipse * pattern[i], chart, FOUND);
-    march(walk);
+    march(walk, vec4(data.position_chart.xyz, radius));
     ivec2 texel;
+    if (walk.outcome == OUTSIDE) continue;
     bool carried = find_texel(walk.to, walk.chart, texel);
     float rho = carried ? length(texelFetch(positions, texel, 0).xyz - data.position_chart.xyz) : 1e9;
     if (walk.outcome == BOUNDARY) {
