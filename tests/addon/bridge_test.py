@@ -76,7 +76,7 @@ def test_software_and_reference_agree(sphere):
     names = ("mean_curvature", "gaussian_curvature", "local_bending_energy", "sphere_volume_normalized")
     device, reference = compute(sphere, names), compute(sphere, names, backend="reference")
     for name in names:
-        # Sampling noise of 128 samples on a coarse sphere; METHOD's mean errors are an order below.
+        # Noise of 128 samples on a coarse sphere; on fine meshes the mean errors are an order below.
         assert np.abs(device[name] - reference[name]).mean() < 0.01 * np.abs(reference[name]).mean(), name
 
 
