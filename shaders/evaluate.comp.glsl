@@ -1,16 +1,12 @@
 #version 450 core
 // One invocation, one place of a vertex in the UV map → every descriptor asked for, from one sampling of its neighborhood (paper 4.1).
-#include "variant.glsl"
 #include "interface.glsl"
 #include "buffers.glsl"
 #include "descriptors.glsl"
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
-layout(std430, binding = BINDING_PATTERN) readonly restrict buffer Pattern { vec2 pattern[]; };
-#if SEAMS
 layout(std430, binding = BINDING_WINDOWS) readonly restrict buffer Windows { WindowData windows[]; };
 layout(std430, binding = BINDING_SEARCH) readonly restrict buffer Searches { vec4 searches[]; };
-#endif
 layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { float results[]; };
 layout(location = 2) uniform int first;
 layout(location = 3) uniform int last;
@@ -18,6 +14,9 @@ layout(location = 4) uniform int total;
 layout(location = 5) uniform int samples;
 layout(location = 6) uniform float radius;
 layout(location = 7) uniform float enlargement;
+layout(location = 8) uniform int block_size;
+layout(location = 9) uniform int seed;
+layout(binding = UNIT_BLOCKS) uniform sampler2D blocks;
 
 struct Moments {
   float area;
@@ -86,10 +85,6 @@ void add_texel(inout Sums sums, ivec2 texel, float cell) {
   states_add(sums.states, sums.center, neighbor);
 }
 
-#if SEAMS
-layout(binding = UNIT_BLOCKS) uniform sampler2D blocks;
-layout(location = 8) uniform int block_size;
-
 // Whether a block of texels, its low corner given, meets a window's box. With the block inside the box' bounds this is exact.
 bool meets(WindowData window, vec2 low) {
   mat2 to_frame = inverse(frame_of(window));
@@ -120,9 +115,9 @@ bool seen_before(ivec2 block, int first_window, int window, float chart) {
   return false;
 }
 
-// A place in [0, 2^16)^2 that depends on the cell alone: every center takes the same texel of it.
+// A place in [0, 2^16)^2 that depends on the cell and the seed alone: every center takes the same texel of it.
 ivec2 jitter(ivec2 cell) {
-  uint h = uint(cell.x) * 0x8da6b343u ^ uint(cell.y) * 0xd8163841u;
+  uint h = uint(cell.x) * 0x8da6b343u ^ uint(cell.y) * 0xd8163841u ^ uint(seed) * 0xcb1ab31fu;
   h = (h ^ (h >> 16)) * 0x85ebca6bu;
   h = (h ^ (h >> 13)) * 0xc2b2ae35u;
   h ^= h >> 16;
@@ -139,7 +134,7 @@ int stride_of(ivec2 block) {
 
 // Every block that a window meets, by one texel of each of its cells. Which texels those are depends on the surface and not on the center,
 // so a vertex on a seam gets the same samples from each of its places in the UV map.
-void sample_support(inout Sums sums, CenterData data, int index) {
+void sample_support(inout Sums sums, int index) {
   vec4 search = searches[index];
   sums.moments.lost = search.y;
   sums.moments.cut = search.z;
@@ -175,20 +170,6 @@ void sample_support(inout Sums sums, CenterData data, int index) {
     }
   }
 }
-#else
-// The whole support lies on one chart: the golden-angle pattern over the ellipse, no questions asked.
-void sample_support(inout Sums sums, CenterData data, int index) {
-  float size = float(buffer_size);
-  mat2 rotation = mat2(cos(data.normal_phase.w), sin(data.normal_phase.w), -sin(data.normal_phase.w), cos(data.normal_phase.w));
-  mat2 ellipse = mat2(data.ellipse.xy, data.ellipse.zw) * rotation * size;
-  float cell = PI * abs(determinant(ellipse)) / (float(samples) * size * size);
-  for (int i = 0; i < samples; ++i) {
-    vec2 offset = ellipse * pattern[i];
-    add_texel(sums, ivec2(data.place.xy * size + offset), cell);
-  }
-}
-#endif
-
 void main() {
   int index = first + int(gl_GlobalInvocationID.x);
   if (index >= last) return;
@@ -198,7 +179,7 @@ void main() {
   tangents(sums.center.normal, sums.t1, sums.t2);
   sums.moments = Moments(0.0, vec3(0.0), vec3(0.0), 0.0, 0.0);
   states_init(sums.states);
-  sample_support(sums, data, index);
+  sample_support(sums, index);
 
   Moments m = sums.moments;
   Center center = sums.center;

@@ -3,7 +3,7 @@
 #define PARADESC_SHARED_H
 
 #define LIST_ROW 4096 // elements per row of a list texture
-#define GROUP_SIZE 64 // invocations per work group
+#define GROUP_SIZE 16 // invocations per work group
 #define MAX_MARCH_STEPS 4096 // guard of the march; a straight line crosses at most 2 x 8192 texels between seams, far less in practice
 
 // Textures (sampler units).

@@ -14,6 +14,7 @@ layout(std430, binding = BINDING_ACTIVE) restrict buffer Active { uint active_ce
 layout(binding = UNIT_TRIANGLES) uniform sampler2D triangles;
 layout(location = 8) uniform int round; // the window whose scouts go out; 0: the center's own
 layout(location = 9) uniform int begin; // first scout of the party
+layout(location = 10) uniform int interior; // centers before this one have no border within their ellipse and need no scouts
 
 float lost_area() { return 3.14159265 * enlargement * enlargement * radius * radius / float(SCOUTS); }
 
@@ -70,9 +71,12 @@ void main() {
   int chart = int(data.position_chart.w);
   mat2 ellipse = mat2(data.ellipse.xy, data.ellipse.zw) * size;
   if (round == 0 && begin == 0) {
-    windows[base] = WindowData(vec4(data.place.xy * size, data.position_chart.w, 0.0), vec4(ellipse[0], ellipse[1]), vec4(0.0));
+    float reach = index < interior ? 1.0 / enlargement : 0.0;
+    windows[base] = WindowData(vec4(data.place.xy * size, data.position_chart.w, 0.0), vec4(ellipse[0], ellipse[1]),
+                               vec4(-reach, -reach, reach, reach));
     searches[index] = vec4(1.0, 0.0, 0.0, 0.0);
   }
+  if (index < interior) return;
   vec4 search = searches[index];
   if (begin == 0) search.w = 0.0;
   vec2 start = data.place.zw * size, middle = data.place.xy * size;

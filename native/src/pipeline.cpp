@@ -174,7 +174,7 @@ static void prepare_centers(const Mesh &mesh, const BorderGrid &grid, const pdes
     sites.push_back(static_cast<int32_t>(i));
     // The larger eigenvalue of the symmetric map is the longer half-axis.
     const float mean = 0.5f * (ellipse.x + ellipse.w), half_gap = length(vec2(0.5f * (ellipse.x - ellipse.w), ellipse.y));
-    interior.push_back(!getenv("ALLW") && (mean + half_gap) * static_cast<float>(grid.size) + 2.0f < static_cast<float>(clearance(grid, site.uv)));
+    interior.push_back((mean + half_gap) * static_cast<float>(grid.size) + 2.0f < static_cast<float>(clearance(grid, site.uv)));
     sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) * static_cast<float>(grid.size) /
                     ellipse_enlargement);
   }
@@ -245,7 +245,8 @@ static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, const F
     evaluator.set_settings(gl, programs, *mesh.device->buffer, settings);
   });
   const int count = evaluator.center_count();
-  int tile = 16 * GROUP_SIZE;
+  constexpr int smallest_tile = 8 * GROUP_SIZE; // enough for every core of a software device
+  int tile = smallest_tile;
   for (int first = 0; first < count;) {
     const int side = first < frame.interior ? frame.interior : count;
     const int last = std::min(first + tile, side);
@@ -253,7 +254,7 @@ static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, const F
     thread.run([&](const Gl &gl, ProgramCache &programs) { evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last); });
     const double seconds = clock.lap();
     const double scale = std::clamp(0.03 / std::max(seconds, 1e-4), 0.25, 4.0);
-    tile = std::max(GROUP_SIZE, static_cast<int>(tile * scale) / GROUP_SIZE * GROUP_SIZE);
+    tile = std::max(smallest_tile, static_cast<int>(tile * scale) / GROUP_SIZE * GROUP_SIZE);
     first = last;
     check_cancel(progress, "evaluate", 0.3 + 0.7 * first / std::max(count, 1));
   }
@@ -323,7 +324,7 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   field.report.seconds_bake = clock.lap();
   check_cancel(progress, "evaluate", 0.3);
 
-  const EvaluateSettings settings{asked, options.samples, options.max_jumps, static_cast<float>(radius * frame.buffer_frame.scale),
+  const EvaluateSettings settings{asked, options.samples, options.seed, options.max_jumps, static_cast<float>(radius * frame.buffer_frame.scale),
                                   block_size(frame.radius_in_texels, options.buffer_size), ellipse_enlargement};
   evaluate_tiles(mesh, settings, frame, progress);
   field.report.overlapping_texels = mesh.device->counts.overlapping;

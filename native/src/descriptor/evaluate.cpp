@@ -62,7 +62,6 @@ void Evaluator::set_settings(const Gl &gl, ProgramCache &programs, const Geometr
   gl.DispatchCompute(static_cast<GLuint>((side + 7) / 8), static_cast<GLuint>((side + 7) / 8), 1);
   gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 
-  pattern_.upload(gl, golden_angle_pattern(settings.samples, settings.samples));
   scouts_.upload(gl, golden_angle_pattern(SCOUTS, MAX_SCOUTS));
   const auto count = static_cast<size_t>(count_);
   windows_.upload(gl, nullptr, count * MAX_WINDOWS * sizeof(WindowData), GL_STREAM_COPY);
@@ -91,7 +90,9 @@ void Evaluator::find_windows(const Gl &gl, ProgramCache &programs, const Evaluat
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PATTERN, scouts_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_ACTIVE, active_.id());
   gl.Uniform1i(1, settings.max_jumps);
-  for (int round = 0; round < MAX_WINDOWS; ++round) {
+  gl.Uniform1i(10, interior_);
+  const int rounds = last <= interior_ ? 1 : MAX_WINDOWS;
+  for (int round = 0; round < rounds; ++round) {
     bool more = false;
     for (int begin = 0; begin < MAX_SCOUTS; begin += SCOUT_PARTY) {
       GLuint active = 0;
@@ -112,7 +113,6 @@ void Evaluator::find_windows(const Gl &gl, ProgramCache &programs, const Evaluat
 
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
                     int last) const {
-  const bool seams = first >= interior_;
   buffer.bind();
   gl.BindTextureUnit(UNIT_BORDER, border_.id());
   gl.BindTextureUnit(UNIT_BORDER_LIST, border_list_.id());
@@ -121,18 +121,17 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_WINDOWS, windows_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SEARCH, searches_.id());
-  if (seams) find_windows(gl, programs, settings, first, last, buffer.size());
+  find_windows(gl, programs, settings, first, last, buffer.size());
 
-  std::string name = seams ? "evaluate seams" : "evaluate interior";
+  std::string name = "evaluate";
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   gl.UseProgram(programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},
-                             {{"variant.glsl", seams ? "#define SEAMS 1\n" : "#define SEAMS 0\n"},
-                              {"descriptors.glsl", compose_descriptors(settings.descriptors)}}));
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PATTERN, pattern_.id());
+                             {{"descriptors.glsl", compose_descriptors(settings.descriptors)}}));
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
   gl.Uniform1i(4, count_);
   gl.Uniform1i(5, settings.samples);
-  if (seams) gl.Uniform1i(8, settings.block_size);
+  gl.Uniform1i(8, settings.block_size);
+  gl.Uniform1i(9, static_cast<GLint>(settings.seed));
   gl.BindTextureUnit(UNIT_BLOCKS, blocks_.id());
   dispatch(gl, settings, first, last, buffer.size());
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);

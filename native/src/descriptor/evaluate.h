@@ -16,6 +16,7 @@ namespace paradesc {
 struct EvaluateSettings {
   std::span<const int> descriptors; // indices into the registry
   int samples;
+  uint32_t seed;
   int max_jumps;
   float radius;       // in buffer units
   int block_size;     // texels, a power of two: supports near seams are sampled block by block
@@ -27,11 +28,11 @@ class Evaluator {
 public:
   // Of the layout: once per topology.
   void set_borders(const Gl &gl, const BorderGrid &grid);
-  // Of a frame. Centers [0, interior) have their support wholly inside their chart.
+  // Of a frame. Centers [0, interior) have no border near their support and need no scouts.
   void set_frame(const Gl &gl, const std::vector<vec4> &links, const std::vector<CenterData> &centers, int interior);
   void set_settings(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings);
   int center_count() const { return count_; }
-  // Computes centers [first, last), which lie on one side of `interior`; returns when the device has finished.
+  // Computes centers [first, last); returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first, int last) const;
   // (ROW_DESCRIPTORS + descriptors, centers), in buffer units.
   std::vector<float> read(const Gl &gl, const EvaluateSettings &settings) const;
@@ -41,7 +42,7 @@ private:
 
   Texture border_, blocks_;
   ListTexture border_list_, border_uv_, links_;
-  Buffer centers_, pattern_, scouts_, windows_, searches_, active_, results_;
+  Buffer centers_, scouts_, windows_, searches_, active_, results_;
   int count_ = 0, interior_ = 0;
 };
 
