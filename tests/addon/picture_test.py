@@ -13,7 +13,7 @@ SHOWN = color_maps.ValueRange(-1.0, 1.0, True)
 
 
 def decode(content):
-    """(height, width, 3) of a PNG file with unfiltered rows; every checksum is verified."""
+    """(height, width, 3) of a PNG file whose rows are differences from the row above; every checksum is verified."""
     assert content.startswith(b"\x89PNG\r\n\x1a\n")
     place, chunks = 8, []
     while place < len(content):
@@ -27,8 +27,8 @@ def decode(content):
     width, height, depth, color, *rest = struct.unpack(">IIBBBBB", chunks[0][1])
     assert (depth, color, rest) == (8, 2, [0, 0, 0])
     rows = np.frombuffer(zlib.decompress(chunks[1][1]), np.uint8).reshape(height, 1 + 3 * width)
-    assert (rows[:, 0] == 0).all()
-    return rows[:, 1:].reshape(height, width, 3)
+    assert (rows[:, 0] == 2).all()
+    return np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8).reshape(height, width, 3)
 
 
 def test_png_holds_the_image(tmp_path):
