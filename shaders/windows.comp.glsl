@@ -49,14 +49,15 @@ void stake(inout vec4 search, int base, vec2 place, int chart, ivec2 texel) {
   search.x += 1.0;
 }
 
-// Where a window's scouts start: from its middle where that is on the chart, else from where it was found: a texel's center, inside the
-// chart.
-bool find_start(WindowData window, vec3 ball, out ivec2 texel) {
+// Where a window's scouts start: from its middle where that is a texel's center on the chart and in the ball, else from where the window
+// was found, which is on the chart too.
+vec2 find_start(WindowData window, vec3 ball, out ivec2 texel) {
   int chart = int(window.center_chart.z);
   texel = ivec2(floor(window.center_chart.xy + frame_of(window) * (0.5 * (window.box.xy + window.box.zw))));
-  if (!in_ball(vec2(texel) + 0.5, chart, ball) || texelFetch(ids, texel, 0).y < 0) texel = ivec2(floor(window.center_chart.xy));
-  ivec2 id = texelFetch(ids, texel, 0).xy;
-  return id.x == chart && id.y >= 0;
+  vec2 middle = vec2(texel) + 0.5;
+  if (in_ball(middle, chart, ball) && texelFetch(ids, texel, 0).y >= 0) return middle;
+  find_texel(window.center_chart.xy, chart, texel);
+  return window.center_chart.xy;
 }
 
 // Scouts go on beyond their ellipse until a quarter of all has found nothing more.
@@ -84,12 +85,9 @@ void main() {
   if (sending && round > 0) {
     ivec2 texel;
     WindowData window = windows[base + round];
-    sending = find_start(window, data.position_chart.xyz, texel);
-    if (sending) {
-      chart = int(window.center_chart.z);
-      start = middle = vec2(texel) + 0.5;
-      ellipse = local_ellipse(texel);
-    }
+    chart = int(window.center_chart.z);
+    start = middle = find_start(window, data.position_chart.xyz, texel);
+    ellipse = local_ellipse(texel);
   }
   if (!sending) {
     if (begin == 0) searches[index] = search;

@@ -10,6 +10,7 @@
 #include "bake/seam_links.h"
 #include "descriptor/reference.h"
 #include "descriptor/registry.h"
+#include "mesh/layout.h"
 #include "sample/pattern.h"
 #include "support/error.h"
 #include "support/parallel.h"
@@ -284,8 +285,10 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
 static void warn(const Mesh &mesh, Field &field) {
   auto add = [&](const std::string &sentence) { field.warnings += (field.warnings.empty() ? "" : "\n") + sentence; };
   const pdesc_field_report &report = field.report;
+  if (report.private_layout)
+    add("Charts of the UV map share texture space; they were laid out afresh for the computation, and the UV map itself is unchanged.");
   if (report.overlapping_texels > 0)
-    add("The UV map overlaps itself on " + std::to_string(report.overlapping_texels) + " of " + std::to_string(report.covered_texels) +
+    add("Charts overlap themselves on " + std::to_string(report.overlapping_texels) + " of " + std::to_string(report.covered_texels) +
         " texels, and results there are wrong; unwrap without overlaps, or use the reference backend.");
   if (report.radius_in_texels < 4.0)
     add("The radius spans only " + std::to_string(report.radius_in_texels).substr(0, 4) +
@@ -297,6 +300,14 @@ static void warn(const Mesh &mesh, Field &field) {
     add(std::to_string(mesh.charts.zero_uv_area_triangles) + " triangles have no area in the UV map and carry no samples; unwrap them.");
   if (report.low_coverage_vertices > 0)
     add("At " + std::to_string(report.low_coverage_vertices) + " vertices more than a tenth of the neighborhood was not found in the UV map.");
+}
+
+static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, Frame &frame) {
+  const bool changed = prepare_device(mesh, options);
+  frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
+  frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
+  frame.links = seam_links(mesh.triangles, mesh.charts);
+  bake(mesh, options, frame, changed);
 }
 
 // About half the radius: a support then meets a few dozen blocks, at every radius.
@@ -311,17 +322,22 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   Clock clock;
   Frame frame;
   frame.normals = prepare_normals(mesh, options.normals);
-  check_cancel(progress, "prepare", 0.1);
-  const bool changed = prepare_device(mesh, options);
-  frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
-  frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
-  frame.links = seam_links(mesh.triangles, mesh.charts);
-  prepare_centers(mesh, mesh.device->grid, options, radius, frame);
   field.report.seconds_prepare = clock.lap();
-  check_cancel(progress, "bake", 0.2);
+  check_cancel(progress, "bake", 0.1);
 
-  bake(mesh, options, frame, changed);
+  prepare_and_bake(mesh, options, frame);
+  if (mesh.device->counts.overlapping > 0 && !mesh.private_layout) {
+    repack_charts(mesh.triangles, mesh.charts);
+    mesh.private_layout = true;
+    mesh.device->grid.size = 0;
+    prepare_and_bake(mesh, options, frame);
+  }
+  field.report.private_layout = mesh.private_layout;
   field.report.seconds_bake = clock.lap();
+  check_cancel(progress, "prepare", 0.2);
+
+  prepare_centers(mesh, mesh.device->grid, options, radius, frame);
+  field.report.seconds_prepare += clock.lap();
   check_cancel(progress, "evaluate", 0.3);
 
   const EvaluateSettings settings{asked, options.samples, options.seed, options.max_jumps, static_cast<float>(radius * frame.buffer_frame.scale),

@@ -47,6 +47,7 @@ struct Mesh {
   Charts charts;
   std::optional<NormalRings> rings;
   std::unique_ptr<DeviceMesh> device;
+  bool private_layout = false; // charts were laid out afresh, since the UV map's share texture space
   double diagonal = 0.0;
   double mean_edge = 0.0;
 

@@ -159,6 +159,7 @@ class FieldReport(Structure):
         ("seconds_bake", c_double),
         ("seconds_evaluate", c_double),
         ("seconds_total", c_double),
+        ("private_layout", c_int32),
     ]
 
 

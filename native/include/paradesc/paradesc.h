@@ -211,7 +211,7 @@ typedef struct pdesc_field_report {
   int32_t undefined_vertices;   /* NaN in at least one of the descriptors */
   int32_t boundary_vertices;    /* PDESC_MASK_BOUNDARY */
   int32_t low_coverage_vertices;
-  int32_t overlapping_texels;   /* texels claimed by more than one triangle; their count at buffer_size */
+  int32_t overlapping_texels;   /* texels claimed by more than one triangle, in the layout used; their count at buffer_size */
   int32_t covered_texels;
   int32_t bare_triangles;       /* usable triangles without a texel of their own */
   double radius_in_texels;      /* median of the support radius measured in texels; below 4 the buffer is too coarse */
@@ -219,6 +219,7 @@ typedef struct pdesc_field_report {
   double seconds_bake;
   double seconds_evaluate;
   double seconds_total;
+  int32_t private_layout;       /* 1: charts shared texture space and were laid out afresh for this; the mesh's UV map is not touched */
 } pdesc_field_report;
 
 PDESC_API void pdesc_field_report_init(pdesc_field_report *report);
