@@ -19,7 +19,7 @@ TEST_P(SphereVolume, sphere_has_the_lens_of_two_balls) {
   TestMesh mesh = sphere(2, {.vertices = 12000});
   lay_out(mesh, {.charts = 6});
   const double e = longest_edge(mesh), depth = e * e / (8 * 2);
-  for (const double fraction : {0.02, 0.05, 0.1}) {
+  for (const double fraction : {0.02, 0.06}) {
     const std::vector<float> values = compute_one(mesh, "sphere_volume", {.radius = fraction, .normals = PDESC_NORMALS_MESH});
     const double r = radius, lens = 2 * pi * r * r * r / 3 - pi * r * r * r * r / (4 * 2);
     expect_near(values, lens, pi * r * r * depth);
