@@ -29,6 +29,7 @@
 
 #define MAX_WINDOWS 12     // pieces of the UV map that one support may lie on
 #define SCOUTS 96          // samples over the enlarged ellipse that look for them
+#define WINDOW_SCOUTS 32   // the same for those that a window sends
 #define MAX_SCOUTS 768     // as far as they go on while they find any
 // llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): so scouts
 // go out in parties, one dispatch each, and evaluation keeps within this many.

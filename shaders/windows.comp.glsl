@@ -61,7 +61,10 @@ vec2 find_start(WindowData window, vec3 ball, out ivec2 texel) {
 }
 
 // Scouts go on beyond their ellipse until a quarter of all has found nothing more.
-bool goes_on(int scout, vec4 search) { return scout < MAX_SCOUTS && (float(scout) < float(SCOUTS) || float(scout) < search.w + 0.25 * float(scout)); }
+int scouts_on_ellipse() { return round == 0 ? SCOUTS : WINDOW_SCOUTS; }
+bool goes_on(int scout, vec4 search) {
+  return scout < 8 * scouts_on_ellipse() && (scout < scouts_on_ellipse() || float(scout) < search.w + 0.25 * float(scout));
+}
 
 void main() {
   int index = first + int(gl_GlobalInvocationID.x);
@@ -94,7 +97,7 @@ void main() {
     return;
   }
   mat2 rotation = mat2(cos(data.normal_phase.w), sin(data.normal_phase.w), -sin(data.normal_phase.w), cos(data.normal_phase.w));
-  ellipse = ellipse * rotation;
+  ellipse = ellipse * rotation * sqrt(float(SCOUTS) / float(scouts_on_ellipse()));
   for (int i = begin; i < begin + SCOUT_PARTY && goes_on(i, search); ++i) {
     Walk walk = Walk(start, middle + ellipse * pattern[i], chart, FOUND);
     march(walk, vec4(data.position_chart.xyz, radius));
