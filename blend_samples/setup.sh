@@ -4,7 +4,7 @@
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 python=$root/.venv/bin/python
 
-BUILD_PACKAGES=(build-essential cmake ninja-build libopenmesh-dev libglm-dev libegl-dev libgl-dev libgtest-dev)
+BUILD_PACKAGES=(build-essential cmake ninja-build libopenmesh-dev libglm-dev libstb-dev libegl-dev libgl-dev libgtest-dev)
 # Mesa's software rasterizer, reached through EGL; then what Blender's Python module links.
 RUN_PACKAGES=(libegl1 libegl-mesa0 libgl1-mesa-dri python3-venv
   libgl1 libx11-6 libxext6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgomp1)
@@ -26,7 +26,7 @@ install_packages() {
       command -v "$name" >/dev/null || missing+=("$name")
     done
     [ ${#missing[@]} -eq 0 ] || fail "This is no Debian system; please install ${missing[*]} (a compiler for C++20, CMake," \
-      "Ninja), OpenMesh 9, GLM, GoogleTest and Mesa's EGL yourself, then run this again."
+      "Ninja), OpenMesh 9, GLM, stb, GoogleTest and Mesa's EGL yourself, then run this again."
     return 0
   fi
   for name in "$@"; do

@@ -191,8 +191,9 @@ def print_summary(baked: results.Baked, notes: list[str]) -> None:
         f'object "{baked.object_name}": {mesh["vertex_count"]:,} vertices, {mesh["triangle_count"]:,} triangles, '
         f"{mesh['charts']:,} charts, {mesh['seam_edges']:,} seam edges"
     )
+    texels = f" ({field['radius_in_texels']:.1f} texels)" if field["radius_in_texels"] > 0 else ""
     print(
-        f"radius {field['radius']:.6g} ({field['radius_in_texels']:.1f} texels), "
+        f"radius {field['radius']:.6g}{texels}, "
         f"coverage {100 * field['coverage_mean']:.3f} %, undefined vertices {field['undefined_vertices']:,}"
     )
     print(f"{field['seconds_total']:.2f} s, {found.backend}: {found.device}")

@@ -98,7 +98,7 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
     lines = [
         f"{mesh['vertex_count']:,} vertices, {mesh['triangle_count']:,} triangles",
         f"Charts: {mesh['charts']}, seam edges: {mesh['seam_edges']}",
-        f"Radius: {field['radius']:.4g} ({field['radius_in_texels']:.1f} texels)",
+        f"Radius: {field['radius']:.4g}" + texels(field),
         f"Coverage: {100 * field['coverage_mean']:.2f} %",
         f"Undefined vertices: {field['undefined_vertices']:,}",
         f"Time: {field['seconds_total']:.2f} s ({stored['backend']})",
@@ -106,6 +106,11 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
     ]
     lines += [f"{mesh[name]:,} {words}" for name, words in DEFECTS if mesh[name]]
     return lines
+
+
+def texels(field: dict[str, float]) -> str:
+    """The radius in texels, where a device had any."""
+    return f" ({field['radius_in_texels']:.1f} texels)" if field["radius_in_texels"] > 0 else ""
 
 
 def wrapped(sentence: str, width: int) -> list[str]:
