@@ -104,6 +104,8 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
         f"Time: {field['seconds_total']:.2f} s ({stored['backend']})",
         *wrapped(stored["device"], 36),
     ]
+    if field.get("private_layout"):
+        lines.append("Overlapping charts laid out afresh")
     lines += [f"{mesh[name]:,} {words}" for name, words in DEFECTS if mesh[name]]
     return lines
 
