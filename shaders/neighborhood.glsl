@@ -10,12 +10,12 @@ layout(location = 1) uniform int max_jumps;
 const int FOUND = 0;
 const int BOUNDARY = 1; // met the end of the surface
 const int LOST = 2;     // too many jumps, or a place that no texel carries
-const int OUTSIDE = 3;  // left the ball on the way: what it may reach beyond is not connected to the center within the ball
 
 struct Walk {
   vec2 from;
   vec2 to;
   int chart;
+  float factor; // |det| of the maps applied: area of the pattern's cell at its end
   int outcome;
 };
 
@@ -59,17 +59,12 @@ bool jump(inout Walk walk, int edge, float t, out int came_from) {
   vec2 crossing = mix(walk.from, walk.to, t);
   walk.from = linear * (crossing - origin) + image.xy * float(buffer_size);
   walk.to = linear * (walk.to - origin) + image.xy * float(buffer_size);
+  walk.factor *= abs(determinant(linear));
   walk.chart = int(image.w);
   return true;
 }
 
-// The ball that a walk must not leave, wide enough that a place beside the straight way does not end it.
-bool leaves_ball(ivec2 texel, int chart, vec4 ball) {
-  return texelFetch(ids, texel, 0).x == chart && length(texelFetch(positions, texel, 0).xyz - ball.xyz) > 1.1 * ball.w;
-}
-
-// ball: center and radius.
-void march(inout Walk walk, vec4 ball) {
+void march(inout Walk walk) {
   int came_from = -1;
   int jumps = 0;
   float t = 0.0;
@@ -79,10 +74,6 @@ void march(inout Walk walk, vec4 ball) {
     float span = max(length(way), 1e-6);
     vec2 place = walk.from + way * t;
     ivec2 texel = clamp(ivec2(floor(place)), ivec2(0), ivec2(buffer_size - 1));
-    if (leaves_ball(texel, walk.chart, ball)) {
-      walk.outcome = OUTSIDE;
-      return;
-    }
     ivec2 cell = texelFetch(border, texel, 0).xy;
     if (cell.x > 0) {
       t += float(cell.x) / span;

@@ -16,25 +16,21 @@
 #define UNIT_BORDER_UV 6   // list, RGBA32F: u0, v0, u1, v1 of each border, the chart on its left
 #define UNIT_LINKS 7       // list, RGBA32F, two a border: the matrix of M_e; its image of (u0, v0), twin (or -1 - kind), twin's chart
 
-#define UNIT_BLOCKS 8      // blocks of the buffer, R32F: the largest area element in each
+#define UNIT_LABELS 8      // buffer, R32I: the cell of each texel, or -1
+#define UNIT_CORNERS 9     // list, RG32I: low texel of each cell's block
 
 // Storage buffers.
 #define BINDING_CENTERS 0
 #define BINDING_PATTERN 1
 #define BINDING_RESULTS 2
 #define BINDING_EDGES 3    // chart-edge lines to rasterize
-#define BINDING_WINDOWS 4  // MAX_WINDOWS a center
-#define BINDING_SEARCH 5   // vec4 a center: windows found, lost area, scouts that met a boundary, last scout that found anything
-#define BINDING_ACTIVE 6   // one counter: centers that have scouts to send yet
+#define BINDING_BOUNDS 4   // two vec4 a cell: low corner of its surface points and largest area element; high corner
+#define BINDING_SUPPORTS 5 // what was found of each center's neighborhood before sampling
+#define BINDING_CELLS 6    // cells of all neighborhoods, one after another
 
-#define MAX_WINDOWS 12     // pieces of the UV map that one support may lie on
-#define SCOUTS 96          // samples over the enlarged ellipse that look for them
-#define WINDOW_SCOUTS 32   // the same for those that a window sends
-#define MAX_SCOUTS 768     // as far as they go on while they find any
-// llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): so scouts
-// go out in parties, one dispatch each, and evaluation keeps within this many.
-#define SCOUT_PARTY 48
-#define MAX_ITERATIONS 50000
+// llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): what would
+// go beyond this many counts as lost instead.
+#define MAX_ITERATIONS 60000
 
 // Rows of the results that come before the descriptors'.
 #define ROW_COVERAGE 0
@@ -49,10 +45,11 @@ struct alignas(16) CenterData {
   vec4 place;          // (u, v) of the evaluation; (u, v) just inside the chart where marches start
   vec4 ellipse;        // columns of the 2x2 map from the unit disk to (u, v) offsets
 };
-struct alignas(16) WindowData {
-  vec4 center_chart; // of the frame, texels; z: chart
-  vec4 frame;        // columns of the 2x2 map from the unit disk to texels
-  vec4 box;          // low and high corner in the frame
+struct SupportData {
+  int first;  // into the list of cells
+  int count;
+  float lost; // area in the ball that no texel carries
+  float cut;  // above 0 where the mesh's boundary lies in the ball
 };
 struct alignas(16) EdgeData {
   vec4 uv;               // u0, v0, u1, v1
@@ -69,12 +66,12 @@ struct CenterData {
   vec4 place;
   vec4 ellipse;
 };
-struct WindowData {
-  vec4 center_chart;
-  vec4 frame;
-  vec4 box;
+struct SupportData {
+  int first;
+  int count;
+  float lost;
+  float cut;
 };
-mat2 frame_of(WindowData window) { return mat2(window.frame.xy, window.frame.zw); }
 struct EdgeData {
   vec4 uv;
   vec4 position0_chart;

@@ -93,6 +93,7 @@ void check_options(const pdesc_options &options) {
   check_range("buffer_size", options.buffer_size, 64, 8192);
   check_range("normals", options.normals, PDESC_NORMALS_FITTED, PDESC_NORMALS_MESH);
   check_range("max_jumps", options.max_jumps, 0, 64);
+  check_range("relocation", options.relocation, PDESC_RELOCATION_CONNECTED, PDESC_RELOCATION_AFFINE);
 }
 
 void check_length(int32_t given, size_t needed) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "bake/distortion.h"
@@ -125,9 +126,8 @@ struct Frame {
   Normals normals;
   BufferFrame buffer_frame;
   std::vector<vec4> forms, links;
-  std::vector<CenterData> centers; // interior ones first
-  std::vector<int32_t> sites;      // (centers)
-  int interior = 0;
+  std::vector<CenterData> centers;
+  std::vector<int32_t> sites; // (centers)
   double radius_in_texels = 0.0;
 };
 
@@ -156,12 +156,11 @@ static vec2 march_start(const Site &site, int size) {
   return site.uv + way * std::min(0.2f, 0.02f / std::max(texels, 1e-6f));
 }
 
-static void prepare_centers(const Mesh &mesh, const BorderGrid &grid, const pdesc_options &options, double radius, Frame &frame) {
+static void prepare_centers(const Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
   const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
   const auto reach = static_cast<float>(radius * frame.buffer_frame.scale) * ellipse_enlargement;
-  std::vector<CenterData> centers;
-  std::vector<int32_t> sites;
-  std::vector<uint8_t> interior;
+  frame.centers.clear();
+  frame.sites.clear();
   std::vector<double> sizes;
   for (size_t i = 0; i < mesh.charts.sites.size(); ++i) {
     const Site &site = mesh.charts.sites[i];
@@ -169,23 +168,12 @@ static void prepare_centers(const Mesh &mesh, const BorderGrid &grid, const pdes
     if (!options.seam_error && mesh.charts.point_site[point] != static_cast<int32_t>(i)) continue;
     const vec3 position = mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])];
     const vec4 ellipse = ellipses[i] * reach;
-    centers.push_back({vec4(frame.buffer_frame.to_buffer(position), static_cast<float>(site.chart)),
-                       vec4(frame.normals.point[point], pattern_rotation(static_cast<uint32_t>(site.point), options.seed)),
-                       vec4(site.uv, march_start(site, grid.size)), ellipse});
-    sites.push_back(static_cast<int32_t>(i));
-    // The larger eigenvalue of the symmetric map is the longer half-axis.
-    const float mean = 0.5f * (ellipse.x + ellipse.w), half_gap = length(vec2(0.5f * (ellipse.x - ellipse.w), ellipse.y));
-    interior.push_back((mean + half_gap) * static_cast<float>(grid.size) + 2.0f < static_cast<float>(clearance(grid, site.uv)));
-    sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) * static_cast<float>(grid.size) /
+    frame.centers.push_back({vec4(frame.buffer_frame.to_buffer(position), static_cast<float>(site.chart)),
+                             vec4(frame.normals.point[point], pattern_rotation(static_cast<uint32_t>(site.point), options.seed)),
+                             vec4(site.uv, march_start(site, options.buffer_size)), ellipse});
+    frame.sites.push_back(static_cast<int32_t>(i));
+    sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) * static_cast<float>(options.buffer_size) /
                     ellipse_enlargement);
-  }
-  for (const bool inside : {true, false}) {
-    for (size_t i = 0; i < centers.size(); ++i) {
-      if ((interior[i] != 0) != inside) continue;
-      frame.centers.push_back(centers[i]);
-      frame.sites.push_back(sites[i]);
-    }
-    if (inside) frame.interior = static_cast<int>(frame.centers.size());
   }
   if (sizes.empty()) return;
   std::nth_element(sizes.begin(), sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2), sizes.end());
@@ -211,9 +199,8 @@ static bool prepare_device(Mesh &mesh, const pdesc_options &options) {
   return changed;
 }
 
-static int count_bare_triangles(const Mesh &mesh, const GeometryBuffer &buffer) {
+static int count_bare_triangles(const Mesh &mesh, const std::vector<int32_t> &ids) {
   std::vector<uint8_t> seen(static_cast<size_t>(mesh.triangles.triangle_count), 0);
-  const std::vector<int32_t> ids = buffer.read_ids();
   for (size_t i = 0; i < ids.size(); i += 2)
     if (ids[i] >= 0 && ids[i + 1] >= 0) seen[static_cast<size_t>(ids[i + 1])] = 1;
   int bare = 0;
@@ -232,32 +219,74 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
     device.buffer->bake(programs, {mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.forms, frame.buffer_frame}, changed);
     if (!changed) return;
     device.counts = device.buffer->count_owners(programs);
-    device.bare_triangles = count_bare_triangles(mesh, *device.buffer);
+    device.bare_triangles = count_bare_triangles(mesh, device.buffer->read_ids());
+    device.cells.block_size = 0;
     device.normals_kind = options.normals;
   });
+}
+
+// About half the radius: a support then meets a few dozen cells, at every radius.
+static int block_size(double radius_in_texels, int buffer_size) {
+  int size = 4;
+  while (size * 4 <= radius_in_texels && size * 2 <= buffer_size) size *= 2;
+  return size;
+}
+
+static void build_cells_for(Mesh &mesh, const Frame &frame) {
+  DeviceMesh &device = *mesh.device;
+  const int size = block_size(frame.radius_in_texels, device.buffer->size());
+  if (device.cells.block_size == size) return;
+  std::vector<int32_t> ids;
+  mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = device.buffer->read_ids(); });
+  device.cells = build_cells(ids, device.grid, mesh.triangles, mesh.half_edges, mesh.charts, size);
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_cells(gl, device.cells, device.buffer->size()); });
+}
+
+// The neighborhoods of all centers, before any sample is drawn.
+static void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, const Frame &frame) {
+  DeviceMesh &device = *mesh.device;
+  std::vector<CellBounds> bounds;
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) { bounds = device.evaluator.measure_cells(gl, programs, *device.buffer); });
+  // A vertex starts from all its places in the UV map; for seam errors each place has to find the others by itself.
+  std::vector<int32_t> order(mesh.charts.sites.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int32_t a, int32_t b) {
+    return mesh.charts.sites[static_cast<size_t>(a)].point < mesh.charts.sites[static_cast<size_t>(b)].point;
+  });
+  std::vector<int32_t> begin(static_cast<size_t>(mesh.half_edges.point_count) + 1, 0);
+  for (const Site &site : mesh.charts.sites) ++begin[static_cast<size_t>(site.point) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<SupportCenter> centers;
+  for (size_t i = 0; i < frame.centers.size(); ++i) {
+    const auto point = static_cast<size_t>(mesh.charts.sites[static_cast<size_t>(frame.sites[i])].point);
+    const auto sites = options.seam_error ? std::span(frame.sites).subspan(i, 1)
+                                          : std::span(order).subspan(static_cast<size_t>(begin[point]), static_cast<size_t>(begin[point + 1] - begin[point]));
+    centers.push_back({vec3(frame.centers[i].position_chart), sites});
+  }
+  const Supports supports = find_supports(device.cells, bounds, mesh.triangles, frame.buffer_frame, centers,
+                                          static_cast<float>(radius * frame.buffer_frame.scale), options.buffer_size, mesh.context->threads);
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports); });
 }
 
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
 static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame, const Progress &progress) {
   GlThread &thread = *mesh.context->gl;
   Evaluator &evaluator = mesh.device->evaluator;
-  thread.run([&](const Gl &gl, ProgramCache &programs) {
-    evaluator.set_frame(gl, frame.links, frame.centers, frame.interior);
-    evaluator.set_settings(gl, programs, *mesh.device->buffer, settings);
+  thread.run([&](const Gl &gl, ProgramCache &) {
+    evaluator.set_links(gl, frame.links);
+    evaluator.set_centers(gl, frame.centers, settings);
   });
-  const int count = evaluator.center_count();
+  const auto count = static_cast<int>(frame.centers.size());
   constexpr int smallest_tile = 8 * GROUP_SIZE; // enough for every core of a software device
   int tile = smallest_tile;
   for (int first = 0; first < count;) {
-    const int side = first < frame.interior ? frame.interior : count;
-    const int last = std::min(first + tile, side);
+    const int last = std::min(first + tile, count);
     Clock clock;
     thread.run([&](const Gl &gl, ProgramCache &programs) { evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last); });
-    const double seconds = clock.lap();
-    const double scale = std::clamp(0.03 / std::max(seconds, 1e-4), 0.25, 4.0);
+    const double scale = std::clamp(0.03 / std::max(clock.lap(), 1e-4), 0.25, 4.0);
     tile = std::max(smallest_tile, static_cast<int>(tile * scale) / GROUP_SIZE * GROUP_SIZE);
     first = last;
-    check_cancel(progress, "evaluate", 0.3 + 0.7 * first / std::max(count, 1));
+    check_cancel(progress, "evaluate", 0.3 + 0.7 * first / count);
   }
 }
 
@@ -302,19 +331,13 @@ static void warn(const Mesh &mesh, Field &field) {
     add("At " + std::to_string(report.low_coverage_vertices) + " vertices more than a tenth of the neighborhood was not found in the UV map.");
 }
 
-static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, Frame &frame) {
+static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
   const bool changed = prepare_device(mesh, options);
   frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
   frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
   frame.links = seam_links(mesh.triangles, mesh.charts);
+  prepare_centers(mesh, options, radius, frame);
   bake(mesh, options, frame, changed);
-}
-
-// About half the radius: a support then meets a few dozen blocks, at every radius.
-static int block_size(double radius_in_texels, int buffer_size) {
-  int size = 4;
-  while (size * 4 <= radius_in_texels && size * 2 <= buffer_size) size *= 2;
-  return size;
 }
 
 static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
@@ -325,23 +348,27 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   field.report.seconds_prepare = clock.lap();
   check_cancel(progress, "bake", 0.1);
 
-  prepare_and_bake(mesh, options, frame);
+  prepare_and_bake(mesh, options, radius, frame);
   if (mesh.device->counts.overlapping > 0 && !mesh.private_layout) {
     repack_charts(mesh.triangles, mesh.charts);
     mesh.private_layout = true;
     mesh.device->grid.size = 0;
-    prepare_and_bake(mesh, options, frame);
+    prepare_and_bake(mesh, options, radius, frame);
   }
   field.report.private_layout = mesh.private_layout;
   field.report.seconds_bake = clock.lap();
   check_cancel(progress, "prepare", 0.2);
 
-  prepare_centers(mesh, mesh.device->grid, options, radius, frame);
+  const bool affine = options.relocation == PDESC_RELOCATION_AFFINE;
+  if (!affine) {
+    build_cells_for(mesh, frame);
+    prepare_supports(mesh, options, radius, frame);
+  }
   field.report.seconds_prepare += clock.lap();
   check_cancel(progress, "evaluate", 0.3);
 
-  const EvaluateSettings settings{asked, options.samples, options.seed, options.max_jumps, static_cast<float>(radius * frame.buffer_frame.scale),
-                                  block_size(frame.radius_in_texels, options.buffer_size), ellipse_enlargement};
+  const EvaluateSettings settings{asked, options.samples, options.seed, options.max_jumps,
+                                  static_cast<float>(radius * frame.buffer_frame.scale), ellipse_enlargement, affine};
   evaluate_tiles(mesh, settings, frame, progress);
   field.report.overlapping_texels = mesh.device->counts.overlapping;
   field.report.covered_texels = mesh.device->counts.covered;

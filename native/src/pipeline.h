@@ -15,6 +15,7 @@
 #include "mesh/halfedge.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
+#include "sample/cells.h"
 
 namespace paradesc {
 
@@ -34,6 +35,7 @@ struct DeviceMesh {
   std::unique_ptr<GeometryBuffer> buffer;
   Evaluator evaluator;
   BorderGrid grid;
+  Cells cells;
   BakeVertices vertices;
   int normals_kind = -1;
   TexelCounts counts;

@@ -138,6 +138,7 @@ class ComputeOptions(Structure):
         ("max_jumps", c_int32),
         ("seed", c_uint32),
         ("seam_error", c_int32),
+        ("relocation", c_int32),
     ]
 
 

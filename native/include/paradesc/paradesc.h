@@ -75,6 +75,13 @@ typedef enum pdesc_radius_unit {
   PDESC_RADIUS_MEAN_EDGE = 2  /* multiples of the mean edge length */
 } pdesc_radius_unit;
 
+typedef enum pdesc_relocation {
+  PDESC_RELOCATION_CONNECTED = 0, /* the texels of the surface connected to the vertex within the ball, found over links between cells of
+                                     the buffer; the same texels for every vertex */
+  PDESC_RELOCATION_AFFINE = 1     /* each sample of a golden-angle pattern carried over seams by itself (paper 3.4, with the affine map of
+                                     each seam edge in place of eq. 2 and 3) */
+} pdesc_relocation;
+
 /* Bits of a vertex' mask. */
 #define PDESC_MASK_NO_FACE 1u      /* no usable face at this vertex: NaN */
 #define PDESC_MASK_BOUNDARY 2u     /* the neighborhood is cut by a boundary of the mesh: the formulas take what is there */
@@ -187,12 +194,13 @@ typedef struct pdesc_options {
   uint32_t struct_size;
   double radius;        /* > 0; default 0.02 */
   int32_t radius_unit;  /* pdesc_radius_unit; default DIAGONAL. The radius may not exceed the diagonal */
-  int32_t samples;      /* per vertex, 8 to 4096; default 256. Not used by REFERENCE */
+  int32_t samples;      /* over the neighborhood of a vertex, at least, 8 to 4096; default 256. Not used by REFERENCE */
   int32_t buffer_size;  /* texels along a side of the square buffers, 64 to 8192; default 1024. Not used by REFERENCE */
   int32_t normals;      /* pdesc_normals; default FITTED */
-  int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Not used by REFERENCE */
-  uint32_t seed;        /* of the pattern's rotations; default 0 */
-  int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map, and keep the differences; default 0 */
+  int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used by PDESC_RELOCATION_AFFINE only */
+  uint32_t seed;        /* of the choice of samples; default 0 */
+  int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map by itself, and keep the differences; default 0 */
+  int32_t relocation;   /* pdesc_relocation; default CONNECTED. Not used by REFERENCE */
 } pdesc_options;
 
 PDESC_API void pdesc_options_init(pdesc_options *options);

@@ -43,97 +43,85 @@ void Evaluator::set_borders(const Gl &gl, const BorderGrid &grid) {
   check_gl(gl, "border upload");
 }
 
-void Evaluator::set_frame(const Gl &gl, const std::vector<vec4> &links, const std::vector<CenterData> &centers, int interior) {
-  links_.upload(gl, GL_RGBA32F, links.data(), links.size());
+void Evaluator::set_cells(const Gl &gl, const Cells &cells, int buffer_size) {
+  labels_ = Texture(gl, buffer_size, buffer_size, GL_R32I);
+  gl.TextureSubImage2D(labels_.id(), 0, 0, 0, buffer_size, buffer_size, GL_RED_INTEGER, GL_INT, cells.label.data());
+  corners_.upload(gl, GL_RG32I, cells.corner.data(), cells.corner.size() / 2);
+  cell_count_ = cells.count;
+  block_size_ = cells.block_size;
+  check_gl(gl, "cell upload");
+}
+
+void Evaluator::bind(const Gl &gl, const GeometryBuffer &buffer) const {
+  buffer.bind();
+  gl.BindTextureUnit(UNIT_LABELS, labels_.id());
+  gl.BindTextureUnit(UNIT_CORNERS, corners_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BOUNDS, bounds_.id());
+  gl.Uniform1i(0, buffer.size());
+  gl.Uniform1i(8, block_size_);
+}
+
+std::vector<CellBounds> Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer) {
+  std::vector<CellBounds> bounds(static_cast<size_t>(cell_count_));
+  bounds_.upload(gl, nullptr, bounds.size() * sizeof(CellBounds), GL_STREAM_READ);
+  if (bounds.empty()) return bounds;
+  gl.UseProgram(programs.get(gl, "bounds", {{GL_COMPUTE_SHADER, "bounds.comp.glsl"}}));
+  bind(gl, buffer);
+  gl.Uniform1i(3, cell_count_);
+  gl.DispatchCompute(static_cast<GLuint>((cell_count_ + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+  gl.GetNamedBufferSubData(bounds_.id(), 0, static_cast<GLsizeiptr>(bounds.size() * sizeof(CellBounds)), bounds.data());
+  check_gl(gl, "cell bounds");
+  return bounds;
+}
+
+void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links) { links_.upload(gl, GL_RGBA32F, links.data(), links.size()); }
+
+void Evaluator::set_supports(const Gl &gl, const Supports &supports) {
+  std::vector<SupportData> data;
+  data.reserve(supports.range.size());
+  for (size_t i = 0; i < supports.range.size(); ++i)
+    data.push_back({supports.range[i].x, supports.range[i].y, supports.lost[i], supports.boundary[i] ? 1.0f : 0.0f});
+  supports_.upload(gl, data, GL_STREAM_DRAW);
+  support_cells_.upload(gl, supports.cell, GL_STREAM_DRAW);
+  check_gl(gl, "support upload");
+}
+
+void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings) {
   centers_.upload(gl, centers, GL_STREAM_DRAW);
   count_ = static_cast<int>(centers.size());
-  interior_ = interior;
-  check_gl(gl, "center upload");
-}
-
-void Evaluator::set_settings(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings) {
-  const int side = (buffer.size() + settings.block_size - 1) / settings.block_size;
-  blocks_ = Texture(gl, side, side, GL_R32F);
-  gl.UseProgram(programs.get(gl, "blocks", {{GL_COMPUTE_SHADER, "blocks.comp.glsl"}}));
-  buffer.bind();
-  gl.BindImageTexture(0, blocks_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
-  gl.Uniform1i(0, buffer.size());
-  gl.Uniform1i(8, settings.block_size);
-  gl.DispatchCompute(static_cast<GLuint>((side + 7) / 8), static_cast<GLuint>((side + 7) / 8), 1);
-  gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-
-  scouts_.upload(gl, golden_angle_pattern(SCOUTS, MAX_SCOUTS));
-  const auto count = static_cast<size_t>(count_);
-  windows_.upload(gl, nullptr, count * MAX_WINDOWS * sizeof(WindowData), GL_STREAM_COPY);
-  searches_.upload(gl, nullptr, count * sizeof(vec4), GL_STREAM_COPY);
-  active_.upload(gl, nullptr, sizeof(GLuint), GL_STREAM_READ);
+  pattern_.upload(gl, golden_angle_pattern(settings.samples));
   // NaN everywhere first: a center that a driver forgets must not look like a result.
-  const std::vector<float> nothing((ROW_DESCRIPTORS + settings.descriptors.size()) * count, std::numeric_limits<float>::quiet_NaN());
+  const std::vector<float> nothing((ROW_DESCRIPTORS + settings.descriptors.size()) * static_cast<size_t>(count_),
+                                   std::numeric_limits<float>::quiet_NaN());
   results_.upload(gl, nothing, GL_STREAM_READ);
-  check_gl(gl, "settings upload");
-}
-
-// One invocation a center, with what both kernels know.
-static void dispatch(const Gl &gl, const EvaluateSettings &settings, int first, int last, int buffer_size) {
-  gl.Uniform1i(0, buffer_size);
-  gl.Uniform1i(2, first);
-  gl.Uniform1i(3, last);
-  gl.Uniform1f(6, settings.radius);
-  gl.Uniform1f(7, settings.enlargement);
-  gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
-  gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-}
-
-void Evaluator::find_windows(const Gl &gl, ProgramCache &programs, const EvaluateSettings &settings, int first, int last,
-                             int buffer_size) const {
-  gl.UseProgram(programs.get(gl, "windows", {{GL_COMPUTE_SHADER, "windows.comp.glsl"}}));
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PATTERN, scouts_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_ACTIVE, active_.id());
-  gl.Uniform1i(1, settings.max_jumps);
-  gl.Uniform1i(10, interior_);
-  const int rounds = last <= interior_ ? 1 : MAX_WINDOWS;
-  for (int round = 0; round < rounds; ++round) {
-    bool more = false;
-    for (int begin = 0; begin < MAX_SCOUTS; begin += SCOUT_PARTY) {
-      GLuint active = 0;
-      gl.NamedBufferSubData(active_.id(), 0, sizeof active, &active);
-      gl.Uniform1i(8, round);
-      gl.Uniform1i(9, begin);
-      dispatch(gl, settings, first, last, buffer_size);
-      gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-      gl.GetNamedBufferSubData(active_.id(), 0, sizeof active, &active);
-      more |= active > 0;
-      if (active == 0) break;
-    }
-    if (!more) break;
-  }
-  gl.UseProgram(programs.get(gl, "grow", {{GL_COMPUTE_SHADER, "grow.comp.glsl"}}));
-  dispatch(gl, settings, first, last, buffer_size);
+  check_gl(gl, "center upload");
 }
 
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
                     int last) const {
-  buffer.bind();
+  std::string name = settings.affine ? "evaluate affine" : "evaluate connected";
+  for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
+  gl.UseProgram(programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},
+                             {{"variant.glsl", settings.affine ? "#define AFFINE 1\n" : "#define AFFINE 0\n"},
+                              {"descriptors.glsl", compose_descriptors(settings.descriptors)}}));
+  bind(gl, buffer);
   gl.BindTextureUnit(UNIT_BORDER, border_.id());
   gl.BindTextureUnit(UNIT_BORDER_LIST, border_list_.id());
   gl.BindTextureUnit(UNIT_BORDER_UV, border_uv_.id());
   gl.BindTextureUnit(UNIT_LINKS, links_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_WINDOWS, windows_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SEARCH, searches_.id());
-  find_windows(gl, programs, settings, first, last, buffer.size());
-
-  std::string name = "evaluate";
-  for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
-  gl.UseProgram(programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},
-                             {{"descriptors.glsl", compose_descriptors(settings.descriptors)}}));
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PATTERN, pattern_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
-  gl.Uniform1i(4, count_);
-  gl.Uniform1i(5, settings.samples);
-  gl.Uniform1i(8, settings.block_size);
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SUPPORTS, supports_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, support_cells_.id());
+  if (settings.affine) gl.Uniform1i(1, settings.max_jumps);
+  const GLint integers[] = {first, last, count_, settings.samples};
+  for (GLint i = 0; i < 4; ++i) gl.Uniform1i(i + 2, integers[i]);
+  gl.Uniform1f(6, settings.radius);
+  gl.Uniform1f(7, settings.enlargement);
   gl.Uniform1i(9, static_cast<GLint>(settings.seed));
-  gl.BindTextureUnit(UNIT_BLOCKS, blocks_.id());
-  dispatch(gl, settings, first, last, buffer.size());
+  gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.Finish();
   check_gl(gl, "evaluate");

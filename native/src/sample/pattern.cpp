@@ -5,12 +5,12 @@
 
 namespace paradesc {
 
-std::vector<vec2> golden_angle_pattern(int in_disk, int count) {
+std::vector<vec2> golden_angle_pattern(int count) {
   const double golden_angle = pi * (3.0 - std::sqrt(5.0));
   std::vector<vec2> pattern;
   pattern.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i) {
-    const double distance = std::sqrt((i + 0.5) / in_disk);
+    const double distance = std::sqrt((i + 0.5) / count);
     pattern.emplace_back(distance * std::cos(i * golden_angle), distance * std::sin(i * golden_angle));
   }
   return pattern;

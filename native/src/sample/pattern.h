@@ -8,9 +8,8 @@
 
 namespace paradesc {
 
-// Vogel's golden-angle set: equal areas, low discrepancy at every count. The first `in_disk` of `count` places lie in the unit disk,
-// the spiral goes on with the rest.
-std::vector<vec2> golden_angle_pattern(int in_disk, int count);
+// Vogel's golden-angle set: equal areas, low discrepancy at every count.
+std::vector<vec2> golden_angle_pattern(int count);
 
 // An angle in [0, 2 pi) from a point's number and the seed: the same everywhere.
 float pattern_rotation(uint32_t point, uint32_t seed);

@@ -1,0 +1,357 @@
+// Texels → cells by union within blocks; links by texels side by side, by mesh edges and by seams.
+#include "sample/cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <queue>
+
+#include "support/parallel.h"
+
+namespace paradesc {
+
+namespace {
+
+// Where a place of a chart belongs, and whether two places of a chart are joined by a straight way on it.
+class ChartMap {
+public:
+  ChartMap(const std::vector<int32_t> &ids, const BorderGrid &grid) : ids_(ids), grid_(grid), size_(grid.size) {}
+
+  bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < size_ && y < size_; }
+  size_t index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(size_) + static_cast<size_t>(x); }
+  // The chart of a texel whose center lies on one, else -1.
+  int32_t chart(int x, int y) const { return ids_[2 * index(x, y) + 1] >= 0 ? ids_[2 * index(x, y)] : -1; }
+
+  // No border of the chart crosses the way from a to b, which lie in these two texels or beside them.
+  bool joined(dvec2 a, dvec2 b, int32_t of_chart) const {
+    const int x0 = static_cast<int>(std::floor(std::min(a.x, b.x))), x1 = static_cast<int>(std::floor(std::max(a.x, b.x)));
+    const int y0 = static_cast<int>(std::floor(std::min(a.y, b.y))), y1 = static_cast<int>(std::floor(std::max(a.y, b.y)));
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x)
+        if (inside(x, y) && crossed(x, y, a, b, of_chart)) return false;
+    return true;
+  }
+
+  // The texel that carries a place on a chart: its own, or one beside it in sight; -1: none.
+  int64_t carrier(dvec2 place, int32_t of_chart) const {
+    const int x = static_cast<int>(std::floor(place.x)), y = static_cast<int>(std::floor(place.y));
+    if (inside(x, y) && chart(x, y) == of_chart && joined(place, {x + 0.5, y + 0.5}, of_chart)) return static_cast<int64_t>(index(x, y));
+    int64_t best = -1;
+    double nearest = 1e9;
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        if (!inside(x + dx, y + dy) || chart(x + dx, y + dy) != of_chart) continue;
+        const dvec2 middle(x + dx + 0.5, y + dy + 0.5);
+        const double distance = dot(middle - place, middle - place);
+        if (distance >= nearest || !joined(place, middle, of_chart)) continue;
+        nearest = distance;
+        best = static_cast<int64_t>(index(x + dx, y + dy));
+      }
+    return best;
+  }
+
+private:
+  bool crossed(int x, int y, dvec2 a, dvec2 b, int32_t of_chart) const {
+    const size_t texel = index(x, y);
+    const int32_t begin = grid_.cells[2 * texel + 1];
+    for (int32_t i = begin; i < begin - std::min(grid_.cells[2 * texel], 0); ++i) {
+      if (grid_.list[2 * static_cast<size_t>(i) + 1] != of_chart) continue;
+      const vec4 uv = grid_.border_uv[static_cast<size_t>(grid_.list[2 * static_cast<size_t>(i)])] * static_cast<float>(size_);
+      const dvec2 c(uv.x, uv.y), d(uv.z, uv.w);
+      const double side_c = cross(b - a, c - a), side_d = cross(b - a, d - a), side_a = cross(d - c, a - c), side_b = cross(d - c, b - c);
+      if (side_c * side_d <= 0.0 && side_a * side_b < 0.0) return true;
+    }
+    return false;
+  }
+
+  const std::vector<int32_t> &ids_;
+  const BorderGrid &grid_;
+  int size_;
+};
+
+struct Unions {
+  std::vector<int32_t> parent;
+  explicit Unions(size_t count) : parent(count) { std::iota(parent.begin(), parent.end(), 0); }
+  int32_t root(int32_t i) {
+    while (parent[static_cast<size_t>(i)] != i) i = parent[static_cast<size_t>(i)] = parent[static_cast<size_t>(parent[static_cast<size_t>(i)])];
+    return i;
+  }
+  // The lower number stays root, so that labels do not depend on the order of unions.
+  void join(int32_t a, int32_t b) {
+    a = root(a);
+    b = root(b);
+    parent[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
+  }
+};
+
+using Pairs = std::vector<uint64_t>; // two numbers each, for sorting
+
+uint64_t pair_of(int64_t a, int64_t b) { return static_cast<uint64_t>(a) << 32 | static_cast<uint64_t>(b); }
+
+// Sorted pairs → lists by the first number.
+void to_lists(Pairs &pairs, int count, std::vector<int32_t> &begin, std::vector<int32_t> &list) {
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  begin.assign(static_cast<size_t>(count) + 1, 0);
+  for (const uint64_t pair : pairs) {
+    ++begin[static_cast<size_t>(pair >> 32) + 1];
+    list.push_back(static_cast<int32_t>(pair & 0xffffffffu));
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+}
+
+class Builder {
+public:
+  Builder(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
+          const Charts &charts, int block_size)
+      : map_(ids, grid), triangles_(triangles), half_edges_(half_edges), charts_(charts), size_(grid.size) {
+    cells_.block_size = block_size;
+  }
+
+  Cells build() {
+    label_texels();
+    link_along_edges();
+    to_lists(links_, cells_.count, cells_.link_begin, cells_.link);
+    to_lists(boundaries_, cells_.count, cells_.boundary_begin, cells_.boundary);
+    attach_bare_triangles();
+    for (const Site &site : charts_.sites) cells_.site_cell.push_back(cell_at(nudged(site.uv, site.inside), site.chart));
+    return std::move(cells_);
+  }
+
+private:
+  // Calls visit(texel, other) for texels side by side that are joined.
+  template <class Visit> void each_joined_pair(const Visit &visit) const {
+    for (int y = 0; y < size_; ++y)
+      for (int x = 0; x < size_; ++x) {
+        const int32_t chart = map_.chart(x, y);
+        if (chart < 0) continue;
+        for (const auto &[dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
+          if (!map_.inside(x + dx, y + dy) || map_.chart(x + dx, y + dy) != chart) continue;
+          if (map_.joined({x + 0.5, y + 0.5}, {x + dx + 0.5, y + dy + 0.5}, chart)) visit(x, y, x + dx, y + dy);
+        }
+      }
+  }
+
+  void label_texels() {
+    const size_t texels = static_cast<size_t>(size_) * static_cast<size_t>(size_);
+    const int block = cells_.block_size;
+    Unions unions(texels);
+    std::vector<std::pair<int32_t, int32_t>> between; // texels joined over the sides of blocks
+    each_joined_pair([&](int x, int y, int x2, int y2) {
+      const auto a = static_cast<int32_t>(map_.index(x, y)), b = static_cast<int32_t>(map_.index(x2, y2));
+      if (x / block == x2 / block && y / block == y2 / block) unions.join(a, b);
+      else between.emplace_back(a, b);
+    });
+    cells_.label.assign(texels, -1);
+    for (int y = 0; y < size_; ++y)
+      for (int x = 0; x < size_; ++x) {
+        if (map_.chart(x, y) < 0) continue;
+        const auto texel = static_cast<int32_t>(map_.index(x, y));
+        const int32_t root = unions.root(texel);
+        if (root == texel) {
+          cells_.label[static_cast<size_t>(texel)] = cells_.count++;
+          cells_.corner.push_back(x / block * block);
+          cells_.corner.push_back(y / block * block);
+        } else {
+          cells_.label[static_cast<size_t>(texel)] = cells_.label[static_cast<size_t>(root)];
+        }
+      }
+    for (const auto &[a, b] : between) link(cells_.label[static_cast<size_t>(a)], cells_.label[static_cast<size_t>(b)]);
+  }
+
+  void link(int32_t a, int32_t b) {
+    if (a < 0 || b < 0 || a == b) return;
+    links_.push_back(pair_of(a, b));
+    links_.push_back(pair_of(b, a));
+  }
+
+  dvec2 uv_of(int corner) const { return dvec2(triangles_.corner_uv[static_cast<size_t>(corner)]) * static_cast<double>(size_); }
+
+  // A little way into the chart, in texels: a place on a border lies on both sides of it.
+  dvec2 nudged(vec2 uv, vec2 inside) const {
+    const dvec2 place = dvec2(uv) * static_cast<double>(size_), way = dvec2(inside) * static_cast<double>(size_) - place;
+    return place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9));
+  }
+
+  int32_t cell_at(dvec2 place, int32_t chart) const {
+    const int64_t texel = map_.carrier(place, chart);
+    return texel < 0 ? -1 : cells_.label[static_cast<size_t>(texel)];
+  }
+
+  // A place on a half-edge, just inside its triangle.
+  int32_t cell_on_edge(int half_edge, double t) const {
+    const int a = half_edge, b = next_corner(a), c = next_corner(b);
+    const dvec2 place = uv_of(a) + (uv_of(b) - uv_of(a)) * t;
+    const dvec2 way = (uv_of(a) + uv_of(b) + uv_of(c)) / 3.0 - place;
+    return cell_at(place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)), charts_.triangle_chart[static_cast<size_t>(a / 3)]);
+  }
+
+  // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and over a seam
+  // the same place of the edge is on both sides.
+  void link_along_edges() {
+    for (int half_edge = 0; half_edge < 3 * triangles_.triangle_count; ++half_edge) {
+      if (charts_.triangle_chart[static_cast<size_t>(half_edge / 3)] < 0) continue;
+      const int32_t border = charts_.half_edge_border[static_cast<size_t>(half_edge)];
+      const int32_t twin = half_edges_.twin[static_cast<size_t>(half_edge)];
+      if (border < 0 && twin > half_edge) continue; // an inner edge once
+      const bool seam = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::seam;
+      const bool ends = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::boundary;
+      double span = length(uv_of(next_corner(half_edge)) - uv_of(half_edge));
+      if (seam) span = std::max(span, length(uv_of(next_corner(twin)) - uv_of(twin)));
+      const int steps = std::clamp(static_cast<int>(std::ceil(span / 0.7)), 1, 4 * size_);
+      int32_t previous = -1;
+      for (int i = 0; i <= steps; ++i) {
+        const double t = static_cast<double>(i) / steps;
+        const int32_t cell = cell_on_edge(half_edge, t);
+        link(previous, cell);
+        if (seam) link(cell, cell_on_edge(twin, 1.0 - t));
+        if (ends && cell >= 0) boundaries_.push_back(pair_of(cell, half_edge));
+        if (cell >= 0) previous = cell;
+      }
+    }
+  }
+
+  // Triangles without a texel near belong to the cell from which the surface leads to them first.
+  void attach_bare_triangles() {
+    std::vector<int32_t> owner(static_cast<size_t>(triangles_.triangle_count), -1);
+    std::queue<int32_t> queue;
+    for (int t = 0; t < triangles_.triangle_count; ++t) {
+      if (half_edges_.corner_point[static_cast<size_t>(3 * t)] < 0 || charts_.triangle_chart[static_cast<size_t>(t)] < 0) continue;
+      const dvec2 middle = (uv_of(3 * t) + uv_of(3 * t + 1) + uv_of(3 * t + 2)) / 3.0;
+      owner[static_cast<size_t>(t)] = cell_at(middle, charts_.triangle_chart[static_cast<size_t>(t)]);
+      if (owner[static_cast<size_t>(t)] >= 0) queue.push(t);
+    }
+    Pairs pairs;
+    while (!queue.empty()) {
+      const int32_t t = queue.front();
+      queue.pop();
+      for (int i = 0; i < 3; ++i) {
+        const int32_t twin = half_edges_.twin[static_cast<size_t>(3 * t + i)];
+        if (twin < 0 || owner[static_cast<size_t>(twin / 3)] >= 0) continue;
+        owner[static_cast<size_t>(twin / 3)] = owner[static_cast<size_t>(t)];
+        pairs.push_back(pair_of(owner[static_cast<size_t>(t)], twin / 3));
+        queue.push(twin / 3);
+      }
+    }
+    to_lists(pairs, cells_.count, cells_.bare_begin, cells_.bare);
+  }
+
+  ChartMap map_;
+  const Triangles &triangles_;
+  const HalfEdges &half_edges_;
+  const Charts &charts_;
+  int size_;
+  Cells cells_;
+  Pairs links_, boundaries_;
+};
+
+} // namespace
+
+Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
+                  const Charts &charts, int block_size) {
+  return Builder(ids, grid, triangles, half_edges, charts, block_size).build();
+}
+
+// Squared distance from a point to a box.
+static float box_distance(const CellBounds &box, vec3 p, float margin) {
+  const vec3 gap = glm::max(glm::max(vec3(box.low) - margin - p, p - vec3(box.high) - margin), vec3(0.0f));
+  return dot(gap, gap);
+}
+
+static bool segment_in_ball(dvec3 a, dvec3 b, dvec3 center, double radius) {
+  const dvec3 way = b - a;
+  const double square = dot(way, way);
+  const double t = square > 0.0 ? std::clamp(dot(center - a, way) / square, 0.0, 1.0) : 0.0;
+  const dvec3 gap = a + way * t - center;
+  return dot(gap, gap) < radius * radius;
+}
+
+namespace {
+
+// The search for one center after another, with its visited marks.
+class Search {
+public:
+  Search(const Cells &cells, const std::vector<CellBounds> &bounds, const Triangles &triangles, const BufferFrame &frame, float radius,
+         int size)
+      : cells_(cells), bounds_(bounds), triangles_(triangles), frame_(frame), radius_(radius), size_(size),
+        visited_(static_cast<size_t>(cells.count), 0) {}
+
+  // Appends the cells of the connected part of the ball.
+  void run(const SupportCenter &center, std::vector<int32_t> &found, float &lost, uint8_t &boundary) {
+    ++mark_;
+    const size_t begin = found.size();
+    for (const int32_t site : center.sites) visit(cells_.site_cell[static_cast<size_t>(site)], center, found, true);
+    for (size_t i = begin; i < found.size(); ++i) {
+      const auto cell = static_cast<size_t>(found[i]);
+      for (int32_t k = cells_.link_begin[cell]; k < cells_.link_begin[cell + 1]; ++k)
+        visit(cells_.link[static_cast<size_t>(k)], center, found, false);
+      for (int32_t k = cells_.boundary_begin[cell]; !boundary && k < cells_.boundary_begin[cell + 1]; ++k) {
+        const int half_edge = cells_.boundary[static_cast<size_t>(k)];
+        boundary = segment_in_ball(position(half_edge), position(next_corner(half_edge)), center.position, radius_);
+      }
+      for (int32_t k = cells_.bare_begin[cell]; k < cells_.bare_begin[cell + 1]; ++k) lost += area_in_ball(cells_.bare[static_cast<size_t>(k)], center);
+    }
+    std::sort(found.begin() + static_cast<ptrdiff_t>(begin), found.end()); // one order of summation, whichever place the search began at
+  }
+
+private:
+  void visit(int32_t cell, const SupportCenter &center, std::vector<int32_t> &found, bool always) {
+    if (cell < 0 || visited_[static_cast<size_t>(cell)] == mark_) return;
+    // A texel's surface reaches beyond its center, by half its diagonal.
+    const CellBounds &box = bounds_[static_cast<size_t>(cell)];
+    const float margin = 0.71f * std::sqrt(box.low.w) / static_cast<float>(size_);
+    if (!always && box_distance(box, center.position, margin) > radius_ * radius_) return;
+    visited_[static_cast<size_t>(cell)] = mark_;
+    found.push_back(cell);
+  }
+
+  dvec3 position(int corner) const {
+    return dvec3(frame_.to_buffer(triangles_.positions[static_cast<size_t>(triangles_.corner_vertex[static_cast<size_t>(corner)])]));
+  }
+
+  float area_in_ball(int32_t triangle, const SupportCenter &center) const {
+    const dvec3 a = position(3 * triangle), b = position(3 * triangle + 1), c = position(3 * triangle + 2);
+    if (length((a + b + c) / 3.0 - dvec3(center.position)) > radius_) return 0.0f;
+    return static_cast<float>(0.5 * length(cross(b - a, c - a)));
+  }
+
+  const Cells &cells_;
+  const std::vector<CellBounds> &bounds_;
+  const Triangles &triangles_;
+  const BufferFrame &frame_;
+  float radius_;
+  int size_;
+  std::vector<uint32_t> visited_;
+  uint32_t mark_ = 0;
+};
+
+} // namespace
+
+Supports find_supports(const Cells &cells, const std::vector<CellBounds> &bounds, const Triangles &triangles, const BufferFrame &frame,
+                       const std::vector<SupportCenter> &centers, float radius, int size, int threads) {
+  constexpr int block = 512;
+  const auto count = static_cast<int>(centers.size());
+  Supports supports;
+  supports.range.resize(centers.size());
+  supports.lost.assign(centers.size(), 0.0f);
+  supports.boundary.assign(centers.size(), 0);
+  std::vector<std::vector<int32_t>> found(static_cast<size_t>((count + block - 1) / block));
+  parallel_blocks(count, threads, block, [&](int begin, int end) {
+    Search search(cells, bounds, triangles, frame, radius, size);
+    auto &list = found[static_cast<size_t>(begin / block)];
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      const auto first = static_cast<int32_t>(list.size());
+      search.run(centers[i], list, supports.lost[i], supports.boundary[i]);
+      supports.range[i] = ivec2(first, static_cast<int32_t>(list.size()) - first);
+    }
+  });
+  for (size_t i = 0; i < found.size(); ++i) {
+    const auto offset = static_cast<int32_t>(supports.cell.size());
+    const size_t last = std::min(centers.size(), (i + 1) * block);
+    for (size_t k = i * block; k < last; ++k) supports.range[k].x += offset;
+    supports.cell.insert(supports.cell.end(), found[i].begin(), found[i].end());
+  }
+  return supports;
+}
+
+} // namespace paradesc

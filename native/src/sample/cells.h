@@ -1,0 +1,61 @@
+// Baked texels → cells, the connected pieces of charts within blocks of the buffer, and the links between them, over seams too.
+//
+// Cells are how a neighborhood is found: from the cells of the center's own places in the UV map over links, as far as they meet the
+// ball. That is the connected part of the surface in the ball, however the charts lie; no map from chart to chart is extrapolated, so
+// neighboring seam edges leave neither gaps nor overlaps. Topology and buffer size decide cells and links; positions do not.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bake/distortion.h"
+#include "mesh/charts.h"
+#include "mesh/halfedge.h"
+#include "mesh/triangles.h"
+#include "sample/neighborhood.h"
+
+namespace paradesc {
+
+struct Cells {
+  int count = 0;
+  int block_size = 0;                 // texels, a power of two
+  std::vector<int32_t> label;         // (size * size) cell of each texel whose center lies on a chart, else -1
+  std::vector<int32_t> corner;        // (count, 2) low texel of its block
+  std::vector<int32_t> link_begin;    // (count + 1) into link
+  std::vector<int32_t> link;          // neighboring cells
+  std::vector<int32_t> boundary_begin; // (count + 1) into boundary
+  std::vector<int32_t> boundary;      // half-edges on the mesh's boundary that a cell touches
+  std::vector<int32_t> bare_begin;    // (count + 1) into bare
+  std::vector<int32_t> bare;          // triangles that no texel carries, at the cell from which the surface leads to them
+  std::vector<int32_t> site_cell;     // (sites) -1: no texel carries it
+};
+
+// ids: (size * size, 2) as GeometryBuffer::read_ids.
+Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
+                  const Charts &charts, int block_size);
+
+// Of a frame: what a cell holds.
+struct CellBounds {
+  vec4 low;  // of its surface points, buffer units; w: largest area element
+  vec4 high;
+};
+
+// The cells of each center's neighborhood.
+struct Supports {
+  std::vector<ivec2> range;      // (centers) first and count, into cell
+  std::vector<int32_t> cell;
+  std::vector<float> lost;       // (centers) area in the ball that no texel carries
+  std::vector<uint8_t> boundary; // (centers) 1: the mesh's boundary lies in the ball
+};
+
+struct SupportCenter {
+  vec3 position;                 // buffer units
+  std::span<const int32_t> sites; // to start from
+};
+
+// radius in buffer units.
+Supports find_supports(const Cells &cells, const std::vector<CellBounds> &bounds, const Triangles &triangles, const BufferFrame &frame,
+                       const std::vector<SupportCenter> &centers, float radius, int size, int threads);
+
+} // namespace paradesc

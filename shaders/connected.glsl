@@ -1,0 +1,51 @@
+// The cells of the neighborhood → its samples: one texel of every so many, the same ones for every center.
+#include "buffers.glsl"
+layout(std430, binding = BINDING_SUPPORTS) readonly restrict buffer Supports { SupportData supports[]; };
+layout(std430, binding = BINDING_CELLS) readonly restrict buffer SupportCells { int support_cells[]; };
+layout(std430, binding = BINDING_BOUNDS) readonly restrict buffer Bounds { vec4 bounds[]; };
+layout(binding = UNIT_LABELS) uniform isampler2D labels;
+layout(binding = UNIT_CORNERS) uniform isampler2D corners;
+
+// A place in [0, 2^16)^2 that depends on the grid's square and the seed alone: every center takes the same texel of it.
+ivec2 jitter(ivec2 square) {
+  uint h = uint(square.x) * 0x8da6b343u ^ uint(square.y) * 0xd8163841u ^ uint(seed) * 0xcb1ab31fu;
+  h = (h ^ (h >> 16)) * 0x85ebca6bu;
+  h = (h ^ (h >> 13)) * 0xc2b2ae35u;
+  h ^= h >> 16;
+  return ivec2(h & 0xffffu, h >> 16);
+}
+
+// Texels between the samples of a cell: a power of two, so that blocks hold whole squares, and so few that no square has more area than one
+// of `samples` equal parts of the enlarged disk.
+int stride_of(float largest_area_element) {
+  float texel_area = max(largest_area_element, 1e-30) / (float(buffer_size) * float(buffer_size));
+  float share = PI * enlargement * enlargement * radius * radius / float(samples);
+  return clamp(1 << int(floor(clamp(0.5 * log2(share / texel_area), 0.0, 16.0))), 1, block_size);
+}
+
+void sample_support(inout Sums sums, CenterData data, int index) {
+  SupportData support = supports[index];
+  sums.moments.lost = support.lost;
+  sums.moments.cut = support.cut;
+  float size = float(buffer_size);
+  int iterations = 0;
+  for (int j = support.first; j < support.first + support.count; ++j) {
+    int cell = support_cells[j];
+    float largest = bounds[2 * cell].w;
+    ivec2 corner = texelFetch(corners, list_place(cell), 0).xy;
+    int stride = stride_of(largest);
+    int side = block_size / stride;
+    iterations += 1 + side * side;
+    if (iterations > MAX_ITERATIONS) {
+      sums.moments.lost += largest * float(block_size * block_size) / (size * size);
+      continue;
+    }
+    float area = float(stride * stride) / (size * size);
+    for (int i = 0; i < side * side; ++i) {
+      ivec2 low = corner + ivec2(i % side, i / side) * stride;
+      ivec2 texel = low + (jitter(low) & (stride - 1));
+      if (any(greaterThanEqual(texel, ivec2(buffer_size)))) continue;
+      if (texelFetch(labels, texel, 0).x == cell) add_texel(sums, texel, area);
+    }
+  }
+}
