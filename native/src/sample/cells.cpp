@@ -113,8 +113,13 @@ public:
     link_along_edges();
     to_lists(links_, cells_.count, cells_.link_begin, cells_.link);
     to_lists(boundaries_, cells_.count, cells_.boundary_begin, cells_.boundary);
-    attach_bare_triangles();
+    const std::vector<int32_t> owner = attach_bare_triangles();
     for (const Site &site : charts_.sites) cells_.site_cell.push_back(cell_at(nudged(site.uv, site.inside), site.chart));
+    // A site that no texel carries starts where the surface around it does.
+    for (size_t corner = 0; corner < charts_.corner_site.size(); ++corner) {
+      const int32_t site = charts_.corner_site[corner];
+      if (site >= 0 && cells_.site_cell[static_cast<size_t>(site)] < 0) cells_.site_cell[static_cast<size_t>(site)] = owner[corner / 3];
+    }
     return std::move(cells_);
   }
 
@@ -211,8 +216,8 @@ private:
     }
   }
 
-  // Triangles without a texel near belong to the cell from which the surface leads to them first.
-  void attach_bare_triangles() {
+  // Triangles without a texel near belong to the cell from which the surface leads to them first. Returns each triangle's cell.
+  std::vector<int32_t> attach_bare_triangles() {
     std::vector<int32_t> owner(static_cast<size_t>(triangles_.triangle_count), -1);
     std::queue<int32_t> queue;
     for (int t = 0; t < triangles_.triangle_count; ++t) {
@@ -234,6 +239,7 @@ private:
       }
     }
     to_lists(pairs, cells_.count, cells_.bare_begin, cells_.bare);
+    return owner;
   }
 
   ChartMap map_;
