@@ -2,7 +2,7 @@
 #include "buffers.glsl"
 layout(std430, binding = BINDING_SUPPORTS) readonly restrict buffer Supports { SupportData supports[]; };
 layout(std430, binding = BINDING_CELLS) readonly restrict buffer SupportCells { int support_cells[]; };
-layout(std430, binding = BINDING_BOUNDS) readonly restrict buffer Bounds { vec4 bounds[]; };
+layout(std430, binding = BINDING_AREAS) readonly restrict buffer Areas { float areas[]; };
 layout(binding = UNIT_LABELS) uniform isampler2D labels;
 layout(binding = UNIT_CORNERS) uniform isampler2D corners;
 
@@ -31,7 +31,7 @@ void sample_support(inout Sums sums, CenterData data, int index) {
   int iterations = 0;
   for (int j = support.first; j < support.first + support.count; ++j) {
     int cell = support_cells[j];
-    float largest = bounds[2 * cell].w;
+    float largest = areas[cell];
     ivec2 corner = texelFetch(corners, list_place(cell), 0).xy;
     int stride = stride_of(largest);
     int side = block_size / stride;

@@ -24,7 +24,7 @@
 #define BINDING_PATTERN 1
 #define BINDING_RESULTS 2
 #define BINDING_EDGES 3    // chart-edge lines to rasterize
-#define BINDING_BOUNDS 4   // two vec4 a cell: low corner of its surface points and largest area element; high corner
+#define BINDING_AREAS 4    // largest area element of each cell
 #define BINDING_SUPPORTS 5 // what was found of each center's neighborhood before sampling
 #define BINDING_CELLS 6    // cells of all neighborhoods, one after another
 

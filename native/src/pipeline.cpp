@@ -245,8 +245,11 @@ static void build_cells_for(Mesh &mesh, const Frame &frame) {
 // The neighborhoods of all centers, before any sample is drawn.
 static void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, const Frame &frame) {
   DeviceMesh &device = *mesh.device;
-  std::vector<CellBounds> bounds;
-  mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) { bounds = device.evaluator.measure_cells(gl, programs, *device.buffer); });
+  std::vector<vec4> positions;
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
+    device.evaluator.measure_cells(gl, programs, *device.buffer);
+    positions = device.buffer->read_position();
+  });
   // A vertex starts from all its places in the UV map; for seam errors each place has to find the others by itself.
   std::vector<int32_t> order(mesh.charts.sites.size());
   std::iota(order.begin(), order.end(), 0);
@@ -263,7 +266,7 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
                                           : std::span(order).subspan(static_cast<size_t>(begin[point]), static_cast<size_t>(begin[point + 1] - begin[point]));
     centers.push_back({vec3(frame.centers[i].position_chart), sites});
   }
-  const Supports supports = find_supports(device.cells, bounds, mesh.triangles, frame.buffer_frame, centers,
+  const Supports supports = find_supports(device.cells, link_bounds(device.cells, positions, mesh.context->threads), mesh.triangles, frame.buffer_frame, centers,
                                           static_cast<float>(radius * frame.buffer_frame.scale), options.buffer_size, mesh.context->threads);
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports); });
 }

@@ -56,23 +56,20 @@ void Evaluator::bind(const Gl &gl, const GeometryBuffer &buffer) const {
   buffer.bind();
   gl.BindTextureUnit(UNIT_LABELS, labels_.id());
   gl.BindTextureUnit(UNIT_CORNERS, corners_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BOUNDS, bounds_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_AREAS, areas_.id());
   gl.Uniform1i(0, buffer.size());
   gl.Uniform1i(8, block_size_);
 }
 
-std::vector<CellBounds> Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer) {
-  std::vector<CellBounds> bounds(static_cast<size_t>(cell_count_));
-  bounds_.upload(gl, nullptr, bounds.size() * sizeof(CellBounds), GL_STREAM_READ);
-  if (bounds.empty()) return bounds;
-  gl.UseProgram(programs.get(gl, "bounds", {{GL_COMPUTE_SHADER, "bounds.comp.glsl"}}));
+void Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer) {
+  areas_.upload(gl, nullptr, static_cast<size_t>(cell_count_) * sizeof(float), GL_STREAM_COPY);
+  if (cell_count_ == 0) return;
+  gl.UseProgram(programs.get(gl, "cells", {{GL_COMPUTE_SHADER, "cells.comp.glsl"}}));
   bind(gl, buffer);
   gl.Uniform1i(3, cell_count_);
   gl.DispatchCompute(static_cast<GLuint>((cell_count_ + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
-  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-  gl.GetNamedBufferSubData(bounds_.id(), 0, static_cast<GLsizeiptr>(bounds.size() * sizeof(CellBounds)), bounds.data());
-  check_gl(gl, "cell bounds");
-  return bounds;
+  gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  check_gl(gl, "cells");
 }
 
 void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links) { links_.upload(gl, GL_RGBA32F, links.data(), links.size()); }

@@ -30,8 +30,8 @@ public:
   // Of the layout: once per topology.
   void set_borders(const Gl &gl, const BorderGrid &grid);
   void set_cells(const Gl &gl, const Cells &cells, int buffer_size);
-  // The boxes of all cells, from the geometry buffer as it is now.
-  std::vector<CellBounds> measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
+  // Measures all cells in the geometry buffer as it is now.
+  void measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
   // Of a frame.
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
   void set_links(const Gl &gl, const std::vector<vec4> &links);
@@ -46,7 +46,7 @@ private:
 
   Texture border_, labels_;
   ListTexture border_list_, border_uv_, links_, corners_;
-  Buffer centers_, pattern_, supports_, support_cells_, bounds_, results_;
+  Buffer centers_, pattern_, supports_, support_cells_, areas_, results_;
   int count_ = 0, cell_count_ = 0, block_size_ = 1;
 };
 

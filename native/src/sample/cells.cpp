@@ -86,6 +86,13 @@ struct Unions {
 
 using Pairs = std::vector<uint64_t>; // two numbers each, for sorting
 
+// One place where the surface goes over from cell to cell.
+struct Crossing {
+  int32_t low, high; // cells
+  int32_t texel;
+  auto operator<=>(const Crossing &) const = default;
+};
+
 uint64_t pair_of(int64_t a, int64_t b) { return static_cast<uint64_t>(a) << 32 | static_cast<uint64_t>(b); }
 
 // Sorted pairs → lists by the first number.
@@ -111,7 +118,7 @@ public:
   Cells build() {
     label_texels();
     link_along_edges();
-    to_lists(links_, cells_.count, cells_.link_begin, cells_.link);
+    list_links();
     to_lists(boundaries_, cells_.count, cells_.boundary_begin, cells_.boundary);
     const std::vector<int32_t> owner = attach_bare_triangles();
     for (const Site &site : charts_.sites) cells_.site_cell.push_back(cell_at(nudged(site.uv, site.inside), site.chart));
@@ -161,13 +168,39 @@ private:
           cells_.label[static_cast<size_t>(texel)] = cells_.label[static_cast<size_t>(root)];
         }
       }
-    for (const auto &[a, b] : between) link(cells_.label[static_cast<size_t>(a)], cells_.label[static_cast<size_t>(b)]);
+    for (const auto &[a, b] : between) link(a, b);
   }
 
-  void link(int32_t a, int32_t b) {
-    if (a < 0 || b < 0 || a == b) return;
-    links_.push_back(pair_of(a, b));
-    links_.push_back(pair_of(b, a));
+  // texel: on either of them, beside the place where one goes over into the other.
+  void link(int64_t texel_a, int64_t texel_b) {
+    if (texel_a < 0 || texel_b < 0) return;
+    const int32_t a = cells_.label[static_cast<size_t>(texel_a)], b = cells_.label[static_cast<size_t>(texel_b)];
+    if (a != b) crossings_.push_back({std::min(a, b), std::max(a, b), static_cast<int32_t>(std::min(texel_a, texel_b))});
+  }
+
+  void list_links() {
+    std::sort(crossings_.begin(), crossings_.end());
+    crossings_.erase(std::unique(crossings_.begin(), crossings_.end()), crossings_.end());
+    std::vector<ivec2> ends; // of each link
+    for (size_t i = 0; i < crossings_.size(); ++i) {
+      const Crossing &crossing = crossings_[i];
+      if (i == 0 || crossing.low != crossings_[i - 1].low || crossing.high != crossings_[i - 1].high) {
+        cells_.link_begin.push_back(static_cast<int32_t>(i));
+        ends.emplace_back(crossing.low, crossing.high);
+      }
+      cells_.link_texel.push_back(crossing.texel);
+    }
+    cells_.link_begin.push_back(static_cast<int32_t>(crossings_.size()));
+    cells_.side_begin.assign(static_cast<size_t>(cells_.count) + 1, 0);
+    for (const ivec2 pair : ends)
+      for (const int32_t cell : {pair.x, pair.y}) ++cells_.side_begin[static_cast<size_t>(cell) + 1];
+    std::partial_sum(cells_.side_begin.begin(), cells_.side_begin.end(), cells_.side_begin.begin());
+    cells_.side.resize(2 * ends.size());
+    std::vector<int32_t> next(cells_.side_begin.begin(), cells_.side_begin.end() - 1);
+    for (size_t i = 0; i < ends.size(); ++i) {
+      cells_.side[static_cast<size_t>(next[static_cast<size_t>(ends[i].x)]++)] = ivec2(ends[i].y, i);
+      cells_.side[static_cast<size_t>(next[static_cast<size_t>(ends[i].y)]++)] = ivec2(ends[i].x, i);
+    }
   }
 
   dvec2 uv_of(int corner) const { return dvec2(triangles_.corner_uv[static_cast<size_t>(corner)]) * static_cast<double>(size_); }
@@ -178,17 +211,15 @@ private:
     return place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9));
   }
 
-  int32_t cell_at(dvec2 place, int32_t chart) const {
-    const int64_t texel = map_.carrier(place, chart);
-    return texel < 0 ? -1 : cells_.label[static_cast<size_t>(texel)];
-  }
+  int32_t cell_of(int64_t texel) const { return texel < 0 ? -1 : cells_.label[static_cast<size_t>(texel)]; }
+  int32_t cell_at(dvec2 place, int32_t chart) const { return cell_of(map_.carrier(place, chart)); }
 
-  // A place on a half-edge, just inside its triangle.
-  int32_t cell_on_edge(int half_edge, double t) const {
+  // The texel that carries a place on a half-edge, just inside its triangle.
+  int64_t texel_on_edge(int half_edge, double t) const {
     const int a = half_edge, b = next_corner(a), c = next_corner(b);
     const dvec2 place = uv_of(a) + (uv_of(b) - uv_of(a)) * t;
     const dvec2 way = (uv_of(a) + uv_of(b) + uv_of(c)) / 3.0 - place;
-    return cell_at(place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)), charts_.triangle_chart[static_cast<size_t>(a / 3)]);
+    return map_.carrier(place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)), charts_.triangle_chart[static_cast<size_t>(a / 3)]);
   }
 
   // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and over a seam
@@ -204,14 +235,15 @@ private:
       double span = length(uv_of(next_corner(half_edge)) - uv_of(half_edge));
       if (seam) span = std::max(span, length(uv_of(next_corner(twin)) - uv_of(twin)));
       const int steps = std::clamp(static_cast<int>(std::ceil(span / 0.7)), 1, 4 * size_);
-      int32_t previous = -1;
+      int64_t previous = -1;
       for (int i = 0; i <= steps; ++i) {
         const double t = static_cast<double>(i) / steps;
-        const int32_t cell = cell_on_edge(half_edge, t);
-        link(previous, cell);
-        if (seam) link(cell, cell_on_edge(twin, 1.0 - t));
-        if (ends && cell >= 0) boundaries_.push_back(pair_of(cell, half_edge));
-        if (cell >= 0) previous = cell;
+        const int64_t texel = texel_on_edge(half_edge, t);
+        if (texel < 0) continue;
+        link(previous, texel);
+        if (seam) link(texel, texel_on_edge(twin, 1.0 - t));
+        if (ends) boundaries_.push_back(pair_of(cell_of(texel), half_edge));
+        previous = texel;
       }
     }
   }
@@ -248,7 +280,8 @@ private:
   const Charts &charts_;
   int size_;
   Cells cells_;
-  Pairs links_, boundaries_;
+  std::vector<Crossing> crossings_;
+  Pairs boundaries_;
 };
 
 } // namespace
@@ -258,8 +291,26 @@ Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const
   return Builder(ids, grid, triangles, half_edges, charts, block_size).build();
 }
 
+std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec4> &positions, int threads) {
+  std::vector<Bounds> bounds(cells.link_begin.size() - 1);
+  parallel_blocks(static_cast<int>(bounds.size()), threads, 4096, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      vec3 low(1e30f), high(-1e30f);
+      float area = 0.0f;
+      for (int32_t k = cells.link_begin[i]; k < cells.link_begin[i + 1]; ++k) {
+        const vec4 point = positions[static_cast<size_t>(cells.link_texel[static_cast<size_t>(k)])];
+        low = glm::min(low, vec3(point));
+        high = glm::max(high, vec3(point));
+        area = std::max(area, point.w);
+      }
+      bounds[i] = {vec4(low, area), vec4(high, area)};
+    }
+  });
+  return bounds;
+}
+
 // Squared distance from a point to a box.
-static float box_distance(const CellBounds &box, vec3 p, float margin) {
+static float box_distance(const Bounds &box, vec3 p, float margin) {
   const vec3 gap = glm::max(glm::max(vec3(box.low) - margin - p, p - vec3(box.high) - margin), vec3(0.0f));
   return dot(gap, gap);
 }
@@ -277,20 +328,22 @@ namespace {
 // The search for one center after another, with its visited marks.
 class Search {
 public:
-  Search(const Cells &cells, const std::vector<CellBounds> &bounds, const Triangles &triangles, const BufferFrame &frame, float radius,
+  Search(const Cells &cells, const std::vector<Bounds> &links, const Triangles &triangles, const BufferFrame &frame, float radius,
          int size)
-      : cells_(cells), bounds_(bounds), triangles_(triangles), frame_(frame), radius_(radius), size_(size),
+      : cells_(cells), links_(links), triangles_(triangles), frame_(frame), radius_(radius), size_(size),
         visited_(static_cast<size_t>(cells.count), 0) {}
 
   // Appends the cells of the connected part of the ball.
   void run(const SupportCenter &center, std::vector<int32_t> &found, float &lost, uint8_t &boundary) {
     ++mark_;
     const size_t begin = found.size();
-    for (const int32_t site : center.sites) visit(cells_.site_cell[static_cast<size_t>(site)], center, found, true);
+    for (const int32_t site : center.sites) add(cells_.site_cell[static_cast<size_t>(site)], found);
     for (size_t i = begin; i < found.size(); ++i) {
       const auto cell = static_cast<size_t>(found[i]);
-      for (int32_t k = cells_.link_begin[cell]; k < cells_.link_begin[cell + 1]; ++k)
-        visit(cells_.link[static_cast<size_t>(k)], center, found, false);
+      for (int32_t k = cells_.side_begin[cell]; k < cells_.side_begin[cell + 1]; ++k) {
+        const ivec2 side = cells_.side[static_cast<size_t>(k)];
+        if (visited_[static_cast<size_t>(side.x)] != mark_ && in_ball(links_[static_cast<size_t>(side.y)], center)) add(side.x, found);
+      }
       for (int32_t k = cells_.boundary_begin[cell]; !boundary && k < cells_.boundary_begin[cell + 1]; ++k) {
         const int half_edge = cells_.boundary[static_cast<size_t>(k)];
         boundary = segment_in_ball(position(half_edge), position(next_corner(half_edge)), center.position, radius_);
@@ -301,14 +354,16 @@ public:
   }
 
 private:
-  void visit(int32_t cell, const SupportCenter &center, std::vector<int32_t> &found, bool always) {
+  void add(int32_t cell, std::vector<int32_t> &found) {
     if (cell < 0 || visited_[static_cast<size_t>(cell)] == mark_) return;
-    // A texel's surface reaches beyond its center, by half its diagonal.
-    const CellBounds &box = bounds_[static_cast<size_t>(cell)];
-    const float margin = 0.71f * std::sqrt(box.low.w) / static_cast<float>(size_);
-    if (!always && box_distance(box, center.position, margin) > radius_ * radius_) return;
     visited_[static_cast<size_t>(cell)] = mark_;
     found.push_back(cell);
+  }
+
+  // The surface goes over somewhere within a texel of the link's texels.
+  bool in_ball(const Bounds &link, const SupportCenter &center) const {
+    const float margin = std::sqrt(link.low.w) / static_cast<float>(size_);
+    return box_distance(link, center.position, margin) < radius_ * radius_;
   }
 
   dvec3 position(int corner) const {
@@ -322,7 +377,7 @@ private:
   }
 
   const Cells &cells_;
-  const std::vector<CellBounds> &bounds_;
+  const std::vector<Bounds> &links_;
   const Triangles &triangles_;
   const BufferFrame &frame_;
   float radius_;
@@ -333,7 +388,7 @@ private:
 
 } // namespace
 
-Supports find_supports(const Cells &cells, const std::vector<CellBounds> &bounds, const Triangles &triangles, const BufferFrame &frame,
+Supports find_supports(const Cells &cells, const std::vector<Bounds> &links, const Triangles &triangles, const BufferFrame &frame,
                        const std::vector<SupportCenter> &centers, float radius, int size, int threads) {
   constexpr int block = 512;
   const auto count = static_cast<int>(centers.size());
@@ -343,7 +398,7 @@ Supports find_supports(const Cells &cells, const std::vector<CellBounds> &bounds
   supports.boundary.assign(centers.size(), 0);
   std::vector<std::vector<int32_t>> found(static_cast<size_t>((count + block - 1) / block));
   parallel_blocks(count, threads, block, [&](int begin, int end) {
-    Search search(cells, bounds, triangles, frame, radius, size);
+    Search search(cells, links, triangles, frame, radius, size);
     auto &list = found[static_cast<size_t>(begin / block)];
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       const auto first = static_cast<int32_t>(list.size());

@@ -22,8 +22,10 @@ struct Cells {
   int block_size = 0;                 // texels, a power of two
   std::vector<int32_t> label;         // (size * size) cell of each texel whose center lies on a chart, else -1
   std::vector<int32_t> corner;        // (count, 2) low texel of its block
-  std::vector<int32_t> link_begin;    // (count + 1) into link
-  std::vector<int32_t> link;          // neighboring cells
+  std::vector<int32_t> side_begin;    // (count + 1) into side
+  std::vector<ivec2> side;            // neighboring cell, link
+  std::vector<int32_t> link_begin;    // (links + 1) into link_texel
+  std::vector<int32_t> link_texel;    // where the surface goes over from cell to cell
   std::vector<int32_t> boundary_begin; // (count + 1) into boundary
   std::vector<int32_t> boundary;      // half-edges on the mesh's boundary that a cell touches
   std::vector<int32_t> bare_begin;    // (count + 1) into bare
@@ -35,11 +37,14 @@ struct Cells {
 Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
                   const Charts &charts, int block_size);
 
-// Of a frame: what a cell holds.
-struct CellBounds {
-  vec4 low;  // of its surface points, buffer units; w: largest area element
+// Of a frame: boxes around the surface points of cells or links, buffer units.
+struct Bounds {
+  vec4 low; // w: largest area element
   vec4 high;
 };
+
+// positions: (size * size) as GeometryBuffer::read_position.
+std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec4> &positions, int threads);
 
 // The cells of each center's neighborhood.
 struct Supports {
@@ -54,8 +59,8 @@ struct SupportCenter {
   std::span<const int32_t> sites; // to start from
 };
 
-// radius in buffer units.
-Supports find_supports(const Cells &cells, const std::vector<CellBounds> &bounds, const Triangles &triangles, const BufferFrame &frame,
+// links: of link_bounds. radius in buffer units.
+Supports find_supports(const Cells &cells, const std::vector<Bounds> &links, const Triangles &triangles, const BufferFrame &frame,
                        const std::vector<SupportCenter> &centers, float radius, int size, int threads);
 
 } // namespace paradesc
