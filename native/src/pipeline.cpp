@@ -266,7 +266,7 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
                                           : std::span(order).subspan(static_cast<size_t>(begin[point]), static_cast<size_t>(begin[point + 1] - begin[point]));
     centers.push_back({vec3(frame.centers[i].position_chart), sites});
   }
-  const Supports supports = find_supports(device.cells, link_bounds(device.cells, positions, mesh.context->threads), mesh.triangles, frame.buffer_frame, centers,
+  const Supports supports = find_supports(device.cells, positions, mesh.triangles, frame.buffer_frame, centers,
                                           static_cast<float>(radius * frame.buffer_frame.scale), options.buffer_size, mesh.context->threads);
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports); });
 }

@@ -291,7 +291,17 @@ Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const
   return Builder(ids, grid, triangles, half_edges, charts, block_size).build();
 }
 
-std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec4> &positions, int threads) {
+namespace {
+
+// Box around a link's surface points, buffer units.
+struct Bounds {
+  vec3 low, high;
+  float margin; // a texel there
+};
+
+} // namespace
+
+static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec4> &positions, int size, int threads) {
   std::vector<Bounds> bounds(cells.link_begin.size() - 1);
   parallel_blocks(static_cast<int>(bounds.size()), threads, 4096, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
@@ -303,15 +313,15 @@ std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec4> &pos
         high = glm::max(high, vec3(point));
         area = std::max(area, point.w);
       }
-      bounds[i] = {vec4(low, area), vec4(high, area)};
+      bounds[i] = {low, high, std::sqrt(area) / static_cast<float>(size)};
     }
   });
   return bounds;
 }
 
 // Squared distance from a point to a box.
-static float box_distance(const Bounds &box, vec3 p, float margin) {
-  const vec3 gap = glm::max(glm::max(vec3(box.low) - margin - p, p - vec3(box.high) - margin), vec3(0.0f));
+static float box_distance(const Bounds &box, vec3 p) {
+  const vec3 gap = glm::max(glm::max(box.low - box.margin - p, p - box.high - box.margin), vec3(0.0f));
   return dot(gap, gap);
 }
 
@@ -328,9 +338,9 @@ namespace {
 // The search for one center after another, with its visited marks.
 class Search {
 public:
-  Search(const Cells &cells, const std::vector<Bounds> &links, const Triangles &triangles, const BufferFrame &frame, float radius,
-         int size)
-      : cells_(cells), links_(links), triangles_(triangles), frame_(frame), radius_(radius), size_(size),
+  Search(const Cells &cells, const std::vector<Bounds> &links, const std::vector<vec4> &positions, const Triangles &triangles,
+         const BufferFrame &frame, float radius)
+      : cells_(cells), links_(links), positions_(positions), triangles_(triangles), frame_(frame), radius_(radius),
         visited_(static_cast<size_t>(cells.count), 0) {}
 
   // Appends the cells of the connected part of the ball.
@@ -342,7 +352,7 @@ public:
       const auto cell = static_cast<size_t>(found[i]);
       for (int32_t k = cells_.side_begin[cell]; k < cells_.side_begin[cell + 1]; ++k) {
         const ivec2 side = cells_.side[static_cast<size_t>(k)];
-        if (visited_[static_cast<size_t>(side.x)] != mark_ && in_ball(links_[static_cast<size_t>(side.y)], center)) add(side.x, found);
+        if (visited_[static_cast<size_t>(side.x)] != mark_ && in_ball(side.y, center)) add(side.x, found);
       }
       for (int32_t k = cells_.boundary_begin[cell]; !boundary && k < cells_.boundary_begin[cell + 1]; ++k) {
         const int half_edge = cells_.boundary[static_cast<size_t>(k)];
@@ -360,10 +370,16 @@ private:
     found.push_back(cell);
   }
 
-  // The surface goes over somewhere within a texel of the link's texels.
-  bool in_ball(const Bounds &link, const SupportCenter &center) const {
-    const float margin = std::sqrt(link.low.w) / static_cast<float>(size_);
-    return box_distance(link, center.position, margin) < radius_ * radius_;
+  // The surface goes over half a texel from one of the link's texels.
+  bool in_ball(int32_t link, const SupportCenter &center) const {
+    const Bounds &box = links_[static_cast<size_t>(link)];
+    if (box_distance(box, center.position) > radius_ * radius_) return false;
+    const float reach = radius_ + 0.5f * box.margin;
+    for (int32_t k = cells_.link_begin[static_cast<size_t>(link)]; k < cells_.link_begin[static_cast<size_t>(link) + 1]; ++k) {
+      const vec3 gap = vec3(positions_[static_cast<size_t>(cells_.link_texel[static_cast<size_t>(k)])]) - center.position;
+      if (dot(gap, gap) < reach * reach) return true;
+    }
+    return false;
   }
 
   dvec3 position(int corner) const {
@@ -378,19 +394,20 @@ private:
 
   const Cells &cells_;
   const std::vector<Bounds> &links_;
+  const std::vector<vec4> &positions_;
   const Triangles &triangles_;
   const BufferFrame &frame_;
   float radius_;
-  int size_;
   std::vector<uint32_t> visited_;
   uint32_t mark_ = 0;
 };
 
 } // namespace
 
-Supports find_supports(const Cells &cells, const std::vector<Bounds> &links, const Triangles &triangles, const BufferFrame &frame,
+Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles, const BufferFrame &frame,
                        const std::vector<SupportCenter> &centers, float radius, int size, int threads) {
   constexpr int block = 512;
+  const std::vector<Bounds> links = link_bounds(cells, positions, size, threads);
   const auto count = static_cast<int>(centers.size());
   Supports supports;
   supports.range.resize(centers.size());
@@ -398,7 +415,7 @@ Supports find_supports(const Cells &cells, const std::vector<Bounds> &links, con
   supports.boundary.assign(centers.size(), 0);
   std::vector<std::vector<int32_t>> found(static_cast<size_t>((count + block - 1) / block));
   parallel_blocks(count, threads, block, [&](int begin, int end) {
-    Search search(cells, links, triangles, frame, radius, size);
+    Search search(cells, links, positions, triangles, frame, radius);
     auto &list = found[static_cast<size_t>(begin / block)];
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       const auto first = static_cast<int32_t>(list.size());

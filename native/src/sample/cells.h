@@ -37,15 +37,6 @@ struct Cells {
 Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
                   const Charts &charts, int block_size);
 
-// Of a frame: boxes around the surface points of cells or links, buffer units.
-struct Bounds {
-  vec4 low; // w: largest area element
-  vec4 high;
-};
-
-// positions: (size * size) as GeometryBuffer::read_position.
-std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec4> &positions, int threads);
-
 // The cells of each center's neighborhood.
 struct Supports {
   std::vector<ivec2> range;      // (centers) first and count, into cell
@@ -59,8 +50,8 @@ struct SupportCenter {
   std::span<const int32_t> sites; // to start from
 };
 
-// links: of link_bounds. radius in buffer units.
-Supports find_supports(const Cells &cells, const std::vector<Bounds> &links, const Triangles &triangles, const BufferFrame &frame,
+// positions: (size * size) as GeometryBuffer::read_position. radius in buffer units.
+Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles, const BufferFrame &frame,
                        const std::vector<SupportCenter> &centers, float radius, int size, int threads);
 
 } // namespace paradesc
