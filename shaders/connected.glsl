@@ -3,6 +3,8 @@
 layout(std430, binding = BINDING_SUPPORTS) readonly restrict buffer Supports { SupportData supports[]; };
 layout(std430, binding = BINDING_CELLS) readonly restrict buffer SupportCells { int support_cells[]; };
 layout(std430, binding = BINDING_AREAS) readonly restrict buffer Areas { float areas[]; };
+layout(std430, binding = BINDING_BARE_BEGIN) readonly restrict buffer BareBegin { int bare_begin[]; };
+layout(std430, binding = BINDING_BARE) readonly restrict buffer Bare { vec4 bare[]; };
 layout(binding = UNIT_LABELS) uniform isampler2D labels;
 layout(binding = UNIT_CORNERS) uniform isampler2D corners;
 
@@ -25,7 +27,6 @@ int stride_of(float largest_area_element) {
 
 void sample_support(inout Sums sums, CenterData data, int index) {
   SupportData support = supports[index];
-  sums.moments.lost = support.lost;
   sums.moments.cut = support.cut;
   float size = float(buffer_size);
   int iterations = 0;
@@ -35,7 +36,7 @@ void sample_support(inout Sums sums, CenterData data, int index) {
     ivec2 corner = texelFetch(corners, list_place(cell), 0).xy;
     int stride = stride_of(largest);
     int side = block_size / stride;
-    iterations += 1 + side * side;
+    iterations += 1 + side * side + bare_begin[cell + 1] - bare_begin[cell];
     if (iterations > MAX_ITERATIONS) {
       sums.moments.lost += largest * float(block_size * block_size) / (size * size);
       continue;
@@ -47,5 +48,6 @@ void sample_support(inout Sums sums, CenterData data, int index) {
       if (any(greaterThanEqual(texel, ivec2(buffer_size)))) continue;
       if (texelFetch(labels, texel, 0).x == cell) add_texel(sums, texel, area);
     }
+    for (int i = bare_begin[cell]; i < bare_begin[cell + 1]; ++i) add_neighbor(sums, bare[2 * i].xyz, bare[2 * i + 1].xyz, bare[2 * i].w, false);
   }
 }

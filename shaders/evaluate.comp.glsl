@@ -62,18 +62,16 @@ struct Sums {
   States states;
 };
 
-// One texel: weight is the area of its cell in (u, v).
-void add_texel(inout Sums sums, ivec2 texel, float cell) {
-  vec4 point = texelFetch(positions, texel, 0);
+// One place of the surface. near: nearer to the center than texels can tell.
+void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool near) {
   Neighbor neighbor;
-  neighbor.offset = point.xyz - sums.center.position;
+  neighbor.offset = position - sums.center.position;
   neighbor.rho = length(neighbor.offset);
-  neighbor.weight = point.w * cell;
-  // A cell that the ball's rim cuts counts by the part of it that lies inside.
-  neighbor.weight *= clamp((radius - neighbor.rho) * inversesqrt(max(neighbor.weight, 1e-20)) + 0.5, 0.0, 1.0);
+  // A square that the ball's rim cuts counts by the part of it that lies inside.
+  neighbor.weight = area * clamp((radius - neighbor.rho) * inversesqrt(max(area, 1e-20)) + 0.5, 0.0, 1.0);
   if (!(neighbor.weight > 0.0)) return;
-  neighbor.normal = texelFetch(normals, texel, 0).xyz;
-  neighbor.near = neighbor.rho * float(buffer_size) < sqrt(point.w);
+  neighbor.normal = normal;
+  neighbor.near = near || neighbor.rho == 0.0;
   vec2 x = vec2(dot(neighbor.offset, sums.t1), dot(neighbor.offset, sums.t2)) / radius;
   vec2 y = vec2(dot(neighbor.normal, sums.t1), dot(neighbor.normal, sums.t2));
   neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12));
@@ -81,6 +79,13 @@ void add_texel(inout Sums sums, ivec2 texel, float cell) {
   sums.moments.xx += neighbor.weight * outer(x);
   sums.moments.xy += neighbor.weight * vec3(x.x * y.x, x.x * y.y + x.y * y.x, x.y * y.y);
   states_add(sums.states, sums.center, neighbor);
+}
+
+// One texel: cell is the area in (u, v) that it stands for.
+void add_texel(inout Sums sums, ivec2 texel, float cell) {
+  vec4 point = texelFetch(positions, texel, 0);
+  bool near = length(point.xyz - sums.center.position) * float(buffer_size) < sqrt(point.w);
+  add_neighbor(sums, point.xyz, texelFetch(normals, texel, 0).xyz, point.w * cell, near);
 }
 
 #if AFFINE

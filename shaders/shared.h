@@ -27,6 +27,8 @@
 #define BINDING_AREAS 4    // largest area element of each cell
 #define BINDING_SUPPORTS 5 // what was found of each center's neighborhood before sampling
 #define BINDING_CELLS 6    // cells of all neighborhoods, one after another
+#define BINDING_BARE_BEGIN 7 // (cells + 1) samples of triangles that no texel carries
+#define BINDING_BARE 8     // two vec4 each: position, area; normal
 
 // llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): what would
 // go beyond this many counts as lost instead.
@@ -46,10 +48,10 @@ struct alignas(16) CenterData {
   vec4 ellipse;        // columns of the 2x2 map from the unit disk to (u, v) offsets
 };
 struct SupportData {
-  int first;  // into the list of cells
+  int first; // into the list of cells
   int count;
-  float lost; // area in the ball that no texel carries
-  float cut;  // above 0 where the mesh's boundary lies in the ball
+  float cut; // above 0 where the mesh's boundary lies in the ball
+  float unused;
 };
 struct alignas(16) EdgeData {
   vec4 uv;               // u0, v0, u1, v1
@@ -69,8 +71,8 @@ struct CenterData {
 struct SupportData {
   int first;
   int count;
-  float lost;
   float cut;
+  float unused;
 };
 struct EdgeData {
   vec4 uv;

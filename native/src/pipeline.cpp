@@ -127,7 +127,8 @@ struct Frame {
   BufferFrame buffer_frame;
   std::vector<vec4> forms, links;
   std::vector<CenterData> centers;
-  std::vector<int32_t> sites; // (centers)
+  std::vector<int32_t> sites;  // (centers) -1: the point has no place in the UV map
+  std::vector<int32_t> points; // (centers)
   double radius_in_texels = 0.0;
 };
 
@@ -161,6 +162,7 @@ static void prepare_centers(const Mesh &mesh, const pdesc_options &options, doub
   const auto reach = static_cast<float>(radius * frame.buffer_frame.scale) * ellipse_enlargement;
   frame.centers.clear();
   frame.sites.clear();
+  frame.points.clear();
   std::vector<double> sizes;
   for (size_t i = 0; i < mesh.charts.sites.size(); ++i) {
     const Site &site = mesh.charts.sites[i];
@@ -172,8 +174,17 @@ static void prepare_centers(const Mesh &mesh, const pdesc_options &options, doub
                              vec4(frame.normals.point[point], pattern_rotation(static_cast<uint32_t>(site.point), options.seed)),
                              vec4(site.uv, march_start(site, options.buffer_size)), ellipse});
     frame.sites.push_back(static_cast<int32_t>(i));
+    frame.points.push_back(site.point);
     sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) * static_cast<float>(options.buffer_size) /
                     ellipse_enlargement);
+  }
+  // What the UV map leaves out counts as well: cells lead there, samples carried by the map do not.
+  for (size_t point = 0; options.relocation == PDESC_RELOCATION_CONNECTED && point < mesh.charts.point_site.size(); ++point) {
+    if (mesh.charts.point_site[point] >= 0) continue;
+    const vec3 position = mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])];
+    frame.centers.push_back({vec4(frame.buffer_frame.to_buffer(position), -1.0f), vec4(frame.normals.point[point], 0.0f), vec4(0.0f), vec4(0.0f)});
+    frame.sites.push_back(-1);
+    frame.points.push_back(static_cast<int32_t>(point));
   }
   if (sizes.empty()) return;
   std::nth_element(sizes.begin(), sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2), sizes.end());
@@ -261,14 +272,19 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<SupportCenter> centers;
   for (size_t i = 0; i < frame.centers.size(); ++i) {
-    const auto point = static_cast<size_t>(mesh.charts.sites[static_cast<size_t>(frame.sites[i])].point);
-    const auto sites = options.seam_error ? std::span(frame.sites).subspan(i, 1)
-                                          : std::span(order).subspan(static_cast<size_t>(begin[point]), static_cast<size_t>(begin[point + 1] - begin[point]));
-    centers.push_back({vec3(frame.centers[i].position_chart), sites});
+    const auto point = static_cast<size_t>(frame.points[i]);
+    const bool alone = options.seam_error && frame.sites[i] >= 0;
+    const auto first = static_cast<size_t>(begin[point]), last = static_cast<size_t>(begin[point + 1]);
+    const std::span<const int32_t> sites = alone ? std::span(frame.sites).subspan(i, 1) : std::span(order).subspan(first, last - first);
+    const int32_t half_edge = mesh.half_edges.point_half_edge[point];
+    centers.push_back({vec3(frame.centers[i].position_chart), sites,
+                       frame.sites[i] < 0 ? device.cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
   }
   const Supports supports = find_supports(device.cells, positions, mesh.triangles, frame.buffer_frame, centers,
                                           static_cast<float>(radius * frame.buffer_frame.scale), options.buffer_size, mesh.context->threads);
-  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports); });
+  const BareSamples bare =
+      sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, static_cast<float>(radius * frame.buffer_frame.scale));
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, bare); });
 }
 
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
@@ -300,7 +316,7 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
   SiteResults results;
   results.values.resize(settings.descriptors.size());
   for (size_t i = 0; i < count; ++i) {
-    const int32_t point = mesh.charts.sites[static_cast<size_t>(frame.sites[i])].point;
+    const int32_t point = frame.points[i];
     results.point.push_back(point);
     results.primary.push_back(mesh.charts.point_site[static_cast<size_t>(point)] == frame.sites[i]);
     results.coverage.push_back(raw[ROW_COVERAGE * count + i]);
@@ -329,7 +345,7 @@ static void warn(const Mesh &mesh, Field &field) {
     add(std::to_string(report.bare_triangles) + " triangles are smaller than a texel and left to their neighbors; use larger buffers if "
                                                 "that is much of the surface.");
   if (mesh.charts.zero_uv_area_triangles > 0)
-    add(std::to_string(mesh.charts.zero_uv_area_triangles) + " triangles have no area in the UV map and carry no samples; unwrap them.");
+    add(std::to_string(mesh.charts.zero_uv_area_triangles) + " triangles have no area in the UV map; each counts by samples of its own, less finely than texels would.");
   if (report.low_coverage_vertices > 0)
     add("At " + std::to_string(report.low_coverage_vertices) + " vertices more than a tenth of the neighborhood was not found in the UV map.");
 }

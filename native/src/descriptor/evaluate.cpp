@@ -74,11 +74,13 @@ void Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const Geomet
 
 void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links) { links_.upload(gl, GL_RGBA32F, links.data(), links.size()); }
 
-void Evaluator::set_supports(const Gl &gl, const Supports &supports) {
+void Evaluator::set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare) {
+  bare_begin_.upload(gl, bare.begin, GL_STREAM_DRAW);
+  bare_.upload(gl, bare.point, GL_STREAM_DRAW);
   std::vector<SupportData> data;
   data.reserve(supports.range.size());
   for (size_t i = 0; i < supports.range.size(); ++i)
-    data.push_back({supports.range[i].x, supports.range[i].y, supports.lost[i], supports.boundary[i] ? 1.0f : 0.0f});
+    data.push_back({supports.range[i].x, supports.range[i].y, supports.boundary[i] ? 1.0f : 0.0f, 0.0f});
   supports_.upload(gl, data, GL_STREAM_DRAW);
   support_cells_.upload(gl, supports.cell, GL_STREAM_DRAW);
   check_gl(gl, "support upload");
@@ -112,6 +114,8 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SUPPORTS, supports_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, support_cells_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE_BEGIN, bare_begin_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
   if (settings.affine) gl.Uniform1i(1, settings.max_jumps);
   const GLint integers[] = {first, last, count_, settings.samples};
   for (GLint i = 0; i < 4; ++i) gl.Uniform1i(i + 2, integers[i]);

@@ -35,7 +35,7 @@ public:
   // Of a frame.
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
   void set_links(const Gl &gl, const std::vector<vec4> &links);
-  void set_supports(const Gl &gl, const Supports &supports);
+  void set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare);
   // Computes centers [first, last); returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first, int last) const;
   // (ROW_DESCRIPTORS + descriptors, centers), in buffer units.
@@ -46,7 +46,7 @@ private:
 
   Texture border_, labels_;
   ListTexture border_list_, border_uv_, links_, corners_;
-  Buffer centers_, pattern_, supports_, support_cells_, areas_, results_;
+  Buffer centers_, pattern_, supports_, support_cells_, areas_, bare_begin_, bare_, results_;
   int count_ = 0, cell_count_ = 0, block_size_ = 1;
 };
 

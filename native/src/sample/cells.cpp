@@ -120,12 +120,12 @@ public:
     link_along_edges();
     list_links();
     to_lists(boundaries_, cells_.count, cells_.boundary_begin, cells_.boundary);
-    const std::vector<int32_t> owner = attach_bare_triangles();
+    attach_bare_triangles();
     for (const Site &site : charts_.sites) cells_.site_cell.push_back(cell_at(nudged(site.uv, site.inside), site.chart));
     // A site that no texel carries starts where the surface around it does.
     for (size_t corner = 0; corner < charts_.corner_site.size(); ++corner) {
       const int32_t site = charts_.corner_site[corner];
-      if (site >= 0 && cells_.site_cell[static_cast<size_t>(site)] < 0) cells_.site_cell[static_cast<size_t>(site)] = owner[corner / 3];
+      if (site >= 0 && cells_.site_cell[static_cast<size_t>(site)] < 0) cells_.site_cell[static_cast<size_t>(site)] = cells_.triangle_cell[corner / 3];
     }
     return std::move(cells_);
   }
@@ -248,9 +248,10 @@ private:
     }
   }
 
-  // Triangles without a texel near belong to the cell from which the surface leads to them first. Returns each triangle's cell.
-  std::vector<int32_t> attach_bare_triangles() {
-    std::vector<int32_t> owner(static_cast<size_t>(triangles_.triangle_count), -1);
+  // Triangles without a texel near belong to the cell from which the surface leads to them first.
+  void attach_bare_triangles() {
+    std::vector<int32_t> &owner = cells_.triangle_cell;
+    owner.assign(static_cast<size_t>(triangles_.triangle_count), -1);
     std::queue<int32_t> queue;
     for (int t = 0; t < triangles_.triangle_count; ++t) {
       if (half_edges_.corner_point[static_cast<size_t>(3 * t)] < 0 || charts_.triangle_chart[static_cast<size_t>(t)] < 0) continue;
@@ -271,7 +272,6 @@ private:
       }
     }
     to_lists(pairs, cells_.count, cells_.bare_begin, cells_.bare);
-    return owner;
   }
 
   ChartMap map_;
@@ -289,6 +289,37 @@ private:
 Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
                   const Charts &charts, int block_size) {
   return Builder(ids, grid, triangles, half_edges, charts, block_size).build();
+}
+
+// Divided until pieces are small against the radius: the middle of each is a sample.
+BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals, const BufferFrame &frame,
+                                  float radius) {
+  BareSamples samples;
+  samples.begin.push_back(0);
+  for (size_t cell = 0; cell + 1 < cells.bare_begin.size(); ++cell) {
+    for (int32_t k = cells.bare_begin[cell]; k < cells.bare_begin[cell + 1]; ++k) {
+      const auto corner = 3 * static_cast<size_t>(cells.bare[static_cast<size_t>(k)]);
+      vec3 p[3];
+      for (size_t i = 0; i < 3; ++i) p[i] = frame.to_buffer(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner + i])]);
+      const float longest = std::max({length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])});
+      const int side = std::clamp(static_cast<int>(std::ceil(4.0f * longest / radius)), 1, 16);
+      const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0])) / static_cast<float>(side * side);
+      auto add = [&](float a, float b) { // barycentric coordinates of corners 1 and 2
+        const vec3 n = normals.corner[corner] * (1.0f - a - b) + normals.corner[corner + 1] * a + normals.corner[corner + 2] * b;
+        const float span = length(n);
+        samples.point.emplace_back(p[0] + (p[1] - p[0]) * a + (p[2] - p[0]) * b, area);
+        samples.point.emplace_back(span > 0.0f ? n / span : normals.corner[corner], 0.0f);
+      };
+      for (int i = 0; i < side; ++i)
+        for (int j = 0; i + j < side; ++j) {
+          const auto step = 1.0f / static_cast<float>(side);
+          add((static_cast<float>(i) + 1.0f / 3.0f) * step, (static_cast<float>(j) + 1.0f / 3.0f) * step);
+          if (i + j + 1 < side) add((static_cast<float>(i) + 2.0f / 3.0f) * step, (static_cast<float>(j) + 2.0f / 3.0f) * step);
+        }
+    }
+    samples.begin.push_back(static_cast<int32_t>(samples.point.size() / 2));
+  }
+  return samples;
 }
 
 namespace {
@@ -344,9 +375,10 @@ public:
         visited_(static_cast<size_t>(cells.count), 0) {}
 
   // Appends the cells of the connected part of the ball.
-  void run(const SupportCenter &center, std::vector<int32_t> &found, float &lost, uint8_t &boundary) {
+  void run(const SupportCenter &center, std::vector<int32_t> &found, uint8_t &boundary) {
     ++mark_;
     const size_t begin = found.size();
+    add(center.cell, found);
     for (const int32_t site : center.sites) add(cells_.site_cell[static_cast<size_t>(site)], found);
     for (size_t i = begin; i < found.size(); ++i) {
       const auto cell = static_cast<size_t>(found[i]);
@@ -358,7 +390,6 @@ public:
         const int half_edge = cells_.boundary[static_cast<size_t>(k)];
         boundary = segment_in_ball(position(half_edge), position(next_corner(half_edge)), center.position, radius_);
       }
-      for (int32_t k = cells_.bare_begin[cell]; k < cells_.bare_begin[cell + 1]; ++k) lost += area_in_ball(cells_.bare[static_cast<size_t>(k)], center);
     }
     std::sort(found.begin() + static_cast<ptrdiff_t>(begin), found.end()); // one order of summation, whichever place the search began at
   }
@@ -386,12 +417,6 @@ private:
     return dvec3(frame_.to_buffer(triangles_.positions[static_cast<size_t>(triangles_.corner_vertex[static_cast<size_t>(corner)])]));
   }
 
-  float area_in_ball(int32_t triangle, const SupportCenter &center) const {
-    const dvec3 a = position(3 * triangle), b = position(3 * triangle + 1), c = position(3 * triangle + 2);
-    if (length((a + b + c) / 3.0 - dvec3(center.position)) > radius_) return 0.0f;
-    return static_cast<float>(0.5 * length(cross(b - a, c - a)));
-  }
-
   const Cells &cells_;
   const std::vector<Bounds> &links_;
   const std::vector<vec4> &positions_;
@@ -411,7 +436,6 @@ Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, c
   const auto count = static_cast<int>(centers.size());
   Supports supports;
   supports.range.resize(centers.size());
-  supports.lost.assign(centers.size(), 0.0f);
   supports.boundary.assign(centers.size(), 0);
   std::vector<std::vector<int32_t>> found(static_cast<size_t>((count + block - 1) / block));
   parallel_blocks(count, threads, block, [&](int begin, int end) {
@@ -419,7 +443,7 @@ Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, c
     auto &list = found[static_cast<size_t>(begin / block)];
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       const auto first = static_cast<int32_t>(list.size());
-      search.run(centers[i], list, supports.lost[i], supports.boundary[i]);
+      search.run(centers[i], list, supports.boundary[i]);
       supports.range[i] = ivec2(first, static_cast<int32_t>(list.size()) - first);
     }
   });

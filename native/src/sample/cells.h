@@ -12,6 +12,7 @@
 #include "bake/distortion.h"
 #include "mesh/charts.h"
 #include "mesh/halfedge.h"
+#include "mesh/normals.h"
 #include "mesh/triangles.h"
 #include "sample/neighborhood.h"
 
@@ -30,7 +31,8 @@ struct Cells {
   std::vector<int32_t> boundary;      // half-edges on the mesh's boundary that a cell touches
   std::vector<int32_t> bare_begin;    // (count + 1) into bare
   std::vector<int32_t> bare;          // triangles that no texel carries, at the cell from which the surface leads to them
-  std::vector<int32_t> site_cell;     // (sites) -1: no texel carries it
+  std::vector<int32_t> triangle_cell; // (triangle_count) where the surface there is carried, or from where it leads there; -1: nowhere
+  std::vector<int32_t> site_cell;     // (sites)
 };
 
 // ids: (size * size, 2) as GeometryBuffer::read_ids.
@@ -41,14 +43,24 @@ Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const
 struct Supports {
   std::vector<ivec2> range;      // (centers) first and count, into cell
   std::vector<int32_t> cell;
-  std::vector<float> lost;       // (centers) area in the ball that no texel carries
   std::vector<uint8_t> boundary; // (centers) 1: the mesh's boundary lies in the ball
 };
 
 struct SupportCenter {
   vec3 position;                 // buffer units
   std::span<const int32_t> sites; // to start from
+  int32_t cell;                   // to start from as well, or -1
 };
+
+// Triangles that no texel carries count all the same, by samples of their own.
+struct BareSamples {
+  std::vector<int32_t> begin; // (cells + 1)
+  std::vector<vec4> point;    // two a sample: position in buffer units, area; normal
+};
+
+BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals, const BufferFrame &frame,
+                                  float radius);
+
 
 // positions: (size * size) as GeometryBuffer::read_position. radius in buffer units.
 Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles, const BufferFrame &frame,
