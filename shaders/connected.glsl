@@ -48,6 +48,10 @@ void sample_support(inout Sums sums, CenterData data, int index) {
       if (any(greaterThanEqual(texel, ivec2(buffer_size)))) continue;
       if (texelFetch(labels, texel, 0).x == cell) add_texel(sums, texel, area);
     }
-    for (int i = bare_begin[cell]; i < bare_begin[cell + 1]; ++i) add_neighbor(sums, bare[2 * i].xyz, bare[2 * i + 1].xyz, bare[2 * i].w, false);
+    for (int i = bare_begin[cell]; i < bare_begin[cell + 1]; ++i) {
+      vec4 point = bare[2 * i];
+      vec3 offset = point.xyz - sums.center.position;
+      add_neighbor(sums, point.xyz, bare[2 * i + 1].xyz, point.w, dot(offset, offset) < point.w);
+    }
   }
 }

@@ -118,9 +118,9 @@ public:
   Cells build() {
     label_texels();
     link_along_edges();
+    attach_bare_triangles();
     list_links();
     to_lists(boundaries_, cells_.count, cells_.boundary_begin, cells_.boundary);
-    attach_bare_triangles();
     for (const Site &site : charts_.sites) cells_.site_cell.push_back(cell_at(nudged(site.uv, site.inside), site.chart));
     // A site that no texel carries starts where the surface around it does.
     for (size_t corner = 0; corner < charts_.corner_site.size(); ++corner) {
@@ -248,16 +248,18 @@ private:
     }
   }
 
-  // Triangles without a texel near belong to the cell from which the surface leads to them first.
+  // Triangles without a texel near belong to the cell from which the surface leads to them first; where such ways from two cells meet, the
+  // cells are linked.
   void attach_bare_triangles() {
-    std::vector<int32_t> &owner = cells_.triangle_cell;
-    owner.assign(static_cast<size_t>(triangles_.triangle_count), -1);
+    std::vector<int64_t> texel(static_cast<size_t>(triangles_.triangle_count), -1);
+    std::vector<uint8_t> bare(texel.size(), 0);
     std::queue<int32_t> queue;
-    for (int t = 0; t < triangles_.triangle_count; ++t) {
-      if (half_edges_.corner_point[static_cast<size_t>(3 * t)] < 0 || charts_.triangle_chart[static_cast<size_t>(t)] < 0) continue;
-      const dvec2 middle = (uv_of(3 * t) + uv_of(3 * t + 1) + uv_of(3 * t + 2)) / 3.0;
-      owner[static_cast<size_t>(t)] = cell_at(middle, charts_.triangle_chart[static_cast<size_t>(t)]);
-      if (owner[static_cast<size_t>(t)] >= 0) queue.push(t);
+    for (int32_t t = 0; t < triangles_.triangle_count; ++t) {
+      if (half_edges_.corner_point[static_cast<size_t>(3 * t)] < 0) continue;
+      const int32_t chart = charts_.triangle_chart[static_cast<size_t>(t)];
+      if (chart >= 0) texel[static_cast<size_t>(t)] = map_.carrier((uv_of(3 * t) + uv_of(3 * t + 1) + uv_of(3 * t + 2)) / 3.0, chart);
+      bare[static_cast<size_t>(t)] = texel[static_cast<size_t>(t)] < 0;
+      if (texel[static_cast<size_t>(t)] >= 0) queue.push(t);
     }
     Pairs pairs;
     while (!queue.empty()) {
@@ -265,13 +267,19 @@ private:
       queue.pop();
       for (int i = 0; i < 3; ++i) {
         const int32_t twin = half_edges_.twin[static_cast<size_t>(3 * t + i)];
-        if (twin < 0 || owner[static_cast<size_t>(twin / 3)] >= 0) continue;
-        owner[static_cast<size_t>(twin / 3)] = owner[static_cast<size_t>(t)];
-        pairs.push_back(pair_of(owner[static_cast<size_t>(t)], twin / 3));
-        queue.push(twin / 3);
+        if (twin < 0) continue;
+        int64_t &other = texel[static_cast<size_t>(twin / 3)];
+        if (other < 0) {
+          other = texel[static_cast<size_t>(t)];
+          pairs.push_back(pair_of(cell_of(other), twin / 3));
+          queue.push(twin / 3);
+        } else if (bare[static_cast<size_t>(t)] || bare[static_cast<size_t>(twin / 3)]) {
+          link(texel[static_cast<size_t>(t)], other);
+        }
       }
     }
     to_lists(pairs, cells_.count, cells_.bare_begin, cells_.bare);
+    for (const int64_t one : texel) cells_.triangle_cell.push_back(cell_of(one));
   }
 
   ChartMap map_;
