@@ -90,7 +90,15 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
     add("--samples", type=int, default=defaults.samples, metavar="N", help="samples around a vertex (default: 256)")
     add("--buffer", type=int, default=defaults.buffer_size, metavar="N", help="side of the buffers (default: 1024)")
     add("--normals", choices=bridge.NORMALS, default=defaults.normals, help="vertex normals (default: fitted)")
-    add("--max-jumps", type=int, default=defaults.max_jumps, metavar="N", help="seams a sample may cross (default: 8)")
+    add(
+        "--max-jumps",
+        type=int,
+        default=defaults.max_jumps,
+        metavar="N",
+        help="affine only: seams to cross (default: 8)",
+    )
+    add("--relocation", choices=bridge.RELOCATIONS, default=defaults.relocation,
+        help="over seams: by connected cells of the buffer (default), or each sample by affine maps")  # fmt: skip
     add("--backend", choices=bridge.BACKENDS, default="auto", help="what computes (default: auto)")
     add("--device", type=int, default=-1, metavar="N", help="which device of the backend (default: the first)")
     add("--seed", type=int, default=defaults.seed, metavar="N", help="of the sampling pattern (default: 0)")
@@ -109,6 +117,7 @@ def settings_of(arguments: argparse.Namespace) -> job.Settings:
         normals=arguments.normals,
         max_jumps=arguments.max_jumps,
         seed=arguments.seed,
+        relocation=arguments.relocation,
     )
     return job.Settings(names, options, arguments.backend, arguments.device)
 

@@ -59,8 +59,13 @@ class PARADESC_PT_quality(SidebarPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         settings = context.scene.paradesc
-        for name in ("samples", "buffer_size", "normals", "max_jumps", "backend", "device_index"):
+        for name in ("samples", "buffer_size", "normals", "relocation"):
             layout.prop(settings, name)
+        row = layout.row()
+        row.active = settings.relocation == "affine"
+        row.prop(settings, "max_jumps")
+        layout.prop(settings, "backend")
+        layout.prop(settings, "device_index")
 
 
 class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):

@@ -15,6 +15,10 @@ NORMALS = [
     ("max", "Max's weights", "Average the faces around each vertex by Max's weights"),
     ("mesh", "Of the mesh", "Take the object's own normals, custom ones included"),
 ]
+RELOCATIONS = [
+    ("connected", "Connected", "Take what is connected to the vertex in the buffers; exact over any seams"),
+    ("affine", "Affine", "Carry every sample over seams by itself, as the paper does"),
+]
 BACKENDS = [
     ("auto", "Automatic", "A graphics card, else the software rasterizer, else the reference"),
     ("gpu", "Graphics card", "A hardware device with OpenGL 4.5"),
@@ -68,6 +72,9 @@ def make_settings() -> type:
         "normals": bpy.props.EnumProperty(
             name="Normals", description="Where the vertex normals come from", items=NORMALS, default="fitted"
         ),
+        "relocation": bpy.props.EnumProperty(
+            name="Over seams", description="How neighborhoods go on over seams", items=RELOCATIONS, default="connected"
+        ),
         "max_jumps": bpy.props.IntProperty(
             name="Max jumps", description="Seams that one sample may cross", default=8, min=0, max=64
         ),
@@ -98,6 +105,7 @@ def job_settings(group: bpy.types.PropertyGroup) -> Settings:
             buffer_size=group.buffer_size,
             normals=group.normals,
             max_jumps=group.max_jumps,
+            relocation=group.relocation,
         ),
         backend=group.backend,
         device_index=group.device_index,

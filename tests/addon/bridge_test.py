@@ -62,6 +62,7 @@ def test_defaults_are_those_of_the_library():
     assert (native.radius, native.samples, native.buffer_size) == (ours.radius, ours.samples, ours.buffer_size)
     assert (native.max_jumps, native.seed, native.seam_error) == (ours.max_jumps, ours.seed, ours.seam_error)
     assert native.radius_unit == bridge.RADIUS_UNITS[ours.radius_unit]
+    assert native.relocation == bridge.RELOCATIONS[ours.relocation]
     assert native.normals == bridge.NORMALS[ours.normals]
 
 
@@ -78,6 +79,12 @@ def test_software_and_reference_agree(sphere):
     for name in names:
         # Noise of 128 samples on a coarse sphere; on fine meshes the mean errors are an order below.
         assert np.abs(device[name] - reference[name]).mean() < 0.01 * np.abs(reference[name]).mean(), name
+
+
+def test_both_relocations_find_the_sphere(sphere):
+    for name in bridge.RELOCATIONS:
+        values = compute(sphere, options=dataclasses.replace(OPTIONS, relocation=name))["mean_curvature"]
+        np.testing.assert_allclose(values, 1 / RADIUS, rtol=0.02)
 
 
 def test_same_input_gives_the_same_bits(sphere):
@@ -201,6 +208,7 @@ def test_exception_in_progress_reaches_the_caller(sphere):
         {"buffer_size": 1},
         {"normals": "none"},
         {"radius_unit": "miles"},
+        {"relocation": "rocket"},
         {"max_jumps": -1},
         {"seed": -1},
     ],

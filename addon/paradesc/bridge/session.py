@@ -25,6 +25,8 @@ RADIUS_UNITS = {
     "mean-edge": abi.RADIUS_MEAN_EDGE,
 }
 
+RELOCATIONS = {"connected": abi.RELOCATION_CONNECTED, "affine": abi.RELOCATION_AFFINE}
+
 # (stage, fraction of the whole) -> False to cancel
 ProgressFunction = Callable[[str, float], bool]
 
@@ -59,6 +61,7 @@ class Options:
     max_jumps: int = 8
     seed: int = 0
     seam_error: bool = False
+    relocation: str = "connected"
 
 
 class Field:
@@ -281,6 +284,7 @@ def native_options(library: ctypes.CDLL, options: Options) -> abi.ComputeOptions
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"The seed {options.seed} is not between 0 and {2**32 - 1}.")
     native.seed = options.seed
     native.seam_error = int(options.seam_error)
+    native.relocation = choice(RELOCATIONS, options.relocation, "relocation")
     return native
 
 
