@@ -281,7 +281,7 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
                        frame.sites[i] < 0 ? device.cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
   }
   const Supports supports = find_supports(device.cells, positions, mesh.triangles, frame.buffer_frame, centers,
-                                          static_cast<float>(radius * frame.buffer_frame.scale), options.buffer_size, mesh.context->threads);
+                                          static_cast<float>(radius * frame.buffer_frame.scale), mesh.context->threads);
   const BareSamples bare =
       sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, static_cast<float>(radius * frame.buffer_frame.scale));
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, bare); });

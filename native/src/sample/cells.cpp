@@ -335,24 +335,21 @@ namespace {
 // Box around a link's surface points, buffer units.
 struct Bounds {
   vec3 low, high;
-  float margin; // a texel there
 };
 
 } // namespace
 
-static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec4> &positions, int size, int threads) {
+static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec4> &positions, int threads) {
   std::vector<Bounds> bounds(cells.link_begin.size() - 1);
   parallel_blocks(static_cast<int>(bounds.size()), threads, 4096, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       vec3 low(1e30f), high(-1e30f);
-      float area = 0.0f;
       for (int32_t k = cells.link_begin[i]; k < cells.link_begin[i + 1]; ++k) {
-        const vec4 point = positions[static_cast<size_t>(cells.link_texel[static_cast<size_t>(k)])];
-        low = glm::min(low, vec3(point));
-        high = glm::max(high, vec3(point));
-        area = std::max(area, point.w);
+        const vec3 point(positions[static_cast<size_t>(cells.link_texel[static_cast<size_t>(k)])]);
+        low = glm::min(low, point);
+        high = glm::max(high, point);
       }
-      bounds[i] = {low, high, std::sqrt(area) / static_cast<float>(size)};
+      bounds[i] = {low, high};
     }
   });
   return bounds;
@@ -360,7 +357,7 @@ static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec
 
 // Squared distance from a point to a box.
 static float box_distance(const Bounds &box, vec3 p) {
-  const vec3 gap = glm::max(glm::max(box.low - box.margin - p, p - box.high - box.margin), vec3(0.0f));
+  const vec3 gap = glm::max(glm::max(box.low - p, p - box.high), vec3(0.0f));
   return dot(gap, gap);
 }
 
@@ -409,14 +406,14 @@ private:
     found.push_back(cell);
   }
 
-  // The surface goes over half a texel from one of the link's texels.
+  // The surface goes over beside one of the link's texels. No margin: it would let in a neighboring finger as often as it keeps a place
+  // that belongs.
   bool in_ball(int32_t link, const SupportCenter &center) const {
     const Bounds &box = links_[static_cast<size_t>(link)];
     if (box_distance(box, center.position) > radius_ * radius_) return false;
-    const float reach = radius_ + 0.5f * box.margin;
     for (int32_t k = cells_.link_begin[static_cast<size_t>(link)]; k < cells_.link_begin[static_cast<size_t>(link) + 1]; ++k) {
       const vec3 gap = vec3(positions_[static_cast<size_t>(cells_.link_texel[static_cast<size_t>(k)])]) - center.position;
-      if (dot(gap, gap) < reach * reach) return true;
+      if (dot(gap, gap) < radius_ * radius_) return true;
     }
     return false;
   }
@@ -438,9 +435,9 @@ private:
 } // namespace
 
 Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles, const BufferFrame &frame,
-                       const std::vector<SupportCenter> &centers, float radius, int size, int threads) {
+                       const std::vector<SupportCenter> &centers, float radius, int threads) {
   constexpr int block = 512;
-  const std::vector<Bounds> links = link_bounds(cells, positions, size, threads);
+  const std::vector<Bounds> links = link_bounds(cells, positions, threads);
   const auto count = static_cast<int>(centers.size());
   Supports supports;
   supports.range.resize(centers.size());

@@ -64,6 +64,6 @@ BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles
 
 // positions: (size * size) as GeometryBuffer::read_position. radius in buffer units.
 Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles, const BufferFrame &frame,
-                       const std::vector<SupportCenter> &centers, float radius, int size, int threads);
+                       const std::vector<SupportCenter> &centers, float radius, int threads);
 
 } // namespace paradesc
