@@ -23,7 +23,6 @@ constexpr double smallest = 16; // units of a chart's longer side: it must not f
 struct Move {
   double cosine = 1.0, sine = 0.0;
   dvec2 low{0.0}, size{0.0};
-  double density = 1.0; // length in space per uv
   double scale = 1.0;
   dvec2 place{0.0};
   dvec2 turn(vec2 uv) const { return {cosine * uv.x - sine * uv.y, sine * uv.x + cosine * uv.y}; }
@@ -65,24 +64,13 @@ static Move best_turn(const Triangles &triangles, const std::vector<int32_t> &co
   return best;
 }
 
-static double density_of(const Triangles &triangles, const std::vector<int32_t> &corners) {
-  double space = 0.0, plane = 0.0;
-  for (size_t i = 0; i < corners.size(); i += 3) {
-    const auto c = static_cast<size_t>(corners[i]);
-    auto position = [&](size_t corner) { return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner])]); };
-    space += length(cross(position(c + 1) - position(c), position(c + 2) - position(c)));
-    plane += std::abs(cross(dvec2(triangles.corner_uv[c + 1] - triangles.corner_uv[c]), dvec2(triangles.corner_uv[c + 2] - triangles.corner_uv[c])));
-  }
-  return plane > 0.0 ? std::sqrt(space / plane) : 1.0;
-}
-
-// Places all charts at this many units per length in space; false where they do not fit.
+// Places all charts at this many units per uv; false where they do not fit.
 static bool pack(std::vector<Move> &moves, double units) {
   std::vector<stbrp_rect> rects;
   for (size_t i = 0; i < moves.size(); ++i) {
     Move &move = moves[i];
     const double longer = std::max({move.size.x, move.size.y, 1e-12});
-    move.scale = std::max(move.density * units, smallest / longer);
+    move.scale = std::max(units, smallest / longer);
     const dvec2 box = move.size * move.scale + 2.0 * gutter;
     if (box.x > grid || box.y > grid) return false;
     rects.push_back({static_cast<int>(i), static_cast<stbrp_coord>(std::ceil(box.x)), static_cast<stbrp_coord>(std::ceil(box.y)), 0, 0, 0});
@@ -101,8 +89,7 @@ void repack_charts(Triangles &triangles, Charts &charts) {
   double area = 0.0;
   for (const auto &chart : corners) {
     moves.push_back(best_turn(triangles, chart));
-    moves.back().density = density_of(triangles, chart);
-    area += moves.back().size.x * moves.back().size.y * moves.back().density * moves.back().density;
+    area += moves.back().size.x * moves.back().size.y;
   }
   double fits = 0.0, too_large = area > 0.0 ? grid / std::sqrt(area) : 1.0;
   std::vector<Move> best;

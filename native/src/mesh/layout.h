@@ -6,8 +6,8 @@
 
 namespace paradesc {
 
-// Moves, turns and scales every chart as a whole, at even texel density, into the unit square with a gutter between them. Seams, sites
-// and borders stay what they are. A chart that overlaps itself still does.
+// Moves and turns every chart as a whole into the unit square, with a gutter between them, and scales all alike: where the UV map gives
+// more texels to a face than to a foot, so does this. Seams, sites and borders stay what they are. A chart that overlaps itself still does.
 void repack_charts(Triangles &triangles, Charts &charts);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Chart borders → the texel grid that a sample's march reads: which border edges pass through each texel, and how far a texel is from
+// Chart borders → the texel grid that cells and marches read: which border edges pass through each texel, and how far a texel is from
 // the nearest of them. Depends on the layout alone, so it is made once per topology and buffer size.
 #pragma once
 
@@ -19,11 +19,5 @@ struct BorderGrid {
 };
 
 BorderGrid build_border_grid(const Triangles &triangles, const Charts &charts, int size);
-
-// Texels from this place to the nearest border, at least.
-inline int clearance(const BorderGrid &grid, vec2 uv) {
-  const auto texel = [&](float x) { return glm::clamp(static_cast<int>(x * static_cast<float>(grid.size)), 0, grid.size - 1); };
-  return glm::max(grid.cells[2 * (static_cast<size_t>(texel(uv.y)) * static_cast<size_t>(grid.size) + static_cast<size_t>(texel(uv.x)))], 0);
-}
 
 } // namespace paradesc
