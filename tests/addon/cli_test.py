@@ -318,7 +318,7 @@ def test_split_vertices_of_a_gltf_file_each_get_their_value(paradesc, tmp_path):
     assert np.nanmean(np.abs(values - first[place])) < 0.02 * spread
 
 
-@pytest.mark.parametrize("name", ["spot.obj", "bob.obj"])
+@pytest.mark.parametrize("name", ["spot.obj", "bob.obj", "human.obj"])
 def test_real_mesh_has_no_visible_seams(paradesc, tmp_path, name):
     accepted(paradesc("compare", real_mesh(name), "--backend", "software", "--json", "rows.json"))
     (row,) = json.loads((tmp_path / "rows.json").read_text())
