@@ -46,7 +46,8 @@ void sample_support(inout Sums sums, CenterData data, int index) {
       ivec2 low = corner + ivec2(i % side, i / side) * stride;
       ivec2 texel = low + (jitter(low) & (stride - 1));
       if (any(greaterThanEqual(texel, ivec2(buffer_size)))) continue;
-      if (texelFetch(labels, texel, 0).x == cell) add_texel(sums, texel, area);
+      ivec2 label = texelFetch(labels, texel, 0).xy;
+      if (label.x == cell) add_texel(sums, texel, area * float(label.y) / 65536.0);
     }
     for (int i = bare_begin[cell]; i < bare_begin[cell + 1]; ++i) {
       vec4 point = bare[2 * i];

@@ -16,7 +16,7 @@
 #define UNIT_BORDER_UV 6   // list, RGBA32F: u0, v0, u1, v1 of each border, the chart on its left
 #define UNIT_LINKS 7       // list, RGBA32F, two a border: the matrix of M_e; its image of (u0, v0), twin (or -1 - kind), twin's chart
 
-#define UNIT_LABELS 8      // buffer, R32I: the cell of each texel, or -1
+#define UNIT_LABELS 8      // buffer, RG32I: the cell of each texel, or -1; the part of it that its chart covers, of 65536
 #define UNIT_CORNERS 9     // list, RG32I: low texel of each cell's block
 
 // Storage buffers.

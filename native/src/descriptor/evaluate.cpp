@@ -44,8 +44,8 @@ void Evaluator::set_borders(const Gl &gl, const BorderGrid &grid) {
 }
 
 void Evaluator::set_cells(const Gl &gl, const Cells &cells, int buffer_size) {
-  labels_ = Texture(gl, buffer_size, buffer_size, GL_R32I);
-  gl.TextureSubImage2D(labels_.id(), 0, 0, 0, buffer_size, buffer_size, GL_RED_INTEGER, GL_INT, cells.label.data());
+  labels_ = Texture(gl, buffer_size, buffer_size, GL_RG32I);
+  gl.TextureSubImage2D(labels_.id(), 0, 0, 0, buffer_size, buffer_size, GL_RG_INTEGER, GL_INT, cells.label.data());
   corners_.upload(gl, GL_RG32I, cells.corner.data(), cells.corner.size() / 2);
   cell_count_ = cells.count;
   block_size_ = cells.block_size;

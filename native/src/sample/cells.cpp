@@ -32,6 +32,19 @@ public:
     return true;
   }
 
+  // Whether the way from a to b, both in this texel, crosses the chart's borders an odd number of times.
+  bool crosses_oddly(int x, int y, dvec2 a, dvec2 b, int32_t of_chart) const {
+    bool odd = false;
+    each_border(x, y, of_chart, [&](dvec2 c, dvec2 d) {
+      const bool between = (cross(b - a, c - a) > 0.0) != (cross(b - a, d - a) > 0.0);
+      if (between && (cross(d - c, a - c) > 0.0) != (cross(d - c, b - c) > 0.0)) odd = !odd;
+    });
+    return odd;
+  }
+
+  bool has_border(int x, int y) const { return grid_.cells[2 * index(x, y)] < 0; }
+  int32_t owner(int x, int y) const { return ids_[2 * index(x, y)]; } // the chart that has the texel, also by a line
+
   // The texel that carries a place on a chart: its own, or one beside it in sight; -1: none.
   int64_t carrier(dvec2 place, int32_t of_chart) const {
     const int x = static_cast<int>(std::floor(place.x)), y = static_cast<int>(std::floor(place.y));
@@ -51,17 +64,23 @@ public:
   }
 
 private:
-  bool crossed(int x, int y, dvec2 a, dvec2 b, int32_t of_chart) const {
+  template <class Visit> void each_border(int x, int y, int32_t of_chart, const Visit &visit) const {
     const size_t texel = index(x, y);
     const int32_t begin = grid_.cells[2 * texel + 1];
     for (int32_t i = begin; i < begin - std::min(grid_.cells[2 * texel], 0); ++i) {
       if (grid_.list[2 * static_cast<size_t>(i) + 1] != of_chart) continue;
-      const vec4 uv = grid_.border_uv[static_cast<size_t>(grid_.list[2 * static_cast<size_t>(i)])] * static_cast<float>(size_);
-      const dvec2 c(uv.x, uv.y), d(uv.z, uv.w);
-      const double side_c = cross(b - a, c - a), side_d = cross(b - a, d - a), side_a = cross(d - c, a - c), side_b = cross(d - c, b - c);
-      if (side_c * side_d <= 0.0 && side_a * side_b < 0.0) return true;
+      const dvec4 uv = dvec4(grid_.border_uv[static_cast<size_t>(grid_.list[2 * static_cast<size_t>(i)])]) * static_cast<double>(size_);
+      visit(dvec2(uv.x, uv.y), dvec2(uv.z, uv.w));
     }
-    return false;
+  }
+
+  bool crossed(int x, int y, dvec2 a, dvec2 b, int32_t of_chart) const {
+    bool result = false;
+    each_border(x, y, of_chart, [&](dvec2 c, dvec2 d) {
+      const double side_c = cross(b - a, c - a), side_d = cross(b - a, d - a), side_a = cross(d - c, a - c), side_b = cross(d - c, b - c);
+      result |= side_c * side_d <= 0.0 && side_a * side_b < 0.0;
+    });
+    return result;
   }
 
   const std::vector<int32_t> &ids_;
@@ -127,6 +146,7 @@ public:
       const int32_t site = charts_.corner_site[corner];
       if (site >= 0 && cells_.site_cell[static_cast<size_t>(site)] < 0) cells_.site_cell[static_cast<size_t>(site)] = cells_.triangle_cell[corner / 3];
     }
+    cover_texels();
     return std::move(cells_);
   }
 
@@ -201,6 +221,40 @@ private:
       cells_.side[static_cast<size_t>(next[static_cast<size_t>(ends[i].x)]++)] = ivec2(ends[i].y, i);
       cells_.side[static_cast<size_t>(next[static_cast<size_t>(ends[i].y)]++)] = ivec2(ends[i].x, i);
     }
+  }
+
+  // A texel on a border counts by the part that its chart covers, also where its center lies beyond: else seams are as rough as texels.
+  void cover_texels() {
+    std::vector<int32_t> covered(2 * cells_.label.size());
+    for (int y = 0; y < size_; ++y)
+      for (int x = 0; x < size_; ++x) {
+        const size_t texel = map_.index(x, y);
+        const auto [cell, part] = map_.has_border(x, y) && map_.owner(x, y) >= 0 ? partly_covered(x, y) : std::pair(cells_.label[texel], 16);
+        covered[2 * texel] = cell;
+        covered[2 * texel + 1] = part * 4096;
+      }
+    cells_.label = std::move(covered);
+  }
+
+  // The cell of a texel on a border, and how many of 16 places in it lie on the chart. A texel whose center is off the chart goes to the cell
+  // beside it in the same block, if there is one.
+  std::pair<int32_t, int> partly_covered(int x, int y) const {
+    const int32_t chart = map_.owner(x, y);
+    const bool center_inside = map_.chart(x, y) >= 0;
+    const dvec2 center(x + 0.5, y + 0.5);
+    int32_t cell = center_inside ? cells_.label[map_.index(x, y)] : -1;
+    int part = 0;
+    for (int i = 0; i < 16; ++i) {
+      // Off the regular places by a little, so that no border runs through them.
+      const dvec2 place(x + (i % 4 + 0.4987) / 4.0, y + (i / 4 + 0.5023) / 4.0);
+      if (map_.crosses_oddly(x, y, center, place, chart) == center_inside) continue;
+      ++part;
+      if (cell >= 0) continue;
+      const int64_t carrier = map_.carrier(place, chart);
+      const int block = cells_.block_size;
+      if (carrier >= 0 && carrier % size_ / block == x / block && carrier / size_ / block == y / block) cell = cell_of(carrier);
+    }
+    return {cell, part};
   }
 
   dvec2 uv_of(int corner) const { return dvec2(triangles_.corner_uv[static_cast<size_t>(corner)]) * static_cast<double>(size_); }

@@ -13,6 +13,7 @@ namespace paradesc {
 using glm::dmat2;
 using glm::dvec2;
 using glm::dvec3;
+using glm::dvec4;
 using glm::ivec2;
 using glm::ivec4;
 using glm::vec2;
