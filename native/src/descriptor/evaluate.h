@@ -9,6 +9,7 @@
 #include "gpu/program.h"
 #include "sample/cells.h"
 #include "sample/neighborhood.h"
+#include "sample/supports.h"
 
 #include "shared.h"
 

@@ -1,7 +1,6 @@
 // Shader texts with #include → linked OpenGL programs; driver messages name our files.
 #include "gpu/program.h"
 
-#include <set>
 #include <sstream>
 
 #include "support/error.h"
@@ -41,7 +40,17 @@ std::string shader_source(const std::string &path, const std::map<std::string, s
   std::vector<std::string> files;
   std::string source;
   append_source(path, generated, files, source);
+  // Drivers name a file by its number.
+  for (size_t i = 0; i < files.size(); ++i) source += "// " + std::to_string(i) + ": " + files[i] + "\n";
   return source;
+}
+
+// "0: a.glsl, 1: b.glsl" from the comments that shader_source leaves at the end.
+static std::string file_list(const std::string &source) {
+  std::istringstream text(source.substr(source.rfind("// 0: ")));
+  std::string list, line;
+  while (std::getline(text, line)) list += (list.empty() ? "" : ", ") + line.substr(3);
+  return list;
 }
 
 static GLuint compile(const Gl &gl, const ShaderStage &stage, const std::map<std::string, std::string> &generated) {
@@ -58,7 +67,7 @@ static GLuint compile(const Gl &gl, const ShaderStage &stage, const std::map<std
   gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), &length, log.data());
   log.resize(static_cast<size_t>(length));
   gl.DeleteShader(shader);
-  throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics driver did not compile " + stage.path + ": " + log);
+  throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics driver did not compile " + stage.path + " (files " + file_list(source) + "): " + log);
 }
 
 GLuint ProgramCache::get(const Gl &gl, const std::string &name, const std::vector<ShaderStage> &stages,

@@ -1,0 +1,42 @@
+// Cells + positions of a frame → the neighborhood of each center: the cells of the surface connected to it within the ball, and samples of
+// the triangles that no texel carries.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bake/distortion.h"
+#include "mesh/normals.h"
+#include "sample/cells.h"
+
+namespace paradesc {
+
+// The cells of each center's neighborhood.
+struct Supports {
+  std::vector<ivec2> range;      // (centers) first and count, into cell
+  std::vector<int32_t> cell;
+  std::vector<uint8_t> boundary; // (centers) 1: the mesh's boundary lies in the ball
+};
+
+struct SupportCenter {
+  vec3 position;                 // buffer units
+  std::span<const int32_t> sites; // to start from
+  int32_t cell;                   // to start from as well, or -1
+};
+
+// Triangles that no texel carries count all the same, by samples of their own.
+struct BareSamples {
+  std::vector<int32_t> begin; // (cells + 1)
+  std::vector<vec4> point;    // two a sample: position in buffer units, area; normal
+};
+
+BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals, const BufferFrame &frame,
+                                  float radius);
+
+
+// positions: (size * size) as GeometryBuffer::read_position. radius in buffer units.
+Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles, const BufferFrame &frame,
+                       const std::vector<SupportCenter> &centers, float radius, int threads);
+
+} // namespace paradesc
