@@ -1,5 +1,6 @@
 #version 450 core
-// One invocation, one cell → its largest area element, which decides how densely it is sampled.
+// One invocation, one cell → the area element by which it is sampled: its largest, four times that where a border cuts the cell. A square
+// there lies on the chart or not by its one sample, so squares are half as wide.
 #include "buffers.glsl"
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_AREAS) writeonly restrict buffer Areas { float areas[]; };
@@ -13,9 +14,14 @@ void main() {
   if (cell >= last) return;
   ivec2 corner = texelFetch(corners, list_place(cell), 0).xy;
   float largest = 0.0;
+  float inside = 0.0;
   for (int i = 0; i < block_size * block_size; ++i) {
     ivec2 texel = min(corner + ivec2(i % block_size, i / block_size), ivec2(buffer_size - 1));
-    if (texelFetch(labels, texel, 0).x == cell) largest = max(largest, texelFetch(positions, texel, 0).w);
+    ivec2 label = texelFetch(labels, texel, 0).xy;
+    if (label.x != cell) continue;
+    largest = max(largest, texelFetch(positions, texel, 0).w);
+    inside += float(label.y) / 65536.0;
   }
-  areas[cell] = largest;
+  bool whole = inside > float(block_size * block_size) - 0.5;
+  areas[cell] = whole ? largest : 4.0 * largest;
 }

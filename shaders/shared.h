@@ -24,7 +24,7 @@
 #define BINDING_PATTERN 1
 #define BINDING_RESULTS 2
 #define BINDING_EDGES 3    // chart-edge lines to rasterize
-#define BINDING_AREAS 4    // largest area element of each cell
+#define BINDING_AREAS 4    // the area element by which each cell is sampled
 #define BINDING_SUPPORTS 5 // what was found of each center's neighborhood before sampling
 #define BINDING_CELLS 6    // cells of all neighborhoods, one after another
 #define BINDING_BARE_BEGIN 7 // (cells + 1) samples of triangles that no texel carries
