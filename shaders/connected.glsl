@@ -31,8 +31,9 @@ void sample_support(inout Sums sums, CenterData data, int index) {
   float size = float(buffer_size);
   int iterations = 0;
   for (int j = support.first; j < support.first + support.count; ++j) {
-    int cell = support_cells[j];
-    float largest = areas[cell];
+    int entry = support_cells[j];
+    int cell = entry < 0 ? -1 - entry : entry;
+    float largest = areas[cell] * (entry < 0 ? 16.0 : 1.0);
     ivec2 corner = texelFetch(corners, list_place(cell), 0).xy;
     int stride = stride_of(largest);
     int side = block_size / stride;

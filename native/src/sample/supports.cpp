@@ -86,7 +86,7 @@ public:
   Search(const Cells &cells, const std::vector<Bounds> &links, const std::vector<vec4> &positions, const Triangles &triangles,
          const BufferFrame &frame, float radius)
       : cells_(cells), links_(links), positions_(positions), triangles_(triangles), frame_(frame), radius_(radius),
-        visited_(static_cast<size_t>(cells.count), 0) {}
+        visited_(static_cast<size_t>(cells.count), 0), near_(static_cast<size_t>(cells.count), 0) {}
 
   // Appends the cells of the connected part of the ball.
   void run(const SupportCenter &center, std::vector<int32_t> &found, uint8_t &boundary) {
@@ -94,18 +94,26 @@ public:
     const size_t begin = found.size();
     add(center.cell, found);
     for (const int32_t site : center.sites) add(cells_.site_cell[static_cast<size_t>(site)], found);
+    const size_t starts = found.size() - begin;
+    // Finer detail than the radius counts through what lies near: cells there are marked, and sampled four times as finely each way.
+    const float near = 0.25f * radius_;
     for (size_t i = begin; i < found.size(); ++i) {
       const auto cell = static_cast<size_t>(found[i]);
       for (int32_t k = cells_.side_begin[cell]; k < cells_.side_begin[cell + 1]; ++k) {
         const ivec2 side = cells_.side[static_cast<size_t>(k)];
-        if (visited_[static_cast<size_t>(side.x)] != mark_ && in_ball(side.y, center)) add(side.x, found);
+        const float distance = box_distance(links_[static_cast<size_t>(side.y)], center.position);
+        if (distance < near * near) near_[cell] = mark_;
+        if (visited_[static_cast<size_t>(side.x)] != mark_ && distance < radius_ * radius_ && in_ball(side.y, center)) add(side.x, found);
       }
       for (int32_t k = cells_.boundary_begin[cell]; !boundary && k < cells_.boundary_begin[cell + 1]; ++k) {
         const int half_edge = cells_.boundary[static_cast<size_t>(k)];
         boundary = segment_in_ball(position(half_edge), position(next_corner(half_edge)), center.position, radius_);
       }
     }
+    for (size_t i = begin; i < std::min(found.size(), begin + starts); ++i) near_[static_cast<size_t>(found[i])] = mark_;
     std::sort(found.begin() + static_cast<ptrdiff_t>(begin), found.end()); // one order of summation, whichever place the search began at
+    for (size_t i = begin; i < found.size(); ++i)
+      if (near_[static_cast<size_t>(found[i])] == mark_) found[i] = -1 - found[i];
   }
 
 private:
@@ -118,8 +126,6 @@ private:
   // The surface goes over beside one of the link's texels. No margin: it would let in a neighboring finger as often as it keeps a place
   // that belongs.
   bool in_ball(int32_t link, const SupportCenter &center) const {
-    const Bounds &box = links_[static_cast<size_t>(link)];
-    if (box_distance(box, center.position) > radius_ * radius_) return false;
     for (int32_t k = cells_.link_begin[static_cast<size_t>(link)]; k < cells_.link_begin[static_cast<size_t>(link) + 1]; ++k) {
       const vec3 gap = vec3(positions_[static_cast<size_t>(cells_.link_texel[static_cast<size_t>(k)])]) - center.position;
       if (dot(gap, gap) < radius_ * radius_) return true;
@@ -137,7 +143,7 @@ private:
   const Triangles &triangles_;
   const BufferFrame &frame_;
   float radius_;
-  std::vector<uint32_t> visited_;
+  std::vector<uint32_t> visited_, near_;
   uint32_t mark_ = 0;
 };
 

@@ -15,7 +15,7 @@ namespace paradesc {
 // The cells of each center's neighborhood.
 struct Supports {
   std::vector<ivec2> range;      // (centers) first and count, into cell
-  std::vector<int32_t> cell;
+  std::vector<int32_t> cell;     // -1 - cell: near the center, to be sampled more finely
   std::vector<uint8_t> boundary; // (centers) 1: the mesh's boundary lies in the ball
 };
 
