@@ -59,7 +59,8 @@ template <class Struct> Struct read_struct(const Struct *given, void (*init)(Str
   init(&ours);
   if (!given) return ours;
   if (given->struct_size < 2 * sizeof(uint32_t) || given->struct_size > 4096)
-    refuse(std::string(name) + ".struct_size is " + std::to_string(given->struct_size) + "; call " + name + "_init before filling it.");
+    refuse(std::string(name) + ".struct_size is " + std::to_string(given->struct_size) + "; call " + name +
+           "_init before filling it.");
   std::memcpy(static_cast<void *>(&ours), given, std::min<size_t>(given->struct_size, sizeof(Struct)));
   return ours;
 }
@@ -193,7 +194,8 @@ int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *nea
   return guarded([&] {
     need(mesh, "mesh");
     need(near_seam, "near_seam");
-    if (!std::isfinite(radius) || radius < 0.0) refuse("The radius is " + std::to_string(radius) + "; it must be a finite number from 0 on.");
+    if (!std::isfinite(radius) || radius < 0.0)
+      refuse("The radius is " + std::to_string(radius) + "; it must be a finite number from 0 on.");
     std::lock_guard lock(mesh->mesh->context->mutex);
     const paradesc::Mesh &ours = *mesh->mesh;
     check_length(vertex_count, static_cast<size_t>(ours.triangles.vertex_count));
@@ -220,8 +222,8 @@ void pdesc_options_init(pdesc_options *options) {
   options->max_jumps = 8;
 }
 
-int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *names, int32_t count, pdesc_progress progress,
-                      void *user, pdesc_field **field) {
+int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *names, int32_t count,
+                      pdesc_progress progress, void *user, pdesc_field **field) {
   return guarded([&] {
     need(mesh, "mesh");
     need(names, "descriptors");

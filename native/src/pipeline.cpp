@@ -55,7 +55,9 @@ static void measure(Mesh &mesh) {
     // Each edge once: a pair by its lower half-edge.
     const int32_t twin = mesh.half_edges.twin[static_cast<size_t>(h)];
     if (mesh.half_edges.corner_point[static_cast<size_t>(h)] < 0 || (twin >= 0 && twin < h)) continue;
-    auto at = [&](int c) { return dvec3(mesh.triangles.positions[static_cast<size_t>(mesh.triangles.corner_vertex[static_cast<size_t>(c)])]); };
+    auto at = [&](int c) {
+      return dvec3(mesh.triangles.positions[static_cast<size_t>(mesh.triangles.corner_vertex[static_cast<size_t>(c)])]);
+    };
     sum += length(at(next_corner(h)) - at(h));
     ++count;
   }
@@ -175,14 +177,15 @@ static void prepare_centers(const Mesh &mesh, const pdesc_options &options, doub
                              vec4(site.uv, march_start(site, options.buffer_size)), ellipse});
     frame.sites.push_back(static_cast<int32_t>(i));
     frame.points.push_back(site.point);
-    sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) * static_cast<float>(options.buffer_size) /
-                    ellipse_enlargement);
+    sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) *
+                    static_cast<float>(options.buffer_size) / ellipse_enlargement);
   }
   // What the UV map leaves out counts as well: cells lead there, samples carried by the map do not.
   for (size_t point = 0; options.relocation == PDESC_RELOCATION_CONNECTED && point < mesh.charts.point_site.size(); ++point) {
     if (mesh.charts.point_site[point] >= 0) continue;
     const vec3 position = mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])];
-    frame.centers.push_back({vec4(frame.buffer_frame.to_buffer(position), -1.0f), vec4(frame.normals.point[point], 0.0f), vec4(0.0f), vec4(0.0f)});
+    frame.centers.push_back(
+        {vec4(frame.buffer_frame.to_buffer(position), -1.0f), vec4(frame.normals.point[point], 0.0f), vec4(0.0f), vec4(0.0f)});
     frame.sites.push_back(-1);
     frame.points.push_back(static_cast<int32_t>(point));
   }
@@ -227,7 +230,8 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
         device.buffer = std::make_unique<GeometryBuffer>(gl, options.buffer_size);
       device.evaluator.set_borders(gl, device.grid);
     }
-    device.buffer->bake(programs, {mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.forms, frame.buffer_frame}, changed);
+    device.buffer->bake(programs, {mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.forms, frame.buffer_frame},
+                        changed);
     if (!changed) return;
     device.counts = device.buffer->count_owners(programs);
     device.bare_triangles = count_bare_triangles(mesh, device.buffer->read_ids());
@@ -250,7 +254,8 @@ static void build_cells_for(Mesh &mesh, const Frame &frame) {
   std::vector<int32_t> ids;
   mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = device.buffer->read_ids(); });
   device.cells = build_cells(ids, device.grid, mesh.triangles, mesh.half_edges, mesh.charts, size);
-  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_cells(gl, device.cells, device.buffer->size()); });
+  mesh.context->gl->run(
+      [&](const Gl &gl, ProgramCache &) { device.evaluator.set_cells(gl, device.cells, device.buffer->size()); });
 }
 
 // The neighborhoods of all centers, before any sample is drawn.
@@ -275,15 +280,16 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
     const auto point = static_cast<size_t>(frame.points[i]);
     const bool alone = options.seam_error && frame.sites[i] >= 0;
     const auto first = static_cast<size_t>(begin[point]), last = static_cast<size_t>(begin[point + 1]);
-    const std::span<const int32_t> sites = alone ? std::span(frame.sites).subspan(i, 1) : std::span(order).subspan(first, last - first);
+    const std::span<const int32_t> sites =
+        alone ? std::span(frame.sites).subspan(i, 1) : std::span(order).subspan(first, last - first);
     const int32_t half_edge = mesh.half_edges.point_half_edge[point];
     centers.push_back({vec3(frame.centers[i].position_chart), sites,
                        frame.sites[i] < 0 ? device.cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
   }
   const Supports supports = find_supports(device.cells, positions, mesh.triangles, frame.buffer_frame, centers,
                                           static_cast<float>(radius * frame.buffer_frame.scale), mesh.context->threads);
-  const BareSamples bare =
-      sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, static_cast<float>(radius * frame.buffer_frame.scale));
+  const BareSamples bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame,
+                                                 static_cast<float>(radius * frame.buffer_frame.scale));
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, bare); });
 }
 
@@ -301,7 +307,8 @@ static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, const F
   for (int first = 0; first < count;) {
     const int last = std::min(first + tile, count);
     Clock clock;
-    thread.run([&](const Gl &gl, ProgramCache &programs) { evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last); });
+    thread.run(
+        [&](const Gl &gl, ProgramCache &programs) { evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last); });
     const double scale = std::clamp(0.03 / std::max(clock.lap(), 1e-4), 0.25, 4.0);
     tile = std::max(smallest_tile, static_cast<int>(tile * scale) / GROUP_SIZE * GROUP_SIZE);
     first = last;
@@ -334,20 +341,25 @@ static void warn(const Mesh &mesh, Field &field) {
   auto add = [&](const std::string &sentence) { field.warnings += (field.warnings.empty() ? "" : "\n") + sentence; };
   const pdesc_field_report &report = field.report;
   if (report.private_layout)
-    add("Charts of the UV map share texture space; they were laid out afresh for the computation, and the UV map itself is unchanged.");
+    add("Charts of the UV map share texture space; they were laid out afresh for the computation, and the UV map itself is "
+        "unchanged.");
   if (report.overlapping_texels > 0)
-    add("Charts overlap themselves on " + std::to_string(report.overlapping_texels) + " of " + std::to_string(report.covered_texels) +
+    add("Charts overlap themselves on " + std::to_string(report.overlapping_texels) + " of " +
+        std::to_string(report.covered_texels) +
         " texels, and results there are wrong; unwrap without overlaps, or use the reference backend.");
   if (report.radius_in_texels < 4.0)
     add("The radius spans only " + std::to_string(report.radius_in_texels).substr(0, 4) +
         " texels of the buffers; use larger buffers or a larger radius.");
   if (report.bare_triangles > 0)
-    add(std::to_string(report.bare_triangles) + " triangles are smaller than a texel and left to their neighbors; use larger buffers if "
-                                                "that is much of the surface.");
+    add(std::to_string(report.bare_triangles) +
+        " triangles are smaller than a texel and left to their neighbors; use larger buffers if "
+        "that is much of the surface.");
   if (mesh.charts.zero_uv_area_triangles > 0)
-    add(std::to_string(mesh.charts.zero_uv_area_triangles) + " triangles have no area in the UV map; each counts by samples of its own, less finely than texels would.");
+    add(std::to_string(mesh.charts.zero_uv_area_triangles) +
+        " triangles have no area in the UV map; each counts by samples of its own, less finely than texels would.");
   if (report.low_coverage_vertices > 0)
-    add("At " + std::to_string(report.low_coverage_vertices) + " vertices more than a tenth of the neighborhood was not found in the UV map.");
+    add("At " + std::to_string(report.low_coverage_vertices) +
+        " vertices more than a tenth of the neighborhood was not found in the UV map.");
 }
 
 static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
@@ -386,8 +398,13 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   field.report.seconds_prepare += clock.lap();
   check_cancel(progress, "evaluate", 0.3);
 
-  const EvaluateSettings settings{asked, options.samples, options.seed, options.max_jumps,
-                                  static_cast<float>(radius * frame.buffer_frame.scale), ellipse_enlargement, affine};
+  const EvaluateSettings settings{asked,
+                                  options.samples,
+                                  options.seed,
+                                  options.max_jumps,
+                                  static_cast<float>(radius * frame.buffer_frame.scale),
+                                  ellipse_enlargement,
+                                  affine};
   evaluate_tiles(mesh, settings, frame, progress);
   field.report.overlapping_texels = mesh.device->counts.overlapping;
   field.report.covered_texels = mesh.device->counts.covered;
@@ -419,7 +436,8 @@ static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &opti
 Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, const Progress &progress) {
   const bool reference = mesh.context->backend == PDESC_BACKEND_REFERENCE;
   if (!reference && mesh.triangles.corner_uv.empty())
-    throw Error(PDESC_ERROR_INVALID_OPERATION, "The mesh has no UV map, which texture space needs; unwrap it, or use the reference backend.");
+    throw Error(PDESC_ERROR_INVALID_OPERATION,
+                "The mesh has no UV map, which texture space needs; unwrap it, or use the reference backend.");
   Clock clock;
   Field field;
   const double radius = resolve_radius(mesh, options);

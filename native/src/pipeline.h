@@ -22,10 +22,10 @@ namespace paradesc {
 struct Context {
   int backend = PDESC_BACKEND_REFERENCE; // the one in use
   int threads = 0;
-  std::unique_ptr<GlThread> gl;          // absent in the reference backend
+  std::unique_ptr<GlThread> gl; // absent in the reference backend
   std::string device;
   std::string fallback;
-  std::mutex mutex;                      // one call at a time
+  std::mutex mutex; // one call at a time
 };
 
 std::shared_ptr<Context> make_context(const pdesc_context_options &options);

@@ -36,7 +36,8 @@ static vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t
   return vec4(dot(p_u, p_u), dot(p_u, p_v), dot(p_v, p_v), length(cross(p_u, p_v)));
 }
 
-std::vector<vec4> first_fundamental_forms(const Triangles &triangles, const Charts &charts, const BufferFrame &frame, int threads) {
+std::vector<vec4> first_fundamental_forms(const Triangles &triangles, const Charts &charts, const BufferFrame &frame,
+                                          int threads) {
   std::vector<vec4> forms(static_cast<size_t>(triangles.triangle_count), vec4(0.0f));
   parallel_blocks(triangles.triangle_count, threads, 4096, [&](int begin, int end) {
     for (auto t = static_cast<size_t>(begin); t < static_cast<size_t>(end); ++t)
@@ -46,7 +47,9 @@ std::vector<vec4> first_fundamental_forms(const Triangles &triangles, const Char
 }
 
 static double corner_angle(const Triangles &triangles, int corner) {
-  auto position = [&](int c) { return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[static_cast<size_t>(c)])]); };
+  auto position = [&](int c) {
+    return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[static_cast<size_t>(c)])]);
+  };
   const dvec3 p = position(corner);
   const dvec3 a = position(next_corner(corner)) - p, b = position(previous_corner(corner)) - p;
   return std::atan2(length(cross(a, b)), dot(a, b));

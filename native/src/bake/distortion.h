@@ -1,5 +1,5 @@
-// Positions and UVs → the metric of the parameterization: E, F, G and area element of each triangle (paper eq. 1), and the sampling
-// ellipse of each site (paper 3.4). In buffer units: the bounding box' center is the origin, its longest half side is 1.
+// Positions and UVs → the metric of the parameterization: E, F, G and area element of each triangle (paper eq. 1), and the
+// sampling ellipse of each site (paper 3.4). In buffer units: the bounding box' center is the origin, its longest half side is 1.
 #pragma once
 
 #include <vector>
@@ -20,10 +20,11 @@ struct BufferFrame {
 BufferFrame frame_of(const Triangles &triangles, const HalfEdges &half_edges);
 
 // (triangle_count) E, F, G, |P_u x P_v|; zero where a triangle is on no chart.
-std::vector<vec4> first_fundamental_forms(const Triangles &triangles, const Charts &charts, const BufferFrame &frame, int threads);
+std::vector<vec4> first_fundamental_forms(const Triangles &triangles, const Charts &charts, const BufferFrame &frame,
+                                          int threads);
 
-// (sites) columns of the 2x2 map from the unit disk to (u, v) offsets, for support radius 1: the square root of the mean inverse metric
-// over the triangles at the site, weighted by their angle there.
+// (sites) columns of the 2x2 map from the unit disk to (u, v) offsets, for support radius 1: the square root of the mean inverse
+// metric over the triangles at the site, weighted by their angle there.
 std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const std::vector<vec4> &forms);
 
 } // namespace paradesc

@@ -23,7 +23,8 @@ BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &chart
   BakeVertices vertices;
   vertices.index.assign(static_cast<size_t>(3 * triangles.triangle_count), 0);
   for (size_t i = 0; i < keys.size(); ++i) {
-    if (i == 0 || keys[i].site != keys[i - 1].site || keys[i].group != keys[i - 1].group) vertices.corner.push_back(keys[i].corner);
+    if (i == 0 || keys[i].site != keys[i - 1].site || keys[i].group != keys[i - 1].group)
+      vertices.corner.push_back(keys[i].corner);
     vertices.index[static_cast<size_t>(keys[i].corner)] = static_cast<uint32_t>(vertices.corner.size() - 1);
   }
   return vertices;
@@ -49,8 +50,10 @@ GeometryBuffer::GeometryBuffer(const Gl &gl, int size)
   const Attribute attributes[] = {{3, 0, 0}, {3, 12, 0}, {2, 0, 1}, {1, 8, 1}};
   for (GLuint i = 0; i < 4; ++i) {
     gl.EnableVertexArrayAttrib(vertex_array_, i);
-    if (i == 3) gl.VertexArrayAttribIFormat(vertex_array_, i, 1, GL_INT, attributes[i].offset);
-    else gl.VertexArrayAttribFormat(vertex_array_, i, attributes[i].components, GL_FLOAT, GL_FALSE, attributes[i].offset);
+    if (i == 3)
+      gl.VertexArrayAttribIFormat(vertex_array_, i, 1, GL_INT, attributes[i].offset);
+    else
+      gl.VertexArrayAttribFormat(vertex_array_, i, attributes[i].components, GL_FLOAT, GL_FALSE, attributes[i].offset);
     gl.VertexArrayAttribBinding(vertex_array_, i, attributes[i].binding);
   }
 }
@@ -66,7 +69,8 @@ static std::vector<EdgeData> edge_data(const BakeInput &input) {
   for (const Border &border : input.charts.borders) {
     const auto [first, second] = border_ends(input.triangles, border);
     auto position = [&](int corner) {
-      return input.frame.to_buffer(input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[static_cast<size_t>(corner)])]);
+      return input.frame.to_buffer(
+          input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[static_cast<size_t>(corner)])]);
     };
     const auto a = static_cast<size_t>(first), b = static_cast<size_t>(second);
     edges.push_back({vec4(input.triangles.corner_uv[a], input.triangles.corner_uv[b]),
@@ -101,8 +105,8 @@ void GeometryBuffer::upload(const BakeInput &input, bool topology_changed) {
     std::vector<Fixed> fixed;
     fixed.reserve(input.vertices.corner.size());
     for (const int32_t corner : input.vertices.corner)
-      fixed.push_back({input.triangles.corner_uv[static_cast<size_t>(corner)],
-                       input.charts.triangle_chart[static_cast<size_t>(corner / 3)]});
+      fixed.push_back(
+          {input.triangles.corner_uv[static_cast<size_t>(corner)], input.charts.triangle_chart[static_cast<size_t>(corner / 3)]});
     uv_chart_.upload(gl_, fixed);
     index_.upload(gl_, input.vertices.index);
     index_count_ = input.vertices.corner.empty() ? 0 : static_cast<GLsizei>(input.vertices.index.size());

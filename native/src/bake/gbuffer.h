@@ -14,8 +14,8 @@ namespace paradesc {
 
 // A vertex of the bake: the corners of one site that share a normal. Depends on topology and on which corners share one.
 struct BakeVertices {
-  std::vector<int32_t> corner;  // (bake vertices) one corner that stands for it
-  std::vector<uint32_t> index;  // (3 * triangle_count) bake vertex of each corner; of triangles on no chart all the same
+  std::vector<int32_t> corner; // (bake vertices) one corner that stands for it
+  std::vector<uint32_t> index; // (3 * triangle_count) bake vertex of each corner; of triangles on no chart all the same
 };
 // corner_group: corners of one site with the same group share a normal; empty: none do.
 BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &charts, const std::vector<int32_t> &corner_group);
@@ -51,7 +51,7 @@ public:
   std::vector<vec4> read_distortion(ProgramCache &programs) const;
   std::vector<vec4> read_position() const; // (size * size) position in buffer units, area element
   std::vector<vec4> read_normal() const;
-  std::vector<int32_t> read_ids() const;   // (size * size, 2) chart, triangle
+  std::vector<int32_t> read_ids() const; // (size * size, 2) chart, triangle
   int size() const { return size_; }
 
 private:

@@ -18,8 +18,8 @@ std::pair<int, int> border_ends(const Triangles &triangles, const Border &border
   return left ? std::pair(a, b) : std::pair(b, a);
 }
 
-// Columns: the shared edge and the third corner of a triangle, from corner `first`, in a plane whose x axis runs along the edge and in
-// which the third corner has the sign of `side`.
+// Columns: the shared edge and the third corner of a triangle, from corner `first`, in a plane whose x axis runs along the edge
+// and in which the third corner has the sign of `side`.
 static dmat2 unfold(const Triangles &triangles, int first, int second, int third, double side) {
   const dvec3 edge = position_of(triangles, second) - position_of(triangles, first);
   const dvec3 spoke = position_of(triangles, third) - position_of(triangles, first);

@@ -19,8 +19,8 @@ std::string compose_descriptors(std::span<const int> asked) {
     members += "  State_" + name + " " + name + ";\n";
     init += "  descriptor_init_" + name + "(states." + name + ");\n";
     add += "  descriptor_add_" + name + "(states." + name + ", center, neighbor);\n";
-    finish += "  results[(ROW_DESCRIPTORS + " + std::to_string(row) + ") * total + index] = descriptor_finish_" + name + "(states." + name +
-              ", center, support);\n";
+    finish += "  results[(ROW_DESCRIPTORS + " + std::to_string(row) + ") * total + index] = descriptor_finish_" + name +
+              "(states." + name + ", center, support);\n";
   }
   // The results buffer is declared after this text, so the last step is a macro for main().
   std::string macro;
@@ -72,7 +72,9 @@ void Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const Geomet
   check_gl(gl, "cells");
 }
 
-void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links) { links_.upload(gl, GL_RGBA32F, links.data(), links.size()); }
+void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links) {
+  links_.upload(gl, GL_RGBA32F, links.data(), links.size());
+}
 
 void Evaluator::set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare) {
   bare_begin_.upload(gl, bare.begin, GL_STREAM_DRAW);
@@ -97,8 +99,8 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
   check_gl(gl, "center upload");
 }
 
-void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
-                    int last) const {
+void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
+                    int first, int last) const {
   std::string name = settings.affine ? "evaluate affine" : "evaluate connected";
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   gl.UseProgram(programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},

@@ -38,7 +38,8 @@ public:
   void set_links(const Gl &gl, const std::vector<vec4> &links);
   void set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare);
   // Computes centers [first, last); returns when the device has finished.
-  void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first, int last) const;
+  void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
+           int last) const;
   // (ROW_DESCRIPTORS + descriptors, centers), in buffer units.
   std::vector<float> read(const Gl &gl, const EvaluateSettings &settings) const;
 

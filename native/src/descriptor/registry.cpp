@@ -11,7 +11,7 @@ namespace paradesc {
 
 std::span<const DescriptorRow> descriptors() {
   static const DescriptorRow rows[] = {
-#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high)                                                 \
+#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high)                                               \
   {#name, label, description, power, is_signed != 0, neutral, low, high, reference_##name},
 #include "descriptor/descriptors.def"
 #undef DESCRIPTOR

@@ -9,8 +9,8 @@ namespace paradesc {
 
 static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-// Largest less smallest value over the places of each point; NaN where a point has one place, infinity where the value exists at some
-// places only.
+// Largest less smallest value over the places of each point; NaN where a point has one place, infinity where the value exists at
+// some places only.
 static std::vector<float> spread(const SiteResults &results, const std::vector<float> &values, size_t points) {
   struct Range {
     float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();
@@ -42,7 +42,8 @@ static std::vector<float> to_vertices(const HalfEdges &half_edges, const std::ve
   return vertices;
 }
 
-static void fill_mask(const HalfEdges &half_edges, const std::vector<int32_t> &primary, const SiteResults &results, Field &field) {
+static void fill_mask(const HalfEdges &half_edges, const std::vector<int32_t> &primary, const SiteResults &results,
+                      Field &field) {
   field.mask.assign(half_edges.vertex_point.size(), 0);
   for (size_t i = 0; i < field.mask.size(); ++i) {
     const int32_t point = half_edges.vertex_point[i];

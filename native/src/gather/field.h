@@ -12,21 +12,21 @@
 namespace paradesc {
 
 struct Field {
-  std::vector<std::string> names;               // descriptors asked for, then "coverage"
-  std::vector<std::vector<float>> values;       // [name][vertex]
-  std::vector<std::vector<float>> seam_error;   // [name][vertex], empty where not asked for
-  std::vector<uint8_t> mask;                    // (vertex_count)
+  std::vector<std::string> names;             // descriptors asked for, then "coverage"
+  std::vector<std::vector<float>> values;     // [name][vertex]
+  std::vector<std::vector<float>> seam_error; // [name][vertex], empty where not asked for
+  std::vector<uint8_t> mask;                  // (vertex_count)
   pdesc_field_report report{};
   std::string warnings;
 };
 
 // One place of evaluation and what came out of it.
 struct SiteResults {
-  std::vector<int32_t> point;              // (places) point evaluated
-  std::vector<uint8_t> primary;            // (places) 1: the place that answers for the point
-  std::vector<std::vector<float>> values;  // [descriptor][place], units of the positions
-  std::vector<float> coverage;             // (places)
-  std::vector<uint8_t> boundary;           // (places)
+  std::vector<int32_t> point;             // (places) point evaluated
+  std::vector<uint8_t> primary;           // (places) 1: the place that answers for the point
+  std::vector<std::vector<float>> values; // [descriptor][place], units of the positions
+  std::vector<float> coverage;            // (places)
+  std::vector<uint8_t> boundary;          // (places)
 };
 
 // Every vertex takes its point's primary place. with_seam_error: also the spread over all places of a point.

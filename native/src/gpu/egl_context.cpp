@@ -54,9 +54,10 @@ struct Candidate {
 static void open_library(auto &egl) {
   egl.library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
   if (!egl.library)
-    throw Error(PDESC_ERROR_UNSUPPORTED,
-                "No EGL on this machine (libEGL.so.1 was not found); install it (Debian: libegl1 and libgl1-mesa-dri), or use the "
-                "reference backend.");
+    throw Error(
+        PDESC_ERROR_UNSUPPORTED,
+        "No EGL on this machine (libEGL.so.1 was not found); install it (Debian: libegl1 and libgl1-mesa-dri), or use the "
+        "reference backend.");
   load(egl.library, "eglGetProcAddress", egl.get_proc_address);
   load(egl.library, "eglQueryString", egl.query_string);
   load(egl.library, "eglInitialize", egl.initialize);
@@ -72,7 +73,8 @@ static void open_library(auto &egl) {
   optional("eglQueryDeviceStringEXT", egl.query_device_string);
   optional("eglGetPlatformDisplayEXT", egl.get_platform_display);
   if (!egl.get_platform_display)
-    throw Error(PDESC_ERROR_UNSUPPORTED, "This EGL cannot run without a window (no EGL_EXT_platform_base); use the reference backend.");
+    throw Error(PDESC_ERROR_UNSUPPORTED,
+                "This EGL cannot run without a window (no EGL_EXT_platform_base); use the reference backend.");
 }
 
 // Devices of the kind asked for; Mesa's surfaceless platform, which may be of either kind, comes last.
@@ -107,8 +109,9 @@ static bool make_context(auto &egl, const Candidate &candidate) {
   if (!has_extension(extensions, "EGL_KHR_surfaceless_context") || !has_extension(extensions, "EGL_KHR_no_config_context"))
     return false;
   if (!egl.bind_api(EGL_OPENGL_API)) return false;
-  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                               EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+  const EGLint attributes[] = {
+      EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+      EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
   egl.context = egl.create_context(egl.display, nullptr, EGL_NO_CONTEXT, attributes);
   if (egl.context == EGL_NO_CONTEXT) return false;
   if (egl.make_current(egl.display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl.context)) return true;
@@ -137,10 +140,11 @@ EglContext::EglContext(bool software, int device_index) : egl_(std::make_unique<
     egl.destroy_context(egl.display, egl.context);
     egl.context = EGL_NO_CONTEXT;
   }
-  throw Error(PDESC_ERROR_UNSUPPORTED,
-              software ? "No software OpenGL 4.5 device was found by EGL; install Mesa (Debian: libgl1-mesa-dri), or use the reference "
-                         "backend."
-                       : "No hardware OpenGL 4.5 device was found by EGL; install its driver, or use the software or reference backend.");
+  throw Error(
+      PDESC_ERROR_UNSUPPORTED,
+      software ? "No software OpenGL 4.5 device was found by EGL; install Mesa (Debian: libgl1-mesa-dri), or use the reference "
+                 "backend."
+               : "No hardware OpenGL 4.5 device was found by EGL; install its driver, or use the software or reference backend.");
 }
 
 EglContext::~EglContext() {

@@ -15,8 +15,8 @@ static std::string find_text(const std::string &path, const std::map<std::string
 }
 
 // GLSL numbers its sources: the number of a file is its place in `files`, which the error message resolves.
-static void append_source(const std::string &path, const std::map<std::string, std::string> &generated, std::vector<std::string> &files,
-                          std::string &source) {
+static void append_source(const std::string &path, const std::map<std::string, std::string> &generated,
+                          std::vector<std::string> &files, std::string &source) {
   for (const std::string &known : files)
     if (known == path) return;
   const size_t number = files.size();
@@ -67,7 +67,8 @@ static GLuint compile(const Gl &gl, const ShaderStage &stage, const std::map<std
   gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), &length, log.data());
   log.resize(static_cast<size_t>(length));
   gl.DeleteShader(shader);
-  throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics driver did not compile " + stage.path + " (files " + file_list(source) + "): " + log);
+  throw Error(PDESC_ERROR_UNSUPPORTED,
+              "The graphics driver did not compile " + stage.path + " (files " + file_list(source) + "): " + log);
 }
 
 GLuint ProgramCache::get(const Gl &gl, const std::string &name, const std::vector<ShaderStage> &stages,

@@ -16,8 +16,8 @@ struct EmbeddedShader {
 };
 const std::vector<EmbeddedShader> &embedded_shaders();
 
-// The text of one embedded file, its #include lines resolved and #line directives set. generated: texts for includes that are made at
-// run time, by name.
+// The text of one embedded file, its #include lines resolved and #line directives set. generated: texts for includes that are
+// made at run time, by name.
 std::string shader_source(const std::string &path, const std::map<std::string, std::string> &generated);
 
 struct ShaderStage {

@@ -33,11 +33,11 @@ struct Site {
 
 struct Charts {
   int chart_count = 0;
-  std::vector<int32_t> triangle_chart; // (triangle_count) -1: degenerate or without UV area
-  std::vector<int32_t> corner_site;    // (3 * triangle_count) -1 where triangle_chart is -1
+  std::vector<int32_t> triangle_chart;   // (triangle_count) -1: degenerate or without UV area
+  std::vector<int32_t> corner_site;      // (3 * triangle_count) -1 where triangle_chart is -1
   std::vector<int32_t> half_edge_border; // (3 * triangle_count) index into borders, or -1
   std::vector<Site> sites;
-  std::vector<int32_t> point_site;     // (point_count) the site with the largest angle; -1: no place in the UV map
+  std::vector<int32_t> point_site; // (point_count) the site with the largest angle; -1: no place in the UV map
   std::vector<Border> borders;
 
   int zero_uv_area_triangles = 0;

@@ -73,7 +73,8 @@ static bool pack(std::vector<Move> &moves, double units) {
     move.scale = std::max(units, smallest / longer);
     const dvec2 box = move.size * move.scale + 2.0 * gutter;
     if (box.x > grid || box.y > grid) return false;
-    rects.push_back({static_cast<int>(i), static_cast<stbrp_coord>(std::ceil(box.x)), static_cast<stbrp_coord>(std::ceil(box.y)), 0, 0, 0});
+    rects.push_back(
+        {static_cast<int>(i), static_cast<stbrp_coord>(std::ceil(box.x)), static_cast<stbrp_coord>(std::ceil(box.y)), 0, 0, 0});
   }
   std::vector<stbrp_node> nodes(grid);
   stbrp_context context;
@@ -103,9 +104,10 @@ void repack_charts(Triangles &triangles, Charts &charts) {
     }
   }
   if (best.empty())
-    throw Error(PDESC_ERROR_UNSUPPORTED, "The UV map overlaps itself and its " + std::to_string(moves.size()) +
-                                             " charts are too many to lay out afresh; unwrap the mesh with fewer islands, or use the "
-                                             "reference backend.");
+    throw Error(PDESC_ERROR_UNSUPPORTED,
+                "The UV map overlaps itself and its " + std::to_string(moves.size()) +
+                    " charts are too many to lay out afresh; unwrap the mesh with fewer islands, or use the "
+                    "reference backend.");
   for (Move &move : best) {
     move.scale /= grid;
     move.place /= static_cast<double>(grid);

@@ -6,8 +6,9 @@
 
 namespace paradesc {
 
-// Moves and turns every chart as a whole into the unit square, with a gutter between them, and scales all alike: where the UV map gives
-// more texels to a face than to a foot, so does this. Seams, sites and borders stay what they are. A chart that overlaps itself still does.
+// Moves and turns every chart as a whole into the unit square, with a gutter between them, and scales all alike: where the UV map
+// gives more texels to a face than to a foot, so does this. Seams, sites and borders stay what they are. A chart that overlaps
+// itself still does.
 void repack_charts(Triangles &triangles, Charts &charts);
 
 } // namespace paradesc

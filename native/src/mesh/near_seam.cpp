@@ -31,7 +31,8 @@ static EdgeLists edge_lists(const HalfEdges &half_edges) {
   return lists;
 }
 
-std::vector<uint8_t> vertices_near_seams(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts, double radius) {
+std::vector<uint8_t> vertices_near_seams(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts,
+                                         double radius) {
   using Entry = std::pair<double, int32_t>;
   std::vector<double> distance(static_cast<size_t>(half_edges.point_count), std::numeric_limits<double>::infinity());
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;

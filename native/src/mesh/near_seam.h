@@ -6,6 +6,7 @@
 namespace paradesc {
 
 // (vertex_count) 1 where a seam's end lies within `radius` along edges.
-std::vector<uint8_t> vertices_near_seams(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts, double radius);
+std::vector<uint8_t> vertices_near_seams(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts,
+                                         double radius);
 
 } // namespace paradesc

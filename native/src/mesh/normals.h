@@ -14,13 +14,13 @@ namespace paradesc {
 // Found once per topology.
 struct NormalRings {
   int fan_count = 0;
-  std::vector<int32_t> corner_fan;   // (3 * triangle_count) -1 for triangles left out
-  std::vector<int32_t> fan_point;    // (fan_count)
-  std::vector<int32_t> ring_begin;   // (fan_count + 1) into ring_point
-  std::vector<int32_t> ring_point;   // neighbors over rings of the mesh, nearest ring first, sharp edges never crossed
-  std::vector<int32_t> face_begin;   // (fan_count + 1) into face
-  std::vector<int32_t> face;         // triangles of the rings used, the fan's own first
-  std::vector<int32_t> own_faces;    // (fan_count) how many of those are the fan's own
+  std::vector<int32_t> corner_fan; // (3 * triangle_count) -1 for triangles left out
+  std::vector<int32_t> fan_point;  // (fan_count)
+  std::vector<int32_t> ring_begin; // (fan_count + 1) into ring_point
+  std::vector<int32_t> ring_point; // neighbors over rings of the mesh, nearest ring first, sharp edges never crossed
+  std::vector<int32_t> face_begin; // (fan_count + 1) into face
+  std::vector<int32_t> face;       // triangles of the rings used, the fan's own first
+  std::vector<int32_t> own_faces;  // (fan_count) how many of those are the fan's own
 };
 
 struct Normals {

@@ -12,11 +12,11 @@ namespace paradesc {
 struct Triangles {
   int vertex_count = 0;
   int triangle_count = 0;
-  std::vector<vec3> positions;             // (vertex_count)
-  std::vector<int32_t> corner_vertex;      // (3 * triangle_count)
-  std::vector<vec2> corner_uv;             // (3 * triangle_count) mapped into the unit square, or empty: no UV map
-  std::vector<vec3> corner_normal;         // (3 * triangle_count) or empty: none given
-  std::vector<uint8_t> half_edge_sharp;    // (3 * triangle_count) 1: the edge is marked sharp and this face is smooth
+  std::vector<vec3> positions;          // (vertex_count)
+  std::vector<int32_t> corner_vertex;   // (3 * triangle_count)
+  std::vector<vec2> corner_uv;          // (3 * triangle_count) mapped into the unit square, or empty: no UV map
+  std::vector<vec3> corner_normal;      // (3 * triangle_count) or empty: none given
+  std::vector<uint8_t> half_edge_sharp; // (3 * triangle_count) 1: the edge is marked sharp and this face is smooth
   bool uv_remapped = false;
 };
 

@@ -6,7 +6,6 @@
 #include <numeric>
 #include <queue>
 
-
 namespace paradesc {
 
 namespace {
@@ -47,7 +46,8 @@ public:
   // The texel that carries a place on a chart: its own, or one beside it in sight; -1: none.
   int64_t carrier(dvec2 place, int32_t of_chart) const {
     const int x = static_cast<int>(std::floor(place.x)), y = static_cast<int>(std::floor(place.y));
-    if (inside(x, y) && chart(x, y) == of_chart && joined(place, {x + 0.5, y + 0.5}, of_chart)) return static_cast<int64_t>(index(x, y));
+    if (inside(x, y) && chart(x, y) == of_chart && joined(place, {x + 0.5, y + 0.5}, of_chart))
+      return static_cast<int64_t>(index(x, y));
     int64_t best = -1;
     double nearest = 1e9;
     for (int dy = -1; dy <= 1; ++dy)
@@ -68,7 +68,8 @@ private:
     const int32_t begin = grid_.cells[2 * texel + 1];
     for (int32_t i = begin; i < begin - std::min(grid_.cells[2 * texel], 0); ++i) {
       if (grid_.list[2 * static_cast<size_t>(i) + 1] != of_chart) continue;
-      const dvec4 uv = dvec4(grid_.border_uv[static_cast<size_t>(grid_.list[2 * static_cast<size_t>(i)])]) * static_cast<double>(size_);
+      const dvec4 uv =
+          dvec4(grid_.border_uv[static_cast<size_t>(grid_.list[2 * static_cast<size_t>(i)])]) * static_cast<double>(size_);
       visit(dvec2(uv.x, uv.y), dvec2(uv.z, uv.w));
     }
   }
@@ -76,7 +77,8 @@ private:
   bool crossed(int x, int y, dvec2 a, dvec2 b, int32_t of_chart) const {
     bool result = false;
     each_border(x, y, of_chart, [&](dvec2 c, dvec2 d) {
-      const double side_c = cross(b - a, c - a), side_d = cross(b - a, d - a), side_a = cross(d - c, a - c), side_b = cross(d - c, b - c);
+      const double side_c = cross(b - a, c - a), side_d = cross(b - a, d - a), side_a = cross(d - c, a - c),
+                   side_b = cross(d - c, b - c);
       result |= side_c * side_d <= 0.0 && side_a * side_b < 0.0;
     });
     return result;
@@ -91,7 +93,8 @@ struct Unions {
   std::vector<int32_t> parent;
   explicit Unions(size_t count) : parent(count) { std::iota(parent.begin(), parent.end(), 0); }
   int32_t root(int32_t i) {
-    while (parent[static_cast<size_t>(i)] != i) i = parent[static_cast<size_t>(i)] = parent[static_cast<size_t>(parent[static_cast<size_t>(i)])];
+    while (parent[static_cast<size_t>(i)] != i)
+      i = parent[static_cast<size_t>(i)] = parent[static_cast<size_t>(parent[static_cast<size_t>(i)])];
     return i;
   }
   // The lower number stays root, so that labels do not depend on the order of unions.
@@ -143,7 +146,8 @@ public:
     // A site that no texel carries starts where the surface around it does.
     for (size_t corner = 0; corner < charts_.corner_site.size(); ++corner) {
       const int32_t site = charts_.corner_site[corner];
-      if (site >= 0 && cells_.site_cell[static_cast<size_t>(site)] < 0) cells_.site_cell[static_cast<size_t>(site)] = cells_.triangle_cell[corner / 3];
+      if (site >= 0 && cells_.site_cell[static_cast<size_t>(site)] < 0)
+        cells_.site_cell[static_cast<size_t>(site)] = cells_.triangle_cell[corner / 3];
     }
     cover_texels();
     return std::move(cells_);
@@ -170,8 +174,10 @@ private:
     std::vector<std::pair<int32_t, int32_t>> between; // texels joined over the sides of blocks
     each_joined_pair([&](int x, int y, int x2, int y2) {
       const auto a = static_cast<int32_t>(map_.index(x, y)), b = static_cast<int32_t>(map_.index(x2, y2));
-      if (x / block == x2 / block && y / block == y2 / block) unions.join(a, b);
-      else between.emplace_back(a, b);
+      if (x / block == x2 / block && y / block == y2 / block)
+        unions.join(a, b);
+      else
+        between.emplace_back(a, b);
     });
     cells_.label.assign(texels, -1);
     for (int y = 0; y < size_; ++y)
@@ -222,21 +228,23 @@ private:
     }
   }
 
-  // A texel on a border counts by the part that its chart covers, also where its center lies beyond: else seams are as rough as texels.
+  // A texel on a border counts by the part that its chart covers, also where its center lies beyond: else seams are as rough as
+  // texels.
   void cover_texels() {
     std::vector<int32_t> covered(2 * cells_.label.size());
     for (int y = 0; y < size_; ++y)
       for (int x = 0; x < size_; ++x) {
         const size_t texel = map_.index(x, y);
-        const auto [cell, part] = map_.has_border(x, y) && map_.owner(x, y) >= 0 ? partly_covered(x, y) : std::pair(cells_.label[texel], 16);
+        const auto [cell, part] =
+            map_.has_border(x, y) && map_.owner(x, y) >= 0 ? partly_covered(x, y) : std::pair(cells_.label[texel], 16);
         covered[2 * texel] = cell;
         covered[2 * texel + 1] = part * 4096;
       }
     cells_.label = std::move(covered);
   }
 
-  // The cell of a texel on a border, and how many of 16 places in it lie on the chart. A texel whose center is off the chart goes to the cell
-  // beside it in the same block, if there is one.
+  // The cell of a texel on a border, and how many of 16 places in it lie on the chart. A texel whose center is off the chart goes
+  // to the cell beside it in the same block, if there is one.
   std::pair<int32_t, int> partly_covered(int x, int y) const {
     const int32_t chart = map_.owner(x, y);
     const bool center_inside = map_.chart(x, y) >= 0;
@@ -272,11 +280,12 @@ private:
     const int a = half_edge, b = next_corner(a), c = next_corner(b);
     const dvec2 place = uv_of(a) + (uv_of(b) - uv_of(a)) * t;
     const dvec2 way = (uv_of(a) + uv_of(b) + uv_of(c)) / 3.0 - place;
-    return map_.carrier(place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)), charts_.triangle_chart[static_cast<size_t>(a / 3)]);
+    return map_.carrier(place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)),
+                        charts_.triangle_chart[static_cast<size_t>(a / 3)]);
   }
 
-  // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and over a seam
-  // the same place of the edge is on both sides.
+  // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and
+  // over a seam the same place of the edge is on both sides.
   void link_along_edges() {
     for (int half_edge = 0; half_edge < 3 * triangles_.triangle_count; ++half_edge) {
       if (charts_.triangle_chart[static_cast<size_t>(half_edge / 3)] < 0) continue;
@@ -301,8 +310,8 @@ private:
     }
   }
 
-  // Triangles without a texel near belong to the cell from which the surface leads to them first; where such ways from two cells meet, the
-  // cells are linked.
+  // Triangles without a texel near belong to the cell from which the surface leads to them first; where such ways from two cells
+  // meet, the cells are linked.
   void attach_bare_triangles() {
     std::vector<int64_t> texel(static_cast<size_t>(triangles_.triangle_count), -1);
     std::vector<uint8_t> bare(texel.size(), 0);
@@ -310,7 +319,8 @@ private:
     for (int32_t t = 0; t < triangles_.triangle_count; ++t) {
       if (half_edges_.corner_point[static_cast<size_t>(3 * t)] < 0) continue;
       const int32_t chart = charts_.triangle_chart[static_cast<size_t>(t)];
-      if (chart >= 0) texel[static_cast<size_t>(t)] = map_.carrier((uv_of(3 * t) + uv_of(3 * t + 1) + uv_of(3 * t + 2)) / 3.0, chart);
+      if (chart >= 0)
+        texel[static_cast<size_t>(t)] = map_.carrier((uv_of(3 * t) + uv_of(3 * t + 1) + uv_of(3 * t + 2)) / 3.0, chart);
       bare[static_cast<size_t>(t)] = texel[static_cast<size_t>(t)] < 0;
       if (texel[static_cast<size_t>(t)] >= 0) queue.push(t);
     }
@@ -347,8 +357,8 @@ private:
 
 } // namespace
 
-Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
-                  const Charts &charts, int block_size) {
+Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles,
+                  const HalfEdges &half_edges, const Charts &charts, int block_size) {
   return Builder(ids, grid, triangles, half_edges, charts, block_size).build();
 }
 

@@ -1,8 +1,9 @@
 // Baked texels → cells, the connected pieces of charts within blocks of the buffer, and the links between them, over seams too.
 //
-// Cells are how a neighborhood is found: from the cells of the center's own places in the UV map over links, as far as they meet the
-// ball. That is the connected part of the surface in the ball, however the charts lie; no map from chart to chart is extrapolated, so
-// neighboring seam edges leave neither gaps nor overlaps. Topology and buffer size decide cells and links; positions do not.
+// Cells are how a neighborhood is found: from the cells of the center's own places in the UV map over links, as far as they meet
+// the ball. That is the connected part of the surface in the ball, however the charts lie; no map from chart to chart is
+// extrapolated, so neighboring seam edges leave neither gaps nor overlaps. Topology and buffer size decide cells and links;
+// positions do not.
 #pragma once
 
 #include <cstdint>
@@ -17,23 +18,24 @@ namespace paradesc {
 
 struct Cells {
   int count = 0;
-  int block_size = 0;                 // texels, a power of two
-  std::vector<int32_t> label;         // (size * size, 2) cell of each texel, or -1; part of the texel that its chart covers, of 65536
-  std::vector<int32_t> corner;        // (count, 2) low texel of its block
-  std::vector<int32_t> side_begin;    // (count + 1) into side
-  std::vector<ivec2> side;            // neighboring cell, link
-  std::vector<int32_t> link_begin;    // (links + 1) into link_texel
-  std::vector<int32_t> link_texel;    // where the surface goes over from cell to cell
+  int block_size = 0;          // texels, a power of two
+  std::vector<int32_t> label;  // (size * size, 2) cell of each texel, or -1; part of the texel that its chart covers, of 65536
+  std::vector<int32_t> corner; // (count, 2) low texel of its block
+  std::vector<int32_t> side_begin;     // (count + 1) into side
+  std::vector<ivec2> side;             // neighboring cell, link
+  std::vector<int32_t> link_begin;     // (links + 1) into link_texel
+  std::vector<int32_t> link_texel;     // where the surface goes over from cell to cell
   std::vector<int32_t> boundary_begin; // (count + 1) into boundary
-  std::vector<int32_t> boundary;      // half-edges on the mesh's boundary that a cell touches
-  std::vector<int32_t> bare_begin;    // (count + 1) into bare
-  std::vector<int32_t> bare;          // triangles that no texel carries, at the cell from which the surface leads to them
-  std::vector<int32_t> triangle_cell; // (triangle_count) where the surface there is carried, or from where it leads there; -1: nowhere
-  std::vector<int32_t> site_cell;     // (sites)
+  std::vector<int32_t> boundary;       // half-edges on the mesh's boundary that a cell touches
+  std::vector<int32_t> bare_begin;     // (count + 1) into bare
+  std::vector<int32_t> bare;           // triangles that no texel carries, at the cell from which the surface leads to them
+  std::vector<int32_t>
+      triangle_cell; // (triangle_count) where the surface there is carried, or from where it leads there; -1: nowhere
+  std::vector<int32_t> site_cell; // (sites)
 };
 
 // ids: (size * size, 2) as GeometryBuffer::read_ids.
-Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
-                  const Charts &charts, int block_size);
+Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles,
+                  const HalfEdges &half_edges, const Charts &charts, int block_size);
 
 } // namespace paradesc

@@ -81,14 +81,17 @@ BorderGrid build_border_grid(const Triangles &triangles, const Charts &charts, i
   const size_t texels = static_cast<size_t>(size) * static_cast<size_t>(size);
   for (const Border &border : charts.borders) {
     const auto [first, second] = border_ends(triangles, border);
-    grid.border_uv.emplace_back(triangles.corner_uv[static_cast<size_t>(first)], triangles.corner_uv[static_cast<size_t>(second)]);
+    grid.border_uv.emplace_back(triangles.corner_uv[static_cast<size_t>(first)],
+                                triangles.corner_uv[static_cast<size_t>(second)]);
   }
   std::vector<int32_t> begin(texels + 1, 0);
   auto visit_all = [&](const auto &visit) {
     for (size_t i = 0; i < charts.borders.size(); ++i) {
       const dvec2 a(dvec2(grid.border_uv[i].x, grid.border_uv[i].y) * static_cast<double>(size));
       const dvec2 b(dvec2(grid.border_uv[i].z, grid.border_uv[i].w) * static_cast<double>(size));
-      touched_texels(a, b, size, [&](int x, int y) { visit(i, static_cast<size_t>(y) * static_cast<size_t>(size) + static_cast<size_t>(x)); });
+      touched_texels(a, b, size, [&](int x, int y) {
+        visit(i, static_cast<size_t>(y) * static_cast<size_t>(size) + static_cast<size_t>(x));
+      });
     }
   };
   visit_all([&](size_t, size_t texel) { ++begin[texel + 1]; });

@@ -1,5 +1,5 @@
-// Chart borders → the texel grid that cells and marches read: which border edges pass through each texel, and how far a texel is from
-// the nearest of them. Depends on the layout alone, so it is made once per topology and buffer size.
+// Chart borders → the texel grid that cells and marches read: which border edges pass through each texel, and how far a texel is
+// from the nearest of them. Depends on the layout alone, so it is made once per topology and buffer size.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 namespace paradesc {
 
 struct BorderGrid {
-  int size = 0;                 // texels along a side
-  std::vector<int32_t> cells;   // (size * size, 2): texels that a march may skip from anywhere in this one, or 0, or -number of edges
-                                // in it; first entry in `list`
-  std::vector<int32_t> list;    // (entries, 2): border, its chart
-  std::vector<vec4> border_uv;  // (borders) u0, v0, u1, v1, the chart on the left
+  int size = 0;               // texels along a side
+  std::vector<int32_t> cells; // (size * size, 2): texels that a march may skip from anywhere in this one, or 0, or -number of
+                              // edges in it; first entry in `list`
+  std::vector<int32_t> list;   // (entries, 2): border, its chart
+  std::vector<vec4> border_uv; // (borders) u0, v0, u1, v1, the chart on the left
 };
 
 BorderGrid build_border_grid(const Triangles &triangles, const Charts &charts, int size);

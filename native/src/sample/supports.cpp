@@ -9,15 +9,16 @@
 namespace paradesc {
 
 // Divided until pieces are small against the radius: the middle of each is a sample.
-BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals, const BufferFrame &frame,
-                                  float radius) {
+BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
+                                  const BufferFrame &frame, float radius) {
   BareSamples samples;
   samples.begin.push_back(0);
   for (size_t cell = 0; cell + 1 < cells.bare_begin.size(); ++cell) {
     for (int32_t k = cells.bare_begin[cell]; k < cells.bare_begin[cell + 1]; ++k) {
       const auto corner = 3 * static_cast<size_t>(cells.bare[static_cast<size_t>(k)]);
       vec3 p[3];
-      for (size_t i = 0; i < 3; ++i) p[i] = frame.to_buffer(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner + i])]);
+      for (size_t i = 0; i < 3; ++i)
+        p[i] = frame.to_buffer(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner + i])]);
       const float longest = std::max({length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])});
       const int side = std::clamp(static_cast<int>(std::ceil(4.0f * longest / radius)), 1, 16);
       const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0])) / static_cast<float>(side * side);
@@ -95,7 +96,8 @@ public:
     add(center.cell, found);
     for (const int32_t site : center.sites) add(cells_.site_cell[static_cast<size_t>(site)], found);
     const size_t starts = found.size() - begin;
-    // Finer detail than the radius counts through what lies near: cells there are marked, and sampled four times as finely each way.
+    // Finer detail than the radius counts through what lies near: cells there are marked, and sampled four times as finely each
+    // way.
     const float near = 0.25f * radius_;
     for (size_t i = begin; i < found.size(); ++i) {
       const auto cell = static_cast<size_t>(found[i]);
@@ -103,7 +105,8 @@ public:
         const ivec2 side = cells_.side[static_cast<size_t>(k)];
         const float distance = box_distance(links_[static_cast<size_t>(side.y)], center.position);
         if (distance < near * near) near_[cell] = mark_;
-        if (visited_[static_cast<size_t>(side.x)] != mark_ && distance < radius_ * radius_ && in_ball(side.y, center)) add(side.x, found);
+        if (visited_[static_cast<size_t>(side.x)] != mark_ && distance < radius_ * radius_ && in_ball(side.y, center))
+          add(side.x, found);
       }
       for (int32_t k = cells_.boundary_begin[cell]; !boundary && k < cells_.boundary_begin[cell + 1]; ++k) {
         const int half_edge = cells_.boundary[static_cast<size_t>(k)];
@@ -111,7 +114,8 @@ public:
       }
     }
     for (size_t i = begin; i < std::min(found.size(), begin + starts); ++i) near_[static_cast<size_t>(found[i])] = mark_;
-    std::sort(found.begin() + static_cast<ptrdiff_t>(begin), found.end()); // one order of summation, whichever place the search began at
+    std::sort(found.begin() + static_cast<ptrdiff_t>(begin),
+              found.end()); // one order of summation, whichever place the search began at
     for (size_t i = begin; i < found.size(); ++i)
       if (near_[static_cast<size_t>(found[i])] == mark_) found[i] = -1 - found[i];
   }
@@ -123,8 +127,8 @@ private:
     found.push_back(cell);
   }
 
-  // The surface goes over beside one of the link's texels. No margin: it would let in a neighboring finger as often as it keeps a place
-  // that belongs.
+  // The surface goes over beside one of the link's texels. No margin: it would let in a neighboring finger as often as it keeps a
+  // place that belongs.
   bool in_ball(int32_t link, const SupportCenter &center) const {
     for (int32_t k = cells_.link_begin[static_cast<size_t>(link)]; k < cells_.link_begin[static_cast<size_t>(link) + 1]; ++k) {
       const vec3 gap = vec3(positions_[static_cast<size_t>(cells_.link_texel[static_cast<size_t>(k)])]) - center.position;
@@ -134,7 +138,8 @@ private:
   }
 
   dvec3 position(int corner) const {
-    return dvec3(frame_.to_buffer(triangles_.positions[static_cast<size_t>(triangles_.corner_vertex[static_cast<size_t>(corner)])]));
+    return dvec3(
+        frame_.to_buffer(triangles_.positions[static_cast<size_t>(triangles_.corner_vertex[static_cast<size_t>(corner)])]));
   }
 
   const Cells &cells_;
@@ -149,8 +154,8 @@ private:
 
 } // namespace
 
-Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles, const BufferFrame &frame,
-                       const std::vector<SupportCenter> &centers, float radius, int threads) {
+Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles,
+                       const BufferFrame &frame, const std::vector<SupportCenter> &centers, float radius, int threads) {
   constexpr int block = 512;
   const std::vector<Bounds> links = link_bounds(cells, positions, threads);
   const auto count = static_cast<int>(centers.size());

@@ -1,5 +1,5 @@
-// Cells + positions of a frame → the neighborhood of each center: the cells of the surface connected to it within the ball, and samples of
-// the triangles that no texel carries.
+// Cells + positions of a frame → the neighborhood of each center: the cells of the surface connected to it within the ball, and
+// samples of the triangles that no texel carries.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct Supports {
 };
 
 struct SupportCenter {
-  vec3 position;                 // buffer units
+  vec3 position;                  // buffer units
   std::span<const int32_t> sites; // to start from
   int32_t cell;                   // to start from as well, or -1
 };
@@ -31,12 +31,11 @@ struct BareSamples {
   std::vector<vec4> point;    // two a sample: position in buffer units, area; normal
 };
 
-BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals, const BufferFrame &frame,
-                                  float radius);
-
+BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
+                                  const BufferFrame &frame, float radius);
 
 // positions: (size * size) as GeometryBuffer::read_position. radius in buffer units.
-Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles, const BufferFrame &frame,
-                       const std::vector<SupportCenter> &centers, float radius, int threads);
+Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles,
+                       const BufferFrame &frame, const std::vector<SupportCenter> &centers, float radius, int threads);
 
 } // namespace paradesc
