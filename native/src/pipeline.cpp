@@ -422,6 +422,7 @@ static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &opti
   field.report.seconds_prepare = clock.lap();
   ReferenceField reference = compute_reference(mesh.triangles, mesh.half_edges, normals, radius, asked, mesh.context->threads,
                                                [&](double fraction) { return progress("evaluate", fraction); });
+  check_cancel(progress, "evaluate", 1.0); // other threads may have finished the last points
   SiteResults results;
   results.values = std::move(reference.values);
   results.boundary = std::move(reference.boundary);
