@@ -13,12 +13,25 @@ namespace {
 // Where a place of a chart belongs, and whether two places of a chart are joined by a straight way on it.
 class ChartMap {
 public:
-  ChartMap(const std::vector<int32_t> &ids, const BorderGrid &grid) : ids_(ids), grid_(grid), size_(grid.size) {}
+  ChartMap(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles)
+      : ids_(ids), grid_(grid), triangles_(triangles), size_(grid.size) {}
 
   bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < size_ && y < size_; }
   size_t index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(size_) + static_cast<size_t>(x); }
   // The chart of a texel whose center lies on one, else -1.
   int32_t chart(int x, int y) const { return ids_[2 * index(x, y) + 1] >= 0 ? ids_[2 * index(x, y)] : -1; }
+
+  // A texel's center; beside a border, a little towards the middle of its triangle: rasterizers round, and what they call inside
+  // may be outside by a hair.
+  dvec2 middle(int x, int y) const {
+    const dvec2 center(x + 0.5, y + 0.5);
+    const int32_t triangle = ids_[2 * index(x, y) + 1];
+    if (!has_border(x, y) || triangle < 0) return center;
+    dvec2 sum(0.0);
+    for (size_t i = 0; i < 3; ++i) sum += dvec2(triangles_.corner_uv[3 * static_cast<size_t>(triangle) + i]);
+    const dvec2 way = sum * (size_ / 3.0) - center;
+    return center + way * std::min(0.5, 0.02 / std::max(length(way), 1e-9));
+  }
 
   // No border of the chart crosses the way from a to b, which lie in these two texels or beside them.
   bool joined(dvec2 a, dvec2 b, int32_t of_chart) const {
@@ -46,16 +59,16 @@ public:
   // The texel that carries a place on a chart: its own, or one beside it in sight; -1: none.
   int64_t carrier(dvec2 place, int32_t of_chart) const {
     const int x = static_cast<int>(std::floor(place.x)), y = static_cast<int>(std::floor(place.y));
-    if (inside(x, y) && chart(x, y) == of_chart && joined(place, {x + 0.5, y + 0.5}, of_chart))
+    if (inside(x, y) && chart(x, y) == of_chart && joined(place, middle(x, y), of_chart))
       return static_cast<int64_t>(index(x, y));
     int64_t best = -1;
     double nearest = 1e9;
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) {
         if (!inside(x + dx, y + dy) || chart(x + dx, y + dy) != of_chart) continue;
-        const dvec2 middle(x + dx + 0.5, y + dy + 0.5);
-        const double distance = dot(middle - place, middle - place);
-        if (distance >= nearest || !joined(place, middle, of_chart)) continue;
+        const dvec2 there = middle(x + dx, y + dy);
+        const double distance = dot(there - place, there - place);
+        if (distance >= nearest || !joined(place, there, of_chart)) continue;
         nearest = distance;
         best = static_cast<int64_t>(index(x + dx, y + dy));
       }
@@ -86,6 +99,7 @@ private:
 
   const std::vector<int32_t> &ids_;
   const BorderGrid &grid_;
+  const Triangles &triangles_;
   int size_;
 };
 
@@ -132,7 +146,7 @@ class Builder {
 public:
   Builder(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
           const Charts &charts, int block_size)
-      : map_(ids, grid), triangles_(triangles), half_edges_(half_edges), charts_(charts), size_(grid.size) {
+      : map_(ids, grid, triangles), triangles_(triangles), half_edges_(half_edges), charts_(charts), size_(grid.size) {
     cells_.block_size = block_size;
   }
 
@@ -154,15 +168,15 @@ public:
   }
 
 private:
-  // Calls visit(texel, other) for texels side by side that are joined.
+  // Calls visit(texel, other) for texels side by side or at a corner that are joined.
   template <class Visit> void each_joined_pair(const Visit &visit) const {
     for (int y = 0; y < size_; ++y)
       for (int x = 0; x < size_; ++x) {
         const int32_t chart = map_.chart(x, y);
         if (chart < 0) continue;
-        for (const auto &[dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
+        for (const auto &[dx, dy] : {std::pair(1, 0), std::pair(0, 1), std::pair(1, 1), std::pair(-1, 1)}) {
           if (!map_.inside(x + dx, y + dy) || map_.chart(x + dx, y + dy) != chart) continue;
-          if (map_.joined({x + 0.5, y + 0.5}, {x + dx + 0.5, y + dy + 0.5}, chart)) visit(x, y, x + dx, y + dy);
+          if (map_.joined(map_.middle(x, y), map_.middle(x + dx, y + dy), chart)) visit(x, y, x + dx, y + dy);
         }
       }
   }
@@ -248,7 +262,7 @@ private:
   std::pair<int32_t, int> partly_covered(int x, int y) const {
     const int32_t chart = map_.owner(x, y);
     const bool center_inside = map_.chart(x, y) >= 0;
-    const dvec2 center(x + 0.5, y + 0.5);
+    const dvec2 center = center_inside ? map_.middle(x, y) : dvec2(x + 0.5, y + 0.5);
     int32_t cell = center_inside ? cells_.label[map_.index(x, y)] : -1;
     int part = 0;
     for (int i = 0; i < 16; ++i) {
