@@ -1,0 +1,70 @@
+// The golden-angle pattern is even; its rotations are spread and repeatable.
+#include "sample/pattern.h"
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace paradesc {
+namespace {
+
+TEST(Pattern, every_ring_of_equal_area_has_the_same_number_of_samples) {
+  for (const int count : {16, 64, 256, 4096}) {
+    std::vector<int> ring(16, 0);
+    for (const vec2 place : golden_angle_pattern(count)) ++ring.at(static_cast<size_t>(16.0f * dot(place, place)));
+    for (const int samples : ring) EXPECT_EQ(samples, count / 16) << "of " << count;
+  }
+}
+
+TEST(Pattern, every_sector_has_nearly_the_same_number_of_samples) {
+  for (const int count : {64, 256, 1000}) {
+    std::vector<int> sector(8, 0);
+    for (const vec2 place : golden_angle_pattern(count))
+      ++sector.at(static_cast<size_t>(std::floor((std::atan2(place.y, place.x) / pi + 1.0) * 3.999999)));
+    // Multiples of the golden angle leave an arc with at most a handful too many: their discrepancy grows with log(count).
+    for (const int samples : sector) EXPECT_NEAR(samples, count / 8.0, 3.0) << "of " << count;
+  }
+}
+
+TEST(Pattern, all_samples_lie_in_the_unit_disk_and_are_as_many_as_asked) {
+  for (const int count : {1, 8, 77, 4096}) {
+    const auto pattern = golden_angle_pattern(count);
+    EXPECT_EQ(pattern.size(), static_cast<size_t>(count));
+    for (const vec2 place : pattern) EXPECT_LT(length(place), 1.0f);
+  }
+}
+
+TEST(Pattern, the_samples_center_is_the_disks) {
+  for (const int count : {16, 64, 256, 4096}) {
+    dvec2 sum(0.0);
+    for (const vec2 place : golden_angle_pattern(count)) sum += dvec2(place);
+    // Sums of unit vectors over multiples of the golden angle stay below 1 / (2 sin(half the angle)) + 1/2 < 1.1; radii only grow.
+    EXPECT_LT(length(sum) / count, 1.1 / count) << count;
+  }
+}
+
+TEST(Pattern, rotations_depend_on_the_point_and_the_seed) {
+  std::set<float> angles;
+  for (uint32_t point = 0; point < 100; ++point)
+    for (uint32_t seed = 0; seed < 10; ++seed) angles.insert(pattern_rotation(point, seed));
+  EXPECT_GE(angles.size(), 999u); // two of a thousand may meet in a float
+}
+
+TEST(Pattern, rotations_are_the_same_every_time) {
+  for (const uint32_t point : {0u, 1u, 4000000000u}) EXPECT_EQ(pattern_rotation(point, 7), pattern_rotation(point, 7));
+}
+
+TEST(Pattern, rotations_are_spread_over_the_whole_turn) {
+  std::vector<int> part(8, 0);
+  for (uint32_t point = 0; point < 8000; ++point) {
+    const float angle = pattern_rotation(point, 1);
+    ASSERT_GE(angle, 0.0f);
+    ASSERT_LE(angle, static_cast<float>(2 * pi));
+    ++part.at(std::min<size_t>(7, static_cast<size_t>(angle / (2 * pi) * 8)));
+  }
+  for (const int points : part) EXPECT_NEAR(points, 1000, 150) << "five standard deviations of a fair draw";
+}
+
+} // namespace
+} // namespace paradesc
