@@ -1,0 +1,69 @@
+// A built mesh → its baked buffers and cells, read back. Tests on the software device skip where there is none.
+#pragma once
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "bake/gbuffer.h"
+#include "bake/shapes.h"
+#include "gpu/gl_thread.h"
+#include "mesh/normals.h"
+#include "sample/cells.h"
+#include "support/error.h"
+
+namespace paradesc::test {
+
+class OnSoftwareDevice : public ::testing::Test {
+protected:
+  void SetUp() override {
+    try {
+      thread = std::make_unique<GlThread>(true, -1);
+    } catch (const Error &error) {
+      GTEST_SKIP() << error.what();
+    }
+  }
+  std::unique_ptr<GlThread> thread;
+};
+
+struct Buffers {
+  int size = 0;
+  BufferFrame frame;
+  Normals normals;
+  std::vector<vec4> forms, position, normal, distortion;
+  std::vector<int32_t> ids;
+  TexelCounts counts;
+  int32_t chart(int x, int y) const { return ids[2 * at(y * size + x)]; }
+  int32_t triangle(int x, int y) const { return ids[2 * at(y * size + x) + 1]; }
+  vec4 position_at(int x, int y) const { return position[at(y * size + x)]; }
+  dvec2 center(int x, int y) const { return dvec2(x + 0.5, y + 0.5) / static_cast<double>(size); }
+};
+
+// bakes: how often, into the same buffer.
+inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 1) {
+  Buffers buffers;
+  buffers.size = size;
+  buffers.frame = frame_of(built.triangles, built.half_edges);
+  const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
+  buffers.normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
+  buffers.forms = first_fundamental_forms(built.triangles, built.charts, buffers.frame, 0);
+  const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, rings.corner_fan);
+  thread.run([&](const Gl &gl, ProgramCache &programs) {
+    GeometryBuffer buffer(gl, size);
+    for (int i = 0; i < bakes; ++i)
+      buffer.bake(programs, {built.triangles, built.charts, vertices, buffers.normals, buffers.forms, buffers.frame}, i == 0);
+    buffers.counts = buffer.count_owners(programs);
+    buffers.position = buffer.read_position();
+    buffers.normal = buffer.read_normal();
+    buffers.distortion = buffer.read_distortion(programs);
+    buffers.ids = buffer.read_ids();
+  });
+  return buffers;
+}
+
+inline Cells cells_of(const Built &built, const Buffers &buffers, int block) {
+  return build_cells(buffers.ids, build_border_grid(built.triangles, built.charts, buffers.size), built.triangles,
+                     built.half_edges, built.charts, block);
+}
+
+} // namespace paradesc::test
