@@ -10,7 +10,8 @@
 namespace paradesc::test {
 namespace {
 
-constexpr double along = 2, across = 3, turn = pi / 6; // stretch from (u, v) to space, along a direction 30 degrees off the u axis
+constexpr double along = 2, across = 3,
+                 turn = pi / 6; // stretch from (u, v) to space, along a direction 30 degrees off the u axis
 
 // A patch of the unit square, turned in (u, v), stretched, and tilted in space: P(u, v) is linear.
 dvec3 surface(dvec2 uv) {
@@ -45,7 +46,8 @@ TEST(FirstFundamentalForm, is_in_buffer_units) {
   const auto square = static_cast<float>(frame.scale * frame.scale);
   ASSERT_NE(square, 1.0f);
   for (size_t i = 0; i < plain.size(); ++i)
-    for (int k = 0; k < 4; ++k) EXPECT_NEAR(scaled[i][k], plain[i][k] * square, 1e-6 * std::abs(plain[i][k] * square)); // one rounding
+    for (int k = 0; k < 4; ++k)
+      EXPECT_NEAR(scaled[i][k], plain[i][k] * square, 1e-6 * std::abs(plain[i][k] * square)); // one rounding
 }
 
 TEST(FirstFundamentalForm, area_elements_times_uv_areas_are_areas) {
@@ -53,7 +55,8 @@ TEST(FirstFundamentalForm, area_elements_times_uv_areas_are_areas) {
   const auto forms = first_fundamental_forms(built.triangles, built.charts, {}, 1);
   for (int t = 0; t < built.triangles.triangle_count; ++t) {
     const vec3 a = built.position(3 * t), b = built.position(3 * t + 1), c = built.position(3 * t + 2);
-    const double uv_area = 0.5 * std::abs(paradesc::cross(built.uv(3 * t + 1) - built.uv(3 * t), built.uv(3 * t + 2) - built.uv(3 * t)));
+    const double uv_area =
+        0.5 * std::abs(paradesc::cross(built.uv(3 * t + 1) - built.uv(3 * t), built.uv(3 * t + 2) - built.uv(3 * t)));
     const double area = 0.5 * length(glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a)));
     EXPECT_NEAR(static_cast<double>(forms[at(t)].w) * uv_area, area, 1e-6 * area); // a form is rounded to float once
   }
@@ -69,7 +72,8 @@ TEST(FirstFundamentalForm, is_zero_off_the_charts) {
 
 TEST(FirstFundamentalForm, does_not_depend_on_the_number_of_threads) {
   const Built built = build(grid(60, 60, [](dvec2 place, int, int) { return place * (0.9 / 60); }));
-  EXPECT_EQ(first_fundamental_forms(built.triangles, built.charts, {}, 1), first_fundamental_forms(built.triangles, built.charts, {}, 4));
+  EXPECT_EQ(first_fundamental_forms(built.triangles, built.charts, {}, 1),
+            first_fundamental_forms(built.triangles, built.charts, {}, 4));
 }
 
 TEST(BufferFrame, puts_the_longest_side_of_the_box_between_minus_one_and_one) {

@@ -120,7 +120,8 @@ TEST(Layout, what_links_charts_stays_what_it_is) {
   EXPECT_EQ(before.charts.triangle_chart, after.charts.triangle_chart);
   EXPECT_EQ(before.charts.corner_site, after.charts.corner_site);
   ASSERT_EQ(before.charts.borders.size(), after.charts.borders.size());
-  for (size_t i = 0; i < before.charts.borders.size(); ++i) EXPECT_EQ(before.charts.borders[i].twin, after.charts.borders[i].twin);
+  for (size_t i = 0; i < before.charts.borders.size(); ++i)
+    EXPECT_EQ(before.charts.borders[i].twin, after.charts.borders[i].twin);
   EXPECT_EQ(build(after.triangles).charts.chart_count, 24) << "charts found afresh are the same";
 }
 

@@ -67,13 +67,15 @@ TEST(SeamLinks, name_the_twin_and_its_chart) {
 
 TEST(SeamLinks, are_exact_everywhere_on_a_plane) {
   const Built built = plane_of_twelve_charts();
-  const int seams = each_seam(built, seam_links(built.triangles, built.charts), [&](const Border &border, const Border &twin, const Link &link) {
-    const Affine near = chart_of_quad(border.chart % 4, border.chart / 4), far = chart_of_quad(twin.chart % 4, twin.chart / 4);
-    for (const dvec2 place : {dvec2(0, 0), dvec2(4, 0), dvec2(1, 3)}) // corners of the plane, several charts away
-      EXPECT_LT(length(link(near(place)) - far(place)), 1e-4) << "an edge's roundings, four times as far away";
-    const dvec2 third(vec2(built.position(previous_corner(twin.half_edge))));
-    EXPECT_LT(length(link(near(third)) - built.uv(previous_corner(twin.half_edge))), rounding);
-  });
+  const int seams = each_seam(
+      built, seam_links(built.triangles, built.charts), [&](const Border &border, const Border &twin, const Link &link) {
+        const Affine near = chart_of_quad(border.chart % 4, border.chart / 4),
+                     far = chart_of_quad(twin.chart % 4, twin.chart / 4);
+        for (const dvec2 place : {dvec2(0, 0), dvec2(4, 0), dvec2(1, 3)}) // corners of the plane, several charts away
+          EXPECT_LT(length(link(near(place)) - far(place)), 1e-4) << "an edge's roundings, four times as far away";
+        const dvec2 third(vec2(built.position(previous_corner(twin.half_edge))));
+        EXPECT_LT(length(link(near(third)) - built.uv(previous_corner(twin.half_edge))), rounding);
+      });
   EXPECT_EQ(seams, 34); // 17 inner edges between 12 quads
 }
 
@@ -139,7 +141,8 @@ TEST(SeamLinks, a_border_runs_with_its_chart_on_the_left) {
   const Built built = plane_of_twelve_charts();
   for (const Border &border : built.charts.borders) {
     const auto [first, second] = border_ends(built.triangles, border);
-    EXPECT_GT(paradesc::cross(built.uv(second) - built.uv(first), built.uv(previous_corner(border.half_edge)) - built.uv(first)), 0.0);
+    EXPECT_GT(paradesc::cross(built.uv(second) - built.uv(first), built.uv(previous_corner(border.half_edge)) - built.uv(first)),
+              0.0);
   }
 }
 

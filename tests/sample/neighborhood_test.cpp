@@ -52,7 +52,8 @@ TEST(BorderGrid, a_border_is_listed_only_where_it_passes) {
   });
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x)
-      for (const int32_t border : borders_in(grid, x, y)) EXPECT_TRUE(near.contains({border, {x, y}})) << border << ": " << x << ", " << y;
+      for (const int32_t border : borders_in(grid, x, y))
+        EXPECT_TRUE(near.contains({border, {x, y}})) << border << ": " << x << ", " << y;
 }
 
 TEST(BorderGrid, texels_said_to_be_free_are_free) {
@@ -87,8 +88,7 @@ TEST(BorderGrid, the_chart_lies_on_the_left_of_each_of_its_borders) {
     const dvec2 a(uv.x, uv.y), b(uv.z, uv.w);
     EXPECT_GT(paradesc::cross(b - a, built.uv(previous_corner(border.half_edge)) - a), 0.0) << i;
   }
-  for (size_t i = 0; i < grid.list.size(); i += 2)
-    EXPECT_EQ(grid.list[i + 1], built.charts.borders[at(grid.list[i])].chart);
+  for (size_t i = 0; i < grid.list.size(); i += 2) EXPECT_EQ(grid.list[i + 1], built.charts.borders[at(grid.list[i])].chart);
 }
 
 TEST(BorderGrid, without_borders_everything_is_free) {

@@ -39,7 +39,8 @@ TEST(Pattern, the_samples_center_is_the_disks) {
   for (const int count : {16, 64, 256, 4096}) {
     dvec2 sum(0.0);
     for (const vec2 place : golden_angle_pattern(count)) sum += dvec2(place);
-    // Sums of unit vectors over multiples of the golden angle stay below 1 / (2 sin(half the angle)) + 1/2 < 1.1; radii only grow.
+    // Sums of unit vectors over multiples of the golden angle stay below 1 / (2 sin(half the angle)) + 1/2 < 1.1; radii only
+    // grow.
     EXPECT_LT(length(sum) / count, 1.1 / count) << count;
   }
 }
