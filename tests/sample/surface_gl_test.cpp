@@ -1,9 +1,8 @@
-// The baked buffers and the cells made from them, against the surface they stand for.
+// The baked buffers and the parts of texels that charts cover, against the surface they stand for.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <queue>
-#include <set>
+#include <memory>
 
 #include "bake/gbuffer.h"
 #include "gpu/gl_thread.h"
@@ -109,68 +108,6 @@ TEST_F(Surface, areas_of_texels_make_up_the_surface) {
     EXPECT_NEAR(sum / baked.area(), 1.0, 2e-3) << charts << " charts";
     EXPECT_TRUE(baked.cells.bare.empty()) << charts << " charts";
   }
-}
-
-TEST_F(Surface, cells_keep_to_one_chart_and_one_block) {
-  const Baked baked(*thread, torus_of_charts(60));
-  std::vector<int32_t> chart(static_cast<size_t>(baked.cells.count), -1);
-  for (size_t i = 0; i < baked.positions.size(); ++i) {
-    const int32_t cell = baked.cells.label[2 * i];
-    const bool on_chart = baked.ids[2 * i] >= 0 && baked.ids[2 * i + 1] >= 0;
-    ASSERT_TRUE(cell >= 0 || !on_chart) << "a texel on a chart belongs to no cell";
-    if (cell < 0) continue;
-    const auto c = static_cast<size_t>(cell);
-    if (chart[c] < 0) chart[c] = baked.ids[2 * i];
-    ASSERT_EQ(chart[c], baked.ids[2 * i]);
-    ASSERT_EQ(static_cast<int>(i % size) / block * block, baked.cells.corner[2 * c]);
-    ASSERT_EQ(static_cast<int>(i / size) / block * block, baked.cells.corner[2 * c + 1]);
-  }
-}
-
-// All cells that links lead to.
-std::set<int32_t> reached(const Cells &cells, int32_t start) {
-  std::set<int32_t> seen{start};
-  std::queue<int32_t> queue({start});
-  while (!queue.empty()) {
-    const auto cell = static_cast<size_t>(queue.front());
-    queue.pop();
-    for (int32_t k = cells.side_begin[cell]; k < cells.side_begin[cell + 1]; ++k)
-      if (seen.insert(cells.side[static_cast<size_t>(k)].x).second) queue.push(cells.side[static_cast<size_t>(k)].x);
-  }
-  return seen;
-}
-
-TEST_F(Surface, links_lead_over_all_seams) {
-  for (const int charts : {1, 15, 60}) {
-    const Baked baked(*thread, torus_of_charts(charts));
-    EXPECT_EQ(reached(baked.cells, 0).size(), static_cast<size_t>(baked.cells.count)) << charts << " charts";
-  }
-}
-
-// Two strips of one chart, joined at one end, a third of a texel apart: the way from one to the other is round the end.
-TEST_F(Surface, a_gap_narrower_than_a_texel_parts_cells) {
-  TestMesh mesh;
-  const float gap = 0.34f / size;
-  const std::vector<vec3> points{{0.1f, 0.1f, 0}, {0.9f, 0.1f, 0}, {0.9f, 0.3f, 0}, {0.1f, 0.3f, 0},
-                                 {0.1f, 0.5f + gap, 0}, {0.9f, 0.5f + gap, 0}, {0.1f, 0.3f + gap, 0}, {0.9f, 0.3f + gap, 0}, {0.05f, 0.3f, 0}};
-  const int triangles[][3] = {{0, 1, 2}, {0, 2, 3}, {6, 7, 5}, {6, 5, 4}, {8, 0, 3}, {8, 6, 4}};
-  mesh.vertex_count = static_cast<int32_t>(points.size());
-  for (const vec3 p : points) mesh.positions.insert(mesh.positions.end(), {p.x, p.y, p.z});
-  for (const auto &triangle : triangles)
-    for (const int vertex : triangle) {
-      mesh.triangle_corners.push_back(static_cast<int32_t>(mesh.corner_vertices.size()));
-      mesh.corner_vertices.push_back(vertex);
-      mesh.corner_uvs.insert(mesh.corner_uvs.end(), {points[static_cast<size_t>(vertex)].x, points[static_cast<size_t>(vertex)].y});
-    }
-  const Baked baked(*thread, mesh);
-  const auto cell_at = [&](double x, double y) {
-    return baked.cells.label[2 * (static_cast<size_t>(y * size) * size + static_cast<size_t>(x * size))];
-  };
-  const int32_t below = cell_at(0.5, 0.3 - 1.5 / size), above = cell_at(0.5, 0.3 + 2.0 / size);
-  ASSERT_GE(below, 0);
-  ASSERT_GE(above, 0);
-  EXPECT_NE(below, above);
-  EXPECT_EQ(reached(baked.cells, below).count(above), 0u) << "the strips share vertex 8 only, and a vertex joins nothing";
 }
 
 } // namespace
