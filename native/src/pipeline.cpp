@@ -43,12 +43,8 @@ std::shared_ptr<Context> make_context(const pdesc_context_options &options) {
 }
 
 static void measure(Mesh &mesh) {
-  dvec3 low(1e300), high(-1e300);
-  for (const int32_t vertex : mesh.half_edges.point_vertex) {
-    low = glm::min(low, dvec3(mesh.triangles.positions[static_cast<size_t>(vertex)]));
-    high = glm::max(high, dvec3(mesh.triangles.positions[static_cast<size_t>(vertex)]));
-  }
-  mesh.diagonal = mesh.half_edges.point_count ? length(high - low) : 0.0;
+  const Box box = bounding_box(mesh.triangles, mesh.half_edges);
+  mesh.diagonal = length(box.high - box.low);
   double sum = 0.0;
   int count = 0;
   for (int h = 0; h < 3 * mesh.triangles.triangle_count; ++h) {
@@ -366,7 +362,7 @@ static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double ra
   const bool changed = prepare_device(mesh, options);
   frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
   frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
-  frame.links = seam_links(mesh.triangles, mesh.charts);
+  if (options.relocation == PDESC_RELOCATION_AFFINE) frame.links = seam_links(mesh.triangles, mesh.charts);
   prepare_centers(mesh, options, radius, frame);
   bake(mesh, options, frame, changed);
 }

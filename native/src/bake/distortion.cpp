@@ -2,22 +2,16 @@
 #include "bake/distortion.h"
 
 #include <cmath>
-#include <limits>
 
 #include "support/parallel.h"
 
 namespace paradesc {
 
 BufferFrame frame_of(const Triangles &triangles, const HalfEdges &half_edges) {
-  dvec3 low(std::numeric_limits<double>::max()), high(-std::numeric_limits<double>::max());
-  for (const int32_t vertex : half_edges.point_vertex) {
-    low = glm::min(low, dvec3(triangles.positions[static_cast<size_t>(vertex)]));
-    high = glm::max(high, dvec3(triangles.positions[static_cast<size_t>(vertex)]));
-  }
-  if (half_edges.point_vertex.empty()) return {};
-  const dvec3 half = 0.5 * (high - low);
+  const Box box = bounding_box(triangles, half_edges);
+  const dvec3 half = 0.5 * (box.high - box.low);
   const double longest = std::max({half.x, half.y, half.z});
-  return {0.5 * (low + high), longest > 0.0 ? 1.0 / longest : 1.0};
+  return {0.5 * (box.low + box.high), longest > 0.0 ? 1.0 / longest : 1.0};
 }
 
 static vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t triangle) {

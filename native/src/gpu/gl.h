@@ -7,7 +7,6 @@
   F(PFNGLGETERRORPROC, GetError)                                                                                                 \
   F(PFNGLGETSTRINGPROC, GetString)                                                                                               \
   F(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                                           \
-  F(PFNGLGETINTEGER64VPROC, GetInteger64v)                                                                                       \
   F(PFNGLENABLEPROC, Enable)                                                                                                     \
   F(PFNGLDISABLEPROC, Disable)                                                                                                   \
   F(PFNGLVIEWPORTPROC, Viewport)                                                                                                 \

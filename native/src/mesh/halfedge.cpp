@@ -332,4 +332,16 @@ HalfEdges build_half_edges(const Triangles &triangles) {
   return result;
 }
 
+Box bounding_box(const Triangles &triangles, const HalfEdges &half_edges) {
+  if (half_edges.point_vertex.empty()) return {};
+  const dvec3 first(triangles.positions[static_cast<size_t>(half_edges.point_vertex.front())]);
+  Box box{first, first};
+  for (const int32_t vertex : half_edges.point_vertex) {
+    const dvec3 position(triangles.positions[static_cast<size_t>(vertex)]);
+    box.low = glm::min(box.low, position);
+    box.high = glm::max(box.high, position);
+  }
+  return box;
+}
+
 } // namespace paradesc

@@ -54,4 +54,10 @@ Pieces trace_pieces(const std::vector<int32_t> &link, const std::vector<uint8_t>
 // In radians, by positions.
 double surface_angle(const Triangles &triangles, int corner);
 
+// Around the vertices that have a point; of nothing, a point at the origin.
+struct Box {
+  dvec3 low{0.0}, high{0.0};
+};
+Box bounding_box(const Triangles &triangles, const HalfEdges &half_edges);
+
 } // namespace paradesc
