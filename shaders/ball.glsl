@@ -21,7 +21,7 @@ float ball_mean_curvature(BallTerms terms, Support support) {
   float exact = 0.0;
   if (support.variate > 0.0) {
     mean += support.variate * 0.5 * normal_curvature(support.shape, terms.moments) / terms.rho;
-    exact = support.variate * 0.5 * (support.k1 + support.k2);
+    exact = support.variate * exact_means(support).y;
   }
   return exact - 8.0 / (3.0 * support.radius) * mean;
 }

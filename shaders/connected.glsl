@@ -25,7 +25,33 @@ int stride_of(float largest_area_element) {
   return clamp(1 << int(floor(clamp(0.5 * log2(share / texel_area), 0.0, 16.0))), 1, block_size);
 }
 
+// Square number i of a cell. Adaptive sampling takes the black squares of a chessboard first, and the white ones then.
+ivec2 square_of(int i, int side, int part) {
+#if ADAPTIVE
+  int row = i / max(side / 2, 1);
+  return side == 1 ? ivec2(0) : ivec2(2 * (i - row * (side / 2)) + ((row ^ part) & 1), row);
+#else
+  return ivec2(i % side, i / side);
+#endif
+}
+
+int square_count(ivec2 corner, int side, int part) {
+#if ADAPTIVE
+  if (side == 1) return ((corner.x + corner.y) / block_size & 1) == part ? 1 : 0;
+  return side * side / 2;
+#else
+  return side * side;
+#endif
+}
+
+#if ADAPTIVE
+#define BARE_SHARE 0.5 // in either part
+void sample_support(inout Sums sums, CenterData data, int index, int part) {
+#else
+#define BARE_SHARE 1.0
 void sample_support(inout Sums sums, CenterData data, int index) {
+  const int part = 0;
+#endif
   SupportData support = supports[index];
   sums.moments.cut = support.cut;
   float size = float(buffer_size);
@@ -37,23 +63,24 @@ void sample_support(inout Sums sums, CenterData data, int index) {
     ivec2 corner = texelFetch(corners, list_place(cell), 0).xy;
     int stride = stride_of(largest);
     int side = block_size / stride;
-    iterations += 1 + side * side + bare_begin[cell + 1] - bare_begin[cell];
+    int squares = square_count(corner, side, part);
+    iterations += 1 + squares + bare_begin[cell + 1] - bare_begin[cell];
     if (iterations > MAX_ITERATIONS) {
       sums.moments.lost += largest * float(block_size * block_size) / (size * size);
       continue;
     }
     float area = float(stride * stride) / (size * size);
-    for (int i = 0; i < side * side; ++i) {
-      ivec2 low = corner + ivec2(i % side, i / side) * stride;
+    for (int i = 0; i < squares; ++i) {
+      ivec2 low = corner + square_of(i, side, part) * stride;
       ivec2 texel = low + (jitter(low) & (stride - 1));
       if (any(greaterThanEqual(texel, ivec2(buffer_size)))) continue;
       ivec2 label = texelFetch(labels, texel, 0).xy;
-      if (label.x == cell) add_texel(sums, texel, area * float(label.y) / 65536.0);
+      if (label.x == cell) add_texel(sums, texel, area * float(label.y) / 65536.0, -1.0);
     }
     for (int i = bare_begin[cell]; i < bare_begin[cell + 1]; ++i) {
       vec4 point = bare[2 * i];
       vec3 offset = point.xyz - sums.center.position;
-      add_neighbor(sums, point.xyz, bare[2 * i + 1].xyz, point.w, dot(offset, offset) < point.w);
+      add_neighbor(sums, point.xyz, bare[2 * i + 1].xyz, BARE_SHARE * point.w, dot(offset, offset) < point.w, -1.0);
     }
   }
 }

@@ -1,9 +1,19 @@
 #version 450 core
 // One invocation, one place of a vertex in the UV map → every descriptor asked for, from one sampling of its neighborhood (paper 4.1).
 #include "variant.glsl"
+// The rim of the neighborhood's projection to the tangent plane, |x|^2 = r^2 (1 - RIM_BEND (kappa r)^2).
+#if GEODESIC_BALL
+#define RIM_BEND (1.0 / 3.0)
+#else
+#define RIM_BEND (1.0 / 4.0)
+#endif
 #include "interface.glsl"
 #include "buffers.glsl"
 #include "descriptors.glsl"
+#if INTEGRAL
+#include "ball.glsl"
+#include "geodesic.glsl"
+#endif
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
 layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { float results[]; };
@@ -15,11 +25,14 @@ layout(location = 6) uniform float radius;
 layout(location = 7) uniform float enlargement;
 layout(location = 8) uniform int block_size;
 layout(location = 9) uniform int seed;
+layout(location = 10) uniform float variate_share; // 0: no control variate
+layout(location = 11) uniform float adaptive; // root mean square of the normals' deviation above which all samples are taken
 
 struct Moments {
   float area;
   vec3 xx;      // sum of w x x^T, x in units of r
   vec3 xy;      // sum of w: x1 y1, x1 y2 + x2 y1, x2 y2
+  float yy;     // sum of w |y|^2
   float lost;
   float cut;    // samples that met a boundary within the ball
 };
@@ -33,25 +46,16 @@ void tangents(vec3 n, out vec3 t1, out vec3 t2) {
   t2 = vec3(b, s + n.y * n.y * a, -n.y);
 }
 
-// Least squares: S minimizes the sum of w |S x - y|^2 over symmetric 2x2 matrices.
-Support finish_support(Moments m) {
-  Support support = Support(radius, m.area, vec3(0.0), NOT_A_NUMBER, NOT_A_NUMBER, 0.0);
+// Least squares: S minimizes the sum of w |S x - y|^2 over symmetric 2x2 matrices. False where x does not span the plane.
+bool fit_shape_operator(Moments m, out vec3 shape) {
+  shape = vec3(0.0);
   float determinant = m.xx.x * m.xx.z - m.xx.y * m.xx.y;
   float trace = m.xx.x + m.xx.z;
-  if (!(determinant > 1e-4 * trace * trace)) return support;
+  if (!(determinant > 1e-4 * trace * trace)) return false;
   vec2 ratio = m.xx.y / vec2(m.xx.x, m.xx.z);
   float s12 = (m.xy.y - ratio.x * m.xy.x - ratio.y * m.xy.z) / (trace - m.xx.y * (ratio.x + ratio.y));
-  support.shape = vec3((m.xy.x - s12 * m.xx.y) / m.xx.x, s12, (m.xy.z - s12 * m.xx.y) / m.xx.z) / radius;
-  float mean = 0.5 * (support.shape.x + support.shape.z);
-  float half_gap = length(vec2(0.5 * (support.shape.x - support.shape.z), support.shape.y));
-  support.k1 = mean + half_gap;
-  support.k2 = mean - half_gap;
-  // The control variate's exact mean is that of a full flat disk: second moments pi r^4/4 each.
-  float disk = 0.25 * PI * radius * radius;
-  vec3 off = abs(m.xx / disk - vec3(1.0, 0.0, 1.0));
-  float deviation = max(max(off.x, off.z), off.y);
-  support.variate = m.cut > 0.0 ? 0.0 : 1.0 - smoothstep(0.1, 0.3, deviation);
-  return support;
+  shape = vec3((m.xy.x - s12 * m.xx.y) / m.xx.x, s12, (m.xy.z - s12 * m.xx.y) / m.xx.z);
+  return true;
 }
 
 struct Sums {
@@ -59,18 +63,88 @@ struct Sums {
   vec3 t1;
   vec3 t2;
   Moments moments;
+#if INTEGRAL
+  BallTerms ball;
+  AreaTerms areas;
+#endif
   States states;
 };
 
-// One place of the surface. near: nearer to the center than texels can tell.
-void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool near) {
+// Eigenvalues and eigenvectors of S.
+void find_directions(Sums sums, inout Support support) {
+  float mean = 0.5 * (support.shape.x + support.shape.z);
+  vec2 gap = vec2(0.5 * (support.shape.x - support.shape.z), support.shape.y);
+  float half_gap = length(gap);
+  support.eigenvalues = vec2(mean + half_gap, mean - half_gap);
+  // Half of the angle of gap, from whichever of its two forms does not cancel.
+  vec2 e = gap.x >= 0.0 ? vec2(half_gap + gap.x, gap.y) : vec2(gap.y, half_gap - gap.x);
+  e = half_gap > 0.0 ? normalize(e) : vec2(1.0, 0.0);
+  support.directions = mat2x3(sums.t1 * e.x + sums.t2 * e.y, sums.t2 * e.x - sums.t1 * e.y);
+}
+
+// scale: of the sums, where only half of the samples were taken.
+Support finish_support(Sums sums, float scale) {
+  Moments m = sums.moments;
+  const float none = NOT_A_NUMBER;
+  Support support =
+      Support(radius, scale * m.area, scale, vec3(0.0), vec2(none), mat2x3(vec3(none), vec3(none)), 0.0, none, none, none, none);
+  if (fit_shape_operator(m, support.shape)) {
+    support.shape /= radius;
+    find_directions(sums, support);
+    // The control variate's exact mean is that of a full flat disk: second moments pi r^4/4 each.
+    float disk = 0.25 * PI * radius * radius;
+    vec3 off = abs(scale * m.xx / disk - vec3(1.0, 0.0, 1.0));
+    float deviation = max(max(off.x, off.z), off.y);
+    support.variate = m.cut > 0.0 ? 0.0 : variate_share * (1.0 - smoothstep(0.1, 0.3, deviation));
+  }
+#if INTEGRAL
+  if (!(m.area > 0.0)) return support;
+  support.mean = ball_mean_curvature(sums.ball, support);
+  support.gauss = area_gaussian_curvature(area_finish(sums.areas, sums.areas.inside, support), radius);
+  float root = sqrt(max(support.mean * support.mean - support.gauss, 0.0));
+  support.k1 = support.mean + root;
+  support.k2 = support.mean - root;
+#else
+  support.k1 = support.eigenvalues.x;
+  support.k2 = support.eigenvalues.y;
+  support.mean = 0.5 * (support.k1 + support.k2);
+  support.gauss = support.k1 * support.k2;
+#endif
+  return support;
+}
+
+// Whether the normals deviate from what the shape operator says by more than the threshold.
+bool is_rough(Moments m) {
+  vec3 shape;
+  if (!fit_shape_operator(m, shape)) return true;
+  float unexplained = m.yy - dot(shape, m.xy);
+  return unexplained > adaptive * adaptive * m.area;
+}
+
+// The distance along the surface by the normal curvature from p to q: the arc over the chord.
+float geodesic_distance(Center center, Neighbor neighbor) {
+  float square = neighbor.rho * neighbor.rho;
+  float bend = dot(neighbor.normal - center.normal, neighbor.offset) / max(square, 1e-30); // kappa
+  return neighbor.rho * (1.0 + bend * bend * square / 24.0);
+}
+
+// One place of the surface. near: nearer to the center than texels can tell. geodesic: its distance along the surface where that is
+// known, else below 0.
+void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool near, float geodesic) {
   Neighbor neighbor;
   neighbor.offset = position - sums.center.position;
   neighbor.rho = length(neighbor.offset);
-  // A square that the ball's rim cuts counts by the part of it that lies inside.
-  neighbor.weight = area * clamp((radius - neighbor.rho) * inversesqrt(max(area, 1e-20)) + 0.5, 0.0, 1.0);
-  if (!(neighbor.weight > 0.0)) return;
   neighbor.normal = normal;
+  neighbor.area = area;
+  neighbor.geodesic = geodesic < 0.0 ? geodesic_distance(sums.center, neighbor) : geodesic;
+#if GEODESIC_BALL
+  neighbor.distance = neighbor.geodesic;
+#else
+  neighbor.distance = neighbor.rho;
+#endif
+  // A square that the rim cuts counts by the part of it that lies inside.
+  neighbor.weight = area * rim_share(neighbor.distance, radius, area);
+  if (!(neighbor.weight > 0.0)) return;
   neighbor.near = near || neighbor.rho == 0.0;
   vec2 x = vec2(dot(neighbor.offset, sums.t1), dot(neighbor.offset, sums.t2)) / radius;
   vec2 y = vec2(dot(neighbor.normal, sums.t1), dot(neighbor.normal, sums.t2));
@@ -78,14 +152,19 @@ void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool 
   sums.moments.area += neighbor.weight;
   sums.moments.xx += neighbor.weight * outer(x);
   sums.moments.xy += neighbor.weight * vec3(x.x * y.x, x.x * y.y + x.y * y.x, x.y * y.y);
+  sums.moments.yy += neighbor.weight * dot(y, y);
+#if INTEGRAL
+  ball_add(sums.ball, sums.center, neighbor);
+  area_add(sums.areas, sums.center, neighbor);
+#endif
   states_add(sums.states, sums.center, neighbor);
 }
 
 // One texel: cell is the area in (u, v) that it stands for.
-void add_texel(inout Sums sums, ivec2 texel, float cell) {
+void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
   vec4 point = texelFetch(positions, texel, 0);
   bool near = length(point.xyz - sums.center.position) * float(buffer_size) < sqrt(point.w);
-  add_neighbor(sums, point.xyz, texelFetch(normals, texel, 0).xyz, point.w * cell, near);
+  add_neighbor(sums, point.xyz, texelFetch(normals, texel, 0).xyz, point.w * cell, near, geodesic);
 }
 
 #if AFFINE
@@ -101,15 +180,28 @@ void main() {
   Sums sums;
   sums.center = Center(data.position_chart.xyz, data.normal_phase.xyz, radius);
   tangents(sums.center.normal, sums.t1, sums.t2);
-  sums.moments = Moments(0.0, vec3(0.0), vec3(0.0), 0.0, 0.0);
+  sums.moments = Moments(0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
+#if INTEGRAL
+  ball_init(sums.ball);
+  area_init(sums.areas);
+#endif
   states_init(sums.states);
+  float scale = 1.0;
+#if ADAPTIVE
+  sample_support(sums, data, index, 0);
+  if (sums.moments.cut > 0.0 || is_rough(sums.moments))
+    sample_support(sums, data, index, 1);
+  else
+    scale = 2.0;
+#else
   sample_support(sums, data, index);
+#endif
 
   Moments m = sums.moments;
   Center center = sums.center;
   States states = sums.states;
-  Support support = finish_support(m);
+  Support support = finish_support(sums, scale);
   results[ROW_COVERAGE * total + index] = m.area > 0.0 ? m.area / (m.area + m.lost) : 0.0;
-  results[ROW_FLAGS * total + index] = m.cut > 0.0 ? 1.0 : 0.0;
+  results[ROW_FLAGS * total + index] = (m.cut > 0.0 ? FLAG_CUT : 0.0) + (scale == 1.0 ? FLAG_ALL_SAMPLES : 0.0);
   STATES_FINISH
 }

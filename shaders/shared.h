@@ -39,6 +39,10 @@
 #define ROW_FLAGS 1
 #define ROW_DESCRIPTORS 2
 
+// Values of a place's flags, added up.
+#define FLAG_CUT 1.0 // the mesh's boundary lies in the neighborhood
+#define FLAG_ALL_SAMPLES 2.0 // adaptive sampling took all samples
+
 #ifdef __cplusplus
 namespace paradesc {
 struct alignas(16) CenterData {

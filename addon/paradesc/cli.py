@@ -90,15 +90,24 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
     add("--samples", type=int, default=defaults.samples, metavar="N", help="samples around a vertex (default: 256)")
     add("--buffer", type=int, default=defaults.buffer_size, metavar="N", help="side of the buffers (default: 1024)")
     add("--normals", choices=bridge.NORMALS, default=defaults.normals, help="vertex normals (default: fitted)")
-    add(
-        "--max-jumps",
-        type=int,
-        default=defaults.max_jumps,
-        metavar="N",
-        help="affine only: seams to cross (default: 8)",
-    )
     add("--relocation", choices=bridge.RELOCATIONS, default=defaults.relocation,
-        help="over seams: by connected cells of the buffer (default), or each sample by affine maps")  # fmt: skip
+        help="over seams: by connected cells of the buffer (default), each sample by affine maps, or as the paper does")  # fmt: skip
+    add("--max-jumps", type=int, default=defaults.max_jumps, metavar="N", help="affine, paper: seams to cross (default: 8)")
+    add("--pattern", choices=bridge.PATTERNS, default=defaults.pattern, help="affine, paper: places of the samples")
+    add("--ellipse", choices=bridge.ELLIPSES, default=defaults.ellipse,
+        help="affine, paper: the pattern's extent by the distortion at the center, or by the largest on the way")  # fmt: skip
+    add("--estimator", choices=bridge.ESTIMATORS, default=defaults.estimator,
+        help="curvatures by the least-squares shape operator (default), or by the paper's integrals")  # fmt: skip
+    add("--variance-reduction", choices=bridge.VARIANCE_REDUCTIONS, default=defaults.variance_reduction,
+        help="integrals with the shape operator as control variate (default), or plain sums")  # fmt: skip
+    add("--geodesic", choices=bridge.GEODESICS, default=defaults.geodesic,
+        help="along the surface by a local formula (default), or by chords (affine, paper)")  # fmt: skip
+    add("--distance", choices=bridge.DISTANCES, default=defaults.distance, help="what the radius bounds")
+    add("--adaptive", type=float, nargs="?", const=bridge.ADAPTIVE_THRESHOLD, default=defaults.adaptive,
+        metavar="THRESHOLD", help="half of the samples where the normals fit the shape operator this well, in radians")  # fmt: skip
+    add("--evaluate", choices=bridge.EVALUATIONS, default=defaults.evaluate, help="at vertices, or texels looked up")
+    add("--texels", type=int, default=defaults.texels, metavar="N", help="side of the map of texels (default: 512)")
+    add("--precision", choices=bridge.PRECISIONS, default=defaults.precision, help="of the buffers (default: full)")
     add("--backend", choices=bridge.BACKENDS, default="auto", help="what computes (default: auto)")
     add("--device", type=int, default=-1, metavar="N", help="which device of the backend (default: the first)")
     add("--seed", type=int, default=defaults.seed, metavar="N", help="of the sampling pattern (default: 0)")
@@ -111,13 +120,13 @@ def settings_of(arguments: argparse.Namespace) -> job.Settings:
     job.check_descriptors(names)
     options = bridge.Options(
         radius=arguments.radius,
-        radius_unit=arguments.radius_unit,
         samples=arguments.samples,
         buffer_size=arguments.buffer,
-        normals=arguments.normals,
         max_jumps=arguments.max_jumps,
         seed=arguments.seed,
-        relocation=arguments.relocation,
+        texels=arguments.texels,
+        adaptive=arguments.adaptive,
+        **{name: getattr(arguments, name) for name in bridge.CHOICES},
     )
     return job.Settings(names, options, arguments.backend, arguments.device)
 

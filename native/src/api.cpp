@@ -94,7 +94,21 @@ void check_options(const pdesc_options &options) {
   check_range("buffer_size", options.buffer_size, 64, 8192);
   check_range("normals", options.normals, PDESC_NORMALS_FITTED, PDESC_NORMALS_MESH);
   check_range("max_jumps", options.max_jumps, 0, 64);
-  check_range("relocation", options.relocation, PDESC_RELOCATION_CONNECTED, PDESC_RELOCATION_AFFINE);
+  check_range("relocation", options.relocation, PDESC_RELOCATION_CONNECTED, PDESC_RELOCATION_PAPER);
+  check_range("estimator", options.estimator, PDESC_ESTIMATOR_SHAPE_OPERATOR, PDESC_ESTIMATOR_INTEGRAL);
+  check_range("variance_reduction", options.variance_reduction, PDESC_VARIANCE_REDUCTION_SHAPE, PDESC_VARIANCE_REDUCTION_NONE);
+  check_range("geodesic", options.geodesic, PDESC_GEODESIC_LOCAL, PDESC_GEODESIC_CHORDS);
+  check_range("distance", options.distance, PDESC_DISTANCE_EUCLIDEAN, PDESC_DISTANCE_GEODESIC);
+  check_range("pattern", options.pattern, PDESC_PATTERN_GOLDEN_ANGLE, PDESC_PATTERN_STRATIFIED);
+  check_range("ellipse", options.ellipse, PDESC_ELLIPSE_CENTER, PDESC_ELLIPSE_DIRECTIONAL);
+  check_range("evaluate", options.evaluate, PDESC_EVALUATE_VERTEX, PDESC_EVALUATE_TEXEL);
+  check_range("texels", options.texels, 16, 8192);
+  check_range("precision", options.precision, PDESC_PRECISION_FULL, PDESC_PRECISION_HALF);
+  if (!std::isfinite(options.adaptive) || options.adaptive < 0.0)
+    refuse("The option adaptive is " + std::to_string(options.adaptive) + "; it must be a finite number from 0 on.");
+  if (options.geodesic == PDESC_GEODESIC_CHORDS && options.relocation == PDESC_RELOCATION_CONNECTED)
+    refuse("The sum of chords follows straight ways in the UV map, which the connected relocation has not; choose the affine or "
+           "the paper's relocation, or the local geodesic distance.");
 }
 
 void check_length(int32_t given, size_t needed) {
@@ -135,6 +149,7 @@ int32_t pdesc_descriptor_get(int32_t index, pdesc_descriptor_info *info) {
     ours.neutral_value = row.neutral;
     ours.display_minimum = row.display_minimum;
     ours.display_maximum = row.display_maximum;
+    ours.components = row.components;
     write_struct(ours, info, "pdesc_descriptor_info");
   });
 }
@@ -220,6 +235,7 @@ void pdesc_options_init(pdesc_options *options) {
   options->samples = 256;
   options->buffer_size = 1024;
   options->max_jumps = 8;
+  options->texels = 512;
 }
 
 int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *names, int32_t count,
@@ -258,7 +274,7 @@ int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *va
     need(field, "field");
     need(values, "values");
     const auto &ours = column(field->field, field->field.values, name);
-    check_length(vertex_count, ours.size());
+    check_length(vertex_count, field->field.mask.size());
     std::copy(ours.begin(), ours.end(), values);
   });
 }

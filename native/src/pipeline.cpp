@@ -318,17 +318,25 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
   const size_t count = frame.sites.size();
   SiteResults results;
   results.values.resize(settings.descriptors.size());
+  size_t refined = 0;
   for (size_t i = 0; i < count; ++i) {
     const int32_t point = frame.points[i];
     results.point.push_back(point);
     results.primary.push_back(mesh.charts.point_site[static_cast<size_t>(point)] == frame.sites[i]);
     results.coverage.push_back(raw[ROW_COVERAGE * count + i]);
-    results.boundary.push_back(raw[ROW_FLAGS * count + i] > 0.0f);
+    const float flags = raw[ROW_FLAGS * count + i];
+    results.boundary.push_back(std::fmod(flags, FLAG_ALL_SAMPLES) >= FLAG_CUT);
+    refined += flags >= FLAG_ALL_SAMPLES;
   }
-  for (size_t row = 0; row < settings.descriptors.size(); ++row) {
-    const int power = descriptors()[static_cast<size_t>(settings.descriptors[row])].length_power;
-    const auto unit = static_cast<float>(std::pow(frame.buffer_frame.scale, -power));
-    for (size_t i = 0; i < count; ++i) results.values[row].push_back(raw[(ROW_DESCRIPTORS + row) * count + i] * unit);
+  results.refined_share = count ? static_cast<double>(refined) / static_cast<double>(count) : 1.0;
+  size_t row = ROW_DESCRIPTORS;
+  for (size_t k = 0; k < settings.descriptors.size(); ++k) {
+    const DescriptorRow &descriptor = descriptors()[static_cast<size_t>(settings.descriptors[k])];
+    const auto unit = static_cast<float>(std::pow(frame.buffer_frame.scale, -descriptor.length_power));
+    const auto width = static_cast<size_t>(descriptor.components);
+    results.values[k].resize(count * width);
+    for (size_t component = 0; component < width; ++component, ++row)
+      for (size_t i = 0; i < count; ++i) results.values[k][i * width + component] = raw[row * count + i] * unit;
   }
   return results;
 }
@@ -362,7 +370,7 @@ static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double ra
   const bool changed = prepare_device(mesh, options);
   frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
   frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
-  if (options.relocation == PDESC_RELOCATION_AFFINE) frame.links = seam_links(mesh.triangles, mesh.charts);
+  if (options.relocation != PDESC_RELOCATION_CONNECTED) frame.links = seam_links(mesh.triangles, mesh.charts);
   prepare_centers(mesh, options, radius, frame);
   bake(mesh, options, frame, changed);
 }
@@ -386,8 +394,7 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   field.report.seconds_bake = clock.lap();
   check_cancel(progress, "prepare", 0.2);
 
-  const bool affine = options.relocation == PDESC_RELOCATION_AFFINE;
-  if (!affine) {
+  if (options.relocation == PDESC_RELOCATION_CONNECTED) {
     build_cells_for(mesh, frame);
     prepare_supports(mesh, options, radius, frame);
   }
@@ -400,13 +407,19 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
                                   options.max_jumps,
                                   static_cast<float>(radius * frame.buffer_frame.scale),
                                   ellipse_enlargement,
-                                  affine};
+                                  options.relocation,
+                                  options.estimator == PDESC_ESTIMATOR_INTEGRAL,
+                                  options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE,
+                                  options.distance == PDESC_DISTANCE_GEODESIC,
+                                  static_cast<float>(options.adaptive)};
   evaluate_tiles(mesh, settings, frame, progress);
   field.report.overlapping_texels = mesh.device->counts.overlapping;
   field.report.covered_texels = mesh.device->counts.covered;
   field.report.bare_triangles = mesh.device->bare_triangles;
   field.report.radius_in_texels = frame.radius_in_texels;
   SiteResults results = read_results(mesh, settings, frame);
+  field.report.places = static_cast<int32_t>(frame.centers.size());
+  field.report.refined_share = results.refined_share;
   field.report.seconds_evaluate = clock.lap();
   return results;
 }
@@ -416,8 +429,10 @@ static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &opti
   Clock clock;
   const Normals normals = prepare_normals(mesh, options.normals);
   field.report.seconds_prepare = clock.lap();
-  ReferenceField reference = compute_reference(mesh.triangles, mesh.half_edges, normals, radius, asked, mesh.context->threads,
-                                               [&](double fraction) { return progress("evaluate", fraction); });
+  ReferenceField reference =
+      compute_reference(mesh.triangles, mesh.half_edges, normals,
+                        {radius, options.estimator == PDESC_ESTIMATOR_INTEGRAL, options.distance == PDESC_DISTANCE_GEODESIC},
+                        asked, mesh.context->threads, [&](double fraction) { return progress("evaluate", fraction); });
   check_cancel(progress, "evaluate", 1.0); // other threads may have finished the last points
   SiteResults results;
   results.values = std::move(reference.values);
@@ -426,6 +441,8 @@ static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &opti
   for (size_t i = 0; i < points; ++i) results.point.push_back(static_cast<int32_t>(i));
   results.primary.assign(points, 1);
   results.coverage.assign(points, 1.0f);
+  field.report.places = mesh.half_edges.point_count;
+  field.report.refined_share = 1.0;
   field.report.seconds_evaluate = clock.lap();
   return results;
 }

@@ -1,5 +1,5 @@
-// K = k1 k2 of the shape operator.
+// K, by the shape operator or by paper eq. (11).
 DESCRIPTOR_WITHOUT_STATE
 float descriptor_finish(State state, Center center, Support support) {
-  return support.k1 * support.k2;
+  return support.gauss;
 }

@@ -19,6 +19,6 @@ float descriptor_finish(State state, Center center, Support support) {
   if (!(weight > 0.0)) return NOT_A_NUMBER;
   if (!(support.variate > 0.0)) return state.bending / weight;
   float explained = normal_curvature(square(support.shape), state.moments) / weight;
-  float exact = 0.5 * (support.k1 * support.k1 + support.k2 * support.k2);
+  float exact = exact_means(support).x;
   return max(state.bending / weight + support.variate * (exact - explained), 0.0);
 }

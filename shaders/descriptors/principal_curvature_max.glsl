@@ -1,4 +1,4 @@
-// k1, the larger eigenvalue of the shape operator.
+// k1, by the shape operator or by paper eq. (10).
 DESCRIPTOR_WITHOUT_STATE
 float descriptor_finish(State state, Center center, Support support) {
   return support.k1;

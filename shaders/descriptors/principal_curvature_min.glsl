@@ -1,4 +1,4 @@
-// k2, the smaller eigenvalue of the shape operator.
+// k2, by the shape operator or by paper eq. (10).
 DESCRIPTOR_WITHOUT_STATE
 float descriptor_finish(State state, Center center, Support support) {
   return support.k2;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -29,7 +30,12 @@ protected:
     const Results fast = compute(software.get(), mesh, settings, names), oracle = compute(reference.get(), mesh, settings, names);
     for (const std::string &name : names) {
       const std::vector<double> expected = as_double(oracle[name]);
-      const PercentAe error = percent_ae(fast[name], expected);
+      if (components_of(name) == 3) {
+        expect_same_directions(fast[name], expected, oracle);
+        continue;
+      }
+      const bool mask = name == "cavity" || name == "convexity"; // zero on half of all surfaces, and without a unit
+      const PercentAe error = percent_ae(fast[name], expected, {}, mask ? 1.0 : 0.0);
       const double relative = relative_error(fast[name], expected);
       std::cout << std::left << std::setw(26) << name << std::fixed << std::setprecision(4) << "%AE mean " << error.mean
                 << "  p99 " << error.p99 << "  max " << error.max << "  relative " << relative << " %\n";
@@ -40,8 +46,12 @@ protected:
       double largest = 0;
       for (const double value : expected)
         if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
-      const bool by_itself = name == "euclidean_area" || error.range < 0.01 * largest;
-      EXPECT_LE(by_itself ? relative : error.mean, 1.0) << name;
+      const bool by_itself = name == "euclidean_area" || name == "geodesic_area" || error.range < 0.01 * largest;
+      // K of eq. (11) is a difference of areas over r^4: on these surfaces 0.04 % of GA are 4 % of K's range. What follows from H
+      // and K is looked at in the test of integrals.
+      if (settings.estimator == PDESC_ESTIMATOR_INTEGRAL && follows_from_k(name)) continue;
+      const bool of_areas = settings.estimator == PDESC_ESTIMATOR_INTEGRAL && name == "gaussian_curvature";
+      EXPECT_LE(by_itself ? relative : error.mean, of_areas ? 5.0 : 1.0) << name;
       for (size_t v = 0; v < expected.size(); ++v)
         ASSERT_EQ(std::isnan(fast[name][v]), std::isnan(expected[v]))
             << name << " at vertex " << v << " is defined on one side only";
@@ -50,6 +60,28 @@ protected:
     EXPECT_NEAR(fast.report.coverage_mean, 1, 0.01); // issue "Core"
     EXPECT_EQ(oracle.report.coverage_mean, 1);
     EXPECT_EQ(fast.report.undefined_vertices, oracle.report.undefined_vertices);
+  }
+
+  // Issue "All of the paper": the mean angle, weighted by |k1 - k2|, within 1 degree.
+  static void expect_same_directions(std::span<const float> values, std::span<const double> expected, const Results &oracle) {
+    double sum = 0, total = 0;
+    for (size_t v = 0; 3 * v < values.size(); ++v) {
+      double along = 0;
+      for (size_t i = 3 * v; i < 3 * v + 3; ++i) along += static_cast<double>(values[i]) * expected[i];
+      ASSERT_EQ(std::isnan(values[3 * v]), std::isnan(expected[3 * v])) << "vertex " << v << " has a direction on one side only";
+      if (std::isnan(along)) continue;
+      const double weight = static_cast<double>(oracle["principal_curvature_max"][v] - oracle["principal_curvature_min"][v]);
+      sum += weight * std::acos(std::min(std::abs(along), 1.0)) * 57.29577951308232;
+      total += weight;
+    }
+    ASSERT_GT(total, 0);
+    std::cout << "direction, mean angle " << sum / total << " degrees\n";
+    EXPECT_LE(sum / total, 1);
+  }
+
+  static bool follows_from_k(const std::string &name) {
+    return name == "principal_curvature_max" || name == "principal_curvature_min" || name == "shape_index" ||
+           name == "curvedness";
   }
 
   // 100 mean |x - ref| / mean |ref|.
@@ -85,6 +117,49 @@ TEST_F(Parity, every_descriptor_agrees_with_the_oracle_at_twice_the_radius) {
   expect_parity(mesh, {.radius = 0.04});
 }
 
+TEST_F(Parity, every_descriptor_agrees_with_the_oracle_along_the_surface) {
+  TestMesh mesh = ellipsoid(1, 0.75, 0.5);
+  lay_out(mesh, {.charts = 15});
+  expect_parity(mesh, {.radius = 0.06, .distance = PDESC_DISTANCE_GEODESIC});
+}
+
+TEST_F(Parity, integrals_agree_with_the_oracle) {
+  TestMesh mesh = ellipsoid(1, 0.75, 0.5);
+  lay_out(mesh, {.charts = 15});
+  expect_parity(mesh, {.radius = 0.06, .estimator = PDESC_ESTIMATOR_INTEGRAL});
+  expect_parity(mesh, {.radius = 0.06, .estimator = PDESC_ESTIMATOR_INTEGRAL, .distance = PDESC_DISTANCE_GEODESIC});
+}
+
+// Paper eq. (8), (11), (10) and (9), from the library's own V_r and GA.
+TEST_F(Parity, curvatures_of_the_integral_estimator_follow_from_volume_and_area) {
+  TestMesh mesh = torus(1, 0.4, {.vertices = 3000});
+  lay_out(mesh, {.charts = 6});
+  for (pdesc_context *context : {reference.get(), software.get()}) {
+    const Results results = compute(context, mesh, {.radius = 0.06, .estimator = PDESC_ESTIMATOR_INTEGRAL}, names);
+    const double r = results.report.radius, pi = std::numbers::pi;
+    for (size_t v = 0; v < mesh.points.size(); ++v) {
+      const auto at = [&](const char *name) { return static_cast<double>(results[name][v]); };
+      const double h = 4 / (pi * r * r * r * r) * (2 * pi * r * r * r / 3 - at("sphere_volume"));
+      const double k = 12 * (pi * r * r - at("geodesic_area")) / (pi * r * r * r * r);
+      const double root = std::sqrt(std::max(h * h - k, 0.0));
+      // A float of V_r, and of GA, has 1e-7 of its value: r^-1 and r^-2 times a few of those.
+      ASSERT_NEAR(at("mean_curvature"), h, 2e-6 / r) << "vertex " << v;
+      ASSERT_NEAR(at("gaussian_curvature"), k, 1e-5 / (r * r)) << "vertex " << v;
+      if (root < 0.1 / r) continue; // the root's slope
+      ASSERT_NEAR(at("principal_curvature_max"), h + root, 1e-4 / r) << "vertex " << v;
+      ASSERT_NEAR(at("principal_curvature_min"), h - root, 1e-4 / r) << "vertex " << v;
+      ASSERT_NEAR(at("shape_index"), 2 / pi * std::atan(h / root), 1e-3) << "vertex " << v;
+      ASSERT_NEAR(at("curvedness"), std::sqrt(h * h + root * root), 1e-4 / r) << "vertex " << v;
+    }
+  }
+}
+
+TEST_F(Parity, adaptive_sampling_agrees_with_the_oracle) {
+  TestMesh mesh = ellipsoid(1, 0.75, 0.5);
+  lay_out(mesh, {.charts = 15});
+  expect_parity(mesh, {.radius = 0.04, .adaptive = 0.002});
+}
+
 TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_an_open_surface_with_loose_vertices) {
   TestMesh mesh = saddle(1, {.vertices = 8000});
   lay_out(mesh, {.charts = 6});
@@ -99,7 +174,7 @@ TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_an_open_surface_with_l
     for (size_t v = 0; v < mesh.points.size(); ++v) {
       ASSERT_EQ((results.mask[v] & PDESC_MASK_NO_FACE) != 0, v >= loose) << "vertex " << v;
       if (v < loose) continue;
-      for (const std::string &name : names) EXPECT_TRUE(std::isnan(results[name][v])) << name;
+      for (const std::string &name : names) EXPECT_TRUE(std::isnan(results[name][components_of(name) * v])) << name;
     }
     EXPECT_EQ(results.report.undefined_vertices, 3);
   }

@@ -43,7 +43,7 @@ Values measure(const Subject &subject, double radius, const std::vector<const ch
   std::vector<int> rows;
   for (const char *name : names) rows.push_back(find_descriptor(name));
   const ReferenceField field =
-      compute_reference(subject.triangles, subject.half_edges, subject.normals, radius, rows, threads, nullptr);
+      compute_reference(subject.triangles, subject.half_edges, subject.normals, {radius}, rows, threads, nullptr);
   Values values;
   values.columns.resize(names.size());
   for (const int32_t point : subject.half_edges.vertex_point) {
@@ -465,7 +465,7 @@ TEST(Reference, cancels_within_a_tenth_of_a_second) {
     return ++calls < 3;
   };
   try {
-    compute_reference(subject.triangles, subject.half_edges, subject.normals, 0.3, rows, 2, refuse_the_third);
+    compute_reference(subject.triangles, subject.half_edges, subject.normals, {0.3}, rows, 2, refuse_the_third);
     FAIL() << "it went on";
   } catch (const Error &error) {
     EXPECT_EQ(error.status(), PDESC_ERROR_CANCELLED);
@@ -477,14 +477,23 @@ TEST(Reference, cancels_within_a_tenth_of_a_second) {
 TEST(Reference, descriptors_of_an_empty_neighborhood_are_undefined) {
   ReferenceNeighborhood nothing;
   nothing.radius = 1;
-  nothing.k1 = nothing.k2 = std::numeric_limits<double>::quiet_NaN();
-  for (const DescriptorRow &row : descriptors()) EXPECT_TRUE(std::isnan(row.reference(nothing))) << row.name;
+  nothing.k1 = nothing.k2 = nothing.mean = nothing.gauss = std::numeric_limits<double>::quiet_NaN();
+  nothing.direction_max = nothing.direction_min = dvec3(std::numeric_limits<double>::quiet_NaN());
+  const auto undefined = [](auto value) {
+    if constexpr (std::is_same_v<decltype(value), dvec3>)
+      return std::isnan(value.x) && std::isnan(value.y) && std::isnan(value.z);
+    else
+      return std::isnan(value);
+  };
+#define DESCRIPTOR(name, ...) EXPECT_TRUE(undefined(reference_##name(nothing))) << #name;
+#include "descriptor/descriptors.def"
+#undef DESCRIPTOR
 }
 
 TEST(Reference, mesh_without_faces_has_no_values) {
   const Subject subject(shape({{0, 0, 0}}, {}), PDESC_NORMALS_MAX);
   const std::vector<int> rows{0, 1};
-  const ReferenceField field = compute_reference(subject.triangles, subject.half_edges, subject.normals, 1, rows, 0, nullptr);
+  const ReferenceField field = compute_reference(subject.triangles, subject.half_edges, subject.normals, {1}, rows, 0, nullptr);
   EXPECT_EQ(field.values.size(), 2u);
   EXPECT_TRUE(field.values[0].empty());
 }

@@ -41,6 +41,10 @@ pdesc_options options_of(const Settings &settings) {
   options.buffer_size = settings.buffer_size;
   options.normals = settings.normals;
   options.seam_error = settings.seam_error;
+  options.estimator = settings.estimator;
+  options.variance_reduction = settings.variance_reduction;
+  options.distance = settings.distance;
+  options.adaptive = settings.adaptive;
   return options;
 }
 
@@ -51,7 +55,7 @@ Results read_field(const pdesc_field *field, int32_t vertex_count, std::span<con
   names.push_back("coverage");
   for (const std::string &name : names) {
     std::vector<float> &values = results.values[name];
-    values.assign(count, sentinel);
+    values.assign(count * components_of(name), sentinel);
     EXPECT_EQ(pdesc_field_values(field, name.c_str(), values.data(), vertex_count), PDESC_OK) << pdesc_last_error();
     EXPECT_EQ(std::count(values.begin(), values.end(), sentinel), 0) << name << " was not written everywhere";
     if (!seam_error || name == "coverage") continue;
@@ -100,6 +104,15 @@ std::vector<std::string> registered_descriptors() {
     if (info.name) names.emplace_back(info.name);
   }
   return names;
+}
+
+size_t components_of(const std::string &descriptor) {
+  for (int32_t i = 0; i < pdesc_descriptor_count(); ++i) {
+    pdesc_descriptor_info info;
+    pdesc_descriptor_info_init(&info);
+    if (pdesc_descriptor_get(i, &info) == PDESC_OK && descriptor == info.name) return static_cast<size_t>(info.components);
+  }
+  return 1;
 }
 
 void OnBackend::SetUp() {

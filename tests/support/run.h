@@ -41,11 +41,15 @@ struct Settings {
   int32_t buffer_size = 1024;
   int32_t normals = PDESC_NORMALS_FITTED;
   int32_t seam_error = 0;
+  int32_t estimator = PDESC_ESTIMATOR_SHAPE_OPERATOR;
+  int32_t variance_reduction = PDESC_VARIANCE_REDUCTION_SHAPE;
+  int32_t distance = PDESC_DISTANCE_EUCLIDEAN;
+  double adaptive = 0;
 };
 pdesc_options options_of(const Settings &settings);
 
 struct Results {
-  std::map<std::string, std::vector<float>> values; // by descriptor, and "coverage"
+  std::map<std::string, std::vector<float>> values; // by descriptor, and "coverage"; (vertex_count, components)
   std::map<std::string, std::vector<float>> seam_error;
   std::vector<uint8_t> mask;
   pdesc_field_report report;
@@ -60,6 +64,9 @@ Results read_field(const pdesc_field *field, int32_t vertex_count, std::span<con
 Results compute(pdesc_context *context, const TestMesh &mesh, const Settings &settings, std::span<const std::string> descriptors);
 
 std::vector<std::string> registered_descriptors();
+
+// Values a vertex has of a descriptor.
+size_t components_of(const std::string &descriptor);
 
 // Tests through the backends that run on any machine: instantiate with PDESC_ON_EACH_BACKEND(suite).
 class OnBackend : public ::testing::TestWithParam<int32_t> {

@@ -1,13 +1,44 @@
 """The way from Python to libparadesc: plain Python, ctypes and numpy, never Blender."""
 
 from .library import Descriptor, ParadescError, descriptors, load_library, missing_sentence
-from .session import BACKENDS, NORMALS, RADIUS_UNITS, RELOCATIONS, Context, Field, Mesh, MeshArrays, Options, devices
+from .session import (
+    ADAPTIVE_THRESHOLD,
+    BACKENDS,
+    CHOICES,
+    DISTANCES,
+    ELLIPSES,
+    ESTIMATORS,
+    EVALUATIONS,
+    GEODESICS,
+    NORMALS,
+    PATTERNS,
+    PRECISIONS,
+    RADIUS_UNITS,
+    RELOCATIONS,
+    VARIANCE_REDUCTIONS,
+    Context,
+    Field,
+    Mesh,
+    MeshArrays,
+    Options,
+    devices,
+)
 
 __all__ = [
+    "ADAPTIVE_THRESHOLD",
     "BACKENDS",
+    "CHOICES",
+    "DISTANCES",
+    "ELLIPSES",
+    "ESTIMATORS",
+    "EVALUATIONS",
+    "GEODESICS",
     "NORMALS",
+    "PATTERNS",
+    "PRECISIONS",
     "RADIUS_UNITS",
     "RELOCATIONS",
+    "VARIANCE_REDUCTIONS",
     "Context",
     "Descriptor",
     "Field",

@@ -39,6 +39,31 @@ RADIUS_MEAN_EDGE = 2
 
 RELOCATION_CONNECTED = 0
 RELOCATION_AFFINE = 1
+RELOCATION_PAPER = 2
+
+ESTIMATOR_SHAPE_OPERATOR = 0
+ESTIMATOR_INTEGRAL = 1
+
+VARIANCE_REDUCTION_SHAPE = 0
+VARIANCE_REDUCTION_NONE = 1
+
+GEODESIC_LOCAL = 0
+GEODESIC_CHORDS = 1
+
+DISTANCE_EUCLIDEAN = 0
+DISTANCE_GEODESIC = 1
+
+PATTERN_GOLDEN_ANGLE = 0
+PATTERN_STRATIFIED = 1
+
+ELLIPSE_CENTER = 0
+ELLIPSE_DIRECTIONAL = 1
+
+EVALUATE_VERTEX = 0
+EVALUATE_TEXEL = 1
+
+PRECISION_FULL = 0
+PRECISION_HALF = 1
 
 MASK_NO_FACE = 1
 MASK_BOUNDARY = 2
@@ -69,6 +94,7 @@ class DescriptorInfo(Structure):
         ("neutral_value", c_double),
         ("display_minimum", c_double),
         ("display_maximum", c_double),
+        ("components", c_int32),
     ]
 
 
@@ -142,6 +168,16 @@ class ComputeOptions(Structure):
         ("seed", c_uint32),
         ("seam_error", c_int32),
         ("relocation", c_int32),
+        ("estimator", c_int32),
+        ("variance_reduction", c_int32),
+        ("geodesic", c_int32),
+        ("distance", c_int32),
+        ("pattern", c_int32),
+        ("ellipse", c_int32),
+        ("evaluate", c_int32),
+        ("texels", c_int32),
+        ("precision", c_int32),
+        ("adaptive", c_double),
     ]
 
 
@@ -164,6 +200,9 @@ class FieldReport(Structure):
         ("seconds_evaluate", c_double),
         ("seconds_total", c_double),
         ("private_layout", c_int32),
+        ("places", c_int32),
+        ("refined_share", c_double),
+        ("buffer_megabytes", c_double),
     ]
 
 

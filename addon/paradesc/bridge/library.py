@@ -40,6 +40,7 @@ class Descriptor:
     neutral_value: float
     display_minimum: float
     display_maximum: float
+    components: int  # 1, or 3: a vector in object space
 
     @property
     def unit(self) -> str:
@@ -151,6 +152,12 @@ def descriptors() -> tuple[Descriptor, ...]:
                 info.neutral_value,
                 info.display_minimum,
                 info.display_maximum,
+                info.components,
             )
         )
     return tuple(rows)
+
+
+def components(name: str) -> int:
+    """Values a vertex has of a descriptor: 1 or 3."""
+    return next((row.components for row in descriptors() if row.name == name), 1)

@@ -10,7 +10,7 @@ from types import TracebackType
 import numpy as np
 
 from . import abi
-from .library import ParadescError, check, load_library, new_struct, text
+from .library import ParadescError, check, components, load_library, new_struct, text
 
 BACKENDS = {
     "auto": abi.BACKEND_AUTO,
@@ -25,7 +25,41 @@ RADIUS_UNITS = {
     "mean-edge": abi.RADIUS_MEAN_EDGE,
 }
 
-RELOCATIONS = {"connected": abi.RELOCATION_CONNECTED, "affine": abi.RELOCATION_AFFINE}
+RELOCATIONS = {
+    "connected": abi.RELOCATION_CONNECTED,
+    "affine": abi.RELOCATION_AFFINE,
+    "paper": abi.RELOCATION_PAPER,
+}
+ESTIMATORS = {"shape-operator": abi.ESTIMATOR_SHAPE_OPERATOR, "integral": abi.ESTIMATOR_INTEGRAL}
+VARIANCE_REDUCTIONS = {"shape": abi.VARIANCE_REDUCTION_SHAPE, "none": abi.VARIANCE_REDUCTION_NONE}
+GEODESICS = {"local": abi.GEODESIC_LOCAL, "chords": abi.GEODESIC_CHORDS}
+DISTANCES = {"euclidean": abi.DISTANCE_EUCLIDEAN, "geodesic": abi.DISTANCE_GEODESIC}
+PATTERNS = {"golden-angle": abi.PATTERN_GOLDEN_ANGLE, "stratified": abi.PATTERN_STRATIFIED}
+ELLIPSES = {"center": abi.ELLIPSE_CENTER, "directional": abi.ELLIPSE_DIRECTIONAL}
+EVALUATIONS = {"vertex": abi.EVALUATE_VERTEX, "texel": abi.EVALUATE_TEXEL}
+PRECISIONS = {"full": abi.PRECISION_FULL, "half": abi.PRECISION_HALF}
+# Options that are a name: their choices, and what to call them in a sentence.
+CHOICES = {
+    "radius_unit": (RADIUS_UNITS, "radius unit"),
+    "normals": (NORMALS, "kind of normals"),
+    "relocation": (RELOCATIONS, "relocation"),
+    "estimator": (ESTIMATORS, "estimator"),
+    "variance_reduction": (VARIANCE_REDUCTIONS, "variance reduction"),
+    "geodesic": (GEODESICS, "geodesic distance"),
+    "distance": (DISTANCES, "distance"),
+    "pattern": (PATTERNS, "pattern"),
+    "ellipse": (ELLIPSES, "ellipse"),
+    "evaluate": (EVALUATIONS, "place of evaluation"),
+    "precision": (PRECISIONS, "precision"),
+}
+NUMBERS = {
+    "samples": "number of samples",
+    "buffer_size": "buffer size",
+    "max_jumps": "number of jumps",
+    "texels": "number of texels",
+}
+# Of --adaptive without a number: radians.
+ADAPTIVE_THRESHOLD = 0.02
 
 # (stage, fraction of the whole) -> False to cancel
 ProgressFunction = Callable[[str, float], bool]
@@ -62,6 +96,16 @@ class Options:
     seed: int = 0
     seam_error: bool = False
     relocation: str = "connected"
+    estimator: str = "shape-operator"
+    variance_reduction: str = "shape"
+    geodesic: str = "local"
+    distance: str = "euclidean"
+    pattern: str = "golden-angle"
+    ellipse: str = "center"
+    evaluate: str = "vertex"
+    texels: int = 512
+    precision: str = "full"
+    adaptive: float = 0.0
 
 
 class Field:
@@ -84,8 +128,9 @@ class Field:
         return [line for line in text(self._library.pdesc_field_warnings(self._pointer)).splitlines() if line.strip()]
 
     def values(self, name: str) -> np.ndarray:
-        """(vertex_count,) float32 of a descriptor that was asked for, or of "coverage"; NaN where undefined."""
-        return self._read(self._library.pdesc_field_values, name)
+        """(vertex_count,) float32 of a descriptor that was asked for, or of "coverage"; NaN where undefined.
+        (vertex_count, 3) of one with three components."""
+        return self._read(self._library.pdesc_field_values, name, components(name))
 
     def seam_error(self, name: str) -> np.ndarray:
         """(vertex_count,) float32 largest difference between a vertex' places in the UV map; NaN with one place."""
@@ -108,9 +153,9 @@ class Field:
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
-    def _read(self, function: Callable[..., int], name: str) -> np.ndarray:
-        """(vertex_count,) float32 from one of the reading functions."""
-        values = np.empty(self._vertex_count, np.float32)
+    def _read(self, function: Callable[..., int], name: str, width: int = 1) -> np.ndarray:
+        """(vertex_count,) or (vertex_count, width) float32 from one of the reading functions."""
+        values = np.empty(self._vertex_count if width == 1 else (self._vertex_count, width), np.float32)
         status = function(self._pointer, name.encode(), address(values, abi.Float32Pointer), self._vertex_count)
         check(self._library, status)
         return values
@@ -275,16 +320,15 @@ def native_options(library: ctypes.CDLL, options: Options) -> abi.ComputeOptions
     """The C struct of the options."""
     native = new_struct(library, abi.ComputeOptions)
     native.radius = options.radius
-    native.radius_unit = choice(RADIUS_UNITS, options.radius_unit, "radius unit")
-    native.samples = int32(options.samples, "number of samples")
-    native.buffer_size = int32(options.buffer_size, "buffer size")
-    native.normals = choice(NORMALS, options.normals, "kind of normals")
-    native.max_jumps = int32(options.max_jumps, "number of jumps")
+    native.adaptive = options.adaptive
+    for name, (choices, what) in CHOICES.items():
+        setattr(native, name, choice(choices, getattr(options, name), what))
+    for name, what in NUMBERS.items():
+        setattr(native, name, int32(getattr(options, name), what))
     if not 0 <= options.seed < 2**32:
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"The seed {options.seed} is not between 0 and {2**32 - 1}.")
     native.seed = options.seed
     native.seam_error = int(options.seam_error)
-    native.relocation = choice(RELOCATIONS, options.relocation, "relocation")
     return native
 
 

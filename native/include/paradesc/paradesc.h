@@ -78,9 +78,51 @@ typedef enum pdesc_radius_unit {
 typedef enum pdesc_relocation {
   PDESC_RELOCATION_CONNECTED = 0, /* the texels of the surface connected to the vertex within the ball, found over links between cells of
                                      the buffer; the same texels for every vertex */
-  PDESC_RELOCATION_AFFINE = 1     /* each sample of a golden-angle pattern carried over seams by itself (paper 3.4, with the affine map of
-                                     each seam edge in place of eq. 2 and 3) */
+  PDESC_RELOCATION_AFFINE = 1,    /* each sample of a pattern carried over seams by itself (paper 3.4, with the affine map of each seam
+                                     edge in place of eq. 2 and 3) */
+  PDESC_RELOCATION_PAPER = 2      /* the paper's: the whole pattern again on every chart that samples landed on, from the center carried
+                                     there by eq. 2 and 3 */
 } pdesc_relocation;
+
+typedef enum pdesc_estimator {
+  PDESC_ESTIMATOR_SHAPE_OPERATOR = 0, /* curvatures are those of the least-squares shape operator */
+  PDESC_ESTIMATOR_INTEGRAL = 1        /* the paper's: H from the sphere volume (8), K from the geodesic area (11-14), k1 and k2 (10) */
+} pdesc_estimator;
+
+typedef enum pdesc_variance_reduction {
+  PDESC_VARIANCE_REDUCTION_SHAPE = 0, /* integrals are taken of what the shape operator does not explain, and its exact part is added */
+  PDESC_VARIANCE_REDUCTION_NONE = 1   /* the plain sums of the paper */
+} pdesc_variance_reduction;
+
+typedef enum pdesc_geodesic {
+  PDESC_GEODESIC_LOCAL = 0, /* s = rho (1 + (k rho)^2/24), k the normal curvature from p to q */
+  PDESC_GEODESIC_CHORDS = 1 /* the paper's sum of chords along the straight way in the UV map; AFFINE and PAPER relocation only */
+} pdesc_geodesic;
+
+typedef enum pdesc_distance {
+  PDESC_DISTANCE_EUCLIDEAN = 0, /* the neighborhood is what lies in the ball */
+  PDESC_DISTANCE_GEODESIC = 1   /* what lies within r along the surface */
+} pdesc_distance;
+
+typedef enum pdesc_pattern {
+  PDESC_PATTERN_GOLDEN_ANGLE = 0, /* Vogel's spiral */
+  PDESC_PATTERN_STRATIFIED = 1    /* the paper's: one random place in each square of a grid, mapped to the disk (Shirley, Chiu) */
+} pdesc_pattern;
+
+typedef enum pdesc_ellipse {
+  PDESC_ELLIPSE_CENTER = 0,     /* A(s) by the distortion at the center */
+  PDESC_ELLIPSE_DIRECTIONAL = 1 /* each direction stretched by the largest distortion on its way (paper 4.1) */
+} pdesc_ellipse;
+
+typedef enum pdesc_evaluate {
+  PDESC_EVALUATE_VERTEX = 0, /* at the vertices themselves */
+  PDESC_EVALUATE_TEXEL = 1   /* at the texels of a square map, as the paper does; vertices are looked up in it */
+} pdesc_evaluate;
+
+typedef enum pdesc_precision {
+  PDESC_PRECISION_FULL = 0, /* 32-bit floats in the buffers */
+  PDESC_PRECISION_HALF = 1  /* 16-bit: half the memory; the center of an evaluation stays in 32 bits */
+} pdesc_precision;
 
 /* Bits of a vertex' mask. */
 #define PDESC_MASK_NO_FACE 1u      /* no usable face at this vertex: NaN */
@@ -109,6 +151,7 @@ typedef struct pdesc_descriptor_info {
   double neutral_value;     /* the value of a plane (NaN where a plane has none); in units that do not depend on r */
   double display_minimum;   /* fixed display range, NaN where the range is to be taken from the values */
   double display_maximum;
+  int32_t components;       /* 1, or 3: a vector in object space */
 } pdesc_descriptor_info;
 
 PDESC_API void pdesc_descriptor_info_init(pdesc_descriptor_info *info);
@@ -201,6 +244,17 @@ typedef struct pdesc_options {
   uint32_t seed;        /* of the choice of samples; default 0 */
   int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map by itself, and keep the differences; default 0 */
   int32_t relocation;   /* pdesc_relocation; default CONNECTED. Not used by REFERENCE */
+  int32_t estimator;    /* pdesc_estimator; default SHAPE_OPERATOR */
+  int32_t variance_reduction; /* pdesc_variance_reduction; default SHAPE. Not used by REFERENCE, which integrates the definitions */
+  int32_t geodesic;     /* pdesc_geodesic; default LOCAL. REFERENCE always uses LOCAL */
+  int32_t distance;     /* pdesc_distance; default EUCLIDEAN */
+  int32_t pattern;      /* pdesc_pattern; default GOLDEN_ANGLE. Used by AFFINE and PAPER relocation only */
+  int32_t ellipse;      /* pdesc_ellipse; default CENTER. Used by AFFINE and PAPER relocation only */
+  int32_t evaluate;     /* pdesc_evaluate; default VERTEX. Not used by REFERENCE */
+  int32_t texels;       /* along a side of the map of TEXEL evaluation, 16 to 8192; default 512 */
+  int32_t precision;    /* pdesc_precision of the buffers; default FULL. Not used by REFERENCE */
+  double adaptive;      /* above 0: half of the samples first, the others only where the normals there deviate from the shape operator by
+                           more than this, root mean square, in radians (paper 4.2). Default 0: all samples everywhere */
 } pdesc_options;
 
 PDESC_API void pdesc_options_init(pdesc_options *options);
@@ -228,6 +282,9 @@ typedef struct pdesc_field_report {
   double seconds_evaluate;
   double seconds_total;
   int32_t private_layout;       /* 1: charts shared texture space and were laid out afresh for this; the mesh's UV map is not touched */
+  int32_t places;               /* of evaluation: vertices, or texels */
+  double refined_share;         /* of the places of evaluation that took all samples; 1 without adaptive sampling */
+  double buffer_megabytes;      /* of the baked buffers on the device */
 } pdesc_field_report;
 
 PDESC_API void pdesc_field_report_init(pdesc_field_report *report);
@@ -235,7 +292,8 @@ PDESC_API int32_t pdesc_field_get_report(const pdesc_field *field, pdesc_field_r
 /* One sentence per line about what limits these results (overlapping UVs, a coarse buffer, ...), or "". */
 PDESC_API const char *pdesc_field_warnings(const pdesc_field *field);
 
-/* values: (vertex_count) float32, one for each original vertex. name: a descriptor asked for, or "coverage". */
+/* values: (vertex_count) float32, one for each original vertex; (vertex_count, 3) of a descriptor with three components.
+ * name: a descriptor asked for, or "coverage". */
 PDESC_API int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *values, int32_t vertex_count);
 /* The largest difference between the results from two places of the vertex in the UV map; NaN at a vertex with one place.
  * Needs options.seam_error = 1 and a backend other than REFERENCE. */

@@ -6,11 +6,20 @@
 
 namespace paradesc {
 
+size_t EvaluateSettings::value_rows() const {
+  size_t rows = 0;
+  for (const int descriptor : this->descriptors)
+    rows += static_cast<size_t>(paradesc::descriptors()[static_cast<size_t>(descriptor)].components);
+  return rows;
+}
+
 // Each descriptor's file defines the same names; they are told apart by renaming them while its text is compiled.
 std::string compose_descriptors(std::span<const int> asked) {
   std::string text, members, init, add, finish;
-  for (size_t row = 0; row < asked.size(); ++row) {
-    const std::string name = descriptors()[static_cast<size_t>(asked[row])].name;
+  int row = 0;
+  for (const int descriptor : asked) {
+    const DescriptorRow &registered = descriptors()[static_cast<size_t>(descriptor)];
+    const std::string name = registered.name;
     for (const char *word : {"State", "descriptor_init", "descriptor_add", "descriptor_finish"})
       text += std::string("#define ") + word + " " + word + "_" + name + "\n";
     text += "#include \"descriptors/" + name + ".glsl\"\n";
@@ -19,8 +28,16 @@ std::string compose_descriptors(std::span<const int> asked) {
     members += "  State_" + name + " " + name + ";\n";
     init += "  descriptor_init_" + name + "(states." + name + ");\n";
     add += "  descriptor_add_" + name + "(states." + name + ", center, neighbor);\n";
-    finish += "  results[(ROW_DESCRIPTORS + " + std::to_string(row) + ") * total + index] = descriptor_finish_" + name +
-              "(states." + name + ", center, support);\n";
+    const std::string value = "descriptor_finish_" + name + "(states." + name + ", center, support)";
+    auto store = [&](const std::string &component) {
+      finish += "  results[(ROW_DESCRIPTORS + " + std::to_string(row++) + ") * total + index] = " + component + ";\n";
+    };
+    if (registered.components == 1) {
+      store(value);
+      continue;
+    }
+    finish += "  vec3 value_" + name + " = " + value + ";\n";
+    for (const char *axis : {".x", ".y", ".z"}) store("value_" + name + axis);
   }
   // The results buffer is declared after this text, so the last step is a macro for main().
   std::string macro;
@@ -93,19 +110,26 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
   count_ = static_cast<int>(centers.size());
   pattern_.upload(gl, golden_angle_pattern(settings.samples));
   // NaN everywhere first: a center that a driver forgets must not look like a result.
-  const std::vector<float> nothing((ROW_DESCRIPTORS + settings.descriptors.size()) * static_cast<size_t>(count_),
+  const std::vector<float> nothing((ROW_DESCRIPTORS + settings.value_rows()) * static_cast<size_t>(count_),
                                    std::numeric_limits<float>::quiet_NaN());
   results_.upload(gl, nothing, GL_STREAM_READ);
   check_gl(gl, "center upload");
 }
 
+// What is decided while compiling: each choice costs nothing where it is not made.
+static std::string variant_of(const EvaluateSettings &settings) {
+  auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
+  return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) + define("INTEGRAL", settings.integral) +
+         define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f);
+}
+
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
                     int first, int last) const {
-  std::string name = settings.affine ? "evaluate affine" : "evaluate connected";
+  const std::string variant = variant_of(settings);
+  std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   gl.UseProgram(programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},
-                             {{"variant.glsl", settings.affine ? "#define AFFINE 1\n" : "#define AFFINE 0\n"},
-                              {"descriptors.glsl", compose_descriptors(settings.descriptors)}}));
+                             {{"variant.glsl", variant}, {"descriptors.glsl", compose_descriptors(settings.descriptors)}}));
   bind(gl, buffer);
   gl.BindTextureUnit(UNIT_BORDER, border_.id());
   gl.BindTextureUnit(UNIT_BORDER_LIST, border_list_.id());
@@ -118,12 +142,14 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, support_cells_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE_BEGIN, bare_begin_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
-  if (settings.affine) gl.Uniform1i(1, settings.max_jumps);
+  if (settings.relocation != PDESC_RELOCATION_CONNECTED) gl.Uniform1i(1, settings.max_jumps);
   const GLint integers[] = {first, last, count_, settings.samples};
   for (GLint i = 0; i < 4; ++i) gl.Uniform1i(i + 2, integers[i]);
   gl.Uniform1f(6, settings.radius);
   gl.Uniform1f(7, settings.enlargement);
   gl.Uniform1i(9, static_cast<GLint>(settings.seed));
+  gl.Uniform1f(10, settings.plain ? 0.0f : 1.0f);
+  if (settings.adaptive > 0.0f) gl.Uniform1f(11, settings.adaptive);
   gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.Finish();
@@ -131,7 +157,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
 }
 
 std::vector<float> Evaluator::read(const Gl &gl, const EvaluateSettings &settings) const {
-  std::vector<float> results((ROW_DESCRIPTORS + settings.descriptors.size()) * static_cast<size_t>(count_));
+  std::vector<float> results((ROW_DESCRIPTORS + settings.value_rows()) * static_cast<size_t>(count_));
   if (!results.empty())
     gl.GetNamedBufferSubData(results_.id(), 0, static_cast<GLsizeiptr>(results.size() * sizeof(float)), results.data());
   check_gl(gl, "read-back");

@@ -20,9 +20,16 @@ struct EvaluateSettings {
   int samples;
   uint32_t seed;
   int max_jumps;
-  float radius;      // in buffer units
-  float enlargement; // of the sampling ellipse over the radius
-  bool affine;       // samples are carried over seams one by one; else they are taken from the cells of each support
+  float radius;       // in buffer units
+  float enlargement;  // of the sampling ellipse over the radius
+  int relocation;     // pdesc_relocation
+  bool integral;      // curvatures by the paper's integrals; else by the shape operator
+  bool plain;         // no control variate
+  bool geodesic_ball; // the neighborhood ends where the distance along the surface exceeds the radius
+  float adaptive;     // 0: all samples everywhere
+
+  // Rows of values among the results, after ROW_DESCRIPTORS.
+  size_t value_rows() const;
 };
 
 // The part of the device's state that samples read beside the geometry buffer.
@@ -40,7 +47,7 @@ public:
   // Computes centers [first, last); returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
            int last) const;
-  // (ROW_DESCRIPTORS + descriptors, centers), in buffer units.
+  // (ROW_DESCRIPTORS + value_rows, centers), in buffer units.
   std::vector<float> read(const Gl &gl, const EvaluateSettings &settings) const;
 
 private:

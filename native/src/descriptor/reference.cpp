@@ -42,11 +42,13 @@ struct Patch {
 struct Center {
   dvec3 normal, tangent, bitangent;
   double radius;
+  bool geodesic_ball;
 };
 
 // Sums over samples; those of the shape operator are moments of tangent coordinates x of d and y of n_i - n.
 struct Moments {
   double area = 0, rho = 0, height = 0, bending = 0;
+  double strip = 0; // area within the ball and beyond r along the surface
   double xx = 0, xy = 0, yy = 0;
   double m11 = 0, m12 = 0, m22 = 0; // of x yT, m12 symmetrized
 };
@@ -88,6 +90,19 @@ void add_whole_triangle(Moments &moments, const Center &center, const Patch &pat
   add_three((6 + root) / 21, (155 + root) / 1200);
 }
 
+// On the ball's rim: the strip between the rim and where the distance along the surface, s = rho (1 + (kappa rho)^2/24), is r.
+// Per angle around the foot of p on the triangle's plane it has (r^2 - rho_s^2)/2, wherever that foot lies.
+void add_strip(Moments &moments, const Center &center, const Patch &patch, double b, double c, double angle) {
+  const auto at = [&](const std::array<dvec3, 3> &v) { return v[0] + b * (v[1] - v[0]) + c * (v[2] - v[0]); };
+  const dvec3 d = at(patch.corners), n = at(patch.normals);
+  const double r = center.radius;
+  const double bend = glm::dot(n / glm::length(n) - center.normal, d) / r;
+  const double inner = r / (1 + bend * bend / 24);
+  const double area = 0.5 * (r * r - inner * inner) * angle;
+  moments.strip += area;
+  if (center.geodesic_ball) add_sample(moments, center, d * (0.5 * (1 + inner / r)), n, -area);
+}
+
 void add_cut_triangle(Moments &moments, const Center &center, const Patch &patch, dvec3 cross_product, const GaussRule &rule) {
   const auto &[a, b, c] = patch.corners;
   const double twice_area = glm::length(cross_product);
@@ -104,6 +119,10 @@ void add_cut_triangle(Moments &moments, const Center &center, const Patch &patch
   visit_region(region, star, rule, [&](dvec2 x, double weight) {
     const dvec2 from_a = x - corners[0];
     add_barycentric(moments, center, patch, cross(from_a, ac) / twice_area, cross(ab, from_a) / twice_area, weight);
+  });
+  visit_arcs(region, rule, [&](dvec2 x, double angle) {
+    const dvec2 from_a = x - corners[0];
+    add_strip(moments, center, patch, cross(from_a, ac) / twice_area, cross(ab, from_a) / twice_area, angle);
   });
 }
 
@@ -126,9 +145,10 @@ void add_triangle(Moments &moments, const Center &center, const Patch &patch) {
 // ---- The neighborhood -------------------------------------------------------------------------------------------------------
 
 // Least squares for a symmetric S: X S + S X = M + MT, in the principal frame of X three separate equations.
-void fit_shape_operator(const Moments &moments, ReferenceNeighborhood &neighborhood) {
+void fit_shape_operator(const Moments &moments, const Center &center, ReferenceNeighborhood &neighborhood) {
   constexpr double least_ratio = 1e-6; // of the extents across and along; a thinner support does not determine S
-  neighborhood.k1 = neighborhood.k2 = undefined;
+  neighborhood.k1 = neighborhood.k2 = neighborhood.mean = neighborhood.gauss = undefined;
+  neighborhood.direction_max = neighborhood.direction_min = dvec3(undefined);
   const double angle = 0.5 * std::atan2(2 * moments.xy, moments.xx - moments.yy);
   const double c = std::cos(angle), s = std::sin(angle);
   const double along = c * c * moments.xx + 2 * c * s * moments.xy + s * s * moments.yy;
@@ -141,6 +161,21 @@ void fit_shape_operator(const Moments &moments, ReferenceNeighborhood &neighborh
   const double mean = 0.5 * (s11 + s22), half_difference = std::hypot(0.5 * (s11 - s22), s12);
   neighborhood.k1 = mean + half_difference;
   neighborhood.k2 = mean - half_difference;
+  neighborhood.mean = mean;
+  neighborhood.gauss = neighborhood.k1 * neighborhood.k2;
+  const double turn = angle + 0.5 * std::atan2(s12, 0.5 * (s11 - s22)); // from the tangent to the direction of k1
+  neighborhood.direction_max = std::cos(turn) * center.tangent + std::sin(turn) * center.bitangent;
+  neighborhood.direction_min = glm::cross(center.normal, neighborhood.direction_max);
+}
+
+// Paper eq. (8), (11) and (10).
+void take_integrals(ReferenceNeighborhood &neighborhood) {
+  const double r = neighborhood.radius, square = r * r;
+  neighborhood.mean = neighborhood.rho > 0 ? -8.0 / (3.0 * r) * neighborhood.height / neighborhood.rho : undefined;
+  neighborhood.gauss = 12.0 * (pi * square - neighborhood.geodesic_area) / (pi * square * square);
+  const double root = std::sqrt(std::max(neighborhood.mean * neighborhood.mean - neighborhood.gauss, 0.0));
+  neighborhood.k1 = neighborhood.mean + root;
+  neighborhood.k2 = neighborhood.mean - root;
 }
 
 // Does the segment from a to b come nearer to the origin than r?
@@ -157,8 +192,9 @@ class Flood {
 public:
   explicit Flood(const Surface &surface) : surface_(surface), stamp_(static_cast<size_t>(surface.triangles.triangle_count), -1) {}
 
-  ReferenceNeighborhood measure(int point, double radius) {
-    start(point, radius);
+  ReferenceNeighborhood measure(int point, const ReferenceSettings &settings) {
+    const double radius = settings.radius;
+    start(point, settings);
     Moments moments;
     ReferenceNeighborhood neighborhood;
     for (int face; !stack_.empty();) {
@@ -173,18 +209,20 @@ public:
     neighborhood.rho = moments.rho;
     neighborhood.height = moments.height;
     neighborhood.bending = moments.bending;
-    fit_shape_operator(moments, neighborhood);
+    neighborhood.geodesic_area = moments.area - (settings.geodesic_ball ? 0.0 : moments.strip);
+    fit_shape_operator(moments, center_, neighborhood);
+    if (settings.integral) take_integrals(neighborhood);
     return neighborhood;
   }
 
 private:
-  void start(int point, double radius) {
+  void start(int point, const ReferenceSettings &settings) {
     point_ = point;
     const auto i = static_cast<size_t>(point);
     position_ = dvec3(surface_.triangles.positions[static_cast<size_t>(surface_.half_edges.point_vertex[i])]);
     const dvec3 n = glm::normalize(dvec3(surface_.normals.point[i]));
     const dvec3 tangent = glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
-    center_ = {n, tangent, glm::cross(n, tangent), radius};
+    center_ = {n, tangent, glm::cross(n, tangent), settings.radius, settings.geodesic_ball};
     stack_.clear();
     const int first = surface_.half_edges.point_half_edge[i];
     for (int corner = first; corner >= 0;) {
@@ -283,30 +321,42 @@ private:
   std::atomic<bool> cancelled_{false};
 };
 
-using Descriptor = double (*)(const ReferenceNeighborhood &);
-constexpr Descriptor rows[] = {
-#define DESCRIPTOR(name, ...) reference_##name,
+void store(double value, float *out) { *out = static_cast<float>(value); }
+void store(dvec3 value, float *out) {
+  for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(value[i]);
+}
+
+struct Row {
+  size_t components;
+  void (*write)(const ReferenceNeighborhood &, float *out);
+};
+constexpr Row rows[] = {
+#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components)                                   \
+  {components, [](const ReferenceNeighborhood &neighborhood, float *out) { store(reference_##name(neighborhood), out); }},
 #include "descriptor/descriptors.def"
 #undef DESCRIPTOR
 };
 
 } // namespace
 
-ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, double radius,
-                                 std::span<const int> descriptors, int threads, const std::function<bool(double)> &progress) {
+ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
+                                 const ReferenceSettings &settings, std::span<const int> descriptors, int threads,
+                                 const std::function<bool(double)> &progress) {
   const Surface surface{triangles, half_edges, normals};
   const auto count = static_cast<size_t>(half_edges.point_count);
   ReferenceField field;
-  field.values.assign(descriptors.size(), std::vector<float>(count));
+  for (const int descriptor : descriptors) field.values.emplace_back(count * rows[descriptor].components);
   field.boundary.resize(count);
   FloodPool pool(surface);
   Ticker ticker(half_edges.point_count, progress);
   parallel_blocks(half_edges.point_count, threads, block_size, [&](int begin, int end) {
     std::unique_ptr<Flood> flood = pool.take();
     for (int point = begin; point < end; ++point) {
-      const ReferenceNeighborhood neighborhood = flood->measure(point, radius);
-      for (size_t i = 0; i < descriptors.size(); ++i)
-        field.values[i][static_cast<size_t>(point)] = static_cast<float>(rows[descriptors[i]](neighborhood));
+      const ReferenceNeighborhood neighborhood = flood->measure(point, settings);
+      for (size_t i = 0; i < descriptors.size(); ++i) {
+        const Row &row = rows[descriptors[i]];
+        row.write(neighborhood, &field.values[i][static_cast<size_t>(point) * row.components]);
+      }
       field.boundary[static_cast<size_t>(point)] = neighborhood.boundary;
       ticker.step();
     }
@@ -317,9 +367,9 @@ ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &ha
 
 // ---- Descriptors: the plain definitions -------------------------------------------------------------------------------------
 
-double reference_mean_curvature(const ReferenceNeighborhood &neighborhood) { return 0.5 * (neighborhood.k1 + neighborhood.k2); }
+double reference_mean_curvature(const ReferenceNeighborhood &neighborhood) { return neighborhood.mean; }
 
-double reference_gaussian_curvature(const ReferenceNeighborhood &neighborhood) { return neighborhood.k1 * neighborhood.k2; }
+double reference_gaussian_curvature(const ReferenceNeighborhood &neighborhood) { return neighborhood.gauss; }
 
 double reference_principal_curvature_max(const ReferenceNeighborhood &neighborhood) { return neighborhood.k1; }
 
@@ -347,6 +397,38 @@ double reference_sphere_volume(const ReferenceNeighborhood &neighborhood) {
 // V_r = 4 pi r^3/3 - V_o with V_o = (2 pi r^3/3)(1 - height/rho), over 4 pi r^3/3.
 double reference_sphere_volume_normalized(const ReferenceNeighborhood &neighborhood) {
   return neighborhood.rho > 0 ? 0.5 * (1 + neighborhood.height / neighborhood.rho) : undefined;
+}
+
+double reference_geodesic_area(const ReferenceNeighborhood &neighborhood) {
+  return neighborhood.area > 0 ? neighborhood.geodesic_area : undefined;
+}
+
+double reference_cavity(const ReferenceNeighborhood &neighborhood) {
+  const double bend = -neighborhood.mean * neighborhood.radius;
+  return std::isnan(bend) ? bend : std::clamp(bend, 0.0, 1.0);
+}
+
+double reference_convexity(const ReferenceNeighborhood &neighborhood) {
+  const double bend = neighborhood.mean * neighborhood.radius;
+  return std::isnan(bend) ? bend : std::clamp(bend, 0.0, 1.0);
+}
+
+double reference_ambient_openness(const ReferenceNeighborhood &neighborhood) {
+  return 1.0 - reference_sphere_volume_normalized(neighborhood);
+}
+
+static dvec3 positive_direction(dvec3 v) {
+  const dvec3 size = glm::abs(v);
+  const double largest = size.x >= size.y && size.x >= size.z ? v.x : size.y >= size.z ? v.y : v.z;
+  return largest < 0 ? -v : v;
+}
+
+dvec3 reference_principal_direction_max(const ReferenceNeighborhood &neighborhood) {
+  return positive_direction(neighborhood.direction_max);
+}
+
+dvec3 reference_principal_direction_min(const ReferenceNeighborhood &neighborhood) {
+  return positive_direction(neighborhood.direction_min);
 }
 
 double reference_euclidean_area(const ReferenceNeighborhood &neighborhood) {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "mesh/halfedge.h"
@@ -15,26 +16,38 @@ namespace paradesc {
 // What quadrature leaves behind at one point. w is area; d = q - p, rho = |d|, n the unit normal at p, n_i that at q.
 struct ReferenceNeighborhood {
   double radius = 0;
-  double area = 0;       // integral of w
-  double rho = 0;        // of w rho
-  double height = 0;     // of w n.d
-  double bending = 0;    // of w |n - n_i|^2 / rho^2
-  double k1 = 0, k2 = 0; // of the least-squares shape operator, k1 >= k2; NaN where it cannot be fitted
-  bool boundary = false; // a mesh boundary lies within the ball
+  double area = 0;                            // integral of w
+  double rho = 0;                             // of w rho
+  double height = 0;                          // of w n.d
+  double bending = 0;                         // of w |n - n_i|^2 / rho^2
+  double geodesic_area = 0;                   // area within r along the surface
+  double mean = 0, gauss = 0, k1 = 0, k2 = 0; // H, K, k1 >= k2 by the estimator asked for; NaN where they do not exist
+  dvec3 direction_max{0}, direction_min{0};   // of the shape operator, unit
+  bool boundary = false;                      // a mesh boundary lies within the ball
 };
 
+template <int components> using ReferenceValue = std::conditional_t<components == 1, double, dvec3>;
+
 // One of these for each row of descriptors.def; each gives NaN where the value does not exist.
-#define DESCRIPTOR(name, ...) double reference_##name(const ReferenceNeighborhood &neighborhood);
+#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components)                                   \
+  ReferenceValue<components> reference_##name(const ReferenceNeighborhood &neighborhood);
 #include "descriptor/descriptors.def"
 #undef DESCRIPTOR
 
 struct ReferenceField {
-  std::vector<std::vector<float>> values; // [descriptor asked for][point]
+  std::vector<std::vector<float>> values; // [descriptor asked for][point, component]
   std::vector<uint8_t> boundary;          // (point_count)
 };
 
+struct ReferenceSettings {
+  double radius;
+  bool integral = false;      // curvatures by the paper's integrals; else by the shape operator
+  bool geodesic_ball = false; // the neighborhood ends where the distance along the surface exceeds the radius
+};
+
 // descriptors: indices into the registry. progress(fraction) returns false to cancel: then Error(CANCELLED) is thrown.
-ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, double radius,
-                                 std::span<const int> descriptors, int threads, const std::function<bool(double)> &progress);
+ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
+                                 const ReferenceSettings &settings, std::span<const int> descriptors, int threads,
+                                 const std::function<bool(double)> &progress);
 
 } // namespace paradesc

@@ -60,6 +60,21 @@ void visit_sector(const DiscRegion &region, const BoundaryPiece &piece, dvec2 ce
   }
 }
 
+// visit(x, angle) along the arcs of the region's rim, angle the part of the turn that the place stands for.
+template <class Visit> void visit_arcs(const DiscRegion &region, const GaussRule &rule, const Visit &visit) {
+  for (int k = 0; k < region.count; ++k) {
+    const BoundaryPiece &piece = region.pieces[static_cast<size_t>(k)];
+    if (!(piece.angle > 0)) continue;
+    const int parts = static_cast<int>(std::ceil(piece.angle / (0.5 * pi)));
+    const double step = piece.angle / parts;
+    for (int part = 0; part < parts; ++part)
+      for (size_t j = 0; j < rule.nodes.size(); ++j) {
+        const double angle = piece.angle_begin + (part + rule.nodes[j]) * step;
+        visit(region.radius * dvec2(std::cos(angle), std::sin(angle)), rule.weights[j] * step);
+      }
+  }
+}
+
 // visit(x, weight) over the region.
 template <class Visit> void visit_region(const DiscRegion &region, dvec2 center, const GaussRule &rule, const Visit &visit) {
   constexpr double widest_arc = 0.5 * pi;

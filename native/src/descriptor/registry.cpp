@@ -11,8 +11,8 @@ namespace paradesc {
 
 std::span<const DescriptorRow> descriptors() {
   static const DescriptorRow rows[] = {
-#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high)                                               \
-  {#name, label, description, power, is_signed != 0, neutral, low, high, reference_##name},
+#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components)                                   \
+  {#name, label, description, power, is_signed != 0, neutral, low, high, components},
 #include "descriptor/descriptors.def"
 #undef DESCRIPTOR
   };

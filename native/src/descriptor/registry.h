@@ -16,7 +16,7 @@ struct DescriptorRow {
   double neutral;
   double display_minimum;
   double display_maximum;
-  double (*reference)(const ReferenceNeighborhood &);
+  int components;
 };
 
 std::span<const DescriptorRow> descriptors();

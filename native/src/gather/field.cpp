@@ -35,10 +35,26 @@ static std::vector<float> spread(const SiteResults &results, const std::vector<f
   return result;
 }
 
-static std::vector<float> to_vertices(const HalfEdges &half_edges, const std::vector<float> &points) {
-  std::vector<float> vertices(half_edges.vertex_point.size(), nan);
-  for (size_t i = 0; i < vertices.size(); ++i)
-    if (half_edges.vertex_point[i] >= 0) vertices[i] = points[static_cast<size_t>(half_edges.vertex_point[i])];
+// Of a direction, which has two signs: the angle between each place and the first one of its point.
+static std::vector<float> angles(const SiteResults &results, const std::vector<float> &values, size_t points) {
+  std::vector<int32_t> first(points, -1);
+  std::vector<float> result(results.point.size(), nan);
+  for (size_t i = 0; i < result.size(); ++i) {
+    int32_t &other = first[static_cast<size_t>(results.point[i])];
+    if (other < 0) other = static_cast<int32_t>(i);
+    const float *a = &values[3 * i], *b = &values[3 * static_cast<size_t>(other)];
+    result[i] = std::acos(std::min(std::abs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]), 1.0f));
+  }
+  return result;
+}
+
+// points: (points, width).
+static std::vector<float> to_vertices(const HalfEdges &half_edges, const std::vector<float> &points, size_t width) {
+  std::vector<float> vertices(half_edges.vertex_point.size() * width, nan);
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    const int32_t point = half_edges.vertex_point[i / width];
+    if (point >= 0) vertices[i] = points[static_cast<size_t>(point) * width + i % width];
+  }
   return vertices;
 }
 
@@ -68,7 +84,8 @@ static void count(const HalfEdges &half_edges, Field &field) {
     field.report.boundary_vertices += (field.mask[i] & PDESC_MASK_BOUNDARY) != 0;
     field.report.low_coverage_vertices += (field.mask[i] & PDESC_MASK_LOW_COVERAGE) != 0;
     bool undefined = false;
-    for (size_t row = 0; row + 1 < field.values.size(); ++row) undefined |= std::isnan(field.values[row][i]);
+    for (size_t row = 0; row + 1 < field.values.size(); ++row)
+      undefined |= std::isnan(field.values[row][i * (field.values[row].size() / field.mask.size())]);
     field.report.undefined_vertices += undefined;
     if (half_edges.vertex_point[i] < 0) continue;
     ++with_face;
@@ -83,11 +100,14 @@ void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_s
   for (size_t i = 0; i < results.point.size(); ++i)
     if (results.primary[i]) primary[static_cast<size_t>(results.point[i])] = static_cast<int32_t>(i);
   auto add = [&](const std::vector<float> &values) {
-    std::vector<float> at_points(points, nan);
-    for (size_t i = 0; i < points; ++i)
-      if (primary[i] >= 0) at_points[i] = values[static_cast<size_t>(primary[i])];
-    field.values.push_back(to_vertices(half_edges, at_points));
-    if (with_seam_error) field.seam_error.push_back(to_vertices(half_edges, spread(results, values, points)));
+    const size_t width = results.point.empty() ? 1 : values.size() / results.point.size();
+    std::vector<float> at_points(points * width, nan);
+    for (size_t i = 0; i < at_points.size(); ++i)
+      if (primary[i / width] >= 0) at_points[i] = values[static_cast<size_t>(primary[i / width]) * width + i % width];
+    field.values.push_back(to_vertices(half_edges, at_points, width));
+    if (!with_seam_error) return;
+    const auto differences = spread(results, width == 3 ? angles(results, values, points) : values, points);
+    field.seam_error.push_back(to_vertices(half_edges, differences, 1));
   };
   for (const auto &values : results.values) add(values);
   add(results.coverage);

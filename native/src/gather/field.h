@@ -13,8 +13,8 @@ namespace paradesc {
 
 struct Field {
   std::vector<std::string> names;             // descriptors asked for, then "coverage"
-  std::vector<std::vector<float>> values;     // [name][vertex]
-  std::vector<std::vector<float>> seam_error; // [name][vertex], empty where not asked for
+  std::vector<std::vector<float>> values;     // [name][vertex, component]
+  std::vector<std::vector<float>> seam_error; // [name][vertex], empty where not asked for; of a direction the angle in radians
   std::vector<uint8_t> mask;                  // (vertex_count)
   pdesc_field_report report{};
   std::string warnings;
@@ -24,7 +24,8 @@ struct Field {
 struct SiteResults {
   std::vector<int32_t> point;             // (places) point evaluated
   std::vector<uint8_t> primary;           // (places) 1: the place that answers for the point
-  std::vector<std::vector<float>> values; // [descriptor][place], units of the positions
+  std::vector<std::vector<float>> values; // [descriptor][place, component], units of the positions
+  double refined_share = 1.0;             // of the places, where all samples were taken
   std::vector<float> coverage;            // (places)
   std::vector<uint8_t> boundary;          // (places)
 };

@@ -1,0 +1,42 @@
+// Terms of the geodesic area GA (paper eq. 11 to 14), and the Gaussian curvature that belongs to it.
+struct AreaTerms {
+  float inside;     // area within r along the surface
+  float projected;  // area of the neighborhood's projection to the tangent plane
+  float bend;       // sum of w (q^2 - |x|^2): how far the surface leaves the tangent plane, q the distance that bounds the neighborhood
+  float moment;     // sum of w q^4
+  vec4 moments;     // sum of w q^4: e1^4, e1^3 e2, e1^2 e2^2, e1 e2^3 (e2^4 is what is left)
+};
+void area_init(out AreaTerms terms) { terms = AreaTerms(0.0, 0.0, 0.0, 0.0, vec4(0.0)); }
+void area_add(inout AreaTerms terms, Center center, Neighbor neighbor) {
+  terms.inside += neighbor.area * rim_share(neighbor.geodesic, center.radius, neighbor.area);
+  terms.projected += neighbor.weight * dot(center.normal, neighbor.normal);
+  float height = dot(center.normal, neighbor.offset);
+  float flat_square = neighbor.rho * neighbor.rho - height * height;
+  float square = neighbor.distance * neighbor.distance;
+  float weight = neighbor.weight * square * square;
+  vec2 e = neighbor.direction;
+  terms.bend += neighbor.weight * (square - flat_square);
+  terms.moment += weight;
+  terms.moments += weight * vec4(e.x * e.x * e.x * e.x, e.x * e.x * e.x * e.y, e.x * e.x * e.y * e.y, e.x * e.y * e.y * e.y);
+}
+// Sum of w q^4 kappa_S(e)^2.
+float area_explained(AreaTerms terms, vec3 s) {
+  float last = terms.moment - terms.moments.x - 2.0 * terms.moments.z; // (e1^2 + e2^2)^2 = 1
+  return dot(terms.moments, vec4(s.x * s.x, 4.0 * s.x * s.y, 2.0 * s.x * s.z + 4.0 * s.y * s.y, 4.0 * s.y * s.z)) + s.z * s.z * last;
+}
+// area is inside, or any sum over the neighborhood that goes with its area. Only its difference to the projected area is sampled, whose noise
+// is that of the same samples. The projection itself is a disk with the rim |x|^2 = r^2 (1 - c r^2); c is measured over all samples, with
+// the shape operator's RIM_BEND kappa^2 as control variate.
+float area_finish(AreaTerms terms, float area, Support support) {
+  if (!(support.variate > 0.0) || !(terms.moment > 0.0)) return support.scale * area;
+  vec2 k = support.eigenvalues;
+  float mean = 0.125 * (3.0 * k.x * k.x + 2.0 * k.x * k.y + 3.0 * k.y * k.y); // of kappa^2
+  float c = RIM_BEND * mean + (terms.bend - RIM_BEND * area_explained(terms, support.shape)) / terms.moment;
+  float square = support.radius * support.radius;
+  float exact = PI * square * (1.0 - c * square);
+  return support.scale * area + support.variate * (exact - support.scale * terms.projected);
+}
+float area_gaussian_curvature(float area, float radius) {
+  float square = radius * radius;
+  return 12.0 * (PI * square - area) / (PI * square * square);
+}
