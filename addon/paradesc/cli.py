@@ -84,7 +84,8 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
     add("input", nargs="?", metavar="INPUT", type=Path, help=".blend, .obj, .ply or .glb; in Blender: the open file")
     add("--descriptors", default="mean_curvature", metavar="A,B,C", help="see paradesc list (default: mean_curvature)")
     add("--object", metavar="NAME", help="the mesh object (default: a .blend's active one, else the largest)")
-    add("--radius", type=float, default=defaults.radius, metavar="R", help="support radius (default: 0.02)")
+    add("--radius", type=radii, default=(defaults.radius,), metavar="R[,R...]",
+        help="support radius (default: 0.02); of several, every descriptor's name ends in _r and the radius")  # fmt: skip
     add("--radius-unit", choices=bridge.RADIUS_UNITS, default=defaults.radius_unit,
         help="diagonal: a fraction of the bounding box's (default); absolute: the mesh's own units")  # fmt: skip
     add("--samples", type=int, default=defaults.samples, metavar="N", help="samples around a vertex (default: 256)")
@@ -92,7 +93,13 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
     add("--normals", choices=bridge.NORMALS, default=defaults.normals, help="vertex normals (default: fitted)")
     add("--relocation", choices=bridge.RELOCATIONS, default=defaults.relocation,
         help="over seams: by connected cells of the buffer (default), each sample by affine maps, or as the paper does")  # fmt: skip
-    add("--max-jumps", type=int, default=defaults.max_jumps, metavar="N", help="affine, paper: seams to cross (default: 8)")
+    add(
+        "--max-jumps",
+        type=int,
+        default=defaults.max_jumps,
+        metavar="N",
+        help="affine, paper: seams to cross (default: 8)",
+    )
     add("--pattern", choices=bridge.PATTERNS, default=defaults.pattern, help="affine, paper: places of the samples")
     add("--ellipse", choices=bridge.ELLIPSES, default=defaults.ellipse,
         help="affine, paper: the pattern's extent by the distortion at the center, or by the largest on the way")  # fmt: skip
@@ -114,12 +121,17 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
     add("--verbose", action="store_true", help="show what Blender itself prints")
 
 
+def radii(text: str) -> tuple[float, ...]:
+    """Numbers between commas."""
+    return tuple(float(word) for word in text.split(","))
+
+
 def settings_of(arguments: argparse.Namespace) -> job.Settings:
     """The computation's settings; unknown descriptors are refused before any file is opened."""
     names = tuple(name.strip() for name in arguments.descriptors.split(",") if name.strip())
     job.check_descriptors(names)
     options = bridge.Options(
-        radius=arguments.radius,
+        radius=arguments.radius[0],
         samples=arguments.samples,
         buffer_size=arguments.buffer,
         max_jumps=arguments.max_jumps,
@@ -128,7 +140,7 @@ def settings_of(arguments: argparse.Namespace) -> job.Settings:
         adaptive=arguments.adaptive,
         **{name: getattr(arguments, name) for name in bridge.CHOICES},
     )
-    return job.Settings(names, options, arguments.backend, arguments.device)
+    return job.Settings(names, options, arguments.backend, arguments.device, arguments.radius[1:])
 
 
 def check_outputs(paths: list[Path]) -> None:

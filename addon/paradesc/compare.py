@@ -10,7 +10,6 @@ import numpy as np
 
 from . import bridge, job
 from .bridge import Descriptor, abi
-from .results import registry_row
 
 # Below this share of its largest value the reference's range counts as none: the surface has one value everywhere.
 CONSTANT_SHARE = 1e-3
@@ -56,6 +55,23 @@ def percent_errors(
     return Errors(percent, scale)
 
 
+def angle_errors(values: np.ndarray, reference: job.Results, with_face: np.ndarray, name: str) -> Errors:
+    """Angle in degrees between (n, 3) directions, without regard to sign, weighted by |k1 - k2| over its mean where the
+    reference computed those too: on a sphere there are no principal directions."""
+    expected = reference.values[name]
+    along = np.abs(np.einsum("ij,ij->i", values.astype(np.float64), expected.astype(np.float64)))
+    angle = np.degrees(np.arccos(np.minimum(along, 1.0)))
+    angle[np.isnan(values).any(axis=1) != np.isnan(expected).any(axis=1)] = UNDEFINED_ERROR
+    angle[~with_face] = np.nan
+    suffix = name[len(job.registry_name(name)) :]
+    k1, k2 = (reference.values.get(f"principal_curvature_{end}{suffix}") for end in ("max", "min"))
+    if k1 is not None and k2 is not None:
+        weight = np.where(np.isfinite(angle), np.abs(k1 - k2), np.nan).astype(np.float64)
+        mean = float(np.nanmean(weight)) if np.isfinite(weight).any() else 0.0
+        angle *= weight / mean if mean > 0 else 1.0
+    return Errors(angle, 100.0 / np.degrees(1.0))  # seam errors of a direction are radians
+
+
 def statistic(percent: np.ndarray, function: object, *arguments: float) -> float:
     """A statistic over the (n,) errors that count; NaN without any."""
     counted = percent[np.isfinite(percent)]
@@ -65,14 +81,19 @@ def statistic(percent: np.ndarray, function: object, *arguments: float) -> float
 def row(name: str, device: job.Results, reference: job.Results) -> dict[str, object]:
     """The errors of one descriptor on one mesh at one radius."""
     with_face = (reference.mask & abi.MASK_NO_FACE) == 0
-    errors = percent_errors(device.values[name], reference.values[name], with_face, registry_row(name), device.radius)
+    if device.values[name].ndim == 2:
+        errors = angle_errors(device.values[name], reference, with_face, name)
+    else:
+        errors = percent_errors(
+            device.values[name], reference.values[name], with_face, job.registry_row(name), device.radius_of(name)
+        )
     percent = errors.percent
     near_seam = device.near_seam if device.near_seam is not None else np.zeros(len(percent), bool)
     seam_error = device.seam_error.get(name, np.zeros(0)) * (100.0 / errors.denominator)
-    undefined = ~np.isfinite(device.values[name]) & with_face
+    undefined = np.isnan(device.values[name].reshape(len(percent), -1)).any(axis=1) & with_face
     return {
         "descriptor": name,
-        "radius": device.settings.options.radius,
+        "radius": device.asked_radius(name),
         "mean_percent_ae": statistic(percent, np.mean),
         "median_percent_ae": statistic(percent, np.median),
         "p99_percent_ae": statistic(percent, np.percentile, 99),
@@ -80,7 +101,7 @@ def row(name: str, device: job.Results, reference: job.Results) -> dict[str, obj
         "seam_mean_percent_ae": statistic(percent[near_seam], np.mean),
         "seam_error_mean": statistic(seam_error, np.mean),
         "seam_error_p99": statistic(seam_error, np.percentile, 99),
-        "coverage_mean": device.field_report["coverage_mean"],
+        "coverage_mean": device.report_of(name)["coverage_mean"],
         "undefined": int(undefined.sum()),
     }
 
@@ -98,7 +119,7 @@ def compare(
         settings, backend="reference", device_index=-1, options=replace(settings.options, seam_error=False)
     )
     reference = job.run(arrays, reference_settings, staged(progress, "reference", 0.5))
-    rows = [row(name, device, reference) for name in settings.descriptors]
+    rows = [row(name, device, reference) for name in device.values]
     return rows, device, reference
 
 

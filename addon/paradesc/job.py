@@ -2,7 +2,7 @@
 
 import threading
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
@@ -14,18 +14,20 @@ ProgressFunction = Callable[[str, float], bool]
 
 @dataclass
 class Settings:
-    """What to compute, how and where."""
+    """What to compute, how and where. Further radii than the options' own are computed on the same baked buffers, and then all
+    values are named after their radius."""
 
     descriptors: tuple[str, ...] = ("mean_curvature",)
     options: bridge.Options = field(default_factory=bridge.Options)
     backend: str = "auto"
     device_index: int = -1
+    more_radii: tuple[float, ...] = ()
 
     def as_dict(self) -> dict[str, object]:
         """Flat, of plain types: for JSON and for Blender's custom properties."""
         flat: dict[str, object] = {"descriptors": list(self.descriptors)}
         flat.update(asdict(self.options))
-        flat.update(backend=self.backend, device_index=self.device_index)
+        flat.update(backend=self.backend, device_index=self.device_index, more_radii=list(self.more_radii))
         return flat
 
 
@@ -38,7 +40,7 @@ class Results:
     coverage: np.ndarray  # (vertex_count,) float32
     mask: np.ndarray  # (vertex_count,) uint8 bits abi.MASK_*
     mesh_report: dict[str, float | int]
-    field_report: dict[str, float | int]
+    field_report: dict[str, float | int]  # of the first radius
     backend: str
     device: str
     fallback: str  # why "auto" did not get a better device, or ""
@@ -46,10 +48,42 @@ class Results:
     near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
     seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
 
+    field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
+
     @property
     def radius(self) -> float:
-        """The radius in units of the positions."""
+        """The first radius in units of the positions."""
         return float(self.field_report["radius"])
+
+    def report_of(self, name: str) -> dict[str, float | int]:
+        """The field report of the radius that these values belong to."""
+        return self.field_reports.get(name[len(registry_name(name)) :], self.field_report)
+
+    def asked_radius(self, name: str) -> float:
+        """The radius of these values, in the options' unit."""
+        suffix = name[len(registry_name(name)) :]
+        return float(suffix.removeprefix("_r")) if suffix else self.settings.options.radius
+
+    def radius_of(self, name: str) -> float:
+        """The radius of these values, in units of the positions."""
+        return float(self.report_of(name)["radius"])
+
+
+def radius_suffix(radius: float) -> str:
+    """What follows a descriptor's name where several radii are computed: "_r0.02"."""
+    return f"_r{radius:g}"
+
+
+def registry_name(name: str) -> str:
+    """The descriptor that values of this name are of: mean_curvature of mean_curvature_r0.02."""
+    known = {row.name for row in bridge.descriptors()}
+    stem, mark, _ = name.rpartition("_r")
+    return stem if mark and name not in known and stem in known else name
+
+
+def registry_row(name: str) -> bridge.Descriptor:
+    """The registry's row of a descriptor, at whatever radius."""
+    return next(row for row in bridge.descriptors() if row.name == registry_name(name))
 
 
 def check_descriptors(names: tuple[str, ...]) -> None:
@@ -75,23 +109,52 @@ def run(arrays: bridge.MeshArrays, settings: Settings, progress: ProgressFunctio
                 abi.STATUS_INVALID_ARGUMENT,
                 "The mesh has no UV map; unwrap it, or choose the backend reference, which needs none.",
             )
-        with context.mesh(arrays) as mesh, mesh.compute(settings.descriptors, settings.options, progress) as result:
-            results = Results(
-                settings=settings,
-                values={name: result.values(name) for name in settings.descriptors},
-                coverage=result.values("coverage"),
-                mask=result.mask(),
-                mesh_report=mesh.report(),
-                field_report=result.report(),
-                backend=context.backend,
-                device=context.device,
-                fallback=context.fallback,
-                warnings=result.warnings(),
-            )
-            if settings.options.seam_error and context.backend != "reference":
-                results.near_seam = mesh.near_seam(results.radius)
-                results.seam_error = {name: result.seam_error(name) for name in settings.descriptors}
+        with context.mesh(arrays) as mesh:
+            return run_radii(context, mesh, settings, progress)
+
+
+def run_radii(
+    context: bridge.Context, mesh: bridge.Mesh, settings: Settings, progress: ProgressFunction | None
+) -> Results:
+    """One computation a radius, all from the same baked buffers. Coverage and mask are the worst of all."""
+    radii = (settings.options.radius, *settings.more_radii)
+    if len(set(map(radius_suffix, radii))) < len(radii):
+        raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, "A radius is asked for twice.")
+    results: Results | None = None
+    for index, radius in enumerate(radii):
+        suffix = radius_suffix(radius) if len(radii) > 1 else ""
+        options = replace(settings.options, radius=radius)
+        with mesh.compute(settings.descriptors, options, part_of(progress, index, len(radii))) as found:
+            if results is None:
+                results = Results(
+                    settings=settings,
+                    values={},
+                    coverage=found.values("coverage"),
+                    mask=found.mask(),
+                    mesh_report=mesh.report(),
+                    field_report=found.report(),
+                    backend=context.backend,
+                    device=context.device,
+                    fallback=context.fallback,
+                    warnings=[],
+                )
+            results.coverage = np.minimum(results.coverage, found.values("coverage"))
+            results.mask = results.mask | found.mask()
+            results.field_reports[suffix] = found.report()
+            results.values.update({name + suffix: found.values(name) for name in settings.descriptors})
+            results.warnings += [line for line in found.warnings() if line not in results.warnings]
+            if options.seam_error and context.backend != "reference":
+                near_seam = mesh.near_seam(found.report()["radius"])
+                results.near_seam = near_seam if results.near_seam is None else results.near_seam | near_seam
+                results.seam_error.update({name + suffix: found.seam_error(name) for name in settings.descriptors})
     return results
+
+
+def part_of(progress: ProgressFunction | None, index: int, count: int) -> ProgressFunction | None:
+    """The same progress for one of several equal parts of the work."""
+    if progress is None:
+        return None
+    return lambda stage, fraction: progress(stage, (index + fraction) / count)
 
 
 class Worker:

@@ -7,8 +7,8 @@ import bpy
 import numpy as np
 
 from . import color_maps
-from .bridge import MeshArrays, ParadescError, abi, descriptors
-from .job import Results
+from .bridge import MeshArrays, ParadescError, abi, components
+from .job import Results, registry_name, registry_row
 
 # Custom property of a mesh that says what was baked into it: settings, report, and the names of our attributes.
 PROPERTY = "paradesc"
@@ -159,7 +159,9 @@ def written_attributes(mesh: bpy.types.Mesh) -> list[str]:
 
 def wanted_kind(name: str) -> tuple[str, str]:
     """Type and domain of an attribute of ours."""
-    return ("FLOAT_COLOR" if name.endswith("_color") else "FLOAT", "POINT")
+    if name.endswith("_color"):
+        return ("FLOAT_COLOR", "POINT")
+    return ("FLOAT_VECTOR" if components(registry_name(name)) == 3 else "FLOAT", "POINT")
 
 
 def wanted_names(results: Results) -> list[str]:
@@ -236,7 +238,8 @@ def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
 def write_values(mesh: bpy.types.Mesh, results: Results) -> None:
     """Fills the attributes, which exist; making one moves the others' values, so nothing is held across."""
     for name, values in results.values.items():
-        mesh.attributes[name].data.foreach_set("value", np.ascontiguousarray(values, np.float32))
+        member = "value" if values.ndim == 1 else "vector"
+        mesh.attributes[name].data.foreach_set(member, np.ascontiguousarray(values, np.float32).ravel())
         display = color_maps.colors(values, shown_range(results, name))
         rgba = color_maps.linear_rgba(display)
         mesh.attributes[f"{name}_color"].data.foreach_set("color", rgba.ravel())
@@ -249,8 +252,7 @@ def write_values(mesh: bpy.types.Mesh, results: Results) -> None:
 
 def shown_range(results: Results, name: str) -> color_maps.ValueRange:
     """The range of values that the colors of a descriptor span."""
-    row = next(row for row in descriptors() if row.name == name)
-    return color_maps.value_range(results.values[name], row, results.radius)
+    return color_maps.value_range(results.values[name], registry_row(name), results.radius_of(name))
 
 
 def summary(mesh: bpy.types.Mesh, results: Results) -> dict[str, object]:

@@ -59,13 +59,40 @@ class PARADESC_PT_quality(SidebarPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         settings = context.scene.paradesc
-        for name in ("samples", "buffer_size", "normals", "relocation"):
+        for name in ("samples", "adaptive", "buffer_size", "precision", "normals", "backend", "device_index"):
             layout.prop(settings, name)
-        row = layout.row()
-        row.active = settings.relocation == "affine"
-        row.prop(settings, "max_jumps")
-        layout.prop(settings, "backend")
-        layout.prop(settings, "device_index")
+
+
+class PARADESC_PT_method(SidebarPanel, bpy.types.Panel):
+    """Choices that researchers want; the defaults are the most exact"""
+
+    bl_label = "Method"
+    bl_idname = "PARADESC_PT_method"
+    bl_parent_id = "PARADESC_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Estimators, distance, evaluation; what belongs to one choice only is grey with the others."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.paradesc
+        carried = settings.relocation != "connected"
+        for name, active in (
+            ("estimator", True),
+            ("variance_reduction", True),
+            ("distance", True),
+            ("evaluate", True),
+            ("texels", settings.evaluate == "texel"),
+            ("relocation", True),
+            ("max_jumps", carried),
+            ("pattern", carried),
+            ("ellipse", carried),
+            ("geodesic", carried),
+        ):
+            row = layout.row()
+            row.active = active
+            row.prop(settings, name)
 
 
 class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
@@ -130,4 +157,4 @@ def wrapped(sentence: str, width: int) -> list[str]:
     return lines
 
 
-classes = (PARADESC_PT_bake, PARADESC_PT_quality, PARADESC_PT_report)
+classes = (PARADESC_PT_bake, PARADESC_PT_quality, PARADESC_PT_method, PARADESC_PT_report)

@@ -17,7 +17,40 @@ NORMALS = [
 ]
 RELOCATIONS = [
     ("connected", "Connected", "Take what is connected to the vertex in the buffers; exact over any seams"),
-    ("affine", "Affine", "Carry every sample over seams by itself, as the paper does"),
+    ("affine", "Affine", "Carry every sample over seams by itself, by the map of the seam edge"),
+    ("paper", "Paper", "Sample again on every chart that samples fell on, as the paper does"),
+]
+ESTIMATORS = [
+    ("shape-operator", "Shape operator", "Curvatures of the surface fitted to the neighborhood; exact at every radius"),
+    ("integral", "Integral", "The paper's: mean curvature from volume, Gaussian from geodesic area; for large radii"),
+]
+VARIANCE_REDUCTIONS = [
+    ("shape", "Shape operator", "Integrate only what the shape operator does not explain: far less noise"),
+    ("none", "None", "Plain sums over samples"),
+]
+GEODESICS = [
+    ("local", "Local", "Distance along the surface by the normal curvature between two points"),
+    ("chords", "Chords", "Sum of chords along the straight way in the UV map; not with connected neighborhoods"),
+]
+DISTANCES = [
+    ("euclidean", "Straight", "Everything within the ball that is connected to the vertex"),
+    ("geodesic", "Along the surface", "Everything within the radius along the surface"),
+]
+PATTERNS = [
+    ("golden-angle", "Golden angle", "A spiral; the most even"),
+    ("stratified", "Stratified", "One random place in each square of a grid, as the paper has it"),
+]
+ELLIPSES = [
+    ("center", "At the vertex", "Stretch the pattern by the distortion at the vertex"),
+    ("directional", "By direction", "Stretch the pattern by the largest distortion in each direction"),
+]
+EVALUATIONS = [
+    ("vertex", "Vertices", "Evaluate at the vertices themselves"),
+    ("texel", "Texels", "Evaluate at the texels of a map and look the vertices up in it, as the paper does"),
+]
+PRECISIONS = [
+    ("full", "Full", "32-bit buffers"),
+    ("half", "Half", "16-bit buffers: half the memory"),
 ]
 BACKENDS = [
     ("auto", "Automatic", "A graphics card, else the software rasterizer, else the reference"),
@@ -75,6 +108,45 @@ def make_settings() -> type:
         "relocation": bpy.props.EnumProperty(
             name="Over seams", description="How neighborhoods go on over seams", items=RELOCATIONS, default="connected"
         ),
+        "estimator": bpy.props.EnumProperty(
+            name="Curvatures", description="How curvatures are computed", items=ESTIMATORS, default="shape-operator"
+        ),
+        "variance_reduction": bpy.props.EnumProperty(
+            name="Control", description="What integrals are helped by", items=VARIANCE_REDUCTIONS, default="shape"
+        ),
+        "distance": bpy.props.EnumProperty(
+            name="Distance", description="What the radius bounds", items=DISTANCES, default="euclidean"
+        ),
+        "geodesic": bpy.props.EnumProperty(
+            name="Along surface",
+            description="How distance along the surface is measured",
+            items=GEODESICS,
+            default="local",
+        ),
+        "pattern": bpy.props.EnumProperty(
+            name="Pattern", description="Places of the samples", items=PATTERNS, default="golden-angle"
+        ),
+        "ellipse": bpy.props.EnumProperty(
+            name="Stretch", description="How the pattern follows the distortion", items=ELLIPSES, default="center"
+        ),
+        "adaptive": bpy.props.FloatProperty(
+            name="Adaptive",
+            description="Take half of the samples where the normals fit the shape operator to within this angle; 0: all",
+            default=0.0,
+            min=0.0,
+            soft_max=0.2,
+            precision=3,
+            subtype="ANGLE",
+        ),
+        "evaluate": bpy.props.EnumProperty(
+            name="Evaluate at", description="Where descriptors are computed", items=EVALUATIONS, default="vertex"
+        ),
+        "texels": bpy.props.IntProperty(
+            name="Texels", description="Along a side of the map of texels", default=512, min=16, max=8192
+        ),
+        "precision": bpy.props.EnumProperty(
+            name="Precision", description="Of the baked buffers", items=PRECISIONS, default="full"
+        ),
         "max_jumps": bpy.props.IntProperty(
             name="Max jumps", description="Seams that one sample may cross", default=8, min=0, max=64
         ),
@@ -100,12 +172,12 @@ def job_settings(group: bpy.types.PropertyGroup) -> Settings:
         descriptors=tuple(row.name for row in bridge.descriptors() if row.name in chosen),
         options=bridge.Options(
             radius=radius / 100 if group.radius_unit == "diagonal" else radius,
-            radius_unit=group.radius_unit,
             samples=group.samples,
             buffer_size=group.buffer_size,
-            normals=group.normals,
             max_jumps=group.max_jumps,
-            relocation=group.relocation,
+            texels=group.texels,
+            adaptive=group.adaptive,
+            **{name: getattr(group, name) for name in bridge.CHOICES},
         ),
         backend=group.backend,
         device_index=group.device_index,

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from . import bridge, color_maps, picture, png
-from .job import Results
+from .job import Results, registry_row
 
 
 @dataclass
@@ -22,20 +22,15 @@ class Baked:
 
     def shown(self, name: str) -> color_maps.ValueRange:
         """The range of values that the colors of a descriptor span."""
-        return color_maps.value_range(self.results.values[name], registry_row(name), self.results.radius)
+        return color_maps.value_range(self.results.values[name], registry_row(name), self.results.radius_of(name))
 
     def colors(self, name: str) -> np.ndarray:
         """(vertex_count, 3) float32 display colors of a descriptor."""
         return color_maps.colors(self.results.values[name], self.shown(name))
 
 
-def registry_row(name: str) -> bridge.Descriptor:
-    """The registry's row of a descriptor."""
-    return next(row for row in bridge.descriptors() if row.name == name)
-
-
 def write_npz(path: Path, baked: Baked) -> None:
-    """Writes vertices (n, 3) in object space, matrix_world (4, 4), every descriptor (n,), coverage (n,)."""
+    """Writes vertices (n, 3) in object space, matrix_world (4, 4), every descriptor (n,) or (n, 3), coverage (n,)."""
     with path.open("wb") as file:
         np.savez(
             file,
@@ -48,7 +43,12 @@ def write_npz(path: Path, baked: Baked) -> None:
 
 def write_ply(path: Path, baked: Baked) -> None:
     """A binary PLY in object space: vertices with the first descriptor's colors, and every value as a property."""
-    values = {**baked.results.values, "coverage": baked.results.coverage}
+    values = {}
+    for name, array in {**baked.results.values, "coverage": baked.results.coverage}.items():
+        if array.ndim == 1:
+            values[name] = array
+        else:
+            values.update({f"{name}_{axis}": array[:, index] for index, axis in enumerate("xyz")})
     layout = [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
     vertices = np.empty(len(baked.arrays.positions), np.dtype(layout + [(name, "<f4") for name in values]))
     for axis, name in enumerate("xyz"):
@@ -93,7 +93,8 @@ def report(baked: Baked) -> dict[str, object]:
             "maximum": float(finite.max()) if finite.size else None,
             "shown_minimum": shown.minimum,
             "shown_maximum": shown.maximum,
-            "undefined": int(len(values) - finite.size),
+            "undefined": int(np.isnan(values.reshape(len(values), -1)).any(axis=1).sum()),
+            "radius": results.radius_of(name),
             "unit": registry_row(name).unit,
         }
     return {
@@ -103,6 +104,7 @@ def report(baked: Baked) -> dict[str, object]:
         "device": results.device,
         "mesh_report": results.mesh_report,
         "field_report": results.field_report,
+        "field_reports": {suffix: report for suffix, report in results.field_reports.items() if suffix},
         "descriptors": ranges,
         "fallback": results.fallback,
         "warnings": results.warnings,

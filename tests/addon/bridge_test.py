@@ -81,8 +81,22 @@ def test_software_and_reference_agree(sphere):
         assert np.abs(device[name] - reference[name]).mean() < 0.01 * np.abs(reference[name]).mean(), name
 
 
-def test_both_relocations_find_the_sphere(sphere):
-    for name in bridge.RELOCATIONS:
+def test_directions_are_unit_tangents(sphere):
+    values = compute(sphere, ("principal_direction_max", "principal_direction_min"))
+    for array in values.values():
+        assert array.shape == (len(sphere.positions), 3)
+        np.testing.assert_allclose(np.linalg.norm(array, axis=1), 1.0, atol=1e-5)
+    across = np.einsum("ij,ij->i", values["principal_direction_max"], values["principal_direction_min"])
+    np.testing.assert_allclose(across, 0.0, atol=1e-5)
+
+
+def test_chords_need_a_straight_way_in_the_uv_map(sphere):
+    with pytest.raises(bridge.ParadescError, match="straight ways in the UV map"):
+        compute(sphere, options=dataclasses.replace(OPTIONS, geodesic="chords"))
+
+
+def test_affine_relocation_finds_the_sphere(sphere):
+    for name in ("connected", "affine"):
         values = compute(sphere, options=dataclasses.replace(OPTIONS, relocation=name))["mean_curvature"]
         np.testing.assert_allclose(values, 1 / RADIUS, rtol=0.02)
 

@@ -1,5 +1,6 @@
 """The one definition of error, on arrays small enough to check by hand."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -124,6 +125,37 @@ def test_row_gathers_errors_seams_and_seam_errors():
     np.testing.assert_allclose(row["seam_mean_percent_ae"], 2.0)
     np.testing.assert_allclose(row["seam_error_mean"], 1.25)
     np.testing.assert_allclose(row["seam_error_p99"], np.percentile([1, 1, 1, 2], 99))
+
+
+def test_several_radii_are_named_and_equal_those_alone(sphere):
+    options = bridge.Options(radius=0.06, samples=64, buffer_size=256)
+    both = job.run(sphere, job.Settings(("curvedness",), options, "software", more_radii=(0.1,)))
+    assert list(both.values) == ["curvedness_r0.06", "curvedness_r0.1"]
+    for radius in (0.06, 0.1):
+        alone = job.run(sphere, job.Settings(("curvedness",), dataclasses.replace(options, radius=radius), "software"))
+        name = f"curvedness_r{radius:g}"
+        assert np.array_equal(both.values[name], alone.values["curvedness"])
+        assert both.radius_of(name) == alone.radius
+        assert both.asked_radius(name) == radius
+
+
+def test_a_radius_asked_for_twice_is_refused(sphere):
+    with pytest.raises(bridge.ParadescError, match="twice"):
+        job.run(sphere, job.Settings(options=bridge.Options(radius=0.05), more_radii=(0.05,)))
+
+
+def test_directions_are_compared_by_weighted_angles_without_sign():
+    turned = np.radians([0.0, 2.0, 180.0, 4.0])
+    values = np.stack([np.cos(turned), np.sin(turned), np.zeros(4)], axis=1).astype(np.float32)
+    expected = np.tile(np.float32([1, 0, 0]), (4, 1))
+    reference = results(np.zeros(4), True, np.zeros(4, np.uint8))
+    reference.values = {
+        "principal_direction_max": expected,
+        "principal_curvature_max": np.float32([1, 1, 1, 3]),
+        "principal_curvature_min": np.zeros(4, np.float32),
+    }
+    errors = compare.angle_errors(values, reference, np.ones(4, bool), "principal_direction_max")
+    np.testing.assert_allclose(errors.percent, [0, 2 / 1.5, 0, 4 * 3 / 1.5], atol=0.05)
 
 
 def test_reference_is_compared_with_a_device_on_the_same_settings():

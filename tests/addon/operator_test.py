@@ -63,12 +63,7 @@ def test_settings_become_those_of_the_computation():
 
 @pytest.mark.parametrize(
     ("member", "choices"),
-    [
-        ("radius_unit", bridge.RADIUS_UNITS),
-        ("relocation", bridge.RELOCATIONS),
-        ("normals", bridge.NORMALS),
-        ("backend", bridge.BACKENDS),
-    ],
+    [("backend", bridge.BACKENDS), *((name, choices) for name, (choices, _) in bridge.CHOICES.items())],
 )
 def test_every_choice_is_known_to_the_bridge(member, choices):
     items = bpy.context.scene.paradesc.bl_rna.properties[member].enum_items

@@ -40,7 +40,7 @@ class Descriptor:
     neutral_value: float
     display_minimum: float
     display_maximum: float
-    components: int  # 1, or 3: a vector in object space
+    components: int = 1  # or 3: a vector in object space
 
     @property
     def unit(self) -> str:

@@ -1,0 +1,41 @@
+// Geodesic area, eq. (11) to (14): the area of the surface within the radius along it.
+#include "support/run.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "support/layout.h"
+
+namespace paradesc::test {
+namespace {
+
+class GeodesicArea : public OnBackend {};
+PDESC_ON_EACH_BACKEND(GeodesicArea);
+
+// A geodesic disk on a sphere of radius R has 2 pi R^2 (1 - cos(r/R)). The chords of 6000 vertices leave 0.1 %. What tells it
+// from the area in the ball is (r/R)^2/12: 0.8 % at the larger radius, ten times the tolerance.
+TEST_P(GeodesicArea, sphere_has_that_of_the_cap) {
+  TestMesh mesh = sphere(2, {.vertices = 6000});
+  lay_out(mesh, {.charts = 6});
+  for (const double fraction : {0.04, 0.1}) {
+    const std::vector<float> values = compute_one(mesh, "geodesic_area", {.radius = fraction});
+    const double cap = 2 * std::numbers::pi * 4 * (1 - std::cos(radius / 2));
+    // A single vertex of texture space has the noise of its samples' rim, a hundredth of what plain counting has.
+    expect_near(values, cap, cap * (GetParam() == PDESC_BACKEND_REFERENCE ? 1e-3 : 4e-3));
+    double mean = 0;
+    for (const float value : values) mean += static_cast<double>(value) / static_cast<double>(values.size());
+    EXPECT_NEAR(mean, cap, cap * 1e-3) << "r " << radius;
+  }
+}
+
+// A cylinder can be unrolled: the disk, at any radius.
+TEST_P(GeodesicArea, cylinder_has_that_of_the_disk) {
+  TestMesh mesh = cylinder(0.5, 2, {.vertices = 8000});
+  lay_out(mesh, {.charts = 6});
+  const std::vector<float> values = compute_one(mesh, "geodesic_area", {.radius = 0.08});
+  const double disk = std::numbers::pi * radius * radius;
+  expect_near(values, disk, disk * (GetParam() == PDESC_BACKEND_REFERENCE ? 1e-3 : 4e-3), interior(mesh, 1.1 * radius));
+}
+
+} // namespace
+} // namespace paradesc::test
