@@ -17,6 +17,18 @@
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
 layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { float results[]; };
+#if EXACT
+layout(std430, binding = BINDING_REACH) readonly restrict buffer Reach { int reach[]; };
+layout(location = 12) uniform int reach_count;
+ivec2 reach_range;
+// Whether the surface reaches the triangle from the center within the ball. No loop: its rounds would count with those of the samples.
+bool is_reached(int triangle) {
+  int low = reach_range.x, high = reach_range.y;
+#define HALVE { int middle = (low + high) / 2; bool below = low < high && reach[middle] < triangle; low = below ? middle + 1 : low; high = below ? high : middle; }
+  HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE
+  return low < reach_range.y && reach[low] == triangle;
+}
+#endif
 layout(location = 2) uniform int first;
 layout(location = 3) uniform int last;
 layout(location = 4) uniform int total;
@@ -87,15 +99,15 @@ Support finish_support(Sums sums, float scale) {
   Moments m = sums.moments;
   const float none = NOT_A_NUMBER;
   Support support =
-      Support(radius, scale * m.area, scale, vec3(0.0), vec2(none), mat2x3(vec3(none), vec3(none)), 0.0, none, none, none, none);
+      Support(radius, scale * m.area, scale, vec3(0.0), vec2(none), mat2x3(vec3(none), vec3(none)), 1.0, 0.0, none, none, none, none);
   if (fit_shape_operator(m, support.shape)) {
     support.shape /= radius;
     find_directions(sums, support);
     // The control variate's exact mean is that of a full flat disk: second moments pi r^4/4 each.
     float disk = 0.25 * PI * radius * radius;
     vec3 off = abs(scale * m.xx / disk - vec3(1.0, 0.0, 1.0));
-    float deviation = max(max(off.x, off.z), off.y);
-    support.variate = m.cut > 0.0 ? 0.0 : variate_share * (1.0 - smoothstep(0.1, 0.3, deviation));
+    support.deviation = max(max(off.x, off.z), off.y);
+    support.variate = m.cut > 0.0 ? 0.0 : variate_share * (1.0 - smoothstep(0.1, 0.3, support.deviation));
   }
 #if INTEGRAL
   if (!(m.area > 0.0)) return support;
@@ -162,6 +174,10 @@ void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool 
 
 // One texel: cell is the area in (u, v) that it stands for.
 void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
+#if EXACT
+  int triangle = texelFetch(ids, texel, 0).y;
+  if (!is_reached(triangle < 0 ? -1 - triangle : triangle)) return;
+#endif
   vec4 point = texelFetch(positions, texel, 0);
   bool near = length(point.xyz - sums.center.position) * float(buffer_size) < sqrt(point.w);
   add_neighbor(sums, point.xyz, texelFetch(normals, texel, 0).xyz, point.w * cell, near, geodesic);
@@ -176,6 +192,10 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
 void main() {
   int index = first + int(gl_GlobalInvocationID.x);
   if (index >= last) return;
+#if EXACT
+  reach_range = ivec2(reach[reach_count + index], reach[reach_count + index + 1]);
+  index = reach[index];
+#endif
   CenterData data = centers[index];
   Sums sums;
   sums.center = Center(data.position_chart.xyz, data.normal_phase.xyz, radius);
@@ -202,6 +222,7 @@ void main() {
   States states = sums.states;
   Support support = finish_support(sums, scale);
   results[ROW_COVERAGE * total + index] = m.area > 0.0 ? m.area / (m.area + m.lost) : 0.0;
-  results[ROW_FLAGS * total + index] = (m.cut > 0.0 ? FLAG_CUT : 0.0) + (scale == 1.0 ? FLAG_ALL_SAMPLES : 0.0);
+  results[ROW_FLAGS * total + index] = (m.cut > 0.0 ? FLAG_CUT : 0.0) + (scale == 1.0 ? FLAG_ALL_SAMPLES : 0.0) +
+                                       (support.deviation > DISK_DEVIATION ? FLAG_NO_DISK : 0.0);
   STATES_FINISH
 }

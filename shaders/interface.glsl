@@ -27,6 +27,7 @@ struct Support {
   vec3 shape;      // shape operator S: s_xx, s_xy, s_yy
   vec2 eigenvalues; // of S, the larger first; NaN where it cannot be fitted
   mat2x3 directions; // unit tangents that belong to them
+  float deviation; // of the second moments from those of a flat disk, relatively
   float variate;   // how far S may serve as control variate: 1 on a full disk, 0 where the support is cut or folded
   float mean;      // H, K, k1 >= k2 by the estimator asked for
   float gauss;

@@ -28,11 +28,17 @@
 #define BINDING_SUPPORTS 5 // what was found of each center's neighborhood before sampling
 #define BINDING_CELLS 6    // cells of all neighborhoods, one after another
 #define BINDING_BARE_BEGIN 7 // (cells + 1) samples of triangles that no texel carries
-#define BINDING_BARE 8     // two vec4 each: position, area; normal
+#define BINDING_BARE 8     // two vec4 each: position, area; normal and triangle
+#define BINDING_REACH 9    // of centers computed again: their numbers, where their triangles begin (one more), the triangles
 
 // llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): what would
 // go beyond this many counts as lost instead.
 #define MAX_ITERATIONS 60000
+
+// Where the second moments of a neighborhood deviate from a flat disk's by more than this part, its triangles are looked through.
+#define DISK_DEVIATION 0.1
+// Triangles that are looked through at most: 2^13, the rounds of the shader's search.
+#define MAX_REACH 8191
 
 // Rows of the results that come before the descriptors'.
 #define ROW_COVERAGE 0
@@ -42,6 +48,7 @@
 // Values of a place's flags, added up.
 #define FLAG_CUT 1.0 // the mesh's boundary lies in the neighborhood
 #define FLAG_ALL_SAMPLES 2.0 // adaptive sampling took all samples
+#define FLAG_NO_DISK 4.0 // folded, or thin: something may have come in that is not connected within the ball
 
 #ifdef __cplusplus
 namespace paradesc {

@@ -290,26 +290,58 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
 }
 
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
-static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame, const Progress &progress) {
-  GlThread &thread = *mesh.context->gl;
-  Evaluator &evaluator = mesh.device->evaluator;
-  thread.run([&](const Gl &gl, ProgramCache &) {
-    evaluator.set_links(gl, frame.links);
-    evaluator.set_centers(gl, frame.centers, settings);
-  });
-  const auto count = static_cast<int>(frame.centers.size());
+static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int count, const Progress &progress, double from,
+                           double to) {
   constexpr int smallest_tile = 8 * GROUP_SIZE; // enough for every core of a software device
   int tile = smallest_tile;
   for (int first = 0; first < count;) {
     const int last = std::min(first + tile, count);
     Clock clock;
-    thread.run(
-        [&](const Gl &gl, ProgramCache &programs) { evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last); });
+    mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
+      mesh.device->evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last);
+    });
     const double scale = std::clamp(0.03 / std::max(clock.lap(), 1e-4), 0.25, 4.0);
     tile = std::max(smallest_tile, static_cast<int>(tile * scale) / GROUP_SIZE * GROUP_SIZE);
     first = last;
-    check_cancel(progress, "evaluate", 0.3 + 0.7 * first / count);
+    check_cancel(progress, "evaluate", from + (to - from) * first / count);
   }
+}
+
+// Centers whose neighborhood is no disk once more, on exactly the triangles that the surface reaches within the ball.
+static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius, const Frame &frame, const Progress &progress) {
+  std::vector<float> raw;
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { raw = mesh.device->evaluator.read(gl, settings); });
+  std::vector<int32_t> centers, points;
+  const size_t count = frame.centers.size();
+  for (size_t i = 0; i < count; ++i) {
+    if (raw[ROW_FLAGS * count + i] < FLAG_NO_DISK) continue;
+    centers.push_back(static_cast<int32_t>(i));
+    points.push_back(frame.points[i]);
+  }
+  Reach reach = reach_exactly(mesh.triangles, mesh.half_edges, points, radius, MAX_REACH, mesh.context->threads);
+  // Those with too many triangles keep what cells found.
+  size_t kept = 0;
+  for (size_t i = 0; i < centers.size(); ++i) {
+    if (reach.begin[i] == reach.begin[i + 1]) continue;
+    centers[kept] = centers[i];
+    reach.begin[kept++] = reach.begin[i];
+  }
+  if (kept == 0) return;
+  reach.begin[kept] = reach.begin.back();
+  centers.resize(kept);
+  reach.begin.resize(kept + 1);
+  settings.exact = true;
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { mesh.device->evaluator.set_reach(gl, centers, reach); });
+  evaluate_tiles(mesh, settings, static_cast<int>(kept), progress, 0.8, 1.0);
+}
+
+static void evaluate(Mesh &mesh, const EvaluateSettings &settings, double radius, const Frame &frame, const Progress &progress) {
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) {
+    mesh.device->evaluator.set_links(gl, frame.links);
+    mesh.device->evaluator.set_centers(gl, frame.centers, settings);
+  });
+  evaluate_tiles(mesh, settings, static_cast<int>(frame.centers.size()), progress, 0.3, 0.8);
+  if (settings.relocation == PDESC_RELOCATION_CONNECTED) evaluate_folded(mesh, settings, radius, frame, progress);
 }
 
 static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame) {
@@ -326,7 +358,7 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
     results.coverage.push_back(raw[ROW_COVERAGE * count + i]);
     const float flags = raw[ROW_FLAGS * count + i];
     results.boundary.push_back(std::fmod(flags, FLAG_ALL_SAMPLES) >= FLAG_CUT);
-    refined += flags >= FLAG_ALL_SAMPLES;
+    refined += std::fmod(flags, FLAG_NO_DISK) >= FLAG_ALL_SAMPLES;
   }
   results.refined_share = count ? static_cast<double>(refined) / static_cast<double>(count) : 1.0;
   size_t row = ROW_DESCRIPTORS;
@@ -412,7 +444,7 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
                                   options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE,
                                   options.distance == PDESC_DISTANCE_GEODESIC,
                                   static_cast<float>(options.adaptive)};
-  evaluate_tiles(mesh, settings, frame, progress);
+  evaluate(mesh, settings, radius, frame, progress);
   field.report.overlapping_texels = mesh.device->counts.overlapping;
   field.report.covered_texels = mesh.device->counts.covered;
   field.report.bare_triangles = mesh.device->bare_triangles;

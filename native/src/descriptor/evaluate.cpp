@@ -105,6 +105,16 @@ void Evaluator::set_supports(const Gl &gl, const Supports &supports, const BareS
   check_gl(gl, "support upload");
 }
 
+void Evaluator::set_reach(const Gl &gl, std::span<const int32_t> centers, const Reach &reach) {
+  std::vector<int32_t> all(centers.begin(), centers.end());
+  reach_count_ = static_cast<int>(all.size());
+  const auto offset = static_cast<int32_t>(centers.size() + reach.begin.size());
+  for (const int32_t begin : reach.begin) all.push_back(begin + offset);
+  all.insert(all.end(), reach.triangle.begin(), reach.triangle.end());
+  reach_.upload(gl, all, GL_STREAM_DRAW);
+  check_gl(gl, "reach upload");
+}
+
 void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings) {
   centers_.upload(gl, centers, GL_STREAM_DRAW);
   count_ = static_cast<int>(centers.size());
@@ -120,7 +130,8 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
 static std::string variant_of(const EvaluateSettings &settings) {
   auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) + define("INTEGRAL", settings.integral) +
-         define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f);
+         define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
+         define("EXACT", settings.exact);
 }
 
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
@@ -150,6 +161,10 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   gl.Uniform1i(9, static_cast<GLint>(settings.seed));
   gl.Uniform1f(10, settings.plain ? 0.0f : 1.0f);
   if (settings.adaptive > 0.0f) gl.Uniform1f(11, settings.adaptive);
+  if (settings.exact) {
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_REACH, reach_.id());
+    gl.Uniform1i(12, reach_count_);
+  }
   gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.Finish();

@@ -9,6 +9,7 @@
 #include "gpu/program.h"
 #include "sample/cells.h"
 #include "sample/neighborhood.h"
+#include "sample/reach.h"
 #include "sample/supports.h"
 
 #include "shared.h"
@@ -27,6 +28,7 @@ struct EvaluateSettings {
   bool plain;         // no control variate
   bool geodesic_ball; // the neighborhood ends where the distance along the surface exceeds the radius
   float adaptive;     // 0: all samples everywhere
+  bool exact = false; // the centers of set_reach again, on the triangles they reach
 
   // Rows of values among the results, after ROW_DESCRIPTORS.
   size_t value_rows() const;
@@ -44,7 +46,8 @@ public:
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
   void set_links(const Gl &gl, const std::vector<vec4> &links);
   void set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare);
-  // Computes centers [first, last); returns when the device has finished.
+  void set_reach(const Gl &gl, std::span<const int32_t> centers, const Reach &reach);
+  // Computes centers [first, last), or those of set_reach where settings say exact; returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
            int last) const;
   // (ROW_DESCRIPTORS + value_rows, centers), in buffer units.
@@ -55,8 +58,8 @@ private:
 
   Texture border_, labels_;
   ListTexture border_list_, border_uv_, links_, corners_;
-  Buffer centers_, pattern_, supports_, support_cells_, areas_, bare_begin_, bare_, results_;
-  int count_ = 0, cell_count_ = 0, block_size_ = 1;
+  Buffer centers_, pattern_, supports_, support_cells_, areas_, bare_begin_, bare_, reach_, results_;
+  int count_ = 0, cell_count_ = 0, block_size_ = 1, reach_count_ = 0;
 };
 
 // GLSL that composes the descriptors asked for into one dispatch.

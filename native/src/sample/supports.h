@@ -28,7 +28,7 @@ struct SupportCenter {
 // Triangles that no texel carries count all the same, by samples of their own.
 struct BareSamples {
   std::vector<int32_t> begin; // (cells + 1)
-  std::vector<vec4> point;    // two a sample: position in buffer units, area; normal
+  std::vector<vec4> point;    // two a sample: position in buffer units, area; normal, triangle (exact up to 2^24)
 };
 
 BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,

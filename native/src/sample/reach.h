@@ -1,0 +1,25 @@
+// Points → the triangles that the surface reaches from each within the ball, exactly.
+//
+// Cells tell what is connected to the size of a cell. Where a neighborhood holds more surface than a disk does, a neighboring
+// finger may have come in with a cell that holds both: there the samples are taken on these triangles only.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesh/halfedge.h"
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+struct Reach {
+  std::vector<int32_t> begin;    // (points + 1) into triangle
+  std::vector<int32_t> triangle; // sorted, of each point; none: more than `limit`, to be left as they are
+};
+
+// radius in units of the positions.
+Reach reach_exactly(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> points, double radius,
+                    size_t limit, int threads);
+
+} // namespace paradesc
