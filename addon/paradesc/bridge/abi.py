@@ -164,6 +164,7 @@ class FieldReport(Structure):
         ("seconds_evaluate", c_double),
         ("seconds_total", c_double),
         ("private_layout", c_int32),
+        ("cut_charts", c_int32),
     ]
 
 
