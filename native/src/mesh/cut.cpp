@@ -46,7 +46,7 @@ bool overlap(const Outline &a, const Outline &b) {
 }
 
 // The triangles of one piece by place: a quadtree in which a triangle lies in the square that holds its middle and is just as
-// large as it, so that it reaches out of that square by half a side at most. Small and large triangles may lie side by side.
+// large as it; each square knows the box around all below it. Small and large triangles may lie side by side.
 class Occupancy {
 public:
   explicit Occupancy(const Triangles &triangles) : triangles_(triangles) {}
@@ -69,21 +69,28 @@ public:
     int32_t node = 0;
     dvec2 low = low_;
     double half = 0.5 * side_;
+    nodes_[0].add(place);
     for (int depth = 0; depth < deepest && half >= extent; ++depth, half *= 0.5) {
       const bool right = middle.x >= low.x + half, upper = middle.y >= low.y + half;
       low += half * dvec2(right, upper);
       node = child(node, right + 2 * upper);
+      nodes_[at(node)].add(place);
     }
     items_.push_back({triangle, nodes_[at(node)].first});
     nodes_[at(node)].first = static_cast<int32_t>(items_.size()) - 1;
   }
 
-  bool overlaps(int32_t triangle) const { return overlaps(outline(triangles_, triangle), 0, low_, side_); }
+  bool overlaps(int32_t triangle) const { return overlaps(outline(triangles_, triangle), nodes_[0]); }
 
 private:
   struct Node {
     std::array<int32_t, 4> child{-1, -1, -1, -1};
     int32_t first = -1; // into items_
+    dvec2 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+    void add(const Outline &place) {
+      low = glm::min(low, place.low);
+      high = glm::max(high, place.high);
+    }
   };
   struct Item {
     int32_t triangle, next;
@@ -97,18 +104,13 @@ private:
     return nodes_[at(node)].child[at(quarter)] = made;
   }
 
-  bool overlaps(const Outline &place, int32_t node, dvec2 low, double side) const {
-    const dvec2 nearest = low - 0.5 * side, farthest = low + 1.5 * side;
-    if (place.high.x < nearest.x || place.high.y < nearest.y || place.low.x > farthest.x || place.low.y > farthest.y)
+  bool overlaps(const Outline &place, const Node &node) const {
+    if (place.high.x < node.low.x || place.high.y < node.low.y || place.low.x > node.high.x || place.low.y > node.high.y)
       return false;
-    for (int32_t item = nodes_[at(node)].first; item >= 0; item = items_[at(item)].next)
+    for (int32_t item = node.first; item >= 0; item = items_[at(item)].next)
       if (overlap(place, outline(triangles_, items_[at(item)].triangle))) return true;
-    const double half = 0.5 * side;
-    for (int quarter = 0; quarter < 4; ++quarter) {
-      const int32_t next = nodes_[at(node)].child[at(quarter)];
-      if (next >= 0 && overlaps(place, next, low + half * dvec2(quarter % 2, quarter / 2), half)) return true;
-    }
-    return false;
+    return std::any_of(node.child.begin(), node.child.end(),
+                       [&](int32_t child) { return child >= 0 && overlaps(place, nodes_[at(child)]); });
   }
 
   const Triangles &triangles_;
