@@ -137,7 +137,8 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
         *wrapped(stored["device"], 36),
     ]
     if field.get("private_layout"):
-        lines.append("Overlapping charts laid out afresh")
+        cut = f", {field['cut_charts']:,} cut" if field.get("cut_charts") else ""
+        lines.append("Charts laid out afresh" + cut)
     lines += [f"{mesh[name]:,} {words}" for name, words in DEFECTS if mesh[name]]
     return lines
 

@@ -11,6 +11,7 @@
 #include "bake/seam_links.h"
 #include "descriptor/reference.h"
 #include "descriptor/registry.h"
+#include "mesh/cut.h"
 #include "mesh/layout.h"
 #include "sample/pattern.h"
 #include "support/error.h"
@@ -60,26 +61,7 @@ static void measure(Mesh &mesh) {
   mesh.mean_edge = count ? sum / count : 0.0;
 }
 
-std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
-  auto mesh = std::make_unique<Mesh>();
-  mesh->context = std::move(context);
-  mesh->triangles = read_triangles(input);
-  mesh->half_edges = build_half_edges(mesh->triangles);
-  mesh->charts = build_charts(mesh->triangles, mesh->half_edges);
-  measure(*mesh);
-  return mesh;
-}
-
-Mesh::~Mesh() {
-  if (device && context->gl) context->gl->run([&](const Gl &, ProgramCache &) { device.reset(); });
-}
-
-void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
-  set_positions(mesh.triangles, positions, vertex_count);
-  measure(mesh);
-}
-
-pdesc_mesh_report report_of(const Mesh &mesh) {
+static pdesc_mesh_report find(const Mesh &mesh) {
   pdesc_mesh_report report{};
   report.vertex_count = mesh.triangles.vertex_count;
   report.triangle_count = mesh.triangles.triangle_count;
@@ -97,6 +79,31 @@ pdesc_mesh_report report_of(const Mesh &mesh) {
   report.unlinked_edges = mesh.charts.unlinked_edges;
   report.parts = mesh.half_edges.parts;
   report.uv_remapped = mesh.triangles.uv_remapped;
+  return report;
+}
+
+std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
+  auto mesh = std::make_unique<Mesh>();
+  mesh->context = std::move(context);
+  mesh->triangles = read_triangles(input);
+  mesh->half_edges = build_half_edges(mesh->triangles);
+  mesh->charts = build_charts(mesh->triangles, mesh->half_edges);
+  measure(*mesh);
+  mesh->found = find(*mesh);
+  return mesh;
+}
+
+Mesh::~Mesh() {
+  if (device && context->gl) context->gl->run([&](const Gl &, ProgramCache &) { device.reset(); });
+}
+
+void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
+  set_positions(mesh.triangles, positions, vertex_count);
+  measure(mesh);
+}
+
+pdesc_mesh_report report_of(const Mesh &mesh) {
+  pdesc_mesh_report report = mesh.found;
   report.diagonal = static_cast<float>(mesh.diagonal);
   report.mean_edge = static_cast<float>(mesh.mean_edge);
   return report;
@@ -376,13 +383,14 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
 static void warn(const Mesh &mesh, Field &field) {
   auto add = [&](const std::string &sentence) { field.warnings += (field.warnings.empty() ? "" : "\n") + sentence; };
   const pdesc_field_report &report = field.report;
-  if (report.private_layout)
-    add("Charts of the UV map share texture space; they were laid out afresh for the computation, and the UV map itself is "
+  if (report.private_layout == PDESC_LAYOUT_OVERLAPS)
+    add("Charts of the UV map share texture space" +
+        (report.cut_charts > 0 ? ", " + std::to_string(report.cut_charts) + " of them with themselves and cut for that"
+                               : std::string()) +
+        "; they were laid out afresh for the computation, and the UV map itself is unchanged.");
+  if (report.private_layout == PDESC_LAYOUT_SPARSE)
+    add("The UV map uses little of its square; its charts were laid out afresh for the computation, and the UV map itself is "
         "unchanged.");
-  if (report.overlapping_texels > 0)
-    add("Charts overlap themselves on " + std::to_string(report.overlapping_texels) + " of " +
-        std::to_string(report.covered_texels) +
-        " texels, and results there are wrong; unwrap without overlaps, or use the reference backend.");
   if (report.radius_in_texels < 4.0)
     add("The radius spans only " + std::to_string(report.radius_in_texels).substr(0, 4) +
         " texels of the buffers; use larger buffers or a larger radius.");
@@ -392,7 +400,7 @@ static void warn(const Mesh &mesh, Field &field) {
         "that is much of the surface.");
   if (mesh.charts.zero_uv_area_triangles > 0)
     add(std::to_string(mesh.charts.zero_uv_area_triangles) +
-        " triangles have no area in the UV map; each counts by samples of its own, less finely than texels would.");
+        " triangles have next to no area in the UV map; each counts by samples of its own, less finely than texels would.");
   if (report.low_coverage_vertices > 0)
     add("At " + std::to_string(report.low_coverage_vertices) +
         " vertices more than a tenth of the neighborhood was not found in the UV map.");
@@ -407,6 +415,34 @@ static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double ra
   bake(mesh, options, frame, changed);
 }
 
+// What overlaps gets a layout of its own, charts that overlap themselves cut into pieces.
+static bool part_overlaps(Mesh &mesh) {
+  const Cuts cuts = cut_charts(mesh.triangles, mesh.half_edges, mesh.charts);
+  if (cuts.overlapping) {
+    Charts charts = cuts.cut_charts > 0 ? build_charts(mesh.triangles, mesh.half_edges, cuts.triangle_piece) : mesh.charts;
+    repack_charts(mesh.triangles, charts);
+    mesh.charts = std::move(charts);
+    mesh.cut_charts = cuts.cut_charts;
+    mesh.private_layout = PDESC_LAYOUT_OVERLAPS;
+  }
+  mesh.overlap_free = true;
+  return cuts.overlapping;
+}
+
+// Gives the mesh a layout of its own, which it keeps, where the UV map overlaps or leaves most of the buffers empty. The device's
+// count of overlaps only raises the suspicion: rasterizers round, and small triangles of a sound map may share a texel too.
+static bool lay_out_afresh(Mesh &mesh, double radius_in_texels) {
+  if (mesh.private_layout) return false;
+  const TexelCounts &counts = mesh.device->counts;
+  const double size = mesh.device->buffer->size();
+  const bool sparse = counts.covered < 0.15 * size * size || radius_in_texels < 4.0;
+  if (!mesh.overlap_free && (counts.overlapping > 0 || sparse) && part_overlaps(mesh)) return true;
+  if (!sparse || std::exchange(mesh.fill_tried, true)) return false; // it helps at every size and radius, or at none
+  if (!repack_charts(mesh.triangles, mesh.charts, 1.5)) return false;
+  mesh.private_layout = PDESC_LAYOUT_SPARSE;
+  return true;
+}
+
 static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
                                             const Progress &progress, Field &field) {
   Clock clock;
@@ -416,13 +452,12 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   check_cancel(progress, "bake", 0.1);
 
   prepare_and_bake(mesh, options, radius, frame);
-  if (mesh.device->counts.overlapping > 0 && !mesh.private_layout) {
-    repack_charts(mesh.triangles, mesh.charts);
-    mesh.private_layout = true;
+  if (lay_out_afresh(mesh, frame.radius_in_texels)) {
     mesh.device->grid.size = 0;
     prepare_and_bake(mesh, options, radius, frame);
   }
   field.report.private_layout = mesh.private_layout;
+  field.report.cut_charts = mesh.cut_charts;
   field.report.seconds_bake = clock.lap();
   check_cancel(progress, "prepare", 0.2);
 

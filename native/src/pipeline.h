@@ -49,7 +49,11 @@ struct Mesh {
   Charts charts;
   std::optional<NormalRings> rings;
   std::unique_ptr<DeviceMesh> device;
-  bool private_layout = false; // charts were laid out afresh, since the UV map's share texture space
+  pdesc_mesh_report found{}; // in the mesh and its UV map as they were given
+  int private_layout = 0;    // as in pdesc_field_report
+  int32_t cut_charts = 0;
+  bool fill_tried = false;
+  bool overlap_free = false; // no place of the layout in use belongs to two triangles, whatever rasterizers round
   double diagonal = 0.0;
   double mean_edge = 0.0;
 

@@ -203,6 +203,7 @@ class FieldReport(Structure):
         ("places", c_int32),
         ("refined_share", c_double),
         ("buffer_megabytes", c_double),
+        ("cut_charts", c_int32),
     ]
 
 

@@ -206,7 +206,7 @@ typedef struct pdesc_mesh_report {
   int32_t loose_vertices;           /* no usable face */
   int32_t welded_vertices;          /* vertices that share their point with an earlier one (split by an exporter) */
   int32_t degenerate_triangles;     /* no area in space, or a corner used twice: left out */
-  int32_t zero_uv_area_triangles;   /* on the surface, but carried by no texel */
+  int32_t zero_uv_area_triangles;   /* on the surface, but carried by no texel: no area in the UV map, or a needle of less than 1e-7 of it */
   int32_t flipped_triangles;        /* their UV orientation is that of the lesser part of the UV area */
   int32_t nonmanifold_edges;        /* more than two faces, or two wound against each other: taken apart */
   int32_t nonmanifold_vertices;     /* several fans of faces at one vertex: taken apart */
@@ -266,6 +266,15 @@ typedef int32_t (*pdesc_progress)(void *user, const char *stage, double fraction
 PDESC_API int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
                                 int32_t descriptor_count, pdesc_progress progress, void *user, pdesc_field **field);
 
+/* Why a mesh was given a private layout: its charts moved, turned and scaled, their texel densities brought within a factor of two of
+ * the median. The mesh keeps it; the UV map itself is not touched, and pdesc_mesh_report goes on describing that. */
+typedef enum pdesc_layout {
+  PDESC_LAYOUT_GIVEN = 0,    /* none: the UV map was used as it is, outside [0,1] after one affine map */
+  PDESC_LAYOUT_OVERLAPS = 1, /* places of the UV map belonged to several triangles, of several charts or of one */
+  PDESC_LAYOUT_SPARSE = 2    /* less than 15 % of the texels were used, or the radius spanned less than four of them, and half of the
+                                surface has 1.5 times as many along a line now */
+} pdesc_layout;
+
 typedef struct pdesc_field_report {
   uint32_t struct_size;
   double radius;                /* as used, in units of the positions */
@@ -273,7 +282,7 @@ typedef struct pdesc_field_report {
   int32_t undefined_vertices;   /* NaN in at least one of the descriptors */
   int32_t boundary_vertices;    /* PDESC_MASK_BOUNDARY */
   int32_t low_coverage_vertices;
-  int32_t overlapping_texels;   /* texels claimed by more than one triangle, in the layout used; their count at buffer_size */
+  int32_t overlapping_texels;   /* texels claimed by more than one triangle, in the layout used: only where rasterizers round */
   int32_t covered_texels;
   int32_t bare_triangles;       /* usable triangles without a texel of their own */
   double radius_in_texels;      /* median of the support radius measured in texels; below 4 the buffer is too coarse */
@@ -281,10 +290,11 @@ typedef struct pdesc_field_report {
   double seconds_bake;
   double seconds_evaluate;
   double seconds_total;
-  int32_t private_layout;       /* 1: charts shared texture space and were laid out afresh for this; the mesh's UV map is not touched */
+  int32_t private_layout;       /* pdesc_layout */
   int32_t places;               /* of evaluation: vertices, or texels */
   double refined_share;         /* of the places of evaluation that took all samples; 1 without adaptive sampling */
   double buffer_megabytes;      /* of the baked buffers on the device */
+  int32_t cut_charts;           /* charts that overlapped themselves and were cut into pieces for the private layout */
 } pdesc_field_report;
 
 PDESC_API void pdesc_field_report_init(pdesc_field_report *report);
@@ -300,7 +310,8 @@ PDESC_API int32_t pdesc_field_values(const pdesc_field *field, const char *name,
 PDESC_API int32_t pdesc_field_seam_error(const pdesc_field *field, const char *name, float *values, int32_t vertex_count);
 /* (vertex_count) bits PDESC_MASK_*. */
 PDESC_API int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int32_t vertex_count);
-/* (vertex_count) 1 where a seam of the UV map lies within the radius, measured along edges from vertex to vertex. */
+/* (vertex_count) 1 where a seam of the UV map, or of the private layout, lies within the radius, measured along edges from vertex to
+ * vertex. */
 PDESC_API int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *near_seam, int32_t vertex_count);
 PDESC_API void pdesc_field_destroy(pdesc_field *field); /* NULL is allowed */
 

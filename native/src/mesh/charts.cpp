@@ -11,20 +11,24 @@ namespace {
 
 constexpr double no_uv_area = 1e-14;         // twice the area; a texel of the largest buffer has 1.5e-8
 constexpr double no_relative_uv_area = 1e-7; // twice the area against the square of the longest side: the digits of a float
+constexpr double needle = 1e-2;              // the same of a triangle that no texel hits but by chance ...
+constexpr double needle_part = 1e-7;         // ... if it is no larger than this part of the map: a tenth of a texel of 1024²
 constexpr double same_uv = 1e-6;
 
 size_t at(int32_t index) { return static_cast<size_t>(index); }
 
 dvec2 uv_at(const Triangles &triangles, int corner) { return dvec2(triangles.corner_uv[at(corner)]); }
 
-// Twice the signed area of a triangle in the UV map; 0 where it is too small to stand on.
-double uv_area(const Triangles &triangles, int triangle) {
+// Twice the signed area of a triangle in the UV map; 0 where it is too small to stand on. Needles count as too small up to
+// largest_needle: a texel that one catches would stand for thousands of times the needle's surface.
+double uv_area(const Triangles &triangles, int triangle, double largest_needle) {
   const dvec2 a = uv_at(triangles, 3 * triangle);
   const dvec2 ab = uv_at(triangles, 3 * triangle + 1) - a;
   const dvec2 ac = uv_at(triangles, 3 * triangle + 2) - a;
   const double area = cross(ab, ac);
   const double longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(ac - ab, ac - ab)});
-  return std::abs(area) <= std::max(no_uv_area, no_relative_uv_area * longest) ? 0.0 : area;
+  const double least = std::max({no_uv_area, no_relative_uv_area * longest, std::min(largest_needle, needle * longest)});
+  return std::abs(area) <= least ? 0.0 : area;
 }
 
 double uv_angle(const Triangles &triangles, int corner) {
@@ -47,11 +51,14 @@ UvAreas measure(const Triangles &triangles, const HalfEdges &half_edges, Charts 
   UvAreas areas;
   areas.area.assign(at(triangles.triangle_count), 0.0);
   areas.left_out.assign(at(triangles.triangle_count), 1);
+  double whole = 0.0;
+  for (int triangle = 0; triangle < triangles.triangle_count; ++triangle)
+    if (half_edges.corner_point[3 * at(triangle)] >= 0) whole += std::abs(uv_area(triangles, triangle, 0.0));
   std::array<double, 2> total = {0.0, 0.0};
   std::array<int, 2> count = {0, 0};
   for (int triangle = 0; triangle < triangles.triangle_count; ++triangle) {
     if (half_edges.corner_point[3 * at(triangle)] < 0) continue;
-    const double area = uv_area(triangles, triangle);
+    const double area = uv_area(triangles, triangle, needle_part * whole);
     if (area == 0.0) {
       ++charts.zero_uv_area_triangles;
       continue;
@@ -66,11 +73,13 @@ UvAreas measure(const Triangles &triangles, const HalfEdges &half_edges, Charts 
 }
 
 // Half-edges over which a chart goes on: both sides have area, lie on the same side of the fold and meet in the UV map.
-std::vector<int32_t> link_within_charts(const Triangles &triangles, const HalfEdges &half_edges, const UvAreas &areas) {
+std::vector<int32_t> link_within_charts(const Triangles &triangles, const HalfEdges &half_edges, const UvAreas &areas,
+                                        std::span<const int32_t> triangle_piece) {
   std::vector<int32_t> link(half_edges.twin.size(), -1);
   for (int h = 0; h < 3 * triangles.triangle_count; ++h) {
     const int32_t twin = half_edges.twin[at(h)];
     if (twin < 0 || areas.area[at(h / 3)] * areas.area[at(twin / 3)] <= 0.0) continue;
+    if (!triangle_piece.empty() && triangle_piece[at(h / 3)] != triangle_piece[at(twin / 3)]) continue;
     if (agree(triangles, h, next_corner(twin)) && agree(triangles, next_corner(h), twin)) link[at(h)] = twin;
   }
   return link;
@@ -128,7 +137,7 @@ void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link,
 
 } // namespace
 
-Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges) {
+Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece) {
   Charts charts;
   charts.triangle_chart.assign(at(triangles.triangle_count), -1);
   charts.corner_site.assign(half_edges.twin.size(), -1);
@@ -137,7 +146,7 @@ Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges) {
   if (triangles.corner_uv.empty()) return charts;
 
   const UvAreas areas = measure(triangles, half_edges, charts);
-  const std::vector<int32_t> link = link_within_charts(triangles, half_edges, areas);
+  const std::vector<int32_t> link = link_within_charts(triangles, half_edges, areas, triangle_piece);
   Pieces pieces = trace_pieces(link, areas.left_out);
   charts.chart_count = pieces.count;
   charts.triangle_chart = std::move(pieces.triangle_piece);

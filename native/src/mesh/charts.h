@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mesh/halfedge.h"
@@ -47,6 +48,7 @@ struct Charts {
   int unlinked_edges = 0;
 };
 
-Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges);
+// triangle_piece: charts also end where two triangles have different numbers; empty: nowhere else.
+Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece = {});
 
 } // namespace paradesc

@@ -1,4 +1,5 @@
-// Boxes around charts → places without overlap (stb_rect_pack), the largest scale that fits.
+// Boxes around charts → places without overlap (stb_rect_pack), texel densities brought near each other, the largest scale that
+// fits.
 #include "mesh/layout.h"
 
 #include <algorithm>
@@ -15,18 +16,32 @@ namespace paradesc {
 
 namespace {
 
-constexpr int grid = 4096;      // units along a side of the layout
-constexpr int gutter = 12;      // units around each chart: three texels of a 1024 buffer
-constexpr double smallest = 16; // units of a chart's longer side: it must not fall between texels
+constexpr int grid = 4096; // units along a side of the layout
+
+constexpr double evenness = 2.0; // how far a chart's texel density may be from that of the others. A face keeps more texels than
+                                 // a foot; with all alike, faces' small triangles would fall between texels
+
+// How close charts may lie, in units; the narrower ones are for maps with very many charts.
+struct Spacing {
+  int gutter;      // around each chart
+  double smallest; // a chart's longer side: it must not fall between texels
+};
+constexpr Spacing spacings[] = {{6, 16.0}, {3, 8.0}, {2, 4.0}}; // three texels of a 1024 buffer between charts, or less
 
 // How one chart moves: turned by an angle, its box' corner to the origin, then scaled and placed.
 struct Move {
   double cosine = 1.0, sine = 0.0;
   dvec2 low{0.0}, size{0.0};
+  double evening = 1.0; // what brings the chart's texel density near the others'
   double scale = 1.0;
   dvec2 place{0.0};
   dvec2 turn(vec2 uv) const { return {cosine * uv.x - sine * uv.y, sine * uv.x + cosine * uv.y}; }
   vec2 operator()(vec2 uv) const { return vec2(place + (turn(uv) - low) * scale); }
+};
+
+// A chart's length in the UV map for its length on the surface, and how much of the surface it carries.
+struct Density {
+  double density = 0.0, area = 0.0;
 };
 
 } // namespace
@@ -40,38 +55,70 @@ static std::vector<std::vector<int32_t>> corners_by_chart(const Triangles &trian
   return corners;
 }
 
-// The turn, of a dozen tried, with the smallest box.
+static Move turned(const Triangles &triangles, const std::vector<int32_t> &corners, double angle) {
+  Move move;
+  move.cosine = std::cos(angle);
+  move.sine = std::sin(angle);
+  dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
+  for (const int32_t corner : corners) {
+    const dvec2 place = move.turn(triangles.corner_uv[static_cast<size_t>(corner)]);
+    low = glm::min(low, place);
+    high = glm::max(high, place);
+  }
+  move.low = low;
+  move.size = high - low;
+  return move;
+}
+
+// The turn, of a dozen tried, with the smallest box; upright, as boxes fill the square best.
 static Move best_turn(const Triangles &triangles, const std::vector<int32_t> &corners) {
-  Move best;
-  double smallest_area = std::numeric_limits<double>::infinity();
+  double best_angle = 0.0, smallest_area = std::numeric_limits<double>::infinity();
   for (int step = 0; step < 12; ++step) {
-    Move move;
-    move.cosine = std::cos(step * pi / 24.0);
-    move.sine = std::sin(step * pi / 24.0);
-    dvec2 low(std::numeric_limits<double>::infinity()), high(-std::numeric_limits<double>::infinity());
-    for (const int32_t corner : corners) {
-      const dvec2 place = move.turn(triangles.corner_uv[static_cast<size_t>(corner)]);
-      low = glm::min(low, place);
-      high = glm::max(high, place);
-    }
-    move.low = low;
-    move.size = high - low;
+    const Move move = turned(triangles, corners, step * pi / 24.0);
     const double area = move.size.x * move.size.y;
     if (area >= smallest_area) continue;
     smallest_area = area;
-    best = move;
+    best_angle = step * pi / 24.0 + (move.size.x > move.size.y ? 0.5 * pi : 0.0);
   }
-  return best;
+  return turned(triangles, corners, best_angle);
+}
+
+static std::vector<Density> chart_densities(const Triangles &triangles, const Charts &charts) {
+  std::vector<Density> result(static_cast<size_t>(charts.chart_count));
+  for (int32_t triangle = 0; triangle < triangles.triangle_count; ++triangle) {
+    const int32_t chart = charts.triangle_chart[static_cast<size_t>(triangle)];
+    if (chart < 0) continue;
+    const auto corner = 3 * static_cast<size_t>(triangle);
+    auto uv = [&](size_t i) { return dvec2(triangles.corner_uv[corner + i]); };
+    auto position = [&](size_t i) {
+      return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner + i])]);
+    };
+    Density &density = result[static_cast<size_t>(chart)];
+    density.density += std::abs(cross(uv(1) - uv(0), uv(2) - uv(0)));
+    density.area += length(cross(position(1) - position(0), position(2) - position(0)));
+  }
+  for (Density &density : result) density.density = std::sqrt(density.density / std::max(density.area, 1e-300));
+  return result;
+}
+
+// Half of the surface has more.
+static double median_density(std::vector<Density> densities) {
+  std::sort(densities.begin(), densities.end(), [](Density a, Density b) { return a.density < b.density; });
+  double rest = 0.0;
+  for (const Density &density : densities) rest += 0.5 * density.area;
+  for (const Density &density : densities)
+    if ((rest -= density.area) <= 0.0) return density.density;
+  return 1.0;
 }
 
 // Places all charts at this many units per uv; false where they do not fit.
-static bool pack(std::vector<Move> &moves, double units) {
+static bool pack(std::vector<Move> &moves, double units, Spacing spacing) {
   std::vector<stbrp_rect> rects;
   for (size_t i = 0; i < moves.size(); ++i) {
     Move &move = moves[i];
     const double longer = std::max({move.size.x, move.size.y, 1e-12});
-    move.scale = std::max(units, smallest / longer);
-    const dvec2 box = move.size * move.scale + 2.0 * gutter;
+    move.scale = std::max(units * move.evening, spacing.smallest / longer);
+    const dvec2 box = move.size * move.scale + 2.0 * spacing.gutter;
     if (box.x > grid || box.y > grid) return false;
     rects.push_back(
         {static_cast<int>(i), static_cast<stbrp_coord>(std::ceil(box.x)), static_cast<stbrp_coord>(std::ceil(box.y)), 0, 0, 0});
@@ -80,48 +127,71 @@ static bool pack(std::vector<Move> &moves, double units) {
   stbrp_context context;
   stbrp_init_target(&context, grid, grid, nodes.data(), grid);
   if (!stbrp_pack_rects(&context, rects.data(), static_cast<int>(rects.size()))) return false;
-  for (const stbrp_rect &rect : rects) moves[static_cast<size_t>(rect.id)].place = dvec2(rect.x + gutter, rect.y + gutter);
+  for (const stbrp_rect &rect : rects)
+    moves[static_cast<size_t>(rect.id)].place = dvec2(rect.x + spacing.gutter, rect.y + spacing.gutter);
   return true;
 }
 
-void repack_charts(Triangles &triangles, Charts &charts) {
-  const auto corners = corners_by_chart(triangles, charts);
-  std::vector<Move> moves;
+// The largest scale that fits; empty: none does.
+static std::vector<Move> pack_largest(std::vector<Move> moves, Spacing spacing) {
   double area = 0.0;
-  for (const auto &chart : corners) {
-    moves.push_back(best_turn(triangles, chart));
-    area += moves.back().size.x * moves.back().size.y;
-  }
+  for (const Move &move : moves) area += move.size.x * move.size.y * move.evening * move.evening;
   double fits = 0.0, too_large = area > 0.0 ? grid / std::sqrt(area) : 1.0;
   std::vector<Move> best;
   for (int step = 0; step < 24 && (best.empty() || too_large > 1.02 * fits); ++step) {
     const double units = best.empty() ? too_large * std::pow(0.85, step) : 0.5 * (fits + too_large);
-    if (pack(moves, units)) {
+    if (pack(moves, units, spacing)) {
       fits = units;
       best = moves;
     } else if (!best.empty()) {
       too_large = units;
     }
   }
-  if (best.empty())
+  return best;
+}
+
+static std::vector<Move> plan(const Triangles &triangles, const std::vector<std::vector<int32_t>> &corners,
+                              const std::vector<Density> &densities) {
+  std::vector<Move> moves;
+  const double median = median_density(densities);
+  for (size_t chart = 0; chart < corners.size(); ++chart) {
+    moves.push_back(best_turn(triangles, corners[chart]));
+    const double density = densities[chart].density;
+    moves.back().evening = std::clamp(density, median / evenness, median * evenness) / density;
+  }
+  for (const Spacing spacing : spacings)
+    if (std::vector<Move> best = pack_largest(moves, spacing); !best.empty()) return best;
+  return {};
+}
+
+bool repack_charts(Triangles &triangles, Charts &charts, double least_gain) {
+  const auto corners = corners_by_chart(triangles, charts);
+  std::vector<Density> densities = chart_densities(triangles, charts);
+  const double before = median_density(densities);
+  std::vector<Move> moves = plan(triangles, corners, densities);
+  if (moves.empty() && least_gain > 0.0) return false;
+  if (moves.empty())
     throw Error(PDESC_ERROR_UNSUPPORTED,
-                "The UV map overlaps itself and its " + std::to_string(moves.size()) +
+                "The UV map overlaps itself and its " + std::to_string(corners.size()) +
                     " charts are too many to lay out afresh; unwrap the mesh with fewer islands, or use the "
                     "reference backend.");
-  for (Move &move : best) {
-    move.scale /= grid;
-    move.place /= static_cast<double>(grid);
+  for (size_t chart = 0; chart < moves.size(); ++chart) {
+    moves[chart].scale /= grid;
+    moves[chart].place /= static_cast<double>(grid);
+    densities[chart].density *= moves[chart].scale;
   }
+  if (median_density(densities) < least_gain * before) return false;
   for (size_t chart = 0; chart < corners.size(); ++chart)
     for (const int32_t corner : corners[chart]) {
       vec2 &uv = triangles.corner_uv[static_cast<size_t>(corner)];
-      uv = best[chart](uv);
+      uv = moves[chart](uv);
     }
   for (Site &site : charts.sites) {
-    const Move &move = best[static_cast<size_t>(site.chart)];
+    const Move &move = moves[static_cast<size_t>(site.chart)];
     site.uv = move(site.uv);
     site.inside = move(site.inside);
   }
+  return true;
 }
 
 } // namespace paradesc

@@ -6,9 +6,9 @@
 
 namespace paradesc {
 
-// Moves and turns every chart as a whole into the unit square, with a gutter between them, and scales all alike: where the UV map
-// gives more texels to a face than to a foot, so does this. Seams, sites and borders stay what they are. A chart that overlaps
-// itself still does.
-void repack_charts(Triangles &triangles, Charts &charts);
+// Moves and turns every chart as a whole into the unit square, with a gutter between them. Seams, sites and borders stay what
+// they are. A chart that overlaps itself still does: cut it first. Changes nothing and returns false where half of the surface
+// would not get texels at least least_gain times as dense (in length) as it has.
+bool repack_charts(Triangles &triangles, Charts &charts, double least_gain = 0.0);
 
 } // namespace paradesc

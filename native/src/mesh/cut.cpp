@@ -1,0 +1,222 @@
+// Grows pieces triangle by triangle over a chart; what would overlap its piece waits for the next one.
+#include "mesh/cut.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+namespace paradesc {
+namespace {
+
+// Triangles that reach into each other by less than this only touch: corners that agree do so to 1e-6 (charts.cpp).
+constexpr double hair = 2e-6;
+constexpr int deepest = 20; // a square of the index is then smaller than a hair
+
+size_t at(int32_t index) { return static_cast<size_t>(index); }
+
+struct Outline {
+  std::array<dvec2, 3> corner;
+  dvec2 low, high;
+};
+
+Outline outline(const Triangles &triangles, int32_t triangle) {
+  Outline result;
+  for (size_t i = 0; i < 3; ++i) result.corner[i] = dvec2(triangles.corner_uv[3 * at(triangle) + i]);
+  result.low = glm::min(glm::min(result.corner[0], result.corner[1]), result.corner[2]);
+  result.high = glm::max(glm::max(result.corner[0], result.corner[1]), result.corner[2]);
+  return result;
+}
+
+// Whether all of b lies beyond one of a's edges.
+bool parted_by_an_edge(const Outline &a, const Outline &b) {
+  const double turn = cross(a.corner[1] - a.corner[0], a.corner[2] - a.corner[0]) < 0.0 ? -1.0 : 1.0;
+  for (size_t i = 0; i < 3; ++i) {
+    const dvec2 start = a.corner[i], edge = a.corner[(i + 1) % 3] - start;
+    double reach = 0.0; // of b towards the inside of a
+    for (const dvec2 corner : b.corner) reach = std::max(reach, turn * cross(edge, corner - start));
+    if (reach <= hair * length(edge)) return true;
+  }
+  return false;
+}
+
+bool overlap(const Outline &a, const Outline &b) {
+  if (a.low.x > b.high.x || b.low.x > a.high.x || a.low.y > b.high.y || b.low.y > a.high.y) return false;
+  return !parted_by_an_edge(a, b) && !parted_by_an_edge(b, a);
+}
+
+// The triangles of one piece by place: a quadtree in which a triangle lies in the square that holds its middle and is just as
+// large as it; each square knows the box around all below it. Small and large triangles may lie side by side.
+class Occupancy {
+public:
+  explicit Occupancy(const Triangles &triangles) : triangles_(triangles) {}
+
+  // Triangles must lie between low and high.
+  void set_range(dvec2 low, dvec2 high) {
+    low_ = low;
+    side_ = std::max({high.x - low.x, high.y - low.y, hair});
+  }
+
+  void clear() {
+    nodes_.assign(1, Node{});
+    items_.clear();
+  }
+
+  void insert(int32_t triangle) {
+    const Outline place = outline(triangles_, triangle);
+    const dvec2 middle = 0.5 * (place.low + place.high);
+    const double extent = std::max(place.high.x - place.low.x, place.high.y - place.low.y);
+    int32_t node = 0;
+    dvec2 low = low_;
+    double half = 0.5 * side_;
+    nodes_[0].add(place);
+    for (int depth = 0; depth < deepest && half >= extent; ++depth, half *= 0.5) {
+      const bool right = middle.x >= low.x + half, upper = middle.y >= low.y + half;
+      low += half * dvec2(right, upper);
+      node = child(node, right + 2 * upper);
+      nodes_[at(node)].add(place);
+    }
+    items_.push_back({triangle, nodes_[at(node)].first});
+    nodes_[at(node)].first = static_cast<int32_t>(items_.size()) - 1;
+  }
+
+  bool overlaps(int32_t triangle) const { return overlaps(outline(triangles_, triangle), nodes_[0]); }
+
+private:
+  struct Node {
+    std::array<int32_t, 4> child{-1, -1, -1, -1};
+    int32_t first = -1; // into items_
+    dvec2 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+    void add(const Outline &place) {
+      low = glm::min(low, place.low);
+      high = glm::max(high, place.high);
+    }
+  };
+  struct Item {
+    int32_t triangle, next;
+  };
+
+  int32_t child(int32_t node, int quarter) {
+    const int32_t known = nodes_[at(node)].child[at(quarter)];
+    if (known >= 0) return known;
+    const auto made = static_cast<int32_t>(nodes_.size());
+    nodes_.emplace_back();
+    return nodes_[at(node)].child[at(quarter)] = made;
+  }
+
+  bool overlaps(const Outline &place, const Node &node) const {
+    if (place.high.x < node.low.x || place.high.y < node.low.y || place.low.x > node.high.x || place.low.y > node.high.y)
+      return false;
+    for (int32_t item = node.first; item >= 0; item = items_[at(item)].next)
+      if (overlap(place, outline(triangles_, items_[at(item)].triangle))) return true;
+    return std::any_of(node.child.begin(), node.child.end(),
+                       [&](int32_t child) { return child >= 0 && overlaps(place, nodes_[at(child)]); });
+  }
+
+  const Triangles &triangles_;
+  dvec2 low_{0.0};
+  double side_ = 1.0;
+  std::vector<Node> nodes_;
+  std::vector<Item> items_;
+};
+
+struct Cutting {
+  const Triangles &triangles;
+  std::vector<int32_t> link;           // (3 * triangle_count) the half-edge across within the chart, or -1
+  std::vector<int32_t> triangle_piece; // -1: of none yet
+  std::vector<int32_t> asked;          // (triangle_count) the last piece that the triangle was asked to join
+  std::vector<int32_t> queue;
+  Occupancy occupancy;
+  int32_t pieces = 0;
+};
+
+// The chart's triangle farthest from this one, in steps: strips then are cut from an end. Sets the range to the chart's.
+int32_t far_end(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
+  dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
+  cutting.queue.assign(1, start);
+  seen[at(start)] = 1;
+  for (size_t i = 0; i < cutting.queue.size(); ++i) {
+    const int32_t triangle = cutting.queue[i];
+    const Outline place = outline(cutting.triangles, triangle);
+    low = glm::min(low, place.low);
+    high = glm::max(high, place.high);
+    for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
+      const int32_t next = cutting.link[at(h)] / 3;
+      if (cutting.link[at(h)] < 0 || seen[at(next)]) continue;
+      seen[at(next)] = 1;
+      cutting.queue.push_back(next);
+    }
+  }
+  cutting.occupancy.set_range(low, high);
+  return cutting.queue.back();
+}
+
+// A new piece from this triangle as far as it goes; returns the triangles around it that would overlap it.
+std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
+  const int32_t piece = cutting.pieces++;
+  std::vector<int32_t> refused;
+  cutting.occupancy.clear();
+  cutting.queue.assign(1, seed);
+  cutting.asked[at(seed)] = piece;
+  for (size_t i = 0; i < cutting.queue.size(); ++i) {
+    const int32_t triangle = cutting.queue[i];
+    if (cutting.occupancy.overlaps(triangle)) {
+      refused.push_back(triangle);
+      continue;
+    }
+    cutting.occupancy.insert(triangle);
+    cutting.triangle_piece[at(triangle)] = piece;
+    for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
+      const int32_t next = cutting.link[at(h)] / 3;
+      if (cutting.link[at(h)] < 0 || cutting.triangle_piece[at(next)] >= 0 || cutting.asked[at(next)] == piece) continue;
+      cutting.asked[at(next)] = piece;
+      cutting.queue.push_back(next);
+    }
+  }
+  return refused;
+}
+
+// Whether triangles of two charts overlap; none of one chart do.
+bool charts_overlap(const Triangles &triangles, const Charts &charts, Occupancy &occupancy) {
+  dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
+  for (const vec2 &uv : triangles.corner_uv) {
+    low = glm::min(low, dvec2(uv));
+    high = glm::max(high, dvec2(uv));
+  }
+  occupancy.set_range(low, high);
+  occupancy.clear();
+  for (int32_t triangle = 0; triangle < static_cast<int32_t>(charts.triangle_chart.size()); ++triangle) {
+    if (charts.triangle_chart[at(triangle)] < 0) continue;
+    if (occupancy.overlaps(triangle)) return true;
+    occupancy.insert(triangle);
+  }
+  return false;
+}
+
+} // namespace
+
+Cuts cut_charts(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts) {
+  const size_t count = at(triangles.triangle_count);
+  Cutting cutting{triangles, half_edges.twin,     std::vector<int32_t>(count, -1), std::vector<int32_t>(count, -1),
+                  {},        Occupancy(triangles)};
+  for (size_t h = 0; h < cutting.link.size(); ++h)
+    if (charts.half_edge_border[h] >= 0 || charts.triangle_chart[h / 3] < 0) cutting.link[h] = -1;
+  std::vector<uint8_t> seen(count, 0);
+  Cuts cuts;
+  for (int32_t start = 0; start < triangles.triangle_count; ++start) {
+    if (charts.triangle_chart[at(start)] < 0 || seen[at(start)]) continue;
+    std::vector<int32_t> seeds{far_end(cutting, seen, start)};
+    const int32_t first = cutting.pieces;
+    for (size_t i = 0; i < seeds.size(); ++i) {
+      if (cutting.triangle_piece[at(seeds[i])] >= 0) continue; // an earlier seed's piece has reached it
+      const std::vector<int32_t> refused = grow(cutting, seeds[i]);
+      seeds.insert(seeds.end(), refused.begin(), refused.end());
+    }
+    cuts.cut_charts += cutting.pieces > first + 1;
+  }
+  cuts.overlapping = cuts.cut_charts > 0 || charts_overlap(triangles, charts, cutting.occupancy);
+  cuts.triangle_piece = std::move(cutting.triangle_piece);
+  return cuts;
+}
+
+} // namespace paradesc

@@ -1,0 +1,23 @@
+// Charts that claim a place of the UV map twice → pieces that do not.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mesh/charts.h"
+#include "mesh/halfedge.h"
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+struct Cuts {
+  bool overlapping = false;            // some place of the UV map belongs to two triangles, of one chart or of two
+  int cut_charts = 0;                  // charts that overlap themselves
+  std::vector<int32_t> triangle_piece; // (triangle_count) numbered through all charts; -1: on no chart
+};
+
+// Exact but for a hair (2e-6 of the unit square). Pieces are connected over the chart's inner edges, and each is grown as far as
+// it goes; a chart that does not overlap itself is one piece. build_charts makes charts of the pieces.
+Cuts cut_charts(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts);
+
+} // namespace paradesc
