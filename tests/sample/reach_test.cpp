@@ -1,0 +1,110 @@
+// The triangles that the surface reaches from a point within a ball.
+#include "sample/reach.h"
+
+#include <algorithm>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "support/error.h"
+
+namespace paradesc::test {
+namespace {
+
+// A strip of squares, folded like a hairpin: two legs of `length` squares, a gap apart, joined by one square across their end.
+struct Hairpin {
+  static constexpr int length = 20;
+  static constexpr float gap = 0.5f; // squares have side 1
+  std::vector<float> positions;
+  std::vector<int32_t> corners, triangle_corners;
+  Triangles triangles;
+  HalfEdges half_edges;
+
+  Hairpin() {
+    const int rows = 2 * (length + 1);
+    for (int row = 0; row < rows; ++row)
+      for (int side = 0; side < 2; ++side) {
+        const bool back = row > length;
+        positions.insert(positions.end(),
+                         {static_cast<float>(back ? rows - 1 - row : row), static_cast<float>(side), back ? gap : 0.0f});
+      }
+    for (int32_t row = 0; row + 1 < rows; ++row)
+      for (const int32_t corner : {2 * row, 2 * row + 2, 2 * row + 1, 2 * row + 1, 2 * row + 2, 2 * row + 3}) {
+        triangle_corners.push_back(static_cast<int32_t>(corners.size()));
+        corners.push_back(corner);
+      }
+    pdesc_mesh_input input;
+    pdesc_mesh_input_init(&input);
+    input.vertex_count = 2 * rows;
+    input.corner_count = static_cast<int32_t>(corners.size());
+    input.triangle_count = input.corner_count / 3;
+    input.positions = positions.data();
+    input.corner_vertices = corners.data();
+    input.triangle_corners = triangle_corners.data();
+    triangles = read_triangles(input);
+    half_edges = build_half_edges(triangles);
+  }
+
+  int32_t point_at(int row) const { return half_edges.vertex_point[static_cast<size_t>(2 * row)]; }
+  std::vector<int32_t> reached(int row, double radius, size_t limit = 1000) const {
+    const std::vector<int32_t> points{point_at(row)};
+    const Reach reach = reach_exactly(triangles, half_edges, points, radius, limit, 1);
+    EXPECT_EQ(reach.begin, (std::vector<int32_t>{0, static_cast<int32_t>(reach.triangle.size())}));
+    return reach.triangle;
+  }
+};
+
+// The other leg is nearer than the radius all along, but the way to it leads around the end.
+TEST(Reach, other_leg_of_a_hairpin_is_not_reached_far_from_its_end) {
+  const Hairpin hairpin;
+  const std::vector<int32_t> found = hairpin.reached(10, 3.0);
+  ASSERT_FALSE(found.empty());
+  EXPECT_LT(found.back(), 2 * Hairpin::length) << "triangles are numbered along the strip";
+  // Squares 7 to 12 lie within 3 of row 10, and those beside them meet the ball in an edge at most.
+  for (const int square : {7, 8, 9, 10, 11, 12})
+    for (const int triangle : {2 * square, 2 * square + 1})
+      EXPECT_TRUE(std::binary_search(found.begin(), found.end(), triangle)) << triangle;
+  EXPECT_GE(found.front(), 2 * 6);
+  EXPECT_LE(found.back(), 2 * 13 + 1);
+}
+
+TEST(Reach, other_leg_is_reached_around_the_end) {
+  const Hairpin hairpin;
+  const std::vector<int32_t> found = hairpin.reached(Hairpin::length - 1, 3.0);
+  EXPECT_TRUE(std::binary_search(found.begin(), found.end(), 2 * Hairpin::length)); // across
+  EXPECT_GT(found.back(), 2 * Hairpin::length + 2);                                 // and back
+}
+
+TEST(Reach, triangles_are_sorted_and_come_once) {
+  const Hairpin hairpin;
+  const std::vector<int32_t> found = hairpin.reached(Hairpin::length, 6.0);
+  EXPECT_TRUE(std::is_sorted(found.begin(), found.end()));
+  EXPECT_EQ(std::set<int32_t>(found.begin(), found.end()).size(), found.size());
+}
+
+TEST(Reach, more_triangles_than_the_limit_are_left_to_the_cells) {
+  const Hairpin hairpin;
+  EXPECT_FALSE(hairpin.reached(10, 3.0, 30).empty());
+  EXPECT_TRUE(hairpin.reached(10, 3.0, 5).empty());
+}
+
+// A point may come twice, in any order: its two places in the UV map.
+TEST(Reach, each_of_many_points_finds_what_it_finds_alone) {
+  const Hairpin hairpin;
+  std::vector<int32_t> points;
+  std::vector<std::vector<int32_t>> alone;
+  for (int i = 0; i < 600; ++i) {
+    const int row = i * 7 % (2 * Hairpin::length);
+    points.push_back(hairpin.point_at(row));
+    alone.push_back(hairpin.reached(row, 2.5));
+  }
+  for (const int threads : {1, 2}) {
+    const Reach reach = reach_exactly(hairpin.triangles, hairpin.half_edges, points, 2.5, 1000, threads);
+    for (size_t i = 0; i < points.size(); ++i)
+      EXPECT_EQ(std::vector<int32_t>(reach.triangle.begin() + reach.begin[i], reach.triangle.begin() + reach.begin[i + 1]),
+                alone[i]);
+  }
+}
+
+} // namespace
+} // namespace paradesc::test
