@@ -224,5 +224,6 @@ void main() {
   results[ROW_COVERAGE * total + index] = m.area > 0.0 ? m.area / (m.area + m.lost) : 0.0;
   results[ROW_FLAGS * total + index] = (m.cut > 0.0 ? FLAG_CUT : 0.0) + (scale == 1.0 ? FLAG_ALL_SAMPLES : 0.0) +
                                        (support.deviation > DISK_DEVIATION ? FLAG_NO_DISK : 0.0);
+  results[ROW_AREA * total + index] = support.area;
   STATES_FINISH
 }

@@ -43,7 +43,8 @@
 // Rows of the results that come before the descriptors'.
 #define ROW_COVERAGE 0
 #define ROW_FLAGS 1
-#define ROW_DESCRIPTORS 2
+#define ROW_AREA 2
+#define ROW_DESCRIPTORS 3
 
 // Values of a place's flags, added up.
 #define FLAG_CUT 1.0 // the mesh's boundary lies in the neighborhood

@@ -314,8 +314,10 @@ static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int cou
   }
 }
 
-// Centers whose neighborhood is no disk once more, on exactly the triangles that the surface reaches within the ball.
+// Centers whose neighborhood is no disk, and has another area than the triangles that the surface reaches within the ball: once
+// more, on exactly those triangles.
 static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius, const Frame &frame, const Progress &progress) {
+  constexpr double same_area = 0.06; // of a disk; samples of a folded place miss its area by some per cent
   std::vector<float> raw;
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { raw = mesh.device->evaluator.read(gl, settings); });
   std::vector<int32_t> centers, points;
@@ -326,15 +328,20 @@ static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius
     points.push_back(frame.points[i]);
   }
   Reach reach = reach_exactly(mesh.triangles, mesh.half_edges, points, radius, MAX_REACH, mesh.context->threads);
-  // Those with too many triangles keep what cells found.
+  std::vector<int32_t> triangles;
   size_t kept = 0;
+  const double disk = pi * radius * radius, unit = frame.buffer_frame.scale * frame.buffer_frame.scale;
   for (size_t i = 0; i < centers.size(); ++i) {
-    if (reach.begin[i] == reach.begin[i + 1]) continue;
+    const int32_t begin = reach.begin[i], end = reach.begin[i + 1]; // none where there were too many
+    const double found = static_cast<double>(raw[ROW_AREA * count + static_cast<size_t>(centers[i])]) / unit;
+    if (begin == end || std::abs(found - reach.area[i]) < same_area * disk) continue;
     centers[kept] = centers[i];
-    reach.begin[kept++] = reach.begin[i];
+    reach.begin[kept++] = static_cast<int32_t>(triangles.size());
+    triangles.insert(triangles.end(), reach.triangle.begin() + begin, reach.triangle.begin() + end);
   }
   if (kept == 0) return;
-  reach.begin[kept] = reach.begin.back();
+  reach.begin[kept] = static_cast<int32_t>(triangles.size());
+  reach.triangle = std::move(triangles);
   centers.resize(kept);
   reach.begin.resize(kept + 1);
   settings.exact = true;

@@ -2,6 +2,7 @@
 #include "sample/reach.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -73,6 +74,15 @@ TEST(Reach, other_leg_is_reached_around_the_end) {
   const std::vector<int32_t> found = hairpin.reached(Hairpin::length - 1, 3.0);
   EXPECT_TRUE(std::binary_search(found.begin(), found.end(), 2 * Hairpin::length)); // across
   EXPECT_GT(found.back(), 2 * Hairpin::length + 2);                                 // and back
+}
+
+// Of the leg within the ball: a disk's middle strip, 2 sqrt(r^2 - y^2) integrated over y in [0, 1].
+TEST(Reach, area_is_that_of_the_triangles_within_the_ball) {
+  const Hairpin hairpin;
+  const std::vector<int32_t> points{hairpin.point_at(10)};
+  const double r = 3.0;
+  const Reach reach = reach_exactly(hairpin.triangles, hairpin.half_edges, points, r, 1000, 1);
+  EXPECT_NEAR(reach.area[0], std::sqrt(r * r - 1) + r * r * std::asin(1 / r), 0.03 * 2 * r); // "to a few per cent"
 }
 
 TEST(Reach, triangles_are_sorted_and_come_once) {

@@ -38,6 +38,25 @@ public:
     std::sort(found.begin() + static_cast<ptrdiff_t>(begin), found.end());
   }
 
+  // Of one triangle within the ball: cut ones by the middles of 16 pieces.
+  double area_of(int32_t triangle) const {
+    const dvec3 a = offset(3 * triangle), b = offset(3 * triangle + 1), c = offset(3 * triangle + 2);
+    const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
+    const double farthest = std::max({dot(a, a), dot(b, b), dot(c, c)});
+    if (farthest <= square_) return area;
+    int inside = 0;
+    auto look = [&](double u, double v) {
+      const dvec3 middle = a + (b - a) * u + (c - a) * v;
+      inside += dot(middle, middle) < square_;
+    };
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; i + j < 4; ++j) {
+        look((i + 1.0 / 3.0) / 4.0, (j + 1.0 / 3.0) / 4.0);
+        if (i + j < 3) look((i + 2.0 / 3.0) / 4.0, (j + 2.0 / 3.0) / 4.0);
+      }
+    return area * inside / 16.0;
+  }
+
 private:
   void add(int32_t triangle, std::vector<int32_t> &found) {
     if (std::exchange(visited_[static_cast<size_t>(triangle)], mark_) != mark_) found.push_back(triangle);
@@ -74,6 +93,7 @@ Reach reach_exactly(const Triangles &triangles, const HalfEdges &half_edges, std
   std::vector<std::vector<int32_t>> found(static_cast<size_t>((count + block - 1) / block));
   Reach reach;
   reach.begin.assign(points.size() + 1, 0);
+  reach.area.assign(points.size(), 0.0);
   parallel_blocks(count, threads, block, [&](int begin, int end) {
     Flood flood(triangles, half_edges, radius, limit);
     auto &list = found[static_cast<size_t>(begin / block)];
@@ -81,6 +101,7 @@ Reach reach_exactly(const Triangles &triangles, const HalfEdges &half_edges, std
       const size_t before = list.size();
       flood.run(points[i], list);
       reach.begin[i + 1] = static_cast<int32_t>(list.size() - before);
+      for (size_t k = before; k < list.size(); ++k) reach.area[i] += flood.area_of(list[k]);
     }
   });
   std::partial_sum(reach.begin.begin(), reach.begin.end(), reach.begin.begin());

@@ -16,6 +16,7 @@ namespace paradesc {
 struct Reach {
   std::vector<int32_t> begin;    // (points + 1) into triangle
   std::vector<int32_t> triangle; // sorted, of each point; none: more than `limit`, to be left as they are
+  std::vector<double> area;      // (points) of those triangles within the ball, to a few per cent
 };
 
 // radius in units of the positions.
