@@ -2,6 +2,7 @@
 
 import json
 import math
+import textwrap
 import time
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -62,8 +63,8 @@ class Section:
             return
         figure, axes = pyplot.subplots(1, columns, figsize=(6.4 * columns, height), constrained_layout=True)
         draw(*(axes if columns > 1 else [axes]))
-        figure.get_layout_engine().set(rect=(0, 0.05, 1, 0.95))
-        figure.text(0.01, 0.01, self.stamp, fontsize=5.5, color="0.4")
+        figure.get_layout_engine().set(rect=(0, 0.07, 1, 0.93))
+        figure.text(0.01, 0.01, "\n".join(textwrap.wrap(self.stamp, 115 * columns)), fontsize=5.5, color="0.4")
         path = self.folder / f"{self.name}_{name}.png"
         figure.savefig(path, dpi=100)
         pyplot.close(figure)
@@ -122,9 +123,17 @@ def markdown(section, images):
 
 
 def table_lines(item):
+    """A caption and the table; without rows it is left out."""
+    if not item["rows"]:
+        return []
     head = "| " + " | ".join(item["head"]) + " |"
-    rule = "|" + "|".join(" --- " if column == 0 else " ---: " for column in range(len(item["head"]))) + "|"
+    rule = "|" + "|".join(" --- " if is_text(column) else " ---: " for column in zip(*item["rows"], strict=True)) + "|"
     return [item["caption"], "", head, rule, *["| " + " | ".join(row) + " |" for row in item["rows"]]]
+
+
+def is_text(cells):
+    """True where a column holds words; numbers are set flush right."""
+    return any(cell[:1].isalpha() or "," in cell for cell in cells)
 
 
 def today():

@@ -29,8 +29,8 @@ def models(out, names):
 def compose(arrays, shown, span, upright=True):
     """One view for each (title, values) in colors of the same span (values, registry row, radius): (h, w, 3) uint8."""
     points = arrays.positions.astype(np.float64)
-    if upright:  # y is up in these files, z in the picture
-        points = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
+    if upright:  # y is up in these files, z in the picture; turned, so that spot looks at us
+        points = np.stack([-points[:, 0], points[:, 2], points[:, 1]], axis=1)
     value_range = color_maps.value_range(*span)
     views = [picture.View(color_maps.colors(values, value_range), title, value_range) for title, values in shown]
     return picture.compose(points, arrays.triangle_vertices, views)
