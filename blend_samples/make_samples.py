@@ -1,4 +1,4 @@
-"""Writes the sample scenes torus.blend (many charts, turned, scaled and mirrored), suzanne.blend and rim.blend (unwrapped).
+"""Writes the sample scenes torus.blend (many charts, turned and mirrored), suzanne.blend and rim.blend (unwrapped).
 
 Usage: python make_samples.py FOLDER, with Blender's module bpy; or blender -b -P make_samples.py -- FOLDER.
 """
@@ -20,7 +20,7 @@ SUZANNE_LEVELS = 2
 RIM_WINDOWS = 19
 RIM_LEVELS = 2
 SPOKE_SHARE = 0.42  # of the angle from one spoke to the next
-# Of each circle of the wheel: radius, height of its middle, half of its thickness. Between the second and the fourth are spokes.
+# Of each circle of the wheel: radius, height of its middle, half of its thickness.
 RIM_CIRCLES = np.array(
     [
         [0.15, 0.10, 0.10],
@@ -31,7 +31,7 @@ RIM_CIRCLES = np.array(
         [1.00, 0.00, 0.24],
     ]
 )
-SPOKES = range(1, 3)
+SPOKES = range(1, 3)  # between the second circle and the fourth
 
 
 def torus_points() -> np.ndarray:

@@ -1,7 +1,7 @@
 """The paper's object-space method: mean curvature by sums over the vertices within r, each weighted by its own area.
 
-This is the method that Fig. 2 shows to fail on coarse meshes; the project's reference is another one, that integrates over
-the triangles.
+This is the method that Fig. 2 shows to fail on coarse meshes; the project's reference is another one, that integrates
+over the triangles.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""Meshes and options → results of a device and of the reference, and their errors; every result of the reference is kept."""
+"""Meshes and options → results of a device and of the reference, and their errors."""
 
 import platform
 from dataclasses import asdict, dataclass, fields, replace
@@ -17,7 +17,7 @@ SAMPLING = {
 }  # fmt: skip
 
 
-class Missing(Exception):
+class MissingError(Exception):
     """An option or a value of one that this build does not have."""
 
 
@@ -25,16 +25,21 @@ def has(name, value=None):
     """True where this build has the option, and, where it is a choice, the value."""
     if not hasattr(bridge.Options(), name):
         return False
-    tables = {"relocation": "RELOCATIONS", "estimator": "ESTIMATORS", "geodesic": "GEODESICS", "precision": "PRECISIONS"}
+    tables = {
+        "relocation": "RELOCATIONS",
+        "estimator": "ESTIMATORS",
+        "geodesic": "GEODESICS",
+        "precision": "PRECISIONS",
+    }
     choices = getattr(bridge, tables.get(name, ""), None)
     return value is None or choices is None or value in choices
 
 
 def options(**wanted):
-    """Options with these values; Missing names the first that this build does not have."""
+    """Options with these values; MissingError names the first that this build does not have."""
     for name, value in wanted.items():
         if not has(name, value):
-            raise Missing(f"{name} = {value}" if hasattr(bridge.Options(), name) else name)
+            raise MissingError(f"{name} = {value}" if hasattr(bridge.Options(), name) else name)
     return bridge.Options(**wanted)
 
 

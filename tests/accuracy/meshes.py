@@ -1,4 +1,4 @@
-"""Meshes for the report: a Wavefront reader, charts by projection, Loop's subdivision, noise. Plain numpy, no Blender."""
+"""Meshes for the report: a Wavefront reader, charts by projection, Loop's subdivision, noise. Plain numpy."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +18,7 @@ def find(name):
 
 
 def read_obj(path):
-    """Positions, triangles (polygons as fans) and, where every corner has one, UVs, as the native library reads them."""
+    """Positions, triangles (polygons as fans) and, where every corner has one, UVs."""
     points, uvs, corners, corner_uvs = [], [], [], []
     with path.open() as lines:
         for line in lines:
@@ -112,7 +112,7 @@ def components(count, pairs):
 
 
 def project_charts(arrays, cells):
-    """The mesh with charts: connected faces that look along one axis within one of cells³ blocks, thrown onto a plane."""
+    """The mesh with charts: connected faces that look along one axis within a block of cells³, thrown onto a plane."""
     points, triangles = arrays.positions.astype(np.float64), arrays.triangle_vertices
     pairs = neighbor_pairs(triangles)
     facing = area_vectors(points, triangles)

@@ -17,7 +17,9 @@ try:
 except ImportError:
     pyplot = None
 
-NO_MATPLOTLIB = "matplotlib is not installed, so there are no plots; the numbers are in the tables (pip install matplotlib)."
+NO_MATPLOTLIB = (
+    "matplotlib is not installed, so there are no plots; the numbers are in the tables (pip install matplotlib)."
+)
 
 
 @dataclass
@@ -54,7 +56,9 @@ class Section:
 
     def table(self, caption, head, rows):
         """Numbers are shown with four significant digits."""
-        self.items.append({"kind": "table", **asdict(Table(caption, list(head), [[shown(x) for x in row] for row in rows]))})
+        self.items.append(
+            {"kind": "table", **asdict(Table(caption, list(head), [[shown(x) for x in row] for row in rows]))}
+        )
 
     def plot(self, name, caption, draw, columns=1, height=4.0):
         """draw(axes...) paints with matplotlib; without it one sentence says so."""
@@ -115,7 +119,7 @@ def markdown(section, images):
         elif item["kind"] == "image":
             lines += [f"![{item['text']}]({images}/{item['file']})", "", f"*{item['text']}*", ""]
         else:
-            lines += table_lines(item) + [""]
+            lines += [*table_lines(item), ""]
     lines += [f"- Not measured: {sentence}" for sentence in section.missing] + [""] * bool(section.missing)
     quick = ", quick" if section.quick else ""
     lines += [f"<sub>{section.stamp}; {section.seconds:.0f} s{quick}</sub>", ""]

@@ -1,10 +1,10 @@
-"""Measures the accuracy of the descriptors, and writes a Markdown page with tables and plots beside the paper's figures.
+"""Measures the accuracy of the descriptors, and writes a page with tables and plots beside the paper's figures.
 
     .venv/bin/python tests/accuracy/report.py --output tests/accuracy/REPORT.md [--quick] [--sections closed,reference]
 
-Every section leaves a JSON file and its pictures beside the page, in results/ (results-quick/ with --quick): sections that
-are not asked for are taken from there, so one can be measured again alone. Plots need matplotlib; without it one sentence
-says so, and the tables are there all the same.
+Every section leaves a JSON file and its pictures beside the page, in results/ (results-quick/ with --quick): sections
+that are not asked for are taken from there, so one can be measured again alone. Plots need matplotlib; without it one
+sentence says so, and the tables are there all the same.
 """
 
 import argparse
@@ -36,7 +36,9 @@ SECTIONS = {
 def parse(words):
     names = ", ".join(f"{name} ({row[3]} s, quick {row[4]} s)" for name, row in SECTIONS.items())
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0], epilog=f"Sections: {names}.")
-    parser.add_argument("--output", type=Path, default=HERE / "REPORT.md", help="the page (default: tests/accuracy/REPORT.md)")
+    parser.add_argument(
+        "--output", type=Path, default=HERE / "REPORT.md", help="the page (default: tests/accuracy/REPORT.md)"
+    )
     parser.add_argument("--quick", action="store_true", help="fewer surfaces, models and settings: under two minutes")
     parser.add_argument("--sections", default="", metavar="A,B", help="measure these only (default: all)")
     parser.add_argument("--backend", choices=("auto", "gpu", "software"), default="auto", help="which device")
@@ -59,7 +61,9 @@ def commit():
     git = ["git", "-C", str(ROOT)]
     try:
         name = subprocess.run([*git, "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True).stdout
-        changed = subprocess.run([*git, "status", "--porcelain", "native", "shaders", "addon"], capture_output=True, text=True)
+        changed = subprocess.run(
+            [*git, "status", "--porcelain", "native", "shaders", "addon"], capture_output=True, text=True
+        )
     except (OSError, subprocess.CalledProcessError):
         return ""
     return name.strip() + (" with changes" if changed.stdout.strip() else "")
@@ -81,11 +85,12 @@ def write(output, folder, device):
     """The page of all sections that were saved."""
     lines = ["# Accuracy", ""]
     lines += [
-        "Errors are percentages of absolute error by the one definition of this project: 100 · mean |x − truth| over the "
-        "range between the truth's 2.5th and 97.5th percentile (`addon/paradesc/compare.py`). *Closed form* is the smooth "
-        "surface's exact value as r → 0; *reference* integrates over the triangles themselves. Radii are fractions of the "
-        "bounding box's diagonal. Where nothing else is said: 256 samples, buffers of 1024² texels, fitted normals, "
-        "evaluation at the vertices. The paper does not define its %AE, and its reference is another one.",
+        "Errors are percentages of absolute error by the one definition of this project: 100 · mean |x − truth| over "
+        "the range between the truth's 2.5th and 97.5th percentile (`addon/paradesc/compare.py`). *Closed form* is the"
+        " smooth surface's exact value as r → 0; *reference* integrates over the triangles themselves. Radii are "
+        "fractions of the bounding box's diagonal. Where nothing else is said: 256 samples, buffers of 1024² texels, "
+        "fitted normals, evaluation at the vertices. The paper does not define its %AE, and its reference is another "
+        "one.",
         "",
         f"Last measured on {device}.",
         "",

@@ -1,19 +1,28 @@
-"""Sections over real meshes, measured against the reference: all descriptors, radius, detail, fragmented charts, genus 20."""
+"""Sections over real meshes, measured against the reference: descriptors, radius, detail, charts, genus 20."""
 
 import importlib.util
 from pathlib import Path
 
 import meshes
 import numpy as np
-from bench import Missing, angle, directions, errors, options, registry
+from bench import MissingError, angle, directions, errors, options, registry
 from sections_surfaces import LABELS
 
 from paradesc import bridge, color_maps, picture
 from paradesc.results import registry_row
 
 MODELS = ("spot", "bob", "human", "beast", "rocker-arm", "stanford-bunny")
+# Columns of compare.py in the table of distributions.
+DISTRIBUTION = (
+    "mean_percent_ae",
+    "median_percent_ae",
+    "p99_percent_ae",
+    "max_percent_ae",
+    "seam_mean_percent_ae",
+    "seam_error_mean",
+    "seam_error_p99",
+)
 SAMPLES_SCRIPT = Path(__file__).resolve().parents[2] / "blend_samples" / "make_samples.py"
-ABSENT = "real meshes are not at ../shared/meshes"
 
 
 def models(out, names):
@@ -41,9 +50,10 @@ def compose(arrays, shown, span, upright=True):
 
 def reference(bench, out, quick):
     out.say(
-        "Mean error in percent over all vertices with a face, r = 2 % of the diagonal. *Near seams*: vertices with a seam "
-        "within r. *Seam error*: the difference between the results from two places of one vertex in the UV map. Meshes "
-        "without a UV map get charts by projection along the axes, in blocks; overlapping ones are laid out afresh by the library."
+        "Mean error in percent over all vertices with a face, r = 2 % of the diagonal. *Near seams*: vertices with a "
+        "seam within r. *Seam error*: the difference between the results from two places of one vertex in the UV map. "
+        "Meshes without a UV map get charts by projection along the axes, in blocks; overlapping ones are laid out "
+        "afresh by the library."
     )
     names, details, rows, means = registry(), [], [], []
     for model, arrays, atlas in models(out, MODELS[:2] if quick else MODELS):
@@ -52,13 +62,20 @@ def reference(bench, out, quick):
         report = found.mesh_report
         for name in ("mean_curvature", "gaussian_curvature"):
             row = found_rows[name]
-            details.append([
-                model, LABELS[name], row["mean_percent_ae"], row["median_percent_ae"], row["p99_percent_ae"], row["max_percent_ae"],
-                row["seam_mean_percent_ae"], row["seam_error_mean"], row["seam_error_p99"], 100 * row["coverage_mean"], row["undefined"],
-            ])  # fmt: skip
+            shares = [row[column] for column in DISTRIBUTION]
+            details.append([model, LABELS[name], *shares, 100 * row["coverage_mean"], row["undefined"]])
         means.append([found_rows[name]["mean_percent_ae"] for name in names])
         texels = found.field_report["radius_in_texels"]
-        rows.append([model, int(report["triangle_count"]), f"{atlas}, {int(report['charts'])}", texels, *means[-1], *turns(bench, arrays, chosen)])
+        rows.append(
+            [
+                model,
+                int(report["triangle_count"]),
+                f"{atlas}, {int(report['charts'])}",
+                texels,
+                *means[-1],
+                *turns(bench, arrays, chosen),
+            ]
+        )
         if model == "spot":
             pictures(bench, out, arrays, names)
         bench.forget()
@@ -68,7 +85,19 @@ def reference(bench, out, quick):
     rows.append(["mean", "", "", "", *np.mean(means, axis=0), *blank])
     heads = [LABELS.get(name, name) for name in names] + [name.removeprefix("principal_") for name in directions()]
     out.table("Mean error by descriptor", ["model", "triangles", "charts", "r in texels", *heads], rows)
-    head = ["model", "", "mean", "median", "p99", "max", "near seams", "seam error", "seam p99", "coverage %", "undefined"]
+    head = [
+        "model",
+        "",
+        "mean",
+        "median",
+        "p99",
+        "max",
+        "near seams",
+        "seam error",
+        "seam p99",
+        "coverage %",
+        "undefined",
+    ]
     out.table("Distribution", head, details)
     overall = float(np.mean([row[names.index("mean_curvature")] for row in means]))
     out.say(f"Mean curvature on average over models: **{overall:.3f} %**; the paper's average is 1.245 %.")
@@ -87,12 +116,19 @@ def turns(bench, arrays, chosen):
 def pictures(bench, out, arrays, names):
     """Fig. 8: every descriptor."""
     found = bench.run(arrays, names, options(radius=0.02))
-    panels = [compose(arrays, [(name.replace("_", " ").upper(), found.values[name])], (found.values[name], registry_row(name), found.radius))
-              for name in names]  # fmt: skip
+    panels = []
+    for name in names:
+        values = found.values[name]
+        panels.append(compose(arrays, [(title_of(name), values)], (values, registry_row(name), found.radius)))
     while len(panels) % 4:
         panels.append(np.full_like(panels[0], 255))
     rows = [np.concatenate(panels[i : i + 4], axis=1) for i in range(0, len(panels), 4)]
     out.picture("fig8", "Fig. 8: every descriptor on spot, r = 2 %", halved(np.concatenate(rows, axis=0)))
+
+
+def title_of(name):
+    """A descriptor's name as pictures show it."""
+    return name.replace("_", " ").upper()
 
 
 def halved(image):
@@ -106,8 +142,8 @@ def halved(image):
 
 def radius(bench, out, quick):
     out.say(
-        "The paper's error rises towards small radii, where its reference sees few vertices, and again at large ones, where one "
-        "jump per sample misses parts. Here the reference integrates over triangles, and nothing is missed."
+        "The paper's error rises towards small radii, where its reference sees few vertices, and again at large ones, "
+        "where one jump per sample misses parts. Here the reference integrates over triangles, and nothing is missed."
     )
     radii = (0.01, 0.02, 0.04) if quick else (0.005, 0.01, 0.02, 0.04, 0.08)
     names = ["mean_curvature", "gaussian_curvature", "local_bending_energy"]
@@ -118,7 +154,16 @@ def radius(bench, out, quick):
             truth = bench.reference(arrays, names, options(radius=fraction))
             means = [found_rows[name]["mean_percent_ae"] for name in names]
             times = [float(part.field_report["seconds_total"]) for part in (found, truth)]
-            rows.append([model, f"{100 * fraction:g} %", found.field_report["radius_in_texels"], *means, 100 * found.field_report["coverage_mean"], *times])
+            rows.append(
+                [
+                    model,
+                    f"{100 * fraction:g} %",
+                    found.field_report["radius_in_texels"],
+                    *means,
+                    100 * found.field_report["coverage_mean"],
+                    *times,
+                ]
+            )
             curves.setdefault(model, []).append((100 * fraction, means[0]))
         bench.forget()
     head = ["model", "r", "r in texels", "H", "K", "LBE", "coverage %", "device s", "reference s"]
@@ -135,9 +180,9 @@ def radius(bench, out, quick):
 
 def detail(bench, out, quick):
     out.say(
-        "One smooth surface at growing detail: spot subdivided by Loop's scheme, r = 4 %. *Own reference*: on the same mesh. "
-        "*Finest*: the reference on the finest mesh, at the vertices that both have. The paper's error is high for coarse "
-        "meshes, because its reference is coarse there, and steady above 100 K triangles."
+        "One smooth surface at growing detail: spot subdivided by Loop's scheme, r = 4 %. *Own reference*: on the same"
+        " mesh. *Finest*: the reference on the finest mesh, at the vertices that both have. The paper's error is high "
+        "for coarse meshes, because its reference is coarse there, and steady above 100 K triangles."
     )
     spot = meshes.find("spot")
     if spot is None:
@@ -160,7 +205,15 @@ def detail(bench, out, quick):
         times = [float(part.field_report["seconds_total"]) for part in (found, truth)]
         rows.append([len(arrays.triangle_corners), own.mean, own.p99, far.mean, theirs.mean, *times])
         points.append((len(arrays.triangle_corners) / 1000, own.mean, far.mean))
-    head = ["triangles", "own reference, mean", "p99", "finest, mean", "own reference against finest", "device s", "reference s"]
+    head = [
+        "triangles",
+        "own reference, mean",
+        "p99",
+        "finest, mean",
+        "own reference against finest",
+        "device s",
+        "reference s",
+    ]
     out.table("Error of H in percent; times for scale only", head, rows)
 
     def draw(axes):
@@ -173,44 +226,97 @@ def detail(bench, out, quick):
     out.plot("fig11", "Fig. 11 left, error: mean curvature over geometric detail, r = 4 %", draw)
 
 
+# ---- Area found
+
+
+def area(bench, out, quick):
+    out.say(
+        "The area of the neighborhood that the device found, as a share of the reference's, which knows no texels: an "
+        "independent check of `coverage`. Both should be 100 %; the share of a single vertex wavers with the texels at"
+        " the ball's rim, and exceeds 100 % where a part is connected in the one and not in the other."
+    )
+    name, rows = "euclidean_area", []
+    for model, arrays, _ in models(out, ("spot",) if quick else ("spot", "human")):
+        for fraction in (0.02,) if quick else (0.02, 0.08):
+            truth = bench.reference(arrays, [name], options(radius=fraction)).values[name]
+            for size in (512, 1024) if quick else (512, 1024, 2048, 4096):
+                found = bench.run(arrays, [name], options(radius=fraction, buffer_size=size))
+                share = 100 * found.values[name] / truth
+                share = share[np.isfinite(share)]
+                cells = [share.mean(), *np.percentile(share, [0, 1, 50, 99]), 100 * found.field_report["coverage_mean"]]
+                rows.append([model, f"{100 * fraction:g} %", f"{size}²", *cells])
+        bench.forget()
+    head = ["model", "r", "buffer", "area found, mean %", "lowest", "p1", "median", "p99", "coverage %"]
+    out.table("Area found", head, rows)
+
+
 # ---- Fragmented charts (Fig. 13)
 
 
 def fragments(bench, out, quick):
     out.say(
-        "The bunny with charts of two sizes. Coverage is the share of the neighborhood's area that was found; a vertex misses "
-        "samples where it is below 0.999. *connected* follows links between cells of the buffer; *affine* carries each "
-        "sample over at most so many seams, as the paper does. The paper's first missing sample with one jump: at 10 % on its "
-        "fragmented bunny, none at 16 % on the other."
+        "One model with charts of two sizes. Coverage is the share of the neighborhood's area that was found; a vertex"
+        " misses samples where it is below 0.999. *connected* follows links between cells of the buffer; *affine* "
+        "carries each sample over at most so many seams, as the paper does. The paper's first missing sample with one "
+        "jump: at 10 % on its fragmented bunny, none at 16 % on the other."
     )
-    bunny = meshes.find("stanford-bunny")
+    model = "rocker-arm" if quick else "stanford-bunny"
+    bunny = meshes.find(model)
     if bunny is None:
-        out.lacks("stanford-bunny.obj is not at ../shared/meshes.")
+        out.lacks(f"{model}.obj is not at ../shared/meshes.")
         return
-    kinds = [("connected", {})] + [(f"affine, {jumps} jump{'s' * (jumps != 1)}", {"relocation": "affine", "max_jumps": jumps}) for jumps in (1, 2, 8)]
+    kinds = [("connected", {})] + [
+        (f"affine, {jumps} jump{'s' * (jumps != 1)}", {"relocation": "affine", "max_jumps": jumps})
+        for jumps in (1, 2, 8)
+    ]
     kinds.append(("paper, 1 jump", {"relocation": "paper", "max_jumps": 1}))
-    radii = (0.04, 0.1) if quick else (0.02, 0.05, 0.1, 0.16)
-    rows, curves = [], {}
+    radii = (0.02, 0.1) if quick else (0.02, 0.05, 0.1, 0.16)
+    rows, curves, areas = [], {}, {}
+    for fraction in radii[:2]:
+        areas[fraction] = bench.reference(bunny, ["euclidean_area"], options(radius=fraction)).values["euclidean_area"]
     for cells in (2,) if quick else (2, 12):
         arrays = meshes.project_charts(bunny, cells)
         for label, variant in kinds[:2] if quick else kinds:
             for fraction in radii:
                 try:
-                    found = bench.run(arrays, ["mean_curvature"], options(radius=fraction, samples=64, **variant))
-                except (Missing, bridge.ParadescError) as error:
+                    found = bench.run(arrays, ["euclidean_area"], options(radius=fraction, samples=64, **variant))
+                except (MissingError, bridge.ParadescError) as error:
                     out.lacks(f"{label}: this build says {error}.")
                     break
                 coverage = found.coverage[np.isfinite(found.coverage)]
                 missing = 100 * (coverage < 0.999).mean()
                 charts = int(found.mesh_report["charts"])
-                rows.append([charts, label, f"{100 * fraction:g} %", 100 * coverage.mean(), float(coverage.min()), missing])
+                share = (
+                    100 * np.nanmean(found.values["euclidean_area"] / areas[fraction]) if fraction in areas else np.nan
+                )
+                rows.append(
+                    [
+                        charts,
+                        label,
+                        f"{100 * fraction:g} %",
+                        100 * coverage.mean(),
+                        float(coverage.min()),
+                        missing,
+                        share,
+                    ]
+                )
                 curves.setdefault((charts, label), []).append((100 * fraction, 100 - 100 * coverage.mean()))
         bench.forget()
-    out.table("64 samples", ["charts", "relocation", "r", "coverage %", "lowest", "vertices that miss samples, %"], rows)
+    out.table(
+        f"{model}, 64 samples",
+        ["charts", "relocation", "r", "coverage %", "lowest", "vertices that miss samples, %", "area to reference, %"],
+        rows,
+    )
 
     def draw(axes):
         for (charts, label), points in curves.items():
-            axes.semilogy([x for x, _ in points], [max(y, 1e-4) for _, y in points], marker="o", markersize=3, label=f"{charts} charts, {label}")
+            axes.semilogy(
+                [x for x, _ in points],
+                [max(y, 1e-4) for _, y in points],
+                marker="o",
+                markersize=3,
+                label=f"{charts} charts, {label}",
+            )
         axes.set(xlabel="radius, % of the diagonal", ylabel="area not found, %")
         axes.legend(fontsize=6)
 
@@ -224,7 +330,9 @@ def genus(bench, out, quick):
     try:
         arrays = make_rim()
     except ImportError:
-        out.lacks("Blender's Python module bpy is not installed, which makes the model (blend_samples/make_samples.py).")
+        out.lacks(
+            "Blender's Python module bpy is not installed, which makes the model (blend_samples/make_samples.py)."
+        )
         return
     if arrays is None:
         out.lacks("blend_samples/make_samples.py makes no rim.")
@@ -233,17 +341,20 @@ def genus(bench, out, quick):
     rows = []
     for fraction in (0.01,) if quick else (0.01, 0.02, 0.04):
         found_rows, found = bench.compare(arrays, names, options(radius=fraction, seam_error=True))
-        rows.append([f"{100 * fraction:g} %", *[found_rows[name]["mean_percent_ae"] for name in names],
-                     found_rows["mean_curvature"]["seam_mean_percent_ae"], 100 * found_rows["mean_curvature"]["coverage_mean"],
-                     float(found.field_report["seconds_total"])])  # fmt: skip
+        means = [found_rows[name]["mean_percent_ae"] for name in names]
+        near, coverage = (found_rows[names[0]][column] for column in ("seam_mean_percent_ae", "coverage_mean"))
+        seconds = float(found.field_report["seconds_total"])
+        rows.append([f"{100 * fraction:g} %", *means, near, 100 * coverage, seconds])
         if fraction == 0.01:
-            shown = [(name.replace("_", " ").upper(), found.values[name]) for name in names[:1]]
-            out.picture("fig9", "Fig. 9: a rim of genus 20, mean curvature, r = 1 %",
-                        compose(arrays, shown, (found.values[names[0]], registry_row(names[0]), found.radius), upright=False))  # fmt: skip
+            values = found.values[names[0]]
+            span = (values, registry_row(names[0]), found.radius)
+            image = compose(arrays, [(title_of(names[0]), values)], span, upright=False)
+            out.picture("fig9", "Fig. 9: a rim of genus 20, mean curvature, r = 1 %", image)
     euler = meshes.euler_characteristic(arrays.triangle_vertices)
     out.say(
-        f"A wheel made by `blend_samples/make_samples.py`: {len(arrays.triangle_corners):,} triangles, Euler characteristic "
-        f"{euler}, so genus {(2 - euler) // 2}; {int(found.mesh_report['charts'])} charts, {int(found.mesh_report['seam_edges'])} seam edges."
+        f"A wheel made by `blend_samples/make_samples.py`: {len(arrays.triangle_corners):,} triangles, Euler "
+        f"characteristic {euler}, so genus {(2 - euler) // 2}; {int(found.mesh_report['charts'])} charts, "
+        f"{int(found.mesh_report['seam_edges'])} seam edges."
     )
     head = ["r", *[LABELS[name] for name in names], "H near seams", "coverage %", "s"]
     out.table("Mean error in percent against the reference", head, rows)
@@ -265,9 +376,34 @@ def make_rim():
 
 
 SECTIONS = {
-    "reference": (reference, "Against the reference (Fig. 8)", "1.245 % on average over models; Fig. 8 by descriptor", 70, 12),
-    "radius": (radius, "Neighborhood size (Fig. 11 right, error)", "high at small radii, lowest between, rising at large ones", 70, 10),
-    "detail": (detail, "Geometric detail (Fig. 11 left, error)", "high at 25 K and 50 K triangles, steady from 100 K to 1000 K", 40, 10),
-    "fragments": (fragments, "Fragmented charts (Fig. 13)", "first missing sample at r = 10 % of the diagonal; none at 16 % with larger charts", 90, 15),
-    "genus": (genus, "A model of genus 20 (Fig. 9)", "58 ms on a GTX 670; pictures only", 15, 8),
-}  # fmt: skip
+    "reference": (
+        reference,
+        "Against the reference (Fig. 8)",
+        "1.245 % on average over models; Fig. 8 by descriptor",
+        50,
+        10,
+    ),
+    "radius": (
+        radius,
+        "Neighborhood size (Fig. 11 right, error)",
+        "high at small radii, lowest between, rising at large ones",
+        70,
+        3,
+    ),
+    "detail": (
+        detail,
+        "Geometric detail (Fig. 11 left, error)",
+        "high at 25 K and 50 K triangles, steady from 100 K to 1000 K",
+        35,
+        5,
+    ),
+    "area": (area, "Area found against coverage", "not measured", 60, 3),
+    "fragments": (
+        fragments,
+        "Fragmented charts (Fig. 13)",
+        "first missing sample at r = 10 % of the diagonal; none at 16 % with larger charts",
+        90,
+        15,
+    ),
+    "genus": (genus, "A model of genus 20 (Fig. 9)", "58 ms on a GTX 670; pictures only", 8, 4),
+}

@@ -1,7 +1,7 @@
-"""Sections over the settings that trade time for error: samples (Table 1, Fig. 7), buffers (Table 2), all three (Fig. 12)."""
+"""Sections over what trades time for error: samples (Table 1, Fig. 7), buffers (Table 2), both and texels (Fig. 12)."""
 
 import numpy as np
-from bench import Missing, has, options
+from bench import MissingError, has, options
 from sections_models import compose, models
 
 from paradesc import bridge
@@ -29,7 +29,7 @@ def attempt(bench, out, meshes, **chosen):
     """average(), or dashes and a sentence."""
     try:
         return average(bench, meshes, [NAME], **chosen)
-    except Missing as missing:
+    except MissingError as missing:
         out.lacks(f"this build has no option {missing}.")
     except bridge.ParadescError as error:
         out.lacks(f"refused: {error.sentence}")
@@ -42,8 +42,9 @@ def samples(bench, out, quick):
         return
     arrays = [row[1] for row in chosen]
     out.say(
-        f"Mean curvature averaged over {', '.join(row[0] for row in chosen)}, r = 2 %, against the reference. *As in the paper*: "
-        "the sphere-volume integral without control variate. Adaptive: half of the samples first, the rest where they vary."
+        f"Mean curvature averaged over {', '.join(row[0] for row in chosen)}, r = 2 %, against the reference. *As in "
+        f"the paper*: the sphere-volume integral without control variate. Adaptive: half of the samples first, the "
+        f"rest where they vary."
     )
     rows, points = [], {}
     for count in (16, 64, 256) if quick else (16, 32, 64, 100, 256, 400):
@@ -53,10 +54,15 @@ def samples(bench, out, quick):
         plain_adaptive = attempt(bench, out, arrays, samples=count, adaptive=ADAPTIVE, **INTEGRAL)
         paper = PAPER_TABLE_1.get(count, (np.nan, np.nan))
         rows.append([count, *paper, full[0], adaptive[0], plain[0], plain_adaptive[0], full[1], adaptive[1]])
-        for label, value in (("paper", paper[0]), ("here", full[0]), ("here, adaptive", adaptive[0]), ("here, as in the paper", plain[0])):
+        for label, value in (
+            ("paper", paper[0]),
+            ("here", full[0]),
+            ("here, adaptive", adaptive[0]),
+            ("here, as in the paper", plain[0]),
+        ):
             points.setdefault(label, []).append((count, value))
-    head = ["samples", "paper, full", "paper, adaptive", "full", "adaptive", "as in the paper, full", "as in the paper, adaptive",
-            "full s", "adaptive s"]  # fmt: skip
+    plain_heads = ["as in the paper, full", "as in the paper, adaptive"]
+    head = ["samples", "paper, full", "paper, adaptive", "full", "adaptive", *plain_heads, "full s", "adaptive s"]
     out.table("Table 1: mean error of H in percent; seconds of evaluation for scale only", head, rows)
 
     def draw(axes):
@@ -86,7 +92,11 @@ def pictures(bench, out, arrays):
     from sections_models import halved
 
     span = (truth.values[NAME], registry_row(NAME), truth.radius)
-    out.picture("fig7", "Fig. 7: mean curvature of the reference, and by full and adaptive sampling", halved(compose(arrays, shown, span)))
+    out.picture(
+        "fig7",
+        "Fig. 7: mean curvature of the reference, and by full and adaptive sampling",
+        halved(compose(arrays, shown, span)),
+    )
 
 
 def buffers(bench, out, quick):
@@ -94,14 +104,19 @@ def buffers(bench, out, quick):
     if not chosen:
         return
     arrays = [row[1] for row in chosen]
-    out.say(f"Mean curvature averaged over {', '.join(row[0] for row in chosen)}, r = 2 %, 256 samples, against the reference.")
+    out.say(
+        f"Mean curvature averaged over {', '.join(row[0] for row in chosen)}, r = 2 %, 256 samples, against the "
+        f"reference."
+    )
     rows = []
     for size in (512, 1024) if quick else (256, 512, 1024, 2048):
         for precision in ("full", "half"):
             wanted = {"precision": precision} if precision != "full" or has("precision") else {}
             ours = attempt(bench, out, arrays, buffer_size=size, **wanted)
             plain = attempt(bench, out, arrays, buffer_size=size, **wanted, **INTEGRAL)
-            rows.append([f"{size}²", precision, PAPER_TABLE_2.get((size, precision), np.nan), ours[0], plain[0], ours[1]])
+            rows.append(
+                [f"{size}²", precision, PAPER_TABLE_2.get((size, precision), np.nan), ours[0], plain[0], ours[1]]
+            )
     head = ["buffer", "precision", "paper", "here", "here, as in the paper", "s"]
     out.table("Table 2: mean error of H in percent; seconds of evaluation for scale only", head, rows)
 
@@ -112,10 +127,12 @@ def tradeoff(bench, out, quick):
         return
     arrays = [row[1] for row in chosen]
     out.say(
-        f"Mean curvature averaged over {', '.join(row[0] for row in chosen)}, r = 2 %. The paper evaluates texels and looks vertices "
-        "up; evaluation at the vertices themselves is exact there and is the default."
+        f"Mean curvature averaged over {', '.join(row[0] for row in chosen)}, r = 2 %. The paper evaluates texels and "
+        f"looks vertices up; evaluation at the vertices themselves is exact there and is the default."
     )
-    places = [("vertices", {})] + [(f"{size}² texels", {"evaluate": "texel", "texels": size}) for size in (256, 512, 1024)]
+    places = [("vertices", {})] + [
+        (f"{size}² texels", {"evaluate": "texel", "texels": size}) for size in (256, 512, 1024)
+    ]
     rows, curves = [], {}
     for size in (512, 1024) if quick else (512, 1024, 2048):
         for label, variant in places[:2] if quick else places:
@@ -140,7 +157,13 @@ def tradeoff(bench, out, quick):
 
 
 SECTIONS = {
-    "samples": (samples, "Samples, full and adaptive (Table 1, Fig. 7)", "Table 1, in the columns below", 60, 8),
-    "buffers": (buffers, "Buffers and precision (Table 2)", "Table 2, in the column below", 60, 8),
-    "tradeoff": (tradeoff, "Samples, buffers, texels (Fig. 12, error)", "0.8 to 1.7 % between the extremes of Table 1 and 2; plots only", 60, 8),
+    "samples": (samples, "Samples, full and adaptive (Table 1, Fig. 7)", "Table 1, in the columns below", 35, 2),
+    "buffers": (buffers, "Buffers and precision (Table 2)", "Table 2, in the column below", 30, 2),
+    "tradeoff": (
+        tradeoff,
+        "Samples, buffers, texels (Fig. 12, error)",
+        "0.8 to 1.7 % between the extremes of Tables 1 and 2; plots only",
+        40,
+        2,
+    ),
 }

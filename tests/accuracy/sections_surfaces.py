@@ -1,10 +1,10 @@
-"""Sections over surfaces whose curvatures have a closed form: error, settings, radius of the integral K, noise, coarse meshes."""
+"""Sections over surfaces with closed forms: error, settings, radius of the integral K, noise, coarse meshes."""
 
 import baseline
 import meshes
 import numpy as np
 import surfaces
-from bench import Missing, angle, directions, errors, options, registry
+from bench import MissingError, angle, directions, errors, options, registry
 
 from paradesc import bridge
 from paradesc.results import registry_row
@@ -22,7 +22,11 @@ LABELS = {
     "euclidean_area": "EA",
     "geodesic_area": "GA",
 }
-CURVATURES = [name for name in LABELS if name not in ("sphere_volume", "sphere_volume_normalized", "euclidean_area", "geodesic_area")]
+CURVATURES = [
+    name
+    for name in LABELS
+    if name not in ("sphere_volume", "sphere_volume_normalized", "euclidean_area", "geodesic_area")
+]
 # What a plane has: areas and volumes are measured against it, since their own range is a small part of them.
 PLANE = {
     "sphere_volume_normalized": lambda r: 0.5,
@@ -42,9 +46,9 @@ def pair(device, reference):
 
 def closed(bench, out, quick):
     out.say(
-        "Mean error in percent of the device and, in parentheses, of the reference, against the limit r → 0. What both have "
-        "in common is the bias of a finite support and the facets and fitted normals of the mesh; what the device has more "
-        "is sampling. Open surfaces: vertices 1.5 r away from the boundary."
+        "Mean error in percent of the device and, in parentheses, of the reference, against the limit r → 0. What both"
+        " have in common is the bias of a finite support and the facets and fitted normals of the mesh; what the "
+        "device has more is sampling. Open surfaces: vertices 1.5 r away from the boundary."
     )
     names = [name for name in registry() if name in LABELS]
     curvatures = [name for name in names if name in CURVATURES]
@@ -63,18 +67,22 @@ def closed(bench, out, quick):
                 bench.forget()
     summary = [[LABELS[name], *np.mean(sums[name], axis=0), np.max(sums[name], axis=0)[0]] for name in curvatures]
     out.table(
-        f"Over all {len(rows)} cases below", ["descriptor", "device, mean of cases", "reference", "device, worst case"], summary
+        f"Over all {len(rows)} cases below",
+        ["descriptor", "device, mean of cases", "reference", "device, worst case"],
+        summary,
     )
     head = ["surface", "triangles", "charts", "r", *[LABELS[name] for name in curvatures]]
     out.table("Every case: device (reference)", head, rows)
     out.table(
-        "Areas and volume, irregular meshes, r = 2 %: mean |error| in percent of the plane's value, device (reference). "
-        "Against the smooth surface, so the depth of the facets below it counts for both",
+        "Areas and volume, irregular meshes, r = 2 %: mean |error| in percent of the plane's value, device "
+        "(reference). Against the smooth surface, so the depth of the facets below it counts for both",
         ["surface", "charts", *[LABELS[name] for name in names if name in PLANE]],
         sizes,
     )
     if directions():
-        out.table("Principal directions: mean angle, weighted by |k1 − k2|", ["surface", "charts", "max", "min"], turned)
+        out.table(
+            "Principal directions: mean angle, weighted by |k1 − k2|", ["surface", "charts", "max", "min"], turned
+        )
     else:
         out.lacks("principal_direction_max and principal_direction_min are not in this build.")
 
@@ -100,7 +108,15 @@ def closed_row(bench, surface, irregular, radius, curvatures, sums, rows):
         sums[name].append(both)
         cells.append(pair(*both))
     kind = "irregular" if irregular else "regular"
-    rows.append([surface.name, f"{kind}, {len(surface.arrays.triangle_corners):,}", chart_count(found), f"{100 * radius:g} %", *cells])
+    rows.append(
+        [
+            surface.name,
+            f"{kind}, {len(surface.arrays.triangle_corners):,}",
+            chart_count(found),
+            f"{100 * radius:g} %",
+            *cells,
+        ]
+    )
 
 
 def size_row(bench, surface, names, rows):
@@ -128,23 +144,34 @@ def direction_rows(bench, surface, radius):
 
 # ---- Settings
 
+PLAIN = {"estimator": "integral", "variance_reduction": "none"}
+VARIANTS = [
+    {},
+    *[{"samples": samples} for samples in (16, 32, 64, 128, 1024)],
+    *[{"buffer_size": size} for size in (512, 2048)],
+    {"precision": "half"},
+    {"normals": "max"},
+    {"distance": "geodesic"},
+    {"adaptive": 0.02},
+    {"relocation": "affine"},
+    {"relocation": "paper"},
+    {"relocation": "affine", "pattern": "stratified"},
+    {"relocation": "affine", "ellipse": "directional"},
+    {"variance_reduction": "none"},
+    *[{"estimator": "integral", "samples": samples} for samples in (16, 32, 64, 256)],
+    *[{**PLAIN, "samples": samples} for samples in (16, 32, 64, 256)],
+    {"estimator": "integral", "precision": "half"},
+    {"estimator": "integral", "geodesic": "chords"},
+]
+QUICK_VARIANTS = [{}, {"samples": 64}, {"precision": "half"}, {"relocation": "affine"}, {"estimator": "integral"}]
+
 
 def settings(bench, out, quick):
     out.say(
-        "Irregular torus and ellipsoid of many charts, mean error in percent against the closed form. The first row of each "
-        "block is the default; the others change what they name."
+        "Irregular torus and ellipsoid of many charts, mean error in percent against the closed form. The first row of"
+        " each block is the default; the others change what they name."
     )
-    variants = [
-        {}, {"samples": 16}, {"samples": 32}, {"samples": 64}, {"samples": 128}, {"samples": 1024},
-        {"relocation": "affine"}, {"relocation": "paper"}, {"normals": "max"},
-        {"precision": "half"}, {"buffer_size": 512}, {"buffer_size": 2048}, {"pattern": "stratified", "relocation": "affine"},
-        {"ellipse": "directional", "relocation": "affine"}, {"distance": "geodesic"}, {"variance_reduction": "none"},
-        {"estimator": "integral"}, {"estimator": "integral", "variance_reduction": "none"},
-        {"estimator": "integral", "geodesic": "chords"}, {"estimator": "integral", "samples": 64},
-        {"estimator": "integral", "variance_reduction": "none", "samples": 64}, {"estimator": "integral", "precision": "half"},
-    ]  # fmt: skip
-    if quick:
-        variants = variants[:7:2] + [{"estimator": "integral"}]
+    variants = QUICK_VARIANTS if quick else VARIANTS
     names = ["mean_curvature", "gaussian_curvature", "local_bending_energy", "shape_index", "sphere_volume_normalized"]
     for make in (surfaces.torus,) if quick else (surfaces.torus, surfaces.ellipsoid):
         surface = make(vertices=20000, charts=3)
@@ -166,7 +193,7 @@ def setting_cells(bench, out, surface, radius, names, variant):
     """A row's cells; None where this build lacks a setting, which is said."""
     try:
         found = bench.run(surface.arrays, names, options(radius=radius, **variant))
-    except Missing as missing:
+    except MissingError as missing:
         out.lacks(f"this build has no option {missing}.")
         return None
     except bridge.ParadescError as error:
@@ -184,8 +211,8 @@ def setting_cells(bench, out, surface, radius, names, variant):
 
 def integral_k(bench, out, quick):
     out.say(
-        "Gaussian curvature from the area of geodesic disks divides a tiny difference by r⁴, so it has a smallest usable "
-        "radius: where the error falls below 5 %. The shape operator has none in this range."
+        "Gaussian curvature from the area of geodesic disks divides a tiny difference by r⁴, so it has a smallest "
+        "usable radius: where the error falls below 5 %. The shape operator has none in this range."
     )
     lines = {
         "shape operator": {},
@@ -223,7 +250,7 @@ def sweep_k(bench, out, surface, radii, variant):
     for radius in radii:
         try:
             found = bench.run(surface.arrays, [name], options(radius=radius, **variant))
-        except Missing as missing:
+        except MissingError as missing:
             out.lacks(f"this build has no option {missing}; the curve that needs it is left out.")
             return None
         except bridge.ParadescError as error:
@@ -238,20 +265,25 @@ def sweep_k(bench, out, surface, radii, variant):
 
 def noise(bench, out, quick):
     out.say(
-        "Gaussian noise in the positions (deviation as a fraction of the diagonal) and in given normals (mean angle), on an "
-        "irregular torus. Device and reference see the same noisy mesh, so *device against reference* is the method's own "
-        "error; the errors against the closed form of the smooth torus are what noise does to any method with this support."
+        "Gaussian noise in the positions (deviation as a fraction of the diagonal) and in given normals (mean angle), "
+        "on an irregular torus. Device and reference see the same noisy mesh, so *device against reference* is the "
+        "method's own error; the errors against the closed form of the smooth torus are what noise does to any method "
+        "with this support."
     )
     names = ["mean_curvature", "gaussian_curvature", "local_bending_energy"]
-    surface = surfaces.torus(charts=3)
+    surface = surfaces.torus(vertices=8000, charts=3)
     kinds = [("none", surface.arrays, "fitted")]
-    kinds += [(f"positions {100 * level:g} %", meshes.position_noise(surface.arrays, level), "fitted") for level in (1e-4, 1e-3, 1e-2)]
     kinds += [
-        (f"normals {degrees}°", meshes.with_normals(surface.arrays, surface.normals, degrees), "mesh") for degrees in (0, 1, 5)
+        (f"positions {100 * level:g} %", meshes.position_noise(surface.arrays, level), "fitted")
+        for level in ((1e-3,) if quick else (1e-4, 1e-3, 1e-2))
+    ]
+    kinds += [
+        (f"normals {degrees}°", meshes.with_normals(surface.arrays, surface.normals, degrees), "mesh")
+        for degrees in ((1,) if quick else (0, 1, 5))
     ]
     rows, curves = [], {}
     for label, arrays, normals in kinds:
-        for radius in (0.02, 0.08) if quick else (0.02, 0.04, 0.08):
+        for radius in (0.02, 0.05) if quick else (0.02, 0.04, 0.08):
             chosen = options(radius=radius, normals=normals)
             found, truth = bench.run(arrays, names, chosen), bench.reference(arrays, names, chosen)
             r, cells = found.radius, []
@@ -278,9 +310,9 @@ def noise(bench, out, quick):
 
 def coarse(bench, out, quick):
     out.say(
-        "A coarse mesh whose vertices lie on the fine surface, and a small radius. The object-space baseline sums over the "
-        "vertices within r, weighted by their areas, as the paper's does; Paradesc interpolates between them. Both against "
-        "the fine surface: the closed form of a torus, and for a model the reference on its fine mesh."
+        "A coarse mesh whose vertices lie on the fine surface, and a small radius. The object-space baseline sums over"
+        " the vertices within r, weighted by their areas, as the paper's does; Paradesc interpolates between them. "
+        "Both against the fine surface: the closed form of a torus, and for a model the reference on its fine mesh."
     )
     rows, curves = [], {}
     for vertices in (1500,) if quick else (800, 1500, 3000):
@@ -321,7 +353,18 @@ def coarse_row(bench, label, arrays, radius, truth, rows, curves):
     found = bench.run(arrays, [name], options(radius=radius))
     values, count = baseline.mean_curvature(arrays, found.radius)
     theirs, ours = (errors(name, part, truth, found.radius) for part in (values, found.values[name]))
-    rows.append([label, f"{100 * radius:g} %", float(count), theirs.mean, theirs.p99, ours.mean, ours.p99, theirs.mean / ours.mean])
+    rows.append(
+        [
+            label,
+            f"{100 * radius:g} %",
+            float(count),
+            theirs.mean,
+            theirs.p99,
+            ours.mean,
+            ours.p99,
+            theirs.mean / ours.mean,
+        ]
+    )
     curves.setdefault(label, []).append((100 * radius, theirs.mean, ours.mean))
 
 
@@ -338,15 +381,35 @@ def pictures_of_coarse(bench, out, few, fine):
     span = (shown, registry_row(name), r)
     image = compose(few, [("BASELINE COARSE", theirs), ("PARADESC COARSE", on_few)], span)
     other = compose(fine, [("PARADESC FINE", on_fine)], span)
-    out.picture("fig2", "Fig. 2, r = 3 %: baseline on the coarse mesh, Paradesc on the coarse mesh, Paradesc on the fine mesh",
-                np.concatenate([image, other], axis=1))  # fmt: skip
+    out.picture(
+        "fig2",
+        "Fig. 2, r = 3 %: the baseline and Paradesc on the coarse mesh, Paradesc on the fine mesh",
+        np.concatenate([image, other], axis=1),
+    )
 
 
 SECTIONS = {
-    "closed": (closed, "Closed forms", "not measured", 75, 10),
-    "settings": (settings, "Settings against closed forms", "not measured; buffers 1024², 256 samples, stratified grid", 60, 8),
-    "integral-k": (integral_k, "Usable radius of the integral Gaussian curvature", "equations (11) to (14), no figure", 40, 6),
-    "noise": (noise, "Noise", "“robustness in the presence of noise is achieved by computations at multiple scales”", 40, 12),
-    "coarse": (coarse, "Coarse meshes, small radius (Fig. 2)", "Fig. 2, r = 3 %: pictures only", 40, 15),
+    "closed": (closed, "Closed forms", "not measured", 80, 10),
+    "settings": (
+        settings,
+        "Settings against closed forms",
+        "not measured; buffers 1024², 256 samples, stratified grid",
+        50,
+        3,
+    ),
+    "integral-k": (
+        integral_k,
+        "Usable radius of the integral Gaussian curvature",
+        "equations (11) to (14), no figure",
+        50,
+        3,
+    ),
+    "noise": (
+        noise,
+        "Noise",
+        "“robustness in the presence of noise is achieved by computations at multiple scales”",
+        60,
+        8,
+    ),
+    "coarse": (coarse, "Coarse meshes, small radius (Fig. 2)", "Fig. 2, r = 3 %: pictures only", 70, 13),
 }
-

@@ -41,7 +41,7 @@ class Surface:
         return float(np.linalg.norm(np.ptp(self.arrays.positions, axis=0)))
 
     def exact(self, name, radius):
-        """(n,) or (n, 3) values of a descriptor as r → 0 to its first term that depends on curvature; None without one."""
+        """(n,) or (n, 3) values as r → 0, to the first term that depends on curvature; None without a closed form."""
         h, k = self.mean, self.gaussian
         root = np.sqrt(np.maximum(h * h - k, 0.0))
         high, low = h + root, h - root
@@ -113,7 +113,7 @@ def cube_directions(vertices, irregular, seed):
 
 
 def triangulate(patch, points, irregular):
-    """(cells, 2, 3) lattice corners of the triangles of a patch: both diagonals alike on a grid, the better if irregular."""
+    """(cells, 2, 3) lattice corners of a patch's triangles: one diagonal everywhere, or the better one if irregular."""
     index = np.arange(patch.vertices.size).reshape(patch.vertices.shape)
     a, b, c, d = (part.reshape(-1) for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
     one = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], 1)
@@ -136,7 +136,7 @@ def angle_at(points, tip, left, right):
 
 
 def lay_out(patches, charts, seed):
-    """Lattice UVs for each cell's corners, a list of (nu, nv, blocks…) functions: charts = blocks along a patch's sides."""
+    """For each patch the chart of every cell, and each chart's affine map; charts: blocks along a patch's sides."""
     generator = np.random.default_rng(seed)
     total = len(patches) * charts[0] * charts[1]
     grid = int(np.ceil(np.sqrt(total)))
