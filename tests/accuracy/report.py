@@ -52,8 +52,10 @@ def parse(words):
     return arguments
 
 
-def command(words):
-    return "python tests/accuracy/report.py" + "".join(f" {word}" for word in words)
+def command(arguments):
+    """The command that measures one section again, wherever the page lies."""
+    words = ["--quick"] * arguments.quick + ["--backend", arguments.backend] * (arguments.backend != "auto")
+    return " ".join(["python tests/accuracy/report.py", *words])
 
 
 def commit():
@@ -113,19 +115,19 @@ def main(words):
     except bridge.ParadescError as error:
         sys.exit(error.sentence)
     device = f"{measured.device} on {bench.cpu_model()}"
-    stamp = f"{page.today()}, {device}, {command(words)}, commit {commit() or 'unknown'}"
+    stamp = f"{page.today()}, {device}, commit {commit() or 'unknown'}, {command(arguments)}"
     failed = []
     for name in arguments.chosen:
         sys.stderr.write(f"{name} … ")
         sys.stderr.flush()
         try:
-            seconds = measure(name, measured, folder, arguments.quick, stamp)
+            seconds = measure(name, measured, folder, arguments.quick, f"{stamp} --sections {name}")
+            write(arguments.output, folder, device)
             sys.stderr.write(f"{seconds:.0f} s\n")
         except bridge.ParadescError as error:
             failed.append(name)
             measured.forget()
             sys.stderr.write(f"failed: {error.sentence}\n")
-    write(arguments.output, folder, device)
     sys.stderr.write(f"wrote {arguments.output}\n")
     return 1 if failed else 0
 

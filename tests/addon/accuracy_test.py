@@ -1,4 +1,4 @@
-"""What the accuracy report (tests/accuracy) measures with: surfaces, meshes, the baseline; how it keeps its sections."""
+"""What the accuracy report (tests/accuracy) measures with: surfaces, meshes, baseline; how it keeps its sections."""
 
 import json
 import subprocess
