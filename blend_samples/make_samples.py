@@ -1,4 +1,4 @@
-"""Writes the sample scenes torus.blend (many charts, turned, scaled and mirrored) and suzanne.blend (unwrapped).
+"""Writes the sample scenes torus.blend (many charts, turned and mirrored), suzanne.blend and rim.blend (unwrapped).
 
 Usage: python make_samples.py FOLDER, with Blender's module bpy; or blender -b -P make_samples.py -- FOLDER.
 """
@@ -16,6 +16,22 @@ RING_CHARTS, TUBE_CHARTS = 4, 4
 # The part of its cell in the UV map that a chart's circumcircle takes up: the rest keeps charts apart.
 CHART_SHARE = 0.94
 SUZANNE_LEVELS = 2
+# A wheel: windows between spokes, and a hole in its hub. Every hole is a handle of the surface: genus 20.
+RIM_WINDOWS = 19
+RIM_LEVELS = 2
+SPOKE_SHARE = 0.42  # of the angle from one spoke to the next
+# Of each circle of the wheel: radius, height of its middle, half of its thickness.
+RIM_CIRCLES = np.array(
+    [
+        [0.15, 0.10, 0.10],
+        [0.34, 0.10, 0.13],
+        [0.58, 0.05, 0.07],
+        [0.80, 0.00, 0.09],
+        [0.90, 0.00, 0.20],
+        [1.00, 0.00, 0.24],
+    ]
+)
+SPOKES = range(1, 3)  # between the second circle and the fourth
 
 
 def torus_points() -> np.ndarray:
@@ -71,20 +87,73 @@ def make_torus() -> bpy.types.Object:
 
 
 def make_suzanne() -> bpy.types.Object:
-    """Blender's monkey, subdivided and unwrapped by Smart UV Project, at an angle at which no chart overlaps itself."""
+    """Blender's monkey, subdivided and unwrapped at an angle at which no chart overlaps itself."""
     bpy.ops.mesh.primitive_monkey_add()
     made = bpy.context.active_object
+    made.name = "suzanne"
+    subdivide(made, SUZANNE_LEVELS)
+    unwrap(made, 0.8)
+    return made
+
+
+def subdivide(made: bpy.types.Object, levels: int) -> None:
+    """Puts the subdivided surface, smooth shaded, in the place of the object's mesh."""
     modifier = made.modifiers.new("subdivision", "SUBSURF")
-    modifier.levels = SUZANNE_LEVELS
+    modifier.levels = levels
     mesh = bpy.data.meshes.new_from_object(made.evaluated_get(bpy.context.evaluated_depsgraph_get()))
     made.modifiers.remove(modifier)
     made.data = mesh
-    made.name = mesh.name = "suzanne"
+    mesh.name = made.name
     mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), bool))
+
+
+def unwrap(made: bpy.types.Object, angle: float) -> None:
+    """Smart UV Project over the whole mesh of the active object; angle: radians within one chart."""
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.uv.smart_project(angle_limit=0.8, island_margin=0.01)
+    bpy.ops.uv.smart_project(angle_limit=angle, island_margin=0.01)
     bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def rim_cage() -> tuple[np.ndarray, list[list[int]]]:
+    """Positions (n, 3) and quads of the wheel before it is subdivided: Euler characteristic 2 - 2 (RIM_WINDOWS + 1)."""
+    columns, circles = 2 * RIM_WINDOWS, len(RIM_CIRCLES)
+    turn = (np.arange(columns) // 2 + SPOKE_SHARE * (np.arange(columns) % 2)) * 2 * np.pi / RIM_WINDOWS
+    radius, middle, half = RIM_CIRCLES.T
+    x, y = np.outer(np.cos(turn), radius), np.outer(np.sin(turn), radius)
+    sides = [np.stack([x, y, np.broadcast_to(height, x.shape)], axis=-1) for height in (middle + half, middle - half)]
+    quads = []
+
+    def vertex(column: int, circle: int, side: int) -> int:
+        return (side * columns + column % columns) * circles + circle
+
+    def solid(column: int, circle: int) -> bool:
+        return 0 <= circle < circles - 1 and (circle not in SPOKES or column % 2 == 0)
+
+    for column in range(columns):
+        for circle in filter(lambda circle: solid(column, circle), range(circles - 1)):
+            corners = [(column, circle), (column, circle + 1), (column + 1, circle + 1), (column + 1, circle)]
+            beyond = [(column - 1, circle), (column, circle + 1), (column + 1, circle), (column, circle - 1)]
+            quads.append([vertex(*corner, 0) for corner in corners])
+            quads.append([vertex(*corner, 1) for corner in reversed(corners)])
+            for a, b, other in zip(corners, corners[1:] + corners[:1], beyond, strict=True):
+                if not solid(*other):
+                    quads.append([vertex(*b, 0), vertex(*a, 0), vertex(*a, 1), vertex(*b, 1)])
+    return np.concatenate([side.reshape(-1, 3) for side in sides]), quads
+
+
+def make_rim() -> bpy.types.Object:
+    """A wheel of genus 20, standing upright, subdivided and unwrapped into many charts."""
+    points, quads = rim_cage()
+    points = points[:, [0, 2, 1]] * (1, -1, 1)  # its front looks along -Y, where the pictures look from
+    mesh = bpy.data.meshes.new("rim")
+    mesh.from_pydata(points.tolist(), [], quads)
+    mesh.update()
+    made = bpy.data.objects.new("rim", mesh)
+    bpy.context.collection.objects.link(made)
+    bpy.context.view_layer.objects.active = made
+    subdivide(made, RIM_LEVELS)
+    unwrap(made, 0.8)
     return made
 
 
@@ -100,7 +169,7 @@ def main() -> None:
     """Makes each sample in an empty scene of its own."""
     words = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
     folder = Path(words[0]).resolve() if words else Path(__file__).resolve().parent
-    for name, make in (("torus", make_torus), ("suzanne", make_suzanne)):
+    for name, make in (("torus", make_torus), ("suzanne", make_suzanne), ("rim", make_rim)):
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
         bpy.context.preferences.filepaths.save_version = 0
         save(make(), folder / f"{name}.blend")

@@ -56,34 +56,47 @@ void sample_support(inout Sums sums, CenterData data, int index) {
   sums.moments.cut = support.cut;
   float size = float(buffer_size);
   int iterations = 0;
-  for (int j = support.first; j < support.first + support.count; ++j) {
-    int entry = support_cells[j];
-    int cell = entry < 0 ? -1 - entry : entry;
-    float largest = areas[cell] * (entry < 0 ? 16.0 : 1.0);
-    ivec2 corner = texelFetch(corners, list_place(cell), 0).xy;
-    int stride = stride_of(largest);
-    int side = block_size / stride;
-    int squares = square_count(corner, side, part);
-    iterations += 1 + squares + bare_begin[cell + 1] - bare_begin[cell];
-    if (iterations > MAX_ITERATIONS) {
-      sums.moments.lost += largest * float(block_size * block_size) / (size * size);
+  int j = support.first, end = support.first + support.count;
+  // One loop over the squares of all cells: nested ones would run, for the invocations that a device runs side by side, as often as
+  // the longest of each cell in turn, and so end early where cells are sampled in different steps.
+  int i = 0, squares = 0, total = 0, cell = 0, stride = 1, side = 1, bare_first = 0;
+  ivec2 corner = ivec2(0);
+  float area = 0.0;
+  for (;;) {
+    if (i == total) {
+      if (j == end) break;
+      int entry = support_cells[j++];
+      cell = entry < 0 ? -1 - entry : entry;
+      float largest = areas[cell] * (entry < 0 ? 16.0 : 1.0);
+      corner = texelFetch(corners, list_place(cell), 0).xy;
+      stride = stride_of(largest);
+      side = block_size / stride;
+      bare_first = bare_begin[cell];
+      squares = square_count(corner, side, part);
+      total = squares + bare_begin[cell + 1] - bare_first;
+      i = 0;
+      area = float(stride * stride) / (size * size);
+      iterations += 1 + total;
+      if (iterations > MAX_ITERATIONS) {
+        sums.moments.lost += largest * float(block_size * block_size) / (size * size);
+        total = 0;
+      }
       continue;
     }
-    float area = float(stride * stride) / (size * size);
-    for (int i = 0; i < squares; ++i) {
+    if (i < squares) {
       ivec2 low = corner + square_of(i, side, part) * stride;
       ivec2 texel = low + (jitter(low) & (stride - 1));
-      if (any(greaterThanEqual(texel, ivec2(buffer_size)))) continue;
-      ivec2 label = texelFetch(labels, texel, 0).xy;
-      if (label.x == cell) add_texel(sums, texel, area * float(label.y) / 65536.0, -1.0);
-    }
-    for (int i = bare_begin[cell]; i < bare_begin[cell + 1]; ++i) {
-      vec4 point = bare[2 * i];
-#if EXACT
-      if (!is_reached(int(bare[2 * i + 1].w))) continue;
-#endif
+      if (all(lessThan(texel, ivec2(buffer_size)))) {
+        ivec2 label = texelFetch(labels, texel, 0).xy;
+        if (label.x == cell) add_texel(sums, texel, area * float(label.y) / 65536.0, -1.0);
+      }
+    } else {
+      int k = bare_first + i - squares;
+      vec4 point = bare[2 * k];
       vec3 offset = point.xyz - sums.center.position;
-      add_neighbor(sums, point.xyz, bare[2 * i + 1].xyz, BARE_SHARE * point.w, dot(offset, offset) < point.w, -1.0);
+      if (is_reached(int(bare[2 * k + 1].w)))
+        add_neighbor(sums, point.xyz, bare[2 * k + 1].xyz, BARE_SHARE * point.w, dot(offset, offset) < point.w, -1.0);
     }
+    ++i;
   }
 }

@@ -28,6 +28,8 @@ bool is_reached(int triangle) {
   HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE
   return low < reach_range.y && reach[low] == triangle;
 }
+#else
+bool is_reached(int triangle) { return true; }
 #endif
 layout(location = 2) uniform int first;
 layout(location = 3) uniform int last;

@@ -1,0 +1,169 @@
+"""Sections over what trades time for error: samples (Table 1, Fig. 7), buffers (Table 2), both and texels (Fig. 12)."""
+
+import numpy as np
+from bench import MissingError, has, options
+from sections_models import compose, models
+
+from paradesc import bridge
+from paradesc.results import registry_row
+
+NAME = "mean_curvature"
+AVERAGED = ("spot", "bob", "human", "rocker-arm")
+PAPER_TABLE_1 = {64: (1.172, 1.331), 100: (1.035, 1.110), 256: (1.005, 1.007), 400: (0.789, 0.824)}
+PAPER_TABLE_2 = {(512, "full"): 1.662, (512, "half"): 1.725, (1024, "full"): 1.307, (1024, "half"): 1.384}
+ADAPTIVE = 0.02  # the threshold, where nothing better is known
+INTEGRAL = {"estimator": "integral", "variance_reduction": "none"}
+
+
+def average(bench, meshes, names, **chosen):
+    """Mean over the meshes: error of H, and seconds of evaluation. None where this build lacks an option."""
+    shares, seconds = [], []
+    for arrays in meshes:
+        rows, found = bench.compare(arrays, names, options(**chosen))
+        shares.append(rows[NAME]["mean_percent_ae"])
+        seconds.append(float(found.field_report["seconds_evaluate"]))
+    return float(np.mean(shares)), float(np.mean(seconds))
+
+
+def attempt(bench, out, meshes, **chosen):
+    """average(), or dashes and a sentence."""
+    try:
+        return average(bench, meshes, [NAME], **chosen)
+    except MissingError as missing:
+        out.lacks(f"this build has no option {missing}.")
+    except bridge.ParadescError as error:
+        out.lacks(f"refused: {error.sentence}")
+    return np.nan, np.nan
+
+
+def samples(bench, out, quick):
+    chosen = list(models(out, AVERAGED[:1] if quick else AVERAGED))
+    if not chosen:
+        return
+    arrays = [row[1] for row in chosen]
+    out.say(
+        f"Mean curvature averaged over {', '.join(row[0] for row in chosen)}, r = 2 %, against the reference. *As in "
+        f"the paper*: the sphere-volume integral without control variate. Adaptive: half of the samples first, the "
+        f"rest where they vary."
+    )
+    rows, points = [], {}
+    for count in (16, 64, 256) if quick else (16, 32, 64, 100, 256, 400):
+        full = attempt(bench, out, arrays, samples=count)
+        adaptive = attempt(bench, out, arrays, samples=count, adaptive=ADAPTIVE)
+        plain = attempt(bench, out, arrays, samples=count, **INTEGRAL)
+        plain_adaptive = attempt(bench, out, arrays, samples=count, adaptive=ADAPTIVE, **INTEGRAL)
+        paper = PAPER_TABLE_1.get(count, (np.nan, np.nan))
+        rows.append([count, *paper, full[0], adaptive[0], plain[0], plain_adaptive[0], full[1], adaptive[1]])
+        for label, value in (
+            ("paper", paper[0]),
+            ("here", full[0]),
+            ("here, adaptive", adaptive[0]),
+            ("here, as in the paper", plain[0]),
+        ):
+            points.setdefault(label, []).append((count, value))
+    plain_heads = ["as in the paper, full", "as in the paper, adaptive"]
+    head = ["samples", "paper, full", "paper, adaptive", "full", "adaptive", *plain_heads, "full s", "adaptive s"]
+    out.table("Table 1: mean error of H in percent; seconds of evaluation for scale only", head, rows)
+
+    def draw(axes):
+        for label, line in points.items():
+            if np.isfinite([y for _, y in line]).any():
+                axes.loglog(*zip(*line, strict=True), marker="o", markersize=3, label=label)
+        axes.set(xlabel="samples", ylabel="mean error of H, %")
+        axes.legend(fontsize=7)
+
+    out.plot("table1", "Table 1: error over the number of samples", draw)
+    if not quick:
+        pictures(bench, out, arrays[0])
+
+
+def pictures(bench, out, arrays):
+    """Fig. 7: the reference, then full and adaptive sampling."""
+    truth = bench.reference(arrays, [NAME], options(radius=0.02))
+    shown = [("REFERENCE", truth.values[NAME])]
+    for count in (64, 256):
+        shown.append((f"FULL {count}", bench.run(arrays, [NAME], options(samples=count)).values[NAME]))
+    if has("adaptive"):
+        for count in (64, 128, 256):
+            found = bench.run(arrays, [NAME], options(samples=count, adaptive=ADAPTIVE))
+            shown.append((f"ADAPTIVE {count // 2}/{count}", found.values[NAME]))
+    else:
+        out.lacks("this build has no option adaptive, so Fig. 7 has no adaptive pictures.")
+    from sections_models import halved
+
+    span = (truth.values[NAME], registry_row(NAME), truth.radius)
+    out.picture(
+        "fig7",
+        "Fig. 7: mean curvature of the reference, and by full and adaptive sampling",
+        halved(compose(arrays, shown, span)),
+    )
+
+
+def buffers(bench, out, quick):
+    chosen = list(models(out, AVERAGED[:1] if quick else AVERAGED))
+    if not chosen:
+        return
+    arrays = [row[1] for row in chosen]
+    out.say(
+        f"Mean curvature averaged over {', '.join(row[0] for row in chosen)}, r = 2 %, 256 samples, against the "
+        f"reference."
+    )
+    rows = []
+    for size in (512, 1024) if quick else (256, 512, 1024, 2048):
+        for precision in ("full", "half"):
+            wanted = {"precision": precision} if precision != "full" or has("precision") else {}
+            ours = attempt(bench, out, arrays, buffer_size=size, **wanted)
+            plain = attempt(bench, out, arrays, buffer_size=size, **wanted, **INTEGRAL)
+            rows.append(
+                [f"{size}²", precision, PAPER_TABLE_2.get((size, precision), np.nan), ours[0], plain[0], ours[1]]
+            )
+    head = ["buffer", "precision", "paper", "here", "here, as in the paper", "s"]
+    out.table("Table 2: mean error of H in percent; seconds of evaluation for scale only", head, rows)
+
+
+def tradeoff(bench, out, quick):
+    chosen = list(models(out, AVERAGED[:1] if quick else AVERAGED[:3]))
+    if not chosen:
+        return
+    arrays = [row[1] for row in chosen]
+    out.say(
+        f"Mean curvature averaged over {', '.join(row[0] for row in chosen)}, r = 2 %. The paper evaluates texels and "
+        f"looks vertices up; evaluation at the vertices themselves is exact there and is the default."
+    )
+    places = [("vertices", {})] + [
+        (f"{size}² texels", {"evaluate": "texel", "texels": size}) for size in (256, 512, 1024)
+    ]
+    rows, curves = [], {}
+    for size in (512, 1024) if quick else (512, 1024, 2048):
+        for label, variant in places[:2] if quick else places:
+            means = []
+            for count in (16, 64, 256):
+                mean, _ = attempt(bench, out, arrays, buffer_size=size, samples=count, **variant)
+                means.append(mean)
+                if np.isnan(mean):
+                    break
+            if not np.isnan(means[-1]):
+                rows.append([f"{size}²", label, *means])
+                curves[f"{size}² / {label}"] = means
+    out.table("Mean error of H in percent", ["buffer", "evaluated at", "16 samples", "64", "256"], rows)
+
+    def draw(axes):
+        for label, means in curves.items():
+            axes.loglog((16, 64, 256), means, marker="o", markersize=3, label=label)
+        axes.set(xlabel="samples", ylabel="mean error of H, %")
+        axes.legend(fontsize=6)
+
+    out.plot("fig12", "Fig. 12, error: samples, buffer and texels evaluated", draw)
+
+
+SECTIONS = {
+    "samples": (samples, "Samples, full and adaptive (Table 1, Fig. 7)", "Table 1, in the columns below", 35, 2),
+    "buffers": (buffers, "Buffers and precision (Table 2)", "Table 2, in the column below", 30, 2),
+    "tradeoff": (
+        tradeoff,
+        "Samples, buffers, texels (Fig. 12, error)",
+        "0.8 to 1.7 % between the extremes of Tables 1 and 2; plots only",
+        40,
+        2,
+    ),
+}
