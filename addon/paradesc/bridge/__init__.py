@@ -4,6 +4,7 @@ from .library import Descriptor, ParadescError, descriptors, load_library, missi
 from .session import (
     ADAPTIVE_THRESHOLD,
     BACKENDS,
+    BUFFERS,
     CHOICES,
     DISTANCES,
     ELLIPSES,
@@ -27,6 +28,7 @@ from .session import (
 __all__ = [
     "ADAPTIVE_THRESHOLD",
     "BACKENDS",
+    "BUFFERS",
     "CHOICES",
     "DISTANCES",
     "ELLIPSES",

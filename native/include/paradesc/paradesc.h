@@ -116,12 +116,14 @@ typedef enum pdesc_ellipse {
 
 typedef enum pdesc_evaluate {
   PDESC_EVALUATE_VERTEX = 0, /* at the vertices themselves */
-  PDESC_EVALUATE_TEXEL = 1   /* at the texels of a square map, as the paper does; vertices are looked up in it */
+  PDESC_EVALUATE_TEXEL = 1   /* at the texels of a square map over the layout, as the paper does; vertices are looked up in it, bilinearly
+                                within their chart. A vertex without a place in the UV map is NaN */
 } pdesc_evaluate;
 
 typedef enum pdesc_precision {
   PDESC_PRECISION_FULL = 0, /* 32-bit floats in the buffers */
-  PDESC_PRECISION_HALF = 1  /* 16-bit: half the memory; the center of an evaluation stays in 32 bits */
+  PDESC_PRECISION_HALF = 1  /* 16-bit positions and normals: 28 instead of 44 bytes a texel; the center of an evaluation stays in 32 bits.
+                               Costs curvatures of the shape operator little, the integral estimators more */
 } pdesc_precision;
 
 /* Bits of a vertex' mask. */
@@ -266,6 +268,16 @@ typedef int32_t (*pdesc_progress)(void *user, const char *stage, double fraction
 PDESC_API int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
                                 int32_t descriptor_count, pdesc_progress progress, void *user, pdesc_field **field);
 
+/* What the last compute baked (not on REFERENCE): texels along a side, 0 before a compute; and (size, size, components) values, row
+ * by row from v = 0 up. name: "position" (3, units of the positions), "normal" (3), "chart" (1, a number, -1 for none), "neighbor"
+ * (1, the chart beyond a seam that runs through the texel, -1 for none), "distortion" (4: sigma_u, sigma_v, theta_e, area element,
+ * paper 3.3). NaN where no chart is. count: of floats. */
+PDESC_API int32_t pdesc_mesh_buffer_size(const pdesc_mesh *mesh);
+PDESC_API int32_t pdesc_mesh_read_buffer(pdesc_mesh *mesh, const char *name, float *values, int64_t count);
+/* (triangle_count, 3, 2) the (u, v) in use of every triangle's corners: the UV map's own, or those of the private layout, as the last
+ * compute left it. Maps and buffers lie in it. */
+PDESC_API int32_t pdesc_mesh_layout(const pdesc_mesh *mesh, float *uvs, int32_t triangle_count);
+
 typedef struct pdesc_field_report {
   uint32_t struct_size;
   double radius;                /* as used, in units of the positions */
@@ -284,7 +296,7 @@ typedef struct pdesc_field_report {
   int32_t private_layout;       /* 1: charts shared texture space and were laid out afresh for this; the mesh's UV map is not touched */
   int32_t places;               /* of evaluation: vertices, or texels */
   double refined_share;         /* of the places of evaluation that took all samples; 1 without adaptive sampling */
-  double buffer_megabytes;      /* of the baked buffers on the device */
+  double buffer_megabytes;      /* of the baked buffers on the device, 10^6 bytes */
 } pdesc_field_report;
 
 PDESC_API void pdesc_field_report_init(pdesc_field_report *report);
@@ -302,6 +314,10 @@ PDESC_API int32_t pdesc_field_seam_error(const pdesc_field *field, const char *n
 PDESC_API int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int32_t vertex_count);
 /* (vertex_count) 1 where a seam of the UV map lies within the radius, measured along edges from vertex to vertex. */
 PDESC_API int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *near_seam, int32_t vertex_count);
+/* The map of PDESC_EVALUATE_TEXEL: texels along a side, 0 where there is none; and its values over the layout used, row by row from
+ * v = 0 up, each row from u = 0: (size, size, components). NaN where no surface is. count: of floats. */
+PDESC_API int32_t pdesc_field_map_size(const pdesc_field *field);
+PDESC_API int32_t pdesc_field_map(const pdesc_field *field, const char *name, float *values, int64_t count);
 PDESC_API void pdesc_field_destroy(pdesc_field *field); /* NULL is allowed */
 
 #ifdef __cplusplus

@@ -76,6 +76,7 @@ void Evaluator::bind(const Gl &gl, const GeometryBuffer &buffer) const {
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_AREAS, areas_.id());
   gl.Uniform1i(0, buffer.size());
   gl.Uniform1i(8, block_size_);
+  gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
 }
 
 void Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer) {
