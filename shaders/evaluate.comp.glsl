@@ -162,9 +162,10 @@ void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool 
 
 // One texel: cell is the area in (u, v) that it stands for.
 void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
-  vec4 point = surface_at(texel);
+  vec3 normal;
+  vec4 point = surface_at(texel, normal);
   bool near = length(point.xyz - sums.center.position) * float(buffer_size) < sqrt(point.w);
-  add_neighbor(sums, point.xyz, texelFetch(normals, texel, 0).xyz, point.w * cell, near, geodesic);
+  add_neighbor(sums, point.xyz, normal, point.w * cell, near, geodesic);
 }
 
 #if AFFINE

@@ -9,7 +9,7 @@
 // Textures (sampler units).
 #define UNIT_TRIANGLES 0   // list, RGBA32F: E, F, G, area element of each triangle
 #define UNIT_POSITION 1    // buffer, RGBA32F or RGBA16F: position, area element in units of area_unit (0: no surface)
-#define UNIT_NORMAL 2      // buffer, as position: unit normal
+#define UNIT_NORMAL 2      // buffer, RGBA32F: unit normal; RGBA16F: half.glsl says how
 #define UNIT_IDS 3         // buffer, RG32I: chart (-1: none), triangle (-1 - triangle: on a chart-edge line)
 #define UNIT_BORDER 4      // buffer, RG32I: free texels around (or -number of border edges in this texel), first list entry
 #define UNIT_BORDER_LIST 5 // list, RG32I: border, chart
@@ -21,7 +21,7 @@
 
 // Uniforms of every program that writes or reads the area element.
 #define LOCATION_AREA_UNIT 20
-#define LOCATION_AREA_LIMIT 21
+#define LOCATION_HALF_FLOATS 21 // of what writes it: 1 where the buffers are in 16 bits
 
 // Storage buffers.
 #define BINDING_CENTERS 0

@@ -45,6 +45,9 @@ class Results:
     warnings: list[str]
     near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
     seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
+    maps: dict[str, np.ndarray] = field(default_factory=dict)  # each (N, N) or (N, N, 3), with evaluate = texel only
+    buffers: dict[str, np.ndarray] = field(default_factory=dict)  # what was baked, by bridge.BUFFERS, where asked for
+    layout: np.ndarray | None = None  # (triangle_count, 3, 2) where maps and buffers lie
 
     @property
     def radius(self) -> float:
@@ -66,7 +69,12 @@ def check_descriptors(names: tuple[str, ...]) -> None:
             raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
 
 
-def run(arrays: bridge.MeshArrays, settings: Settings, progress: ProgressFunction | None = None) -> Results:
+def run(
+    arrays: bridge.MeshArrays,
+    settings: Settings,
+    progress: ProgressFunction | None = None,
+    with_buffers: bool = False,
+) -> Results:
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
     with bridge.Context(settings.backend, settings.device_index) as context:
@@ -91,7 +99,19 @@ def run(arrays: bridge.MeshArrays, settings: Settings, progress: ProgressFunctio
             if settings.options.seam_error and context.backend != "reference":
                 results.near_seam = mesh.near_seam(results.radius)
                 results.seam_error = {name: result.seam_error(name) for name in settings.descriptors}
+            if context.backend != "reference":
+                keep_texels(results, mesh, result, with_buffers)
     return results
+
+
+def keep_texels(results: Results, mesh: bridge.Mesh, result: bridge.Field, with_buffers: bool) -> None:
+    """Adds what lies in texture space: the maps of texel evaluation, and the baked buffers where asked for."""
+    if results.settings.options.evaluate == "texel":
+        results.maps = {name: result.map(name) for name in (*results.settings.descriptors, "coverage")}
+    if with_buffers:
+        results.buffers = {name: mesh.read_buffer(name) for name in bridge.BUFFERS}
+    if results.maps or results.buffers:
+        results.layout = mesh.layout()
 
 
 class Worker:

@@ -146,7 +146,7 @@ class Field:
         return mask
 
     def map(self, name: str) -> np.ndarray:
-        """(N, N) or (N, N, 3) float32 over the layout, rows from v = 0 up; NaN off the surface. With evaluate = texel."""
+        """(N, N) or (N, N, 3) float32 over the layout, rows from v = 0 up, NaN off the surface; of evaluate = texel."""
         size, width = self._library.pdesc_field_map_size(self._pointer), components(name)
         values = np.empty((size, size) if width == 1 else (size, size, width), np.float32)
         pointer = address(values, abi.Float32Pointer)

@@ -122,8 +122,8 @@ typedef enum pdesc_evaluate {
 
 typedef enum pdesc_precision {
   PDESC_PRECISION_FULL = 0, /* 32-bit floats in the buffers */
-  PDESC_PRECISION_HALF = 1  /* 16-bit positions and normals: 28 instead of 44 bytes a texel; the center of an evaluation stays in 32 bits.
-                               Costs curvatures of the shape operator little, the integral estimators more */
+  PDESC_PRECISION_HALF = 1  /* 16-bit floats: 28 instead of 44 bytes a texel. What rounding takes from positions and normals is kept in
+                               numbers that are free, so results hardly change; the center of an evaluation stays in 32 bits */
 } pdesc_precision;
 
 /* Bits of a vertex' mask. */
