@@ -65,7 +65,7 @@ def make_parser() -> Parser:
     add_mesh_options(bake)
     bake.add_argument(
         "--output", "-o", action="append", default=[], metavar="OUT", type=Path,
-        help="where to write: .blend, .npz, .ply, .png (a picture), .exr (an image over the UV map); give it again for more",
+        help="where to write: .blend, .npz, .ply, .png (picture), .exr (image over the UV map); give it again for more",
     )  # fmt: skip
     bake.add_argument(
         "--map", action="append", default=[], metavar="IMAGE", type=Path,

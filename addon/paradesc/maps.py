@@ -52,7 +52,7 @@ def on_one_tile(uvs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def blended(values: np.ndarray, weights: np.ndarray, direction: bool) -> np.ndarray:
-    """(k, m, c) values with weights (k, m) to (k, c), of those that are defined; a direction is one with either sign."""
+    """(k, m, c) values with weights (k, m) to (k, c), of those that are defined; directions have no sign."""
     defined = np.isfinite(values).all(axis=2)
     weights = np.where(defined, np.maximum(weights, 0.0), 0.0)
     values = np.where(defined[:, :, None], values, 0.0)
@@ -99,14 +99,18 @@ def from_map(raster: Raster, baked: Baked, name: str) -> np.ndarray:
     return blended(np.stack(values, axis=1), np.stack(weights, axis=1), source.shape[2] == 3)
 
 
-def image_of(baked: Baked, name: str) -> np.ndarray:
-    """(N, N, 1 or 3) float32 of a descriptor over the mesh's UV map, rows from v = 0 up; NaN off the surface."""
-    raster = Raster(user_uvs(baked), baked.results.settings.options.texels)
+def drawn(raster: Raster, baked: Baked, name: str) -> np.ndarray:
+    """(N, N, 1 or 3) float32 of a descriptor: from the map that was evaluated where there is one, else from vertices."""
     values = from_vertices(raster, baked, name)
     if name in baked.results.maps:
         looked_up = from_map(raster, baked, name)
         values = np.where(np.isfinite(looked_up), looked_up, values)
     return raster.image(values)
+
+
+def image_of(baked: Baked, name: str) -> np.ndarray:
+    """(N, N, 1 or 3) float32 of a descriptor over the mesh's UV map, rows from v = 0 up; NaN off the surface."""
+    return drawn(Raster(user_uvs(baked), baked.results.settings.options.texels), baked, name)
 
 
 def fill_gutter(image: np.ndarray, steps: int = GUTTER) -> np.ndarray:
@@ -218,7 +222,7 @@ def pictures_of(baked: Baked) -> dict[str, np.ndarray]:
     }
     raster = Raster(baked.results.layout, len(buffers["chart"]))
     for name in baked.results.values:
-        values = raster.image(from_vertices(raster, baked, name))
+        values = drawn(raster, baked, name)
         shown = values if values.shape[2] == 3 else color_maps.colors(values.reshape(-1), baked.shown(name))
         shown = 0.5 + 0.5 * shown if values.shape[2] == 3 else shown.reshape(*values.shape[:2], 3)
         views[name] = np.where(np.isfinite(values).all(axis=2)[:, :, None], shown, 0.12)
