@@ -100,7 +100,7 @@ def from_map(raster: Raster, baked: Baked, name: str) -> np.ndarray:
 
 
 def drawn(raster: Raster, baked: Baked, name: str) -> np.ndarray:
-    """(N, N, 1 or 3) float32 of a descriptor: from the map that was evaluated where there is one, else from vertices."""
+    """(N, N, 1 or 3) float32 of a descriptor: from the map that was evaluated if there is one, else from vertices."""
     values = from_vertices(raster, baked, name)
     if name in baked.results.maps:
         looked_up = from_map(raster, baked, name)
