@@ -116,8 +116,8 @@ typedef enum pdesc_ellipse {
 
 typedef enum pdesc_evaluate {
   PDESC_EVALUATE_VERTEX = 0, /* at the vertices themselves */
-  PDESC_EVALUATE_TEXEL = 1   /* at the texels of a square map over the layout, as the paper does; vertices are looked up in it, bilinearly
-                                within their chart. A vertex without a place in the UV map is NaN */
+  PDESC_EVALUATE_TEXEL = 1   /* at the texels of a square map over the layout, as the paper does; vertices are looked up in it, bilinearly,
+                                beside a chart's border by a plane fitted to its texels. A vertex without a place in the UV map is NaN */
 } pdesc_evaluate;
 
 typedef enum pdesc_precision {

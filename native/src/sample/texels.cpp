@@ -46,7 +46,8 @@ static void draw_triangle(const Raster &raster, int32_t triangle, std::vector<Te
       int32_t &entry = raster.map.place[raster.index(x, y)];
       if (entry >= 0) continue;
       entry = static_cast<int32_t>(found.size());
-      found.push_back({static_cast<int32_t>(raster.index(x, y)), triangle, vec2(wb, wc)});
+      const dvec2 uv = place / static_cast<double>(raster.map.size);
+      found.push_back({static_cast<int32_t>(raster.index(x, y)), triangle, vec2(wb, wc), vec2(uv), false});
     }
 }
 
@@ -80,7 +81,8 @@ static void draw_border(const Raster &raster, const Border &border, size_t owned
       vec3 weights(0.0f);
       weights[first % 3] = static_cast<float>(1.0 - t);
       weights[second % 3] = static_cast<float>(t);
-      const TexelPlace place{static_cast<int32_t>(raster.index(x, y)), triangle, vec2(weights.y, weights.z)};
+      const dvec2 uv = (a + way * t) / static_cast<double>(raster.map.size);
+      const TexelPlace place{static_cast<int32_t>(raster.index(x, y)), triangle, vec2(weights.y, weights.z), vec2(uv), true};
       if (entry < 0) {
         entry = static_cast<int32_t>(found.size());
         found.push_back(place);
@@ -115,8 +117,7 @@ template <class Value, class At> static Value mix_corners(const TexelPlace &plac
   const vec3 weights = weights_of(place);
   const auto corner = 3 * static_cast<size_t>(place.triangle);
   Value sum(0);
-  for (size_t i = 0; i < 3; ++i)
-    sum += at(corner + i) * static_cast<typename Value::value_type>(weights[static_cast<int>(i)]);
+  for (size_t i = 0; i < 3; ++i) sum += at(corner + i) * static_cast<typename Value::value_type>(weights[static_cast<int>(i)]);
   return sum;
 }
 
@@ -124,7 +125,7 @@ template <class Value, class At> static Value mix_corners(const TexelPlace &plac
 static vec4 layout_place(const TexelPlace &place, const Triangles &triangles, int size) {
   const auto corner = 3 * static_cast<size_t>(place.triangle);
   const auto at = [&](size_t c) { return triangles.corner_uv[c]; };
-  const vec2 uv = mix_corners<vec2>(place, at);
+  const vec2 uv = place.uv;
   const vec3 weights = weights_of(place);
   if (std::min({weights.x, weights.y, weights.z}) > 1e-4f) return vec4(uv, uv);
   const vec2 way = (at(corner) + at(corner + 1) + at(corner + 2)) / 3.0f - uv;
@@ -169,27 +170,43 @@ namespace {
 
 struct Weighted {
   int32_t place;
-  float weight;
+  float weight; // they add up to 1, and may be negative
+  float near;   // what stands for it where not all values are defined
 };
+
+// Weights by which a plane fitted to values at the offsets (texels), each by its nearness, has its value at 0; false where the
+// offsets do not span the plane.
+bool fit_plane(const std::vector<vec2> &offsets, std::vector<Weighted> &found) {
+  glm::dmat3 moments(0.0);
+  for (size_t i = 0; i < found.size(); ++i) {
+    const dvec3 row(1.0, dvec2(offsets[i]));
+    moments += static_cast<double>(found[i].near) * outerProduct(row, row);
+  }
+  const double spread = moments[1][1] + moments[2][2];
+  if (!(determinant(moments) > 0.01 * moments[0][0] * spread * spread)) return false;
+  const dvec3 plane = inverse(moments)[0];
+  for (size_t i = 0; i < found.size(); ++i)
+    found[i].weight = found[i].near * static_cast<float>(dot(plane, dvec3(1.0, dvec2(offsets[i]))));
+  return true;
+}
 
 class Lookup {
 public:
   Lookup(const TexelMap &map, const Charts &charts) : map_(map), charts_(charts) {}
 
-  // The places that a site's values are taken from, their weights adding up to 1; none where no texel of its chart is near.
+  // The places that a site's values are taken from; none where no texel of its chart is near.
   std::vector<Weighted> near(const Site &site) const {
     const vec2 texel = site.uv * static_cast<float>(map_.size) - 0.5f;
     const vec2 low = glm::floor(texel), share = texel - low;
     std::vector<Weighted> found;
-    float sum = 0.0f;
+    bool regular = true;
     for (int i = 0; i < 4; ++i) {
       const float weight = (i % 2 ? share.x : 1.0f - share.x) * (i / 2 ? share.y : 1.0f - share.y);
       const int32_t place = at(static_cast<int>(low.x) + i % 2, static_cast<int>(low.y) + i / 2, site.chart);
-      if (place < 0 || weight < 1e-4f) continue;
-      found.push_back({place, weight});
-      sum += weight;
+      regular = regular && place >= 0 && !map_.places[static_cast<size_t>(place)].on_border;
+      found.push_back({place, weight, weight});
     }
-    for (Weighted &one : found) one.weight /= sum;
+    if (!regular) found = beside_border(site);
     if (found.empty()) add_nearest(texel, site.chart, found);
     return found;
   }
@@ -203,6 +220,29 @@ private:
     return charts_.triangle_chart[triangle] == chart ? place : -1;
   }
 
+  std::vector<Weighted> beside_border(const Site &site) const {
+    constexpr float reach = 2.0f;
+    const vec2 here = site.uv * static_cast<float>(map_.size);
+    const ivec2 middle(glm::floor(here));
+    std::vector<Weighted> found;
+    std::vector<vec2> offsets;
+    float sum = 0.0f;
+    for (int y = middle.y - 2; y <= middle.y + 2; ++y)
+      for (int x = middle.x - 2; x <= middle.x + 2; ++x) {
+        const int32_t place = at(x, y, site.chart);
+        if (place < 0) continue;
+        const vec2 offset = map_.places[static_cast<size_t>(place)].uv * static_cast<float>(map_.size) - here;
+        const float nearness = 1.0f - dot(offset, offset) / (reach * reach);
+        if (nearness < 1e-3f) continue;
+        found.push_back({place, nearness * nearness, nearness * nearness});
+        offsets.push_back(offset);
+        sum += found.back().near;
+      }
+    if (found.size() < 4 || !fit_plane(offsets, found))
+      for (Weighted &one : found) one.weight /= sum;
+    return found;
+  }
+
   void add_nearest(vec2 texel, int32_t chart, std::vector<Weighted> &found) const {
     constexpr int reach = 4;
     float nearest = std::numeric_limits<float>::max();
@@ -213,7 +253,7 @@ private:
         const int32_t place = at(x, y, chart);
         if (place < 0 || dot(gap, gap) >= nearest) continue;
         nearest = dot(gap, gap);
-        found.assign(1, {place, 1.0f});
+        found.assign(1, {place, 1.0f, 1.0f});
       }
   }
 
@@ -223,26 +263,31 @@ private:
 
 } // namespace
 
+static bool is_defined(const float *value, size_t width) {
+  return std::none_of(value, value + width, [](float part) { return std::isnan(part); });
+}
+
 // A direction has two signs: each is turned to the side of the first.
 static void mix_value(const std::vector<Weighted> &from, const std::vector<float> &values, size_t width,
                       std::vector<float> &out) {
+  const auto at = [&](const Weighted &one) { return &values[static_cast<size_t>(one.place) * width]; };
+  const bool whole = std::all_of(from.begin(), from.end(), [&](const Weighted &one) { return is_defined(at(one), width); });
   vec3 sum(0.0f), side(0.0f);
-  float weight = 0.0f;
+  float total = 0.0f;
   for (const Weighted &one : from) {
+    if (!is_defined(at(one), width)) continue;
     vec3 value(0.0f);
-    bool defined = true;
-    for (size_t k = 0; k < width; ++k) {
-      const float part = values[static_cast<size_t>(one.place) * width + k];
-      value[static_cast<int>(k)] = part;
-      defined = defined && !std::isnan(part);
-    }
-    if (!defined) continue;
-    if (weight == 0.0f) side = value;
-    sum += (width == 3 && dot(value, side) < 0.0f ? -one.weight : one.weight) * value;
-    weight += one.weight;
+    for (size_t k = 0; k < width; ++k) value[static_cast<int>(k)] = at(one)[k];
+    if (total == 0.0f) side = value;
+    const float weight = whole ? one.weight : one.near;
+    sum += (width == 3 && dot(value, side) < 0.0f ? -weight : weight) * value;
+    total += one.near;
   }
-  if (weight > 0.0f) sum /= width == 3 ? std::max(length(sum), 1e-30f) : weight;
-  for (size_t k = 0; k < width; ++k) out.push_back(weight > 0.0f ? sum[static_cast<int>(k)] : nan);
+  if (width == 3)
+    sum /= std::max(length(sum), 1e-30f);
+  else if (!whole)
+    sum /= std::max(total, 1e-30f);
+  for (size_t k = 0; k < width; ++k) out.push_back(total > 0.0f ? sum[static_cast<int>(k)] : nan);
 }
 
 SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites) {
@@ -261,6 +306,7 @@ SiteResults look_up(const TexelMap &map, const SiteResults &results, const Chart
     for (size_t row = 0; row < results.values.size(); ++row)
       mix_value(from, results.values[row], results.values[row].size() / map.places.size(), found.values[row]);
     mix_value(from, results.coverage, 1, found.coverage);
+    found.coverage.back() = std::clamp(found.coverage.back(), 0.0f, 1.0f);
     uint8_t boundary = 0;
     for (const Weighted &one : from) boundary |= results.boundary[static_cast<size_t>(one.place)];
     found.boundary.push_back(boundary);

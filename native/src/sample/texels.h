@@ -22,6 +22,8 @@ struct TexelPlace {
   int32_t texel; // y * size + x
   int32_t triangle;
   vec2 weights; // of the triangle's corners 1 and 2
+  vec2 uv;
+  bool on_border; // not at the texel's center
 };
 
 struct TexelMap {
@@ -41,7 +43,8 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
 std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Triangles &triangles, size_t first, size_t last);
 
 // results: at all places of the map → at the places of points in the UV map; each point's primary one only, unless all_sites.
-// Bilinear over the texels of the site's own chart, or the nearest of them; no row for a site with none near.
+// Bilinear between texels of the site's own chart; beside its border, where some are missing or not at their centers, by a plane
+// fitted to those around. No row for a site with no texel of its chart near.
 SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites);
 
 // Adds the map to the field: NaN where there is no surface. names: of results.values.
