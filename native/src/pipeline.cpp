@@ -234,14 +234,20 @@ static void build_cells_for(Mesh &mesh, const Frame &frame) {
       [&](const Gl &gl, ProgramCache &) { device.evaluator.set_cells(gl, device.cells, device.buffer->size()); });
 }
 
-// The neighborhoods of all centers, before any sample is drawn.
-static void search_supports(Mesh &mesh, double radius, const Frame &frame, const std::vector<SupportCenter> &centers) {
-  DeviceMesh &device = *mesh.device;
+// What the search for neighborhoods reads: the positions of this frame.
+static std::vector<vec4> measure_cells(Mesh &mesh) {
   std::vector<vec4> positions;
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
-    device.evaluator.measure_cells(gl, programs, *device.buffer);
-    positions = device.buffer->read_position();
+    mesh.device->evaluator.measure_cells(gl, programs, *mesh.device->buffer);
+    positions = mesh.device->buffer->read_position();
   });
+  return positions;
+}
+
+// The neighborhoods of all centers, before any sample is drawn.
+static void search_supports(Mesh &mesh, double radius, const Frame &frame, const std::vector<vec4> &positions,
+                            const std::vector<SupportCenter> &centers) {
+  DeviceMesh &device = *mesh.device;
   const auto reach = static_cast<float>(radius * frame.buffer_frame.scale);
   const Supports supports =
       find_supports(device.cells, positions, mesh.triangles, frame.buffer_frame, centers, reach, mesh.context->threads);
@@ -270,7 +276,7 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
     centers.push_back({vec3(frame.centers[i].position_chart), sites,
                        frame.sites[i] < 0 ? mesh.device->cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
   }
-  search_supports(mesh, radius, frame, centers);
+  search_supports(mesh, radius, frame, measure_cells(mesh), centers);
 }
 
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
@@ -334,26 +340,28 @@ static SiteResults evaluate_vertices(Mesh &mesh, const EvaluateSettings &setting
   return results;
 }
 
-// The texels of a map, so many at a time that their supports fit into memory; then the vertices from there.
+// The texels of a map, so many at a time that a run can be cancelled between; then the vertices from there.
 static SiteResults evaluate_texels(Mesh &mesh, const pdesc_options &options, const EvaluateSettings &settings, Frame &frame,
                                    const Progress &progress, Field &field) {
-  constexpr size_t batch = size_t{1} << 18;
+  constexpr size_t batch = size_t{1} << 15;
   const TexelMap map = build_texel_map(mesh.triangles, mesh.charts, options.texels);
   const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
   std::vector<int32_t> ids;
   mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = mesh.device->buffer->read_ids(); });
+  const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED;
+  const std::vector<vec4> positions = connected ? measure_cells(mesh) : std::vector<vec4>();
   SiteResults all;
   const size_t count = map.places.size();
   for (size_t first = 0; first < count; first += batch) {
     const size_t last = std::min(first + batch, count);
     frame.centers = texel_centers(map, mesh.triangles, mesh.charts, frame.normals, frame.buffer_frame, ellipses,
                                   settings.radius * ellipse_enlargement, options.seed, first, last);
-    if (options.relocation == PDESC_RELOCATION_CONNECTED) {
+    if (connected) {
       const auto cells = find_cells(mesh.device->cells, ids, mesh.device->grid, mesh.triangles, mesh.charts,
                                     texel_layout_places(map, mesh.triangles, first, last), mesh.context->threads);
       std::vector<SupportCenter> centers;
       for (size_t i = 0; i < cells.size(); ++i) centers.push_back({vec3(frame.centers[i].position_chart), {}, cells[i]});
-      search_supports(mesh, static_cast<double>(settings.radius) / frame.buffer_frame.scale, frame, centers);
+      search_supports(mesh, static_cast<double>(settings.radius) / frame.buffer_frame.scale, frame, positions, centers);
     }
     const double share = 0.7 / static_cast<double>(count);
     evaluate_tiles(mesh, settings, frame, progress, 0.3 + share * static_cast<double>(first),

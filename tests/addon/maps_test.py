@@ -218,6 +218,21 @@ def test_stacked_charts_get_an_image_in_the_uv_map_and_a_note(paradesc, tmp_path
         np.testing.assert_allclose(image[inside], 0.5, rtol=0.05)
 
 
+@pytest.mark.parametrize("evaluate", ["vertex", "texel"])
+def test_coordinates_beyond_the_unit_square_are_drawn_as_a_repeated_texture_shows_them(evaluate):
+    arrays = as_arrays(*bumpy())
+    expected = maps.image_of(baked(arrays, texels=96), "mean_curvature")
+    arrays.corner_uvs = arrays.corner_uvs - np.float32([3, 5])
+    arrays.corner_uvs[: len(arrays.corner_uvs) // 2] += np.float32([1, 0])  # three of the six charts on another tile
+    result = baked(arrays, evaluate=evaluate, texels=96)
+    assert result.results.mesh_report["uv_remapped"] == 1
+    image = maps.image_of(result, "mean_curvature")
+    both = np.isfinite(image) & np.isfinite(expected)
+    assert both.sum() > 0.99 * np.isfinite(expected).sum()
+    span = np.ptp(np.percentile(expected[both], [2.5, 97.5]))
+    assert np.abs(image - expected)[both].mean() < 0.03 * span  # half the texels each way, for two tiles in the square
+
+
 def test_the_reference_makes_images_too_but_has_no_buffers(paradesc, sphere_obj, tmp_path):
     words = ("--radius", "0.06", "--backend", "reference", "--texels", "32")
     process = paradesc("bake", sphere_obj, *words, "--map", "out.exr")

@@ -143,6 +143,26 @@ TEST_F(Maps, texels_looked_up_at_vertices_agree_with_the_reference) {
   EXPECT_GT(seam, 100);
 }
 
+TEST_F(Maps, a_cancelled_evaluation_at_texels_leaves_the_mesh_usable) {
+  TestMesh mesh = sphere(1, {.vertices = 400});
+  lay_out(mesh, {.charts = 6});
+  const Mesh created = make_mesh(software.get(), mesh);
+  const Settings settings{.radius = 0.1, .buffer_size = 256, .evaluate = PDESC_EVALUATE_TEXEL, .texels = 256};
+  const std::vector<float> expected = at_vertices(compute_field(created.get(), settings).get(), mesh.vertex_count);
+  const pdesc_options options = options_of(settings);
+  const char *name = "mean_curvature";
+  double reached = 0;
+  const auto stop_halfway = [](void *user, const char *, double fraction) {
+    EXPECT_GE(fraction, *static_cast<double *>(user)) << "progress falls";
+    *static_cast<double *>(user) = fraction;
+    return static_cast<int32_t>(fraction < 0.7);
+  };
+  pdesc_field *field = nullptr;
+  expect_refused(pdesc_compute(created.get(), &options, &name, 1, stop_halfway, &reached, &field), PDESC_ERROR_CANCELLED, {});
+  EXPECT_LT(reached, 0.95) << "it went on to the end";
+  expect_same_bits(at_vertices(compute_field(created.get(), settings).get(), mesh.vertex_count), expected);
+}
+
 TEST_F(Maps, a_map_of_a_direction_has_three_components) {
   TestMesh mesh = torus(1.0, 0.4, {.vertices = 800});
   lay_out(mesh, {.charts = 6});
