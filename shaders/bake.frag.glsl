@@ -1,18 +1,14 @@
 #version 450 core
 // Interpolated triangle → one texel of the geometry buffer: the surface point at the texel's center.
 #include "shared.h"
+#include "texel.glsl"
 layout(binding = UNIT_TRIANGLES) uniform sampler2D triangles;
 
 in vec3 surface_position;
 in vec3 surface_normal;
 flat in int surface_chart;
 
-layout(location = 0) out vec4 position_area;
-layout(location = 1) out vec4 normal;
-layout(location = 2) out ivec2 ids;
-
 void main() {
-  position_area = vec4(surface_position, texelFetch(triangles, list_place(gl_PrimitiveID), 0).w);
-  normal = vec4(normalize(surface_normal), 0.0);
+  store_texel(surface_position, normalize(surface_normal), texelFetch(triangles, list_place(gl_PrimitiveID), 0).w);
   ids = ivec2(surface_chart, gl_PrimitiveID);
 }

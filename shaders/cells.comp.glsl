@@ -19,7 +19,7 @@ void main() {
     ivec2 texel = min(corner + ivec2(i % block_size, i / block_size), ivec2(buffer_size - 1));
     ivec2 label = texelFetch(labels, texel, 0).xy;
     if (label.x != cell) continue;
-    largest = max(largest, texelFetch(positions, texel, 0).w);
+    largest = max(largest, area_element_at(texel));
     inside += float(label.y) / 65536.0;
   }
   bool whole = inside > float(block_size * block_size) - 0.5;

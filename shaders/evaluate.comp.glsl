@@ -180,9 +180,10 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
   int triangle = texelFetch(ids, texel, 0).y;
   if (!is_reached(triangle < 0 ? -1 - triangle : triangle)) return;
 #endif
-  vec4 point = texelFetch(positions, texel, 0);
+  vec3 normal;
+  vec4 point = surface_at(texel, normal);
   bool near = length(point.xyz - sums.center.position) * float(buffer_size) < sqrt(point.w);
-  add_neighbor(sums, point.xyz, texelFetch(normals, texel, 0).xyz, point.w * cell, near, geodesic);
+  add_neighbor(sums, point.xyz, normal, point.w * cell, near, geodesic);
 }
 
 #if AFFINE

@@ -8,8 +8,8 @@
 
 // Textures (sampler units).
 #define UNIT_TRIANGLES 0   // list, RGBA32F: E, F, G, area element of each triangle
-#define UNIT_POSITION 1    // buffer, RGBA32F: position, area element (0: no surface)
-#define UNIT_NORMAL 2      // buffer, RGBA32F: unit normal
+#define UNIT_POSITION 1    // buffer, RGBA32F or RGBA16F: position, area element in units of area_unit (0: no surface)
+#define UNIT_NORMAL 2      // buffer, RGBA32F: unit normal; RGBA16F: half.glsl says how
 #define UNIT_IDS 3         // buffer, RG32I: chart (-1: none), triangle (-1 - triangle: on a chart-edge line)
 #define UNIT_BORDER 4      // buffer, RG32I: free texels around (or -number of border edges in this texel), first list entry
 #define UNIT_BORDER_LIST 5 // list, RG32I: border, chart
@@ -18,6 +18,10 @@
 
 #define UNIT_LABELS 8      // buffer, RG32I: the cell of each texel, or -1; the part of it that its chart covers, of 65536
 #define UNIT_CORNERS 9     // list, RG32I: low texel of each cell's block
+
+// Uniforms of every program that writes or reads the area element.
+#define LOCATION_AREA_UNIT 20
+#define LOCATION_HALF_FLOATS 21 // of what writes it: 1 where the buffers are in 16 bits
 
 // Storage buffers.
 #define BINDING_CENTERS 0

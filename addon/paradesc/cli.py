@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 if __name__ == "__main__":  # run by Blender as a script: find the package that this file lies in
     sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from paradesc import bridge, compare, job, results
+from paradesc import bridge, compare, job, maps, results
 from paradesc.bridge import ParadescError, abi
 from paradesc.streams import quiet
 
@@ -23,6 +23,7 @@ WRITERS: dict[str, Callable[[Path, results.Baked], None]] = {
     ".npz": results.write_npz,
     ".ply": results.write_ply,
     ".png": results.write_picture,
+    ".exr": maps.write_exr,
 }
 OUTPUT_SUFFIXES = (*WRITERS, ".blend")
 EXIT_FAILED, EXIT_USAGE, EXIT_INTERRUPTED = 1, 2, 130
@@ -63,9 +64,14 @@ def make_parser() -> Parser:
     bake = commands.add_parser("bake", help="compute descriptors and write them to files")
     add_mesh_options(bake)
     bake.add_argument(
-        "--output", "-o", action="append", required=True, metavar="OUT", type=Path,
-        help="where to write; the suffix says what: .blend, .npz, .ply, .png; give it again for more",
+        "--output", "-o", action="append", default=[], metavar="OUT", type=Path,
+        help="where to write: .blend, .npz, .ply, .png (picture), .exr (image over the UV map); give it again for more",
     )  # fmt: skip
+    bake.add_argument(
+        "--map", action="append", default=[], metavar="IMAGE", type=Path,
+        help="write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor)",
+    )  # fmt: skip
+    bake.add_argument("--dump-buffers", metavar="FOLDER", type=Path, help="write the baked buffers as .png and .npz")
     bake.add_argument("--json", metavar="REPORT", type=Path, help="write settings, reports and ranges as JSON")
     bake.set_defaults(run=run_bake)
     comparison = commands.add_parser("compare", help="compare a device's results with those of the reference")
@@ -175,8 +181,10 @@ def run_bake(arguments: argparse.Namespace) -> None:
     for path in arguments.output:
         if path.suffix.lower() not in OUTPUT_SUFFIXES:
             raise UsageError(f'"{path}" has none of the suffixes {", ".join(OUTPUT_SUFFIXES)}.')
-    check_outputs(arguments.output + ([arguments.json] if arguments.json else []))
     settings = settings_of(arguments)
+    images = image_paths(arguments.map, settings)
+    check_outputs(arguments.output + [path for path, _ in images] + ([arguments.json] if arguments.json else []))
+    check_folder(arguments)
     target = open_object(arguments)
     from paradesc import mesh_io, scene_io
 
@@ -185,7 +193,7 @@ def run_bake(arguments: argparse.Namespace) -> None:
         mesh_io.check_writable(target)
     arrays = mesh_io.read_object(target, settings.options.normals == "mesh")
     with Progress() as progress:
-        computed = job.run(arrays, settings, progress)
+        computed = job.run(arrays, settings, progress, arguments.dump_buffers is not None)
     baked = results.Baked(target.name, computed, arrays, mesh_io.world_matrix(target))
     notes = mesh_io.write_results(target, computed) if saves_scene else []
     for path in arguments.output:
@@ -193,12 +201,52 @@ def run_bake(arguments: argparse.Namespace) -> None:
             scene_io.save_blend(path, arguments.verbose)
         else:
             write_whole(path, baked, WRITERS[path.suffix.lower()])
+    described = [write_image(path, baked, name) for path, name in images]
+    written = arguments.output + [path for path, _ in images]
+    if images or any(path.suffix.lower() == ".exr" for path in written):
+        notes = notes + maps.notes(baked)
+    if arguments.dump_buffers:
+        written += maps.write_buffers(arguments.dump_buffers, baked)
     if arguments.json:
-        content = {**results.report(baked), "notes": notes, "outputs": [str(path) for path in arguments.output]}
-        write_whole(arguments.json, content, results.write_json)
+        outputs = {"outputs": [str(path) for path in written], "maps": described}
+        write_whole(arguments.json, {**results.report(baked), "notes": notes, **outputs}, results.write_json)
     print_summary(baked, notes)
-    for path in arguments.output + ([arguments.json] if arguments.json else []):
+    for path in written + ([arguments.json] if arguments.json else []):
         print(f"wrote {path}")
+
+
+def image_paths(paths: list[Path], settings: job.Settings) -> list[tuple[Path, str]]:
+    """The files that --map writes, each with its descriptor; "" for all of them in one."""
+    found: list[tuple[Path, str]] = []
+    for path in paths:
+        if path.suffix.lower() not in maps.SUFFIXES:
+            raise UsageError(f'"{path}" has none of the suffixes {", ".join(maps.SUFFIXES)}.')
+        if path.suffix.lower() == ".exr":
+            found.append((path, ""))
+        else:
+            found += [(one, name) for name, one in maps.png_paths(path, list(settings.descriptors)).items()]
+    return found
+
+
+def check_folder(arguments: argparse.Namespace) -> None:
+    """Refuses a bake that writes nothing, and a folder for buffers that cannot be."""
+    folder = arguments.dump_buffers
+    if folder is None and not arguments.output + arguments.map:
+        raise UsageError("There is nothing to write; give --output, --map or --dump-buffers.")
+    if folder is not None and arguments.backend == "reference":
+        raise UsageError("The reference bakes no buffers to dump; choose another backend.")
+    if folder is not None and not (folder.is_dir() or (folder.absolute().parent.is_dir() and not folder.exists())):
+        raise UsageError(f'"{folder}" is no folder and cannot become one.')
+
+
+def write_image(path: Path, baked: results.Baked, name: str) -> dict[str, object]:
+    """Writes one image of --map; gives what the report says of it."""
+    described: dict[str, object] = {"path": str(path)}
+    if name:
+        write_whole(path, baked, lambda place, content: described.update(maps.write_png(place, content, name)))
+    else:
+        write_whole(path, baked, maps.write_exr)
+    return described
 
 
 def write_whole(path: Path, content: object, writer: Callable) -> None:
@@ -226,7 +274,9 @@ def print_summary(baked: results.Baked, notes: list[str]) -> None:
         f"radius {field['radius']:.6g}{texels}, "
         f"coverage {100 * field['coverage_mean']:.3f} %, undefined vertices {field['undefined_vertices']:,}"
     )
-    print(f"{field['seconds_total']:.2f} s, {found.backend}: {found.device}")
+    buffers = f", buffers {field['buffer_megabytes']:.1f} MB" if field["buffer_megabytes"] > 0 else ""
+    places = f"{field['places']:,} places evaluated"
+    print(f"{field['seconds_total']:.2f} s, {places}{buffers}, {found.backend}: {found.device}")
     for name, row in results.report(baked)["descriptors"].items():
         if row["minimum"] is None:
             print(f"  {name}: undefined everywhere")

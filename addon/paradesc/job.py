@@ -47,6 +47,9 @@ class Results:
     warnings: list[str]
     near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
     seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
+    maps: dict[str, np.ndarray] = field(default_factory=dict)  # each (N, N) or (N, N, 3), with evaluate = texel only
+    buffers: dict[str, np.ndarray] = field(default_factory=dict)  # what was baked, by bridge.BUFFERS, where asked for
+    layout: np.ndarray | None = None  # (triangle_count, 3, 2) where maps and buffers lie
 
     field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
 
@@ -100,7 +103,12 @@ def check_descriptors(names: tuple[str, ...]) -> None:
             raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
 
 
-def run(arrays: bridge.MeshArrays, settings: Settings, progress: ProgressFunction | None = None) -> Results:
+def run(
+    arrays: bridge.MeshArrays,
+    settings: Settings,
+    progress: ProgressFunction | None = None,
+    with_buffers: bool = False,
+) -> Results:
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
     with bridge.Context(settings.backend, settings.device_index) as context:
@@ -110,11 +118,11 @@ def run(arrays: bridge.MeshArrays, settings: Settings, progress: ProgressFunctio
                 "The mesh has no UV map; unwrap it, or choose the backend reference, which needs none.",
             )
         with context.mesh(arrays) as mesh:
-            return run_radii(context, mesh, settings, progress)
+            return run_radii(context, mesh, settings, progress, with_buffers)
 
 
 def run_radii(
-    context: bridge.Context, mesh: bridge.Mesh, settings: Settings, progress: ProgressFunction | None
+    context: bridge.Context, mesh: bridge.Mesh, settings: Settings, progress: ProgressFunction | None, with_buffers: bool
 ) -> Results:
     """One computation a radius, all from the same baked buffers. Coverage and mask are the worst of all."""
     radii = (settings.options.radius, *settings.more_radii)
@@ -147,6 +155,8 @@ def run_radii(
                 near_seam = mesh.near_seam(found.report()["radius"])
                 results.near_seam = near_seam if results.near_seam is None else results.near_seam | near_seam
                 results.seam_error.update({name + suffix: found.seam_error(name) for name in settings.descriptors})
+            if context.backend != "reference":
+                keep_texels(results, mesh, found, suffix, with_buffers)
     return results
 
 
@@ -155,6 +165,19 @@ def part_of(progress: ProgressFunction | None, index: int, count: int) -> Progre
     if progress is None:
         return None
     return lambda stage, fraction: progress(stage, (index + fraction) / count)
+
+
+def keep_texels(
+    results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix: str, with_buffers: bool
+) -> None:
+    """Adds what lies in texture space: the maps of texel evaluation, and the baked buffers where asked for."""
+    if results.settings.options.evaluate == "texel":
+        names = (*results.settings.descriptors, "coverage")
+        results.maps.update({name + suffix: found.map(name) for name in names})
+    if with_buffers:
+        results.buffers = {name: mesh.read_buffer(name) for name in bridge.BUFFERS}
+    if results.maps or results.buffers:
+        results.layout = mesh.layout()
 
 
 class Worker:

@@ -125,6 +125,12 @@ const std::vector<float> &column(const paradesc::Field &field, const std::vector
   refuse(std::string("This field has no '") + name + "'; it has " + known + ".");
 }
 
+void copy_texels(const std::vector<float> &texels, float *values, int64_t count) {
+  if (count != static_cast<int64_t>(texels.size()))
+    refuse("The array has room for " + std::to_string(count) + " floats, but " + std::to_string(texels.size()) + " are needed.");
+  std::copy(texels.begin(), texels.end(), values);
+}
+
 } // namespace
 
 int32_t pdesc_abi_version(void) { return PDESC_ABI_VERSION; }
@@ -258,6 +264,37 @@ int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char
   });
 }
 
+int32_t pdesc_mesh_buffer_size(const pdesc_mesh *mesh) {
+  return mesh && mesh->mesh->device && mesh->mesh->device->buffer ? mesh->mesh->device->buffer->size() : 0;
+}
+
+int32_t pdesc_mesh_read_buffer(pdesc_mesh *mesh, const char *name, float *values, int64_t count) {
+  return guarded([&] {
+    need(mesh, "mesh");
+    need(name, "name");
+    need(values, "values");
+    std::lock_guard lock(mesh->mesh->context->mutex);
+    copy_texels(paradesc::read_buffer(*mesh->mesh, name).values, values, count);
+  });
+}
+
+int32_t pdesc_mesh_layout(const pdesc_mesh *mesh, float *uvs, int32_t triangle_count) {
+  return guarded([&] {
+    need(mesh, "mesh");
+    need(uvs, "uvs");
+    std::lock_guard lock(mesh->mesh->context->mutex);
+    const auto &corners = mesh->mesh->triangles.corner_uv;
+    if (corners.empty()) throw Error(PDESC_ERROR_INVALID_OPERATION, "The mesh has no UV map, and so no layout.");
+    if (triangle_count != mesh->mesh->triangles.triangle_count)
+      refuse("The array has room for " + std::to_string(triangle_count) + " triangles, but the mesh has " +
+             std::to_string(mesh->mesh->triangles.triangle_count) + ".");
+    for (size_t i = 0; i < corners.size(); ++i) {
+      uvs[2 * i] = corners[i].x;
+      uvs[2 * i + 1] = corners[i].y;
+    }
+  });
+}
+
 void pdesc_field_report_init(pdesc_field_report *report) { zero_init(report); }
 
 int32_t pdesc_field_get_report(const pdesc_field *field, pdesc_field_report *report) {
@@ -298,6 +335,19 @@ int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int32_t vertex
     need(mask, "mask");
     check_length(vertex_count, field->field.mask.size());
     std::copy(field->field.mask.begin(), field->field.mask.end(), mask);
+  });
+}
+
+int32_t pdesc_field_map_size(const pdesc_field *field) { return field ? field->field.map_size : 0; }
+
+int32_t pdesc_field_map(const pdesc_field *field, const char *name, float *values, int64_t count) {
+  return guarded([&] {
+    need(field, "field");
+    need(values, "values");
+    if (field->field.maps.empty())
+      throw Error(PDESC_ERROR_INVALID_OPERATION,
+                  "This field has no map; compute with evaluate = TEXEL on a backend other than the reference.");
+    copy_texels(column(field->field, field->field.maps, name), values, count);
   });
 }
 

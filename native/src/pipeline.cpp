@@ -14,6 +14,7 @@
 #include "mesh/cut.h"
 #include "mesh/layout.h"
 #include "sample/pattern.h"
+#include "sample/texels.h"
 #include "support/error.h"
 #include "support/parallel.h"
 
@@ -61,27 +62,6 @@ static void measure(Mesh &mesh) {
   mesh.mean_edge = count ? sum / count : 0.0;
 }
 
-static pdesc_mesh_report find(const Mesh &mesh) {
-  pdesc_mesh_report report{};
-  report.vertex_count = mesh.triangles.vertex_count;
-  report.triangle_count = mesh.triangles.triangle_count;
-  report.loose_vertices = mesh.half_edges.loose_vertices;
-  report.welded_vertices = mesh.half_edges.welded_vertices;
-  report.degenerate_triangles = mesh.half_edges.degenerate_triangles;
-  report.zero_uv_area_triangles = mesh.charts.zero_uv_area_triangles;
-  report.flipped_triangles = mesh.charts.flipped_triangles;
-  report.nonmanifold_edges = mesh.half_edges.nonmanifold_edges;
-  report.nonmanifold_vertices = mesh.half_edges.nonmanifold_vertices;
-  report.boundary_edges = mesh.half_edges.boundary_edges;
-  report.charts = mesh.charts.chart_count;
-  report.seam_edges = mesh.charts.seam_edges;
-  report.self_seam_edges = mesh.charts.self_seam_edges;
-  report.unlinked_edges = mesh.charts.unlinked_edges;
-  report.parts = mesh.half_edges.parts;
-  report.uv_remapped = mesh.triangles.uv_remapped;
-  return report;
-}
-
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
   auto mesh = std::make_unique<Mesh>();
   mesh->context = std::move(context);
@@ -89,7 +69,7 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
   mesh->half_edges = build_half_edges(mesh->triangles);
   mesh->charts = build_charts(mesh->triangles, mesh->half_edges);
   measure(*mesh);
-  mesh->found = find(*mesh);
+  mesh->found = describe(*mesh);
   return mesh;
 }
 
@@ -100,13 +80,6 @@ Mesh::~Mesh() {
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   set_positions(mesh.triangles, positions, vertex_count);
   measure(mesh);
-}
-
-pdesc_mesh_report report_of(const Mesh &mesh) {
-  pdesc_mesh_report report = mesh.found;
-  report.diagonal = static_cast<float>(mesh.diagonal);
-  report.mean_edge = static_cast<float>(mesh.mean_edge);
-  return report;
 }
 
 static double resolve_radius(const Mesh &mesh, const pdesc_options &options) {
@@ -201,7 +174,7 @@ static void prepare_centers(const Mesh &mesh, const pdesc_options &options, doub
 static bool prepare_device(Mesh &mesh, const pdesc_options &options) {
   if (!mesh.device) mesh.device = std::make_unique<DeviceMesh>();
   DeviceMesh &device = *mesh.device;
-  bool changed = false;
+  bool changed = device.buffer && device.buffer->half() != (options.precision == PDESC_PRECISION_HALF);
   if (device.grid.size != options.buffer_size) {
     device.grid = build_border_grid(mesh.triangles, mesh.charts, options.buffer_size);
     changed = true;
@@ -229,12 +202,14 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
     DeviceMesh &device = *mesh.device;
     if (changed) {
-      if (!device.buffer || device.buffer->size() != options.buffer_size)
-        device.buffer = std::make_unique<GeometryBuffer>(gl, options.buffer_size);
+      const bool half = options.precision == PDESC_PRECISION_HALF;
+      if (!device.buffer || device.buffer->size() != options.buffer_size || device.buffer->half() != half)
+        device.buffer = std::make_unique<GeometryBuffer>(gl, options.buffer_size, half);
       device.evaluator.set_borders(gl, device.grid);
     }
     device.buffer->bake(programs, {mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.forms, frame.buffer_frame},
                         changed);
+    device.frame = frame.buffer_frame;
     if (!changed) return;
     device.counts = device.buffer->count_owners(programs);
     device.bare_triangles = count_bare_triangles(mesh, device.buffer->read_ids());
@@ -261,14 +236,28 @@ static void build_cells_for(Mesh &mesh, const Frame &frame) {
       [&](const Gl &gl, ProgramCache &) { device.evaluator.set_cells(gl, device.cells, device.buffer->size()); });
 }
 
-// The neighborhoods of all centers, before any sample is drawn.
-static void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, const Frame &frame) {
-  DeviceMesh &device = *mesh.device;
+// What the search for neighborhoods reads: the positions of this frame.
+static std::vector<vec4> measure_cells(Mesh &mesh) {
   std::vector<vec4> positions;
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
-    device.evaluator.measure_cells(gl, programs, *device.buffer);
-    positions = device.buffer->read_position();
+    mesh.device->evaluator.measure_cells(gl, programs, *mesh.device->buffer);
+    positions = mesh.device->buffer->read_position();
   });
+  return positions;
+}
+
+// The neighborhoods of all centers, before any sample is drawn.
+static void search_supports(Mesh &mesh, double radius, const Frame &frame, const std::vector<vec4> &positions,
+                            const std::vector<SupportCenter> &centers) {
+  DeviceMesh &device = *mesh.device;
+  const auto reach = static_cast<float>(radius * frame.buffer_frame.scale);
+  const Supports supports =
+      find_supports(device.cells, positions, mesh.triangles, frame.buffer_frame, centers, reach, mesh.context->threads);
+  const BareSamples bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, reach);
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, bare); });
+}
+
+static void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, const Frame &frame) {
   // A vertex starts from all its places in the UV map; for seam errors each place has to find the others by itself.
   std::vector<int32_t> order(mesh.charts.sites.size());
   std::iota(order.begin(), order.end(), 0);
@@ -287,13 +276,9 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
         alone ? std::span(frame.sites).subspan(i, 1) : std::span(order).subspan(first, last - first);
     const int32_t half_edge = mesh.half_edges.point_half_edge[point];
     centers.push_back({vec3(frame.centers[i].position_chart), sites,
-                       frame.sites[i] < 0 ? device.cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
+                       frame.sites[i] < 0 ? mesh.device->cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
   }
-  const Supports supports = find_supports(device.cells, positions, mesh.triangles, frame.buffer_frame, centers,
-                                          static_cast<float>(radius * frame.buffer_frame.scale), mesh.context->threads);
-  const BareSamples bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame,
-                                                 static_cast<float>(radius * frame.buffer_frame.scale));
-  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, bare); });
+  search_supports(mesh, radius, frame, measure_cells(mesh), centers);
 }
 
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
@@ -349,26 +334,24 @@ static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius
   evaluate_tiles(mesh, settings, static_cast<int>(kept), progress, 0.8, 1.0);
 }
 
-static void evaluate(Mesh &mesh, const EvaluateSettings &settings, double radius, const Frame &frame, const Progress &progress) {
+// All centers of the frame, from one fraction of the whole to another.
+static void evaluate(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame, const Progress &progress, double from,
+                     double to) {
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) {
     mesh.device->evaluator.set_links(gl, frame.links);
     mesh.device->evaluator.set_centers(gl, frame.centers, settings);
   });
-  evaluate_tiles(mesh, settings, static_cast<int>(frame.centers.size()), progress, 0.3, 0.8);
-  if (settings.relocation == PDESC_RELOCATION_CONNECTED) evaluate_folded(mesh, settings, radius, frame, progress);
+  evaluate_tiles(mesh, settings, static_cast<int>(frame.centers.size()), progress, from, to);
 }
 
 static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame) {
   std::vector<float> raw;
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { raw = mesh.device->evaluator.read(gl, settings); });
-  const size_t count = frame.sites.size();
+  const size_t count = frame.centers.size();
   SiteResults results;
   results.values.resize(settings.descriptors.size());
   size_t refined = 0;
   for (size_t i = 0; i < count; ++i) {
-    const int32_t point = frame.points[i];
-    results.point.push_back(point);
-    results.primary.push_back(mesh.charts.point_site[static_cast<size_t>(point)] == frame.sites[i]);
     results.coverage.push_back(raw[ROW_COVERAGE * count + i]);
     const float flags = raw[ROW_FLAGS * count + i];
     results.boundary.push_back(std::fmod(flags, FLAG_ALL_SAMPLES) >= FLAG_CUT);
@@ -385,6 +368,50 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
       for (size_t i = 0; i < count; ++i) results.values[k][i * width + component] = raw[row * count + i] * unit;
   }
   return results;
+}
+
+static SiteResults evaluate_vertices(Mesh &mesh, const EvaluateSettings &settings, double radius, const Frame &frame,
+                                     const Progress &progress, Field &field) {
+  evaluate(mesh, settings, frame, progress, 0.3, 0.8);
+  if (settings.relocation == PDESC_RELOCATION_CONNECTED) evaluate_folded(mesh, settings, radius, frame, progress);
+  SiteResults results = read_results(mesh, settings, frame);
+  results.point = frame.points;
+  for (size_t i = 0; i < frame.points.size(); ++i)
+    results.primary.push_back(mesh.charts.point_site[static_cast<size_t>(frame.points[i])] == frame.sites[i]);
+  field.report.places = static_cast<int32_t>(frame.centers.size());
+  return results;
+}
+
+// The texels of a map, so many at a time that a run can be cancelled between; then the vertices from there.
+static SiteResults evaluate_texels(Mesh &mesh, const pdesc_options &options, const EvaluateSettings &settings, Frame &frame,
+                                   const Progress &progress, Field &field) {
+  constexpr size_t batch = size_t{1} << 15;
+  const TexelMap map = build_texel_map(mesh.triangles, mesh.charts, options.texels);
+  const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
+  std::vector<int32_t> ids;
+  mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = mesh.device->buffer->read_ids(); });
+  const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED;
+  const std::vector<vec4> positions = connected ? measure_cells(mesh) : std::vector<vec4>();
+  SiteResults all;
+  const size_t count = map.places.size();
+  for (size_t first = 0; first < count; first += batch) {
+    const size_t last = std::min(first + batch, count);
+    frame.centers = texel_centers(map, mesh.triangles, mesh.charts, frame.normals, frame.buffer_frame, ellipses,
+                                  settings.radius * ellipse_enlargement, options.seed, first, last);
+    if (connected) {
+      const auto cells = find_cells(mesh.device->cells, ids, mesh.device->grid, mesh.triangles, mesh.charts,
+                                    texel_layout_places(map, mesh.triangles, first, last), mesh.context->threads);
+      std::vector<SupportCenter> centers;
+      for (size_t i = 0; i < cells.size(); ++i) centers.push_back({vec3(frame.centers[i].position_chart), {}, cells[i]});
+      search_supports(mesh, static_cast<double>(settings.radius) / frame.buffer_frame.scale, frame, positions, centers);
+    }
+    const double share = 0.7 / static_cast<double>(count);
+    evaluate(mesh, settings, frame, progress, 0.3 + share * static_cast<double>(first), 0.3 + share * static_cast<double>(last));
+    append(all, read_results(mesh, settings, frame));
+  }
+  field.report.places = static_cast<int32_t>(count);
+  keep_map(map, all, field);
+  return look_up(map, all, mesh.charts, options.seam_error != 0);
 }
 
 static void warn(const Mesh &mesh, Field &field) {
@@ -468,10 +495,9 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   field.report.seconds_bake = clock.lap();
   check_cancel(progress, "prepare", 0.2);
 
-  if (options.relocation == PDESC_RELOCATION_CONNECTED) {
-    build_cells_for(mesh, frame);
-    prepare_supports(mesh, options, radius, frame);
-  }
+  const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED, at_texels = options.evaluate == PDESC_EVALUATE_TEXEL;
+  if (connected) build_cells_for(mesh, frame);
+  if (connected && !at_texels) prepare_supports(mesh, options, radius, frame);
   field.report.seconds_prepare += clock.lap();
   check_cancel(progress, "evaluate", 0.3);
 
@@ -486,13 +512,13 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
                                   options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE,
                                   options.distance == PDESC_DISTANCE_GEODESIC,
                                   static_cast<float>(options.adaptive)};
-  evaluate(mesh, settings, radius, frame, progress);
+  SiteResults results = at_texels ? evaluate_texels(mesh, options, settings, frame, progress, field)
+                                  : evaluate_vertices(mesh, settings, radius, frame, progress, field);
   field.report.overlapping_texels = mesh.device->counts.overlapping;
   field.report.covered_texels = mesh.device->counts.covered;
   field.report.bare_triangles = mesh.device->bare_triangles;
   field.report.radius_in_texels = frame.radius_in_texels;
-  SiteResults results = read_results(mesh, settings, frame);
-  field.report.places = static_cast<int32_t>(frame.centers.size());
+  field.report.buffer_megabytes = mesh.device->buffer->megabytes();
   field.report.refined_share = results.refined_share;
   field.report.seconds_evaluate = clock.lap();
   return results;

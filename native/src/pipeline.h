@@ -37,6 +37,7 @@ struct DeviceMesh {
   BorderGrid grid;
   Cells cells;
   BakeVertices vertices;
+  BufferFrame frame; // of the last bake
   int normals_kind = -1;
   TexelCounts counts;
   int bare_triangles = 0;
@@ -65,10 +66,19 @@ struct Mesh {
 
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input);
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count);
+pdesc_mesh_report describe(const Mesh &mesh); // Mesh::found
 pdesc_mesh_report report_of(const Mesh &mesh);
 
 // progress(stage, fraction) returns false to cancel.
 using Progress = std::function<bool(const char *stage, double fraction)>;
+
+// (size * size, components) of what the last compute baked, row by row from v = 0, in units of the positions; NaN where nothing
+// is (chart, neighbor: -1). Throws Error(INVALID_OPERATION) before a compute.
+struct ReadBuffer {
+  int size = 0, components = 1;
+  std::vector<float> values;
+};
+ReadBuffer read_buffer(Mesh &mesh, const std::string &name);
 
 Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors, const Progress &progress);
 

@@ -40,7 +40,7 @@ struct Buffers {
 };
 
 // bakes: how often, into the same buffer.
-inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 1) {
+inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 1, bool half = false) {
   Buffers buffers;
   buffers.size = size;
   buffers.frame = frame_of(built.triangles, built.half_edges);
@@ -49,7 +49,7 @@ inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 
   buffers.forms = first_fundamental_forms(built.triangles, built.charts, buffers.frame, 0);
   const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, rings.corner_fan);
   thread.run([&](const Gl &gl, ProgramCache &programs) {
-    GeometryBuffer buffer(gl, size);
+    GeometryBuffer buffer(gl, size, half);
     for (int i = 0; i < bakes; ++i)
       buffer.bake(programs, {built.triangles, built.charts, vertices, buffers.normals, buffers.forms, buffers.frame}, i == 0);
     buffers.counts = buffer.count_owners(programs);

@@ -45,6 +45,10 @@ pdesc_options options_of(const Settings &settings) {
   options.variance_reduction = settings.variance_reduction;
   options.distance = settings.distance;
   options.adaptive = settings.adaptive;
+  options.relocation = settings.relocation;
+  options.evaluate = settings.evaluate;
+  options.texels = settings.texels;
+  options.precision = settings.precision;
   return options;
 }
 

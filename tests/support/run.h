@@ -45,6 +45,10 @@ struct Settings {
   int32_t variance_reduction = PDESC_VARIANCE_REDUCTION_SHAPE;
   int32_t distance = PDESC_DISTANCE_EUCLIDEAN;
   double adaptive = 0;
+  int32_t relocation = PDESC_RELOCATION_CONNECTED;
+  int32_t evaluate = PDESC_EVALUATE_VERTEX;
+  int32_t texels = 512;
+  int32_t precision = PDESC_PRECISION_FULL;
 };
 pdesc_options options_of(const Settings &settings);
 

@@ -4,6 +4,7 @@ from .library import Descriptor, ParadescError, components, descriptors, load_li
 from .session import (
     ADAPTIVE_THRESHOLD,
     BACKENDS,
+    BUFFERS,
     CHOICES,
     DISTANCES,
     ELLIPSES,
@@ -27,6 +28,7 @@ from .session import (
 __all__ = [
     "ADAPTIVE_THRESHOLD",
     "BACKENDS",
+    "BUFFERS",
     "CHOICES",
     "DISTANCES",
     "ELLIPSES",

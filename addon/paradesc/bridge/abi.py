@@ -9,6 +9,7 @@ from ctypes import (
     c_double,
     c_float,
     c_int32,
+    c_int64,
     c_uint8,
     c_uint32,
     c_void_p,
@@ -250,6 +251,9 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
             POINTER(FieldPointer),  # field
         ],
     ),
+    "pdesc_mesh_buffer_size": (c_int32, [MeshPointer]),  # mesh
+    "pdesc_mesh_read_buffer": (c_int32, [MeshPointer, c_char_p, Float32Pointer, c_int64]),  # mesh, name, values, count
+    "pdesc_mesh_layout": (c_int32, [MeshPointer, Float32Pointer, c_int32]),  # mesh, uvs, triangle_count
     "pdesc_field_report_init": (None, [POINTER(FieldReport)]),  # report
     "pdesc_field_get_report": (c_int32, [FieldPointer, POINTER(FieldReport)]),  # field, report
     "pdesc_field_warnings": (c_char_p, [FieldPointer]),  # field
@@ -266,6 +270,8 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
         c_int32,
         [MeshPointer, c_double, Uint8Pointer, c_int32],  # mesh, radius, near_seam, vertex_count
     ),
+    "pdesc_field_map_size": (c_int32, [FieldPointer]),  # field
+    "pdesc_field_map": (c_int32, [FieldPointer, c_char_p, Float32Pointer, c_int64]),  # field, name, values, count
     "pdesc_field_destroy": (None, [FieldPointer]),  # field
 }
 

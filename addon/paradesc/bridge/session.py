@@ -58,6 +58,8 @@ NUMBERS = {
     "max_jumps": "number of jumps",
     "texels": "number of texels",
 }
+# What Mesh.read_buffer reads, and how many values a texel has of it.
+BUFFERS = {"position": 3, "normal": 3, "chart": 1, "neighbor": 1, "distortion": 4}
 # Of --adaptive without a number: radians.
 ADAPTIVE_THRESHOLD = 0.02
 
@@ -143,6 +145,14 @@ class Field:
         check(self._library, status)
         return mask
 
+    def map(self, name: str) -> np.ndarray:
+        """(N, N) or (N, N, 3) float32 over the layout, rows from v = 0 up, NaN off the surface; of evaluate = texel."""
+        size, width = self._library.pdesc_field_map_size(self._pointer), components(name)
+        values = np.empty((size, size) if width == 1 else (size, size, width), np.float32)
+        pointer = address(values, abi.Float32Pointer)
+        check(self._library, self._library.pdesc_field_map(self._pointer, name.encode(), pointer, values.size))
+        return values
+
     def close(self) -> None:
         """Frees the results."""
         self._finalizer()
@@ -206,6 +216,23 @@ class Mesh:
             raise caught[0]
         check(self._library, status)
         return Field(self._library, pointer, self.vertex_count)
+
+    def read_buffer(self, name: str) -> np.ndarray:
+        """(size, size) or (size, size, c) float32 of what the last compute baked, rows from v = 0 up; see BUFFERS."""
+        width = BUFFERS.get(name, 1)
+        size = self._library.pdesc_mesh_buffer_size(self._pointer)
+        values = np.empty((size, size) if width == 1 else (size, size, width), np.float32)
+        pointer = address(values, abi.Float32Pointer)
+        status = self._library.pdesc_mesh_read_buffer(self._pointer, name.encode(), pointer, values.size)
+        check(self._library, status)
+        return values
+
+    def layout(self) -> np.ndarray:
+        """(triangle_count, 3, 2) float32 (u, v) in use: the UV map's, or those of the private layout."""
+        count = int(self.report()["triangle_count"])
+        uvs = np.empty((count, 3, 2), np.float32)
+        check(self._library, self._library.pdesc_mesh_layout(self._pointer, address(uvs, abi.Float32Pointer), count))
+        return uvs
 
     def close(self) -> None:
         """Frees the mesh; its fields stay usable."""

@@ -116,12 +116,14 @@ typedef enum pdesc_ellipse {
 
 typedef enum pdesc_evaluate {
   PDESC_EVALUATE_VERTEX = 0, /* at the vertices themselves */
-  PDESC_EVALUATE_TEXEL = 1   /* at the texels of a square map, as the paper does; vertices are looked up in it */
+  PDESC_EVALUATE_TEXEL = 1   /* at the texels of a square map over the layout, as the paper does; vertices are looked up in it, bilinearly,
+                                beside a chart's border by a plane fitted to its texels. A vertex without a place in the UV map is NaN */
 } pdesc_evaluate;
 
 typedef enum pdesc_precision {
   PDESC_PRECISION_FULL = 0, /* 32-bit floats in the buffers */
-  PDESC_PRECISION_HALF = 1  /* 16-bit: half the memory; the center of an evaluation stays in 32 bits */
+  PDESC_PRECISION_HALF = 1  /* 16-bit floats: 28 instead of 44 bytes a texel. What rounding takes from positions and normals is kept in
+                               numbers that are free, so results hardly change; the center of an evaluation stays in 32 bits */
 } pdesc_precision;
 
 /* Bits of a vertex' mask. */
@@ -274,6 +276,15 @@ typedef enum pdesc_layout {
   PDESC_LAYOUT_SPARSE = 2    /* less than 15 % of the texels were used, or the radius spanned less than four of them, and half of the
                                 surface has 1.5 times as many along a line now */
 } pdesc_layout;
+/* What the last compute baked (not on REFERENCE): texels along a side, 0 before a compute; and (size, size, components) values, row
+ * by row from v = 0 up. name: "position" (3, units of the positions), "normal" (3), "chart" (1, a number, -1 for none), "neighbor"
+ * (1, the chart beyond a seam that runs through the texel, -1 for none), "distortion" (4: sigma_u, sigma_v, theta_e, area element,
+ * paper 3.3). NaN where no chart is. count: of floats. */
+PDESC_API int32_t pdesc_mesh_buffer_size(const pdesc_mesh *mesh);
+PDESC_API int32_t pdesc_mesh_read_buffer(pdesc_mesh *mesh, const char *name, float *values, int64_t count);
+/* (triangle_count, 3, 2) the (u, v) in use of every triangle's corners: the UV map's own, or those of the private layout, as the last
+ * compute left it. Maps and buffers lie in it. */
+PDESC_API int32_t pdesc_mesh_layout(const pdesc_mesh *mesh, float *uvs, int32_t triangle_count);
 
 typedef struct pdesc_field_report {
   uint32_t struct_size;
@@ -293,7 +304,7 @@ typedef struct pdesc_field_report {
   int32_t private_layout;       /* pdesc_layout */
   int32_t places;               /* of evaluation: vertices, or texels */
   double refined_share;         /* of the places of evaluation that took all samples; 1 without adaptive sampling */
-  double buffer_megabytes;      /* of the baked buffers on the device */
+  double buffer_megabytes;      /* of the baked buffers on the device, 10^6 bytes */
   int32_t cut_charts;           /* charts that overlapped themselves and were cut into pieces for the private layout */
 } pdesc_field_report;
 
@@ -313,6 +324,10 @@ PDESC_API int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int3
 /* (vertex_count) 1 where a seam of the UV map, or of the private layout, lies within the radius, measured along edges from vertex to
  * vertex. */
 PDESC_API int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *near_seam, int32_t vertex_count);
+/* The map of PDESC_EVALUATE_TEXEL: texels along a side, 0 where there is none; and its values over the layout used, row by row from
+ * v = 0 up, each row from u = 0: (size, size, components). NaN where no surface is. count: of floats. */
+PDESC_API int32_t pdesc_field_map_size(const pdesc_field *field);
+PDESC_API int32_t pdesc_field_map(const pdesc_field *field, const char *name, float *values, int64_t count);
 PDESC_API void pdesc_field_destroy(pdesc_field *field); /* NULL is allowed */
 
 #ifdef __cplusplus

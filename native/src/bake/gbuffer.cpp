@@ -2,6 +2,7 @@
 #include "bake/gbuffer.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "bake/seam_links.h"
 #include "shared.h"
@@ -30,9 +31,10 @@ BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &chart
   return vertices;
 }
 
-GeometryBuffer::GeometryBuffer(const Gl &gl, int size)
-    : gl_(gl), size_(size), position_(gl, size, size, GL_RGBA32F), normal_(gl, size, size, GL_RGBA32F),
-      ids_(gl, size, size, GL_RG32I), depth_(gl, size, size, GL_DEPTH_COMPONENT32F) {
+GeometryBuffer::GeometryBuffer(const Gl &gl, int size, bool half)
+    : gl_(gl), size_(size), half_(half), position_(gl, size, size, half ? GL_RGBA16F : GL_RGBA32F),
+      normal_(gl, size, size, half ? GL_RGBA16F : GL_RGBA32F), ids_(gl, size, size, GL_RG32I),
+      depth_(gl, size, size, GL_DEPTH_COMPONENT32F) {
   gl.CreateFramebuffers(1, &framebuffer_);
   gl.CreateVertexArrays(1, &vertex_array_);
   const GLuint colors[] = {position_.id(), normal_.id(), ids_.id()};
@@ -117,8 +119,35 @@ void GeometryBuffer::upload(const BakeInput &input, bool topology_changed) {
   check_gl(gl_, "upload");
 }
 
-void GeometryBuffer::draw_triangles(GLuint program) const {
+double GeometryBuffer::megabytes() const {
+  constexpr int ids = 8, depth = 4;
+  const int floats = 2 * 4 * (half_ ? 2 : 4); // position and normal
+  return 1e-6 * (floats + ids + depth) * size_ * size_;
+}
+
+// About the mean of the area element over the UV map: what exceeds 65504 times the mean has less than a 65504th of the map. A
+// power of two, so that nothing is rounded.
+void GeometryBuffer::set_area_unit(const BakeInput &input) {
+  if (!half_) return;
+  double space = 0.0, map = 0.0;
+  for (size_t t = 0; t < input.forms.size(); ++t) {
+    const vec2 *uv = &input.triangles.corner_uv[3 * t];
+    const double area = std::abs(cross(dvec2(uv[1]) - dvec2(uv[0]), dvec2(uv[2]) - dvec2(uv[0])));
+    if (!(input.forms[t].w > 0.0f)) continue;
+    space += area * static_cast<double>(input.forms[t].w);
+    map += area;
+  }
+  const double mean = map > 0.0 && space > 0.0 ? space / map : 1.0;
+  area_unit_ = static_cast<float>(std::exp2(std::clamp(std::round(std::log2(mean)), -100.0, 100.0)));
+}
+
+void GeometryBuffer::use(GLuint program) const {
   gl_.UseProgram(program);
+  gl_.Uniform1f(LOCATION_AREA_UNIT, area_unit_);
+  gl_.Uniform1i(LOCATION_HALF_FLOATS, half_);
+}
+
+void GeometryBuffer::draw_triangles() const {
   gl_.BindTextureUnit(UNIT_TRIANGLES, forms_.id());
   gl_.BindVertexArray(vertex_array_);
   gl_.DrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
@@ -126,6 +155,7 @@ void GeometryBuffer::draw_triangles(GLuint program) const {
 
 void GeometryBuffer::bake(ProgramCache &programs, const BakeInput &input, bool topology_changed) {
   upload(input, topology_changed);
+  set_area_unit(input);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   gl_.Viewport(0, 0, size_, size_);
   const float zero[4] = {0, 0, 0, 0}, far_depth = 1.0f;
@@ -138,9 +168,10 @@ void GeometryBuffer::bake(ProgramCache &programs, const BakeInput &input, bool t
   gl_.DepthFunc(GL_LEQUAL);
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_BLEND);
-  draw_triangles(programs.get(gl_, "bake", {{GL_VERTEX_SHADER, "bake.vert.glsl"}, {GL_FRAGMENT_SHADER, "bake.frag.glsl"}}));
+  use(programs.get(gl_, "bake", {{GL_VERTEX_SHADER, "bake.vert.glsl"}, {GL_FRAGMENT_SHADER, "bake.frag.glsl"}}));
+  draw_triangles();
   gl_.DepthFunc(GL_LESS);
-  gl_.UseProgram(programs.get(gl_, "edge", {{GL_VERTEX_SHADER, "edge.vert.glsl"}, {GL_FRAGMENT_SHADER, "edge.frag.glsl"}}));
+  use(programs.get(gl_, "edge", {{GL_VERTEX_SHADER, "edge.vert.glsl"}, {GL_FRAGMENT_SHADER, "edge.frag.glsl"}}));
   gl_.Uniform1i(0, size_);
   gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_EDGES, edges_.id());
   gl_.DrawArrays(GL_TRIANGLES, 0, 6 * edge_count_);
@@ -161,7 +192,8 @@ TexelCounts GeometryBuffer::count_owners(ProgramCache &programs) {
   gl_.Disable(GL_DEPTH_TEST);
   gl_.Enable(GL_BLEND);
   gl_.BlendFunc(GL_ONE, GL_ONE);
-  draw_triangles(programs.get(gl_, "count", {{GL_VERTEX_SHADER, "bake.vert.glsl"}, {GL_FRAGMENT_SHADER, "count.frag.glsl"}}));
+  gl_.UseProgram(programs.get(gl_, "count", {{GL_VERTEX_SHADER, "bake.vert.glsl"}, {GL_FRAGMENT_SHADER, "count.frag.glsl"}}));
+  draw_triangles();
   gl_.Disable(GL_BLEND);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
   gl_.DeleteFramebuffers(1, &framebuffer);
@@ -202,8 +234,41 @@ std::vector<vec4> GeometryBuffer::read_distortion(ProgramCache &programs) const 
   return read_image(gl_, distortion.id(), size_);
 }
 
-std::vector<vec4> GeometryBuffer::read_position() const { return read_image(gl_, position_.id(), size_); }
-std::vector<vec4> GeometryBuffer::read_normal() const { return read_image(gl_, normal_.id(), size_); }
+// As in half.glsl: what rounding took from a number, by one of `count` steps.
+static float rest_of(int step, int count) {
+  return ((static_cast<float>(step) + 0.5f) * 2.0f / static_cast<float>(count) - 1.0f) / 4096.0f;
+}
+
+static vec3 from_octahedron(vec2 place) {
+  const float z = 1.0f - std::abs(place.x) - std::abs(place.y);
+  if (z < 0.0f) place = vec2(std::copysign(1.0f - std::abs(place.y), place.x), std::copysign(1.0f - std::abs(place.x), place.y));
+  return normalize(vec3(place, z));
+}
+
+std::vector<vec4> GeometryBuffer::read_position() const {
+  std::vector<vec4> texels = read_image(gl_, position_.id(), size_);
+  if (!half_) return texels;
+  const std::vector<vec4> stored = read_image(gl_, normal_.id(), size_);
+  for (size_t i = 0; i < texels.size(); ++i) {
+    if (!(texels[i].w > 0.0f)) continue;
+    const int code = static_cast<int>(stored[i].w) + 2048;
+    texels[i] += vec4(rest_of(code & 15, 16), rest_of(code >> 4 & 15, 16), rest_of(code >> 8, 16), 0.0f);
+    texels[i].w *= area_unit_;
+  }
+  return texels;
+}
+
+std::vector<vec4> GeometryBuffer::read_normal() const {
+  std::vector<vec4> texels = read_image(gl_, normal_.id(), size_);
+  if (!half_) return texels;
+  const std::vector<int32_t> ids = read_ids();
+  for (size_t i = 0; i < texels.size(); ++i) {
+    if (ids[2 * i] < 0) continue;
+    const int code = static_cast<int>(texels[i].z) + 2048;
+    texels[i] = vec4(from_octahedron(vec2(texels[i]) + vec2(rest_of(code & 63, 64), rest_of(code >> 6, 64))), 0.0f);
+  }
+  return texels;
+}
 
 std::vector<int32_t> GeometryBuffer::read_ids() const {
   std::vector<int32_t> texels(2 * static_cast<size_t>(size_) * static_cast<size_t>(size_));

@@ -37,7 +37,8 @@ struct TexelCounts {
 
 class GeometryBuffer {
 public:
-  explicit GeometryBuffer(const Gl &gl, int size);
+  // half: positions and normals in 16-bit floats.
+  GeometryBuffer(const Gl &gl, int size, bool half = false);
   ~GeometryBuffer();
   GeometryBuffer(const GeometryBuffer &) = delete;
   GeometryBuffer &operator=(const GeometryBuffer &) = delete;
@@ -49,17 +50,25 @@ public:
   void bind() const;
   // sigma_u, sigma_v, theta_e, area element of every texel (size * size, 4); after bake.
   std::vector<vec4> read_distortion(ProgramCache &programs) const;
-  std::vector<vec4> read_position() const; // (size * size) position in buffer units, area element
+  std::vector<vec4> read_position() const; // (size * size) position, area element in buffer units
   std::vector<vec4> read_normal() const;
   std::vector<int32_t> read_ids() const; // (size * size, 2) chart, triangle
   int size() const { return size_; }
+  bool half() const { return half_; }
+  double megabytes() const; // 10^6 bytes, of all buffers
+  // What one unit of the stored area element stands for: 16-bit floats end at 65504.
+  float area_unit() const { return area_unit_; }
 
 private:
   void upload(const BakeInput &input, bool topology_changed);
-  void draw_triangles(GLuint program) const;
+  void draw_triangles() const;
+  void set_area_unit(const BakeInput &input);
+  void use(GLuint program) const;
 
   const Gl &gl_;
   int size_;
+  bool half_;
+  float area_unit_ = 1.0f;
   Texture position_, normal_, ids_, depth_;
   ListTexture forms_;
   Buffer position_normal_, uv_chart_, index_, edges_;

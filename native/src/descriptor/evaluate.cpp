@@ -76,6 +76,7 @@ void Evaluator::bind(const Gl &gl, const GeometryBuffer &buffer) const {
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_AREAS, areas_.id());
   gl.Uniform1i(0, buffer.size());
   gl.Uniform1i(8, block_size_);
+  gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
 }
 
 void Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer) {
@@ -127,16 +128,16 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
 }
 
 // What is decided while compiling: each choice costs nothing where it is not made.
-static std::string variant_of(const EvaluateSettings &settings) {
+static std::string variant_of(const EvaluateSettings &settings, bool half) {
   auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) + define("INTEGRAL", settings.integral) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
-         define("EXACT", settings.exact);
+         define("EXACT", settings.exact) + (half ? "#define HALF_FLOATS\n" : "");
 }
 
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
                     int first, int last) const {
-  const std::string variant = variant_of(settings);
+  const std::string variant = variant_of(settings, buffer.half());
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   gl.UseProgram(programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},

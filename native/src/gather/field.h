@@ -16,6 +16,8 @@ struct Field {
   std::vector<std::vector<float>> values;     // [name][vertex, component]
   std::vector<std::vector<float>> seam_error; // [name][vertex], empty where not asked for; of a direction the angle in radians
   std::vector<uint8_t> mask;                  // (vertex_count)
+  std::vector<std::vector<float>> maps;       // [name][texel, component] of texel evaluation, else empty; rows from v = 0 up
+  int map_size = 0;
   pdesc_field_report report{};
   std::string warnings;
 };
@@ -29,6 +31,9 @@ struct SiteResults {
   std::vector<float> coverage;            // (places)
   std::vector<uint8_t> boundary;          // (places)
 };
+
+// Adds the results of further places.
+void append(SiteResults &all, SiteResults &&part);
 
 // Every vertex takes its point's primary place. with_seam_error: also the spread over all places of a point.
 void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_seam_error, Field &field);

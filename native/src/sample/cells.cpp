@@ -6,6 +6,8 @@
 #include <numeric>
 #include <queue>
 
+#include "support/parallel.h"
+
 namespace paradesc {
 
 namespace {
@@ -374,6 +376,22 @@ private:
 Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles,
                   const HalfEdges &half_edges, const Charts &charts, int block_size) {
   return Builder(ids, grid, triangles, half_edges, charts, block_size).build();
+}
+
+std::vector<int32_t> find_cells(const Cells &cells, const std::vector<int32_t> &ids, const BorderGrid &grid,
+                                const Triangles &triangles, const Charts &charts, const std::vector<LayoutPlace> &places,
+                                int threads) {
+  const ChartMap map(ids, grid, triangles);
+  std::vector<int32_t> found(places.size());
+  parallel_blocks(static_cast<int>(places.size()), threads, 1024, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      const auto triangle = static_cast<size_t>(places[i].triangle);
+      const dvec2 texel = dvec2(places[i].uv) * static_cast<double>(grid.size);
+      const int64_t carrier = map.carrier(texel, charts.triangle_chart[triangle]);
+      found[i] = carrier >= 0 ? cells.label[2 * static_cast<size_t>(carrier)] : cells.triangle_cell[triangle];
+    }
+  });
+  return found;
 }
 
 } // namespace paradesc

@@ -38,4 +38,15 @@ struct Cells {
 Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles,
                   const HalfEdges &half_edges, const Charts &charts, int block_size);
 
+// A place of a triangle in the layout, just inside it.
+struct LayoutPlace {
+  vec2 uv;
+  int32_t triangle;
+};
+
+// The cell that carries each place, or from where the surface leads there; -1: none does.
+std::vector<int32_t> find_cells(const Cells &cells, const std::vector<int32_t> &ids, const BorderGrid &grid,
+                                const Triangles &triangles, const Charts &charts, const std::vector<LayoutPlace> &places,
+                                int threads);
+
 } // namespace paradesc

@@ -3,6 +3,7 @@
 
 #include <glm/geometric.hpp>
 #include <glm/mat2x2.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>

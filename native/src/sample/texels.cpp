@@ -1,0 +1,331 @@
+// Triangles and chart edges → texel places, as the bake finds them; results at texels → results at sites.
+#include "sample/texels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "bake/seam_links.h"
+#include "sample/pattern.h"
+
+namespace paradesc {
+
+static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+namespace {
+
+// The layout in texels of the map.
+struct Raster {
+  const Triangles &triangles;
+  TexelMap &map;
+  dvec2 uv(int32_t corner) const {
+    return dvec2(triangles.corner_uv[static_cast<size_t>(corner)]) * static_cast<double>(map.size);
+  }
+  size_t index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(map.size) + static_cast<size_t>(x); }
+  // First and last texel whose center lies in [low, high].
+  ivec2 range(double low, double high) const {
+    return {std::max(static_cast<int>(std::ceil(low - 0.5)), 0),
+            std::min(static_cast<int>(std::floor(high - 0.5)), map.size - 1)};
+  }
+};
+
+} // namespace
+
+// Of several triangles at one texel the first has it.
+static void draw_triangle(const Raster &raster, int32_t triangle, std::vector<TexelPlace> &found) {
+  const dvec2 a = raster.uv(3 * triangle), b = raster.uv(3 * triangle + 1), c = raster.uv(3 * triangle + 2);
+  const double area = cross(b - a, c - a);
+  if (area == 0.0) return;
+  const ivec2 rows = raster.range(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}));
+  const ivec2 columns = raster.range(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}));
+  for (int y = rows.x; y <= rows.y; ++y)
+    for (int x = columns.x; x <= columns.y; ++x) {
+      const dvec2 place(x + 0.5, y + 0.5);
+      const double wb = cross(place - a, c - a) / area, wc = cross(b - a, place - a) / area;
+      if (wb < 0.0 || wc < 0.0 || wb + wc > 1.0) continue;
+      int32_t &entry = raster.map.place[raster.index(x, y)];
+      if (entry >= 0) continue;
+      entry = static_cast<int32_t>(found.size());
+      const dvec2 uv = place / static_cast<double>(raster.map.size);
+      found.push_back({static_cast<int32_t>(raster.index(x, y)), triangle, vec2(wb, wc), vec2(uv), false});
+    }
+}
+
+// Texels that a border passes through take its nearest place. distance: of the border that has a texel, by its place less
+// `owned`.
+static void draw_border(const Raster &raster, const Border &border, size_t owned, std::vector<TexelPlace> &found,
+                        std::vector<double> &distance) {
+  constexpr double reach = 0.7072; // half a texel's diagonal
+  const auto [first, second] = border_ends(raster.triangles, border);
+  const int32_t triangle = border.half_edge / 3;
+  const dvec2 a = raster.uv(first), way = raster.uv(second) - a;
+  const double square = std::max(dot(way, way), 1e-30);
+  const ivec2 rows = raster.range(std::min(0.0, way.y) + a.y - reach, std::max(0.0, way.y) + a.y + reach);
+  for (int y = rows.x; y <= rows.y; ++y) {
+    // The part of the edge that this row's texels can be near to.
+    double from = 0.0, to = 1.0;
+    if (std::abs(way.y) > 1e-9) {
+      const double low = (y - 0.5 - a.y) / way.y, high = (y + 1.5 - a.y) / way.y;
+      from = std::clamp(std::min(low, high), 0.0, 1.0);
+      to = std::clamp(std::max(low, high), 0.0, 1.0);
+    }
+    const ivec2 columns =
+        raster.range(a.x + std::min(from * way.x, to * way.x) - reach, a.x + std::max(from * way.x, to * way.x) + reach);
+    for (int x = columns.x; x <= columns.y; ++x) {
+      const dvec2 center(x + 0.5, y + 0.5);
+      const double t = std::clamp(dot(center - a, way) / square, 0.0, 1.0);
+      const double gap = length(center - a - way * t);
+      int32_t &entry = raster.map.place[raster.index(x, y)];
+      if (gap > reach || (entry >= 0 && static_cast<size_t>(entry) < owned)) continue;
+      if (entry >= 0 && distance[static_cast<size_t>(entry) - owned] <= gap) continue;
+      vec3 weights(0.0f);
+      weights[first % 3] = static_cast<float>(1.0 - t);
+      weights[second % 3] = static_cast<float>(t);
+      const dvec2 uv = (a + way * t) / static_cast<double>(raster.map.size);
+      const TexelPlace place{static_cast<int32_t>(raster.index(x, y)), triangle, vec2(weights.y, weights.z), vec2(uv), true};
+      if (entry < 0) {
+        entry = static_cast<int32_t>(found.size());
+        found.push_back(place);
+        distance.push_back(gap);
+      } else {
+        found[static_cast<size_t>(entry)] = place;
+        distance[static_cast<size_t>(entry) - owned] = gap;
+      }
+    }
+  }
+}
+
+TexelMap build_texel_map(const Triangles &triangles, const Charts &charts, int size) {
+  TexelMap map;
+  map.size = size;
+  map.place.assign(static_cast<size_t>(size) * static_cast<size_t>(size), -1);
+  const Raster raster{triangles, map};
+  for (int32_t t = 0; t < triangles.triangle_count; ++t)
+    if (charts.triangle_chart[static_cast<size_t>(t)] >= 0) draw_triangle(raster, t, map.places);
+  std::vector<double> distance;
+  const size_t owned = map.places.size();
+  for (const Border &border : charts.borders) draw_border(raster, border, owned, map.places, distance);
+  std::sort(map.places.begin(), map.places.end(), [](const TexelPlace &a, const TexelPlace &b) { return a.texel < b.texel; });
+  for (size_t i = 0; i < map.places.size(); ++i) map.place[static_cast<size_t>(map.places[i].texel)] = static_cast<int32_t>(i);
+  return map;
+}
+
+static vec3 weights_of(const TexelPlace &place) { return vec3(1.0f - place.weights.x - place.weights.y, place.weights); }
+
+// What corners have, at the place.
+template <class Value, class At> static Value mix_corners(const TexelPlace &place, const At &at) {
+  const vec3 weights = weights_of(place);
+  const auto corner = 3 * static_cast<size_t>(place.triangle);
+  Value sum(0);
+  for (size_t i = 0; i < 3; ++i) sum += at(corner + i) * static_cast<typename Value::value_type>(weights[static_cast<int>(i)]);
+  return sum;
+}
+
+// The place in the layout, and the same a little inside its triangle: on a border every direction would begin on an edge.
+static vec4 layout_place(const TexelPlace &place, const Triangles &triangles, int size) {
+  const auto corner = 3 * static_cast<size_t>(place.triangle);
+  const auto at = [&](size_t c) { return triangles.corner_uv[c]; };
+  const vec2 uv = place.uv;
+  const vec3 weights = weights_of(place);
+  if (std::min({weights.x, weights.y, weights.z}) > 1e-4f) return vec4(uv, uv);
+  const vec2 way = (at(corner) + at(corner + 1) + at(corner + 2)) / 3.0f - uv;
+  const float texels = length(way) * static_cast<float>(size);
+  return vec4(uv, uv + way * std::min(0.2f, 0.02f / std::max(texels, 1e-6f)));
+}
+
+std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
+                                      const Normals &normals, const BufferFrame &frame, const std::vector<vec4> &ellipses,
+                                      float reach, uint32_t seed, size_t first, size_t last) {
+  std::vector<CenterData> centers;
+  centers.reserve(last - first);
+  for (size_t i = first; i < last; ++i) {
+    const TexelPlace &place = map.places[i];
+    const auto position = mix_corners<dvec3>(
+        place, [&](size_t c) { return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[c])]); });
+    const vec3 normal = mix_corners<vec3>(place, [&](size_t c) { return normals.corner[c]; });
+    const float span = length(normal);
+    const vec4 ellipse =
+        mix_corners<vec4>(place, [&](size_t c) { return ellipses[static_cast<size_t>(charts.corner_site[c])]; }) * reach;
+    const auto corner = 3 * static_cast<size_t>(place.triangle);
+    const auto chart = static_cast<float>(charts.triangle_chart[static_cast<size_t>(place.triangle)]);
+    centers.push_back(
+        {vec4(vec3((position - frame.center) * frame.scale), chart),
+         vec4(span > 0.0f ? normal / span : normals.corner[corner], pattern_rotation(static_cast<uint32_t>(place.texel), seed)),
+         layout_place(place, triangles, map.size), ellipse});
+  }
+  return centers;
+}
+
+std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Triangles &triangles, size_t first, size_t last) {
+  std::vector<LayoutPlace> places;
+  places.reserve(last - first);
+  for (size_t i = first; i < last; ++i) {
+    const vec4 uv = layout_place(map.places[i], triangles, map.size);
+    places.push_back({vec2(uv.z, uv.w), map.places[i].triangle});
+  }
+  return places;
+}
+
+namespace {
+
+struct Weighted {
+  int32_t place;
+  float weight; // they add up to 1, and may be negative
+  float near;   // what stands for it where not all values are defined
+};
+
+// Weights by which a plane fitted to values at the offsets (texels), each by its nearness, has its value at 0; false where the
+// offsets do not span the plane.
+bool fit_plane(const std::vector<vec2> &offsets, std::vector<Weighted> &found) {
+  glm::dmat3 moments(0.0);
+  for (size_t i = 0; i < found.size(); ++i) {
+    const dvec3 row(1.0, dvec2(offsets[i]));
+    moments += static_cast<double>(found[i].near) * outerProduct(row, row);
+  }
+  const double spread = moments[1][1] + moments[2][2];
+  if (!(determinant(moments) > 0.01 * moments[0][0] * spread * spread)) return false;
+  const dvec3 plane = inverse(moments)[0];
+  for (size_t i = 0; i < found.size(); ++i)
+    found[i].weight = found[i].near * static_cast<float>(dot(plane, dvec3(1.0, dvec2(offsets[i]))));
+  return true;
+}
+
+class Lookup {
+public:
+  Lookup(const TexelMap &map, const Charts &charts) : map_(map), charts_(charts) {}
+
+  // The places that a site's values are taken from; none where no texel of its chart is near.
+  std::vector<Weighted> near(const Site &site) const {
+    const vec2 texel = site.uv * static_cast<float>(map_.size) - 0.5f;
+    const vec2 low = glm::floor(texel), share = texel - low;
+    std::vector<Weighted> found;
+    bool regular = true;
+    for (int i = 0; i < 4; ++i) {
+      const float weight = (i % 2 ? share.x : 1.0f - share.x) * (i / 2 ? share.y : 1.0f - share.y);
+      const int32_t place = at(static_cast<int>(low.x) + i % 2, static_cast<int>(low.y) + i / 2, site.chart);
+      regular = regular && place >= 0 && !map_.places[static_cast<size_t>(place)].on_border;
+      found.push_back({place, weight, weight});
+    }
+    if (!regular) found = beside_border(site);
+    if (found.empty()) add_nearest(texel, site.chart, found);
+    return found;
+  }
+
+private:
+  int32_t at(int x, int y, int32_t chart) const {
+    if (x < 0 || y < 0 || x >= map_.size || y >= map_.size) return -1;
+    const int32_t place = map_.place[static_cast<size_t>(y) * static_cast<size_t>(map_.size) + static_cast<size_t>(x)];
+    if (place < 0) return -1;
+    const auto triangle = static_cast<size_t>(map_.places[static_cast<size_t>(place)].triangle);
+    return charts_.triangle_chart[triangle] == chart ? place : -1;
+  }
+
+  std::vector<Weighted> beside_border(const Site &site) const {
+    constexpr float reach = 2.0f;
+    const vec2 here = site.uv * static_cast<float>(map_.size);
+    const ivec2 middle(glm::floor(here));
+    std::vector<Weighted> found;
+    std::vector<vec2> offsets;
+    float sum = 0.0f;
+    for (int y = middle.y - 2; y <= middle.y + 2; ++y)
+      for (int x = middle.x - 2; x <= middle.x + 2; ++x) {
+        const int32_t place = at(x, y, site.chart);
+        if (place < 0) continue;
+        const vec2 offset = map_.places[static_cast<size_t>(place)].uv * static_cast<float>(map_.size) - here;
+        const float nearness = 1.0f - dot(offset, offset) / (reach * reach);
+        if (nearness < 1e-3f) continue;
+        found.push_back({place, nearness * nearness, nearness * nearness});
+        offsets.push_back(offset);
+        sum += found.back().near;
+      }
+    if (found.size() < 4 || !fit_plane(offsets, found))
+      for (Weighted &one : found) one.weight /= sum;
+    return found;
+  }
+
+  void add_nearest(vec2 texel, int32_t chart, std::vector<Weighted> &found) const {
+    constexpr int reach = 4;
+    float nearest = std::numeric_limits<float>::max();
+    const ivec2 middle(glm::round(texel));
+    for (int y = middle.y - reach; y <= middle.y + reach; ++y)
+      for (int x = middle.x - reach; x <= middle.x + reach; ++x) {
+        const vec2 gap = vec2(x, y) - texel;
+        const int32_t place = at(x, y, chart);
+        if (place < 0 || dot(gap, gap) >= nearest) continue;
+        nearest = dot(gap, gap);
+        found.assign(1, {place, 1.0f, 1.0f});
+      }
+  }
+
+  const TexelMap &map_;
+  const Charts &charts_;
+};
+
+} // namespace
+
+static bool is_defined(const float *value, size_t width) {
+  return std::none_of(value, value + width, [](float part) { return std::isnan(part); });
+}
+
+// A direction has two signs: each is turned to the side of the first.
+static void mix_value(const std::vector<Weighted> &from, const std::vector<float> &values, size_t width,
+                      std::vector<float> &out) {
+  const auto at = [&](const Weighted &one) { return &values[static_cast<size_t>(one.place) * width]; };
+  const bool whole = std::all_of(from.begin(), from.end(), [&](const Weighted &one) { return is_defined(at(one), width); });
+  vec3 sum(0.0f), side(0.0f);
+  float total = 0.0f;
+  for (const Weighted &one : from) {
+    if (!is_defined(at(one), width)) continue;
+    vec3 value(0.0f);
+    for (size_t k = 0; k < width; ++k) value[static_cast<int>(k)] = at(one)[k];
+    if (total == 0.0f) side = value;
+    const float weight = whole ? one.weight : one.near;
+    sum += (width == 3 && dot(value, side) < 0.0f ? -weight : weight) * value;
+    total += one.near;
+  }
+  if (width == 3)
+    sum /= std::max(length(sum), 1e-30f);
+  else if (!whole)
+    sum /= std::max(total, 1e-30f);
+  for (size_t k = 0; k < width; ++k) out.push_back(total > 0.0f ? sum[static_cast<int>(k)] : nan);
+}
+
+SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites) {
+  const Lookup lookup(map, charts);
+  SiteResults found;
+  found.refined_share = results.refined_share;
+  found.values.resize(results.values.size());
+  for (size_t i = 0; i < charts.sites.size(); ++i) {
+    const Site &site = charts.sites[i];
+    const bool primary = charts.point_site[static_cast<size_t>(site.point)] == static_cast<int32_t>(i);
+    if (!primary && !all_sites) continue;
+    const std::vector<Weighted> from = lookup.near(site);
+    if (from.empty()) continue;
+    found.point.push_back(site.point);
+    found.primary.push_back(primary);
+    for (size_t row = 0; row < results.values.size(); ++row)
+      mix_value(from, results.values[row], results.values[row].size() / map.places.size(), found.values[row]);
+    mix_value(from, results.coverage, 1, found.coverage);
+    found.coverage.back() = std::clamp(found.coverage.back(), 0.0f, 1.0f);
+    uint8_t boundary = 0;
+    for (const Weighted &one : from) boundary |= results.boundary[static_cast<size_t>(one.place)];
+    found.boundary.push_back(boundary);
+  }
+  return found;
+}
+
+void keep_map(const TexelMap &map, const SiteResults &results, Field &field) {
+  const size_t texels = map.place.size(), places = map.places.size();
+  auto add = [&](const std::vector<float> &values) {
+    const size_t width = places ? values.size() / places : 1;
+    std::vector<float> image(texels * width, nan);
+    for (size_t i = 0; i < values.size(); ++i)
+      image[static_cast<size_t>(map.places[i / width].texel) * width + i % width] = values[i];
+    field.maps.push_back(std::move(image));
+  };
+  for (const auto &values : results.values) add(values);
+  add(results.coverage);
+  field.map_size = map.size;
+}
+
+} // namespace paradesc

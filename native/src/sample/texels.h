@@ -1,0 +1,53 @@
+// Charts → the places of a square map over the layout, one a texel, to evaluate at (paper 4.1); and from results there back to
+// the places of vertices.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bake/distortion.h"
+#include "gather/field.h"
+#include "mesh/charts.h"
+#include "mesh/normals.h"
+#include "mesh/triangles.h"
+#include "sample/cells.h"
+
+#include "shared.h"
+
+namespace paradesc {
+
+// A place of the surface. Where the texel's center lies off the chart, but the chart's border runs through it: the nearest place
+// of that border.
+struct TexelPlace {
+  int32_t texel; // y * size + x
+  int32_t triangle;
+  vec2 weights; // of the triangle's corners 1 and 2
+  vec2 uv;
+  bool on_border; // not at the texel's center
+};
+
+struct TexelMap {
+  int size = 0;
+  std::vector<TexelPlace> places; // by texel
+  std::vector<int32_t> place;     // (size * size) index into places, or -1
+};
+
+TexelMap build_texel_map(const Triangles &triangles, const Charts &charts, int size);
+
+// Places [first, last) as centers, p and n in 32 bits. ellipses: (sites), for the radius in buffer units times the enlargement.
+std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
+                                      const Normals &normals, const BufferFrame &frame, const std::vector<vec4> &ellipses,
+                                      float reach, uint32_t seed, size_t first, size_t last);
+
+// Where in the layout those centers are: for find_cells.
+std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Triangles &triangles, size_t first, size_t last);
+
+// results: at all places of the map → at the places of points in the UV map; each point's primary one only, unless all_sites.
+// Bilinear between texels of the site's own chart; beside its border, where some are missing or not at their centers, by a plane
+// fitted to those around. No row for a site with no texel of its chart near.
+SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites);
+
+// Adds the map to the field: NaN where there is no surface. names: of results.values.
+void keep_map(const TexelMap &map, const SiteResults &results, Field &field);
+
+} // namespace paradesc

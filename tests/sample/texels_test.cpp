@@ -1,0 +1,151 @@
+// Places of a map over the layout, and values looked up there, on planes where everything is linear.
+#include "sample/texels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "bake/shapes.h"
+
+namespace paradesc::test {
+namespace {
+
+constexpr int size = 64;
+
+dvec2 center_of(int32_t texel) { return dvec2(texel % size + 0.5, texel / size + 0.5) / static_cast<double>(size); }
+
+dvec2 uv_of(const Built &built, const TexelPlace &place) {
+  const vec3 weights(1.0f - place.weights.x - place.weights.y, place.weights);
+  dvec2 uv(0.0);
+  for (int i = 0; i < 3; ++i) uv += built.uv(3 * place.triangle + i) * static_cast<double>(weights[i]);
+  return uv;
+}
+
+// One value a place: a linear function of the place on the surface, and the number of its chart.
+SiteResults linear_results(const Built &built, const TexelMap &map) {
+  SiteResults results;
+  results.values.resize(2);
+  for (const TexelPlace &place : map.places) {
+    const int32_t chart = built.charts.triangle_chart[at(place.triangle)];
+    const dvec2 on_plane =
+        inverse(chart_of_quad(chart % 4, chart / 4).linear) * (uv_of(built, place) - chart_of_quad(chart % 4, chart / 4).origin);
+    results.values[0].push_back(static_cast<float>(2.0 * on_plane.x - 3.0 * on_plane.y));
+    results.values[1].push_back(static_cast<float>(chart));
+  }
+  results.coverage.assign(map.places.size(), 1.0f);
+  results.boundary.assign(map.places.size(), 0);
+  return results;
+}
+
+TEST(TexelMap, has_every_texel_whose_center_lies_on_a_triangle_there) {
+  const Built built = plane_of_twelve_charts();
+  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  int on_centers = 0;
+  for (const TexelPlace &place : map.places) {
+    const double gap = length(uv_of(built, place) - center_of(place.texel)) * size;
+    EXPECT_LE(gap, 0.7073) << "a border through the texel is at most half a diagonal from its center";
+    on_centers += gap < 1e-3;
+    EXPECT_EQ(map.place[at(place.texel)], static_cast<int32_t>(&place - map.places.data()));
+  }
+  int inside = 0;
+  for (int32_t texel = 0; texel < size * size; ++texel) {
+    bool covered = false;
+    for (int32_t t = 0; t < built.triangles.triangle_count; ++t) {
+      const dvec2 p = center_of(texel), a = built.uv(3 * t), b = built.uv(3 * t + 1), c = built.uv(3 * t + 2);
+      const double turn = paradesc::cross(b - a, c - a) > 0.0 ? 1.0 : -1.0;
+      covered |= turn * paradesc::cross(b - a, p - a) > 0.0 && turn * paradesc::cross(c - b, p - b) > 0.0 &&
+                 turn * paradesc::cross(a - c, p - c) > 0.0;
+    }
+    inside += covered;
+    EXPECT_TRUE(!covered || map.place[at(texel)] >= 0) << "texel " << texel;
+  }
+  EXPECT_GT(inside, 200);
+  EXPECT_GE(on_centers, inside);
+  EXPECT_LE(on_centers, inside + 10) << "centers on an edge";
+}
+
+TEST(TexelMap, has_every_texel_that_a_chart_edge_passes_through) {
+  const Built built = plane_of_twelve_charts();
+  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  for (const Border &border : built.charts.borders) {
+    const dvec2 a = built.uv(border.half_edge), b = built.uv(next_corner(border.half_edge));
+    for (int k = 0; k <= 200; ++k) {
+      const dvec2 place = (a + (b - a) * (k / 200.0)) * static_cast<double>(size);
+      EXPECT_GE(map.place[at(static_cast<int>(place.y) * size + static_cast<int>(place.x))], 0);
+    }
+  }
+}
+
+TEST(TexelMap, a_chart_smaller_than_a_texel_has_one) {
+  const Built built = build(grid(
+      2, 1, [](dvec2 place, int x, int) { return x == 0 ? place * 0.4 + 0.05 : dvec2(0.8) + (place - dvec2(1, 0)) * 1e-4; }));
+  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  EXPECT_TRUE(std::any_of(map.places.begin(), map.places.end(), [](const TexelPlace &place) { return place.triangle >= 2; }));
+}
+
+TEST(TexelLookup, is_exact_for_what_is_linear_and_stays_on_the_chart_of_each_place) {
+  const Built built = plane_of_twelve_charts();
+  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  const SiteResults all = linear_results(built, map), found = look_up(map, all, built.charts, true);
+  ASSERT_EQ(found.point.size(), built.charts.sites.size());
+  std::map<int32_t, int> charts_of_point;
+  for (size_t i = 0; i < found.point.size(); ++i) {
+    EXPECT_FLOAT_EQ(found.values[1][i], static_cast<float>(built.charts.sites[i].chart)) << "of its own chart";
+    // All are corners of charts, beyond most of their texels: a plane is fitted. UVs are floats; a texel is 1/5 of a quad.
+    const vec3 p = built.triangles.positions[at(built.half_edges.point_vertex[at(found.point[i])])];
+    EXPECT_NEAR(found.values[0][i], 2.0f * p.x - 3.0f * p.y, 1e-3f);
+    ++charts_of_point[found.point[i]];
+  }
+  EXPECT_EQ(std::max_element(charts_of_point.begin(), charts_of_point.end(), [](auto &a, auto &b) { return a.second < b.second; })
+                ->second,
+            4)
+      << "four quads meet at a point";
+  const SiteResults primary = look_up(map, all, built.charts, false);
+  EXPECT_EQ(primary.point.size(), charts_of_point.size());
+}
+
+TEST(TexelLookup, within_a_chart_a_linear_function_is_exact) {
+  const Built built = build(grid(6, 6, [](dvec2 place, int, int) { return (place + 1.1) / 8.3; }));
+  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  SiteResults all;
+  all.values.resize(1);
+  for (const TexelPlace &place : map.places) all.values[0].push_back(static_cast<float>(uv_of(built, place).x));
+  all.coverage.assign(map.places.size(), 1.0f);
+  all.boundary.assign(map.places.size(), 0);
+  const SiteResults found = look_up(map, all, built.charts, false);
+  int inner = 0;
+  for (size_t i = 0; i < found.point.size(); ++i) {
+    const vec3 p = built.triangles.positions[at(built.half_edges.point_vertex[at(found.point[i])])];
+    if (p.x < 0.5f || p.y < 0.5f || p.x > 5.5f || p.y > 5.5f) continue;
+    EXPECT_NEAR(found.values[0][i], (p.x + 1.1f) / 8.3f, 1e-6f) << "a few roundings";
+    ++inner;
+  }
+  EXPECT_EQ(inner, 25);
+}
+
+TEST(TexelLookup, undefined_texels_are_left_out_and_directions_do_not_cancel) {
+  const Built built = build(grid(1, 1, [](dvec2 place, int, int) { return place * 0.5 + 0.25; }));
+  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  SiteResults all;
+  all.values.resize(2);
+  for (size_t i = 0; i < map.places.size(); ++i) {
+    const bool odd = (map.places[i].texel % size + map.places[i].texel / size) % 2 != 0;
+    all.values[0].push_back(odd ? std::numeric_limits<float>::quiet_NaN() : 7.0f);
+    for (const float part : {0.6f, 0.8f, 0.0f}) all.values[1].push_back(odd ? -part : part);
+  }
+  all.coverage.assign(map.places.size(), 1.0f);
+  all.boundary.assign(map.places.size(), 0);
+  const SiteResults found = look_up(map, all, built.charts, false);
+  ASSERT_EQ(found.point.size(), 4u);
+  for (size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(found.values[0][i], 7.0f);
+    EXPECT_NEAR(std::abs(found.values[1][3 * i]), 0.6f, 1e-6f);
+    EXPECT_NEAR(std::abs(found.values[1][3 * i + 1]), 0.8f, 1e-6f);
+  }
+}
+
+} // namespace
+} // namespace paradesc::test
