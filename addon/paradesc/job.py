@@ -45,6 +45,7 @@ class Results:
     warnings: list[str]
     near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
     seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
+    layout: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
 
     @property
     def radius(self) -> float:
@@ -73,7 +74,7 @@ def run(arrays: bridge.MeshArrays, settings: Settings, progress: ProgressFunctio
         if arrays.corner_uvs is None and context.backend != "reference":
             raise bridge.ParadescError(
                 abi.STATUS_INVALID_ARGUMENT,
-                "The mesh has no UV map; unwrap it, or choose the backend reference, which needs none.",
+                "The arrays have no UV coordinates; give them, or choose the backend reference, which needs none.",
             )
         with context.mesh(arrays) as mesh, mesh.compute(settings.descriptors, settings.options, progress) as result:
             results = Results(
@@ -88,10 +89,23 @@ def run(arrays: bridge.MeshArrays, settings: Settings, progress: ProgressFunctio
                 fallback=context.fallback,
                 warnings=result.warnings(),
             )
+            if arrays.layout is not None and context.backend != "reference":
+                results.layout = arrays.layout
+                results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
             if settings.options.seam_error and context.backend != "reference":
                 results.near_seam = mesh.near_seam(results.radius)
                 results.seam_error = {name: result.seam_error(name) for name in settings.descriptors}
     return results
+
+
+def layout_sentence(layout: bridge.Layout, charts: int) -> str:
+    """Says what stood in for the UV map."""
+    if layout.kept:
+        done = f"the layout of {charts:,} charts that an earlier bake left in it was used"
+    else:
+        done = f"Blender unwrapped a copy of it into {charts:,} charts for the computation"
+    unchanged = "" if layout.reason == "has no UV map" else ", and the map itself is unchanged"
+    return f"The mesh {layout.reason}; {done}{unchanged}."
 
 
 class Worker:

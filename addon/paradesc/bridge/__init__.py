@@ -1,7 +1,19 @@
 """The way from Python to libparadesc: plain Python, ctypes and numpy, never Blender."""
 
 from .library import Descriptor, ParadescError, descriptors, load_library, missing_sentence
-from .session import BACKENDS, NORMALS, RADIUS_UNITS, RELOCATIONS, Context, Field, Mesh, MeshArrays, Options, devices
+from .session import (
+    BACKENDS,
+    NORMALS,
+    RADIUS_UNITS,
+    RELOCATIONS,
+    Context,
+    Field,
+    Layout,
+    Mesh,
+    MeshArrays,
+    Options,
+    devices,
+)
 
 __all__ = [
     "BACKENDS",
@@ -11,6 +23,7 @@ __all__ = [
     "Context",
     "Descriptor",
     "Field",
+    "Layout",
     "Mesh",
     "MeshArrays",
     "Options",
