@@ -100,10 +100,11 @@ def run(arrays: bridge.MeshArrays, settings: Settings, progress: ProgressFunctio
 
 def layout_sentence(layout: bridge.Layout, charts: int) -> str:
     """Says what stood in for the UV map."""
+    count = f"{charts:,} chart" + ("" if charts == 1 else "s")
     if layout.kept:
-        done = f"the layout of {charts:,} charts that an earlier bake left in it was used"
+        done = f"the layout of {count} that an earlier bake left in it was used"
     else:
-        done = f"Blender unwrapped a copy of it into {charts:,} charts for the computation"
+        done = f"Blender unwrapped a copy of it into {count} for the computation"
     unchanged = "" if layout.reason == "has no UV map" else ", and the map itself is unchanged"
     return f"The mesh {layout.reason}; {done}{unchanged}."
 

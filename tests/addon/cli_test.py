@@ -316,8 +316,13 @@ def test_malformed_mesh_gives_results_for_its_sound_vertices(paradesc, tmp_path,
     assert report["field_report"]["undefined_vertices"] == int(np.isnan(arrays["mean_curvature"]).sum())
 
 
-def test_infinite_coordinates_are_one_sentence(paradesc):
-    refused(paradesc("bake", real_mesh("malformed/infinite_coordinates.glb"), *QUICK, "--output", "out.npz"))
+def test_infinite_coordinates_that_blender_sets_to_zero_leave_the_faces_with_area(paradesc, tmp_path):
+    accepted(paradesc("bake", real_mesh("malformed/infinite_coordinates.glb"), *QUICK, "--output", "out.npz"))
+    arrays = loaded(tmp_path / "out.npz")
+    assert (arrays["vertices"][:, 0] == 0).all()  # a cube pressed flat, without a UV map
+    defined = np.isfinite(arrays["mean_curvature"])
+    assert defined.sum() == 8
+    np.testing.assert_allclose(arrays["mean_curvature"][defined], 0.0, atol=1e-5)
 
 
 def test_split_vertices_of_a_gltf_file_each_get_their_value(paradesc, tmp_path):

@@ -133,19 +133,6 @@ def test_same_mesh_gets_the_same_layout(bare):
     assert np.array_equal(read(bare).corner_uvs, read(bare).corner_uvs)
 
 
-@pytest.mark.parametrize("flatten", [True, False])
-def test_large_meshes_are_only_projected(bare, monkeypatch, flatten):
-    monkeypatch.setattr(unwrap, "LARGEST_FLATTENED", len(bare.data.polygons) - (not flatten))
-    asked = []
-    original = unwrap.unwrapped
-    monkeypatch.setattr(
-        unwrap, "unwrapped", lambda *words, **named: asked.append(words[3:]) or original(*words, **named)
-    )
-    results = job.run(read(bare), SETTINGS)
-    assert asked == [(flatten,)]
-    assert error_percent(results.values["mean_curvature"]) < 1.0
-
-
 def test_vertices_split_by_a_file_are_unwrapped_as_one_surface():
     empty_scene()
     points, quads, _ = cube_sphere(8)
@@ -272,10 +259,10 @@ def test_edit_mode_unwraps_the_mesh_as_edited_so_far(bare):
 
 
 def test_failed_operator_is_one_sentence_and_leaves_nothing(bare, monkeypatch):
-    def fail(flatten):
+    def fail():
         raise RuntimeError("Error: it\nbroke.\n")
 
-    monkeypatch.setattr(unwrap, "run_operators", fail)
+    monkeypatch.setattr(unwrap, "run_operator", fail)
     before = fingerprint(bare), state()
     with pytest.raises(ParadescError, match="could not unwrap") as caught:
         read(bare)
