@@ -191,7 +191,7 @@ def run_bake(arguments: argparse.Namespace) -> None:
     saves_scene = any(path.suffix.lower() == ".blend" for path in arguments.output)
     if saves_scene:
         mesh_io.check_writable(target)
-    arrays = mesh_io.read_object(target, settings.options.normals == "mesh")
+    arrays = mesh_io.read_object(target, settings.options.normals == "mesh", settings.backend != "reference")
     with Progress() as progress:
         computed = job.run(arrays, settings, progress, arguments.dump_buffers is not None)
     baked = results.Baked(target.name, computed, arrays, mesh_io.world_matrix(target))

@@ -52,6 +52,7 @@ class Results:
     layout: np.ndarray | None = None  # (triangle_count, 3, 2) where maps and buffers lie
 
     field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
+    unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
 
     @property
     def radius(self) -> float:
@@ -115,14 +116,22 @@ def run(
         if arrays.corner_uvs is None and context.backend != "reference":
             raise bridge.ParadescError(
                 abi.STATUS_INVALID_ARGUMENT,
-                "The mesh has no UV map; unwrap it, or choose the backend reference, which needs none.",
+                "The arrays have no UV coordinates; give them, or choose the backend reference, which needs none.",
             )
         with context.mesh(arrays) as mesh:
-            return run_radii(context, mesh, settings, progress, with_buffers)
+            results = run_radii(context, mesh, settings, progress, with_buffers)
+            if arrays.layout is not None and context.backend != "reference":
+                results.unwrapped = arrays.layout
+                results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
+            return results
 
 
 def run_radii(
-    context: bridge.Context, mesh: bridge.Mesh, settings: Settings, progress: ProgressFunction | None, with_buffers: bool
+    context: bridge.Context,
+    mesh: bridge.Mesh,
+    settings: Settings,
+    progress: ProgressFunction | None,
+    with_buffers: bool,
 ) -> Results:
     """One computation a radius, all from the same baked buffers. Coverage and mask are the worst of all."""
     radii = (settings.options.radius, *settings.more_radii)
@@ -167,9 +176,7 @@ def part_of(progress: ProgressFunction | None, index: int, count: int) -> Progre
     return lambda stage, fraction: progress(stage, (index + fraction) / count)
 
 
-def keep_texels(
-    results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix: str, with_buffers: bool
-) -> None:
+def keep_texels(results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix: str, with_buffers: bool) -> None:
     """Adds what lies in texture space: the maps of texel evaluation, and the baked buffers where asked for."""
     if results.settings.options.evaluate == "texel":
         names = (*results.settings.descriptors, "coverage")
@@ -178,6 +185,17 @@ def keep_texels(
         results.buffers = {name: mesh.read_buffer(name) for name in bridge.BUFFERS}
     if results.maps or results.buffers:
         results.layout = mesh.layout()
+
+
+def layout_sentence(layout: bridge.Layout, charts: int) -> str:
+    """Says what stood in for the UV map."""
+    count = f"{charts:,} chart" + ("" if charts == 1 else "s")
+    if layout.kept:
+        done = f"the layout of {count} that an earlier bake left in it was used"
+    else:
+        done = f"Blender unwrapped a copy of it into {count} for the computation"
+    unchanged = "" if layout.reason == "has no UV map" else ", and the map itself is unchanged"
+    return f"The mesh {layout.reason}; {done}{unchanged}."
 
 
 class Worker:

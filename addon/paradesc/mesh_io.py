@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import bpy
 import numpy as np
 
-from . import color_maps
+from . import color_maps, unwrap
 from .bridge import MeshArrays, ParadescError, abi, components
 from .job import Results, registry_name, registry_row
 
@@ -19,20 +19,23 @@ def refuse(sentence: str) -> ParadescError:
     return ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
 
 
-def read_object(target: bpy.types.Object, corner_normals: bool) -> MeshArrays:
-    """The object's own mesh (before modifiers), in object space; in edit mode as edited so far."""
+def read_object(target: bpy.types.Object, corner_normals: bool, needs_uvs: bool = True) -> MeshArrays:
+    """The object's own mesh (before modifiers), in object space; in edit mode as edited so far.
+
+    Without a usable UV map it gets a layout made for the computation, if it needs one.
+    """
     mesh = target.data
     if mesh.is_editmode:
         target.update_from_editmode()
         copy = mesh.copy()  # of an edited mesh Blender hides the attributes' values, of its copy it does not
         try:
-            return read_mesh(copy, corner_normals, mesh.name)
+            return read_mesh(copy, corner_normals, needs_uvs, mesh.name)
         finally:
             bpy.data.meshes.remove(copy)
-    return read_mesh(mesh, corner_normals, mesh.name)
+    return read_mesh(mesh, corner_normals, needs_uvs, mesh.name)
 
 
-def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, name: str) -> MeshArrays:
+def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name: str) -> MeshArrays:
     """A mesh's triangles as arrays; the mesh stays as it is."""
     if len(mesh.polygons) == 0:
         raise refuse(f'The mesh "{name}" has no faces; there is no surface to measure.')
@@ -40,7 +43,7 @@ def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, name: str) -> MeshArra
     triangle_count = len(mesh.loop_triangles)
     triangle_corners = np.empty(3 * triangle_count, np.int32)
     mesh.loop_triangles.foreach_get("loops", triangle_corners)
-    return MeshArrays(
+    arrays = MeshArrays(
         positions=read_positions(mesh),
         corner_vertices=read_corner_vertices(mesh),
         triangle_corners=triangle_corners.reshape(-1, 3),
@@ -49,6 +52,11 @@ def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, name: str) -> MeshArra
         triangle_smooth=read_smooth(mesh, triangle_count),
         sharp_edges=read_sharp_edges(mesh),
     )
+    reason = unwrap.fault(arrays.corner_uvs, arrays.triangle_corners)
+    if reason:
+        arrays.layout = unwrap.layout(mesh, stored_layout(mesh), arrays, reason) if needs_uvs else None
+        arrays.corner_uvs = arrays.layout.uvs if arrays.layout else None
+    return arrays
 
 
 def read_array(collection: object, member: str, kind: type, width: int = 1) -> np.ndarray:
@@ -77,11 +85,7 @@ def read_corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
 def read_uvs(mesh: bpy.types.Mesh) -> np.ndarray | None:
     """(corner_count, 2) float32 of the active UV map, or None without one."""
     layer = mesh.uv_layers.active
-    if layer is None:
-        return None
-    if hasattr(layer, "uv"):
-        return read_array(layer.uv, "vector", np.float32, 2)
-    return read_array(layer.data, "uv", np.float32, 2)
+    return None if layer is None else unwrap.read_uvs(layer)
 
 
 def read_corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
@@ -152,6 +156,12 @@ def stored_summary(mesh: bpy.types.Mesh) -> dict[str, object]:
     return content if "attributes" in content else {}
 
 
+def stored_layout(mesh: bpy.types.Mesh) -> dict[str, str]:
+    """What a bake stored about the layout that it left on this mesh; empty without one."""
+    found = stored_summary(mesh).get("layout", {})
+    return found if isinstance(found, dict) else {}
+
+
 def written_attributes(mesh: bpy.types.Mesh) -> list[str]:
     """Names of the attributes that earlier bakes left on this mesh."""
     return list(stored_summary(mesh).get("attributes", []))
@@ -198,8 +208,9 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
             raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
         replaced = check_names(mesh, wanted_names(results))
         make_attributes(mesh, wanted_names(results), replaced)
+        layout = stored_layout(mesh) if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
         write_values(mesh, results)
-        mesh[PROPERTY] = summary(mesh, results)
+        mesh[PROPERTY] = {**summary(mesh, results), "layout": layout}
         mesh.update()
     return [f'The attribute "{name}" had another type or domain and was replaced.' for name in replaced]
 

@@ -94,7 +94,8 @@ class PARADESC_OT_bake(bpy.types.Operator):
         target = context.active_object
         mesh_io.check_writable(target)
         settings = properties.job_settings(context.scene.paradesc)
-        return settings, mesh_io.read_object(target, settings.options.normals == "mesh")
+        needs_uvs = settings.backend != "reference"
+        return settings, mesh_io.read_object(target, settings.options.normals == "mesh", needs_uvs)
 
     def take_results(self) -> set[str]:
         """Writes what the worker computed, or reports why there is nothing."""

@@ -245,7 +245,6 @@ def test_failure_leaves_the_blend_and_an_old_output_as_they_were(paradesc, two_s
         ("junk.obj", "junk", "mesh"),
         ("points.obj", "o points\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", "mesh"),
         ("lines.obj", "o lines\nv 0 0 0\nv 1 0 0\nl 1 2\n", "faces"),
-        ("bare.obj", "o bare\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "UV map"),
         ("beyond.obj", "o beyond\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 9/1\n", ""),
     ],
 )
@@ -254,6 +253,29 @@ def test_bad_file_is_one_sentence(paradesc, tmp_path, name, content, word):
         (tmp_path / name).write_text(content)
     refused(paradesc("bake", name, *QUICK, "--output", "out.npz"), word)
     assert not (tmp_path / "out.npz").exists()
+
+
+def test_mesh_without_uv_map_is_unwrapped_and_said(paradesc, tmp_path):
+    points, quads, _ = cube_sphere()
+    write_obj(tmp_path / "bare.obj", points, quads, None)
+    output = accepted(paradesc("bake", "bare.obj", *QUICK, "--output", "out.npz", "--output", "out.blend"))
+    assert "note: The mesh has no UV map; Blender unwrapped a copy of it into" in output
+    assert not [line for line in output.splitlines() if line.startswith(("Info", "Warning"))]
+    np.testing.assert_allclose(loaded(tmp_path / "out.npz")["mean_curvature"], 0.5, rtol=0.05)
+    again = accepted(paradesc("bake", tmp_path / "out.blend", *QUICK, "--output", "again.npz"))
+    assert "that an earlier bake left in it" in again
+    first, second = loaded(tmp_path / "out.npz"), loaded(tmp_path / "again.npz")
+    assert np.array_equal(first["mean_curvature"], second["mean_curvature"])
+    compared = accepted(paradesc("compare", "bare.obj", *QUICK))
+    assert "Blender unwrapped a copy" in compared
+    reference = accepted(paradesc("bake", "bare.obj", "--backend", "reference", "--output", "reference.npz"))
+    assert "unwrapped" not in reference
+
+
+def test_single_triangle_without_uv_map_is_baked(paradesc, tmp_path):
+    (tmp_path / "bare.obj").write_text("o bare\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    accepted(paradesc("bake", "bare.obj", *QUICK, "--output", "out.npz"))
+    np.testing.assert_allclose(loaded(tmp_path / "out.npz")["mean_curvature"], 0.0, atol=1e-5)
 
 
 @pytest.mark.parametrize("output", ["out.gif", "out", "nowhere/out.npz"])
@@ -294,8 +316,13 @@ def test_malformed_mesh_gives_results_for_its_sound_vertices(paradesc, tmp_path,
     assert report["field_report"]["undefined_vertices"] == int(np.isnan(arrays["mean_curvature"]).sum())
 
 
-def test_infinite_coordinates_are_one_sentence(paradesc):
-    refused(paradesc("bake", real_mesh("malformed/infinite_coordinates.glb"), *QUICK, "--output", "out.npz"))
+def test_infinite_coordinates_that_blender_sets_to_zero_leave_the_faces_with_area(paradesc, tmp_path):
+    accepted(paradesc("bake", real_mesh("malformed/infinite_coordinates.glb"), *QUICK, "--output", "out.npz"))
+    arrays = loaded(tmp_path / "out.npz")
+    assert (arrays["vertices"][:, 0] == 0).all()  # a cube pressed flat, without a UV map
+    defined = np.isfinite(arrays["mean_curvature"])
+    assert defined.sum() == 8
+    np.testing.assert_allclose(arrays["mean_curvature"][defined], 0.0, atol=1e-5)
 
 
 def test_split_vertices_of_a_gltf_file_each_get_their_value(paradesc, tmp_path):

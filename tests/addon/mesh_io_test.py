@@ -84,16 +84,18 @@ def test_flat_faces_and_sharp_edges_are_told(sphere_object):
     assert arrays.sharp_edges.tolist() == [list(mesh.edges[7].vertices)]
 
 
-def test_mesh_without_uv_map_has_no_uvs():
+def test_mesh_without_uv_map_has_no_uvs_where_none_are_needed():
     empty_scene()
-    assert mesh_io.read_object(add_sphere(uv_map=False), corner_normals=False).corner_uvs is None
+    target = add_sphere(uv_map=False)
+    assert mesh_io.read_object(target, corner_normals=False, needs_uvs=False).corner_uvs is None
 
 
 def test_active_uv_map_is_the_one_read(sphere_object):
     other = sphere_object.data.uv_layers.new(name="other")
     sphere_object.data.uv_layers.active = other
-    other.data.foreach_set("uv", np.full(2 * len(sphere_object.data.loops), 0.25, np.float32))
-    assert (mesh_io.read_object(sphere_object, corner_normals=False).corner_uvs == 0.25).all()
+    uvs = 0.25 * cube_sphere(8)[2].astype(np.float32).ravel()
+    other.data.foreach_set("uv", uvs)
+    assert np.array_equal(mesh_io.read_object(sphere_object, corner_normals=False).corner_uvs.ravel(), uvs)
 
 
 def test_mesh_without_faces_is_one_sentence():

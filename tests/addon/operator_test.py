@@ -131,16 +131,6 @@ def test_bad_settings_are_one_sentence_and_change_nothing(sphere_object, change,
     assert fingerprint(sphere_object) == before
 
 
-def test_mesh_without_uv_map_is_one_sentence_and_changes_nothing():
-    target = add_sphere(uv_map=False)
-    bpy.context.scene.paradesc.backend = "software"
-    before = fingerprint(target)
-    with pytest.raises(RuntimeError, match="no UV map") as caught:
-        bpy.ops.paradesc.bake()
-    assert "Traceback" not in str(caught.value)
-    assert fingerprint(target) == before
-
-
 def test_mesh_with_nan_is_one_sentence_and_changes_nothing(sphere_object):
     sphere_object.data.vertices[3].co.x = float("nan")
     before = fingerprint(sphere_object)

@@ -68,6 +68,16 @@ ProgressFunction = Callable[[str, float], bool]
 
 
 @dataclass
+class Layout:
+    """A UV layout made for the computation, where a mesh has no usable UV map of its own."""
+
+    uvs: np.ndarray  # (corner_count, 2) float32
+    reason: str  # what the mesh's own map is lacking: "has no UV map"
+    topology: str  # a name for the way the faces hang together that the layout fits
+    kept: bool  # found in the mesh, where an earlier bake left it
+
+
+@dataclass
 class MeshArrays:
     """A triangle mesh as the native library reads it; a corner is a face's use of a vertex."""
 
@@ -78,6 +88,7 @@ class MeshArrays:
     corner_normals: np.ndarray | None = None  # (corner_count, 3) float32
     triangle_smooth: np.ndarray | None = None  # (triangle_count,) uint8
     sharp_edges: np.ndarray | None = None  # (sharp_edge_count, 2) int32
+    layout: Layout | None = None  # where corner_uvs come from, if not from the mesh's own UV map
 
     @property
     def triangle_vertices(self) -> np.ndarray:
