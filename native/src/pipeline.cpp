@@ -124,6 +124,7 @@ struct Frame {
   Normals normals;
   BufferFrame buffer_frame;
   std::vector<vec4> forms, links;
+  std::vector<int32_t> seams; // (borders) what seam each belongs to, where the paper's relocation asks
   std::vector<CenterData> centers;
   std::vector<int32_t> sites;  // (centers) -1: the point has no place in the UV map
   std::vector<int32_t> points; // (centers)
@@ -294,14 +295,14 @@ static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, const F
   GlThread &thread = *mesh.context->gl;
   Evaluator &evaluator = mesh.device->evaluator;
   thread.run([&](const Gl &gl, ProgramCache &) {
-    evaluator.set_links(gl, frame.links);
+    evaluator.set_links(gl, frame.links, frame.seams);
     evaluator.set_centers(gl, frame.centers, settings);
   });
   const auto count = static_cast<int>(frame.centers.size());
   constexpr int smallest_tile = 8 * GROUP_SIZE; // enough for every core of a software device
   int tile = smallest_tile;
   for (int first = 0; first < count;) {
-    const int last = std::min(first + tile, count);
+    const int last = first + std::min({tile, count - first, settings.largest_tile()});
     Clock clock;
     thread.run(
         [&](const Gl &gl, ProgramCache &programs) { evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last); });
@@ -371,6 +372,7 @@ static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double ra
   frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
   frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
   if (options.relocation != PDESC_RELOCATION_CONNECTED) frame.links = seam_links(mesh.triangles, mesh.charts);
+  if (options.relocation == PDESC_RELOCATION_PAPER) frame.seams = number_seams(mesh.charts);
   prepare_centers(mesh, options, radius, frame);
   bake(mesh, options, frame, changed);
 }
@@ -405,6 +407,10 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
                                   options.samples,
                                   options.seed,
                                   options.max_jumps,
+                                  options.pattern,
+                                  options.ellipse,
+                                  mesh.context->backend == PDESC_BACKEND_SOFTWARE ? 64 : options.samples,
+                                  options.geodesic == PDESC_GEODESIC_CHORDS,
                                   static_cast<float>(radius * frame.buffer_frame.scale),
                                   ellipse_enlargement,
                                   options.relocation,

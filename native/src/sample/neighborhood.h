@@ -11,13 +11,17 @@
 namespace paradesc {
 
 struct BorderGrid {
-  int size = 0;               // texels along a side
-  std::vector<int32_t> cells; // (size * size, 2): texels that a march may skip from anywhere in this one, or 0, or -number of
-                              // edges in it; first entry in `list`
+  int size = 0;                // texels along a side
+  std::vector<int32_t> cells;  // (size * size, 2): texels that a march may skip from anywhere in this one, or 0, or -number of
+                               // edges in it; first entry in `list`
   std::vector<int32_t> list;   // (entries, 2): border, its chart
   std::vector<vec4> border_uv; // (borders) u0, v0, u1, v1, the chart on the left
 };
 
 BorderGrid build_border_grid(const Triangles &triangles, const Charts &charts, int size);
+
+// (borders) the number of each one's seam: borders that follow one another on both of their sides are one seam. -1 where nothing
+// is on the other side.
+std::vector<int32_t> number_seams(const Charts &charts);
 
 } // namespace paradesc
