@@ -290,6 +290,13 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, bare); });
 }
 
+// Samples that walk in one dispatch. llvmpipe ends the loops of an invocation after 65535 iterations (shared.h), and the eight
+// invocations of its vector count together.
+static int samples_at_once(const Mesh &mesh, const pdesc_options &options) {
+  if (mesh.context->backend != PDESC_BACKEND_SOFTWARE) return options.samples;
+  return options.geodesic == PDESC_GEODESIC_CHORDS ? 16 : 64;
+}
+
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
 static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame, const Progress &progress) {
   GlThread &thread = *mesh.context->gl;
@@ -409,7 +416,7 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
                                   options.max_jumps,
                                   options.pattern,
                                   options.ellipse,
-                                  mesh.context->backend == PDESC_BACKEND_SOFTWARE ? 64 : options.samples,
+                                  samples_at_once(mesh, options),
                                   options.geodesic == PDESC_GEODESIC_CHORDS,
                                   static_cast<float>(radius * frame.buffer_frame.scale),
                                   ellipse_enlargement,

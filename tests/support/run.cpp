@@ -45,6 +45,11 @@ pdesc_options options_of(const Settings &settings) {
   options.variance_reduction = settings.variance_reduction;
   options.distance = settings.distance;
   options.adaptive = settings.adaptive;
+  options.relocation = settings.relocation;
+  options.max_jumps = settings.max_jumps;
+  options.pattern = settings.pattern;
+  options.ellipse = settings.ellipse;
+  options.geodesic = settings.geodesic;
   return options;
 }
 

@@ -45,6 +45,11 @@ struct Settings {
   int32_t variance_reduction = PDESC_VARIANCE_REDUCTION_SHAPE;
   int32_t distance = PDESC_DISTANCE_EUCLIDEAN;
   double adaptive = 0;
+  int32_t relocation = PDESC_RELOCATION_CONNECTED;
+  int32_t max_jumps = 8;
+  int32_t pattern = PDESC_PATTERN_GOLDEN_ANGLE;
+  int32_t ellipse = PDESC_ELLIPSE_CENTER;
+  int32_t geodesic = PDESC_GEODESIC_LOCAL;
 };
 pdesc_options options_of(const Settings &settings);
 
