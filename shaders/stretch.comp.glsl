@@ -15,10 +15,6 @@ layout(location = 7) uniform float enlargement;
 const int STEPS = 8;       // along the ellipse's own radius
 const float LARGEST = 4.0; // stretch
 
-#if PAPER
-void mark(Walk walk, int edge) {}
-#endif
-
 // The length in space of a step in (u, v), both as parts of a whole way; below 0 where no texel is.
 float length_in_space(vec2 step_uv, vec2 place, int chart) {
   ivec2 texel;

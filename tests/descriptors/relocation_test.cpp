@@ -208,6 +208,33 @@ TEST_F(Relocation, strips_one_texel_wide_are_found) {
   }
 }
 
+// A band of charts a third of a texel wide, none with a texel's center inside.
+TEST_F(Relocation, charts_that_no_texel_carries_count_where_they_are_connected) {
+  TestMesh mesh = torus(1, 0.4, {.vertices = 3000, .irregular = false});
+  cut(
+      mesh, [](double x, double y) { return x > 0.45 && x < 0.47 ? 1 + static_cast<int>(std::floor(y * 50)) : 0; },
+      [](int chart, double x, double y) {
+        if (chart == 0) return std::pair(0.05 + 0.9 * x, 0.05 + 0.45 * y);
+        return std::pair((20.1 + 12 * chart + 0.3 * (x - 0.45) / 0.02) / 1024, (700.1 + 0.3 * (y * 50 + 1 - chart)) / 1024);
+      });
+  const Settings at_radius{.radius = 0.05};
+  const Found connected = found(mesh, at_radius);
+  EXPECT_GT(connected.least_coverage(), 0.999);
+  EXPECT_NEAR(connected.mean_area(), 1, 0.005);
+  // A triangle without texels belongs to one cell at the band's edge: within the ball, but by way of a cell beyond it, it is
+  // missed.
+  EXPECT_GT(*std::ranges::min_element(connected.area), 0.7);
+  EXPECT_LT(*std::ranges::max_element(connected.area), 1.15);
+  expect_errors_below(1, mesh, at_radius, "connected");
+  // Lines of the charts' edges still carry samples that walk; the paper repeats its pattern on charts one jump away only.
+  const Found walked = found(mesh, with(affine, [](Settings &s) { s.radius = 0.05; }));
+  EXPECT_NEAR(walked.mean_area(), 1, 0.005);
+  EXPECT_GT(walked.least_coverage(), 0.95);
+  const Found one_jump = found(mesh, with(paper, [](Settings &s) { s.radius = 0.05; }));
+  EXPECT_NEAR(one_jump.mean_area(), one_jump.mean_coverage(), 0.01);
+  EXPECT_LT(one_jump.least_coverage(), 0.6);
+}
+
 // Combs that interlock: a straight way leaves its chart and enters it again, up to twice a tooth.
 TEST_F(Relocation, charts_that_a_straight_way_leaves_and_enters_again_are_found) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 3000, .irregular = false});
@@ -301,6 +328,7 @@ TEST_F(Relocation, the_sum_of_chords_has_the_curvature_of_straight_lines_in_the_
     const Vec3 center = (1 / (1 + middle * middle)) * Vec3{2 * middle, 0, 1 - middle * middle};
     for (const int32_t relocation : {PDESC_RELOCATION_AFFINE, PDESC_RELOCATION_PAPER})
       for (const int32_t geodesic : {PDESC_GEODESIC_LOCAL, PDESC_GEODESIC_CHORDS}) {
+        if (relocation == PDESC_RELOCATION_PAPER && geodesic == PDESC_GEODESIC_LOCAL) continue; // no seams: the same samples
         Settings settings{.radius = 0.25, .radius_unit = PDESC_RADIUS_ABSOLUTE, .samples = 1024};
         settings.estimator = PDESC_ESTIMATOR_INTEGRAL;
         settings.relocation = relocation;

@@ -33,8 +33,11 @@ struct EvaluateSettings {
   bool geodesic_ball;  // the neighborhood ends where the distance along the surface exceeds the radius
   float adaptive;      // 0: all samples everywhere
 
-  // Centers that one dispatch may hold.
-  int largest_tile() const { return relocation == PDESC_RELOCATION_CONNECTED ? std::numeric_limits<int>::max() : 16384; }
+  // Centers that one dispatch may hold: those that walk leave a kilobyte or two each between dispatches.
+  int largest_tile() const {
+    if (relocation == PDESC_RELOCATION_CONNECTED) return std::numeric_limits<int>::max();
+    return relocation == PDESC_RELOCATION_PAPER ? 16384 : 65536;
+  }
   // Rows of values among the results, after ROW_DESCRIPTORS.
   size_t value_rows() const;
 };
