@@ -294,7 +294,8 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
 // invocations of its vector count together.
 static int samples_at_once(const Mesh &mesh, const pdesc_options &options) {
   if (mesh.context->backend != PDESC_BACKEND_SOFTWARE) return options.samples;
-  return options.geodesic == PDESC_GEODESIC_CHORDS ? 16 : 64;
+  const int samples = options.relocation == PDESC_RELOCATION_PAPER ? 8 : 64; // each of them up to MAX_VISITS times
+  return options.geodesic == PDESC_GEODESIC_CHORDS ? samples / 8 : samples;
 }
 
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
