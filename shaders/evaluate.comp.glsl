@@ -186,10 +186,63 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
   add_neighbor(sums, point.xyz, normal, point.w * cell, near, geodesic);
 }
 
+#if AFFINE || PAPER
+#include "walks.glsl"
 #if AFFINE
 #include "affine.glsl"
 #else
+#include "paper.glsl"
+#endif
+#else
 #include "connected.glsl"
+#endif
+
+#if AFFINE || PAPER
+// False where samples are left to later dispatches.
+bool take_samples(inout Sums sums, CenterData data, int index, out float scale) {
+  int slot = int(gl_GlobalInvocationID.x);
+  bool refined = true;
+  if (begin_sample > 0 || (PAPER == 1 && marks_only == 0)) {
+    sums = progress[slot].sums;
+    refined = progress[slot].refined != 0;
+  }
+#if ADAPTIVE
+  if (begin_sample == first_half() && marks_only == 0) refined = sums.moments.cut > 0.0 || is_rough(sums.moments);
+#endif
+  Place place = place_of(data, index);
+#if PAPER
+  first_visit = slot * MAX_VISITS;
+  visit_count = progress[slot].visit_count;
+  if (marks_only != 0) {
+    bool left = mark_charts(sums, place);
+    progress[slot].left = left || (begin_sample > 0 && progress[slot].left != 0) ? 1 : 0;
+    progress[slot].visit_count = visit_count;
+  } else if (refined) {
+    sample_support(sums, place, progress[slot].left != 0);
+  }
+#else
+  if (refined) sample_support(sums, place);
+#endif
+  scale = refined ? 1.0 : 2.0;
+  if (marks_only == 0 && end_sample == samples) return true;
+  progress[slot].sums = sums;
+  progress[slot].refined = refined ? 1 : 0;
+  return false;
+}
+#else
+bool take_samples(inout Sums sums, CenterData data, int index, out float scale) {
+  scale = 1.0;
+#if ADAPTIVE
+  sample_support(sums, data, index, 0);
+  if (sums.moments.cut > 0.0 || is_rough(sums.moments))
+    sample_support(sums, data, index, 1);
+  else
+    scale = 2.0;
+#else
+  sample_support(sums, data, index);
+#endif
+  return true;
+}
 #endif
 
 void main() {
@@ -209,16 +262,8 @@ void main() {
   area_init(sums.areas);
 #endif
   states_init(sums.states);
-  float scale = 1.0;
-#if ADAPTIVE
-  sample_support(sums, data, index, 0);
-  if (sums.moments.cut > 0.0 || is_rough(sums.moments))
-    sample_support(sums, data, index, 1);
-  else
-    scale = 2.0;
-#else
-  sample_support(sums, data, index);
-#endif
+  float scale;
+  if (!take_samples(sums, data, index, scale)) return;
 
   Moments m = sums.moments;
   Center center = sums.center;

@@ -6,6 +6,11 @@ layout(binding = UNIT_BORDER_LIST) uniform isampler2D border_list;
 layout(binding = UNIT_BORDER_UV) uniform sampler2D border_uv;
 layout(binding = UNIT_LINKS) uniform sampler2D links;
 layout(location = 1) uniform int max_jumps;
+#if PAPER
+#define MOST_JUMPS 64 // the paper's pattern is repeated within max_jumps; marches go on and tell what that leaves out
+#else
+#define MOST_JUMPS max_jumps
+#endif
 
 const int FOUND = 0;
 const int BOUNDARY = 1; // met the end of the surface
@@ -15,9 +20,21 @@ struct Walk {
   vec2 from;
   vec2 to;
   int chart;
-  float factor; // |det| of the maps applied: area of the pattern's cell at its end
+  int jumps;
+  mat2 linear; // the linear part of the maps applied
+  vec2 origin; // the image of the walk's start by them
   int outcome;
 };
+
+Walk begin_walk(vec2 from, vec2 to, int chart) { return Walk(from, to, chart, 0, mat2(1.0), from, FOUND); }
+
+// The area of a cell of the pattern at the walk's end, relative to its start.
+float area_factor(Walk walk) { return abs(determinant(walk.linear)); }
+
+#if PAPER
+// Called wherever a walk has jumped, with the border edge that it left through.
+void mark(Walk walk, int edge);
+#endif
 
 float cross_product(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
 
@@ -57,16 +74,18 @@ bool jump(inout Walk walk, int edge, float t, out int came_from) {
   vec2 origin = texelFetch(border_uv, list_place(edge), 0).xy * float(buffer_size);
   mat2 linear = mat2(matrix.xy, matrix.zw);
   vec2 crossing = mix(walk.from, walk.to, t);
-  walk.from = linear * (crossing - origin) + image.xy * float(buffer_size);
-  walk.to = linear * (walk.to - origin) + image.xy * float(buffer_size);
-  walk.factor *= abs(determinant(linear));
+  vec2 goal = image.xy * float(buffer_size);
+  walk.from = linear * (crossing - origin) + goal;
+  walk.to = linear * (walk.to - origin) + goal;
+  walk.origin = linear * (walk.origin - origin) + goal;
+  walk.linear = linear * walk.linear;
   walk.chart = int(image.w);
+  ++walk.jumps;
   return true;
 }
 
 void march(inout Walk walk) {
   int came_from = -1;
-  int jumps = 0;
   float t = 0.0;
   walk.outcome = FOUND;
   for (int count = 0; count < MAX_MARCH_STEPS; ++count) {
@@ -87,12 +106,14 @@ void march(inout Walk walk) {
     if (cell.x < 0) {
       int edge = first_exit(cell, walk, came_from, min(leave, 1.0), t);
       if (edge >= 0) {
-        if (jumps == max_jumps) {
+        if (walk.jumps == MOST_JUMPS) {
           walk.outcome = texelFetch(links, list_place(2 * edge + 1), 0).z == -2.0 ? BOUNDARY : LOST;
           return;
         }
         if (!jump(walk, edge, t, came_from)) return;
-        ++jumps;
+#if PAPER
+        mark(walk, edge);
+#endif
         t = 0.0;
         continue;
       }

@@ -1,4 +1,4 @@
-// Structs, limits and bindings that C++ and GLSL both compile. std430 layout: vec4 and ivec4 members only.
+// Structs, limits and bindings that C++ and GLSL both compile, in std430 layout.
 #ifndef PARADESC_SHARED_H
 #define PARADESC_SHARED_H
 
@@ -20,8 +20,8 @@
 #define UNIT_CORNERS 9     // list, RG32I: low texel of each cell's block
 
 // Uniforms of every program that writes or reads the area element.
-#define LOCATION_AREA_UNIT 20
-#define LOCATION_HALF_FLOATS 21 // of what writes it: 1 where the buffers are in 16 bits
+#define LOCATION_AREA_UNIT 30
+#define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
 
 // Storage buffers.
 #define BINDING_CENTERS 0
@@ -34,6 +34,13 @@
 #define BINDING_BARE_BEGIN 7 // (cells + 1) samples of triangles that no texel carries
 #define BINDING_BARE 8     // two vec4 each: position, area; normal and triangle
 #define BINDING_REACH 9    // of centers computed again: their numbers, where their triangles begin (one more), the triangles
+// In the affine and the paper's relocation, in place of the connected one's.
+#define BINDING_VISITS BINDING_SUPPORTS   // (centers of one dispatch, MAX_VISITS)
+#define BINDING_SEAMS BINDING_CELLS       // the seam of each border
+#define BINDING_STRETCHES BINDING_BARE_BEGIN // (centers, STRETCH_DIRECTIONS)
+#define BINDING_PROGRESS BINDING_BARE     // (centers of one dispatch)
+#define MAX_VISITS 64         // charts, by way of a seam each, that one center's pattern is repeated on
+#define STRETCH_DIRECTIONS 16 // of the directional ellipse
 
 // llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): what would
 // go beyond this many counts as lost instead.
@@ -69,6 +76,14 @@ struct SupportData {
   float cut; // above 0 where the mesh's boundary lies in the ball
   float unused;
 };
+struct alignas(16) VisitData {
+  vec4 linear;       // columns of the linear part of the maps over the seams crossed
+  vec2 center;       // carried by them, in texels
+  int chart, seam;
+  int next;          // the next visit of the same chart, in a circle
+  float crossing;    // from the center to where the seam was met
+  vec2 unused;
+};
 struct alignas(16) EdgeData {
   vec4 uv;               // u0, v0, u1, v1
   vec4 position0_chart;  // xyz, w: chart
@@ -89,6 +104,14 @@ struct SupportData {
   int count;
   float cut;
   float unused;
+};
+struct VisitData {
+  vec4 linear;
+  vec2 center;
+  int chart, seam;
+  int next;
+  float crossing;
+  vec2 unused;
 };
 struct EdgeData {
   vec4 uv;

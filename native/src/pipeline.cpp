@@ -104,6 +104,7 @@ struct Frame {
   Normals normals;
   BufferFrame buffer_frame;
   std::vector<vec4> forms, links;
+  std::vector<int32_t> seams; // (borders) what seam each belongs to, where the paper's relocation asks
   std::vector<CenterData> centers;
   std::vector<int32_t> sites;  // (centers) -1: the point has no place in the UV map
   std::vector<int32_t> points; // (centers)
@@ -281,13 +282,21 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
   search_supports(mesh, radius, frame, measure_cells(mesh), centers);
 }
 
+// Samples that walk in one dispatch. llvmpipe ends the loops of an invocation after 65535 iterations (shared.h), and the eight
+// invocations of its vector count together.
+static int samples_at_once(const Mesh &mesh, const pdesc_options &options) {
+  if (mesh.context->backend != PDESC_BACKEND_SOFTWARE) return options.samples;
+  const int samples = options.relocation == PDESC_RELOCATION_PAPER ? 8 : 64; // each of them up to MAX_VISITS times
+  return options.geodesic == PDESC_GEODESIC_CHORDS ? samples / 8 : samples;
+}
+
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
 static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                            double to) {
   constexpr int smallest_tile = 8 * GROUP_SIZE; // enough for every core of a software device
   int tile = smallest_tile;
   for (int first = 0; first < count;) {
-    const int last = std::min(first + tile, count);
+    const int last = first + std::min({tile, count - first, settings.largest_tile()});
     Clock clock;
     mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
       mesh.device->evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last);
@@ -338,7 +347,7 @@ static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius
 static void evaluate(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame, const Progress &progress, double from,
                      double to) {
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) {
-    mesh.device->evaluator.set_links(gl, frame.links);
+    mesh.device->evaluator.set_links(gl, frame.links, frame.seams);
     mesh.device->evaluator.set_centers(gl, frame.centers, settings);
   });
   evaluate_tiles(mesh, settings, static_cast<int>(frame.centers.size()), progress, from, to);
@@ -445,6 +454,7 @@ static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double ra
   frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
   frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
   if (options.relocation != PDESC_RELOCATION_CONNECTED) frame.links = seam_links(mesh.triangles, mesh.charts);
+  if (options.relocation == PDESC_RELOCATION_PAPER) frame.seams = number_seams(mesh.charts);
   prepare_centers(mesh, options, radius, frame);
   bake(mesh, options, frame, changed);
 }
@@ -505,6 +515,10 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
                                   options.samples,
                                   options.seed,
                                   options.max_jumps,
+                                  options.pattern,
+                                  options.ellipse,
+                                  samples_at_once(mesh, options),
+                                  options.geodesic == PDESC_GEODESIC_CHORDS,
                                   static_cast<float>(radius * frame.buffer_frame.scale),
                                   ellipse_enlargement,
                                   options.relocation,

@@ -97,5 +97,34 @@ TEST(BorderGrid, without_borders_everything_is_free) {
   for (size_t i = 0; i < grid.cells.size(); i += 2) EXPECT_GE(grid.cells[i], 16);
 }
 
+// Two charts of 3 by 2 quads each, side by side: three edges between them.
+TEST(Seams, edges_that_follow_one_another_on_both_sides_are_one_seam) {
+  const Built built = build(grid(6, 3, [](dvec2 place, int x, int) { return place * 0.1 + dvec2(x < 3 ? 0.05 : 0.25, 0.05); }));
+  const std::vector<int32_t> seams = number_seams(built.charts);
+  std::set<int32_t> numbers;
+  int edges = 0;
+  for (size_t i = 0; i < seams.size(); ++i) {
+    EXPECT_EQ(seams[i] >= 0, built.charts.borders[i].kind == BorderKind::seam);
+    if (seams[i] < 0) continue;
+    ++edges;
+    numbers.insert(seams[i]);
+  }
+  EXPECT_EQ(edges, 6);
+  EXPECT_EQ(numbers.size(), 2u) << "one for each side";
+}
+
+TEST(Seams, pieces_that_are_apart_are_several_seams) {
+  // The middle one of the three edges goes to a chart of its own.
+  const Built built = build(grid(6, 3, [](dvec2 place, int x, int y) {
+    return place * 0.1 + dvec2(x < 3 ? 0.05 : x == 3 && y == 1 ? 0.15 : 0.3, 0.05);
+  }));
+  ASSERT_EQ(built.charts.chart_count, 3);
+  const std::vector<int32_t> seams = number_seams(built.charts);
+  std::set<int32_t> between;
+  for (size_t i = 0; i < seams.size(); ++i)
+    if (seams[i] >= 0 && built.charts.borders[i].chart == built.charts.triangle_chart[0]) between.insert(seams[i]);
+  EXPECT_EQ(between.size(), 3u) << "above, at and below the middle";
+}
+
 } // namespace
 } // namespace paradesc::test

@@ -45,6 +45,63 @@ TEST(Pattern, the_samples_center_is_the_disks) {
   }
 }
 
+TEST(StratifiedPattern, every_cell_of_a_square_grid_has_one_sample) {
+  for (const int side : {1, 4, 16, 64}) {
+    std::vector<int> cell(static_cast<size_t>(side * side), 0);
+    for (const vec2 place : stratified_pattern(side * side, 3)) {
+      // Back from the disk: the ring is the square's, the angle runs along its sides.
+      const double distance = length(dvec2(place)),
+                   angle = std::atan2(static_cast<double>(place.y), static_cast<double>(place.x));
+      const int side_number = static_cast<int>(std::floor(angle / (pi / 2) + 0.5));
+      const double along = distance * (angle - side_number * pi / 2) * 4 / pi;
+      const dvec2 turned = glm::dmat2(std::cos(side_number * pi / 2), std::sin(side_number * pi / 2),
+                                      -std::sin(side_number * pi / 2), std::cos(side_number * pi / 2)) *
+                           dvec2(distance, along);
+      const auto column = static_cast<int>(std::floor((turned.x + 1) / 2 * side)),
+                 row = static_cast<int>(std::floor((turned.y + 1) / 2 * side));
+      ++cell.at(static_cast<size_t>(row * side + column));
+    }
+    for (const int samples : cell) EXPECT_EQ(samples, 1) << "of a side of " << side;
+  }
+}
+
+TEST(StratifiedPattern, squares_become_disks_in_proportion_to_their_area) {
+  for (double size = 0.1; size < 1; size += 0.1)
+    for (double along = -1; along <= 1; along += 0.25) // the side of a square is a circle
+      EXPECT_NEAR(length(concentric_disk(dvec2(size, along * size))), size, 1e-12);
+  EXPECT_EQ(concentric_disk(dvec2(0)), dvec2(0));
+}
+
+TEST(StratifiedPattern, has_as_many_samples_as_asked_in_the_unit_disk_at_every_number) {
+  for (int count = 1; count < 300; ++count) {
+    const auto pattern = stratified_pattern(count, 0);
+    EXPECT_EQ(pattern.size(), static_cast<size_t>(count));
+    for (const vec2 place : pattern) EXPECT_LE(length(place), 1.0f) << count;
+  }
+}
+
+// A quarter turn maps the grid's square onto itself: sectors of equal area have equal numbers, but for cells that their sides
+// cut, of which there are about sqrt(count), half of them counted: three deviations of that.
+TEST(StratifiedPattern, halves_of_even_and_odd_number_are_spread_over_rings_and_sectors) {
+  for (const int count : {64, 77, 101, 256, 1000, 4096})
+    for (int half = 0; half < 2; ++half) {
+      std::vector<int> sector(8, 0), ring(4, 0);
+      const auto pattern = stratified_pattern(count, 5);
+      for (size_t i = static_cast<size_t>(half); i < pattern.size(); i += 2) {
+        const vec2 place = pattern[i];
+        ++sector.at(static_cast<size_t>(std::floor((std::atan2(place.y, place.x) / pi + 1.0) * 3.999999)));
+        ++ring.at(std::min<size_t>(3, static_cast<size_t>(4.0f * dot(place, place))));
+      }
+      for (const int samples : sector) EXPECT_NEAR(samples, count / 16.0, 1 + 1.5 * std::pow(count, 0.25)) << count;
+      for (const int samples : ring) EXPECT_NEAR(samples, count / 8.0, 1 + 3 * std::pow(count, 0.25)) << count;
+    }
+}
+
+TEST(StratifiedPattern, is_that_of_the_seed) {
+  EXPECT_EQ(stratified_pattern(100, 1), stratified_pattern(100, 1));
+  EXPECT_NE(stratified_pattern(100, 1), stratified_pattern(100, 2));
+}
+
 TEST(Pattern, rotations_depend_on_the_point_and_the_seed) {
   std::set<float> angles;
   for (uint32_t point = 0; point < 100; ++point)

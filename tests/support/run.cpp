@@ -49,6 +49,10 @@ pdesc_options options_of(const Settings &settings) {
   options.evaluate = settings.evaluate;
   options.texels = settings.texels;
   options.precision = settings.precision;
+  options.max_jumps = settings.max_jumps;
+  options.pattern = settings.pattern;
+  options.ellipse = settings.ellipse;
+  options.geodesic = settings.geodesic;
   return options;
 }
 

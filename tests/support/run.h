@@ -49,6 +49,10 @@ struct Settings {
   int32_t evaluate = PDESC_EVALUATE_VERTEX;
   int32_t texels = 512;
   int32_t precision = PDESC_PRECISION_FULL;
+  int32_t max_jumps = 8;
+  int32_t pattern = PDESC_PATTERN_GOLDEN_ANGLE;
+  int32_t ellipse = PDESC_ELLIPSE_CENTER;
+  int32_t geodesic = PDESC_GEODESIC_LOCAL;
 };
 pdesc_options options_of(const Settings &settings);
 

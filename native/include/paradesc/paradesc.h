@@ -81,7 +81,7 @@ typedef enum pdesc_relocation {
   PDESC_RELOCATION_AFFINE = 1,    /* each sample of a pattern carried over seams by itself (paper 3.4, with the affine map of each seam
                                      edge in place of eq. 2 and 3) */
   PDESC_RELOCATION_PAPER = 2      /* the paper's: the whole pattern again on every chart that samples landed on, from the center carried
-                                     there by eq. 2 and 3 */
+                                     there (corrected eq. 2 and 3), as far as max_jumps charts away */
 } pdesc_relocation;
 
 typedef enum pdesc_estimator {
@@ -242,7 +242,7 @@ typedef struct pdesc_options {
   int32_t samples;      /* over the neighborhood of a vertex, at least, 8 to 4096; default 256. Not used by REFERENCE */
   int32_t buffer_size;  /* texels along a side of the square buffers, 64 to 8192; default 1024. Not used by REFERENCE */
   int32_t normals;      /* pdesc_normals; default FITTED */
-  int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used by PDESC_RELOCATION_AFFINE only */
+  int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used by AFFINE and PAPER relocation only; the paper: 1 */
   uint32_t seed;        /* of the choice of samples; default 0 */
   int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map by itself, and keep the differences; default 0 */
   int32_t relocation;   /* pdesc_relocation; default CONNECTED. Not used by REFERENCE */

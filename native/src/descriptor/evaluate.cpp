@@ -90,8 +90,9 @@ void Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const Geomet
   check_gl(gl, "cells");
 }
 
-void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links) {
+void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams) {
   links_.upload(gl, GL_RGBA32F, links.data(), links.size());
+  seams_.upload(gl, seams);
 }
 
 void Evaluator::set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare) {
@@ -119,7 +120,13 @@ void Evaluator::set_reach(const Gl &gl, std::span<const int32_t> centers, const 
 void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings) {
   centers_.upload(gl, centers, GL_STREAM_DRAW);
   count_ = static_cast<int>(centers.size());
-  pattern_.upload(gl, golden_angle_pattern(settings.samples));
+  pattern_.upload(gl, settings.pattern == PDESC_PATTERN_STRATIFIED ? stratified_pattern(settings.samples, settings.seed)
+                                                                   : golden_angle_pattern(settings.samples));
+  const auto tile = static_cast<size_t>(std::min((count_ + GROUP_SIZE - 1) / GROUP_SIZE * GROUP_SIZE, settings.largest_tile()));
+  const bool paper = settings.relocation == PDESC_RELOCATION_PAPER, directional = settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL;
+  visits_.upload(gl, nullptr, paper ? tile * MAX_VISITS * sizeof(VisitData) : 0, GL_STREAM_COPY);
+  stretches_.upload(gl, nullptr, directional ? static_cast<size_t>(count_) * STRETCH_DIRECTIONS * sizeof(float) : 0,
+                    GL_STREAM_COPY);
   // NaN everywhere first: a center that a driver forgets must not look like a result.
   const std::vector<float> nothing((ROW_DESCRIPTORS + settings.value_rows()) * static_cast<size_t>(count_),
                                    std::numeric_limits<float>::quiet_NaN());
@@ -130,31 +137,92 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
 // What is decided while compiling: each choice costs nothing where it is not made.
 static std::string variant_of(const EvaluateSettings &settings, bool half) {
   auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
-  return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) + define("INTEGRAL", settings.integral) +
-         define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
-         define("EXACT", settings.exact) + (half ? "#define HALF_FLOATS\n" : "");
+  return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) +
+         define("PAPER", settings.relocation == PDESC_RELOCATION_PAPER) +
+         define("DIRECTIONAL", settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) + define("CHORDS", settings.chords) +
+         define("INTEGRAL", settings.integral) + define("GEODESIC_BALL", settings.geodesic_ball) +
+         define("ADAPTIVE", settings.adaptive > 0.0f) + define("EXACT", settings.exact) +
+         (half ? "#define HALF_FLOATS\n" : "");
 }
 
-void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
-                    int first, int last) const {
-  const std::string variant = variant_of(settings, buffer.half());
-  std::string name = "evaluate " + variant;
-  for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
-  gl.UseProgram(programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},
-                             {{"variant.glsl", variant}, {"descriptors.glsl", compose_descriptors(settings.descriptors)}}));
-  bind(gl, buffer);
+// What samples read that are carried over seams by walks.
+void Evaluator::bind_walks(const Gl &gl, const EvaluateSettings &settings, int first, int last) const {
   gl.BindTextureUnit(UNIT_BORDER, border_.id());
   gl.BindTextureUnit(UNIT_BORDER_LIST, border_list_.id());
   gl.BindTextureUnit(UNIT_BORDER_UV, border_uv_.id());
   gl.BindTextureUnit(UNIT_LINKS, links_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PATTERN, pattern_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_VISITS, visits_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SEAMS, seams_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_STRETCHES, stretches_.id());
+  gl.Uniform1i(1, settings.max_jumps);
+  gl.Uniform1i(2, first);
+  gl.Uniform1i(3, last);
+  gl.Uniform1f(6, settings.radius);
+  gl.Uniform1f(7, settings.enlargement);
+}
+
+void Evaluator::find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer,
+                               const EvaluateSettings &settings, int first, int last) const {
+  gl.UseProgram(programs.get(gl, "stretch", {{GL_COMPUTE_SHADER, "stretch.comp.glsl"}}, {{"variant.glsl", "#define PAPER 0\n"}}));
+  buffer.bind();
+  gl.Uniform1i(0, buffer.size());
+  bind_walks(gl, settings, first, last);
+  const int invocations = (last - first) * STRETCH_DIRECTIONS;
+  gl.DispatchCompute(static_cast<GLuint>((invocations + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+  gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  check_gl(gl, "stretches");
+}
+
+// Samples that walk take their turns in several dispatches, and leave their sums to the next: software devices limit the
+// iterations of one.
+void Evaluator::dispatch_walks(const Gl &gl, GLuint program, const EvaluateSettings &settings, int count) {
+  const GLuint block = gl.GetProgramResourceIndex(program, GL_SHADER_STORAGE_BLOCK, "Progresses");
+  const GLenum property = GL_BUFFER_DATA_SIZE; // with one element
+  GLint stride = 0;
+  gl.GetProgramResourceiv(program, GL_SHADER_STORAGE_BLOCK, block, 1, &property, 1, nullptr, &stride);
+  const auto groups = static_cast<GLuint>((count + GROUP_SIZE - 1) / GROUP_SIZE);
+  const size_t bytes = static_cast<size_t>(groups) * GROUP_SIZE * static_cast<size_t>(stride);
+  if (bytes > progress_bytes_) progress_.upload(gl, nullptr, progress_bytes_ = bytes, GL_STREAM_COPY);
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PROGRESS, progress_.id());
+  const bool adaptive = settings.adaptive > 0.0f;
+  for (int marks = settings.relocation == PDESC_RELOCATION_PAPER ? 1 : 0; marks >= 0; --marks) {
+    gl.Uniform1i(22, marks);
+    for (int begin = 0, end = 0; begin < settings.samples; begin = end) {
+      end = std::min(begin + settings.samples_at_once, settings.samples);
+      const int half = (settings.samples + 1) / 2;
+      if (adaptive && begin < half) end = std::min(end, half);
+      gl.Uniform1i(20, begin);
+      gl.Uniform1i(21, end);
+      gl.DispatchCompute(groups, 1, 1);
+      gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    }
+  }
+}
+
+void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
+                    int first, int last) {
+  const bool walks = settings.relocation != PDESC_RELOCATION_CONNECTED;
+  if (walks && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, settings, first, last);
+  const std::string variant = variant_of(settings, buffer.half());
+  std::string name = "evaluate " + variant;
+  for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
+  const GLuint program =
+      programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},
+                   {{"variant.glsl", variant}, {"descriptors.glsl", compose_descriptors(settings.descriptors)}});
+  gl.UseProgram(program);
+  bind(gl, buffer);
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SUPPORTS, supports_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, support_cells_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE_BEGIN, bare_begin_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
-  if (settings.relocation != PDESC_RELOCATION_CONNECTED) gl.Uniform1i(1, settings.max_jumps);
+  if (walks) {
+    bind_walks(gl, settings, first, last);
+  } else {
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SUPPORTS, supports_.id());
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, support_cells_.id());
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE_BEGIN, bare_begin_.id());
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
+  }
   const GLint integers[] = {first, last, count_, settings.samples};
   for (GLint i = 0; i < 4; ++i) gl.Uniform1i(i + 2, integers[i]);
   gl.Uniform1f(6, settings.radius);
@@ -166,7 +234,10 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_REACH, reach_.id());
     gl.Uniform1i(12, reach_count_);
   }
-  gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+  if (walks)
+    dispatch_walks(gl, program, settings, last - first);
+  else
+    gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.Finish();
   check_gl(gl, "evaluate");

@@ -1,6 +1,7 @@
 // Geometry buffers + evaluation points → descriptors at each point, in tiles that can be cancelled between.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,15 +22,24 @@ struct EvaluateSettings {
   int samples;
   uint32_t seed;
   int max_jumps;
-  float radius;       // in buffer units
-  float enlargement;  // of the sampling ellipse over the radius
-  int relocation;     // pdesc_relocation
-  bool integral;      // curvatures by the paper's integrals; else by the shape operator
-  bool plain;         // no control variate
-  bool geodesic_ball; // the neighborhood ends where the distance along the surface exceeds the radius
-  float adaptive;     // 0: all samples everywhere
-  bool exact = false; // the centers of set_reach again, on the triangles they reach
+  int pattern;         // pdesc_pattern
+  int ellipse;         // pdesc_ellipse
+  int samples_at_once; // that walk in one dispatch
+  bool chords;         // distances along the surface are sums of chords
+  float radius;        // in buffer units
+  float enlargement;   // of the sampling ellipse over the radius
+  int relocation;      // pdesc_relocation
+  bool integral;       // curvatures by the paper's integrals; else by the shape operator
+  bool plain;          // no control variate
+  bool geodesic_ball;  // the neighborhood ends where the distance along the surface exceeds the radius
+  float adaptive;      // 0: all samples everywhere
+  bool exact = false;  // the centers of set_reach again, on the triangles they reach
 
+  // Centers that one dispatch may hold: those that walk leave a kilobyte or two each between dispatches.
+  int largest_tile() const {
+    if (relocation == PDESC_RELOCATION_CONNECTED) return std::numeric_limits<int>::max();
+    return relocation == PDESC_RELOCATION_PAPER ? 16384 : 65536;
+  }
   // Rows of values among the results, after ROW_DESCRIPTORS.
   size_t value_rows() const;
 };
@@ -44,21 +54,27 @@ public:
   void measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
   // Of a frame.
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
-  void set_links(const Gl &gl, const std::vector<vec4> &links);
+  void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
   void set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare);
   void set_reach(const Gl &gl, std::span<const int32_t> centers, const Reach &reach);
   // Computes centers [first, last), or those of set_reach where settings say exact; returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
-           int last) const;
+           int last);
   // (ROW_DESCRIPTORS + value_rows, centers), in buffer units.
   std::vector<float> read(const Gl &gl, const EvaluateSettings &settings) const;
 
 private:
   void bind(const Gl &gl, const GeometryBuffer &buffer) const;
+  void bind_walks(const Gl &gl, const EvaluateSettings &settings, int first, int last) const;
+  void dispatch_walks(const Gl &gl, GLuint program, const EvaluateSettings &settings, int count);
+  void find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
+                      int first, int last) const;
 
   Texture border_, labels_;
   ListTexture border_list_, border_uv_, links_, corners_;
-  Buffer centers_, pattern_, supports_, support_cells_, areas_, bare_begin_, bare_, reach_, results_;
+  Buffer centers_, pattern_, supports_, support_cells_, areas_, bare_begin_, bare_, reach_, results_, seams_, visits_, stretches_,
+      progress_;
+  size_t progress_bytes_ = 0;
   int count_ = 0, cell_count_ = 0, block_size_ = 1, reach_count_ = 0;
 };
 

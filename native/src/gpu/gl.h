@@ -61,6 +61,8 @@
   F(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                                           \
   F(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                                         \
   F(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                               \
+  F(PFNGLGETPROGRAMRESOURCEINDEXPROC, GetProgramResourceIndex)                                                                   \
+  F(PFNGLGETPROGRAMRESOURCEIVPROC, GetProgramResourceiv)                                                                         \
   F(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                             \
   F(PFNGLUNIFORM1FPROC, Uniform1f)                                                                                               \
   F(PFNGLUNIFORM1IPROC, Uniform1i)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "bake/seam_links.h"
 
@@ -116,6 +117,34 @@ BorderGrid build_border_grid(const Triangles &triangles, const Charts &charts, i
     grid.cells[2 * i + 1] = begin[i];
   }
   return grid;
+}
+
+std::vector<int32_t> number_seams(const Charts &charts) {
+  std::vector<int32_t> seam(charts.borders.size(), -1);
+  for (size_t i = 0; i < seam.size(); ++i)
+    if (charts.borders[i].kind == BorderKind::seam) seam[i] = static_cast<int32_t>(i);
+  auto root = [&](int32_t i) {
+    while (seam[static_cast<size_t>(i)] != i)
+      i = seam[static_cast<size_t>(i)] = seam[static_cast<size_t>(seam[static_cast<size_t>(i)])];
+    return i;
+  };
+  // Borders meet at a place of their chart, and their twins at a place of theirs.
+  std::map<std::pair<int32_t, int32_t>, int32_t> met;
+  for (size_t i = 0; i < seam.size(); ++i) {
+    if (seam[i] < 0) continue;
+    const int32_t near = charts.borders[i].half_edge;
+    const int32_t far = charts.borders[static_cast<size_t>(charts.borders[i].twin)].half_edge;
+    for (const auto &[a, b] : {std::pair(near, next_corner(far)), std::pair(next_corner(near), far)}) {
+      const std::pair sites(charts.corner_site[static_cast<size_t>(a)], charts.corner_site[static_cast<size_t>(b)]);
+      const auto [other, is_new] = met.emplace(sites, static_cast<int32_t>(i));
+      if (is_new) continue;
+      const int32_t one = root(other->second), two = root(static_cast<int32_t>(i));
+      seam[static_cast<size_t>(std::max(one, two))] = std::min(one, two);
+    }
+  }
+  for (size_t i = 0; i < seam.size(); ++i)
+    if (seam[i] >= 0) seam[i] = root(static_cast<int32_t>(i));
+  return seam;
 }
 
 } // namespace paradesc

@@ -20,4 +20,8 @@ struct BorderGrid {
 
 BorderGrid build_border_grid(const Triangles &triangles, const Charts &charts, int size);
 
+// (borders) the number of each one's seam, seen from its side: borders that follow one another on both sides are one seam. -1
+// where nothing is on the other side.
+std::vector<int32_t> number_seams(const Charts &charts);
+
 } // namespace paradesc

@@ -1,0 +1,133 @@
+// The paper's way over seams (4.1): the whole pattern on the center's own chart, and again on every chart that samples left for, from the
+// center carried there (METHOD.md's map of the seam edge in place of eq. 2 and 3). A sample counts on the chart whose pass it belongs to.
+// What is visited is a chart by way of a seam; a place of a chart that was reached over several belongs to the nearest center.
+
+// A region of MAX_VISITS for each invocation of the dispatch; number 0 is the center's own chart. A buffer and no local array:
+// llvmpipe miscompiles those where the index is not constant.
+layout(std430, binding = BINDING_VISITS) restrict buffer Visits { VisitData visits[]; };
+layout(std430, binding = BINDING_SEAMS) readonly restrict buffer Seams { int seams[]; };
+
+int first_visit;
+int visit_count;
+bool marking;
+
+// Remembers the chart that a walk has come to.
+void mark(Walk walk, int edge) {
+  if (!marking || walk.jumps > max_jumps) return;
+  int seam = seams[edge];
+  float crossing = length(walk.from - walk.origin);
+  vec4 linear = vec4(walk.linear[0], walk.linear[1]);
+  int same_chart = -1;
+  for (int k = first_visit; k < first_visit + visit_count; ++k) {
+    if (visits[k].chart != walk.chart) continue;
+    same_chart = k;
+    if (visits[k].seam != seam) continue;
+    if (crossing >= visits[k].crossing) return;
+    visits[k].linear = linear;
+    visits[k].center = walk.origin;
+    visits[k].crossing = crossing;
+    return;
+  }
+  if (visit_count == MAX_VISITS) return;
+  int added = first_visit + visit_count++;
+  int next = added;
+  if (same_chart >= 0) {
+    next = visits[same_chart].next;
+    visits[same_chart].next = added;
+  }
+  visits[added] = VisitData(linear, walk.origin, walk.chart, seam, next, crossing, vec2(0.0));
+}
+
+// Where a place of its chart lies in the unit disk of a visit.
+vec2 disk_place(int visit, mat2 ellipse, vec2 place) {
+  vec4 m = visits[visit].linear;
+  return inverse(mat2(m.xy, m.zw) * ellipse) * (place - visits[visit].center);
+}
+
+// Whether no other visit of the same chart has its center nearer to the place; `away` is the distance from this one's.
+bool is_nearest(int visit, mat2 ellipse, vec2 place, float away) {
+  int other = visits[visit].next;
+  for (int k = 0; k < MAX_VISITS && other != visit; ++k) {
+    float distance = length(disk_place(other, ellipse, place));
+    if (distance < away || (distance == away && other < visit)) return false;
+    other = visits[other].next;
+  }
+  return true;
+}
+
+// Whether a place lies on a chart: its texel's center does, and no border of the chart comes between, or the other way about.
+bool on_chart(vec2 place, int chart) {
+  if (any(lessThan(place, vec2(0.0))) || any(greaterThanEqual(place, vec2(buffer_size)))) return false;
+  ivec2 texel = ivec2(place);
+  ivec2 id = texelFetch(ids, texel, 0).xy;
+  bool inside = id.x == chart && id.y >= 0;
+  ivec2 cell = texelFetch(border, texel, 0).xy;
+  vec2 middle = vec2(texel) + 0.5;
+  for (int i = 0; i < -cell.x; ++i) {
+    ivec2 entry = texelFetch(border_list, list_place(cell.y + i), 0).xy;
+    if (entry.y != chart) continue;
+    vec4 uv = texelFetch(border_uv, list_place(entry.x), 0) * float(buffer_size);
+    vec2 way = place - middle, edge = uv.zw - uv.xy;
+    if ((cross_product(way, uv.xy - middle) > 0.0) == (cross_product(way, uv.zw - middle) > 0.0)) continue;
+    if ((cross_product(edge, middle - uv.xy) > 0.0) != (cross_product(edge, place - uv.xy) > 0.0)) inside = !inside;
+  }
+  return inside;
+}
+
+// Fills the list of visits from the samples. True where one left the chart.
+bool mark_charts(inout Sums sums, Place place) {
+  if (begin_sample == 0) {
+    visit_count = 1;
+    visits[first_visit] = VisitData(vec4(1.0, 0.0, 0.0, 1.0), place.center, place.chart, -1, first_visit, 0.0, vec2(0.0));
+  }
+  marking = true;
+  bool left = false;
+  for (int i = begin_sample; i < end_sample; ++i) {
+    Walk walk = walk_to(place, pattern_place(i, place.rotation, place.index));
+    left = left || walk.jumps > 0 || walk.outcome == LOST;
+    if (is_cut(walk, sums.center)) sums.moments.cut += 1.0;
+  }
+  marking = false;
+  return left;
+}
+
+// Whether the pattern of some visit holds the place where a sample's own way leads.
+bool is_visited(Walk walk, Place place) {
+  for (int k = first_visit; k < first_visit + visit_count; ++k) {
+    if (visits[k].chart != walk.chart) continue;
+    vec2 disk = disk_place(k, place.ellipse, walk.to);
+    if (length(disk) <= stretch_along(disk, place.index)) return true;
+  }
+  return false;
+}
+
+void sample_visit(inout Sums sums, Place place, int visit, inout int taken) {
+  vec4 m = visits[visit].linear;
+  mat2 ellipse = mat2(m.xy, m.zw) * place.ellipse;
+  vec2 center = visits[visit].center;
+  int chart = visits[visit].chart;
+  float factor = abs(m.x * m.w - m.y * m.z);
+  for (int i = begin_sample; i < end_sample; ++i, ++taken) {
+    PatternPlace goal = pattern_place(sample_number(i), place.rotation, place.index);
+    vec2 there = center + ellipse * goal.disk;
+    if (on_chart(there, chart) && is_nearest(visit, place.ellipse, there, length(goal.disk)))
+      add_sample(sums, place, goal, there, chart, factor);
+  }
+}
+
+// left: samples left the center's chart.
+void sample_support(inout Sums sums, Place place, bool left) {
+  int taken = 0, all = visit_count * (end_sample - begin_sample);
+  for (int k = first_visit; k < first_visit + visit_count; ++k) sample_visit(sums, place, k, taken);
+  // Samples whose way leads on to charts that were not visited, or nowhere.
+  int i = begin_sample;
+  for (; left && i < end_sample; ++i) {
+    PatternPlace goal = pattern_place(sample_number(i), place.rotation, place.index);
+    if (!goal.inside) continue;
+    Walk walk = walk_to(place, goal);
+    if (walk.outcome == LOST || (walk.outcome == FOUND && walk.jumps > 0 && !is_visited(walk, place)))
+      sums.moments.lost += place.area_space * goal.stretch * goal.stretch;
+  }
+  lose_rest(sums, all - taken, all / max(end_sample - begin_sample, 1) * samples);
+  if (left) lose_rest(sums, end_sample - i, samples);
+}

@@ -1,0 +1,30 @@
+// The disk pattern of a center (paper 4.1): turned by the center's angle, stretched by direction where that is asked for.
+layout(std430, binding = BINDING_PATTERN) readonly restrict buffer Pattern { vec2 pattern[]; };
+#if DIRECTIONAL
+layout(std430, binding = BINDING_STRETCHES) readonly restrict buffer Stretches { float stretches[]; };
+#endif
+
+// How far the pattern reaches along a direction of the unit disk: linear between those that were looked at.
+float stretch_along(vec2 direction, int index) {
+#if DIRECTIONAL
+  float turn = fract(atan(direction.y, direction.x) / (2.0 * PI) + 1.0) * float(STRETCH_DIRECTIONS);
+  int low = min(int(turn), STRETCH_DIRECTIONS - 1);
+  float before = stretches[index * STRETCH_DIRECTIONS + low];
+  float after = stretches[index * STRETCH_DIRECTIONS + (low + 1) % STRETCH_DIRECTIONS];
+  return mix(before, after, turn - float(low));
+#else
+  return 1.0;
+#endif
+}
+
+struct PatternPlace {
+  vec2 disk;     // in the unit disk
+  float stretch; // of the disk there, whose area grows by its square
+  bool inside;   // the ball, if the metric were that of the center
+};
+
+PatternPlace pattern_place(int i, mat2 rotation, int index) {
+  vec2 place = rotation * pattern[i];
+  float stretch = stretch_along(place, index);
+  return PatternPlace(place * stretch, stretch, length(place) * stretch * enlargement <= 1.0);
+}
