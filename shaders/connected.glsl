@@ -80,7 +80,8 @@ void sample_support(inout Sums sums, CenterData data, int index) {
     for (int i = bare_begin[cell]; i < bare_begin[cell + 1]; ++i) {
       vec4 point = bare[2 * i];
       vec3 offset = point.xyz - sums.center.position;
-      add_neighbor(sums, point.xyz, bare[2 * i + 1].xyz, BARE_SHARE * point.w, dot(offset, offset) < point.w, -1.0);
+      add_neighbor(sums, point.xyz, bare[2 * i + 1].xyz, BARE_SHARE * point.w, dot(offset, offset) < point.w, -1.0,
+                   MAP_OF_BARE(i));
     }
   }
 }

@@ -18,6 +18,7 @@
 
 #define UNIT_LABELS 8      // buffer, RG32I: the cell of each texel, or -1; the part of it that its chart covers, of 65536
 #define UNIT_CORNERS 9     // list, RG32I: low texel of each cell's block
+#define UNIT_MAP 15        // buffer, RGBA32F: gradient of a map, its value
 
 // Storage buffers.
 #define BINDING_CENTERS 0
@@ -29,6 +30,9 @@
 #define BINDING_CELLS 6    // cells of all neighborhoods, one after another
 #define BINDING_BARE_BEGIN 7 // (cells + 1) samples of triangles that no texel carries
 #define BINDING_BARE 8     // two vec4 each: position, area; normal
+#define BINDING_MAP_CENTERS 12 // gradient and value of the map at each center
+#define BINDING_MAP_BARE 13  // the same at the samples of BINDING_BARE
+#define BINDING_MAP_EDGES 14 // the same at both ends of BINDING_EDGES
 
 // llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): what would
 // go beyond this many counts as lost instead.

@@ -108,6 +108,11 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
     add("--evaluate", choices=bridge.EVALUATIONS, default=defaults.evaluate, help="at vertices, or texels looked up")
     add("--texels", type=int, default=defaults.texels, metavar="N", help="side of the map of texels (default: 512)")
     add("--precision", choices=bridge.PRECISIONS, default=defaults.precision, help="of the buffers (default: full)")
+    add("--map-descriptor", default=defaults.map_descriptor, metavar="A",
+        help="what harris, gradient_magnitude, laplacian and difference_of_gaussians work on (default: %(default)s)")  # fmt: skip
+    add("--map-sigma", type=float, default=defaults.map_sigma, metavar="S",
+        help="of harris' and difference_of_gaussians' windows, times the radius (default: 1)")  # fmt: skip
+    add("--harris-k", type=float, default=defaults.harris_k, metavar="K", help="k of harris (default: 0.04)")
     add("--backend", choices=bridge.BACKENDS, default="auto", help="what computes (default: auto)")
     add("--device", type=int, default=-1, metavar="N", help="which device of the backend (default: the first)")
     add("--seed", type=int, default=defaults.seed, metavar="N", help="of the sampling pattern (default: 0)")
@@ -126,6 +131,9 @@ def settings_of(arguments: argparse.Namespace) -> job.Settings:
         seed=arguments.seed,
         texels=arguments.texels,
         adaptive=arguments.adaptive,
+        map_descriptor=arguments.map_descriptor,
+        map_sigma=arguments.map_sigma,
+        harris_k=arguments.harris_k,
         **{name: getattr(arguments, name) for name in bridge.CHOICES},
     )
     return job.Settings(names, options, arguments.backend, arguments.device)

@@ -24,6 +24,10 @@ class Baked:
         """The range of values that the colors of a descriptor span."""
         return color_maps.value_range(self.results.values[name], registry_row(name), self.results.radius)
 
+    def unit(self, name: str) -> str:
+        """The unit of a descriptor's values as text."""
+        return registry_row(name).unit_on(self.results.settings.options.map_descriptor)
+
     def colors(self, name: str) -> np.ndarray:
         """(vertex_count, 3) float32 display colors of a descriptor."""
         return color_maps.colors(self.results.values[name], self.shown(name))
@@ -75,7 +79,7 @@ def write_picture(path: Path, baked: Baked) -> None:
     points = baked.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     views = []
     for name in baked.results.values:
-        unit = registry_row(name).unit
+        unit = baked.unit(name)
         title = name.replace("_", " ") + (f" ({unit})" if unit else "")
         views.append(picture.View(baked.colors(name), title, baked.shown(name)))
     png.write_png(path, picture.compose(points, baked.arrays.triangle_vertices, views))
@@ -94,7 +98,7 @@ def report(baked: Baked) -> dict[str, object]:
             "shown_minimum": shown.minimum,
             "shown_maximum": shown.maximum,
             "undefined": int(len(values) - finite.size),
-            "unit": registry_row(name).unit,
+            "unit": baked.unit(name),
         }
     return {
         "object": baked.object_name,

@@ -11,6 +11,8 @@
 #include "bake/seam_links.h"
 #include "descriptor/reference.h"
 #include "descriptor/registry.h"
+#include "descriptor_limits.h"
+#include "image/passes.h"
 #include "mesh/layout.h"
 #include "sample/pattern.h"
 #include "support/error.h"
@@ -127,6 +129,7 @@ struct Frame {
   std::vector<CenterData> centers;
   std::vector<int32_t> sites;  // (centers) -1: the point has no place in the UV map
   std::vector<int32_t> points; // (centers)
+  BareSamples bare;
   double radius_in_texels = 0.0;
 };
 
@@ -255,7 +258,7 @@ static void build_cells_for(Mesh &mesh, const Frame &frame) {
 }
 
 // The neighborhoods of all centers, before any sample is drawn.
-static void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, const Frame &frame) {
+static void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
   DeviceMesh &device = *mesh.device;
   std::vector<vec4> positions;
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
@@ -284,9 +287,29 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
   }
   const Supports supports = find_supports(device.cells, positions, mesh.triangles, frame.buffer_frame, centers,
                                           static_cast<float>(radius * frame.buffer_frame.scale), mesh.context->threads);
-  const BareSamples bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame,
-                                                 static_cast<float>(radius * frame.buffer_frame.scale));
-  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, bare); });
+  frame.bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame,
+                                     static_cast<float>(radius * frame.buffer_frame.scale));
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, frame.bare); });
+}
+
+// The map goes where samples find it: texels, centers, and triangles without texels.
+static void bake_map(Mesh &mesh, const Frame &frame, const MapValues &values) {
+  DeviceMesh &device = *mesh.device;
+  std::vector<vec4> centers, bare;
+  for (const int32_t point : frame.points) centers.push_back(values[static_cast<size_t>(point)]);
+  for (size_t i = 0; i < frame.bare.triangle.size(); ++i) {
+    auto corner = [&](size_t k) {
+      return values[static_cast<size_t>(mesh.half_edges.corner_point[3 * static_cast<size_t>(frame.bare.triangle[i]) + k])];
+    };
+    const vec2 weights = frame.bare.weights[i];
+    bare.push_back(corner(0) * (1.0f - weights.x - weights.y) + corner(1) * weights.x + corner(2) * weights.y);
+  }
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
+    if (!device.map || device.map->size() != device.buffer->size())
+      device.map = std::make_unique<MapBuffer>(gl, device.buffer->size());
+    device.map->bake(programs, {mesh.triangles, mesh.half_edges, mesh.charts, device.vertices, values});
+    device.evaluator.set_map(gl, centers, bare);
+  });
 }
 
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
@@ -331,7 +354,7 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
   results.refined_share = count ? static_cast<double>(refined) / static_cast<double>(count) : 1.0;
   size_t row = ROW_DESCRIPTORS;
   for (size_t k = 0; k < settings.descriptors.size(); ++k) {
-    const DescriptorRow &descriptor = descriptors()[static_cast<size_t>(settings.descriptors[k])];
+    const DescriptorRow &descriptor = descriptor_row(settings.descriptors[k]);
     const auto unit = static_cast<float>(std::pow(frame.buffer_frame.scale, -descriptor.length_power));
     const auto width = static_cast<size_t>(descriptor.components);
     results.values[k].resize(count * width);
@@ -375,6 +398,23 @@ static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double ra
   bake(mesh, options, frame, changed);
 }
 
+// How far a pass looks around.
+static double reach_of(const Pass &pass, const pdesc_options &options, double radius) {
+  return pass.stage == Stage::windows ? WINDOW_REACH * options.map_sigma * radius : radius;
+}
+
+// Derivatives magnify the noise of what they are taken of, and their own.
+static int samples_of(const Pass &pass, const pdesc_options &options) {
+  const bool more = pass.stage == Stage::source || pass.stage == Stage::map;
+  return more ? std::max(options.samples, std::min(4 * options.samples, 4096)) : options.samples;
+}
+
+// Neighborhoods of another radius, from the same cells.
+static void widen_supports(Mesh &mesh, const pdesc_options &options, double reach, Frame &frame) {
+  prepare_centers(mesh, options, reach, frame);
+  if (options.relocation == PDESC_RELOCATION_CONNECTED) prepare_supports(mesh, options, reach, frame);
+}
+
 static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
                                             const Progress &progress, Field &field) {
   Clock clock;
@@ -401,23 +441,41 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   field.report.seconds_prepare += clock.lap();
   check_cancel(progress, "evaluate", 0.3);
 
-  const EvaluateSettings settings{asked,
-                                  options.samples,
-                                  options.seed,
-                                  options.max_jumps,
-                                  static_cast<float>(radius * frame.buffer_frame.scale),
-                                  ellipse_enlargement,
-                                  options.relocation,
-                                  options.estimator == PDESC_ESTIMATOR_INTEGRAL,
-                                  options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE,
-                                  options.distance == PDESC_DISTANCE_GEODESIC,
-                                  static_cast<float>(options.adaptive)};
-  evaluate_tiles(mesh, settings, frame, progress);
+  EvaluateSettings settings{{},
+                            options.samples,
+                            options.seed,
+                            options.max_jumps,
+                            static_cast<float>(radius * frame.buffer_frame.scale),
+                            ellipse_enlargement,
+                            options.relocation,
+                            options.estimator == PDESC_ESTIMATOR_INTEGRAL,
+                            options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE,
+                            options.distance == PDESC_DISTANCE_GEODESIC,
+                            static_cast<float>(options.adaptive)};
+  settings.map_radius = settings.radius;
+  settings.map_sigma = static_cast<float>(options.map_sigma) * settings.radius;
+  settings.harris_k = static_cast<float>(options.harris_k);
+  const double radius_in_texels = frame.radius_in_texels;
+  SiteResults results = run_passes(mesh.half_edges.point_count, asked, find_map(options.map_descriptor),
+                                   [&](const Pass &pass, const MapValues *map, int number, int count) {
+                                     if (pass.stage == Stage::windows) {
+                                       widen_supports(mesh, options, reach_of(pass, options, radius), frame);
+                                       settings.radius =
+                                           static_cast<float>(reach_of(pass, options, radius) * frame.buffer_frame.scale);
+                                     }
+                                     settings.samples = samples_of(pass, options);
+                                     if (map) bake_map(mesh, frame, *map);
+                                     settings.map = map ? mesh.device->map.get() : nullptr;
+                                     settings.descriptors = pass.rows;
+                                     evaluate_tiles(mesh, settings, frame, [&](const char *stage, double fraction) {
+                                       return progress(stage, 0.3 + 0.7 * (number + (fraction - 0.3) / 0.7) / count);
+                                     });
+                                     return read_results(mesh, settings, frame);
+                                   });
   field.report.overlapping_texels = mesh.device->counts.overlapping;
   field.report.covered_texels = mesh.device->counts.covered;
   field.report.bare_triangles = mesh.device->bare_triangles;
-  field.report.radius_in_texels = frame.radius_in_texels;
-  SiteResults results = read_results(mesh, settings, frame);
+  field.report.radius_in_texels = radius_in_texels;
   field.report.places = static_cast<int32_t>(frame.centers.size());
   field.report.refined_share = results.refined_share;
   field.report.seconds_evaluate = clock.lap();
@@ -429,18 +487,29 @@ static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &opti
   Clock clock;
   const Normals normals = prepare_normals(mesh, options.normals);
   field.report.seconds_prepare = clock.lap();
-  ReferenceField reference =
-      compute_reference(mesh.triangles, mesh.half_edges, normals,
-                        {radius, options.estimator == PDESC_ESTIMATOR_INTEGRAL, options.distance == PDESC_DISTANCE_GEODESIC},
-                        asked, mesh.context->threads, [&](double fraction) { return progress("evaluate", fraction); });
-  check_cancel(progress, "evaluate", 1.0); // other threads may have finished the last points
-  SiteResults results;
-  results.values = std::move(reference.values);
-  results.boundary = std::move(reference.boundary);
+  ReferenceSettings settings{radius, options.estimator == PDESC_ESTIMATOR_INTEGRAL, options.distance == PDESC_DISTANCE_GEODESIC};
+  settings.map_radius = radius;
+  settings.map_sigma = options.map_sigma * radius;
+  settings.harris_k = options.harris_k;
   const auto points = static_cast<size_t>(mesh.half_edges.point_count);
-  for (size_t i = 0; i < points; ++i) results.point.push_back(static_cast<int32_t>(i));
-  results.primary.assign(points, 1);
-  results.coverage.assign(points, 1.0f);
+  SiteResults results =
+      run_passes(mesh.half_edges.point_count, asked, find_map(options.map_descriptor),
+                 [&](const Pass &asked_now, const MapValues *map, int number, int count) {
+                   settings.map = map;
+                   settings.radius = reach_of(asked_now, options, radius);
+                   ReferenceField reference = compute_reference(
+                       mesh.triangles, mesh.half_edges, normals, settings, asked_now.rows, mesh.context->threads,
+                       [&](double fraction) { return progress("evaluate", (number + fraction) / count); });
+                   SiteResults pass;
+                   pass.values = std::move(reference.values);
+                   pass.boundary = std::move(reference.boundary);
+                   pass.point.resize(points);
+                   std::iota(pass.point.begin(), pass.point.end(), 0);
+                   pass.primary.assign(points, 1);
+                   pass.coverage.assign(points, 1.0f);
+                   return pass;
+                 });
+  check_cancel(progress, "evaluate", 1.0); // other threads may have finished the last points
   field.report.places = mesh.half_edges.point_count;
   field.report.refined_share = 1.0;
   field.report.seconds_evaluate = clock.lap();

@@ -45,6 +45,9 @@ pdesc_options options_of(const Settings &settings) {
   options.variance_reduction = settings.variance_reduction;
   options.distance = settings.distance;
   options.adaptive = settings.adaptive;
+  options.map_descriptor = settings.map_descriptor;
+  options.map_sigma = settings.map_sigma;
+  options.harris_k = settings.harris_k;
   return options;
 }
 

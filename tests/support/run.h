@@ -45,6 +45,9 @@ struct Settings {
   int32_t variance_reduction = PDESC_VARIANCE_REDUCTION_SHAPE;
   int32_t distance = PDESC_DISTANCE_EUCLIDEAN;
   double adaptive = 0;
+  const char *map_descriptor = nullptr;
+  double map_sigma = 1;
+  double harris_k = 0.04;
 };
 pdesc_options options_of(const Settings &settings);
 

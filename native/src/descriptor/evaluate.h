@@ -7,6 +7,7 @@
 
 #include "bake/gbuffer.h"
 #include "gpu/program.h"
+#include "image/map_buffer.h"
 #include "sample/cells.h"
 #include "sample/neighborhood.h"
 #include "sample/supports.h"
@@ -20,13 +21,17 @@ struct EvaluateSettings {
   int samples;
   uint32_t seed;
   int max_jumps;
-  float radius;       // in buffer units
-  float enlargement;  // of the sampling ellipse over the radius
-  int relocation;     // pdesc_relocation
-  bool integral;      // curvatures by the paper's integrals; else by the shape operator
-  bool plain;         // no control variate
-  bool geodesic_ball; // the neighborhood ends where the distance along the surface exceeds the radius
-  float adaptive;     // 0: all samples everywhere
+  float radius;                   // in buffer units
+  float enlargement;              // of the sampling ellipse over the radius
+  int relocation;                 // pdesc_relocation
+  bool integral;                  // curvatures by the paper's integrals; else by the shape operator
+  bool plain;                     // no control variate
+  bool geodesic_ball;             // the neighborhood ends where the distance along the surface exceeds the radius
+  float adaptive;                 // 0: all samples everywhere
+  const MapBuffer *map = nullptr; // what operators read
+  float map_radius = 0;           // at which it was computed, in buffer units
+  float map_sigma = 0;            // of their Gaussian windows, in buffer units
+  float harris_k = 0;
 
   // Rows of values among the results, after ROW_DESCRIPTORS.
   size_t value_rows() const;
@@ -44,6 +49,8 @@ public:
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
   void set_links(const Gl &gl, const std::vector<vec4> &links);
   void set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare);
+  // The map where it is not read from texels: at the centers, and at the samples of BareSamples.
+  void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &bare);
   // Computes centers [first, last); returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
            int last) const;
@@ -55,7 +62,7 @@ private:
 
   Texture border_, labels_;
   ListTexture border_list_, border_uv_, links_, corners_;
-  Buffer centers_, pattern_, supports_, support_cells_, areas_, bare_begin_, bare_, results_;
+  Buffer centers_, pattern_, supports_, support_cells_, areas_, bare_begin_, bare_, results_, map_centers_, map_bare_;
   int count_ = 0, cell_count_ = 0, block_size_ = 1;
 };
 

@@ -3,6 +3,7 @@
 
 #include <glm/geometric.hpp>
 #include <glm/mat2x2.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -11,6 +12,7 @@
 namespace paradesc {
 
 using glm::dmat2;
+using glm::dmat3;
 using glm::dvec2;
 using glm::dvec3;
 using glm::dvec4;
