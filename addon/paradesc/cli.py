@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 if __name__ == "__main__":  # run by Blender as a script: find the package that this file lies in
     sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from paradesc import bridge, compare, job, results
+from paradesc import bridge, compare, corners, job, results
 from paradesc.bridge import ParadescError, abi
 from paradesc.streams import quiet
 
@@ -67,6 +67,11 @@ def make_parser() -> Parser:
         help="where to write; the suffix says what: .blend, .npz, .ply, .png; give it again for more",
     )  # fmt: skip
     bake.add_argument("--json", metavar="REPORT", type=Path, help="write settings, reports and ranges as JSON")
+    bake.add_argument("--corners", metavar="FILE", type=Path, help="write the corners that harris finds as a JSON list")
+    bake.add_argument(
+        "--corner-threshold", type=float, default=corners.THRESHOLD, metavar="T",
+        help="corners have at least this share of the largest response (default: 0.05)",
+    )  # fmt: skip
     bake.set_defaults(run=run_bake)
     comparison = commands.add_parser("compare", help="compare a device's results with those of the reference")
     add_mesh_options(comparison)
@@ -171,8 +176,14 @@ def run_bake(arguments: argparse.Namespace) -> None:
     for path in arguments.output:
         if path.suffix.lower() not in OUTPUT_SUFFIXES:
             raise UsageError(f'"{path}" has none of the suffixes {", ".join(OUTPUT_SUFFIXES)}.')
-    check_outputs(arguments.output + ([arguments.json] if arguments.json else []))
+    reports = [path for path in (arguments.json, arguments.corners) if path]
+    check_outputs(arguments.output + reports)
     settings = settings_of(arguments)
+    settings.corner_threshold = arguments.corner_threshold
+    if not 0 < settings.corner_threshold <= 1:
+        raise UsageError(f"The corner threshold is {settings.corner_threshold}; it must be above 0 and at most 1.")
+    if arguments.corners and "harris" not in settings.descriptors:
+        raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
     target = open_object(arguments)
     from paradesc import mesh_io, scene_io
 
@@ -192,8 +203,10 @@ def run_bake(arguments: argparse.Namespace) -> None:
     if arguments.json:
         content = {**results.report(baked), "notes": notes, "outputs": [str(path) for path in arguments.output]}
         write_whole(arguments.json, content, results.write_json)
+    if arguments.corners:
+        write_whole(arguments.corners, results.listed_corners(baked), results.write_json)
     print_summary(baked, notes)
-    for path in arguments.output + ([arguments.json] if arguments.json else []):
+    for path in arguments.output + reports:
         print(f"wrote {path}")
 
 
@@ -228,6 +241,8 @@ def print_summary(baked: results.Baked, notes: list[str]) -> None:
             print(f"  {name}: undefined everywhere")
         else:
             print(f"  {name}: {row['minimum']:.6g} to {row['maximum']:.6g} {row['unit']}".rstrip())
+    if found.corners is not None:
+        print(f"  corners: {len(found.corners.vertices):,}")
     print_notes([*notes, found.fallback, *found.warnings])
 
 

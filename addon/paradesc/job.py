@@ -8,6 +8,7 @@ import numpy as np
 
 from . import bridge
 from .bridge import abi
+from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
 ProgressFunction = Callable[[str, float], bool]
 
@@ -20,12 +21,13 @@ class Settings:
     options: bridge.Options = field(default_factory=bridge.Options)
     backend: str = "auto"
     device_index: int = -1
+    corner_threshold: float = THRESHOLD  # of the largest Harris response
 
     def as_dict(self) -> dict[str, object]:
         """Flat, of plain types: for JSON and for Blender's custom properties."""
         flat: dict[str, object] = {"descriptors": list(self.descriptors)}
         flat.update(asdict(self.options))
-        flat.update(backend=self.backend, device_index=self.device_index)
+        flat.update(backend=self.backend, device_index=self.device_index, corner_threshold=self.corner_threshold)
         return flat
 
 
@@ -45,6 +47,13 @@ class Results:
     warnings: list[str]
     near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
     seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
+    corners: Corners | None = None  # with the descriptor harris only
+
+    @property
+    def extras(self) -> dict[str, np.ndarray]:
+        """What is written beside the descriptors, each (vertex_count,) float32."""
+        painted = {} if self.corners is None else {ATTRIBUTE: self.corners.painted}
+        return {"coverage": self.coverage, **painted}
 
     @property
     def radius(self) -> float:
@@ -91,6 +100,14 @@ def run(arrays: bridge.MeshArrays, settings: Settings, progress: ProgressFunctio
             if settings.options.seam_error and context.backend != "reference":
                 results.near_seam = mesh.near_seam(results.radius)
                 results.seam_error = {name: result.seam_error(name) for name in settings.descriptors}
+    if "harris" in results.values:
+        results.corners = find_corners(
+            arrays.positions,
+            arrays.triangle_vertices,
+            results.values["harris"],
+            WINDOW_REACH * settings.options.map_sigma * results.radius,
+            settings.corner_threshold,
+        )
     return results
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import bridge, color_maps, picture, png
+from . import bridge, color_maps, corners, picture, png
 from .job import Results
 
 
@@ -39,20 +39,20 @@ def registry_row(name: str) -> bridge.Descriptor:
 
 
 def write_npz(path: Path, baked: Baked) -> None:
-    """Writes vertices (n, 3) in object space, matrix_world (4, 4), every descriptor (n,), coverage (n,)."""
+    """Writes vertices (n, 3) in object space, matrix_world (4, 4), and (n,) each descriptor, coverage, harris_corner."""
     with path.open("wb") as file:
         np.savez(
             file,
             vertices=baked.arrays.positions,
             matrix_world=baked.matrix_world,
             **baked.results.values,
-            coverage=baked.results.coverage,
+            **baked.results.extras,
         )
 
 
 def write_ply(path: Path, baked: Baked) -> None:
     """A binary PLY in object space: vertices with the first descriptor's colors, and every value as a property."""
-    values = {**baked.results.values, "coverage": baked.results.coverage}
+    values = {**baked.results.values, **baked.results.extras}
     layout = [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
     vertices = np.empty(len(baked.arrays.positions), np.dtype(layout + [(name, "<f4") for name in values]))
     for axis, name in enumerate("xyz"):
@@ -108,9 +108,16 @@ def report(baked: Baked) -> dict[str, object]:
         "mesh_report": results.mesh_report,
         "field_report": results.field_report,
         "descriptors": ranges,
+        "corners": listed_corners(baked),
         "fallback": results.fallback,
         "warnings": results.warnings,
     }
+
+
+def listed_corners(baked: Baked) -> list[dict[str, object]]:
+    """Vertex, position and response of each corner, the strongest first; none where harris was not asked for."""
+    found = baked.results.corners
+    return [] if found is None else corners.listed(found, baked.arrays.positions, baked.results.values["harris"])
 
 
 def write_json(path: Path, content: object) -> None:
