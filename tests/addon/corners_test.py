@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from paradesc import bridge, corners, job
+from paradesc import bridge, color_maps, corners, job
 from shapes import as_arrays, cube_sphere, write_obj
 
 FILLET = 0.25
@@ -38,7 +38,8 @@ def atlas_across_faces(points, quads):
     turned = angle[quads[chart == 1]]
     turned[np.ptp(turned, axis=1) > np.pi] %= 2 * np.pi
     heights = (points @ direction)[quads[chart == 1]]
-    uvs[chart == 1] = np.stack([0.02 + (turned + np.pi) / (3 * np.pi) * 0.96, 0.55 + (heights + 0.7) / 1.4 * 0.4], axis=-1)
+    across = 0.02 + (turned + np.pi) / (3 * np.pi) * 0.96
+    uvs[chart == 1] = np.stack([across, 0.55 + (heights + 0.7) / 1.4 * 0.4], axis=-1)
     return uvs
 
 
@@ -115,8 +116,8 @@ def test_of_equal_neighbors_one_stays():
 def test_the_command_line_lists_and_paints_them(paradesc, tmp_path):
     points, quads, uvs = rounded_cube(16)
     mesh = write_obj(tmp_path / "cube.obj", points, quads, uvs)
-    words = ["--descriptors", "harris", "--radius", "0.05", "--buffer", "256", "--samples", "64", "--output", "cube.npz"]
-    done = paradesc("bake", mesh, *words, "--corners", "corners.json", "--json", "report.json")
+    words = ["--descriptors", "harris", "--radius", "0.05", "--buffer", "256", "--samples", "64"]
+    done = paradesc("bake", mesh, *words, "--output", "cube.npz", "--corners", "corners.json", "--json", "report.json")
     assert done.returncode == 0, done.stderr
     listed = json.loads((tmp_path / "corners.json").read_text())
     painted = np.load(tmp_path / "cube.npz")
@@ -149,6 +150,13 @@ def test_options_that_make_no_sense_are_refused(sphere, options, sentence):
     settings = job.Settings(("harris",), bridge.Options(**options), "reference")
     with pytest.raises(bridge.ParadescError, match=sentence):
         job.run(sphere, settings)
+
+
+def test_the_colors_of_a_response_show_what_is_small_against_one():
+    row = next(row for row in bridge.descriptors() if row.name == "harris")
+    shown = color_maps.value_range(np.linspace(-1e-7, 1e-6, 100, dtype=np.float32), row, 0.1)
+    assert shown.maximum == pytest.approx(1e-6, rel=0.1)
+    assert shown.minimum == -shown.maximum
 
 
 def test_a_unit_is_that_of_the_map_to_the_degree_of_the_operator():

@@ -28,5 +28,14 @@ TEST_P(GradientMagnitude, of_the_mean_curvature_of_a_sphere_is_zero) {
   expect_near(values, 0, 1e-3 * 0.5 / radius);
 }
 
+// A plane has no shape index; a map that does not exist has no slope.
+TEST_P(GradientMagnitude, of_a_map_that_exists_nowhere_is_undefined) {
+  TestMesh mesh = plane(1, 1, {.vertices = 400});
+  lay_out(mesh, {});
+  for (const char *name : {"gradient_magnitude", "laplacian", "difference_of_gaussians", "harris"})
+    for (const float value : compute_one(mesh, name, {.radius = 0.1, .buffer_size = 256, .map_descriptor = "shape_index"}))
+      ASSERT_TRUE(std::isnan(value)) << name;
+}
+
 } // namespace
 } // namespace paradesc::test

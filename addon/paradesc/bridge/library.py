@@ -40,7 +40,7 @@ class Descriptor:
     neutral_value: float
     display_minimum: float
     display_maximum: float
-    components: int  # 1, or 3: a vector in object space
+    components: int = 1  # or 3: a vector in object space
     map_degree: int = 0  # above 0: an operator on a map, whose unit counts to this power
 
     @property
