@@ -14,8 +14,9 @@
 // The narrower window of a difference of Gaussians has sigma over this.
 #define GAUSSIANS_RATIO 1.6
 
-// Least determinants, per area and in units of r, of what determines a quadratic: 1/16 and 1/6912 on a full disk.
+// Least determinants, per area and in units of r, of what determines a quadratic: 1/16 and 1/6912 on a full disk, some 1/200 and 1e-8 on a
+// quarter.
 #define JET_LEAST_PLANE 1e-4
-#define JET_LEAST_QUADRATIC 1e-7
+#define JET_LEAST_QUADRATIC 1e-10
 
 #endif

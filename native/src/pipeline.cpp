@@ -489,7 +489,6 @@ static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &opti
   field.report.seconds_prepare = clock.lap();
   ReferenceSettings settings{radius, options.estimator == PDESC_ESTIMATOR_INTEGRAL, options.distance == PDESC_DISTANCE_GEODESIC};
   settings.map_radius = radius;
-  settings.map_sigma = options.map_sigma * radius;
   settings.harris_k = options.harris_k;
   const auto points = static_cast<size_t>(mesh.half_edges.point_count);
   SiteResults results =
@@ -497,6 +496,7 @@ static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &opti
                  [&](const Pass &asked_now, const MapValues *map, int number, int count) {
                    settings.map = map;
                    settings.radius = reach_of(asked_now, options, radius);
+                   settings.map_sigma = asked_now.stage == Stage::windows ? options.map_sigma * radius : 0.0;
                    ReferenceField reference = compute_reference(
                        mesh.triangles, mesh.half_edges, normals, settings, asked_now.rows, mesh.context->threads,
                        [&](double fraction) { return progress("evaluate", (number + fraction) / count); });

@@ -29,7 +29,8 @@ TEST_P(DifferenceOfGaussians, follows_the_laplacian) {
     expected.push_back(0.25 * value * (spread(radius / 1.6, 2 * radius) - spread(radius, 2 * radius)));
   const PercentAe error = percent_ae(values, expected);
   std::cout << "%AE mean " << error.mean << " max " << error.max << "\n";
-  EXPECT_LE(error.mean, 3);
+  // 1 % for fourth derivatives, as much again for samples.
+  EXPECT_LE(error.mean, 2);
 }
 
 } // namespace

@@ -71,6 +71,9 @@ std::vector<std::string> registered_descriptors();
 // Values a vertex has of a descriptor.
 size_t components_of(const std::string &descriptor);
 
+// 0, or the degree of an operator on a map.
+int32_t map_degree_of(const std::string &descriptor);
+
 // Tests through the backends that run on any machine: instantiate with PDESC_ON_EACH_BACKEND(suite).
 class OnBackend : public ::testing::TestWithParam<int32_t> {
 protected:

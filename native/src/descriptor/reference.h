@@ -51,7 +51,7 @@ struct ReferenceSettings {
   bool geodesic_ball = false;             // the neighborhood ends where the distance along the surface exceeds the radius
   const std::vector<vec4> *map = nullptr; // (point_count) gradient and value of what operators work on; they need one
   double map_radius = 0;                  // at which it was computed
-  double map_sigma = 0;                   // of their Gaussian windows
+  double map_sigma = 0;                   // of their Gaussian windows; 0: they fit quadratics
   double harris_k = 0;
 };
 

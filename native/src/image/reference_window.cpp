@@ -12,7 +12,7 @@ static constexpr double undefined = ReferenceWindow::undefined;
 
 static double gaussian(double rho, double sigma) { return std::exp(-0.5 * rho * rho / (sigma * sigma)); }
 
-void add_window_sample(WindowMoments &moments, const WindowSample &sample, double sigma) {
+static void add_to_quadratic(WindowMoments &moments, const WindowSample &sample) {
   const auto [x, y] = std::array{sample.place.x, sample.place.y};
   const dvec3 first(1, x, y), second(x * x, x * y, y * y);
   const double w = sample.weight;
@@ -22,11 +22,22 @@ void add_window_sample(WindowMoments &moments, const WindowSample &sample, doubl
   moments.second_second += w * glm::outerProduct(second, second);
   moments.f_first += w * sample.value * first;
   moments.f_second += w * sample.value * second;
+}
+
+static void add_to_gaussians(WindowMoments &moments, const WindowSample &sample, double sigma) {
+  const double w = sample.weight;
   const double narrow = w * gaussian(sample.rho, sigma / GAUSSIANS_RATIO), wide = w * gaussian(sample.rho, sigma);
   moments.narrow += narrow * dvec2(1, sample.value);
   moments.wide += wide * dvec2(1, sample.value);
   const dvec2 s = sample.slope;
   moments.tensor += wide * dvec3(s.x * s.x, s.x * s.y, s.y * s.y);
+}
+
+void add_window_sample(WindowMoments &moments, const WindowSample &sample, double sigma) {
+  if (sigma > 0)
+    add_to_gaussians(moments, sample, sigma);
+  else
+    add_to_quadratic(moments, sample);
 }
 
 static bool fit_quadratic(const WindowMoments &moments, dvec3 &plane, dvec3 &quadratic) {

@@ -23,6 +23,7 @@ struct WindowMoments {
   dvec2 narrow{0}, wide{0}; // Gaussians of sigma/GAUSSIANS_RATIO and sigma: integral, that of f
   dvec3 tensor{0};          // of the wide one times slope slope^T: xx, xy, yy
 };
+// sigma 0: for the quadratic; else for Gaussian windows. No pass needs both.
 void add_window_sample(WindowMoments &moments, const WindowSample &sample, double sigma);
 
 // NaN where something does not exist: all of it, without a map.
