@@ -95,7 +95,7 @@ void sample_support(inout Sums sums, CenterData data, int index) {
       vec4 point = bare[2 * k];
       vec3 offset = point.xyz - sums.center.position;
       if (is_reached(int(bare[2 * k + 1].w)))
-        add_neighbor(sums, point.xyz, bare[2 * k + 1].xyz, BARE_SHARE * point.w, dot(offset, offset) < point.w, -1.0);
+        add_neighbor(sums, point.xyz, bare[2 * k + 1].xyz, BARE_SHARE * point.w, dot(offset, offset) < point.w, -1.0, MAP_OF_BARE(k));
     }
     ++i;
   }

@@ -19,7 +19,7 @@ layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { Cen
 layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { float results[]; };
 #if EXACT
 layout(std430, binding = BINDING_REACH) readonly restrict buffer Reach { int reach[]; };
-layout(location = 12) uniform int reach_count;
+layout(location = 15) uniform int reach_count;
 ivec2 reach_range;
 // Whether the surface reaches the triangle from the center within the ball. No loop: its rounds would count with those of the samples.
 bool is_reached(int triangle) {
@@ -30,6 +30,14 @@ bool is_reached(int triangle) {
 }
 #else
 bool is_reached(int triangle) { return true; }
+#endif
+#if MAP
+layout(binding = UNIT_MAP) uniform sampler2D maps;
+layout(std430, binding = BINDING_MAP_CENTERS) readonly restrict buffer MapCenters { vec4 map_centers[]; };
+layout(std430, binding = BINDING_MAP_BARE) readonly restrict buffer MapBare { vec4 map_bare[]; };
+#define MAP_OF_BARE(i) map_bare[i]
+#else
+#define MAP_OF_BARE(i) vec4(0.0)
 #endif
 layout(location = 2) uniform int first;
 layout(location = 3) uniform int last;
@@ -142,9 +150,14 @@ float geodesic_distance(Center center, Neighbor neighbor) {
   return neighbor.rho * (1.0 + bend * bend * square / 24.0);
 }
 
+#if MAP
+// A tangent vector v of a place with normal m, turned with it into the tangent plane of n: no projection would keep its length.
+vec3 turn_to(vec3 n, vec3 m, vec3 v) { return v - (n + m) * (dot(n, v) / max(1.0 + dot(n, m), LEAST_TURN)); }
+#endif
+
 // One place of the surface. near: nearer to the center than texels can tell. geodesic: its distance along the surface where that is
-// known, else below 0.
-void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool near, float geodesic) {
+// known, else below 0. map: gradient and value of f there.
+void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool near, float geodesic, vec4 map) {
   Neighbor neighbor;
   neighbor.offset = position - sums.center.position;
   neighbor.rho = length(neighbor.offset);
@@ -171,6 +184,12 @@ void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool 
   ball_add(sums.ball, sums.center, neighbor);
   area_add(sums.areas, sums.center, neighbor);
 #endif
+#if MAP
+  neighbor.place = x;
+  neighbor.value = map.w - sums.center.value;
+  neighbor.slope = map_radius * turn_to(sums.center.normal, normal, map.xyz) * sums.center.tangents;
+  if (isnan(map.x + map.w)) return; // the map does not exist there
+#endif
   states_add(sums.states, sums.center, neighbor);
 }
 
@@ -183,7 +202,12 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
   vec3 normal;
   vec4 point = surface_at(texel, normal);
   bool near = length(point.xyz - sums.center.position) * float(buffer_size) < sqrt(point.w);
-  add_neighbor(sums, point.xyz, normal, point.w * cell, near, geodesic);
+#if MAP
+  vec4 map = texelFetch(maps, texel, 0);
+#else
+  const vec4 map = vec4(0.0);
+#endif
+  add_neighbor(sums, point.xyz, normal, point.w * cell, near, geodesic, map);
 }
 
 #if AFFINE || PAPER
@@ -254,8 +278,14 @@ void main() {
 #endif
   CenterData data = centers[index];
   Sums sums;
-  sums.center = Center(data.position_chart.xyz, data.normal_phase.xyz, radius);
+  sums.center.position = data.position_chart.xyz;
+  sums.center.normal = data.normal_phase.xyz;
+  sums.center.radius = radius;
   tangents(sums.center.normal, sums.t1, sums.t2);
+#if MAP
+  sums.center.value = map_centers[index].w;
+  sums.center.tangents = mat2x3(sums.t1, sums.t2);
+#endif
   sums.moments = Moments(0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
 #if INTEGRAL
   ball_init(sums.ball);

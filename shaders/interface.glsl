@@ -6,6 +6,10 @@ struct Center {
   vec3 position;
   vec3 normal;
   float radius;
+#if MAP
+  float value;       // f at p
+  mat2x3 tangents;   // of the coordinates that neighbors are seen in
+#endif
 };
 
 struct Neighbor {
@@ -18,7 +22,18 @@ struct Neighbor {
   float area;      // the surface area this neighbor stands for
   float weight;    // w: the part of that area within the neighborhood
   bool near;       // nearer than one texel: too near for anything divided by rho
+#if MAP
+  vec2 place;      // d in the tangents of p, in units of r
+  float value;     // f_i - f(p)
+  vec2 slope;      // r grad f_i in the tangents of p, r that of f; 0 where an operator does not need it
+#endif
 };
+
+#if MAP
+layout(location = 12) uniform float sigma; // of Gaussian windows
+layout(location = 13) uniform float harris_k;
+layout(location = 14) uniform float map_radius; // at which f was computed
+#endif
 
 struct Support {
   float radius;

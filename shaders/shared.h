@@ -18,6 +18,7 @@
 
 #define UNIT_LABELS 8      // buffer, RG32I: the cell of each texel, or -1; the part of it that its chart covers, of 65536
 #define UNIT_CORNERS 9     // list, RG32I: low texel of each cell's block
+#define UNIT_MAP 15        // buffer, RGBA32F: gradient of a map, its value
 
 // Uniforms of every program that writes or reads the area element.
 #define LOCATION_AREA_UNIT 30
@@ -41,6 +42,9 @@
 #define BINDING_PROGRESS BINDING_BARE     // (centers of one dispatch)
 #define MAX_VISITS 64         // charts, by way of a seam each, that one center's pattern is repeated on
 #define STRETCH_DIRECTIONS 16 // of the directional ellipse
+#define BINDING_MAP_CENTERS 12 // gradient and value of the map at each center
+#define BINDING_MAP_BARE 13  // the same at the samples of BINDING_BARE
+#define BINDING_MAP_EDGES 14 // the same at both ends of BINDING_EDGES
 
 // llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): what would
 // go beyond this many counts as lost instead.

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 if __name__ == "__main__":  # run by Blender as a script: find the package that this file lies in
     sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from paradesc import bridge, compare, job, maps, results
+from paradesc import bridge, compare, corners, job, maps, results
 from paradesc.bridge import ParadescError, abi
 from paradesc.streams import quiet
 
@@ -73,6 +73,11 @@ def make_parser() -> Parser:
     )  # fmt: skip
     bake.add_argument("--dump-buffers", metavar="FOLDER", type=Path, help="write the baked buffers as .png and .npz")
     bake.add_argument("--json", metavar="REPORT", type=Path, help="write settings, reports and ranges as JSON")
+    bake.add_argument("--corners", metavar="FILE", type=Path, help="write the corners that harris finds as a JSON list")
+    bake.add_argument(
+        "--corner-threshold", type=float, default=corners.THRESHOLD, metavar="T",
+        help="corners have at least this share of the largest response (default: 0.05)",
+    )  # fmt: skip
     bake.set_defaults(run=run_bake)
     comparison = commands.add_parser("compare", help="compare a device's results with those of the reference")
     add_mesh_options(comparison)
@@ -121,6 +126,11 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
     add("--evaluate", choices=bridge.EVALUATIONS, default=defaults.evaluate, help="at vertices, or texels looked up")
     add("--texels", type=int, default=defaults.texels, metavar="N", help="side of the map of texels (default: 512)")
     add("--precision", choices=bridge.PRECISIONS, default=defaults.precision, help="of the buffers (default: full)")
+    add("--map-descriptor", default=defaults.map_descriptor, metavar="A",
+        help="what harris, gradient_magnitude, laplacian and difference_of_gaussians work on (default: %(default)s)")  # fmt: skip
+    add("--map-sigma", type=float, default=defaults.map_sigma, metavar="S",
+        help="of harris' and difference_of_gaussians' windows, times the radius (default: 1)")  # fmt: skip
+    add("--harris-k", type=float, default=defaults.harris_k, metavar="K", help="k of harris (default: 0.04)")
     add("--backend", choices=bridge.BACKENDS, default="auto", help="what computes (default: auto)")
     add("--device", type=int, default=-1, metavar="N", help="which device of the backend (default: the first)")
     add("--seed", type=int, default=defaults.seed, metavar="N", help="of the sampling pattern (default: 0)")
@@ -144,6 +154,9 @@ def settings_of(arguments: argparse.Namespace) -> job.Settings:
         seed=arguments.seed,
         texels=arguments.texels,
         adaptive=arguments.adaptive,
+        map_descriptor=arguments.map_descriptor,
+        map_sigma=arguments.map_sigma,
+        harris_k=arguments.harris_k,
         **{name: getattr(arguments, name) for name in bridge.CHOICES},
     )
     return job.Settings(names, options, arguments.backend, arguments.device, arguments.radius[1:])
@@ -183,8 +196,14 @@ def run_bake(arguments: argparse.Namespace) -> None:
             raise UsageError(f'"{path}" has none of the suffixes {", ".join(OUTPUT_SUFFIXES)}.')
     settings = settings_of(arguments)
     images = image_paths(arguments.map, settings)
-    check_outputs(arguments.output + [path for path, _ in images] + ([arguments.json] if arguments.json else []))
+    reports = [path for path in (arguments.json, arguments.corners) if path]
+    check_outputs(arguments.output + [path for path, _ in images] + reports)
     check_folder(arguments)
+    settings.corner_threshold = arguments.corner_threshold
+    if not 0 < settings.corner_threshold <= 1:
+        raise UsageError(f"The corner threshold is {settings.corner_threshold}; it must be above 0 and at most 1.")
+    if arguments.corners and "harris" not in settings.descriptors:
+        raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
     target = open_object(arguments)
     from paradesc import mesh_io, scene_io
 
@@ -210,8 +229,10 @@ def run_bake(arguments: argparse.Namespace) -> None:
     if arguments.json:
         outputs = {"outputs": [str(path) for path in written], "maps": described}
         write_whole(arguments.json, {**results.report(baked), "notes": notes, **outputs}, results.write_json)
+    if arguments.corners:
+        write_whole(arguments.corners, results.listed_corners(baked), results.write_json)
     print_summary(baked, notes)
-    for path in written + ([arguments.json] if arguments.json else []):
+    for path in written + reports:
         print(f"wrote {path}")
 
 
@@ -282,6 +303,8 @@ def print_summary(baked: results.Baked, notes: list[str]) -> None:
             print(f"  {name}: undefined everywhere")
         else:
             print(f"  {name}: {row['minimum']:.6g} to {row['maximum']:.6g} {row['unit']}".rstrip())
+    if found.corners is not None:
+        print(f"  corners: {len(found.corners.vertices):,}")
     print_notes([*notes, found.fallback, *found.warnings])
 
 

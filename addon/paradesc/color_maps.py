@@ -102,6 +102,8 @@ def value_range(values: np.ndarray, descriptor: Descriptor, radius: float) -> Va
 
 def smallest_half(descriptor: Descriptor, radius: float) -> float:
     """Half the smallest range worth showing around a neutral value; below it everything is neutral."""
+    if descriptor.map_degree > 0 and radius > 0:  # differences of a map without unit, to a power
+        return FLATNESS**descriptor.map_degree * radius**descriptor.length_power
     if descriptor.length_power >= 0 or not radius > 0:
         return FLATNESS
     return (FLATNESS / radius) ** -descriptor.length_power

@@ -8,6 +8,7 @@ import numpy as np
 
 from . import bridge
 from .bridge import abi
+from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
 ProgressFunction = Callable[[str, float], bool]
 
@@ -22,12 +23,14 @@ class Settings:
     backend: str = "auto"
     device_index: int = -1
     more_radii: tuple[float, ...] = ()
+    corner_threshold: float = THRESHOLD  # of the largest Harris response
 
     def as_dict(self) -> dict[str, object]:
         """Flat, of plain types: for JSON and for Blender's custom properties."""
         flat: dict[str, object] = {"descriptors": list(self.descriptors)}
         flat.update(asdict(self.options))
         flat.update(backend=self.backend, device_index=self.device_index, more_radii=list(self.more_radii))
+        flat.update(corner_threshold=self.corner_threshold)
         return flat
 
 
@@ -53,6 +56,13 @@ class Results:
 
     field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
     unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
+    corners: Corners | None = None  # with the descriptor harris only
+
+    @property
+    def extras(self) -> dict[str, np.ndarray]:
+        """What is written beside the descriptors, each (vertex_count,) float32."""
+        painted = {} if self.corners is None else {ATTRIBUTE: self.corners.painted}
+        return {"coverage": self.coverage, **painted}
 
     @property
     def radius(self) -> float:

@@ -177,7 +177,7 @@ def wanted_kind(name: str) -> tuple[str, str]:
 def wanted_names(results: Results) -> list[str]:
     """Every attribute that these results become."""
     names = [name for descriptor in results.values for name in (descriptor, f"{descriptor}_color")]
-    return [*names, "coverage"]
+    return [*names, *results.extras]
 
 
 def check_names(mesh: bpy.types.Mesh, names: list[str]) -> list[str]:
@@ -254,7 +254,8 @@ def write_values(mesh: bpy.types.Mesh, results: Results) -> None:
         display = color_maps.colors(values, shown_range(results, name))
         rgba = color_maps.linear_rgba(display)
         mesh.attributes[f"{name}_color"].data.foreach_set("color", rgba.ravel())
-    mesh.attributes["coverage"].data.foreach_set("value", np.ascontiguousarray(results.coverage, np.float32))
+    for name, values in results.extras.items():
+        mesh.attributes[name].data.foreach_set("value", np.ascontiguousarray(values, np.float32))
     first = next(iter(results.values)) + "_color"
     colors = mesh.color_attributes
     colors.active_color = colors[first]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import bridge, color_maps, picture, png
+from . import bridge, color_maps, corners, picture, png
 from .job import Results, registry_row
 
 
@@ -24,27 +24,31 @@ class Baked:
         """The range of values that the colors of a descriptor span."""
         return color_maps.value_range(self.results.values[name], registry_row(name), self.results.radius_of(name))
 
+    def unit(self, name: str) -> str:
+        """The unit of a descriptor's values as text."""
+        return registry_row(name).unit_on(self.results.settings.options.map_descriptor)
+
     def colors(self, name: str) -> np.ndarray:
         """(vertex_count, 3) float32 display colors of a descriptor."""
         return color_maps.colors(self.results.values[name], self.shown(name))
 
 
 def write_npz(path: Path, baked: Baked) -> None:
-    """Writes vertices (n, 3) in object space, matrix_world (4, 4), every descriptor (n,) or (n, 3), coverage (n,)."""
+    """Writes vertices (n, 3) in object space, matrix_world (4, 4), descriptors (n,) or (n, 3), coverage, harris_corner (n,)."""
     with path.open("wb") as file:
         np.savez(
             file,
             vertices=baked.arrays.positions,
             matrix_world=baked.matrix_world,
             **baked.results.values,
-            coverage=baked.results.coverage,
+            **baked.results.extras,
         )
 
 
 def write_ply(path: Path, baked: Baked) -> None:
     """A binary PLY in object space: vertices with the first descriptor's colors, and every value as a property."""
     values = {}
-    for name, array in {**baked.results.values, "coverage": baked.results.coverage}.items():
+    for name, array in {**baked.results.values, **baked.results.extras}.items():
         if array.ndim == 1:
             values[name] = array
         else:
@@ -75,7 +79,7 @@ def write_picture(path: Path, baked: Baked) -> None:
     points = baked.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     views = []
     for name in baked.results.values:
-        unit = registry_row(name).unit
+        unit = baked.unit(name)
         title = name.replace("_", " ") + (f" ({unit})" if unit else "")
         views.append(picture.View(baked.colors(name), title, baked.shown(name)))
     png.write_png(path, picture.compose(points, baked.arrays.triangle_vertices, views))
@@ -95,7 +99,7 @@ def report(baked: Baked) -> dict[str, object]:
             "shown_maximum": shown.maximum,
             "undefined": int(np.isnan(values.reshape(len(values), -1)).any(axis=1).sum()),
             "radius": results.radius_of(name),
-            "unit": registry_row(name).unit,
+            "unit": baked.unit(name),
         }
     return {
         "object": baked.object_name,
@@ -106,9 +110,16 @@ def report(baked: Baked) -> dict[str, object]:
         "field_report": results.field_report,
         "field_reports": {suffix: report for suffix, report in results.field_reports.items() if suffix},
         "descriptors": ranges,
+        "corners": listed_corners(baked),
         "fallback": results.fallback,
         "warnings": results.warnings,
     }
+
+
+def listed_corners(baked: Baked) -> list[dict[str, object]]:
+    """Vertex, position and response of each corner, the strongest first; none where harris was not asked for."""
+    found = baked.results.corners
+    return [] if found is None else corners.listed(found, baked.arrays.positions, baked.results.values["harris"])
 
 
 def write_json(path: Path, content: object) -> None:

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "descriptor/registry.h"
+#include "image/passes.h"
 #include "mesh/near_seam.h"
 #include "pipeline.h"
 #include "support/error.h"
@@ -106,6 +107,12 @@ void check_options(const pdesc_options &options) {
   check_range("precision", options.precision, PDESC_PRECISION_FULL, PDESC_PRECISION_HALF);
   if (!std::isfinite(options.adaptive) || options.adaptive < 0.0)
     refuse("The option adaptive is " + std::to_string(options.adaptive) + "; it must be a finite number from 0 on.");
+  if (!(options.map_sigma >= 0.1) || !(options.map_sigma <= 4.0))
+    refuse("The option map_sigma is " + std::to_string(options.map_sigma) + "; choose from 0.1 to 4 radii.");
+  if (!(options.harris_k >= 0.0) || !(options.harris_k < 0.25))
+    refuse("The option harris_k is " + std::to_string(options.harris_k) +
+           "; it must be from 0 on and below 0.25, from which on no place is a corner.");
+  paradesc::find_map(options.map_descriptor);
   if (options.geodesic == PDESC_GEODESIC_CHORDS && options.relocation == PDESC_RELOCATION_CONNECTED)
     refuse("The sum of chords follows straight ways in the UV map, which the connected relocation has not; choose the affine or "
            "the paper's relocation, or the local geodesic distance.");
@@ -156,6 +163,7 @@ int32_t pdesc_descriptor_get(int32_t index, pdesc_descriptor_info *info) {
     ours.display_minimum = row.display_minimum;
     ours.display_maximum = row.display_maximum;
     ours.components = row.components;
+    ours.map_degree = row.map_degree;
     write_struct(ours, info, "pdesc_descriptor_info");
   });
 }
@@ -242,6 +250,8 @@ void pdesc_options_init(pdesc_options *options) {
   options->buffer_size = 1024;
   options->max_jumps = 8;
   options->texels = 512;
+  options->map_sigma = 1.0;
+  options->harris_k = 0.04;
 }
 
 int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *names, int32_t count,

@@ -11,6 +11,8 @@
 #include "bake/seam_links.h"
 #include "descriptor/reference.h"
 #include "descriptor/registry.h"
+#include "descriptor_limits.h"
+#include "image/passes.h"
 #include "mesh/cut.h"
 #include "mesh/layout.h"
 #include "sample/pattern.h"
@@ -108,6 +110,7 @@ struct Frame {
   std::vector<CenterData> centers;
   std::vector<int32_t> sites;  // (centers) -1: the point has no place in the UV map
   std::vector<int32_t> points; // (centers)
+  BareSamples bare;
   double radius_in_texels = 0.0;
 };
 
@@ -248,17 +251,17 @@ static std::vector<vec4> measure_cells(Mesh &mesh) {
 }
 
 // The neighborhoods of all centers, before any sample is drawn.
-static void search_supports(Mesh &mesh, double radius, const Frame &frame, const std::vector<vec4> &positions,
+static void search_supports(Mesh &mesh, double radius, Frame &frame, const std::vector<vec4> &positions,
                             const std::vector<SupportCenter> &centers) {
   DeviceMesh &device = *mesh.device;
   const auto reach = static_cast<float>(radius * frame.buffer_frame.scale);
   const Supports supports =
       find_supports(device.cells, positions, mesh.triangles, frame.buffer_frame, centers, reach, mesh.context->threads);
-  const BareSamples bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, reach);
-  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, bare); });
+  frame.bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, reach);
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, frame.bare); });
 }
 
-static void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, const Frame &frame) {
+static void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
   // A vertex starts from all its places in the UV map; for seam errors each place has to find the others by itself.
   std::vector<int32_t> order(mesh.charts.sites.size());
   std::iota(order.begin(), order.end(), 0);
@@ -288,6 +291,25 @@ static int samples_at_once(const Mesh &mesh, const pdesc_options &options) {
   if (mesh.context->backend != PDESC_BACKEND_SOFTWARE) return options.samples;
   const int samples = options.relocation == PDESC_RELOCATION_PAPER ? 8 : 64; // each of them up to MAX_VISITS times
   return options.geodesic == PDESC_GEODESIC_CHORDS ? samples / 8 : samples;
+}
+
+// The map goes where samples find it: texels, centers, and triangles without texels.
+static void bake_map(Mesh &mesh, const Frame &frame, const MapValues &values) {
+  DeviceMesh &device = *mesh.device;
+  std::vector<vec4> centers, bare;
+  for (const int32_t point : frame.points) centers.push_back(values[static_cast<size_t>(point)]);
+  for (size_t i = 0; i < frame.bare.weights.size(); ++i) {
+    const auto triangle = static_cast<size_t>(frame.bare.point[2 * i + 1].w);
+    auto corner = [&](size_t k) { return values[static_cast<size_t>(mesh.half_edges.corner_point[3 * triangle + k])]; };
+    const vec2 weights = frame.bare.weights[i];
+    bare.push_back(corner(0) * (1.0f - weights.x - weights.y) + corner(1) * weights.x + corner(2) * weights.y);
+  }
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
+    if (!device.map || device.map->size() != device.buffer->size())
+      device.map = std::make_unique<MapBuffer>(gl, device.buffer->size());
+    device.map->bake(programs, {mesh.triangles, mesh.half_edges, mesh.charts, device.vertices, values});
+    device.evaluator.set_map(gl, centers, bare);
+  });
 }
 
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
@@ -369,7 +391,7 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
   results.refined_share = count ? static_cast<double>(refined) / static_cast<double>(count) : 1.0;
   size_t row = ROW_DESCRIPTORS;
   for (size_t k = 0; k < settings.descriptors.size(); ++k) {
-    const DescriptorRow &descriptor = descriptors()[static_cast<size_t>(settings.descriptors[k])];
+    const DescriptorRow &descriptor = descriptor_row(settings.descriptors[k]);
     const auto unit = static_cast<float>(std::pow(frame.buffer_frame.scale, -descriptor.length_power));
     const auto width = static_cast<size_t>(descriptor.components);
     results.values[k].resize(count * width);
@@ -392,8 +414,13 @@ static SiteResults evaluate_vertices(Mesh &mesh, const EvaluateSettings &setting
 }
 
 // The texels of a map, so many at a time that a run can be cancelled between; then the vertices from there.
-static SiteResults evaluate_texels(Mesh &mesh, const pdesc_options &options, const EvaluateSettings &settings, Frame &frame,
-                                   const Progress &progress, Field &field) {
+static SiteResults evaluate_texels(Mesh &mesh, const pdesc_options &options, std::span<const int> asked,
+                                   EvaluateSettings settings, Frame &frame, const Progress &progress, Field &field) {
+  for (const int row : asked)
+    if (descriptor_row(row).needs != MapNeeds::nothing)
+      throw Error(PDESC_ERROR_INVALID_ARGUMENT, std::string("The operator ") + descriptor_row(row).name +
+                                                    " works on a map of values at vertices; choose to evaluate at vertices.");
+  settings.descriptors = asked;
   constexpr size_t batch = size_t{1} << 15;
   const TexelMap map = build_texel_map(mesh.triangles, mesh.charts, options.texels);
   const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
@@ -487,6 +514,67 @@ static bool lay_out_afresh(Mesh &mesh, double radius_in_texels) {
   return true;
 }
 
+// How far a pass looks around.
+static double reach_of(const Pass &pass, const pdesc_options &options, double radius) {
+  return pass.stage == Stage::windows ? WINDOW_REACH * options.map_sigma * radius : radius;
+}
+
+// Derivatives magnify the noise of what they are taken of, and their own.
+static int samples_of(const Pass &pass, const pdesc_options &options) {
+  const bool more = pass.stage == Stage::source || pass.stage == Stage::map;
+  return more ? std::max(options.samples, std::min(4 * options.samples, 4096)) : options.samples;
+}
+
+// Neighborhoods of another radius, from the same cells.
+static void widen_supports(Mesh &mesh, const pdesc_options &options, double reach, Frame &frame) {
+  prepare_centers(mesh, options, reach, frame);
+  if (options.relocation == PDESC_RELOCATION_CONNECTED) prepare_supports(mesh, options, reach, frame);
+}
+
+static EvaluateSettings settings_of(const Mesh &mesh, const pdesc_options &options, double radius, const Frame &frame) {
+  EvaluateSettings settings{};
+  settings.samples = options.samples;
+  settings.seed = options.seed;
+  settings.max_jumps = options.max_jumps;
+  settings.pattern = options.pattern;
+  settings.ellipse = options.ellipse;
+  settings.samples_at_once = samples_at_once(mesh, options);
+  settings.chords = options.geodesic == PDESC_GEODESIC_CHORDS;
+  settings.radius = static_cast<float>(radius * frame.buffer_frame.scale);
+  settings.enlargement = ellipse_enlargement;
+  settings.relocation = options.relocation;
+  settings.integral = options.estimator == PDESC_ESTIMATOR_INTEGRAL;
+  settings.plain = options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE;
+  settings.geodesic_ball = options.distance == PDESC_DISTANCE_GEODESIC;
+  settings.adaptive = static_cast<float>(options.adaptive);
+  settings.map_radius = settings.radius;
+  settings.map_sigma = static_cast<float>(options.map_sigma) * settings.radius;
+  settings.harris_k = static_cast<float>(options.harris_k);
+  return settings;
+}
+
+// The vertices, pass by pass: operators on a map come after what the map is made of.
+static SiteResults evaluate_passes(Mesh &mesh, const pdesc_options &options, std::span<const int> asked,
+                                   EvaluateSettings settings, double radius, Frame &frame, const Progress &progress,
+                                   Field &field) {
+  return run_passes(mesh.half_edges.point_count, asked, find_map(options.map_descriptor),
+                    [&](const Pass &pass, const MapValues *map, int number, int count) {
+                      const double reach = reach_of(pass, options, radius);
+                      if (pass.stage == Stage::windows) {
+                        widen_supports(mesh, options, reach, frame);
+                        settings.radius = static_cast<float>(reach * frame.buffer_frame.scale);
+                      }
+                      settings.samples = samples_of(pass, options);
+                      if (map) bake_map(mesh, frame, *map);
+                      settings.map = map ? mesh.device->map.get() : nullptr;
+                      settings.descriptors = pass.rows;
+                      const Progress part = [&](const char *stage, double fraction) {
+                        return progress(stage, 0.3 + 0.7 * (number + (fraction - 0.3) / 0.7) / count);
+                      };
+                      return evaluate_vertices(mesh, settings, reach, frame, part, field);
+                    });
+}
+
 static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
                                             const Progress &progress, Field &field) {
   Clock clock;
@@ -511,27 +599,14 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   field.report.seconds_prepare += clock.lap();
   check_cancel(progress, "evaluate", 0.3);
 
-  const EvaluateSettings settings{asked,
-                                  options.samples,
-                                  options.seed,
-                                  options.max_jumps,
-                                  options.pattern,
-                                  options.ellipse,
-                                  samples_at_once(mesh, options),
-                                  options.geodesic == PDESC_GEODESIC_CHORDS,
-                                  static_cast<float>(radius * frame.buffer_frame.scale),
-                                  ellipse_enlargement,
-                                  options.relocation,
-                                  options.estimator == PDESC_ESTIMATOR_INTEGRAL,
-                                  options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE,
-                                  options.distance == PDESC_DISTANCE_GEODESIC,
-                                  static_cast<float>(options.adaptive)};
-  SiteResults results = at_texels ? evaluate_texels(mesh, options, settings, frame, progress, field)
-                                  : evaluate_vertices(mesh, settings, radius, frame, progress, field);
+  const EvaluateSettings settings = settings_of(mesh, options, radius, frame);
+  const double radius_in_texels = frame.radius_in_texels;
+  SiteResults results = at_texels ? evaluate_texels(mesh, options, asked, settings, frame, progress, field)
+                                  : evaluate_passes(mesh, options, asked, settings, radius, frame, progress, field);
   field.report.overlapping_texels = mesh.device->counts.overlapping;
   field.report.covered_texels = mesh.device->counts.covered;
   field.report.bare_triangles = mesh.device->bare_triangles;
-  field.report.radius_in_texels = frame.radius_in_texels;
+  field.report.radius_in_texels = radius_in_texels;
   field.report.buffer_megabytes = mesh.device->buffer->megabytes();
   field.report.refined_share = results.refined_share;
   field.report.seconds_evaluate = clock.lap();
@@ -543,18 +618,29 @@ static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &opti
   Clock clock;
   const Normals normals = prepare_normals(mesh, options.normals);
   field.report.seconds_prepare = clock.lap();
-  ReferenceField reference =
-      compute_reference(mesh.triangles, mesh.half_edges, normals,
-                        {radius, options.estimator == PDESC_ESTIMATOR_INTEGRAL, options.distance == PDESC_DISTANCE_GEODESIC},
-                        asked, mesh.context->threads, [&](double fraction) { return progress("evaluate", fraction); });
-  check_cancel(progress, "evaluate", 1.0); // other threads may have finished the last points
-  SiteResults results;
-  results.values = std::move(reference.values);
-  results.boundary = std::move(reference.boundary);
+  ReferenceSettings settings{radius, options.estimator == PDESC_ESTIMATOR_INTEGRAL, options.distance == PDESC_DISTANCE_GEODESIC};
+  settings.map_radius = radius;
+  settings.harris_k = options.harris_k;
   const auto points = static_cast<size_t>(mesh.half_edges.point_count);
-  for (size_t i = 0; i < points; ++i) results.point.push_back(static_cast<int32_t>(i));
-  results.primary.assign(points, 1);
-  results.coverage.assign(points, 1.0f);
+  SiteResults results =
+      run_passes(mesh.half_edges.point_count, asked, find_map(options.map_descriptor),
+                 [&](const Pass &asked_now, const MapValues *map, int number, int count) {
+                   settings.map = map;
+                   settings.radius = reach_of(asked_now, options, radius);
+                   settings.map_sigma = asked_now.stage == Stage::windows ? options.map_sigma * radius : 0.0;
+                   ReferenceField reference = compute_reference(
+                       mesh.triangles, mesh.half_edges, normals, settings, asked_now.rows, mesh.context->threads,
+                       [&](double fraction) { return progress("evaluate", (number + fraction) / count); });
+                   SiteResults pass;
+                   pass.values = std::move(reference.values);
+                   pass.boundary = std::move(reference.boundary);
+                   pass.point.resize(points);
+                   std::iota(pass.point.begin(), pass.point.end(), 0);
+                   pass.primary.assign(points, 1);
+                   pass.coverage.assign(points, 1.0f);
+                   return pass;
+                 });
+  check_cancel(progress, "evaluate", 1.0); // other threads may have finished the last points
   field.report.places = mesh.half_edges.point_count;
   field.report.refined_share = 1.0;
   field.report.seconds_evaluate = clock.lap();

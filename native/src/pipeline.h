@@ -34,6 +34,7 @@ std::shared_ptr<Context> make_context(const pdesc_context_options &options);
 struct DeviceMesh {
   std::unique_ptr<GeometryBuffer> buffer;
   Evaluator evaluator;
+  std::unique_ptr<MapBuffer> map; // once an operator was asked for
   BorderGrid grid;
   Cells cells;
   BakeVertices vertices;

@@ -53,6 +53,9 @@ pdesc_options options_of(const Settings &settings) {
   options.pattern = settings.pattern;
   options.ellipse = settings.ellipse;
   options.geodesic = settings.geodesic;
+  options.map_descriptor = settings.map_descriptor;
+  options.map_sigma = settings.map_sigma;
+  options.harris_k = settings.harris_k;
   return options;
 }
 
@@ -114,14 +117,19 @@ std::vector<std::string> registered_descriptors() {
   return names;
 }
 
-size_t components_of(const std::string &descriptor) {
-  for (int32_t i = 0; i < pdesc_descriptor_count(); ++i) {
-    pdesc_descriptor_info info;
-    pdesc_descriptor_info_init(&info);
-    if (pdesc_descriptor_get(i, &info) == PDESC_OK && descriptor == info.name) return static_cast<size_t>(info.components);
-  }
-  return 1;
+static pdesc_descriptor_info info_of(const std::string &descriptor) {
+  pdesc_descriptor_info info;
+  pdesc_descriptor_info_init(&info);
+  for (int32_t i = 0; i < pdesc_descriptor_count(); ++i)
+    if (pdesc_descriptor_get(i, &info) == PDESC_OK && descriptor == info.name) return info;
+  pdesc_descriptor_info_init(&info);
+  info.components = 1; // "coverage"
+  return info;
 }
+
+size_t components_of(const std::string &descriptor) { return static_cast<size_t>(info_of(descriptor).components); }
+
+int32_t map_degree_of(const std::string &descriptor) { return info_of(descriptor).map_degree; }
 
 void OnBackend::SetUp() {
   std::string why_not;

@@ -53,6 +53,9 @@ struct Settings {
   int32_t pattern = PDESC_PATTERN_GOLDEN_ANGLE;
   int32_t ellipse = PDESC_ELLIPSE_CENTER;
   int32_t geodesic = PDESC_GEODESIC_LOCAL;
+  const char *map_descriptor = nullptr;
+  double map_sigma = 1;
+  double harris_k = 0.04;
 };
 pdesc_options options_of(const Settings &settings);
 
@@ -75,6 +78,9 @@ std::vector<std::string> registered_descriptors();
 
 // Values a vertex has of a descriptor.
 size_t components_of(const std::string &descriptor);
+
+// 0, or the degree of an operator on a map.
+int32_t map_degree_of(const std::string &descriptor);
 
 // Tests through the backends that run on any machine: instantiate with PDESC_ON_EACH_BACKEND(suite).
 class OnBackend : public ::testing::TestWithParam<int32_t> {

@@ -2,6 +2,7 @@
 #include "support/surfaces.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -118,6 +119,35 @@ TestMesh goursat(double b, const Triangulation &triangulation) {
     const Vec3 p = t * d;
     const Vec3 gradient{4 * p.x * p.x * p.x + 2 * b * p.x, 4 * p.y * p.y * p.y + 2 * b * p.y, 4 * p.z * p.z * p.z + 2 * b * p.z};
     return level_set_point(p, gradient, {12 * p.x * p.x + 2 * b, 12 * p.y * p.y + 2 * b, 12 * p.z * p.z + 2 * b});
+  });
+  finish(mesh, triangulation);
+  return mesh;
+}
+
+// What is within fillet of a smaller cube. A direction d meets the unit cube's surface at c; an equal share of each edge of the
+// grid on its faces goes to the rounding and to the flat.
+TestMesh rounded_cube(double half, double fillet, const Triangulation &triangulation) {
+  TestMesh mesh = triangulate_sphere(triangulation);
+  mesh.lengths = {half, half, half};
+  const double inner = half - fillet, arc = fillet * pi / 4, side = inner + arc; // along a face, from its middle
+  const auto along = [&](double angle) { // place on the inner cube's side, and the turn of the normal
+    const double s = std::abs(angle) * side, turn = s > inner ? (s - inner) / fillet : 0;
+    return Vec3{std::copysign(std::min(s, inner), angle), std::copysign(std::tan(turn), angle), turn};
+  };
+  evaluate(mesh, [&](Vec3 d) {
+    const double largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    std::array<double, 3> at{}, n{};
+    int turning = 0;
+    for (int i = 0; i < 3; ++i) {
+      const bool own = std::abs(d[i]) == largest;
+      const Vec3 place = along(own ? std::copysign(1, d[i]) : 4 / pi * std::atan(d[i] / largest));
+      at[static_cast<size_t>(i)] = own ? std::copysign(inner, d[i]) : place.x;
+      n[static_cast<size_t>(i)] = own ? std::copysign(1, d[i]) : place.y;
+      turning += !own && place.z > 0;
+    }
+    const Vec3 normal = normalized({n[0], n[1], n[2]});
+    return SurfacePoint{Vec3{at[0], at[1], at[2]} + fillet * normal, normal, turning / (2 * fillet),
+                        turning == 2 ? 1 / (fillet * fillet) : 0};
   });
   finish(mesh, triangulation);
   return mesh;

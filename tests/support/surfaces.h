@@ -87,6 +87,9 @@ struct Triangulation {
 TestMesh sphere(double radius, const Triangulation &triangulation = {});
 TestMesh ellipsoid(double a, double b, double c, const Triangulation &triangulation = {});
 TestMesh torus(double major, double minor, const Triangulation &triangulation = {});
+// A cube from -half to half whose edges and corners are rounded by cylinders and spheres of radius fillet < half. Curvatures are
+// those of the piece that a vertex lies on.
+TestMesh rounded_cube(double half, double fillet, const Triangulation &triangulation = {});
 // x⁴ + y⁴ + z⁴ + b (x² + y² + z²) = 1, b >= 0: Goursat's rounded cube.
 TestMesh goursat(double b, const Triangulation &triangulation = {});
 // Open surfaces.

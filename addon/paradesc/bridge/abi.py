@@ -96,6 +96,7 @@ class DescriptorInfo(Structure):
         ("display_minimum", c_double),
         ("display_maximum", c_double),
         ("components", c_int32),
+        ("map_degree", c_int32),
     ]
 
 
@@ -179,6 +180,9 @@ class ComputeOptions(Structure):
         ("texels", c_int32),
         ("precision", c_int32),
         ("adaptive", c_double),
+        ("map_descriptor", c_char_p),
+        ("map_sigma", c_double),
+        ("harris_k", c_double),
     ]
 
 

@@ -41,15 +41,25 @@ class Descriptor:
     display_minimum: float
     display_maximum: float
     components: int = 1  # or 3: a vector in object space
+    map_degree: int = 0  # above 0: an operator on a map, whose unit counts to this power
 
     @property
     def unit(self) -> str:
         """The unit as text: "1/length", "length^3", or "" where there is none."""
-        power = self.length_power
-        if power == 0:
-            return ""
-        name = "length" if abs(power) == 1 else f"length^{abs(power)}"
-        return name if power > 0 else f"1/{name}"
+        return unit_name(self.length_power)
+
+    def unit_on(self, map_name: str) -> str:
+        """The unit of an operator on the map of another descriptor; of a descriptor of the surface, its own."""
+        powers = [row.length_power for row in descriptors() if row.name == map_name]
+        return unit_name(self.length_power + self.map_degree * sum(powers))
+
+
+def unit_name(power: int) -> str:
+    """length^power as text."""
+    if power == 0:
+        return ""
+    name = "length" if abs(power) == 1 else f"length^{abs(power)}"
+    return name if power > 0 else f"1/{name}"
 
 
 def library_path() -> Path:
@@ -153,6 +163,7 @@ def descriptors() -> tuple[Descriptor, ...]:
                 info.display_minimum,
                 info.display_maximum,
                 info.components,
+                info.map_degree,
             )
         )
     return tuple(rows)

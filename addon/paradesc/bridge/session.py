@@ -119,6 +119,9 @@ class Options:
     texels: int = 512
     precision: str = "full"
     adaptive: float = 0.0
+    map_descriptor: str = "sphere_volume_normalized"
+    map_sigma: float = 1.0
+    harris_k: float = 0.04
 
 
 class Field:
@@ -359,6 +362,9 @@ def native_options(library: ctypes.CDLL, options: Options) -> abi.ComputeOptions
     native = new_struct(library, abi.ComputeOptions)
     native.radius = options.radius
     native.adaptive = options.adaptive
+    native.map_descriptor = options.map_descriptor.encode()
+    native.map_sigma = options.map_sigma
+    native.harris_k = options.harris_k
     for name, (choices, what) in CHOICES.items():
         setattr(native, name, choice(choices, getattr(options, name), what))
     for name, what in NUMBERS.items():

@@ -9,6 +9,9 @@
  *   Units: H, k1, k2, curvedness 1/length; K and local bending energy 1/length^2; sphere volume length^3;
  *   euclidean area length^2; normalized sphere volume, shape index and coverage have none. Length is that of
  *   the positions given: apply the object's scale first where world units are wanted.
+ *   Operators (gradient_magnitude, laplacian, difference_of_gaussians, harris) work on a map f: the values of a descriptor at the
+ *   vertices, linear on triangles. Derivatives are those along the surface, per length. The Harris response is made of r grad f, so
+ *   its unit is that of f to the fourth power, and equal shapes of any size have equal responses at equal relative radius.
  *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) is NaN in raw results.
  *
  * MEMORY AND THREADS
@@ -154,6 +157,8 @@ typedef struct pdesc_descriptor_info {
   double display_minimum;   /* fixed display range, NaN where the range is to be taken from the values */
   double display_maximum;
   int32_t components;       /* 1, or 3: a vector in object space */
+  int32_t map_degree;       /* 0: a descriptor of the surface; else an operator on pdesc_options.map_descriptor, whose unit is
+                               length^length_power times the map's unit to this power */
 } pdesc_descriptor_info;
 
 PDESC_API void pdesc_descriptor_info_init(pdesc_descriptor_info *info);
@@ -257,6 +262,12 @@ typedef struct pdesc_options {
   int32_t precision;    /* pdesc_precision of the buffers; default FULL. Not used by REFERENCE */
   double adaptive;      /* above 0: half of the samples first, the others only where the normals there deviate from the shape operator by
                            more than this, root mean square, in radians (paper 4.2). Default 0: all samples everywhere */
+  const char *map_descriptor; /* the map f that operators work on: a descriptor of the surface with one component, at the same radius.
+                                 Default NULL: "sphere_volume_normalized". It and its derivatives take four times the samples.
+                                 Read during the call only */
+  double map_sigma;     /* of the Gaussian windows of harris and difference_of_gaussians, times the radius, 0.1 to 4; default 1. Windows
+                           end at 2 sigma: f itself is smooth at the scale of the radius, and a corner lies in the middle of its slopes */
+  double harris_k;      /* k of harris (16), in [0, 0.25); default 0.04 */
 } pdesc_options;
 
 PDESC_API void pdesc_options_init(pdesc_options *options);

@@ -8,8 +8,7 @@ namespace paradesc {
 
 size_t EvaluateSettings::value_rows() const {
   size_t rows = 0;
-  for (const int descriptor : this->descriptors)
-    rows += static_cast<size_t>(paradesc::descriptors()[static_cast<size_t>(descriptor)].components);
+  for (const int descriptor : this->descriptors) rows += static_cast<size_t>(descriptor_row(descriptor).components);
   return rows;
 }
 
@@ -18,11 +17,11 @@ std::string compose_descriptors(std::span<const int> asked) {
   std::string text, members, init, add, finish;
   int row = 0;
   for (const int descriptor : asked) {
-    const DescriptorRow &registered = descriptors()[static_cast<size_t>(descriptor)];
+    const DescriptorRow &registered = descriptor_row(descriptor);
     const std::string name = registered.name;
     for (const char *word : {"State", "descriptor_init", "descriptor_add", "descriptor_finish"})
       text += std::string("#define ") + word + " " + word + "_" + name + "\n";
-    text += "#include \"descriptors/" + name + ".glsl\"\n";
+    text += std::string("#include \"") + (registered.map_degree ? "operators/" : "descriptors/") + name + ".glsl\"\n";
     for (const char *word : {"State", "descriptor_init", "descriptor_add", "descriptor_finish"})
       text += std::string("#undef ") + word + "\n";
     members += "  State_" + name + " " + name + ";\n";
@@ -117,6 +116,12 @@ void Evaluator::set_reach(const Gl &gl, std::span<const int32_t> centers, const 
   check_gl(gl, "reach upload");
 }
 
+void Evaluator::set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &bare) {
+  map_centers_.upload(gl, centers, GL_STREAM_DRAW);
+  map_bare_.upload(gl, bare, GL_STREAM_DRAW);
+  check_gl(gl, "map upload");
+}
+
 void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings) {
   centers_.upload(gl, centers, GL_STREAM_DRAW);
   count_ = static_cast<int>(centers.size());
@@ -141,7 +146,7 @@ static std::string variant_of(const EvaluateSettings &settings, bool half) {
          define("PAPER", settings.relocation == PDESC_RELOCATION_PAPER) +
          define("DIRECTIONAL", settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) + define("CHORDS", settings.chords) +
          define("INTEGRAL", settings.integral) + define("GEODESIC_BALL", settings.geodesic_ball) +
-         define("ADAPTIVE", settings.adaptive > 0.0f) + define("EXACT", settings.exact) +
+         define("ADAPTIVE", settings.adaptive > 0.0f) + define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) +
          (half ? "#define HALF_FLOATS\n" : "");
 }
 
@@ -230,9 +235,17 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   gl.Uniform1i(9, static_cast<GLint>(settings.seed));
   gl.Uniform1f(10, settings.plain ? 0.0f : 1.0f);
   if (settings.adaptive > 0.0f) gl.Uniform1f(11, settings.adaptive);
+  if (settings.map) {
+    settings.map->bind();
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_CENTERS, map_centers_.id());
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_BARE, map_bare_.id());
+    gl.Uniform1f(12, settings.map_sigma);
+    gl.Uniform1f(13, settings.harris_k);
+    gl.Uniform1f(14, settings.map_radius);
+  }
   if (settings.exact) {
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_REACH, reach_.id());
-    gl.Uniform1i(12, reach_count_);
+    gl.Uniform1i(15, reach_count_);
   }
   if (walks)
     dispatch_walks(gl, program, settings, last - first);

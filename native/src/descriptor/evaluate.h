@@ -8,6 +8,7 @@
 
 #include "bake/gbuffer.h"
 #include "gpu/program.h"
+#include "image/map_buffer.h"
 #include "sample/cells.h"
 #include "sample/neighborhood.h"
 #include "sample/reach.h"
@@ -22,18 +23,22 @@ struct EvaluateSettings {
   int samples;
   uint32_t seed;
   int max_jumps;
-  int pattern;         // pdesc_pattern
-  int ellipse;         // pdesc_ellipse
-  int samples_at_once; // that walk in one dispatch
-  bool chords;         // distances along the surface are sums of chords
-  float radius;        // in buffer units
-  float enlargement;   // of the sampling ellipse over the radius
-  int relocation;      // pdesc_relocation
-  bool integral;       // curvatures by the paper's integrals; else by the shape operator
-  bool plain;          // no control variate
-  bool geodesic_ball;  // the neighborhood ends where the distance along the surface exceeds the radius
-  float adaptive;      // 0: all samples everywhere
-  bool exact = false;  // the centers of set_reach again, on the triangles they reach
+  int pattern;                    // pdesc_pattern
+  int ellipse;                    // pdesc_ellipse
+  int samples_at_once;            // that walk in one dispatch
+  bool chords;                    // distances along the surface are sums of chords
+  float radius;                   // in buffer units
+  float enlargement;              // of the sampling ellipse over the radius
+  int relocation;                 // pdesc_relocation
+  bool integral;                  // curvatures by the paper's integrals; else by the shape operator
+  bool plain;                     // no control variate
+  bool geodesic_ball;             // the neighborhood ends where the distance along the surface exceeds the radius
+  float adaptive;                 // 0: all samples everywhere
+  bool exact = false;             // the centers of set_reach again, on the triangles they reach
+  const MapBuffer *map = nullptr; // what operators read
+  float map_radius = 0;           // at which it was computed, in buffer units
+  float map_sigma = 0;            // of their Gaussian windows, in buffer units
+  float harris_k = 0;
 
   // Centers that one dispatch may hold: those that walk leave a kilobyte or two each between dispatches.
   int largest_tile() const {
@@ -56,6 +61,8 @@ public:
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
   void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
   void set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare);
+  // The map where it is not read from texels: at the centers, and at the samples of BareSamples.
+  void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &bare);
   void set_reach(const Gl &gl, std::span<const int32_t> centers, const Reach &reach);
   // Computes centers [first, last), or those of set_reach where settings say exact; returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
@@ -73,7 +80,7 @@ private:
   Texture border_, labels_;
   ListTexture border_list_, border_uv_, links_, corners_;
   Buffer centers_, pattern_, supports_, support_cells_, areas_, bare_begin_, bare_, reach_, results_, seams_, visits_, stretches_,
-      progress_;
+      progress_, map_centers_, map_bare_;
   size_t progress_bytes_ = 0;
   int count_ = 0, cell_count_ = 0, block_size_ = 1, reach_count_ = 0;
 };

@@ -29,6 +29,7 @@ struct Surface {
   const Triangles &triangles;
   const HalfEdges &half_edges;
   const Normals &normals;
+  const std::vector<vec4> *map; // (point_count) or null
 };
 
 // ---- Integrals over one triangle --------------------------------------------------------------------------------------------
@@ -36,6 +37,7 @@ struct Surface {
 // A triangle relative to p, its normals linear from corner to corner.
 struct Patch {
   std::array<dvec3, 3> corners, normals;
+  std::array<dvec4, 3> map{};
   int center = -1; // the corner at p, or -1
 };
 
@@ -43,6 +45,9 @@ struct Center {
   dvec3 normal, tangent, bitangent;
   double radius;
   bool geodesic_ball;
+  bool with_map;
+  dvec4 map; // at p
+  double map_radius, sigma;
 };
 
 // Sums over samples; those of the shape operator are moments of tangent coordinates x of d and y of n_i - n.
@@ -51,6 +56,7 @@ struct Moments {
   double strip = 0; // area within the ball and beyond r along the surface
   double xx = 0, xy = 0, yy = 0;
   double m11 = 0, m12 = 0, m22 = 0; // of x yT, m12 symmetrized
+  WindowMoments window;
 };
 
 void add_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, double weight) {
@@ -71,9 +77,25 @@ void add_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, double
   moments.m22 += weight * x2 * y2;
 }
 
-void add_barycentric(Moments &moments, const Center &center, const Patch &patch, double b, double c, double weight) {
-  const auto at = [&](const std::array<dvec3, 3> &v) { return v[0] + b * (v[1] - v[0]) + c * (v[2] - v[0]); };
-  add_sample(moments, center, at(patch.corners), at(patch.normals), weight);
+// A tangent vector v of a place with normal m, turned with it into the tangent plane of n.
+dvec3 turn_to(dvec3 n, dvec3 m, dvec3 v) { return v - (n + m) * (glm::dot(n, v) / std::max(1 + glm::dot(n, m), LEAST_TURN)); }
+
+void add_map_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, dvec4 map, double weight) {
+  if (std::isnan(map.x + map.w)) return; // the map does not exist there
+  const auto flat = [&](dvec3 v) { return dvec2(glm::dot(v, center.tangent), glm::dot(v, center.bitangent)); };
+  add_window_sample(moments.window,
+                    {flat(d) / center.radius, glm::length(d), map.w - center.map.w,
+                     center.map_radius * flat(turn_to(center.normal, n, dvec3(map))), weight},
+                    center.sigma);
+}
+
+// shrink: the sample stands that much nearer.
+void add_barycentric(Moments &moments, const Center &center, const Patch &patch, double b, double c, double weight,
+                     double shrink = 1) {
+  const auto at = [&](const auto &v) { return v[0] + b * (v[1] - v[0]) + c * (v[2] - v[0]); };
+  const dvec3 d = shrink * at(patch.corners);
+  add_sample(moments, center, d, at(patch.normals), weight);
+  if (center.with_map) add_map_sample(moments, center, d, glm::normalize(at(patch.normals)), at(patch.map), weight);
 }
 
 // Exact for polynomials of degree 5 (Radon) and 2.
@@ -100,7 +122,7 @@ void add_strip(Moments &moments, const Center &center, const Patch &patch, doubl
   const double inner = r / (1 + bend * bend / 24);
   const double area = 0.5 * (r * r - inner * inner) * angle;
   moments.strip += area;
-  if (center.geodesic_ball) add_sample(moments, center, d * (0.5 * (1 + inner / r)), n, -area);
+  if (center.geodesic_ball) add_barycentric(moments, center, patch, b, c, -area, 0.5 * (1 + inner / r));
 }
 
 void add_cut_triangle(Moments &moments, const Center &center, const Patch &patch, dvec3 cross_product, const GaussRule &rule) {
@@ -212,6 +234,10 @@ public:
     neighborhood.geodesic_area = moments.area - (settings.geodesic_ball ? 0.0 : moments.strip);
     fit_shape_operator(moments, center_, neighborhood);
     if (settings.integral) take_integrals(neighborhood);
+    if (!center_.with_map) return neighborhood;
+    neighborhood.window = finish_window(moments.window, center_.tangent, center_.bitangent, radius);
+    neighborhood.window.harris_k = settings.harris_k;
+    if (std::isnan(center_.map.w)) neighborhood.window.tensor = dvec3(undefined);
     return neighborhood;
   }
 
@@ -222,7 +248,16 @@ private:
     position_ = dvec3(surface_.triangles.positions[static_cast<size_t>(surface_.half_edges.point_vertex[i])]);
     const dvec3 n = glm::normalize(dvec3(surface_.normals.point[i]));
     const dvec3 tangent = glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
-    center_ = {n, tangent, glm::cross(n, tangent), settings.radius, settings.geodesic_ball};
+    const bool with_map = surface_.map != nullptr;
+    center_ = {n,
+               tangent,
+               glm::cross(n, tangent),
+               settings.radius,
+               settings.geodesic_ball,
+               with_map,
+               with_map ? dvec4((*surface_.map)[i]) : dvec4(0),
+               settings.map_radius,
+               settings.map_sigma};
     stack_.clear();
     const int first = surface_.half_edges.point_half_edge[i];
     for (int corner = first; corner >= 0;) {
@@ -246,7 +281,9 @@ private:
       const int vertex = surface_.triangles.corner_vertex[corner];
       patch.corners[k] = dvec3(surface_.triangles.positions[static_cast<size_t>(vertex)]) - position_;
       patch.normals[k] = dvec3(surface_.normals.corner[corner]);
-      if (surface_.half_edges.corner_point[corner] == point_) patch.center = static_cast<int>(k);
+      const int point = surface_.half_edges.corner_point[corner];
+      if (point == point_) patch.center = static_cast<int>(k);
+      if (center_.with_map) patch.map[k] = dvec4((*surface_.map)[static_cast<size_t>(point)]);
     }
     return patch;
   }
@@ -335,6 +372,10 @@ constexpr Row rows[] = {
   {components, [](const ReferenceNeighborhood &neighborhood, float *out) { store(reference_##name(neighborhood), out); }},
 #include "descriptor/descriptors.def"
 #undef DESCRIPTOR
+#define OPERATOR(name, label, description, power, degree, needs, is_signed, neutral, low, high, components)                      \
+  {components, [](const ReferenceNeighborhood &neighborhood, float *out) { store(reference_##name(neighborhood), out); }},
+#include "image/operators.def"
+#undef OPERATOR
 };
 
 } // namespace
@@ -342,7 +383,7 @@ constexpr Row rows[] = {
 ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
                                  const ReferenceSettings &settings, std::span<const int> descriptors, int threads,
                                  const std::function<bool(double)> &progress) {
-  const Surface surface{triangles, half_edges, normals};
+  const Surface surface{triangles, half_edges, normals, settings.map};
   const auto count = static_cast<size_t>(half_edges.point_count);
   ReferenceField field;
   for (const int descriptor : descriptors) field.values.emplace_back(count * rows[descriptor].components);

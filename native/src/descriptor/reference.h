@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "image/reference_window.h"
 #include "mesh/halfedge.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
@@ -24,15 +25,20 @@ struct ReferenceNeighborhood {
   double mean = 0, gauss = 0, k1 = 0, k2 = 0; // H, K, k1 >= k2 by the estimator asked for; NaN where they do not exist
   dvec3 direction_max{0}, direction_min{0};   // of the shape operator, unit
   bool boundary = false;                      // a mesh boundary lies within the ball
+  ReferenceWindow window;                     // where a map is given
 };
 
 template <int components> using ReferenceValue = std::conditional_t<components == 1, double, dvec3>;
 
-// One of these for each row of descriptors.def; each gives NaN where the value does not exist.
+// One of these for each row of descriptors.def and of image/operators.def; each gives NaN where the value does not exist.
 #define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components)                                   \
   ReferenceValue<components> reference_##name(const ReferenceNeighborhood &neighborhood);
 #include "descriptor/descriptors.def"
 #undef DESCRIPTOR
+#define OPERATOR(name, label, description, power, degree, needs, is_signed, neutral, low, high, components)                      \
+  ReferenceValue<components> reference_##name(const ReferenceNeighborhood &neighborhood);
+#include "image/operators.def"
+#undef OPERATOR
 
 struct ReferenceField {
   std::vector<std::vector<float>> values; // [descriptor asked for][point, component]
@@ -41,8 +47,12 @@ struct ReferenceField {
 
 struct ReferenceSettings {
   double radius;
-  bool integral = false;      // curvatures by the paper's integrals; else by the shape operator
-  bool geodesic_ball = false; // the neighborhood ends where the distance along the surface exceeds the radius
+  bool integral = false;                  // curvatures by the paper's integrals; else by the shape operator
+  bool geodesic_ball = false;             // the neighborhood ends where the distance along the surface exceeds the radius
+  const std::vector<vec4> *map = nullptr; // (point_count) gradient and value of what operators work on; they need one
+  double map_radius = 0;                  // at which it was computed
+  double map_sigma = 0;                   // of their Gaussian windows; 0: they fit quadratics
+  double harris_k = 0;
 };
 
 // descriptors: indices into the registry. progress(fraction) returns false to cancel: then Error(CANCELLED) is thrown.

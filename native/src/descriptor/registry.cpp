@@ -1,4 +1,4 @@
-// descriptors.def → a table.
+// descriptors.def, image/operators.def → one table.
 #include "descriptor/registry.h"
 
 #include <cmath>
@@ -9,15 +9,31 @@
 
 namespace paradesc {
 
-std::span<const DescriptorRow> descriptors() {
+static std::span<const DescriptorRow> all_rows() {
   static const DescriptorRow rows[] = {
 #define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components)                                   \
   {#name, label, description, power, is_signed != 0, neutral, low, high, components},
 #include "descriptor/descriptors.def"
 #undef DESCRIPTOR
+#define VALUE MapNeeds::value
+#define WINDOW MapNeeds::window
+#define GRADIENT MapNeeds::gradient
+#define OPERATOR(name, label, description, power, degree, needs, is_signed, neutral, low, high, components)                      \
+  {#name, label, description, power, is_signed != 0, neutral, low, high, components, degree, needs},
+#include "image/operators.def"
+#undef OPERATOR
+#undef GRADIENT
+#undef WINDOW
+#undef VALUE
   };
   return rows;
 }
+
+std::span<const DescriptorRow> descriptors() { return all_rows().first(all_rows().size() - 1); }
+
+const DescriptorRow &descriptor_row(int index) { return all_rows()[static_cast<size_t>(index)]; }
+
+int gradient_row() { return static_cast<int>(all_rows().size()) - 1; }
 
 int find_descriptor(const char *name) {
   const auto rows = descriptors();

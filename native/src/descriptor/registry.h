@@ -1,4 +1,4 @@
-// The rows of descriptors.def, by name.
+// The rows of descriptors.def and of image/operators.def, by name.
 #pragma once
 
 #include <span>
@@ -6,6 +6,10 @@
 #include "descriptor/reference.h"
 
 namespace paradesc {
+
+// What an operator reads of a map f beside the surface: its values within the radius, or within a Gaussian window, or gradients
+// there.
+enum class MapNeeds { nothing, value, window, gradient };
 
 struct DescriptorRow {
   const char *name;
@@ -17,9 +21,16 @@ struct DescriptorRow {
   double display_minimum;
   double display_maximum;
   int components;
+  int map_degree = 0; // the unit has that of the map to this power; 0: not an operator
+  MapNeeds needs = MapNeeds::nothing;
 };
 
+// Descriptors of the surface, then operators on a map of one of them.
 std::span<const DescriptorRow> descriptors();
+
+// Any row, that of the map's gradient included, which is not for callers.
+const DescriptorRow &descriptor_row(int index);
+int gradient_row();
 
 // Index of a row. Throws Error(INVALID_ARGUMENT) that lists the names there are.
 int find_descriptor(const char *name);

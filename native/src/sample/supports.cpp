@@ -27,6 +27,7 @@ BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles
         const float span = length(n);
         samples.point.emplace_back(p[0] + (p[1] - p[0]) * a + (p[2] - p[0]) * b, area);
         samples.point.emplace_back(span > 0.0f ? n / span : normals.corner[corner], static_cast<float>(corner / 3));
+        samples.weights.emplace_back(a, b);
       };
       for (int i = 0; i < side; ++i)
         for (int j = 0; i + j < side; ++j) {

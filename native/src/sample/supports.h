@@ -29,6 +29,7 @@ struct SupportCenter {
 struct BareSamples {
   std::vector<int32_t> begin; // (cells + 1)
   std::vector<vec4> point;    // two a sample: position in buffer units, area; normal, triangle (exact up to 2^24)
+  std::vector<vec2> weights;  // (samples) of the triangle's corners 1 and 2: where the sample lies
 };
 
 BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,

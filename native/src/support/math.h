@@ -12,6 +12,7 @@
 namespace paradesc {
 
 using glm::dmat2;
+using glm::dmat3;
 using glm::dvec2;
 using glm::dvec3;
 using glm::dvec4;

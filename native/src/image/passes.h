@@ -1,0 +1,36 @@
+// Operators asked for → the passes that compute them: descriptors of the surface first, then what fits the map f of one of them
+// within the radius, its gradient among that, then what looks at f or its gradient through wider windows.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "gather/field.h"
+#include "support/math.h"
+
+namespace paradesc {
+
+// The map at every point of the mesh: xyz the gradient (0 in the pass that makes it), w the value.
+using MapValues = std::vector<vec4>;
+
+// What is asked of the surface; the map f of one of its descriptors; what fits f within the radius; what looks through windows.
+enum class Stage { surface, source, map, windows };
+
+struct Pass {
+  Stage stage;
+  std::vector<int> rows; // of the registry
+};
+
+// At least one. Operators read map_row from a pass of its own: it takes more samples, since derivatives magnify noise.
+std::vector<Pass> plan_passes(std::span<const int> asked, int map_row);
+
+// run(pass, map, number, count) evaluates pass number of count; map is null where none is needed. The values come back in the
+// order of asked.
+using RunPass = std::function<SiteResults(const Pass &pass, const MapValues *map, int number, int count)>;
+SiteResults run_passes(int point_count, std::span<const int> asked, int map_row, const RunPass &run);
+
+// The row of the map's descriptor (NULL: sphere_volume_normalized). Throws Error(INVALID_ARGUMENT) where it cannot be a map.
+int find_map(const char *name);
+
+} // namespace paradesc

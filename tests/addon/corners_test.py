@@ -1,0 +1,167 @@
+"""Corners: found by their Harris response, painted and listed."""
+
+import json
+
+import numpy as np
+import pytest
+
+from paradesc import bridge, color_maps, corners, job
+from shapes import as_arrays, cube_sphere, write_obj
+
+FILLET = 0.25
+CORNER = 1 - FILLET + FILLET / np.sqrt(3)  # each coordinate of the middle of a rounded corner
+
+
+def rounded_cube(steps=24):
+    """A cube of half side 1 with rounded edges: the places of cube_sphere's grid, along arcs and flats in turn."""
+    points, quads, uvs = cube_sphere(steps, 1.0)
+    cube = points / np.abs(points).max(axis=1, keepdims=True)
+    inner, arc = 1 - FILLET, FILLET * np.pi / 4
+    along = np.abs(cube) * (inner + arc)
+    turn = np.where(np.abs(cube) > 1 - 1e-9, 1.0, np.tan(np.clip((along - inner) / FILLET, 0, np.pi / 4)))
+    normals = np.sign(cube) * turn
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.sign(cube) * np.minimum(along, inner) + FILLET * normals, quads, uvs
+
+
+def atlas_across_faces(points, quads):
+    """Three charts on the strips between parallel planes that cut through the faces, each cut open: (n, 4, 2)."""
+    direction = np.array([1.0, 0.4, 0.2]) / np.linalg.norm([1.0, 0.4, 0.2])
+    middles = points[quads].mean(axis=1)
+    chart = np.digitize(middles @ direction, [-0.45, 0.45])
+    axes = np.linalg.svd(direction[None])[2][1:]
+    flat = points @ axes.T
+    angle = np.arctan2(flat[:, 1], flat[:, 0])
+    uvs = np.empty((*quads.shape, 2))
+    for number in (0, 2):  # caps: seen along the direction
+        uvs[chart == number] = (flat[quads[chart == number]] / 3.6 + 0.5) * 0.45 + [0.02 + 0.25 * number, 0.02]
+    turned = angle[quads[chart == 1]]
+    turned[np.ptp(turned, axis=1) > np.pi] %= 2 * np.pi
+    heights = (points @ direction)[quads[chart == 1]]
+    across = 0.02 + (turned + np.pi) / (3 * np.pi) * 0.96
+    uvs[chart == 1] = np.stack([across, 0.55 + (heights + 0.7) / 1.4 * 0.4], axis=-1)
+    return uvs
+
+
+def expect_the_eight(found, arrays, radius):
+    places = arrays.positions[found.vertices]
+    assert len(places) == 8
+    assert {tuple(np.sign(place)) for place in places} == {(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)}
+    # The response is flat at its top, 1 % lower at a third of the radius; vertices are half a radius apart.
+    assert np.abs(np.abs(places) - CORNER).max() < 0.5 * radius
+
+
+@pytest.mark.parametrize("backend", ["software", "reference"])
+def test_the_corners_of_a_rounded_cube_are_found_on_two_atlases(backend):
+    points, quads, uvs = rounded_cube()
+    settings = job.Settings(("harris",), bridge.Options(radius=0.05, buffer_size=512), backend)
+    for atlas in (uvs, atlas_across_faces(points, quads)):
+        arrays = as_arrays(points, quads, atlas)
+        results = job.run(arrays, settings)
+        expect_the_eight(results.corners, arrays, results.radius)
+        if backend == "reference":
+            break  # it knows no atlas
+
+
+def strip(values):
+    """Triangles along a row of points one apart, two points a step, and a value for each step."""
+    steps = np.arange(len(values), dtype=np.float32)
+    positions = np.array([[x, y, 0] for x in steps for y in (0, 1)], np.float32)
+    triangles = [[2 * i, 2 * i + 2, 2 * i + 1] for i in range(len(values) - 1)]
+    triangles += [[2 * i + 1, 2 * i + 2, 2 * i + 3] for i in range(len(values) - 1)]
+    response = np.full(2 * len(values), np.nan, np.float32)
+    response[::2] = values
+    return positions, np.array(triangles, np.int32), response
+
+
+@pytest.mark.parametrize(("radius", "expected"), [(1.5, [10, 2, 6]), (3.5, [10, 2]), (100.0, [10])])
+def test_only_the_largest_within_the_radius_stays(radius, expected):
+    positions, triangles, response = strip([0, 3, 0, 2, 0, 4, 0.1])
+    found = corners.find_corners(positions, triangles, response, radius)
+    assert list(found.vertices) == expected
+    assert list(np.flatnonzero(found.painted)) == sorted(expected)
+
+
+def test_what_is_below_the_threshold_is_no_corner():
+    positions, triangles, response = strip([0, 3, 0, 2, 0, 4, 0.1])
+    assert list(corners.find_corners(positions, triangles, response, 1.0, 0.6).vertices) == [10, 2]
+    assert len(corners.find_corners(positions, triangles, -np.abs(response), 1.0).vertices) == 0
+    assert len(corners.find_corners(positions, triangles, response * np.nan, 1.0).vertices) == 0
+
+
+def test_a_higher_one_on_another_part_of_the_mesh_does_not_count():
+    positions, triangles, response = strip([0, 3, 0])
+    both = np.concatenate([positions, positions + [0, 0, 0.1]]).astype(np.float32)
+    found = corners.find_corners(
+        both, np.concatenate([triangles, triangles + 6]), np.concatenate([response, 2 * response]), 2.0
+    )
+    assert list(found.vertices) == [8, 2]
+
+
+def test_vertices_split_by_an_exporter_are_one_place():
+    positions, triangles, response = strip([0, 3, 0, 2, 0])
+    split = triangles.reshape(-1)
+    loose = np.arange(len(split), dtype=np.int32).reshape(-1, 3)
+    found = corners.find_corners(positions[split], loose, response[split], 1.5)
+    assert list(split[found.vertices]) == [2, 6]
+    assert list(np.unique(split[np.flatnonzero(found.painted)])) == [2, 6]
+    assert found.painted.sum() == np.isin(split, [2, 6]).sum()
+
+
+def test_of_equal_neighbors_one_stays():
+    positions, triangles, response = strip([0, 3, 3, 0])
+    assert list(corners.find_corners(positions, triangles, response, 2.0).vertices) == [2]
+
+
+def test_the_command_line_lists_and_paints_them(paradesc, tmp_path):
+    points, quads, uvs = rounded_cube(16)
+    mesh = write_obj(tmp_path / "cube.obj", points, quads, uvs)
+    words = ["--descriptors", "harris", "--radius", "0.05", "--buffer", "256", "--samples", "64"]
+    done = paradesc("bake", mesh, *words, "--output", "cube.npz", "--corners", "corners.json", "--json", "report.json")
+    assert done.returncode == 0, done.stderr
+    listed = json.loads((tmp_path / "corners.json").read_text())
+    painted = np.load(tmp_path / "cube.npz")
+    assert len(listed) == 8
+    assert sorted(row["vertex"] for row in listed) == list(np.flatnonzero(painted["harris_corner"]))
+    for row in listed:
+        assert row["response"] == pytest.approx(painted["harris"][row["vertex"]])
+        assert row["position"] == pytest.approx(painted["vertices"][row["vertex"]])
+    assert json.loads((tmp_path / "report.json").read_text())["corners"] == listed
+
+
+def test_corners_without_harris_are_refused(paradesc, sphere_obj):
+    done = paradesc("bake", sphere_obj, "--output", "a.npz", "--corners", "c.json")
+    assert done.returncode == 2
+    assert done.stderr == "paradesc: Corners are found by the descriptor harris; add it to --descriptors.\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"map_descriptor": "harris"}, "cannot be the map"),
+        ({"map_descriptor": "principal_direction_max"}, "cannot be the map"),
+        ({"map_descriptor": "nothing"}, "There is no descriptor 'nothing'"),
+        ({"map_sigma": 0.0}, "map_sigma"),
+        ({"map_sigma": float("nan")}, "map_sigma"),
+        ({"harris_k": 0.25}, "harris_k"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused(sphere, options, sentence):
+    settings = job.Settings(("harris",), bridge.Options(**options), "reference")
+    with pytest.raises(bridge.ParadescError, match=sentence):
+        job.run(sphere, settings)
+
+
+def test_the_colors_of_a_response_show_what_is_small_against_one():
+    row = next(row for row in bridge.descriptors() if row.name == "harris")
+    shown = color_maps.value_range(np.linspace(-1e-7, 1e-6, 100, dtype=np.float32), row, 0.1)
+    assert shown.maximum == pytest.approx(1e-6, rel=0.1)
+    assert shown.minimum == -shown.maximum
+
+
+def test_a_unit_is_that_of_the_map_to_the_degree_of_the_operator():
+    rows = {row.name: row for row in bridge.descriptors()}
+    assert rows["laplacian"].unit_on("sphere_volume_normalized") == "1/length^2"
+    assert rows["laplacian"].unit_on("mean_curvature") == "1/length^3"
+    assert rows["harris"].unit_on("mean_curvature") == "1/length^4"
+    assert rows["mean_curvature"].unit_on("sphere_volume") == "1/length"
