@@ -19,6 +19,15 @@
 #define UNIT_LABELS 8      // buffer, RG32I: the cell of each texel, or -1; the part of it that its chart covers, of 65536
 #define UNIT_CORNERS 9     // list, RG32I: low texel of each cell's block
 
+// Of the pass that displaces baked texels, which shares no dispatch with those above.
+#define UNIT_HEIGHTS 8     // image, R32F: displacement
+#define UNIT_COLORS 9      // image, RGBA32F: normal map
+#define BINDING_BAKE_MOVING 0 // position and normal of each bake vertex, six floats
+#define BINDING_BAKE_FIXED 1  // its (u, v) in the layout, its chart
+#define BINDING_BAKE_INDEX 2  // bake vertex of each corner
+#define BINDING_MAP_UV 3      // the caller's (u, v) of each bake vertex
+#define BINDING_TANGENTS 4    // two vec4 a corner: tangent and sign of the bitangent; normal that goes with it
+
 // Storage buffers.
 #define BINDING_CENTERS 0
 #define BINDING_PATTERN 1

@@ -128,6 +128,8 @@ struct Frame {
   std::vector<int32_t> sites;  // (centers) -1: the point has no place in the UV map
   std::vector<int32_t> points; // (centers)
   double radius_in_texels = 0.0;
+  std::optional<MappedPoints> mapped; // where maps displace the surface
+  float enlargement = ellipse_enlargement;
 };
 
 class Clock {
@@ -157,7 +159,12 @@ static vec2 march_start(const Site &site, int size) {
 
 static void prepare_centers(const Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
   const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
-  const auto reach = static_cast<float>(radius * frame.buffer_frame.scale) * ellipse_enlargement;
+  const auto reach = static_cast<float>(radius * frame.buffer_frame.scale) * frame.enlargement;
+  auto place_of = [&](size_t point) {
+    if (frame.mapped) return frame.mapped->position[point];
+    return frame.buffer_frame.to_buffer(mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])]);
+  };
+  const std::vector<vec3> &normals = frame.mapped ? frame.mapped->normal : frame.normals.point;
   frame.centers.clear();
   frame.sites.clear();
   frame.points.clear();
@@ -166,22 +173,19 @@ static void prepare_centers(const Mesh &mesh, const pdesc_options &options, doub
     const Site &site = mesh.charts.sites[i];
     const auto point = static_cast<size_t>(site.point);
     if (!options.seam_error && mesh.charts.point_site[point] != static_cast<int32_t>(i)) continue;
-    const vec3 position = mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])];
     const vec4 ellipse = ellipses[i] * reach;
-    frame.centers.push_back({vec4(frame.buffer_frame.to_buffer(position), static_cast<float>(site.chart)),
-                             vec4(frame.normals.point[point], pattern_rotation(static_cast<uint32_t>(site.point), options.seed)),
+    frame.centers.push_back({vec4(place_of(point), static_cast<float>(site.chart)),
+                             vec4(normals[point], pattern_rotation(static_cast<uint32_t>(site.point), options.seed)),
                              vec4(site.uv, march_start(site, options.buffer_size)), ellipse});
     frame.sites.push_back(static_cast<int32_t>(i));
     frame.points.push_back(site.point);
     sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) *
-                    static_cast<float>(options.buffer_size) / ellipse_enlargement);
+                    static_cast<float>(options.buffer_size) / frame.enlargement);
   }
   // What the UV map leaves out counts as well: cells lead there, samples carried by the map do not.
   for (size_t point = 0; options.relocation == PDESC_RELOCATION_CONNECTED && point < mesh.charts.point_site.size(); ++point) {
     if (mesh.charts.point_site[point] >= 0) continue;
-    const vec3 position = mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])];
-    frame.centers.push_back(
-        {vec4(frame.buffer_frame.to_buffer(position), -1.0f), vec4(frame.normals.point[point], 0.0f), vec4(0.0f), vec4(0.0f)});
+    frame.centers.push_back({vec4(place_of(point), -1.0f), vec4(normals[point], 0.0f), vec4(0.0f), vec4(0.0f)});
     frame.sites.push_back(-1);
     frame.points.push_back(static_cast<int32_t>(point));
   }
@@ -226,8 +230,9 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
         device.buffer = std::make_unique<GeometryBuffer>(gl, options.buffer_size);
       device.evaluator.set_borders(gl, device.grid);
     }
-    device.buffer->bake(programs, {mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.forms, frame.buffer_frame},
-                        changed);
+    const BakeInput input{mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.forms, frame.buffer_frame};
+    device.buffer->bake(programs, input, changed);
+    if (frame.mapped) device.mapper.run(gl, programs, *device.buffer, input, mesh.maps);
     if (!changed) return;
     device.counts = device.buffer->count_owners(programs);
     device.bare_triangles = count_bare_triangles(mesh, device.buffer->read_ids());
@@ -282,10 +287,13 @@ static void prepare_supports(Mesh &mesh, const pdesc_options &options, double ra
     centers.push_back({vec3(frame.centers[i].position_chart), sites,
                        frame.sites[i] < 0 ? device.cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
   }
-  const Supports supports = find_supports(device.cells, positions, mesh.triangles, frame.buffer_frame, centers,
+  const MappedSurface surface(mesh.maps, mesh.triangles, frame.normals, frame.buffer_frame);
+  const Triangles &triangles = frame.mapped ? frame.mapped->triangles : mesh.triangles;
+  const Supports supports = find_supports(device.cells, positions, triangles, frame.buffer_frame, centers,
                                           static_cast<float>(radius * frame.buffer_frame.scale), mesh.context->threads);
-  const BareSamples bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame,
-                                                 static_cast<float>(radius * frame.buffer_frame.scale));
+  const BareSamples bare =
+      sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame,
+                            static_cast<float>(radius * frame.buffer_frame.scale), frame.mapped ? &surface : nullptr);
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, bare); });
 }
 
@@ -371,8 +379,19 @@ static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double ra
   frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
   frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
   if (options.relocation != PDESC_RELOCATION_CONNECTED) frame.links = seam_links(mesh.triangles, mesh.charts);
+  if (mesh.maps.any())
+    frame.mapped =
+        map_points(mesh.maps, mesh.triangles, mesh.half_edges, frame.normals, frame.buffer_frame, mesh.context->threads);
+  if (frame.mapped) frame.enlargement = ellipse_enlargement * frame.mapped->shrinkage;
   prepare_centers(mesh, options, radius, frame);
   bake(mesh, options, frame, changed);
+}
+
+// A pattern over an enlarged ellipse has its samples farther apart: more of them keep as many within the ball.
+static int pattern_samples(const pdesc_options &options, const Frame &frame) {
+  if (!frame.mapped || options.relocation == PDESC_RELOCATION_CONNECTED) return options.samples;
+  return std::min(4096,
+                  static_cast<int>(std::ceil(options.samples * std::pow(static_cast<double>(frame.mapped->shrinkage), 2.0))));
 }
 
 static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
@@ -402,11 +421,11 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   check_cancel(progress, "evaluate", 0.3);
 
   const EvaluateSettings settings{asked,
-                                  options.samples,
+                                  pattern_samples(options, frame),
                                   options.seed,
                                   options.max_jumps,
                                   static_cast<float>(radius * frame.buffer_frame.scale),
-                                  ellipse_enlargement,
+                                  options.relocation == PDESC_RELOCATION_CONNECTED ? ellipse_enlargement : frame.enlargement,
                                   options.relocation,
                                   options.estimator == PDESC_ESTIMATOR_INTEGRAL,
                                   options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE,
@@ -452,6 +471,11 @@ Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> ask
   if (!reference && mesh.triangles.corner_uv.empty())
     throw Error(PDESC_ERROR_INVALID_OPERATION,
                 "The mesh has no UV map, which texture space needs; unwrap it, or use the reference backend.");
+  if (reference && mesh.maps.any())
+    throw Error(
+        PDESC_ERROR_INVALID_OPERATION,
+        "Displacement and normal maps live in texture space, which the reference backend does without; take the maps away, "
+        "or use the gpu or software backend.");
   Clock clock;
   Field field;
   const double radius = resolve_radius(mesh, options);

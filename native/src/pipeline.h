@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "bake/surface_maps.h"
 #include "descriptor/evaluate.h"
 #include "gather/field.h"
 #include "gpu/gl_thread.h"
@@ -37,6 +38,7 @@ struct DeviceMesh {
   BorderGrid grid;
   Cells cells;
   BakeVertices vertices;
+  SurfaceMapper mapper;
   int normals_kind = -1;
   TexelCounts counts;
   int bare_triangles = 0;
@@ -48,6 +50,7 @@ struct Mesh {
   HalfEdges half_edges;
   Charts charts;
   std::optional<NormalRings> rings;
+  SurfaceMaps maps;
   std::unique_ptr<DeviceMesh> device;
   bool private_layout = false; // charts were laid out afresh, since the UV map's share texture space
   double diagonal = 0.0;

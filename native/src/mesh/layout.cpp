@@ -112,6 +112,7 @@ void repack_charts(Triangles &triangles, Charts &charts) {
     move.scale /= grid;
     move.place /= static_cast<double>(grid);
   }
+  if (triangles.given_uv.empty()) triangles.given_uv = triangles.corner_uv;
   for (size_t chart = 0; chart < corners.size(); ++chart)
     for (const int32_t corner : corners[chart]) {
       vec2 &uv = triangles.corner_uv[static_cast<size_t>(corner)];
