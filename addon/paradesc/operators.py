@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import bridge, job, mesh_io, properties
+from . import bridge, job, mesh_io, properties, surface_maps
 from .bridge import ParadescError, abi
 
 MODES = {"OBJECT", "EDIT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
@@ -94,7 +94,9 @@ class PARADESC_OT_bake(bpy.types.Operator):
         target = context.active_object
         mesh_io.check_writable(target)
         settings = properties.job_settings(context.scene.paradesc)
-        return settings, mesh_io.read_object(target, settings.options.normals == "mesh")
+        arrays = mesh_io.read_object(target, settings.options.normals == "mesh")
+        surface_maps.add_maps(target, arrays, surface_maps.Sources(material=context.scene.paradesc.material_maps))
+        return settings, arrays
 
     def take_results(self) -> set[str]:
         """Writes what the worker computed, or reports why there is nothing."""

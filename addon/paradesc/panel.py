@@ -64,6 +64,7 @@ class PARADESC_PT_quality(SidebarPanel, bpy.types.Panel):
         row = layout.row()
         row.active = settings.relocation == "affine"
         row.prop(settings, "max_jumps")
+        layout.prop(settings, "material_maps")
         layout.prop(settings, "backend")
         layout.prop(settings, "device_index")
 

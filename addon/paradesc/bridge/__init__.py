@@ -21,6 +21,7 @@ from .session import (
     Mesh,
     MeshArrays,
     Options,
+    SurfaceMaps,
     devices,
 )
 
@@ -46,6 +47,7 @@ __all__ = [
     "MeshArrays",
     "Options",
     "ParadescError",
+    "SurfaceMaps",
     "descriptors",
     "devices",
     "load_library",
