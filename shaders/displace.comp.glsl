@@ -3,11 +3,9 @@
 // bake/surface_maps.cpp, where they are explained.
 #include "shared.h"
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(std430, binding = BINDING_BAKE_MOVING) readonly restrict buffer Moving { float moving[]; }; // position, normal of each bake vertex
-layout(std430, binding = BINDING_BAKE_FIXED) readonly restrict buffer Fixed { float fixed_[]; };   // (u, v) of the layout, chart
-layout(std430, binding = BINDING_BAKE_INDEX) readonly restrict buffer Index { uint index[]; };
-layout(std430, binding = BINDING_MAP_UV) readonly restrict buffer MapUv { vec2 map_uv[]; };
-layout(std430, binding = BINDING_TANGENTS) readonly restrict buffer Tangents { vec4 tangents[]; }; // tangent, normal of each corner
+layout(binding = UNIT_VERTICES) uniform sampler2D vertices;
+layout(binding = UNIT_INDEX) uniform isampler2D index;
+layout(binding = UNIT_TANGENTS) uniform sampler2D tangents;
 layout(binding = UNIT_TRIANGLES) uniform sampler2D triangles;
 layout(binding = UNIT_IDS) uniform isampler2D ids;
 layout(binding = UNIT_HEIGHTS) uniform sampler2D heights;
@@ -20,24 +18,37 @@ layout(location = 2) uniform int normal_mapped;
 layout(location = 3) uniform float midlevel;
 layout(location = 4) uniform float scale; // in buffer units
 
-vec3 position_of(uint v) { return vec3(moving[6u * v], moving[6u * v + 1u], moving[6u * v + 2u]); }
-vec3 normal_of(uint v) { return vec3(moving[6u * v + 3u], moving[6u * v + 4u], moving[6u * v + 5u]); }
-vec2 place_of(uint v) { return vec2(fixed_[3u * v], fixed_[3u * v + 1u]); }
+struct Vertex {
+  vec3 position;
+  vec3 normal;
+  vec2 map;   // the caller's (u, v)
+  vec2 place; // in the layout
+};
+Vertex vertex_of(int corner) {
+  int first = 3 * texelFetch(index, list_place(corner), 0).x;
+  vec4 position = texelFetch(vertices, list_place(first), 0), normal = texelFetch(vertices, list_place(first + 1), 0);
+  return Vertex(position.xyz, normal.xyz, vec2(position.w, normal.w), texelFetch(vertices, list_place(first + 2), 0).xy);
+}
+vec4 tangent_of(int corner) { return texelFetch(tangents, list_place(2 * corner), 0); }
+vec3 frame_of(int corner) { return texelFetch(tangents, list_place(2 * corner + 1), 0).xyz; }
 float cross2(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
 vec3 unit_or(vec3 v, vec3 other) {
   float span = length(v);
   return span > 0.0 ? v / span : other;
 }
 
-// Repeats, bilinear between the centers of pixels.
-vec4 look_up(sampler2D image, vec2 uv) {
-  ivec2 size = textureSize(image, 0);
-  vec2 place = (uv - floor(uv)) * vec2(size) - 0.5;
+// Pixels of whole numbers, repeated. Software devices divide floats many at a time, integers one by one.
+ivec4 wrapped(vec4 pixel, float size) { return ivec4(pixel - size * floor((pixel + 0.5) / size)); }
+
+// Bilinear between the centers of pixels.
+vec3 color_at(vec2 uv) {
+  vec2 size = vec2(textureSize(colors, 0));
+  vec2 place = (uv - floor(uv)) * size - 0.5;
   vec2 t = place - floor(place);
-  ivec2 low = (ivec2(floor(place)) + size) % size;
-  ivec2 high = (low + 1) % size;
-  return mix(mix(texelFetch(image, low, 0), texelFetch(image, ivec2(high.x, low.y), 0), t.x),
-             mix(texelFetch(image, ivec2(low.x, high.y), 0), texelFetch(image, high, 0), t.x), t.y);
+  ivec2 low = ivec2(wrapped(floor(place.xxxx), size.x).x, wrapped(floor(place.yyyy), size.y).x);
+  ivec2 high = ivec2(wrapped(floor(place.xxxx) + 1.0, size.x).x, wrapped(floor(place.yyyy) + 1.0, size.y).x);
+  return mix(mix(texelFetch(colors, low, 0), texelFetch(colors, ivec2(high.x, low.y), 0), t.x),
+             mix(texelFetch(colors, ivec2(low.x, high.y), 0), texelFetch(colors, high, 0), t.x), t.y).xyz;
 }
 
 // The parameter of the point of a segment from a that is nearest to the origin.
@@ -55,20 +66,31 @@ vec2 nearest_place(vec2 c0, vec2 c1, vec2 c2) {
   return away.y <= away.z ? vec2(1.0 - t1, t1) : vec2(0.0, 1.0 - t2);
 }
 
-// The height and its gradient by the caller's (u, v), in buffer units.
+float height_at(int x, int y) { return texelFetch(heights, ivec2(x, y), 0).x; }
+
+// The height and its gradient by the caller's (u, v), in buffer units: bilinear lookups here and a pixel away on all sides, which share pixels.
 vec3 look_up_height(vec2 uv) {
   vec2 size = vec2(textureSize(heights, 0));
-  vec2 x = vec2(1.0 / size.x, 0.0), y = vec2(0.0, 1.0 / size.y);
-  vec2 slope = 0.5 * size * vec2(look_up(heights, uv + x).x - look_up(heights, uv - x).x, look_up(heights, uv + y).x - look_up(heights, uv - y).x);
-  return scale * vec3(look_up(heights, uv).x - midlevel, slope);
+  vec2 place = (uv - floor(uv)) * size - 0.5;
+  vec2 t = place - floor(place);
+  ivec4 x = wrapped(floor(place.x) + vec4(-1.0, 0.0, 1.0, 2.0), size.x);
+  ivec4 y = wrapped(floor(place.y) + vec4(-1.0, 0.0, 1.0, 2.0), size.y);
+  vec2 below = vec2(height_at(x.y, y.x), height_at(x.z, y.x)), above = vec2(height_at(x.y, y.w), height_at(x.z, y.w));
+  vec4 low = vec4(height_at(x.x, y.y), height_at(x.y, y.y), height_at(x.z, y.y), height_at(x.w, y.y));
+  vec4 high = vec4(height_at(x.x, y.z), height_at(x.y, y.z), height_at(x.z, y.z), height_at(x.w, y.z));
+  vec2 column = mix(low.yz, high.yz, t.y);
+  vec2 rise = mix(high.yz - below, above - low.yz, t.y);
+  vec2 run = mix(low.zw - low.xy, high.zw - high.xy, t.y);
+  return scale * vec3(mix(column.x, column.y, t.x) - midlevel, 0.5 * size * vec2(mix(run.x, run.y, t.x), mix(rise.x, rise.y, t.x)));
 }
 
 vec3 mapped_normal(int corner, vec2 place, vec2 uv, vec3 otherwise) {
   vec3 part = vec3(1.0 - place.x - place.y, place);
-  vec4 tangent = tangents[2 * corner] * part.x + tangents[2 * corner + 2] * part.y + tangents[2 * corner + 4] * part.z;
-  vec3 n = tangents[2 * corner + 1].xyz * part.x + tangents[2 * corner + 3].xyz * part.y + tangents[2 * corner + 5].xyz * part.z;
-  vec3 color = look_up(colors, uv).xyz * 2.0 - 1.0;
-  return unit_or(tangent.xyz * color.x + tangents[2 * corner].w * cross(n, tangent.xyz) * color.y + n * color.z, otherwise);
+  vec4 first = tangent_of(corner);
+  vec3 tangent = first.xyz * part.x + tangent_of(corner + 1).xyz * part.y + tangent_of(corner + 2).xyz * part.z;
+  vec3 n = frame_of(corner) * part.x + frame_of(corner + 1) * part.y + frame_of(corner + 2) * part.z;
+  vec3 color = color_at(uv) * 2.0 - 1.0;
+  return unit_or(tangent * color.x + first.w * cross(n, tangent) * color.y + n * color.z, otherwise);
 }
 
 void main() {
@@ -77,15 +99,15 @@ void main() {
   ivec2 id = texelFetch(ids, texel, 0).xy;
   if (id.x < 0) return;
   int triangle = id.y < 0 ? -1 - id.y : id.y;
-  uint v0 = index[3 * triangle], v1 = index[3 * triangle + 1], v2 = index[3 * triangle + 2];
+  Vertex v0 = vertex_of(3 * triangle), v1 = vertex_of(3 * triangle + 1), v2 = vertex_of(3 * triangle + 2);
   vec2 center = (vec2(texel) + 0.5) / float(buffer_size);
-  vec2 place = nearest_place(place_of(v0) - center, place_of(v1) - center, place_of(v2) - center);
-  vec2 way1 = map_uv[v1] - map_uv[v0], way2 = map_uv[v2] - map_uv[v0];
-  vec2 uv = map_uv[v0] + way1 * place.x + way2 * place.y;
-  vec3 edge1 = position_of(v1) - position_of(v0), edge2 = position_of(v2) - position_of(v0);
-  vec3 turn1 = normal_of(v1) - normal_of(v0), turn2 = normal_of(v2) - normal_of(v0);
-  vec3 position = position_of(v0) + edge1 * place.x + edge2 * place.y;
-  vec3 raw = normal_of(v0) + turn1 * place.x + turn2 * place.y;
+  vec2 place = nearest_place(v0.place - center, v1.place - center, v2.place - center);
+  vec2 way1 = v1.map - v0.map, way2 = v2.map - v0.map;
+  vec2 uv = v0.map + way1 * place.x + way2 * place.y;
+  vec3 edge1 = v1.position - v0.position, edge2 = v2.position - v0.position;
+  vec3 turn1 = v1.normal - v0.normal, turn2 = v2.normal - v0.normal;
+  vec3 position = v0.position + edge1 * place.x + edge2 * place.y;
+  vec3 raw = v0.normal + turn1 * place.x + turn2 * place.y;
   float span = max(length(raw), 1e-20);
   vec3 n = raw / span;
   vec3 normal = n;

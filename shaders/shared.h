@@ -22,11 +22,9 @@
 // Of the pass that displaces baked texels, which shares no dispatch with those above.
 #define UNIT_HEIGHTS 8     // image, R32F: displacement
 #define UNIT_COLORS 9      // image, RGBA32F: normal map
-#define BINDING_BAKE_MOVING 0 // position and normal of each bake vertex, six floats
-#define BINDING_BAKE_FIXED 1  // its (u, v) in the layout, its chart
-#define BINDING_BAKE_INDEX 2  // bake vertex of each corner
-#define BINDING_MAP_UV 3      // the caller's (u, v) of each bake vertex
-#define BINDING_TANGENTS 4    // two vec4 a corner: tangent and sign of the bitangent; normal that goes with it
+#define UNIT_VERTICES 10   // list, RGBA32F, three a bake vertex: position, the caller's u; normal, the caller's v; (u, v) in the layout
+#define UNIT_INDEX 11      // list, R32I: bake vertex of each corner
+#define UNIT_TANGENTS 12   // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
 
 // Storage buffers.
 #define BINDING_CENTERS 0

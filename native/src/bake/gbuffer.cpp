@@ -187,9 +187,6 @@ void GeometryBuffer::bind_to_rewrite() const {
   bind();
   gl_.BindImageTexture(0, position_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   gl_.BindImageTexture(1, normal_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BAKE_MOVING, position_normal_.id());
-  gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BAKE_FIXED, uv_chart_.id());
-  gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BAKE_INDEX, index_.id());
 }
 
 static std::vector<vec4> read_image(const Gl &gl, GLuint texture, int size) {

@@ -74,7 +74,8 @@ struct MappedPoints {
   std::vector<vec3> position; // (point_count) buffer units
   std::vector<vec3> normal;   // (point_count) unit
   Triangles triangles;        // of the displaced vertices
-  float shrinkage = 1.0f;     // by how much a length on the base is longer than on the displaced surface, at most; 1 to 4
+  float shrinkage =
+      1.0f; // by how much a length on the base is longer than on the displaced surface, at 99 of 100 corners; 1 to 4
 };
 
 // A point on a seam has a height and a normal from each of its corners: it gets their mean, weighted by angle.
@@ -93,7 +94,7 @@ private:
 
   int version_ = 0;
   Texture heights_, colors_;
-  Buffer uv_, tangents_;
+  ListTexture vertices_, index_, tangents_;
 };
 
 } // namespace paradesc
