@@ -52,22 +52,26 @@ def read_files(sources: Sources, maps: SurfaceMaps) -> list[str]:
     """Fills the maps from image files, whose values are taken as they are; gives a sentence about each."""
     notes = []
     if sources.displacement is not None:
-        maps.heights = luminance(read_file(sources.displacement))
+        pixels, fine = read_file(sources.displacement)
+        maps.heights = luminance(pixels)
         maps.midlevel, maps.scale = sources.midlevel, sources.scale
-        notes.append(displacement_note(sources.displacement.name, maps))
+        notes += displacement_notes(sources.displacement.name, maps, fine)
     if sources.normal_map is not None:
-        maps.normals = read_file(sources.normal_map)[..., :3]
+        maps.normals = read_file(sources.normal_map)[0][..., :3]
         notes.append(f'Normals are those of "{sources.normal_map.name}".')
     return notes
 
 
-def displacement_note(name: str, maps: SurfaceMaps) -> str:
-    """Says by what the surface was displaced."""
-    return f'The surface is displaced by "{name}", midlevel {maps.midlevel:g}, scale {maps.scale:g}.'
+def displacement_notes(name: str, maps: SurfaceMaps, fine: bool) -> list[str]:
+    """Says by what the surface was displaced, and what limits an image that is not fine."""
+    notes = [f'The surface is displaced by "{name}", midlevel {maps.midlevel:g}, scale {maps.scale:g}.']
+    if not fine and len(np.unique(maps.heights)) > 2:
+        notes.append(f'"{name}" has 8 bits, each step of which is a slope of its own; use 16 bits or floats.')
+    return notes
 
 
-def read_file(path: Path) -> np.ndarray:
-    """(height, width, 4) float32 values of an image file, rows bottom-up; colors are not converted."""
+def read_file(path: Path) -> tuple[np.ndarray, bool]:
+    """(height, width, 4) float32 values of a file as they are, rows bottom-up; whether they have more than 8 bits."""
     if not path.is_file():
         raise refuse(f'There is no image "{path}".')
     try:
@@ -77,7 +81,7 @@ def read_file(path: Path) -> np.ndarray:
     try:
         image.colorspace_settings.name = "Non-Color"
         image.alpha_mode = "CHANNEL_PACKED"
-        return read_pixels(image, str(path))
+        return read_pixels(image, str(path)), image.is_float
     finally:
         bpy.data.images.remove(image)
 
@@ -174,7 +178,7 @@ def read_displacement_node(
     maps.scale = constant(material, node, "Scale")
     if node.space == "WORLD":
         maps.scale /= uniform_scale(target)
-    return [displacement_note(image.name, maps)]
+    return displacement_notes(image.name, maps, image.is_float)
 
 
 def uniform_scale(target: bpy.types.Object) -> float:

@@ -135,15 +135,17 @@ def test_arrays_that_do_not_fit_are_refused(maps, words):
 
 def test_files_are_read_as_they_are_from_bottom_to_top(target, tmp_path):
     path = save_image(tmp_path / "ramp.png", ramp())
-    pixels = surface_maps.read_file(path)
+    pixels, fine = surface_maps.read_file(path)
+    assert not fine
     assert pixels.shape == (2, 3, 4)
     np.testing.assert_allclose(pixels[..., :3], ramp(), atol=1e-6)
     arrays, notes = maps_of(target, displacement=path, midlevel=0.1, scale=3.0)
     np.testing.assert_allclose(arrays.maps.heights, ramp() @ np.array(surface_maps.LUMINANCE), atol=1e-6)
     assert (arrays.maps.midlevel, arrays.maps.scale) == (0.1, 3.0)
     assert arrays.maps.normals is None
-    assert len(notes) == 1
+    assert len(notes) == 2
     assert "ramp.png" in notes[0]
+    assert "8 bits" in notes[1]
     assert not bpy.data.images.get("ramp.png")
 
 
