@@ -24,6 +24,13 @@
 #define LOCATION_AREA_UNIT 30
 #define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
 
+// Of the pass that displaces baked texels, which shares no dispatch with those above.
+#define UNIT_HEIGHTS 8     // image, R32F: displacement
+#define UNIT_COLORS 9      // image, RGBA32F: normal map
+#define UNIT_VERTICES 10   // list, RGBA32F, three a bake vertex: position, the caller's u; normal, the caller's v; (u, v) in the layout
+#define UNIT_INDEX 11      // list, R32I: bake vertex of each corner
+#define UNIT_TANGENTS 12   // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
+
 // Storage buffers.
 #define BINDING_CENTERS 0
 #define BINDING_PATTERN 1

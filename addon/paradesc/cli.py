@@ -72,6 +72,7 @@ def make_parser() -> Parser:
         help="write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor)",
     )  # fmt: skip
     bake.add_argument("--dump-buffers", metavar="FOLDER", type=Path, help="write the baked buffers as .png and .npz")
+    add_map_options(bake)
     bake.add_argument("--json", metavar="REPORT", type=Path, help="write settings, reports and ranges as JSON")
     bake.add_argument("--corners", metavar="FILE", type=Path, help="write the corners that harris finds as a JSON list")
     bake.add_argument(
@@ -140,6 +141,34 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
 def radii(text: str) -> tuple[float, ...]:
     """Numbers between commas."""
     return tuple(float(word) for word in text.split(","))
+
+
+def add_map_options(parser: argparse.ArgumentParser) -> None:
+    """Images that change what is measured; the reference has no texels for them, so compare does without."""
+    add = parser.add_argument
+    add("--displacement", metavar="IMAGE", type=Path, help="displace the surface by (value - midlevel) scale")
+    add("--midlevel", type=float, default=0.5, metavar="X", help="of the displacement (default: 0.5)")
+    add("--displacement-scale", type=float, default=1.0, metavar="X", help="in the mesh's units (default: 1)")
+    add("--normal-map", metavar="IMAGE", type=Path, help="take the normals from a tangent space normal map")
+    add("--material-maps", action="store_true", help="take displacement and normal map from the object's material")
+
+
+def add_maps(target: "bpy.types.Object", arrays: bridge.MeshArrays, arguments: argparse.Namespace) -> list[str]:
+    """Puts the maps asked for into the arrays; gives a sentence about each."""
+    from paradesc import surface_maps
+
+    files = (arguments.displacement, arguments.normal_map)
+    if arguments.material_maps and any(files):
+        raise UsageError("Maps come from the material or from files; leave --material-maps or the images out.")
+    sources = surface_maps.Sources(
+        arguments.displacement,
+        arguments.midlevel,
+        arguments.displacement_scale,
+        arguments.normal_map,
+        arguments.material_maps,
+    )
+    with quiet(arguments.verbose):
+        return surface_maps.add_maps(target, arrays, sources)
 
 
 def settings_of(arguments: argparse.Namespace) -> job.Settings:
@@ -211,10 +240,11 @@ def run_bake(arguments: argparse.Namespace) -> None:
     if saves_scene:
         mesh_io.check_writable(target)
     arrays = mesh_io.read_object(target, settings.options.normals == "mesh", settings.backend != "reference")
+    mapped = add_maps(target, arrays, arguments)
     with Progress() as progress:
         computed = job.run(arrays, settings, progress, arguments.dump_buffers is not None)
     baked = results.Baked(target.name, computed, arrays, mesh_io.world_matrix(target))
-    notes = mesh_io.write_results(target, computed) if saves_scene else []
+    notes = mapped + (mesh_io.write_results(target, computed) if saves_scene else [])
     for path in arguments.output:
         if path.suffix.lower() == ".blend":
             scene_io.save_blend(path, arguments.verbose)

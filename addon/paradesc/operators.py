@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import bridge, job, mesh_io, properties
+from . import bridge, job, mesh_io, properties, surface_maps
 from .bridge import ParadescError, abi
 
 MODES = {"OBJECT", "EDIT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
@@ -95,7 +95,9 @@ class PARADESC_OT_bake(bpy.types.Operator):
         mesh_io.check_writable(target)
         settings = properties.job_settings(context.scene.paradesc)
         needs_uvs = settings.backend != "reference"
-        return settings, mesh_io.read_object(target, settings.options.normals == "mesh", needs_uvs)
+        arrays = mesh_io.read_object(target, settings.options.normals == "mesh", needs_uvs)
+        surface_maps.add_maps(target, arrays, surface_maps.Sources(material=context.scene.paradesc.material_maps))
+        return settings, arrays
 
     def take_results(self) -> set[str]:
         """Writes what the worker computed, or reports why there is nothing."""

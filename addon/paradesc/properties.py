@@ -150,6 +150,11 @@ def make_settings() -> type:
         "max_jumps": bpy.props.IntProperty(
             name="Max jumps", description="Seams that one sample may cross", default=8, min=0, max=64
         ),
+        "material_maps": bpy.props.BoolProperty(
+            name="Material maps",
+            description="Measure the surface as the material's Displacement and Normal Map nodes change it",
+            default=False,
+        ),
         "backend": bpy.props.EnumProperty(name="Backend", description="What computes", items=BACKENDS, default="auto"),
         "device_index": bpy.props.IntProperty(
             name="Device", description="Which device of the backend; -1 takes the first that works", default=-1, min=-1

@@ -211,6 +211,24 @@ int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32
   });
 }
 
+int32_t pdesc_mesh_set_displacement(pdesc_mesh *mesh, const float *heights, int32_t width, int32_t height, double midlevel,
+                                    double scale) {
+  return guarded([&] {
+    need(mesh, "mesh");
+    std::lock_guard lock(mesh->mesh->context->mutex);
+    paradesc::set_displacement(mesh->mesh->maps, mesh->mesh->triangles, heights, width, height, midlevel, scale);
+  });
+}
+
+int32_t pdesc_mesh_set_normal_map(pdesc_mesh *mesh, const float *rgb, int32_t width, int32_t height, const float *corner_tangents,
+                                  int32_t corner_count) {
+  return guarded([&] {
+    need(mesh, "mesh");
+    std::lock_guard lock(mesh->mesh->context->mutex);
+    paradesc::set_normal_map(mesh->mesh->maps, mesh->mesh->triangles, rgb, width, height, corner_tangents, corner_count);
+  });
+}
+
 int32_t pdesc_mesh_get_report(const pdesc_mesh *mesh, pdesc_mesh_report *report) {
   return guarded([&] {
     need(mesh, "mesh");

@@ -112,6 +112,8 @@ struct Frame {
   std::vector<int32_t> points; // (centers)
   BareSamples bare;
   double radius_in_texels = 0.0;
+  std::optional<MappedPoints> mapped; // where maps displace the surface
+  float enlargement = ellipse_enlargement;
 };
 
 class Clock {
@@ -141,7 +143,12 @@ static vec2 march_start(const Site &site, int size) {
 
 static void prepare_centers(const Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
   const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
-  const auto reach = static_cast<float>(radius * frame.buffer_frame.scale) * ellipse_enlargement;
+  const auto reach = static_cast<float>(radius * frame.buffer_frame.scale) * frame.enlargement;
+  auto place_of = [&](size_t point) {
+    if (frame.mapped) return frame.mapped->position[point];
+    return frame.buffer_frame.to_buffer(mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])]);
+  };
+  const std::vector<vec3> &normals = frame.mapped ? frame.mapped->normal : frame.normals.point;
   frame.centers.clear();
   frame.sites.clear();
   frame.points.clear();
@@ -150,22 +157,19 @@ static void prepare_centers(const Mesh &mesh, const pdesc_options &options, doub
     const Site &site = mesh.charts.sites[i];
     const auto point = static_cast<size_t>(site.point);
     if (!options.seam_error && mesh.charts.point_site[point] != static_cast<int32_t>(i)) continue;
-    const vec3 position = mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])];
     const vec4 ellipse = ellipses[i] * reach;
-    frame.centers.push_back({vec4(frame.buffer_frame.to_buffer(position), static_cast<float>(site.chart)),
-                             vec4(frame.normals.point[point], pattern_rotation(static_cast<uint32_t>(site.point), options.seed)),
+    frame.centers.push_back({vec4(place_of(point), static_cast<float>(site.chart)),
+                             vec4(normals[point], pattern_rotation(static_cast<uint32_t>(site.point), options.seed)),
                              vec4(site.uv, march_start(site, options.buffer_size)), ellipse});
     frame.sites.push_back(static_cast<int32_t>(i));
     frame.points.push_back(site.point);
     sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) *
-                    static_cast<float>(options.buffer_size) / ellipse_enlargement);
+                    static_cast<float>(options.buffer_size) / frame.enlargement);
   }
   // What the UV map leaves out counts as well: cells lead there, samples carried by the map do not.
   for (size_t point = 0; options.relocation == PDESC_RELOCATION_CONNECTED && point < mesh.charts.point_site.size(); ++point) {
     if (mesh.charts.point_site[point] >= 0) continue;
-    const vec3 position = mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])];
-    frame.centers.push_back(
-        {vec4(frame.buffer_frame.to_buffer(position), -1.0f), vec4(frame.normals.point[point], 0.0f), vec4(0.0f), vec4(0.0f)});
+    frame.centers.push_back({vec4(place_of(point), -1.0f), vec4(normals[point], 0.0f), vec4(0.0f), vec4(0.0f)});
     frame.sites.push_back(-1);
     frame.points.push_back(static_cast<int32_t>(point));
   }
@@ -174,11 +178,16 @@ static void prepare_centers(const Mesh &mesh, const pdesc_options &options, doub
   frame.radius_in_texels = sizes[sizes.size() / 2];
 }
 
+// Maps are applied to buffers of full precision.
+static bool uses_half(const Mesh &mesh, const pdesc_options &options) {
+  return options.precision == PDESC_PRECISION_HALF && !mesh.maps.any();
+}
+
 // Makes or keeps the device's buffers; true where the topology's part has to be uploaded.
 static bool prepare_device(Mesh &mesh, const pdesc_options &options) {
   if (!mesh.device) mesh.device = std::make_unique<DeviceMesh>();
   DeviceMesh &device = *mesh.device;
-  bool changed = device.buffer && device.buffer->half() != (options.precision == PDESC_PRECISION_HALF);
+  bool changed = device.buffer && device.buffer->half() != uses_half(mesh, options);
   if (device.grid.size != options.buffer_size) {
     device.grid = build_border_grid(mesh.triangles, mesh.charts, options.buffer_size);
     changed = true;
@@ -206,13 +215,14 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
     DeviceMesh &device = *mesh.device;
     if (changed) {
-      const bool half = options.precision == PDESC_PRECISION_HALF;
+      const bool half = uses_half(mesh, options);
       if (!device.buffer || device.buffer->size() != options.buffer_size || device.buffer->half() != half)
         device.buffer = std::make_unique<GeometryBuffer>(gl, options.buffer_size, half);
       device.evaluator.set_borders(gl, device.grid);
     }
-    device.buffer->bake(programs, {mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.forms, frame.buffer_frame},
-                        changed);
+    const BakeInput input{mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.forms, frame.buffer_frame};
+    device.buffer->bake(programs, input, changed);
+    if (frame.mapped) device.mapper.run(gl, programs, *device.buffer, input, mesh.maps);
     device.frame = frame.buffer_frame;
     if (!changed) return;
     device.counts = device.buffer->count_owners(programs);
@@ -240,6 +250,11 @@ static void build_cells_for(Mesh &mesh, const Frame &frame) {
       [&](const Gl &gl, ProgramCache &) { device.evaluator.set_cells(gl, device.cells, device.buffer->size()); });
 }
 
+// The triangles as they are measured: displaced where maps say so.
+static const Triangles &surface_of(const Mesh &mesh, const Frame &frame) {
+  return frame.mapped ? frame.mapped->triangles : mesh.triangles;
+}
+
 // What the search for neighborhoods reads: the positions of this frame.
 static std::vector<vec4> measure_cells(Mesh &mesh) {
   std::vector<vec4> positions;
@@ -255,9 +270,11 @@ static void search_supports(Mesh &mesh, double radius, Frame &frame, const std::
                             const std::vector<SupportCenter> &centers) {
   DeviceMesh &device = *mesh.device;
   const auto reach = static_cast<float>(radius * frame.buffer_frame.scale);
+  const MappedSurface surface(mesh.maps, mesh.triangles, frame.normals, frame.buffer_frame);
   const Supports supports =
-      find_supports(device.cells, positions, mesh.triangles, frame.buffer_frame, centers, reach, mesh.context->threads);
-  frame.bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, reach);
+      find_supports(device.cells, positions, surface_of(mesh, frame), frame.buffer_frame, centers, reach, mesh.context->threads);
+  frame.bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, reach,
+                                     frame.mapped ? &surface : nullptr);
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, frame.bare); });
 }
 
@@ -343,7 +360,7 @@ static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius
     centers.push_back(static_cast<int32_t>(i));
     points.push_back(frame.points[i]);
   }
-  Reach reach = reach_exactly(mesh.triangles, mesh.half_edges, points, radius, MAX_REACH, mesh.context->threads);
+  Reach reach = reach_exactly(surface_of(mesh, frame), mesh.half_edges, points, radius, MAX_REACH, mesh.context->threads);
   std::vector<int32_t> triangles;
   size_t kept = 0;
   const double disk = pi * radius * radius, unit = frame.buffer_frame.scale * frame.buffer_frame.scale;
@@ -420,6 +437,9 @@ static SiteResults evaluate_texels(Mesh &mesh, const pdesc_options &options, std
     if (descriptor_row(row).needs != MapNeeds::nothing)
       throw Error(PDESC_ERROR_INVALID_ARGUMENT, std::string("The operator ") + descriptor_row(row).name +
                                                     " works on a map of values at vertices; choose to evaluate at vertices.");
+  if (frame.mapped)
+    throw Error(PDESC_ERROR_INVALID_ARGUMENT,
+                "Displacement and normal maps are followed at vertices only; choose to evaluate at vertices, or clear the maps.");
   settings.descriptors = asked;
   constexpr size_t batch = size_t{1} << 15;
   const TexelMap map = build_texel_map(mesh.triangles, mesh.charts, options.texels);
@@ -482,6 +502,10 @@ static void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double ra
   frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
   if (options.relocation != PDESC_RELOCATION_CONNECTED) frame.links = seam_links(mesh.triangles, mesh.charts);
   if (options.relocation == PDESC_RELOCATION_PAPER) frame.seams = number_seams(mesh.charts);
+  if (mesh.maps.any())
+    frame.mapped =
+        map_points(mesh.maps, mesh.triangles, mesh.half_edges, frame.normals, frame.buffer_frame, mesh.context->threads);
+  if (frame.mapped) frame.enlargement = ellipse_enlargement * frame.mapped->shrinkage;
   prepare_centers(mesh, options, radius, frame);
   bake(mesh, options, frame, changed);
 }
@@ -531,9 +555,16 @@ static void widen_supports(Mesh &mesh, const pdesc_options &options, double reac
   if (options.relocation == PDESC_RELOCATION_CONNECTED) prepare_supports(mesh, options, reach, frame);
 }
 
+// A pattern over an enlarged ellipse has its samples farther apart: more of them keep as many within the ball.
+static int pattern_samples(const pdesc_options &options, const Frame &frame, int samples) {
+  if (!frame.mapped || options.relocation == PDESC_RELOCATION_CONNECTED) return samples;
+  const auto shrinkage = static_cast<double>(frame.mapped->shrinkage);
+  return std::min(4096, static_cast<int>(std::ceil(samples * shrinkage * shrinkage)));
+}
+
 static EvaluateSettings settings_of(const Mesh &mesh, const pdesc_options &options, double radius, const Frame &frame) {
   EvaluateSettings settings{};
-  settings.samples = options.samples;
+  settings.samples = pattern_samples(options, frame, options.samples);
   settings.seed = options.seed;
   settings.max_jumps = options.max_jumps;
   settings.pattern = options.pattern;
@@ -541,7 +572,7 @@ static EvaluateSettings settings_of(const Mesh &mesh, const pdesc_options &optio
   settings.samples_at_once = samples_at_once(mesh, options);
   settings.chords = options.geodesic == PDESC_GEODESIC_CHORDS;
   settings.radius = static_cast<float>(radius * frame.buffer_frame.scale);
-  settings.enlargement = ellipse_enlargement;
+  settings.enlargement = options.relocation == PDESC_RELOCATION_CONNECTED ? ellipse_enlargement : frame.enlargement;
   settings.relocation = options.relocation;
   settings.integral = options.estimator == PDESC_ESTIMATOR_INTEGRAL;
   settings.plain = options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE;
@@ -564,7 +595,7 @@ static SiteResults evaluate_passes(Mesh &mesh, const pdesc_options &options, std
                         widen_supports(mesh, options, reach, frame);
                         settings.radius = static_cast<float>(reach * frame.buffer_frame.scale);
                       }
-                      settings.samples = samples_of(pass, options);
+                      settings.samples = pattern_samples(options, frame, samples_of(pass, options));
                       if (map) bake_map(mesh, frame, *map);
                       settings.map = map ? mesh.device->map.get() : nullptr;
                       settings.descriptors = pass.rows;
@@ -652,6 +683,11 @@ Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> ask
   if (!reference && mesh.triangles.corner_uv.empty())
     throw Error(PDESC_ERROR_INVALID_OPERATION,
                 "The mesh has no UV map, which texture space needs; unwrap it, or use the reference backend.");
+  if (reference && mesh.maps.any())
+    throw Error(
+        PDESC_ERROR_INVALID_OPERATION,
+        "Displacement and normal maps live in texture space, which the reference backend does without; take the maps away, "
+        "or use the gpu or software backend.");
   Clock clock;
   Field field;
   const double radius = resolve_radius(mesh, options);

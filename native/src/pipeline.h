@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "bake/surface_maps.h"
 #include "descriptor/evaluate.h"
 #include "gather/field.h"
 #include "gpu/gl_thread.h"
@@ -39,6 +40,7 @@ struct DeviceMesh {
   Cells cells;
   BakeVertices vertices;
   BufferFrame frame; // of the last bake
+  SurfaceMapper mapper;
   int normals_kind = -1;
   TexelCounts counts;
   int bare_triangles = 0;
@@ -50,6 +52,7 @@ struct Mesh {
   HalfEdges half_edges;
   Charts charts;
   std::optional<NormalRings> rings;
+  SurfaceMaps maps;
   std::unique_ptr<DeviceMesh> device;
   pdesc_mesh_report found{}; // in the mesh and its UV map as they were given
   int private_layout = 0;    // as in pdesc_field_report

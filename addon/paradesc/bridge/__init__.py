@@ -23,6 +23,7 @@ from .session import (
     Mesh,
     MeshArrays,
     Options,
+    SurfaceMaps,
     devices,
 )
 
@@ -50,6 +51,7 @@ __all__ = [
     "MeshArrays",
     "Options",
     "ParadescError",
+    "SurfaceMaps",
     "components",
     "descriptors",
     "devices",

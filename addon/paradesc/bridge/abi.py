@@ -240,6 +240,16 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "pdesc_mesh_report_init": (None, [POINTER(MeshReport)]),  # report
     "pdesc_mesh_create": (c_int32, [ContextPointer, POINTER(MeshInput), POINTER(MeshPointer)]),  # context, input, mesh
     "pdesc_mesh_set_positions": (c_int32, [MeshPointer, Float32Pointer, c_int32]),  # mesh, positions, vertex_count
+    "pdesc_mesh_set_displacement": (
+        c_int32,
+        # mesh, heights, width, height, midlevel, scale
+        [MeshPointer, Float32Pointer, c_int32, c_int32, c_double, c_double],
+    ),
+    "pdesc_mesh_set_normal_map": (
+        c_int32,
+        # mesh, rgb, width, height, corner_tangents, corner_count
+        [MeshPointer, Float32Pointer, c_int32, c_int32, Float32Pointer, c_int32],
+    ),
     "pdesc_mesh_get_report": (c_int32, [MeshPointer, POINTER(MeshReport)]),  # mesh, report
     "pdesc_mesh_destroy": (None, [MeshPointer]),  # mesh
     "pdesc_options_init": (None, [POINTER(ComputeOptions)]),  # options

@@ -78,6 +78,17 @@ class Layout:
 
 
 @dataclass
+class SurfaceMaps:
+    """Images over a mesh's UV map, rows bottom-up, that displace its surface or say its normals."""
+
+    heights: np.ndarray | None = None  # (height, width) float32
+    midlevel: float = 0.5
+    scale: float = 1.0  # in units of the positions
+    normals: np.ndarray | None = None  # (height, width, 3) float32 in [0, 1], in tangent space
+    corner_tangents: np.ndarray | None = None  # (corner_count, 4) float32: unit tangent, sign of the bitangent
+
+
+@dataclass
 class MeshArrays:
     """A triangle mesh as the native library reads it; a corner is a face's use of a vertex."""
 
@@ -89,6 +100,7 @@ class MeshArrays:
     triangle_smooth: np.ndarray | None = None  # (triangle_count,) uint8
     sharp_edges: np.ndarray | None = None  # (sharp_edge_count, 2) int32
     layout: Layout | None = None  # where corner_uvs come from, if not from the mesh's own UV map
+    maps: SurfaceMaps | None = None
 
     @property
     def triangle_vertices(self) -> np.ndarray:
@@ -206,6 +218,28 @@ class Mesh:
         status = self._library.pdesc_mesh_set_positions(self._pointer, address(array, abi.Float32Pointer), len(array))
         check(self._library, status)
 
+    def set_displacement(self, heights: np.ndarray | None, midlevel: float = 0.5, scale: float = 1.0) -> None:
+        """Displaces the surface by (value - midlevel) scale of an image (height, width); None takes it away."""
+        array, pointer, height, width = image(heights, "heights", 2)
+        status = self._library.pdesc_mesh_set_displacement(self._pointer, pointer, width, height, midlevel, scale)
+        check(self._library, status)
+        del array
+
+    def set_normal_map(self, colors: np.ndarray | None, corner_tangents: np.ndarray | None = None) -> None:
+        """Takes the normals from an image (height, width, 3), in the tangent space of (corner_count, 4)."""
+        array, pointer, height, width = image(colors, "the normal map", 3)
+        tangents = None if corner_tangents is None else contiguous(corner_tangents, np.float32, "corner_tangents", 4)
+        given = abi.Float32Pointer() if tangents is None else address(tangents, abi.Float32Pointer)
+        count = 0 if tangents is None else len(tangents)
+        status = self._library.pdesc_mesh_set_normal_map(self._pointer, pointer, width, height, given, count)
+        check(self._library, status)
+        del array
+
+    def set_maps(self, maps: SurfaceMaps) -> None:
+        """Both of them."""
+        self.set_displacement(maps.heights, maps.midlevel, maps.scale)
+        self.set_normal_map(maps.normals, maps.corner_tangents)
+
     def near_seam(self, radius: float) -> np.ndarray:
         """(vertex_count,) bool: a seam of the UV map lies within radius, in units of the positions."""
         near = np.empty(self.vertex_count, np.uint8)
@@ -296,6 +330,8 @@ class Context:
         del kept
         mesh = Mesh(self._library, pointer, native.vertex_count)
         self._meshes.add(mesh)
+        if arrays.maps is not None:
+            mesh.set_maps(arrays.maps)
         return mesh
 
     def close(self) -> None:
@@ -419,6 +455,17 @@ def contiguous(array: np.ndarray, kind: type, name: str, width: int) -> np.ndarr
         wanted = "(n,)" if width == 1 else f"(n, {width})"
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"{name} has shape {result.shape}, but {wanted} is needed.")
     return result
+
+
+def image(pixels: np.ndarray | None, name: str, dimensions: int) -> tuple[np.ndarray | None, object, int, int]:
+    """An image's pixels, which have to live as long as they are read, their address, height and width."""
+    if pixels is None:
+        return None, abi.Float32Pointer(), 0, 0
+    array = np.ascontiguousarray(pixels, dtype=np.float32)
+    if array.ndim != dimensions or (dimensions == 3 and array.shape[2] != 3):
+        wanted = "(height, width)" if dimensions == 2 else "(height, width, 3)"
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"{name} has shape {array.shape}, but {wanted} is needed.")
+    return array, address(array, abi.Float32Pointer), array.shape[0], array.shape[1]
 
 
 def address(array: np.ndarray, pointer: type) -> object:

@@ -196,7 +196,7 @@ typedef struct pdesc_mesh_input {
   const int32_t *corner_vertices;    /* (corner_count) */
   const int32_t *triangle_corners;   /* (triangle_count, 3) */
   const float *corner_uvs;           /* (corner_count, 2), or NULL: only backend REFERENCE can compute */
-  const float *corner_normals;       /* (corner_count, 3) unit, or NULL; read by PDESC_NORMALS_MESH only */
+  const float *corner_normals;       /* (corner_count, 3) unit, or NULL; read by PDESC_NORMALS_MESH and normal maps only */
   const uint8_t *triangle_smooth;    /* (triangle_count) 0 where flat shaded, or NULL: all smooth */
   const int32_t *sharp_edges;        /* (sharp_edge_count, 2) vertex pairs marked sharp, or NULL. Between two smooth faces fitted and
                                         Max's normals do not reach across them */
@@ -235,6 +235,19 @@ PDESC_API void pdesc_mesh_report_init(pdesc_mesh_report *report);
 PDESC_API int32_t pdesc_mesh_create(pdesc_context *context, const pdesc_mesh_input *input, pdesc_mesh **mesh);
 /* New positions for the same topology: (vertex_count, 3). Report's diagonal and mean_edge follow. */
 PDESC_API int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32_t vertex_count);
+/* Images over the mesh's UV map, which change what is measured and leave the mesh as it is: its diagonal, mean edge and report are those
+ * of the base. Rows run from bottom to top as v does (as Blender's images do), lookups are bilinear by the UVs as given, and repeat
+ * outside [0,1]. Images are copied; NULL takes a map away. Backend REFERENCE refuses to compute with a map. */
+/* Displacement: (height, width) floats. Every surface point p moves to p + n (value - midlevel) scale, n the interpolated unit normal,
+ * scale in units of the positions. A vertex with several places in the UV map moves by their mean, weighted by angle. */
+PDESC_API int32_t pdesc_mesh_set_displacement(pdesc_mesh *mesh, const float *heights, int32_t width, int32_t height,
+                                              double midlevel, double scale);
+/* Normal map: (height, width, 3) red, green, blue in [0,1] for components -1 to 1 in the tangent space of each corner (MikkTSpace):
+ * corner_tangents (corner_count, 4) are the unit tangent and the sign of the bitangent, sign * cross(normal, tangent). Its normals are
+ * the corner normals given with the mesh, else those computed: give the mesh's own where the map was made from them. The map's normals
+ * replace those of the surface, displaced or not. After pdesc_mesh_set_positions set it again with the new tangents. */
+PDESC_API int32_t pdesc_mesh_set_normal_map(pdesc_mesh *mesh, const float *rgb, int32_t width, int32_t height,
+                                            const float *corner_tangents, int32_t corner_count);
 PDESC_API int32_t pdesc_mesh_get_report(const pdesc_mesh *mesh, pdesc_mesh_report *report);
 PDESC_API void pdesc_mesh_destroy(pdesc_mesh *mesh); /* NULL is allowed */
 
@@ -259,7 +272,7 @@ typedef struct pdesc_options {
   int32_t ellipse;      /* pdesc_ellipse; default CENTER. Used by AFFINE and PAPER relocation only */
   int32_t evaluate;     /* pdesc_evaluate; default VERTEX. Not used by REFERENCE */
   int32_t texels;       /* along a side of the map of TEXEL evaluation, 16 to 8192; default 512 */
-  int32_t precision;    /* pdesc_precision of the buffers; default FULL. Not used by REFERENCE */
+  int32_t precision;    /* pdesc_precision of the buffers; default FULL. Not used by REFERENCE, nor while a surface map is set (full) */
   double adaptive;      /* above 0: half of the samples first, the others only where the normals there deviate from the shape operator by
                            more than this, root mean square, in radians (paper 4.2). Default 0: all samples everywhere */
   const char *map_descriptor; /* the map f that operators work on: a descriptor of the surface with one component, at the same radius.

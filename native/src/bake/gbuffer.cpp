@@ -215,6 +215,12 @@ void GeometryBuffer::bind() const {
   gl_.BindTextureUnit(UNIT_IDS, ids_.id());
 }
 
+void GeometryBuffer::bind_to_rewrite() const {
+  bind();
+  gl_.BindImageTexture(0, position_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  gl_.BindImageTexture(1, normal_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+}
+
 static std::vector<vec4> read_image(const Gl &gl, GLuint texture, int size) {
   std::vector<vec4> texels(static_cast<size_t>(size) * static_cast<size_t>(size));
   gl.GetTextureImage(texture, 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(texels.size() * sizeof(vec4)), texels.data());

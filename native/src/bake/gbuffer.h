@@ -48,6 +48,8 @@ public:
   TexelCounts count_owners(ProgramCache &programs);
   // Binds what samples read.
   void bind() const;
+  // Binds for a pass that rewrites position (image 0) and normal (image 1) of baked texels.
+  void bind_to_rewrite() const;
   // sigma_u, sigma_v, theta_e, area element of every texel (size * size, 4); after bake.
   std::vector<vec4> read_distortion(ProgramCache &programs) const;
   std::vector<vec4> read_position() const; // (size * size) position, area element in buffer units

@@ -181,6 +181,7 @@ bool repack_charts(Triangles &triangles, Charts &charts, double least_gain) {
     densities[chart].density *= moves[chart].scale;
   }
   if (median_density(densities) < least_gain * before) return false;
+  if (triangles.given_uv.empty()) triangles.given_uv = triangles.corner_uv;
   for (size_t chart = 0; chart < corners.size(); ++chart)
     for (const int32_t corner : corners[chart]) {
       vec2 &uv = triangles.corner_uv[static_cast<size_t>(corner)];

@@ -97,6 +97,8 @@ std::vector<vec3> copy_positions(const float *positions, int32_t vertex_count) {
 void copy_corners(const pdesc_mesh_input &input, Triangles &triangles) {
   const size_t count = 3 * at(input.triangle_count);
   triangles.corner_vertex.resize(count);
+  triangles.corner_count = input.corner_count;
+  triangles.input_corner.assign(input.triangle_corners, input.triangle_corners + count);
   if (input.corner_uvs) triangles.corner_uv.resize(count);
   if (input.corner_normals) triangles.corner_normal.resize(count);
   for (size_t i = 0; i < count; ++i) {
@@ -117,6 +119,7 @@ void map_uvs_into_unit_square(Triangles &triangles) {
   }
   triangles.uv_remapped = lowest.x < 0 || lowest.y < 0 || highest.x > 1 || highest.y > 1;
   if (!triangles.uv_remapped) return;
+  triangles.given_uv = triangles.corner_uv;
   const double scale = 1.0 / std::max({1.0, highest.x - lowest.x, highest.y - lowest.y});
   // Relative to the lowest corner: a layout far from the origin keeps its digits.
   const dvec2 origin = glm::clamp(lowest * scale, dvec2(0), glm::max(dvec2(0), 1.0 - (highest - lowest) * scale));

@@ -15,6 +15,9 @@ struct Triangles {
   std::vector<vec3> positions;          // (vertex_count)
   std::vector<int32_t> corner_vertex;   // (3 * triangle_count)
   std::vector<vec2> corner_uv;          // (3 * triangle_count) mapped into the unit square, or empty: no UV map
+  std::vector<vec2> given_uv;           // (3 * triangle_count) as the caller gave them, or empty: corner_uv is that
+  std::vector<int32_t> input_corner;    // (3 * triangle_count) the caller's corner
+  int corner_count = 0;                 // of the caller's corners
   std::vector<vec3> corner_normal;      // (3 * triangle_count) or empty: none given
   std::vector<uint8_t> half_edge_sharp; // (3 * triangle_count) 1: the edge is marked sharp and this face is smooth
   bool uv_remapped = false;

@@ -10,7 +10,7 @@ namespace paradesc {
 
 // Divided until pieces are small against the radius: the middle of each is a sample.
 BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
-                                  const BufferFrame &frame, float radius) {
+                                  const BufferFrame &frame, float radius, const MappedSurface *mapped) {
   BareSamples samples;
   samples.begin.push_back(0);
   for (size_t cell = 0; cell + 1 < cells.bare_begin.size(); ++cell) {
@@ -23,6 +23,12 @@ BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles
       const int side = std::clamp(static_cast<int>(std::ceil(4.0f * longest / radius)), 1, 16);
       const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0])) / static_cast<float>(side * side);
       auto add = [&](float a, float b) { // barycentric coordinates of corners 1 and 2
+        if (mapped) {
+          const SurfacePoint point = mapped->at(static_cast<int>(corner / 3), a, b);
+          samples.point.emplace_back(point.position, area * point.area_ratio);
+          samples.point.emplace_back(point.normal, 0.0f);
+          return;
+        }
         const vec3 n = normals.corner[corner] * (1.0f - a - b) + normals.corner[corner + 1] * a + normals.corner[corner + 2] * b;
         const float span = length(n);
         samples.point.emplace_back(p[0] + (p[1] - p[0]) * a + (p[2] - p[0]) * b, area);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bake/distortion.h"
+#include "bake/surface_maps.h"
 #include "mesh/normals.h"
 #include "sample/cells.h"
 
@@ -32,8 +33,9 @@ struct BareSamples {
   std::vector<vec2> weights;  // (samples) of the triangle's corners 1 and 2: where the sample lies
 };
 
+// mapped: the surface over the triangles where maps displace it, else NULL.
 BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
-                                  const BufferFrame &frame, float radius);
+                                  const BufferFrame &frame, float radius, const MappedSurface *mapped = nullptr);
 
 // positions: (size * size) as GeometryBuffer::read_position. radius in buffer units.
 Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles,

@@ -1,0 +1,332 @@
+// Height and normal images → displaced points, on the CPU for points and on the device for texels.
+#include "bake/surface_maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "shared.h"
+#include "support/error.h"
+#include "support/parallel.h"
+
+namespace paradesc {
+
+// ---- What the caller gives
+
+static void check_image(const Triangles &triangles, const char *name, int32_t width, int32_t height) {
+  if (triangles.corner_uv.empty())
+    throw Error(PDESC_ERROR_INVALID_OPERATION,
+                std::string("The mesh has no UV map, by which the ") + name + " would be looked up; unwrap it first.");
+  constexpr int32_t largest = 32768;
+  if (width < 1 || height < 1 || width > largest || height > largest)
+    throw Error(PDESC_ERROR_INVALID_ARGUMENT, std::string("The ") + name + " is an image of " + std::to_string(width) + " x " +
+                                                  std::to_string(height) + " pixels; give one of 1 to " +
+                                                  std::to_string(largest) + " a side.");
+}
+
+static void check_finite(const float *values, size_t count, size_t channels, const char *name, const char *of) {
+  for (size_t i = 0; i < count; ++i)
+    if (!std::isfinite(values[i]))
+      throw Error(PDESC_ERROR_INVALID_ARGUMENT, std::string("The ") + name + " has a value that is not finite at " + of + " " +
+                                                    std::to_string(i / channels) + "; give finite values.");
+}
+
+void set_displacement(SurfaceMaps &maps, const Triangles &triangles, const float *heights, int32_t width, int32_t height,
+                      double midlevel, double scale) {
+  if (heights) {
+    check_image(triangles, "displacement", width, height);
+    const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height);
+    check_finite(heights, count, 1, "displacement", "pixel");
+    if (!std::isfinite(midlevel) || !std::isfinite(scale))
+      throw Error(PDESC_ERROR_INVALID_ARGUMENT, "The midlevel is " + std::to_string(midlevel) + " and the scale " +
+                                                    std::to_string(scale) + "; both must be finite.");
+    maps.displacement = Displacement{
+        {width, height, std::vector<float>(heights, heights + count)}, static_cast<float>(midlevel), static_cast<float>(scale)};
+  } else {
+    maps.displacement.reset();
+  }
+  ++maps.version;
+}
+
+void set_normal_map(SurfaceMaps &maps, const Triangles &triangles, const float *rgb, int32_t width, int32_t height,
+                    const float *corner_tangents, int32_t corner_count) {
+  if (rgb) {
+    check_image(triangles, "normal map", width, height);
+    if (!corner_tangents)
+      throw Error(PDESC_ERROR_INVALID_ARGUMENT,
+                  "corner_tangents is NULL; give four floats for each corner with a normal map: the tangent and its sign.");
+    if (corner_count != triangles.corner_count)
+      throw Error(PDESC_ERROR_INVALID_ARGUMENT, "Tangents of " + std::to_string(corner_count) +
+                                                    " corners were given; the mesh has " +
+                                                    std::to_string(triangles.corner_count) + ".");
+    const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height);
+    check_finite(rgb, 3 * count, 3, "normal map", "pixel");
+    check_finite(corner_tangents, 4 * static_cast<size_t>(corner_count), 4, "list of tangents", "corner");
+    NormalMap map{{width, height, std::vector<vec4>(count)}, {}};
+    for (size_t i = 0; i < count; ++i) map.colors.pixels[i] = vec4(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2], 0.0f);
+    for (const int32_t corner : triangles.input_corner) {
+      const float *tangent = corner_tangents + 4 * static_cast<ptrdiff_t>(corner);
+      map.corner_tangent.emplace_back(tangent[0], tangent[1], tangent[2], tangent[3] < 0.0f ? -1.0f : 1.0f);
+    }
+    maps.normal_map = std::move(map);
+  } else {
+    maps.normal_map.reset();
+  }
+  ++maps.version;
+}
+
+// ---- Single places
+
+template <class Pixel> static Pixel look_up(const Image<Pixel> &image, vec2 uv) {
+  const vec2 size(image.width, image.height);
+  const vec2 place = (uv - glm::floor(uv)) * size - 0.5f, low = glm::floor(place), t = place - low;
+  auto row = [&](int y) {
+    const auto first = static_cast<size_t>((y + image.height) % image.height) * static_cast<size_t>(image.width);
+    auto pixel = [&](int x) { return image.pixels[first + static_cast<size_t>((x + image.width) % image.width)]; };
+    const auto x = static_cast<int>(low.x);
+    return pixel(x) * (1.0f - t.x) + pixel(x + 1) * t.x;
+  };
+  const auto y = static_cast<int>(low.y);
+  return row(y) * (1.0f - t.y) + row(y + 1) * t.y;
+}
+
+// The height above midlevel and its gradient by (u, v), in the image's own units.
+static vec3 look_up_height(const Displacement &map, vec2 uv) {
+  const vec2 step = 1.0f / vec2(map.heights.width, map.heights.height);
+  auto height = [&](float x, float y) { return look_up(map.heights, uv + vec2(x, y) * step); };
+  return vec3(height(0, 0) - map.midlevel, 0.5f * (height(1, 0) - height(-1, 0)) / step.x,
+              0.5f * (height(0, 1) - height(0, -1)) / step.y);
+}
+
+static vec3 unit_or(vec3 v, vec3 other) {
+  const float span = length(v);
+  return span > 0.0f ? v / span : other;
+}
+
+namespace {
+
+// A triangle as the maps see it: of corner 0, and the differences of corners 1 and 2 to it.
+struct Patch {
+  vec3 position, edge1, edge2;
+  vec3 normal, turn1, turn2;
+  vec2 uv, way1, way2;
+};
+
+// A surface point and the two edges of its triangle, carried along.
+struct Displaced {
+  SurfacePoint point;
+  vec3 edge1, edge2;
+};
+
+} // namespace
+
+static Patch patch_of(const Triangles &triangles, const Normals &normals, const BufferFrame &frame, int triangle) {
+  const std::vector<vec2> &uvs = triangles.given_uv.empty() ? triangles.corner_uv : triangles.given_uv;
+  const auto c = static_cast<size_t>(3 * triangle);
+  auto position = [&](size_t i) { return frame.to_buffer(triangles.positions[static_cast<size_t>(triangles.corner_vertex[i])]); };
+  const vec3 p = position(c), n = normals.corner[c];
+  return {p,      position(c + 1) - p, position(c + 2) - p, n, normals.corner[c + 1] - n, normals.corner[c + 2] - n,
+          uvs[c], uvs[c + 1] - uvs[c], uvs[c + 2] - uvs[c]};
+}
+
+static Displaced displace(const Patch &patch, const Displacement *map, float scale, float a, float b) {
+  const vec3 raw = patch.normal + patch.turn1 * a + patch.turn2 * b;
+  const float span = length(raw);
+  const vec3 n = span > 0.0f ? raw / span : patch.normal;
+  Displaced result{{patch.position + patch.edge1 * a + patch.edge2 * b, n, 1.0f}, patch.edge1, patch.edge2};
+  if (!map || !(span > 0.0f)) return result;
+  const vec3 height = look_up_height(*map, patch.uv + patch.way1 * a + patch.way2 * b) * (map->scale * scale);
+  const vec2 slope(height.y, height.z);
+  auto flat = [&](vec3 v) { return v - n * dot(n, v); };
+  const vec3 change1 = flat(patch.turn1) * (height.x / span) + n * dot(slope, patch.way1);
+  const vec3 change2 = flat(patch.turn2) * (height.x / span) + n * dot(slope, patch.way2);
+  result.edge1 += change1;
+  result.edge2 += change2;
+  const vec3 t1 = flat(patch.edge1), t2 = flat(patch.edge2);
+  const float side = dot(cross(t1, t2), n) < 0.0f ? -1.0f : 1.0f;
+  const float base = length(cross(patch.edge1, patch.edge2));
+  result.point.position += n * height.x;
+  result.point.normal = unit_or(side * cross(t1 + change1, t2 + change2), n);
+  result.point.area_ratio = base > 0.0f ? length(cross(result.edge1, result.edge2)) / base : 1.0f;
+  return result;
+}
+
+// The tangent space of the mesh's own normals where they were given, as the map was made in it; else of the fitted ones.
+static vec3 mapped_normal(const NormalMap &map, const Triangles &triangles, const Normals &normals, int triangle, float a,
+                          float b, vec3 otherwise) {
+  const auto c = static_cast<size_t>(3 * triangle);
+  const std::vector<vec3> &frame = triangles.corner_normal.empty() ? normals.corner : triangles.corner_normal;
+  const std::vector<vec2> &uvs = triangles.given_uv.empty() ? triangles.corner_uv : triangles.given_uv;
+  const float rest = 1.0f - a - b;
+  const vec3 n = frame[c] * rest + frame[c + 1] * a + frame[c + 2] * b;
+  const vec4 tangent = map.corner_tangent[c] * rest + map.corner_tangent[c + 1] * a + map.corner_tangent[c + 2] * b;
+  const vec3 bitangent = map.corner_tangent[c].w * cross(n, vec3(tangent));
+  const vec4 color = look_up(map.colors, uvs[c] * rest + uvs[c + 1] * a + uvs[c + 2] * b) * 2.0f - 1.0f;
+  return unit_or(vec3(tangent) * color.x + bitangent * color.y + n * color.z, otherwise);
+}
+
+SurfacePoint MappedSurface::at(int triangle, float a, float b) const {
+  const Displacement *map = maps_.displacement ? &*maps_.displacement : nullptr;
+  const auto scale = static_cast<float>(frame_.scale);
+  SurfacePoint point = displace(patch_of(triangles_, normals_, frame_, triangle), map, scale, a, b).point;
+  if (maps_.normal_map) point.normal = mapped_normal(*maps_.normal_map, triangles_, normals_, triangle, a, b, point.normal);
+  return point;
+}
+
+// By how much the edges' plane is shortened where it is shortened most: the inverse root of the smaller eigenvalue of one metric
+// relative to the other.
+static float shrinkage_of(vec3 a1, vec3 a2, vec3 b1, vec3 b2) {
+  const dvec3 before(dot(a1, a1), dot(a1, a2), dot(a2, a2)), after(dot(b1, b1), dot(b1, b2), dot(b2, b2));
+  const double determinant = before.x * before.z - before.y * before.y;
+  if (!(determinant > 1e-6 * before.x * before.z)) return 1.0f; // a sliver says nothing about the surface
+  const double trace = (before.z * after.x - 2.0 * before.y * after.y + before.x * after.z) / determinant;
+  const double product = (after.x * after.z - after.y * after.y) / determinant;
+  const double smaller = 0.5 * (trace - std::sqrt(std::max(trace * trace - 4.0 * product, 0.0)));
+  return static_cast<float>(1.0 / std::sqrt(std::max(smaller, 1.0 / 16.0)));
+}
+
+SurfacePoint MappedSurface::at_corner(int corner, vec3 normal, float &shrinkage) const {
+  const int triangle = corner / 3, place = corner % 3;
+  const float a = place == 1 ? 1.0f : 0.0f, b = place == 2 ? 1.0f : 0.0f;
+  const Displacement *map = maps_.displacement ? &*maps_.displacement : nullptr;
+  Patch patch = patch_of(triangles_, normals_, frame_, triangle);
+  const vec3 change = normal - normals_.corner[static_cast<size_t>(corner)];
+  if (place == 0) {
+    patch.normal += change;
+    patch.turn1 -= change;
+    patch.turn2 -= change;
+  } else {
+    (place == 1 ? patch.turn1 : patch.turn2) += change;
+  }
+  const Displaced displaced = displace(patch, map, static_cast<float>(frame_.scale), a, b);
+  shrinkage = shrinkage_of(patch.edge1, patch.edge2, displaced.edge1, displaced.edge2);
+  SurfacePoint point = displaced.point;
+  if (maps_.normal_map) point.normal = mapped_normal(*maps_.normal_map, triangles_, normals_, triangle, a, b, point.normal);
+  return point;
+}
+
+// ---- Points
+
+// Of 99 in a hundred: at creases and slivers of real meshes the normals' turn would make it any number.
+static float largest_of_most(std::vector<float> &shrinkage) {
+  const auto place = shrinkage.begin() + static_cast<ptrdiff_t>(shrinkage.size() * 99 / 100);
+  std::nth_element(shrinkage.begin(), place, shrinkage.end());
+  return std::clamp(*place, 1.0f, 4.0f);
+}
+
+MappedPoints map_points(const SurfaceMaps &maps, const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
+                        const BufferFrame &frame, int threads) {
+  const MappedSurface surface(maps, triangles, normals, frame);
+  const auto corners = static_cast<size_t>(3 * triangles.triangle_count);
+  std::vector<SurfacePoint> mapped(corners);
+  std::vector<float> shrinkage(corners, 1.0f);
+  parallel_blocks(triangles.triangle_count, threads, 1024, [&](int begin, int end) {
+    for (int corner = 3 * begin; corner < 3 * end; ++corner) {
+      const auto c = static_cast<size_t>(corner);
+      if (half_edges.corner_point[c] < 0) continue;
+      mapped[c] = surface.at_corner(corner, normals.point[static_cast<size_t>(half_edges.corner_point[c])], shrinkage[c]);
+    }
+  });
+  const auto points = static_cast<size_t>(half_edges.point_count);
+  MappedPoints result;
+  std::vector<vec3> offset(points, vec3(0.0f)), sum(points, vec3(0.0f));
+  std::vector<float> weight(points, 0.0f);
+  auto base = [&](size_t point) {
+    return frame.to_buffer(triangles.positions[static_cast<size_t>(half_edges.point_vertex[point])]);
+  };
+  for (size_t c = 0; c < corners; ++c) {
+    if (half_edges.corner_point[c] < 0) continue;
+    const auto point = static_cast<size_t>(half_edges.corner_point[c]);
+    const auto angle = static_cast<float>(surface_angle(triangles, static_cast<int>(c)));
+    offset[point] += angle * (mapped[c].position - base(point));
+    sum[point] += angle * mapped[c].normal;
+    weight[point] += angle;
+  }
+  for (size_t point = 0; point < points; ++point) {
+    result.position.push_back(base(point) + offset[point] / std::max(weight[point], 1e-20f));
+    result.normal.push_back(unit_or(sum[point], normals.point[point]));
+  }
+  result.shrinkage = largest_of_most(shrinkage);
+  result.triangles = triangles;
+  for (size_t vertex = 0; vertex < triangles.positions.size(); ++vertex) {
+    const int32_t point = half_edges.vertex_point[vertex];
+    if (point < 0) continue;
+    const vec3 position = result.position[static_cast<size_t>(point)];
+    result.triangles.positions[vertex] = vec3(dvec3(position) / frame.scale + frame.center);
+  }
+  return result;
+}
+
+// ---- Texels
+
+template <class Pixel> static Texture upload_image(const Gl &gl, const Image<Pixel> *image, GLenum format, GLenum channels) {
+  const Image<Pixel> nothing{1, 1, std::vector<Pixel>(1, Pixel(0.0f))};
+  const Image<Pixel> &used = image ? *image : nothing;
+  GLint limit = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+  if (used.width > limit || used.height > limit)
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The image of " + std::to_string(used.width) + " x " + std::to_string(used.height) +
+                                             " pixels is too large for this device, which takes " + std::to_string(limit) +
+                                             " a side; use a smaller one.");
+  Texture texture(gl, used.width, used.height, format);
+  gl.TextureSubImage2D(texture.id(), 0, 0, 0, used.width, used.height, channels, GL_FLOAT, used.pixels.data());
+  return texture;
+}
+
+void SurfaceMapper::upload_images(const Gl &gl, const SurfaceMaps &maps) {
+  if (version_ == maps.version) return;
+  heights_ = upload_image(gl, maps.displacement ? &maps.displacement->heights : nullptr, GL_R32F, GL_RED);
+  colors_ = upload_image(gl, maps.normal_map ? &maps.normal_map->colors : nullptr, GL_RGBA32F, GL_RGBA);
+  check_gl(gl, "upload of maps");
+  version_ = maps.version;
+}
+
+void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const SurfaceMaps &maps) {
+  const Triangles &triangles = input.triangles;
+  const std::vector<vec2> &uvs = triangles.given_uv.empty() ? triangles.corner_uv : triangles.given_uv;
+  std::vector<vec4> vertices;
+  vertices.reserve(3 * input.vertices.corner.size());
+  for (const int32_t corner : input.vertices.corner) {
+    const auto c = static_cast<size_t>(corner);
+    const vec3 position = triangles.positions[static_cast<size_t>(triangles.corner_vertex[c])];
+    vertices.emplace_back(input.frame.to_buffer(position), uvs[c].x);
+    vertices.emplace_back(input.normals.corner[c], uvs[c].y);
+    vertices.emplace_back(triangles.corner_uv[c], 0.0f, 0.0f);
+  }
+  vertices_.upload(gl, GL_RGBA32F, vertices.data(), vertices.size());
+  index_.upload(gl, GL_R32I, input.vertices.index.data(), input.vertices.index.size());
+  std::vector<vec4> tangents;
+  if (maps.normal_map) {
+    const std::vector<vec3> &frame = triangles.corner_normal.empty() ? input.normals.corner : triangles.corner_normal;
+    tangents.reserve(2 * frame.size());
+    for (size_t corner = 0; corner < frame.size(); ++corner) {
+      tangents.push_back(maps.normal_map->corner_tangent[corner]);
+      tangents.emplace_back(frame[corner], 0.0f);
+    }
+  }
+  tangents_.upload(gl, GL_RGBA32F, tangents.data(), tangents.size());
+}
+
+void SurfaceMapper::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const BakeInput &input,
+                        const SurfaceMaps &maps) {
+  upload_images(gl, maps);
+  upload_corners(gl, input, maps);
+  gl.UseProgram(programs.get(gl, "displace", {{GL_COMPUTE_SHADER, "displace.comp.glsl"}}));
+  buffer.bind_to_rewrite();
+  gl.BindTextureUnit(UNIT_HEIGHTS, heights_.id());
+  gl.BindTextureUnit(UNIT_COLORS, colors_.id());
+  gl.BindTextureUnit(UNIT_VERTICES, vertices_.id());
+  gl.BindTextureUnit(UNIT_INDEX, index_.id());
+  gl.BindTextureUnit(UNIT_TANGENTS, tangents_.id());
+  gl.Uniform1i(0, buffer.size());
+  gl.Uniform1i(1, maps.displacement ? 1 : 0);
+  gl.Uniform1i(2, maps.normal_map ? 1 : 0);
+  gl.Uniform1f(3, maps.displacement ? maps.displacement->midlevel : 0.0f);
+  gl.Uniform1f(4, maps.displacement ? maps.displacement->scale * static_cast<float>(input.frame.scale) : 0.0f);
+  const auto groups = static_cast<GLuint>((buffer.size() + 7) / 8);
+  gl.DispatchCompute(groups, groups, 1);
+  gl.MemoryBarrier(GL_ALL_BARRIER_BITS);
+  check_gl(gl, "displacement");
+}
+
+} // namespace paradesc

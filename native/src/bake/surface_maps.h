@@ -1,0 +1,100 @@
+// Images over the caller's UV map → a displaced surface and its normals: at single places of triangles here, and on all baked
+// texels by the device (shaders/displace.comp.glsl, the same formulas).
+//
+// With p the point, n the interpolated unit normal and h(uv) = (image - midlevel) scale, the displaced point is p + n h. Its
+// tangents are those of the smooth surface that n stands for, t = e - n (n·e) for an edge e of the triangle, plus the change of n
+// h along the edge: without displacement the normal is n itself, and not that of a facet. The gradient of h is taken over two
+// pixels, so that it is continuous where the bilinear image is not. A normal map replaces the normal, whether or not the surface
+// is displaced.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "bake/gbuffer.h"
+#include "mesh/halfedge.h"
+
+namespace paradesc {
+
+// Rows bottom-up, repeated beyond [0, 1], bilinear between the centers of pixels.
+template <class Pixel> struct Image {
+  int width = 0, height = 0;
+  std::vector<Pixel> pixels;
+};
+
+struct Displacement {
+  Image<float> heights;
+  float midlevel = 0.0f, scale = 0.0f; // scale in units of the positions
+};
+
+struct NormalMap {
+  Image<vec4> colors;               // red, green, blue in [0, 1]
+  std::vector<vec4> corner_tangent; // (3 * triangle_count) xyz, sign of the bitangent
+};
+
+struct SurfaceMaps {
+  std::optional<Displacement> displacement;
+  std::optional<NormalMap> normal_map;
+  int version = 0; // counts changes, for what the device keeps
+  bool any() const { return displacement || normal_map; }
+};
+
+// Throw Error: INVALID_ARGUMENT names the first pixel or tangent that cannot be used, INVALID_OPERATION where there is no UV map.
+void set_displacement(SurfaceMaps &maps, const Triangles &triangles, const float *heights, int32_t width, int32_t height,
+                      double midlevel, double scale);
+void set_normal_map(SurfaceMaps &maps, const Triangles &triangles, const float *rgb, int32_t width, int32_t height,
+                    const float *corner_tangents, int32_t corner_count);
+
+struct SurfacePoint {
+  vec3 position;    // buffer units
+  vec3 normal;      // unit
+  float area_ratio; // of the displaced surface to the triangle
+};
+
+// The mapped surface over the triangles of one frame.
+class MappedSurface {
+public:
+  MappedSurface(const SurfaceMaps &maps, const Triangles &triangles, const Normals &normals, const BufferFrame &frame)
+      : maps_(maps), triangles_(triangles), normals_(normals), frame_(frame) {}
+  // a, b: barycentric coordinates of the triangle's corners 1 and 2.
+  SurfacePoint at(int triangle, float a, float b) const;
+  // At a corner of its triangle, with another normal there.
+  SurfacePoint at_corner(int corner, vec3 normal, float &shrinkage) const;
+
+private:
+  const SurfaceMaps &maps_;
+  const Triangles &triangles_;
+  const Normals &normals_;
+  const BufferFrame &frame_;
+};
+
+// What the maps make of the points where descriptors are evaluated.
+struct MappedPoints {
+  std::vector<vec3> position; // (point_count) buffer units
+  std::vector<vec3> normal;   // (point_count) unit
+  Triangles triangles;        // of the displaced vertices
+  float shrinkage =
+      1.0f; // by how much a length on the base is longer than on the displaced surface, at 99 of 100 corners; 1 to 4
+};
+
+// A point on a seam has a height and a normal from each of its corners: it gets their mean, weighted by angle.
+MappedPoints map_points(const SurfaceMaps &maps, const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
+                        const BufferFrame &frame, int threads);
+
+// The device's part.
+class SurfaceMapper {
+public:
+  // Rewrites position, area element and normal of every texel of a buffer baked from this input.
+  void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const BakeInput &input, const SurfaceMaps &maps);
+
+private:
+  void upload_images(const Gl &gl, const SurfaceMaps &maps);
+  void upload_corners(const Gl &gl, const BakeInput &input, const SurfaceMaps &maps);
+
+  int version_ = 0;
+  Texture heights_, colors_;
+  ListTexture vertices_, index_, tangents_;
+};
+
+} // namespace paradesc
