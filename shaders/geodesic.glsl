@@ -34,9 +34,9 @@ float area_finish(AreaTerms terms, float area, Support support) {
   float c = RIM_BEND * mean + (terms.bend - RIM_BEND * area_explained(terms, support.shape)) / terms.moment;
   float square = support.radius * support.radius;
   float exact = PI * square * (1.0 - c * square);
-  // What samples miss of an area is a per cent. Where the difference is larger, the faces are rougher than their normals say.
+  // Samples miss an area by a per cent, rarely by three. Where the difference is larger, the faces are rougher than their normals say.
   float correction = support.variate * (exact - support.scale * terms.projected);
-  return support.scale * area + correction * (1.0 - smoothstep(0.01, 0.03, abs(correction) / (PI * square)));
+  return support.scale * area + correction * (1.0 - smoothstep(0.04, 0.07, abs(correction) / (PI * square)));
 }
 float area_gaussian_curvature(float area, float radius) {
   float square = radius * radius;
