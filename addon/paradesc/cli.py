@@ -97,14 +97,14 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
     add("--descriptors", default="mean_curvature", metavar="A,B,C", help="see paradesc list (default: mean_curvature)")
     add("--object", metavar="NAME", help="the mesh object (default: a .blend's active one, else the largest)")
     add("--radius", type=radii, default=(defaults.radius,), metavar="R[,R...]",
-        help="support radius (default: 0.02); of several, every descriptor's name ends in _r and the radius")  # fmt: skip
+        help="support radius (default: 0.02); of several, names end in _r and the radius")  # fmt: skip
     add("--radius-unit", choices=bridge.RADIUS_UNITS, default=defaults.radius_unit,
         help="diagonal: a fraction of the bounding box's (default); absolute: the mesh's own units")  # fmt: skip
     add("--samples", type=int, default=defaults.samples, metavar="N", help="samples around a vertex (default: 256)")
     add("--buffer", type=int, default=defaults.buffer_size, metavar="N", help="side of the buffers (default: 1024)")
     add("--normals", choices=bridge.NORMALS, default=defaults.normals, help="vertex normals (default: fitted)")
     add("--relocation", choices=bridge.RELOCATIONS, default=defaults.relocation,
-        help="over seams: by connected cells of the buffer (default), each sample by affine maps, or as the paper does")  # fmt: skip
+        help="over seams: by connected cells (default), each sample by affine maps, or as the paper does")  # fmt: skip
     add(
         "--max-jumps",
         type=int,
@@ -114,7 +114,7 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
     )
     add("--pattern", choices=bridge.PATTERNS, default=defaults.pattern, help="affine, paper: places of the samples")
     add("--ellipse", choices=bridge.ELLIPSES, default=defaults.ellipse,
-        help="affine, paper: the pattern's extent by the distortion at the center, or by the largest on the way")  # fmt: skip
+        help="affine, paper: extent by the distortion at the center, or the largest on the way")  # fmt: skip
     add("--estimator", choices=bridge.ESTIMATORS, default=defaults.estimator,
         help="curvatures by the least-squares shape operator (default), or by the paper's integrals")  # fmt: skip
     add("--variance-reduction", choices=bridge.VARIANCE_REDUCTIONS, default=defaults.variance_reduction,
@@ -123,12 +123,12 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
         help="along the surface by a local formula (default), or by chords (affine, paper)")  # fmt: skip
     add("--distance", choices=bridge.DISTANCES, default=defaults.distance, help="what the radius bounds")
     add("--adaptive", type=float, nargs="?", const=bridge.ADAPTIVE_THRESHOLD, default=defaults.adaptive,
-        metavar="THRESHOLD", help="half of the samples where the normals fit the shape operator this well, in radians")  # fmt: skip
+        metavar="THRESHOLD", help="half of the samples where normals fit to this angle, in radians")  # fmt: skip
     add("--evaluate", choices=bridge.EVALUATIONS, default=defaults.evaluate, help="at vertices, or texels looked up")
     add("--texels", type=int, default=defaults.texels, metavar="N", help="side of the map of texels (default: 512)")
     add("--precision", choices=bridge.PRECISIONS, default=defaults.precision, help="of the buffers (default: full)")
     add("--map-descriptor", default=defaults.map_descriptor, metavar="A",
-        help="what harris, gradient_magnitude, laplacian and difference_of_gaussians work on (default: %(default)s)")  # fmt: skip
+        help="what the operators (harris, laplacian, ...) work on (default: %(default)s)")  # fmt: skip
     add("--map-sigma", type=float, default=defaults.map_sigma, metavar="S",
         help="of harris' and difference_of_gaussians' windows, times the radius (default: 1)")  # fmt: skip
     add("--harris-k", type=float, default=defaults.harris_k, metavar="K", help="k of harris (default: 0.04)")
@@ -218,23 +218,33 @@ def open_object(arguments: argparse.Namespace) -> "bpy.types.Object":
     return scene_io.choose_object(arguments.object, prefer_active=not imported)
 
 
-def run_bake(arguments: argparse.Namespace) -> None:
-    """Reads the mesh, computes, and writes every output and the report."""
+def check_bake(arguments: argparse.Namespace) -> tuple[job.Settings, list[tuple[Path, str]]]:
+    """The settings, and the images to write; whatever makes no sense is refused before anything is computed."""
     for path in arguments.output:
         if path.suffix.lower() not in OUTPUT_SUFFIXES:
             raise UsageError(f'"{path}" has none of the suffixes {", ".join(OUTPUT_SUFFIXES)}.')
     settings = settings_of(arguments)
     images = image_paths(arguments.map, settings)
-    reports = [path for path in (arguments.json, arguments.corners) if path]
-    check_outputs(arguments.output + [path for path, _ in images] + reports)
+    check_outputs(arguments.output + [path for path, _ in images] + report_paths(arguments))
     check_folder(arguments)
     settings.corner_threshold = arguments.corner_threshold
     if not 0 < settings.corner_threshold <= 1:
         raise UsageError(f"The corner threshold is {settings.corner_threshold}; it must be above 0 and at most 1.")
     if arguments.corners and "harris" not in settings.descriptors:
         raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
+    return settings, images
+
+
+def report_paths(arguments: argparse.Namespace) -> list[Path]:
+    """Files that are written last."""
+    return [path for path in (arguments.json, arguments.corners) if path]
+
+
+def run_bake(arguments: argparse.Namespace) -> None:
+    """Reads the mesh, computes, and writes every output and the report."""
+    settings, images = check_bake(arguments)
     target = open_object(arguments)
-    from paradesc import mesh_io, scene_io
+    from paradesc import mesh_io
 
     saves_scene = any(path.suffix.lower() == ".blend" for path in arguments.output)
     if saves_scene:
@@ -245,6 +255,18 @@ def run_bake(arguments: argparse.Namespace) -> None:
         computed = job.run(arrays, settings, progress, arguments.dump_buffers is not None)
     baked = results.Baked(target.name, computed, arrays, mesh_io.world_matrix(target))
     notes = mapped + (mesh_io.write_results(target, computed) if saves_scene else [])
+    written, notes = write_outputs(arguments, baked, images, notes)
+    print_summary(baked, notes)
+    for path in written:
+        print(f"wrote {path}")
+
+
+def write_outputs(
+    arguments: argparse.Namespace, baked: results.Baked, images: list[tuple[Path, str]], notes: list[str]
+) -> tuple[list[Path], list[str]]:
+    """Writes all files; gives them, and the notes with those about images."""
+    from paradesc import scene_io
+
     for path in arguments.output:
         if path.suffix.lower() == ".blend":
             scene_io.save_blend(path, arguments.verbose)
@@ -261,9 +283,7 @@ def run_bake(arguments: argparse.Namespace) -> None:
         write_whole(arguments.json, {**results.report(baked), "notes": notes, **outputs}, results.write_json)
     if arguments.corners:
         write_whole(arguments.corners, results.listed_corners(baked), results.write_json)
-    print_summary(baked, notes)
-    for path in written + reports:
-        print(f"wrote {path}")
+    return written + report_paths(arguments), notes
 
 
 def image_paths(paths: list[Path], settings: job.Settings) -> list[tuple[Path, str]]:
@@ -275,7 +295,7 @@ def image_paths(paths: list[Path], settings: job.Settings) -> list[tuple[Path, s
         if path.suffix.lower() == ".exr":
             found.append((path, ""))
         else:
-            found += [(one, name) for name, one in maps.png_paths(path, list(settings.descriptors)).items()]
+            found += [(one, name) for name, one in maps.png_paths(path, settings.value_names()).items()]
     return found
 
 

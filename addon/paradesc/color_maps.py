@@ -110,8 +110,10 @@ def smallest_half(descriptor: Descriptor, radius: float) -> float:
 
 
 def colors(values: np.ndarray, shown: ValueRange) -> np.ndarray:
-    """(n,) values to (n, 3) float32 display colors; mid-grey where undefined. Of (n, 3) directions, which have two signs, the
-    components' sizes are red, green and blue."""
+    """(n,) values to (n, 3) float32 display colors; mid-grey where undefined.
+
+    Of (n, 3) directions, which have two signs, the components' sizes are red, green and blue.
+    """
     values = np.asarray(values, np.float64)
     if values.ndim == 2:
         return np.where(np.isfinite(values), np.abs(values), UNDEFINED_COLOR).astype(np.float32)

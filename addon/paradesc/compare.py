@@ -56,8 +56,10 @@ def percent_errors(
 
 
 def angle_errors(values: np.ndarray, reference: job.Results, with_face: np.ndarray, name: str) -> Errors:
-    """Angle in degrees between (n, 3) directions, without regard to sign, weighted by |k1 - k2| over its mean where the
-    reference computed those too: on a sphere there are no principal directions."""
+    """Angle in degrees between (n, 3) directions, without regard to sign.
+
+    Weighted by |k1 - k2| over its mean where the reference computed those too: a sphere has no principal directions.
+    """
     expected = reference.values[name]
     along = np.abs(np.einsum("ij,ij->i", values.astype(np.float64), expected.astype(np.float64)))
     angle = np.degrees(np.arccos(np.minimum(along, 1.0)))

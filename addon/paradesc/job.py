@@ -15,8 +15,10 @@ ProgressFunction = Callable[[str, float], bool]
 
 @dataclass
 class Settings:
-    """What to compute, how and where. Further radii than the options' own are computed on the same baked buffers, and then all
-    values are named after their radius."""
+    """What to compute, how and where.
+
+    Further radii than the options' own are computed on the same baked buffers; all values are then named after theirs.
+    """
 
     descriptors: tuple[str, ...] = ("mean_curvature",)
     options: bridge.Options = field(default_factory=bridge.Options)
@@ -24,6 +26,12 @@ class Settings:
     device_index: int = -1
     more_radii: tuple[float, ...] = ()
     corner_threshold: float = THRESHOLD  # of the largest Harris response
+
+    def value_names(self) -> list[str]:
+        """What the results are called: the descriptors, at each radius if there are several."""
+        radii = (self.options.radius, *self.more_radii)
+        suffixes = [radius_suffix(radius) for radius in radii] if self.more_radii else [""]
+        return [name + suffix for suffix in suffixes for name in self.descriptors]
 
     def as_dict(self) -> dict[str, object]:
         """Flat, of plain types: for JSON and for Blender's custom properties."""
@@ -133,7 +141,18 @@ def run(
             if arrays.layout is not None and context.backend != "reference":
                 results.unwrapped = arrays.layout
                 results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
+            add_corners(results, arrays)
             return results
+
+
+def add_corners(results: Results, arrays: bridge.MeshArrays) -> None:
+    """Finds the corners where Harris responses are there, of several radii those of the first."""
+    name = next((name for name in results.values if registry_name(name) == "harris"), None)
+    if name is None:
+        return
+    reach = WINDOW_REACH * results.settings.options.map_sigma * results.radius_of(name)
+    threshold = results.settings.corner_threshold
+    results.corners = find_corners(arrays.positions, arrays.triangle_vertices, results.values[name], reach, threshold)
 
 
 def run_radii(

@@ -59,7 +59,16 @@ class PARADESC_PT_quality(SidebarPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         settings = context.scene.paradesc
-        for name in ("samples", "adaptive", "buffer_size", "precision", "normals", "backend", "device_index"):
+        for name in (
+            "samples",
+            "adaptive",
+            "buffer_size",
+            "precision",
+            "normals",
+            "material_maps",
+            "backend",
+            "device_index",
+        ):
             layout.prop(settings, name)
 
 

@@ -131,7 +131,7 @@ def make_settings() -> type:
         ),
         "adaptive": bpy.props.FloatProperty(
             name="Adaptive",
-            description="Take half of the samples where the normals fit the shape operator to within this angle; 0: all",
+            description="Take half of the samples where normals fit the shape operator to within this angle; 0: all",
             default=0.0,
             min=0.0,
             soft_max=0.2,

@@ -34,7 +34,7 @@ class Baked:
 
 
 def write_npz(path: Path, baked: Baked) -> None:
-    """Writes vertices (n, 3) in object space, matrix_world (4, 4), descriptors (n,) or (n, 3), coverage, harris_corner (n,)."""
+    """Writes vertices (n, 3) in object space, matrix_world (4, 4), descriptors (n,) or (n, 3), and extras (n,)."""
     with path.open("wb") as file:
         np.savez(
             file,

@@ -156,8 +156,7 @@ class Field:
         return [line for line in text(self._library.pdesc_field_warnings(self._pointer)).splitlines() if line.strip()]
 
     def values(self, name: str) -> np.ndarray:
-        """(vertex_count,) float32 of a descriptor that was asked for, or of "coverage"; NaN where undefined.
-        (vertex_count, 3) of one with three components."""
+        """(vertex_count,) float32 of a descriptor or "coverage", (vertex_count, 3) of a vector; NaN where undefined."""
         return self._read(self._library.pdesc_field_values, name, components(name))
 
     def seam_error(self, name: str) -> np.ndarray:
