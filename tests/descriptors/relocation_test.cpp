@@ -131,7 +131,8 @@ TEST_F(Relocation, without_seams_the_papers_samples_are_those_of_the_affine_relo
   TestMesh mesh = saddle(1, {.vertices = 2000});
   lay_out(mesh, {.charts = 1});
   std::vector<std::string> names = registered_descriptors();
-  std::erase_if(names, [](const std::string &name) { return components_of(name) != 1; });
+  // An operator on a map hands each difference on to all that lies around.
+  std::erase_if(names, [](const std::string &name) { return components_of(name) != 1 || map_degree_of(name) > 0; });
   for (const int32_t pattern : {PDESC_PATTERN_GOLDEN_ANGLE, PDESC_PATTERN_STRATIFIED}) {
     const Results a = compute(software.get(), mesh, with(affine, [&](Settings &s) { s.pattern = pattern; }), names),
                   b = compute(software.get(), mesh, with(paper, [&](Settings &s) { s.pattern = pattern; }), names);

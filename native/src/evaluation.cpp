@@ -1,0 +1,245 @@
+// Prepared frame → descriptors at vertices, in passes where operators read a map, or at the texels of a map.
+#include <algorithm>
+#include <cmath>
+
+#include "descriptor/registry.h"
+#include "descriptor_limits.h"
+#include "image/passes.h"
+#include "sample/texels.h"
+#include "stages.h"
+#include "support/error.h"
+
+namespace paradesc {
+
+// Samples that walk in one dispatch. llvmpipe ends the loops of an invocation after 65535 iterations (shared.h), and the eight
+// invocations of its vector count together.
+static int samples_at_once(const Mesh &mesh, const pdesc_options &options) {
+  if (mesh.context->backend != PDESC_BACKEND_SOFTWARE) return options.samples;
+  const int samples = options.relocation == PDESC_RELOCATION_PAPER ? 8 : 64; // each of them up to MAX_VISITS times
+  return options.geodesic == PDESC_GEODESIC_CHORDS ? samples / 8 : samples;
+}
+
+// The map goes where samples find it: texels, centers, and triangles without texels.
+static void bake_map(Mesh &mesh, const Frame &frame, const MapValues &values) {
+  DeviceMesh &device = *mesh.device;
+  std::vector<vec4> centers, bare;
+  for (const int32_t point : frame.points) centers.push_back(values[static_cast<size_t>(point)]);
+  for (size_t i = 0; i < frame.bare.weights.size(); ++i) {
+    const auto triangle = static_cast<size_t>(frame.bare.point[2 * i + 1].w);
+    auto corner = [&](size_t k) { return values[static_cast<size_t>(mesh.half_edges.corner_point[3 * triangle + k])]; };
+    const vec2 weights = frame.bare.weights[i];
+    bare.push_back(corner(0) * (1.0f - weights.x - weights.y) + corner(1) * weights.x + corner(2) * weights.y);
+  }
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
+    if (!device.map || device.map->size() != device.buffer->size())
+      device.map = std::make_unique<MapBuffer>(gl, device.buffer->size());
+    device.map->bake(programs, {mesh.triangles, mesh.half_edges, mesh.charts, device.vertices, values});
+    device.evaluator.set_map(gl, centers, bare);
+  });
+}
+
+// Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
+static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int count, const Progress &progress, double from,
+                           double to) {
+  constexpr int smallest_tile = 8 * GROUP_SIZE; // enough for every core of a software device
+  int tile = smallest_tile;
+  for (int first = 0; first < count;) {
+    const int last = first + std::min({tile, count - first, settings.largest_tile()});
+    Clock clock;
+    mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
+      mesh.device->evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last);
+    });
+    const double scale = std::clamp(0.03 / std::max(clock.lap(), 1e-4), 0.25, 4.0);
+    tile = std::max(smallest_tile, static_cast<int>(tile * scale) / GROUP_SIZE * GROUP_SIZE);
+    first = last;
+    check_cancel(progress, "evaluate", from + (to - from) * first / count);
+  }
+}
+
+// Centers whose neighborhood is no disk, and has another area than the triangles that the surface reaches within the ball: once
+// more, on exactly those triangles.
+static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius, const Frame &frame, const Progress &progress) {
+  constexpr double same_area = 0.06; // of a disk; samples of a folded place miss its area by some per cent
+  std::vector<float> raw;
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { raw = mesh.device->evaluator.read(gl, settings); });
+  std::vector<int32_t> centers, points;
+  const size_t count = frame.centers.size();
+  for (size_t i = 0; i < count; ++i) {
+    if (raw[ROW_FLAGS * count + i] < FLAG_NO_DISK) continue;
+    centers.push_back(static_cast<int32_t>(i));
+    points.push_back(frame.points[i]);
+  }
+  Reach reach = reach_exactly(surface_of(mesh, frame), mesh.half_edges, points, radius, MAX_REACH, mesh.context->threads);
+  std::vector<int32_t> triangles;
+  size_t kept = 0;
+  const double disk = pi * radius * radius, unit = frame.buffer_frame.scale * frame.buffer_frame.scale;
+  for (size_t i = 0; i < centers.size(); ++i) {
+    const int32_t begin = reach.begin[i], end = reach.begin[i + 1]; // none where there were too many
+    const double found = static_cast<double>(raw[ROW_AREA * count + static_cast<size_t>(centers[i])]) / unit;
+    if (begin == end || std::abs(found - reach.area[i]) < same_area * disk) continue;
+    centers[kept] = centers[i];
+    reach.begin[kept++] = static_cast<int32_t>(triangles.size());
+    triangles.insert(triangles.end(), reach.triangle.begin() + begin, reach.triangle.begin() + end);
+  }
+  if (kept == 0) return;
+  reach.begin[kept] = static_cast<int32_t>(triangles.size());
+  reach.triangle = std::move(triangles);
+  centers.resize(kept);
+  reach.begin.resize(kept + 1);
+  settings.exact = true;
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { mesh.device->evaluator.set_reach(gl, centers, reach); });
+  evaluate_tiles(mesh, settings, static_cast<int>(kept), progress, 0.8, 1.0);
+}
+
+// All centers of the frame, from one fraction of the whole to another.
+static void evaluate(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame, const Progress &progress, double from,
+                     double to) {
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) {
+    mesh.device->evaluator.set_links(gl, frame.links, frame.seams);
+    mesh.device->evaluator.set_centers(gl, frame.centers, settings);
+  });
+  evaluate_tiles(mesh, settings, static_cast<int>(frame.centers.size()), progress, from, to);
+}
+
+static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame) {
+  std::vector<float> raw;
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { raw = mesh.device->evaluator.read(gl, settings); });
+  const size_t count = frame.centers.size();
+  SiteResults results;
+  results.values.resize(settings.descriptors.size());
+  size_t refined = 0;
+  for (size_t i = 0; i < count; ++i) {
+    results.coverage.push_back(raw[ROW_COVERAGE * count + i]);
+    const float flags = raw[ROW_FLAGS * count + i];
+    results.boundary.push_back(std::fmod(flags, FLAG_ALL_SAMPLES) >= FLAG_CUT);
+    refined += std::fmod(flags, FLAG_NO_DISK) >= FLAG_ALL_SAMPLES;
+  }
+  results.refined_share = count ? static_cast<double>(refined) / static_cast<double>(count) : 1.0;
+  size_t row = ROW_DESCRIPTORS;
+  for (size_t k = 0; k < settings.descriptors.size(); ++k) {
+    const DescriptorRow &descriptor = descriptor_row(settings.descriptors[k]);
+    const auto unit = static_cast<float>(std::pow(frame.buffer_frame.scale, -descriptor.length_power));
+    const auto width = static_cast<size_t>(descriptor.components);
+    results.values[k].resize(count * width);
+    for (size_t component = 0; component < width; ++component, ++row)
+      for (size_t i = 0; i < count; ++i) results.values[k][i * width + component] = raw[row * count + i] * unit;
+  }
+  return results;
+}
+
+static SiteResults evaluate_vertices(Mesh &mesh, const EvaluateSettings &settings, double radius, const Frame &frame,
+                                     const Progress &progress, Field &field) {
+  evaluate(mesh, settings, frame, progress, 0.3, 0.8);
+  if (settings.relocation == PDESC_RELOCATION_CONNECTED) evaluate_folded(mesh, settings, radius, frame, progress);
+  SiteResults results = read_results(mesh, settings, frame);
+  results.point = frame.points;
+  for (size_t i = 0; i < frame.points.size(); ++i)
+    results.primary.push_back(mesh.charts.point_site[static_cast<size_t>(frame.points[i])] == frame.sites[i]);
+  field.report.places = static_cast<int32_t>(frame.centers.size());
+  return results;
+}
+
+// How far a pass looks around.
+double reach_of(const Pass &pass, const pdesc_options &options, double radius) {
+  return pass.stage == Stage::windows ? WINDOW_REACH * options.map_sigma * radius : radius;
+}
+
+// Derivatives magnify the noise of what they are taken of, and their own.
+static int samples_of(const Pass &pass, const pdesc_options &options) {
+  const bool more = pass.stage == Stage::source || pass.stage == Stage::map;
+  return more ? std::max(options.samples, std::min(4 * options.samples, 4096)) : options.samples;
+}
+
+// A pattern over an enlarged ellipse has its samples farther apart: more of them keep as many within the ball.
+static int pattern_samples(const pdesc_options &options, const Frame &frame, int samples) {
+  if (!frame.mapped || options.relocation == PDESC_RELOCATION_CONNECTED) return samples;
+  const auto shrinkage = static_cast<double>(frame.mapped->shrinkage);
+  return std::min(4096, static_cast<int>(std::ceil(samples * shrinkage * shrinkage)));
+}
+
+static EvaluateSettings settings_of(const Mesh &mesh, const pdesc_options &options, double radius, const Frame &frame) {
+  EvaluateSettings settings{};
+  settings.samples = pattern_samples(options, frame, options.samples);
+  settings.seed = options.seed;
+  settings.max_jumps = options.max_jumps;
+  settings.pattern = options.pattern;
+  settings.ellipse = options.ellipse;
+  settings.samples_at_once = samples_at_once(mesh, options);
+  settings.chords = options.geodesic == PDESC_GEODESIC_CHORDS;
+  settings.radius = static_cast<float>(radius * frame.buffer_frame.scale);
+  settings.enlargement = options.relocation == PDESC_RELOCATION_CONNECTED ? ellipse_enlargement : frame.enlargement;
+  settings.relocation = options.relocation;
+  settings.integral = options.estimator == PDESC_ESTIMATOR_INTEGRAL;
+  settings.plain = options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE;
+  settings.geodesic_ball = options.distance == PDESC_DISTANCE_GEODESIC;
+  settings.adaptive = static_cast<float>(options.adaptive);
+  settings.map_radius = settings.radius;
+  settings.map_sigma = static_cast<float>(options.map_sigma) * settings.radius;
+  settings.harris_k = static_cast<float>(options.harris_k);
+  return settings;
+}
+
+// The vertices, pass by pass: operators on a map come after what the map is made of.
+SiteResults evaluate_at_vertices(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
+                                 Frame &frame, const Progress &progress, Field &field) {
+  EvaluateSettings settings = settings_of(mesh, options, radius, frame);
+  return run_passes(mesh.half_edges.point_count, asked, find_map(options.map_descriptor),
+                    [&](const Pass &pass, const MapValues *map, int number, int count) {
+                      const double reach = reach_of(pass, options, radius);
+                      if (pass.stage == Stage::windows) {
+                        widen_supports(mesh, options, reach, frame);
+                        settings.radius = static_cast<float>(reach * frame.buffer_frame.scale);
+                      }
+                      settings.samples = pattern_samples(options, frame, samples_of(pass, options));
+                      if (map) bake_map(mesh, frame, *map);
+                      settings.map = map ? mesh.device->map.get() : nullptr;
+                      settings.descriptors = pass.rows;
+                      const Progress part = [&](const char *stage, double fraction) {
+                        return progress(stage, 0.3 + 0.7 * (number + (fraction - 0.3) / 0.7) / count);
+                      };
+                      return evaluate_vertices(mesh, settings, reach, frame, part, field);
+                    });
+}
+
+// The texels of a map, so many at a time that a run can be cancelled between; then the vertices from there.
+SiteResults evaluate_at_texels(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius, Frame &frame,
+                               const Progress &progress, Field &field) {
+  for (const int row : asked)
+    if (descriptor_row(row).needs != MapNeeds::nothing)
+      throw Error(PDESC_ERROR_INVALID_ARGUMENT, std::string("The operator ") + descriptor_row(row).name +
+                                                    " works on a map of values at vertices; choose to evaluate at vertices.");
+  if (frame.mapped)
+    throw Error(PDESC_ERROR_INVALID_ARGUMENT,
+                "Displacement and normal maps are followed at vertices only; choose to evaluate at vertices, or clear the maps.");
+  EvaluateSettings settings = settings_of(mesh, options, radius, frame);
+  settings.descriptors = asked;
+  constexpr size_t batch = size_t{1} << 15;
+  const TexelMap map = build_texel_map(mesh.triangles, mesh.charts, options.texels);
+  const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
+  std::vector<int32_t> ids;
+  mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = mesh.device->buffer->read_ids(); });
+  const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED;
+  const std::vector<vec4> positions = connected ? measure_cells(mesh) : std::vector<vec4>();
+  SiteResults all;
+  const size_t count = map.places.size();
+  for (size_t first = 0; first < count; first += batch) {
+    const size_t last = std::min(first + batch, count);
+    frame.centers = texel_centers(map, mesh.triangles, mesh.charts, frame.normals, frame.buffer_frame, ellipses,
+                                  settings.radius * ellipse_enlargement, options.seed, first, last);
+    if (connected) {
+      const auto cells = find_cells(mesh.device->cells, ids, mesh.device->grid, mesh.triangles, mesh.charts,
+                                    texel_layout_places(map, mesh.triangles, first, last), mesh.context->threads);
+      std::vector<SupportCenter> centers;
+      for (size_t i = 0; i < cells.size(); ++i) centers.push_back({vec3(frame.centers[i].position_chart), {}, cells[i]});
+      search_supports(mesh, static_cast<double>(settings.radius) / frame.buffer_frame.scale, frame, positions, centers);
+    }
+    const double share = 0.7 / static_cast<double>(count);
+    evaluate(mesh, settings, frame, progress, 0.3 + share * static_cast<double>(first), 0.3 + share * static_cast<double>(last));
+    append(all, read_results(mesh, settings, frame));
+  }
+  field.report.places = static_cast<int32_t>(count);
+  keep_map(map, all, field);
+  return look_up(map, all, mesh.charts, options.seam_error != 0);
+}
+
+} // namespace paradesc

@@ -1,0 +1,77 @@
+// What the stages of one computation hand to each other; pipeline.cpp calls them in turn.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "bake/distortion.h"
+#include "bake/surface_maps.h"
+#include "image/passes.h"
+#include "pipeline.h"
+#include "sample/supports.h"
+
+namespace paradesc {
+
+// The sampling ellipse reaches beyond the ball: curvature leaves the rim of one that just touches it empty.
+inline constexpr float ellipse_enlargement = 1.25f;
+
+// Everything of one frame that is made on the CPU before the device is asked.
+struct Frame {
+  Normals normals;
+  BufferFrame buffer_frame;
+  std::vector<vec4> forms, links;
+  std::vector<int32_t> seams; // (borders) what seam each belongs to, where the paper's relocation asks
+  std::vector<CenterData> centers;
+  std::vector<int32_t> sites;  // (centers) -1: the point has no place in the UV map
+  std::vector<int32_t> points; // (centers)
+  BareSamples bare;
+  double radius_in_texels = 0.0;
+  std::optional<MappedPoints> mapped; // where maps displace the surface
+  float enlargement = ellipse_enlargement;
+};
+
+class Clock {
+public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
+  }
+
+private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// Throws Error(CANCELLED) where the caller says stop.
+void check_cancel(const Progress &progress, const char *stage, double fraction);
+
+// ---- Before samples are drawn (prepare.cpp)
+
+Normals prepare_normals(Mesh &mesh, int32_t kind);
+// Centers and metric of the frame, and the geometry buffers on the device.
+void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame);
+// Gives the mesh a layout of its own, which it keeps, where the UV map overlaps or leaves most of the buffers empty.
+bool lay_out_afresh(Mesh &mesh, double radius_in_texels);
+void build_cells_for(Mesh &mesh, const Frame &frame);
+// The neighborhoods of all centers, or of those given, before any sample is drawn.
+void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame);
+void search_supports(Mesh &mesh, double radius, Frame &frame, const std::vector<vec4> &positions,
+                     const std::vector<SupportCenter> &centers);
+// What the search reads: the positions of this frame.
+std::vector<vec4> measure_cells(Mesh &mesh);
+// Neighborhoods of another radius, from the same cells.
+void widen_supports(Mesh &mesh, const pdesc_options &options, double reach, Frame &frame);
+// How far a pass looks around.
+double reach_of(const Pass &pass, const pdesc_options &options, double radius);
+// The triangles as they are measured: displaced where maps say so.
+const Triangles &surface_of(const Mesh &mesh, const Frame &frame);
+
+// ---- Sampling and descriptors (evaluation.cpp)
+
+SiteResults evaluate_at_vertices(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
+                                 Frame &frame, const Progress &progress, Field &field);
+SiteResults evaluate_at_texels(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius, Frame &frame,
+                               const Progress &progress, Field &field);
+
+} // namespace paradesc
