@@ -22,9 +22,9 @@ def find_corners(
 ) -> Corners:
     """Vertices whose response is above threshold times the largest, and that no other exceeds within the radius.
 
-    Within means in the part of the mesh connected to them by edges in the ball. Of equal ones the first counts. A surface
-    without corners has a largest response too: compare responses where that matters. positions (n, 3), triangles (m, 3),
-    response (n,) with NaN where there is none.
+    Within means in the part of the mesh connected to them by edges in the ball. Of equal ones the first counts. A
+    surface without corners has a largest response too: compare responses where that matters. positions (n, 3),
+    triangles (m, 3), response (n,) with NaN where there is none.
     """
     _, first, point = np.unique(positions, axis=0, return_index=True, return_inverse=True)
     point = point.reshape(-1)

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import bpy
 import numpy as np
 import pytest
 
@@ -17,6 +18,9 @@ if str(ACCURACY) not in sys.path:
 import baseline  # noqa: E402
 import meshes  # noqa: E402
 import surfaces  # noqa: E402
+
+
+IN_PYTHON = pytest.mark.skipif(bool(bpy.app.binary_path), reason="the report is a program of Python, not of Blender")
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +99,7 @@ def test_baseline_has_a_spheres_curvature_where_it_sees_many_vertices():
     assert np.abs(values - 1).max() < 0.05
 
 
+@IN_PYTHON
 def test_a_section_is_written_and_kept_while_another_is_measured(tmp_path):
     with bridge.Context("auto") as context:
         if context.backend == "reference":
@@ -119,6 +124,7 @@ def test_a_section_is_written_and_kept_while_another_is_measured(tmp_path):
     assert device in kept["stamp"]
 
 
+@IN_PYTHON
 def test_an_unknown_section_is_refused_with_one_line():
     command = [sys.executable, str(ACCURACY / "report.py"), "--sections", "nonsense"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)

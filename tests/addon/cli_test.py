@@ -321,7 +321,8 @@ def test_infinite_coordinates_that_blender_sets_to_zero_leave_the_faces_with_are
     arrays = loaded(tmp_path / "out.npz")
     assert (arrays["vertices"][:, 0] == 0).all()  # a cube pressed flat, without a UV map
     defined = np.isfinite(arrays["mean_curvature"])
-    assert defined.sum() == 8
+    # Before Blender 4 the unwrap gives the flat sides no area either.
+    assert defined.sum() == (8 if bpy.app.version >= (4, 0) else 0)
     np.testing.assert_allclose(arrays["mean_curvature"][defined], 0.0, atol=1e-5)
 
 

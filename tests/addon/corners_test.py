@@ -91,7 +91,7 @@ def test_what_is_below_the_threshold_is_no_corner():
 
 def test_a_higher_one_on_another_part_of_the_mesh_does_not_count():
     positions, triangles, response = strip([0, 3, 0])
-    both = np.concatenate([positions, positions + [0, 0, 0.1]]).astype(np.float32)
+    both = np.concatenate([positions, positions + np.float32([0, 0, 0.1])]).astype(np.float32)
     found = corners.find_corners(
         both, np.concatenate([triangles, triangles + 6]), np.concatenate([response, 2 * response]), 2.0
     )

@@ -61,7 +61,7 @@ NUMBERS = {
 # What Mesh.read_buffer reads, and how many values a texel has of it.
 BUFFERS = {"position": 3, "normal": 3, "chart": 1, "neighbor": 1, "distortion": 4}
 # Of --adaptive without a number: radians.
-ADAPTIVE_THRESHOLD = 0.02
+ADAPTIVE_THRESHOLD = 0.05
 
 # (stage, fraction of the whole) -> False to cancel
 ProgressFunction = Callable[[str, float], bool]
