@@ -19,7 +19,6 @@ import baseline  # noqa: E402
 import meshes  # noqa: E402
 import surfaces  # noqa: E402
 
-
 IN_PYTHON = pytest.mark.skipif(bool(bpy.app.binary_path), reason="the report is a program of Python, not of Blender")
 
 

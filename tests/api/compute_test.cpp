@@ -151,8 +151,8 @@ TEST_F(Api, unusable_new_positions_are_refused_and_the_old_ones_stay) {
   expect_same_bits(mean_curvature(mesh.get()), before);
 }
 
-// Counts calls, watches what it is told, and says stop at the chosen call, or from the chosen fraction on: how many calls there are
-// depends on how fast the device is.
+// Counts calls, watches what it is told, and says stop at the chosen call, or from the chosen fraction on: how many calls there
+// are depends on how fast the device is.
 struct Watch {
   int stop_at = -1;
   double stop_from = 2;

@@ -17,7 +17,8 @@ TEST_P(AmbientOpenness, sphere_has_what_the_lens_of_two_balls_leaves) {
   lay_out(mesh, {.charts = 6});
   for (const double fraction : {0.02, 0.1}) {
     const std::vector<float> values = compute_one(mesh, "ambient_openness", {.radius = fraction, .normals = PDESC_NORMALS_MESH});
-    // Triangles lie below the sphere, by e²/(8R) at most on average over one with edges up to e: on pi r², as a share of the ball.
+    // Triangles lie below the sphere, by e²/(8R) at most on average over one with edges up to e: on pi r², as a share of the
+    // ball.
     const double e = longest_edge(mesh);
     expect_near(values, 0.5 + 3 * radius / 32, 3 * (e * e / (8 * 2)) / (4 * radius));
   }

@@ -180,8 +180,8 @@ TEST_F(Relocation, coverage_tells_what_the_paper_loses_where_charts_are_small) {
   EXPECT_GT(found(mesh, {.radius = 0.06}).least_coverage(), 0.999) << "connected";
 }
 
-// A torus in strips about one texel wide with wide gaps: no way leads far without a seam. So sparse a map is laid out afresh, with strips
-// somewhat wider.
+// A torus in strips about one texel wide with wide gaps: no way leads far without a seam. So sparse a map is laid out afresh,
+// with strips somewhat wider.
 TEST_F(Relocation, strips_one_texel_wide_are_found) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 2500, .irregular = false});
   const int strips = 40;

@@ -30,7 +30,8 @@ struct Baked {
   Cells cells;
 
   Baked(GlThread &thread, const TestMesh &mesh)
-      : triangles(read_triangles(input_of(mesh))), half_edges(build_half_edges(triangles)), charts(build_charts(triangles, half_edges)) {
+      : triangles(read_triangles(input_of(mesh))), half_edges(build_half_edges(triangles)),
+        charts(build_charts(triangles, half_edges)) {
     const NormalRings rings = build_normal_rings(triangles, half_edges);
     normals = compute_normals(triangles, half_edges, rings, PDESC_NORMALS_FITTED, 0);
     frame = frame_of(triangles, half_edges);
@@ -96,8 +97,8 @@ TEST_F(Surface, texels_are_points_of_the_torus_with_unit_normals) {
   EXPECT_EQ(baked.counts.overlapping, 0);
 }
 
-// Each texel stands for its area element times the part of it that is on the chart. Partly covered texels round to sixteenths without
-// bias; 0.2 % leaves room for the few that another chart owns.
+// Each texel stands for its area element times the part of it that is on the chart. Partly covered texels round to sixteenths
+// without bias; 0.2 % leaves room for the few that another chart owns.
 TEST_F(Surface, areas_of_texels_make_up_the_surface) {
   for (const int charts : {1, 15, 60}) {
     const Baked baked(*thread, torus_of_charts(charts));
