@@ -56,39 +56,48 @@ static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int cou
   }
 }
 
-// Centers whose neighborhood is no disk, and has another area than the triangles that the surface reaches within the ball: once
-// more, on exactly those triangles.
-static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius, const Frame &frame, const Progress &progress) {
+// Those of the centers that have another area than the triangles which the surface reaches within the ball, with these triangles.
+static Reach reach_of_others(const Mesh &mesh, double radius, const Frame &frame, const std::vector<float> &raw,
+                             std::vector<int32_t> &centers) {
   constexpr double same_area = 0.06; // of a disk; samples of a folded place miss its area by some per cent
+  std::vector<int32_t> points;
+  for (const int32_t center : centers) points.push_back(frame.points[static_cast<size_t>(center)]);
+  const Reach all = reach_exactly(surface_of(mesh, frame), mesh.half_edges, points, radius, MAX_REACH, mesh.context->threads);
+  const double disk = pi * radius * radius, unit = frame.buffer_frame.scale * frame.buffer_frame.scale;
+  Reach others;
+  others.begin.push_back(0);
+  size_t kept = 0;
+  for (size_t i = 0; i < centers.size(); ++i) {
+    const int32_t begin = all.begin[i], end = all.begin[i + 1]; // none where there were too many
+    const size_t row = ROW_AREA * frame.centers.size() + static_cast<size_t>(centers[i]);
+    if (begin == end || std::abs(static_cast<double>(raw[row]) / unit - all.area[i]) < same_area * disk) continue;
+    centers[kept++] = centers[i];
+    others.triangle.insert(others.triangle.end(), all.triangle.begin() + begin, all.triangle.begin() + end);
+    others.begin.push_back(static_cast<int32_t>(others.triangle.size()));
+  }
+  centers.resize(kept);
+  return others;
+}
+
+// Centers whose neighborhood is no disk, and not what the surface reaches within the ball: once more, on exactly that. So many at
+// a time that a run can be cancelled between, and lists of triangles stay short.
+static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius, const Frame &frame, const Progress &progress) {
+  constexpr size_t batch = 2048;
   std::vector<float> raw;
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { raw = mesh.device->evaluator.read(gl, settings); });
-  std::vector<int32_t> centers, points;
+  settings.exact = true;
+  std::vector<int32_t> centers;
   const size_t count = frame.centers.size();
   for (size_t i = 0; i < count; ++i) {
-    if (raw[ROW_FLAGS * count + i] < FLAG_NO_DISK) continue;
-    centers.push_back(static_cast<int32_t>(i));
-    points.push_back(frame.points[i]);
+    if (raw[ROW_FLAGS * count + i] >= FLAG_NO_DISK) centers.push_back(static_cast<int32_t>(i));
+    if (centers.empty() || (centers.size() < batch && i + 1 < count)) continue;
+    const double from = 0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(count);
+    check_cancel(progress, "evaluate", from);
+    const Reach reach = reach_of_others(mesh, radius, frame, raw, centers);
+    mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { mesh.device->evaluator.set_reach(gl, centers, reach); });
+    evaluate_tiles(mesh, settings, static_cast<int>(centers.size()), progress, from, from);
+    centers.clear();
   }
-  Reach reach = reach_exactly(surface_of(mesh, frame), mesh.half_edges, points, radius, MAX_REACH, mesh.context->threads);
-  std::vector<int32_t> triangles;
-  size_t kept = 0;
-  const double disk = pi * radius * radius, unit = frame.buffer_frame.scale * frame.buffer_frame.scale;
-  for (size_t i = 0; i < centers.size(); ++i) {
-    const int32_t begin = reach.begin[i], end = reach.begin[i + 1]; // none where there were too many
-    const double found = static_cast<double>(raw[ROW_AREA * count + static_cast<size_t>(centers[i])]) / unit;
-    if (begin == end || std::abs(found - reach.area[i]) < same_area * disk) continue;
-    centers[kept] = centers[i];
-    reach.begin[kept++] = static_cast<int32_t>(triangles.size());
-    triangles.insert(triangles.end(), reach.triangle.begin() + begin, reach.triangle.begin() + end);
-  }
-  if (kept == 0) return;
-  reach.begin[kept] = static_cast<int32_t>(triangles.size());
-  reach.triangle = std::move(triangles);
-  centers.resize(kept);
-  reach.begin.resize(kept + 1);
-  settings.exact = true;
-  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { mesh.device->evaluator.set_reach(gl, centers, reach); });
-  evaluate_tiles(mesh, settings, static_cast<int>(kept), progress, 0.8, 1.0);
 }
 
 // All centers of the frame, from one fraction of the whole to another.
