@@ -10,21 +10,9 @@
 #include "gpu/gl_thread.h"
 #include "mesh/normals.h"
 #include "sample/cells.h"
-#include "support/error.h"
+#include "support/software_device.h"
 
 namespace paradesc::test {
-
-class OnSoftwareDevice : public ::testing::Test {
-protected:
-  void SetUp() override {
-    try {
-      thread = std::make_unique<GlThread>(true, -1);
-    } catch (const Error &error) {
-      GTEST_SKIP() << error.what();
-    }
-  }
-  std::unique_ptr<GlThread> thread;
-};
 
 struct Buffers {
   int size = 0;

@@ -12,21 +12,12 @@
 
 #include "gpu/buffer.h"
 #include "support/error.h"
+#include "support/software_device.h"
 
 namespace paradesc {
 namespace {
 
-class OnGlThread : public ::testing::Test {
-protected:
-  void SetUp() override {
-    try {
-      thread = std::make_unique<GlThread>(true, -1);
-    } catch (const Error &error) {
-      GTEST_SKIP() << error.what();
-    }
-  }
-  std::unique_ptr<GlThread> thread;
-};
+using OnGlThread = test::OnSoftwareDevice;
 
 size_t occurrences(const std::string &text, const std::string &word) {
   size_t count = 0;

@@ -5,11 +5,10 @@
 #include <memory>
 
 #include "bake/gbuffer.h"
-#include "gpu/gl_thread.h"
 #include "mesh/normals.h"
 #include "sample/cells.h"
-#include "support/error.h"
 #include "support/layout.h"
+#include "support/software_device.h"
 #include "support/surfaces.h"
 
 namespace paradesc::test {
@@ -59,17 +58,7 @@ struct Baked {
   }
 };
 
-class Surface : public ::testing::Test {
-protected:
-  void SetUp() override {
-    try {
-      thread = std::make_unique<GlThread>(true, -1);
-    } catch (const Error &error) {
-      GTEST_SKIP() << error.what();
-    }
-  }
-  std::unique_ptr<GlThread> thread;
-};
+using Surface = OnSoftwareDevice;
 
 TestMesh torus_of_charts(int charts) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 4000});

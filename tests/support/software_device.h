@@ -1,0 +1,25 @@
+// A private GL thread on the software rasterizer, for tests below the C interface; skips where there is none.
+#pragma once
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "gpu/gl_thread.h"
+#include "support/error.h"
+
+namespace paradesc::test {
+
+class OnSoftwareDevice : public ::testing::Test {
+protected:
+  void SetUp() override {
+    try {
+      thread = std::make_unique<GlThread>(true, -1);
+    } catch (const Error &error) {
+      GTEST_SKIP() << error.what();
+    }
+  }
+  std::unique_ptr<GlThread> thread;
+};
+
+} // namespace paradesc::test
