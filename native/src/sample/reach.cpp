@@ -9,12 +9,20 @@
 
 namespace paradesc {
 
+bool segment_in_ball(dvec3 a, dvec3 b, dvec3 center, double radius) {
+  const dvec3 way = b - a;
+  const double square = dot(way, way);
+  const double t = square > 0.0 ? std::clamp(dot(center - a, way) / square, 0.0, 1.0) : 0.0;
+  const dvec3 gap = a + way * t - center;
+  return dot(gap, gap) < radius * radius;
+}
+
 namespace {
 
 class Flood {
 public:
   Flood(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit)
-      : triangles_(triangles), half_edges_(half_edges), square_(radius * radius), limit_(limit),
+      : triangles_(triangles), half_edges_(half_edges), radius_(radius), limit_(limit),
         visited_(static_cast<size_t>(triangles.triangle_count), -1) {}
 
   // Appends the triangles; nothing where there are too many.
@@ -32,7 +40,9 @@ public:
     for (size_t k = begin; k < found.size() && found.size() - begin <= limit_; ++k)
       for (int32_t half_edge = 3 * found[k]; half_edge < 3 * found[k] + 3; ++half_edge) {
         const int32_t twin = half_edges_.twin[static_cast<size_t>(half_edge)];
-        if (twin >= 0 && visited_[static_cast<size_t>(twin / 3)] != mark_ && meets_ball(half_edge)) add(twin / 3, found);
+        if (twin >= 0 && visited_[static_cast<size_t>(twin / 3)] != mark_ &&
+            segment_in_ball(offset(half_edge), offset(next_corner(half_edge)), dvec3(0.0), radius_))
+          add(twin / 3, found);
       }
     if (found.size() - begin > limit_) found.resize(begin);
     std::sort(found.begin() + static_cast<ptrdiff_t>(begin), found.end());
@@ -43,11 +53,11 @@ public:
     const dvec3 a = offset(3 * triangle), b = offset(3 * triangle + 1), c = offset(3 * triangle + 2);
     const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
     const double farthest = std::max({dot(a, a), dot(b, b), dot(c, c)});
-    if (farthest <= square_) return area;
+    if (farthest <= radius_ * radius_) return area;
     int inside = 0;
     auto look = [&](double u, double v) {
       const dvec3 middle = a + (b - a) * u + (c - a) * v;
-      inside += dot(middle, middle) < square_;
+      inside += dot(middle, middle) < radius_ * radius_;
     };
     for (int i = 0; i < 4; ++i)
       for (int j = 0; i + j < 4; ++j) {
@@ -66,17 +76,9 @@ private:
     return dvec3(triangles_.positions[static_cast<size_t>(triangles_.corner_vertex[static_cast<size_t>(corner)])]) - center_;
   }
 
-  bool meets_ball(int half_edge) const {
-    const dvec3 a = offset(half_edge), edge = offset(next_corner(half_edge)) - a;
-    const double length2 = dot(edge, edge);
-    const double t = length2 > 0.0 ? std::clamp(-dot(a, edge) / length2, 0.0, 1.0) : 0.0;
-    const dvec3 foot = a + t * edge;
-    return dot(foot, foot) < square_;
-  }
-
   const Triangles &triangles_;
   const HalfEdges &half_edges_;
-  double square_;
+  double radius_;
   size_t limit_;
   std::vector<int32_t> visited_; // (triangle_count) the last run that came by
   dvec3 center_{0.0};

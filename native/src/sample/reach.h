@@ -23,4 +23,7 @@ struct Reach {
 Reach reach_exactly(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> points, double radius,
                     size_t limit, int threads);
 
+// Whether the segment from a to b comes nearer to the center than the radius.
+bool segment_in_ball(dvec3 a, dvec3 b, dvec3 center, double radius);
+
 } // namespace paradesc

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sample/reach.h"
 #include "support/parallel.h"
 
 namespace paradesc {
@@ -76,14 +77,6 @@ static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec
 static float box_distance(const Bounds &box, vec3 p) {
   const vec3 gap = glm::max(glm::max(box.low - p, p - box.high), vec3(0.0f));
   return dot(gap, gap);
-}
-
-static bool segment_in_ball(dvec3 a, dvec3 b, dvec3 center, double radius) {
-  const dvec3 way = b - a;
-  const double square = dot(way, way);
-  const double t = square > 0.0 ? std::clamp(dot(center - a, way) / square, 0.0, 1.0) : 0.0;
-  const dvec3 gap = a + way * t - center;
-  return dot(gap, gap) < radius * radius;
 }
 
 namespace {
