@@ -3,6 +3,9 @@
 Importing the package imports no part of Blender; register() does.
 """
 
+from importlib import import_module
+from types import ModuleType
+
 # Read by Blender before 4.2 without running this file: literals only. The manifest tells later ones.
 bl_info = {
     "name": "Paradesc",
@@ -16,26 +19,32 @@ bl_info = {
 
 __version__ = "0.1.0"
 
-_registered: list[type] = []
+# In the order in which they refer to each other. Each has classes; what else it needs stands in register() and unregister().
+MODULES = ("properties", "operators", "panel")
+
+
+def modules() -> list[ModuleType]:
+    """The modules that Blender has to know, which import bpy."""
+    return [import_module(f".{name}", __name__) for name in MODULES]
 
 
 def register() -> None:
-    """Registers properties, operators and panels, in the order in which they refer to each other."""
+    """Registers every module's classes, then what it adds to Blender besides."""
     import bpy
 
-    from . import operators, panel, properties
-
-    _registered[:] = [properties.make_settings(), *operators.classes, *panel.classes]
-    for cls in _registered:
-        bpy.utils.register_class(cls)
-    bpy.types.Scene.paradesc = bpy.props.PointerProperty(type=_registered[0])
+    for module in modules():
+        for cls in module.classes:
+            bpy.utils.register_class(cls)
+        if hasattr(module, "register"):
+            module.register()
 
 
 def unregister() -> None:
     """Takes back what register() did, in reverse order."""
     import bpy
 
-    del bpy.types.Scene.paradesc
-    for cls in reversed(_registered):
-        bpy.utils.unregister_class(cls)
-    _registered.clear()
+    for module in reversed(modules()):
+        if hasattr(module, "unregister"):
+            module.unregister()
+        for cls in reversed(module.classes):
+            bpy.utils.unregister_class(cls)

@@ -51,6 +51,7 @@ class PARADESC_PT_quality(SidebarPanel, bpy.types.Panel):
 
     bl_label = "Quality and Device"
     bl_idname = "PARADESC_PT_quality"
+    bl_order = 20
     bl_parent_id = "PARADESC_PT_bake"
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -77,6 +78,7 @@ class PARADESC_PT_method(SidebarPanel, bpy.types.Panel):
 
     bl_label = "Method"
     bl_idname = "PARADESC_PT_method"
+    bl_order = 30
     bl_parent_id = "PARADESC_PT_bake"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -109,6 +111,7 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
 
     bl_label = "Last Run"
     bl_idname = "PARADESC_PT_report"
+    bl_order = 60
     bl_parent_id = "PARADESC_PT_bake"
 
     @classmethod

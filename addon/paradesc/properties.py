@@ -187,3 +187,20 @@ def job_settings(group: bpy.types.PropertyGroup) -> Settings:
         backend=group.backend,
         device_index=group.device_index,
     )
+
+
+# The settings' class is made by register(), when the native library has been laid in place.
+classes = ()
+
+
+def register() -> None:
+    """Gives every scene its settings."""
+    settings = make_settings()
+    bpy.utils.register_class(settings)
+    bpy.types.Scene.paradesc = bpy.props.PointerProperty(type=settings)
+
+
+def unregister() -> None:
+    """Takes them away."""
+    del bpy.types.Scene.paradesc
+    bpy.utils.unregister_class(bpy.types.PropertyGroup.bl_rna_get_subclass_py("PARADESC_PG_settings"))
