@@ -19,7 +19,7 @@ bl_info = {
 
 __version__ = "0.1.0"
 
-# In the order in which they refer to each other. Each has classes; what else it needs stands in register() and unregister().
+# In the order in which they refer to each other. Each has classes; what else it needs is in register and unregister.
 MODULES = ("properties", "operators", "panel")
 
 
