@@ -159,11 +159,11 @@ public:
     list_links();
     to_lists(boundaries_, cells_.count, cells_.boundary_begin, cells_.boundary);
     for (const Site &site : charts_.sites) cells_.site_cell.push_back(cell_at(nudged(site.uv, site.inside), site.chart));
-    // A site that no texel carries starts where the surface around it does.
+    // A site that no texel carries starts where the edges from it are carried first, else where its triangle is.
     for (size_t corner = 0; corner < charts_.corner_site.size(); ++corner) {
       const int32_t site = charts_.corner_site[corner];
       if (site >= 0 && cells_.site_cell[static_cast<size_t>(site)] < 0)
-        cells_.site_cell[static_cast<size_t>(site)] = cells_.triangle_cell[corner / 3];
+        cells_.site_cell[static_cast<size_t>(site)] = cell_beside(static_cast<int>(corner));
     }
     cover_texels();
     return std::move(cells_);
@@ -300,9 +300,47 @@ private:
                         charts_.triangle_chart[static_cast<size_t>(a / 3)]);
   }
 
+  // Texels along an edge, none skipped.
+  int steps_along(int half_edge) const {
+    const double span = length(uv_of(next_corner(half_edge)) - uv_of(half_edge));
+    return std::clamp(static_cast<int>(std::ceil(span / 0.7)), 1, 4 * size_);
+  }
+
+  // The cell nearest to a corner along the two edges of its triangle, on either side of them.
+  int32_t cell_beside(int corner) const {
+    int32_t best = cells_.triangle_cell[static_cast<size_t>(corner / 3)];
+    double nearest = 1e30;
+    auto walk = [&](int half_edge, bool from_end) {
+      if (half_edge < 0 || charts_.triangle_chart[static_cast<size_t>(half_edge / 3)] < 0) return;
+      const float length_3d = distance(position_of(half_edge), position_of(next_corner(half_edge)));
+      const int steps = steps_along(half_edge);
+      for (int i = 0; i <= steps; ++i) {
+        const double t = static_cast<double>(i) / steps;
+        if (t * static_cast<double>(length_3d) >= nearest) return;
+        const int64_t texel = texel_on_edge(half_edge, from_end ? 1.0 - t : t);
+        if (texel < 0) continue;
+        nearest = t * static_cast<double>(length_3d);
+        best = cell_of(texel);
+        return;
+      }
+    };
+    const int before = next_corner(next_corner(corner));
+    walk(corner, false);
+    walk(half_edges_.twin[static_cast<size_t>(corner)], true);
+    walk(before, true);
+    walk(half_edges_.twin[static_cast<size_t>(before)], false);
+    return best;
+  }
+
+  vec3 position_of(int corner) const {
+    return triangles_.positions[static_cast<size_t>(triangles_.corner_vertex[static_cast<size_t>(corner)])];
+  }
+
   // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and
   // over a seam the same place of the edge is on both sides.
   void link_along_edges() {
+    carried_.assign(3 * static_cast<size_t>(triangles_.triangle_count), 0);
+    anchor_.assign(static_cast<size_t>(triangles_.triangle_count), -1);
     for (int half_edge = 0; half_edge < 3 * triangles_.triangle_count; ++half_edge) {
       if (charts_.triangle_chart[static_cast<size_t>(half_edge / 3)] < 0) continue;
       const int32_t border = charts_.half_edge_border[static_cast<size_t>(half_edge)];
@@ -310,24 +348,35 @@ private:
       if (border < 0 && twin > half_edge) continue; // an inner edge once
       const bool seam = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::seam;
       const bool ends = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::boundary;
-      double span = length(uv_of(next_corner(half_edge)) - uv_of(half_edge));
-      if (seam) span = std::max(span, length(uv_of(next_corner(twin)) - uv_of(twin)));
-      const int steps = std::clamp(static_cast<int>(std::ceil(span / 0.7)), 1, 4 * size_);
+      const int steps = std::max(steps_along(half_edge), seam ? steps_along(twin) : 1);
       int64_t previous = -1;
       for (int i = 0; i <= steps; ++i) {
         const double t = static_cast<double>(i) / steps;
         const int64_t texel = texel_on_edge(half_edge, t);
         if (texel < 0) continue;
         link(previous, texel);
-        if (seam) link(texel, texel_on_edge(twin, 1.0 - t));
+        if (previous < 0) anchor(half_edge / 3, texel);
+        if (previous < 0 && border < 0) anchor(twin / 3, texel);
+        const int64_t other = seam ? texel_on_edge(twin, 1.0 - t) : texel;
+        if (seam) link(texel, other);
+        carried_[static_cast<size_t>(half_edge)] |= other >= 0;
         if (ends) boundaries_.push_back(pair_of(cell_of(texel), half_edge));
         previous = texel;
       }
     }
   }
 
-  // Triangles without a texel near belong to the cell from which the surface leads to them first; where such ways from two cells
-  // meet, the cells are linked.
+  // A texel that carries a place of the triangle: all such are connected.
+  void anchor(int triangle, int64_t texel) {
+    int64_t &first = anchor_[static_cast<size_t>(triangle)];
+    if (first < 0)
+      first = texel;
+    else
+      link(first, texel);
+  }
+
+  // Triangles without a texel near belong to the cell from which the surface leads to them first. Where such ways from two cells
+  // meet, the cells are linked, and so are those of two triangles whose common edge is too far in a corner for texels.
   void attach_bare_triangles() {
     std::vector<int64_t> texel(static_cast<size_t>(triangles_.triangle_count), -1);
     std::vector<uint8_t> bare(texel.size(), 0);
@@ -338,7 +387,9 @@ private:
       if (chart >= 0)
         texel[static_cast<size_t>(t)] = map_.carrier((uv_of(3 * t) + uv_of(3 * t + 1) + uv_of(3 * t + 2)) / 3.0, chart);
       bare[static_cast<size_t>(t)] = texel[static_cast<size_t>(t)] < 0;
-      if (texel[static_cast<size_t>(t)] >= 0) queue.push(t);
+      if (texel[static_cast<size_t>(t)] < 0) continue;
+      anchor(t, texel[static_cast<size_t>(t)]);
+      queue.push(t);
     }
     Pairs pairs;
     while (!queue.empty()) {
@@ -350,9 +401,11 @@ private:
         int64_t &other = texel[static_cast<size_t>(twin / 3)];
         if (other < 0) {
           other = texel[static_cast<size_t>(t)];
+          anchor(twin / 3, other);
           pairs.push_back(pair_of(cell_of(other), twin / 3));
           queue.push(twin / 3);
-        } else if (bare[static_cast<size_t>(t)] || bare[static_cast<size_t>(twin / 3)]) {
+        } else if (bare[static_cast<size_t>(t)] || bare[static_cast<size_t>(twin / 3)] ||
+                   !(carried_[static_cast<size_t>(3 * t + i)] || carried_[static_cast<size_t>(twin)])) {
           link(texel[static_cast<size_t>(t)], other);
         }
       }
@@ -368,6 +421,8 @@ private:
   int size_;
   Cells cells_;
   std::vector<Crossing> crossings_;
+  std::vector<int64_t> anchor_;  // a texel of each triangle
+  std::vector<uint8_t> carried_; // half-edges with a texel on either side of some place
   Pairs boundaries_;
 };
 
