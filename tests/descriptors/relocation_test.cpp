@@ -259,6 +259,47 @@ TEST_F(Relocation, charts_that_a_straight_way_leaves_and_enters_again_are_found)
   EXPECT_NEAR(result.mean_area(), 1, 0.01);
 }
 
+// Every triangle a chart of its own, a needle about a texel wide and fourteen long: its corners lie far from texel centers, and
+// some of the texels that it has are cut off from the others.
+TestMesh torus_of_needles(double width) {
+  TestMesh mesh = torus(1, 0.4, {.vertices = 390});
+  mesh.corner_uvs.clear();
+  mesh.triangle_chart.clear();
+  constexpr int columns = 28;
+  const double texel = 1.0 / 512;
+  for (size_t t = 0; 3 * t < mesh.corner_vertices.size(); ++t) {
+    const double x = (static_cast<double>(t % columns) + 0.3) * 18 * texel,
+                 y = (static_cast<double>(t / columns) + 0.1) * 18 * texel;
+    const double shift = static_cast<double>(t * 37 % 101) / 101, lean = static_cast<double>(t * 53 % 89) / 89;
+    for (const auto &[u, v] : {std::pair(shift, shift), std::pair(shift + width, 3 * lean), std::pair(shift + lean, 14.0)}) {
+      mesh.corner_uvs.push_back(static_cast<float>(x + u * texel));
+      mesh.corner_uvs.push_back(static_cast<float>(y + v * texel));
+    }
+    mesh.triangle_chart.push_back(static_cast<int32_t>(t));
+  }
+  return mesh;
+}
+
+TEST_F(Relocation, each_place_of_a_vertex_on_needles_finds_the_whole_neighborhood) {
+  const std::vector<std::string> names = {"euclidean_area", "mean_curvature"};
+  for (const double width : {0.4, 0.9}) {
+    const TestMesh mesh = torus_of_needles(width);
+    const Results result =
+        compute(software.get(), mesh, {.radius = 0.15, .samples = 64, .buffer_size = 512, .seam_error = 1}, names);
+    double largest = 0;
+    for (size_t v = 0; v < mesh.points.size(); ++v) {
+      const double area = static_cast<double>(result["euclidean_area"][v]);
+      const double error = static_cast<double>(result.seam_error.at("euclidean_area")[v]) / area;
+      ASSERT_FALSE(std::isnan(error)) << "vertex " << v << " has one place only";
+      largest = std::max(largest, error);
+      EXPECT_TRUE(std::isfinite(result["mean_curvature"][v])) << "vertex " << v;
+    }
+    // Where no texel is near, a place begins at the next one, which may lie beyond the others' reach and counts for this place
+    // only.
+    EXPECT_LE(largest, width < 0.5 ? 0.01 : 1e-4) << "width " << width;
+  }
+}
+
 TEST_F(Relocation, a_thousand_charts_smaller_than_the_support_are_found) {
   const TestMesh mesh = torus_of(1000, 5000);
   expect_errors_below(1.5, mesh, {}, "connected");
