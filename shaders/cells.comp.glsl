@@ -5,18 +5,18 @@
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_AREAS) writeonly restrict buffer Areas { float areas[]; };
 layout(binding = UNIT_LABELS) uniform isampler2D labels;
-layout(binding = UNIT_CORNERS) uniform isampler2D corners;
+layout(binding = UNIT_BOXES) uniform isampler2D boxes;
 layout(location = 3) uniform int last;
 layout(location = 8) uniform int block_size;
 
 void main() {
   int cell = int(gl_GlobalInvocationID.x);
   if (cell >= last) return;
-  ivec2 corner = texelFetch(corners, list_place(cell), 0).xy;
+  ivec4 box = texelFetch(boxes, list_place(cell), 0);
   float largest = 0.0;
   float inside = 0.0;
-  for (int i = 0; i < block_size * block_size; ++i) {
-    ivec2 texel = min(corner + ivec2(i % block_size, i / block_size), ivec2(buffer_size - 1));
+  for (int i = 0; i < box.z * box.w; ++i) {
+    ivec2 texel = box.xy + ivec2(i % box.z, i / box.z);
     ivec2 label = texelFetch(labels, texel, 0).xy;
     if (label.x != cell) continue;
     largest = max(largest, area_element_at(texel));

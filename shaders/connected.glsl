@@ -6,7 +6,7 @@ layout(std430, binding = BINDING_AREAS) readonly restrict buffer Areas { float a
 layout(std430, binding = BINDING_BARE_BEGIN) readonly restrict buffer BareBegin { int bare_begin[]; };
 layout(std430, binding = BINDING_BARE) readonly restrict buffer Bare { vec4 bare[]; };
 layout(binding = UNIT_LABELS) uniform isampler2D labels;
-layout(binding = UNIT_CORNERS) uniform isampler2D corners;
+layout(binding = UNIT_BOXES) uniform isampler2D boxes;
 
 // A place in [0, 2^16)^2 that depends on the grid's square and the seed alone: every center takes the same texel of it.
 ivec2 jitter(ivec2 square) {
@@ -25,29 +25,13 @@ int stride_of(float largest_area_element) {
   return clamp(1 << int(floor(clamp(0.5 * log2(share / texel_area), 0.0, 16.0))), 1, block_size);
 }
 
-// Square number i of a cell. Adaptive sampling takes the black squares of a chessboard first, and the white ones then.
-ivec2 square_of(int i, int side, int part) {
 #if ADAPTIVE
-  int row = i / max(side / 2, 1);
-  return side == 1 ? ivec2(0) : ivec2(2 * (i - row * (side / 2)) + ((row ^ part) & 1), row);
-#else
-  return ivec2(i % side, i / side);
-#endif
-}
-
-int square_count(ivec2 corner, int side, int part) {
-#if ADAPTIVE
-  if (side == 1) return ((corner.x + corner.y) / block_size & 1) == part ? 1 : 0;
-  return side * side / 2;
-#else
-  return side * side;
-#endif
-}
-
-#if ADAPTIVE
+// The black squares of a chessboard first, and the white ones then.
+#define IS_TAKEN(square) (((square.x ^ square.y) & 1) == part)
 #define BARE_SHARE 0.5 // in either part
 void sample_support(inout Sums sums, CenterData data, int index, int part) {
 #else
+#define IS_TAKEN(square) true
 #define BARE_SHARE 1.0
 void sample_support(inout Sums sums, CenterData data, int index) {
   const int part = 0;
@@ -59,8 +43,8 @@ void sample_support(inout Sums sums, CenterData data, int index) {
   int j = support.first, end = support.first + support.count;
   // One loop over the squares of all cells: nested ones would run, for the invocations that a device runs side by side, as often as
   // the longest of each cell in turn, and so end early where cells are sampled in different steps.
-  int i = 0, squares = 0, total = 0, cell = 0, stride = 1, side = 1, bare_first = 0;
-  ivec2 corner = ivec2(0);
+  int i = 0, squares = 0, total = 0, cell = 0, stride = 1, width = 1, bare_first = 0;
+  ivec2 first_square = ivec2(0); // squares are those of a grid over the whole buffer
   float area = 0.0;
   for (;;) {
     if (i == total) {
@@ -68,11 +52,13 @@ void sample_support(inout Sums sums, CenterData data, int index) {
       int entry = support_cells[j++];
       cell = entry < 0 ? -1 - entry : entry;
       float largest = areas[cell] * (entry < 0 ? 16.0 : 1.0);
-      corner = texelFetch(corners, list_place(cell), 0).xy;
+      ivec4 box = texelFetch(boxes, list_place(cell), 0);
       stride = stride_of(largest);
-      side = block_size / stride;
+      first_square = box.xy / stride;
+      ivec2 last_square = (box.xy + box.zw - 1) / stride;
+      width = last_square.x - first_square.x + 1;
       bare_first = bare_begin[cell];
-      squares = square_count(corner, side, part);
+      squares = width * (last_square.y - first_square.y + 1);
       total = squares + bare_begin[cell + 1] - bare_first;
       i = 0;
       area = float(stride * stride) / (size * size);
@@ -84,9 +70,10 @@ void sample_support(inout Sums sums, CenterData data, int index) {
       continue;
     }
     if (i < squares) {
-      ivec2 low = corner + square_of(i, side, part) * stride;
+      ivec2 square = first_square + ivec2(i % width, i / width);
+      ivec2 low = square * stride;
       ivec2 texel = low + (jitter(low) & (stride - 1));
-      if (all(lessThan(texel, ivec2(buffer_size)))) {
+      if (IS_TAKEN(square) && all(lessThan(texel, ivec2(buffer_size)))) {
         ivec2 label = texelFetch(labels, texel, 0).xy;
         if (label.x == cell) add_texel(sums, texel, area * float(label.y) / 65536.0, -1.0);
       }

@@ -4,7 +4,8 @@
 
 #define LIST_ROW 4096 // elements per row of a list texture
 #define GROUP_SIZE 16 // invocations per work group
-#define MAX_MARCH_STEPS 4096 // guard of the march; a straight line crosses at most 2 x 8192 texels between seams, far less in practice
+#define MAX_MARCH_STEPS                                                                                                          \
+  4096 // guard of the march; a straight line crosses at most 2 x 8192 texels between seams, far less in practice
 
 // Textures (sampler units).
 #define UNIT_TRIANGLES 0   // list, RGBA32F: E, F, G, area element of each triangle
@@ -14,47 +15,48 @@
 #define UNIT_BORDER 4      // buffer, RG32I: free texels around (or -number of border edges in this texel), first list entry
 #define UNIT_BORDER_LIST 5 // list, RG32I: border, chart
 #define UNIT_BORDER_UV 6   // list, RGBA32F: u0, v0, u1, v1 of each border, the chart on its left
-#define UNIT_LINKS 7       // list, RGBA32F, two a border: the matrix of M_e; its image of (u0, v0), twin (or -1 - kind), twin's chart
+#define UNIT_LINKS 7 // list, RGBA32F, two a border: the matrix of M_e; its image of (u0, v0), twin (or -1 - kind), twin's chart
 
-#define UNIT_LABELS 8      // buffer, RG32I: the cell of each texel, or -1; the part of it that its chart covers, of 65536
-#define UNIT_CORNERS 9     // list, RG32I: low texel of each cell's block
-#define UNIT_MAP 15        // buffer, RGBA32F: gradient of a map, its value
+#define UNIT_LABELS 8 // buffer, RG32I: the cell of each texel, or -1; the part of it that its chart covers, of 65536
+#define UNIT_BOXES 9  // list, RGBA32I: low texel, width and height of each cell's box
+#define UNIT_MAP 15   // buffer, RGBA32F: gradient of a map, its value
 
 // Uniforms of every program that writes or reads the area element.
 #define LOCATION_AREA_UNIT 30
 #define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
 
 // Of the pass that displaces baked texels, which shares no dispatch with those above.
-#define UNIT_HEIGHTS 8     // image, R32F: displacement
-#define UNIT_COLORS 9      // image, RGBA32F: normal map
-#define UNIT_VERTICES 10   // list, RGBA32F, three a bake vertex: position, the caller's u; normal, the caller's v; (u, v) in the layout
-#define UNIT_INDEX 11      // list, R32I: bake vertex of each corner
-#define UNIT_TANGENTS 12   // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
+#define UNIT_HEIGHTS 8 // image, R32F: displacement
+#define UNIT_COLORS 9  // image, RGBA32F: normal map
+#define UNIT_VERTICES                                                                                                            \
+  10 // list, RGBA32F, three a bake vertex: position, the caller's u; normal, the caller's v; (u, v) in the layout
+#define UNIT_INDEX 11    // list, R32I: bake vertex of each corner
+#define UNIT_TANGENTS 12 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
 
 // Storage buffers.
 #define BINDING_CENTERS 0
 #define BINDING_PATTERN 1
 #define BINDING_RESULTS 2
-#define BINDING_EDGES 3    // chart-edge lines to rasterize
-#define BINDING_AREAS 4    // the area element by which each cell is sampled
-#define BINDING_SUPPORTS 5 // what was found of each center's neighborhood before sampling
-#define BINDING_CELLS 6    // cells of all neighborhoods, one after another
+#define BINDING_EDGES 3      // chart-edge lines to rasterize
+#define BINDING_AREAS 4      // the area element by which each cell is sampled
+#define BINDING_SUPPORTS 5   // what was found of each center's neighborhood before sampling
+#define BINDING_CELLS 6      // cells of all neighborhoods, one after another
 #define BINDING_BARE_BEGIN 7 // (cells + 1) samples of triangles that no texel carries
-#define BINDING_BARE 8     // two vec4 each: position, area; normal and triangle
-#define BINDING_REACH 9    // of centers computed again: their numbers, where their triangles begin (one more), the triangles
+#define BINDING_BARE 8       // two vec4 each: position, area; normal and triangle
+#define BINDING_REACH 9      // of centers computed again: their numbers, where their triangles begin (one more), the triangles
 // In the affine and the paper's relocation, in place of the connected one's.
-#define BINDING_VISITS BINDING_SUPPORTS   // (centers of one dispatch, MAX_VISITS)
-#define BINDING_SEAMS BINDING_CELLS       // the seam of each border
+#define BINDING_VISITS BINDING_SUPPORTS      // (centers of one dispatch, MAX_VISITS)
+#define BINDING_SEAMS BINDING_CELLS          // the seam of each border
 #define BINDING_STRETCHES BINDING_BARE_BEGIN // (centers, STRETCH_DIRECTIONS)
-#define BINDING_PROGRESS BINDING_BARE     // (centers of one dispatch)
-#define MAX_VISITS 64         // charts, by way of a seam each, that one center's pattern is repeated on
-#define STRETCH_DIRECTIONS 16 // of the directional ellipse
-#define BINDING_MAP_CENTERS 12 // gradient and value of the map at each center
-#define BINDING_MAP_BARE 13  // the same at the samples of BINDING_BARE
-#define BINDING_MAP_EDGES 14 // the same at both ends of BINDING_EDGES
+#define BINDING_PROGRESS BINDING_BARE        // (centers of one dispatch)
+#define MAX_VISITS 64                        // charts, by way of a seam each, that one center's pattern is repeated on
+#define STRETCH_DIRECTIONS 16                // of the directional ellipse
+#define BINDING_MAP_CENTERS 12               // gradient and value of the map at each center
+#define BINDING_MAP_BARE 13                  // the same at the samples of BINDING_BARE
+#define BINDING_MAP_EDGES 14                 // the same at both ends of BINDING_EDGES
 
-// llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): what would
-// go beyond this many counts as lost instead.
+// llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): what
+// would go beyond this many counts as lost instead.
 #define MAX_ITERATIONS 60000
 
 // Where the second moments of a neighborhood deviate from a flat disk's by more than this part, its triangles are looked through.
@@ -69,9 +71,9 @@
 #define ROW_DESCRIPTORS 3
 
 // Values of a place's flags, added up.
-#define FLAG_CUT 1.0 // the mesh's boundary lies in the neighborhood
+#define FLAG_CUT 1.0         // the mesh's boundary lies in the neighborhood
 #define FLAG_ALL_SAMPLES 2.0 // adaptive sampling took all samples
-#define FLAG_NO_DISK 4.0 // folded, or thin: something may have come in that is not connected within the ball
+#define FLAG_NO_DISK 4.0     // folded, or thin: something may have come in that is not connected within the ball
 
 #ifdef __cplusplus
 namespace paradesc {
@@ -88,16 +90,16 @@ struct SupportData {
   float unused;
 };
 struct alignas(16) VisitData {
-  vec4 linear;       // columns of the linear part of the maps over the seams crossed
-  vec2 center;       // carried by them, in texels
+  vec4 linear; // columns of the linear part of the maps over the seams crossed
+  vec2 center; // carried by them, in texels
   int chart, seam;
-  int next;          // the next visit of the same chart, in a circle
-  float crossing;    // from the center to where the seam was met
+  int next;       // the next visit of the same chart, in a circle
+  float crossing; // from the center to where the seam was met
   vec2 unused;
 };
 struct alignas(16) EdgeData {
-  vec4 uv;               // u0, v0, u1, v1
-  vec4 position0_chart;  // xyz, w: chart
+  vec4 uv;                 // u0, v0, u1, v1
+  vec4 position0_chart;    // xyz, w: chart
   vec4 position1_triangle; // xyz, w: triangle (exact up to 2^24, which limits the mesh)
   vec4 normal0;
   vec4 normal1;

@@ -62,7 +62,7 @@ void Evaluator::set_borders(const Gl &gl, const BorderGrid &grid) {
 void Evaluator::set_cells(const Gl &gl, const Cells &cells, int buffer_size) {
   labels_ = Texture(gl, buffer_size, buffer_size, GL_RG32I);
   gl.TextureSubImage2D(labels_.id(), 0, 0, 0, buffer_size, buffer_size, GL_RG_INTEGER, GL_INT, cells.label.data());
-  corners_.upload(gl, GL_RG32I, cells.corner.data(), cells.corner.size() / 2);
+  boxes_.upload(gl, GL_RGBA32I, cells.box.data(), cells.box.size());
   cell_count_ = cells.count;
   block_size_ = cells.block_size;
   check_gl(gl, "cell upload");
@@ -71,7 +71,7 @@ void Evaluator::set_cells(const Gl &gl, const Cells &cells, int buffer_size) {
 void Evaluator::bind(const Gl &gl, const GeometryBuffer &buffer) const {
   buffer.bind();
   gl.BindTextureUnit(UNIT_LABELS, labels_.id());
-  gl.BindTextureUnit(UNIT_CORNERS, corners_.id());
+  gl.BindTextureUnit(UNIT_BOXES, boxes_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_AREAS, areas_.id());
   gl.Uniform1i(0, buffer.size());
   gl.Uniform1i(8, block_size_);

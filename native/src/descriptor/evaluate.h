@@ -78,7 +78,7 @@ private:
                       int first, int last) const;
 
   Texture border_, labels_;
-  ListTexture border_list_, border_uv_, links_, corners_;
+  ListTexture border_list_, border_uv_, links_, boxes_;
   Buffer centers_, pattern_, supports_, support_cells_, areas_, bare_begin_, bare_, reach_, results_, seams_, visits_, stretches_,
       progress_, map_centers_, map_bare_;
   size_t progress_bytes_ = 0;

@@ -30,9 +30,10 @@ Texture::Texture(const Gl &gl, int width, int height, GLenum format) : gl_(&gl) 
 }
 
 void ListTexture::upload(const Gl &gl, GLenum format, const void *elements, size_t count) {
-  const bool integer = format == GL_RG32I || format == GL_R32I;
-  const size_t channels = format == GL_RGBA32F ? 4 : format == GL_RG32I ? 2 : 1;
-  const GLenum layout = format == GL_RGBA32F ? GL_RGBA : format == GL_RG32I ? GL_RG_INTEGER : integer ? GL_RED_INTEGER : GL_RED;
+  const bool integer = format == GL_RGBA32I || format == GL_RG32I || format == GL_R32I;
+  const size_t channels = format == GL_RGBA32F || format == GL_RGBA32I ? 4 : format == GL_RG32I ? 2 : 1;
+  const GLenum floats = channels == 4 ? GL_RGBA : GL_RED;
+  const GLenum integers = channels == 4 ? GL_RGBA_INTEGER : channels == 2 ? GL_RG_INTEGER : GL_RED_INTEGER;
   const size_t rows = std::max<size_t>(1, (count + LIST_ROW - 1) / LIST_ROW);
   GLint limit = 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
@@ -44,8 +45,8 @@ void ListTexture::upload(const Gl &gl, GLenum format, const void *elements, size
   const size_t element = channels * 4;
   staging_.assign(rows * LIST_ROW * element, std::byte{0});
   if (count) std::memcpy(staging_.data(), elements, count * element);
-  gl.TextureSubImage2D(texture_.id(), 0, 0, 0, LIST_ROW, static_cast<GLsizei>(rows), layout, integer ? GL_INT : GL_FLOAT,
-                       staging_.data());
+  gl.TextureSubImage2D(texture_.id(), 0, 0, 0, LIST_ROW, static_cast<GLsizei>(rows), integer ? integers : floats,
+                       integer ? GL_INT : GL_FLOAT, staging_.data());
 }
 
 } // namespace paradesc

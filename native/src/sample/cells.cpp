@@ -203,8 +203,6 @@ private:
         const int32_t root = unions.root(texel);
         if (root == texel) {
           cells_.label[static_cast<size_t>(texel)] = cells_.count++;
-          cells_.corner.push_back(x / block * block);
-          cells_.corner.push_back(y / block * block);
         } else {
           cells_.label[static_cast<size_t>(texel)] = cells_.label[static_cast<size_t>(root)];
         }
@@ -257,6 +255,15 @@ private:
         covered[2 * texel + 1] = part * 4096;
       }
     cells_.label = std::move(covered);
+    std::vector<ivec4> bounds(static_cast<size_t>(cells_.count), ivec4(size_, size_, 0, 0)); // low, past the end
+    for (int y = 0; y < size_; ++y)
+      for (int x = 0; x < size_; ++x) {
+        const int32_t cell = cells_.label[2 * map_.index(x, y)];
+        if (cell < 0) continue;
+        ivec4 &box = bounds[static_cast<size_t>(cell)];
+        box = ivec4(std::min(box.x, x), std::min(box.y, y), std::max(box.z, x + 1), std::max(box.w, y + 1));
+      }
+    for (const ivec4 box : bounds) cells_.box.push_back(box.z > 0 ? ivec4(box.x, box.y, box.z - box.x, box.w - box.y) : ivec4(0));
   }
 
   // The cell of a texel on a border, and how many of 16 places in it lie on the chart. A texel whose center is off the chart goes
