@@ -87,6 +87,9 @@ struct Sums {
   Moments moments;
 #if INTEGRAL
   BallTerms ball;
+#if EXTRAPOLATED
+  BallTerms half_ball; // of half the radius
+#endif
   AreaTerms areas;
 #endif
   States states;
@@ -122,6 +125,11 @@ Support finish_support(Sums sums, float scale) {
 #if INTEGRAL
   if (!(m.area > 0.0)) return support;
   support.mean = ball_mean_curvature(sums.ball, support);
+#if EXTRAPOLATED
+  Support half_support = support;
+  half_support.radius *= 0.5;
+  support.mean = (4.0 * ball_mean_curvature(sums.half_ball, half_support) - support.mean) / 3.0;
+#endif
   support.gauss = area_gaussian_curvature(area_finish(sums.areas, sums.areas.inside, support), radius);
   float root = sqrt(max(support.mean * support.mean - support.gauss, 0.0));
   support.k1 = support.mean + root;
@@ -182,6 +190,11 @@ void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool 
   sums.moments.yy += neighbor.weight * dot(y, y);
 #if INTEGRAL
   ball_add(sums.ball, sums.center, neighbor);
+#if EXTRAPOLATED
+  Neighbor inner = neighbor;
+  inner.weight = area * rim_share(neighbor.distance, 0.5 * radius, area);
+  if (inner.weight > 0.0) ball_add(sums.half_ball, sums.center, inner);
+#endif
   area_add(sums.areas, sums.center, neighbor);
 #endif
 #if MAP
@@ -289,6 +302,9 @@ void main() {
   sums.moments = Moments(0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
 #if INTEGRAL
   ball_init(sums.ball);
+#if EXTRAPOLATED
+  ball_init(sums.half_ball);
+#endif
   area_init(sums.areas);
 #endif
   states_init(sums.states);

@@ -96,7 +96,7 @@ void check_options(const pdesc_options &options) {
   check_range("normals", options.normals, PDESC_NORMALS_FITTED, PDESC_NORMALS_MESH);
   check_range("max_jumps", options.max_jumps, 0, 64);
   check_range("relocation", options.relocation, PDESC_RELOCATION_CONNECTED, PDESC_RELOCATION_PAPER);
-  check_range("estimator", options.estimator, PDESC_ESTIMATOR_SHAPE_OPERATOR, PDESC_ESTIMATOR_INTEGRAL);
+  check_range("estimator", options.estimator, PDESC_ESTIMATOR_SHAPE_OPERATOR, PDESC_ESTIMATOR_EXTRAPOLATED);
   check_range("variance_reduction", options.variance_reduction, PDESC_VARIANCE_REDUCTION_SHAPE, PDESC_VARIANCE_REDUCTION_NONE);
   check_range("geodesic", options.geodesic, PDESC_GEODESIC_LOCAL, PDESC_GEODESIC_CHORDS);
   check_range("distance", options.distance, PDESC_DISTANCE_EUCLIDEAN, PDESC_DISTANCE_GEODESIC);

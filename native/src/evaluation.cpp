@@ -178,7 +178,7 @@ static EvaluateSettings settings_of(const Mesh &mesh, const pdesc_options &optio
   settings.radius = static_cast<float>(radius * frame.buffer_frame.scale);
   settings.enlargement = options.relocation == PDESC_RELOCATION_CONNECTED ? ellipse_enlargement : frame.enlargement;
   settings.relocation = options.relocation;
-  settings.integral = options.estimator == PDESC_ESTIMATOR_INTEGRAL;
+  settings.estimator = options.estimator;
   settings.plain = options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE;
   settings.geodesic_ball = options.distance == PDESC_DISTANCE_GEODESIC;
   settings.adaptive = static_cast<float>(options.adaptive);

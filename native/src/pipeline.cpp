@@ -154,7 +154,7 @@ static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &opti
   Clock clock;
   const Normals normals = prepare_normals(mesh, options.normals);
   field.report.seconds_prepare = clock.lap();
-  ReferenceSettings settings{radius, options.estimator == PDESC_ESTIMATOR_INTEGRAL, options.distance == PDESC_DISTANCE_GEODESIC};
+  ReferenceSettings settings{radius, options.estimator, options.distance == PDESC_DISTANCE_GEODESIC};
   settings.map_radius = radius;
   settings.harris_k = options.harris_k;
   const auto points = static_cast<size_t>(mesh.half_edges.point_count);

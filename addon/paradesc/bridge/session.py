@@ -30,7 +30,11 @@ RELOCATIONS = {
     "affine": abi.RELOCATION_AFFINE,
     "paper": abi.RELOCATION_PAPER,
 }
-ESTIMATORS = {"shape-operator": abi.ESTIMATOR_SHAPE_OPERATOR, "integral": abi.ESTIMATOR_INTEGRAL}
+ESTIMATORS = {
+    "shape-operator": abi.ESTIMATOR_SHAPE_OPERATOR,
+    "integral": abi.ESTIMATOR_INTEGRAL,
+    "extrapolated": abi.ESTIMATOR_EXTRAPOLATED,
+}
 VARIANCE_REDUCTIONS = {"shape": abi.VARIANCE_REDUCTION_SHAPE, "none": abi.VARIANCE_REDUCTION_NONE}
 GEODESICS = {"local": abi.GEODESIC_LOCAL, "chords": abi.GEODESIC_CHORDS}
 DISTANCES = {"euclidean": abi.DISTANCE_EUCLIDEAN, "geodesic": abi.DISTANCE_GEODESIC}

@@ -145,9 +145,10 @@ static std::string variant_of(const EvaluateSettings &settings, bool half) {
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) +
          define("PAPER", settings.relocation == PDESC_RELOCATION_PAPER) +
          define("DIRECTIONAL", settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) + define("CHORDS", settings.chords) +
-         define("INTEGRAL", settings.integral) + define("GEODESIC_BALL", settings.geodesic_ball) +
-         define("ADAPTIVE", settings.adaptive > 0.0f) + define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) +
-         (half ? "#define HALF_FLOATS\n" : "");
+         define("INTEGRAL", settings.estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR) +
+         define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
+         define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
+         define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) + (half ? "#define HALF_FLOATS\n" : "");
 }
 
 // What samples read that are carried over seams by walks.

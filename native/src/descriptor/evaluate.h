@@ -30,7 +30,7 @@ struct EvaluateSettings {
   float radius;                   // in buffer units
   float enlargement;              // of the sampling ellipse over the radius
   int relocation;                 // pdesc_relocation
-  bool integral;                  // curvatures by the paper's integrals; else by the shape operator
+  int estimator;                  // pdesc_estimator of the curvatures
   bool plain;                     // no control variate
   bool geodesic_ball;             // the neighborhood ends where the distance along the surface exceeds the radius
   float adaptive;                 // 0: all samples everywhere

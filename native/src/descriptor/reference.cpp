@@ -190,10 +190,15 @@ void fit_shape_operator(const Moments &moments, const Center &center, ReferenceN
   neighborhood.direction_min = glm::cross(center.normal, neighborhood.direction_max);
 }
 
-// Paper eq. (8), (11) and (10).
-void take_integrals(ReferenceNeighborhood &neighborhood) {
+// Paper eq. (8).
+double ball_mean_curvature(const ReferenceNeighborhood &neighborhood) {
+  return neighborhood.rho > 0 ? -8.0 / (3.0 * neighborhood.radius) * neighborhood.height / neighborhood.rho : undefined;
+}
+
+// Paper eq. (11) and (10), with this H.
+void take_integrals(ReferenceNeighborhood &neighborhood, double mean) {
   const double r = neighborhood.radius, square = r * r;
-  neighborhood.mean = neighborhood.rho > 0 ? -8.0 / (3.0 * r) * neighborhood.height / neighborhood.rho : undefined;
+  neighborhood.mean = mean;
   neighborhood.gauss = 12.0 * (pi * square - neighborhood.geodesic_area) / (pi * square * square);
   const double root = std::sqrt(std::max(neighborhood.mean * neighborhood.mean - neighborhood.gauss, 0.0));
   neighborhood.k1 = neighborhood.mean + root;
@@ -215,6 +220,20 @@ public:
   explicit Flood(const Surface &surface) : surface_(surface), stamp_(static_cast<size_t>(surface.triangles.triangle_count), -1) {}
 
   ReferenceNeighborhood measure(int point, const ReferenceSettings &settings) {
+    ReferenceNeighborhood neighborhood = measure_once(point, settings);
+    if (settings.estimator == PDESC_ESTIMATOR_SHAPE_OPERATOR) return neighborhood;
+    double mean = ball_mean_curvature(neighborhood);
+    if (settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) {
+      ReferenceSettings half = settings;
+      half.radius *= 0.5;
+      mean = (4 * ball_mean_curvature(measure_once(point, half)) - mean) / 3;
+    }
+    take_integrals(neighborhood, mean);
+    return neighborhood;
+  }
+
+private:
+  ReferenceNeighborhood measure_once(int point, const ReferenceSettings &settings) {
     const double radius = settings.radius;
     start(point, settings);
     Moments moments;
@@ -233,7 +252,6 @@ public:
     neighborhood.bending = moments.bending;
     neighborhood.geodesic_area = moments.area - (settings.geodesic_ball ? 0.0 : moments.strip);
     fit_shape_operator(moments, center_, neighborhood);
-    if (settings.integral) take_integrals(neighborhood);
     if (!center_.with_map) return neighborhood;
     neighborhood.window = finish_window(moments.window, center_.tangent, center_.bitangent, radius);
     neighborhood.window.harris_k = settings.harris_k;
@@ -241,9 +259,9 @@ public:
     return neighborhood;
   }
 
-private:
   void start(int point, const ReferenceSettings &settings) {
     point_ = point;
+    ++mark_;
     const auto i = static_cast<size_t>(point);
     position_ = dvec3(surface_.triangles.positions[static_cast<size_t>(surface_.half_edges.point_vertex[i])]);
     const dvec3 n = glm::normalize(dvec3(surface_.normals.point[i]));
@@ -269,8 +287,8 @@ private:
 
   void enter(int face) {
     int &stamp = stamp_[static_cast<size_t>(face)];
-    if (stamp == point_) return;
-    stamp = point_;
+    if (stamp == mark_) return;
+    stamp = mark_;
     stack_.push_back(face);
   }
 
@@ -305,6 +323,7 @@ private:
   const Surface &surface_;
   std::vector<int32_t> stamp_, stack_;
   int point_ = -1;
+  int32_t mark_ = 0; // of this flood
   dvec3 position_{0};
   Center center_{};
 };

@@ -47,7 +47,7 @@ struct ReferenceField {
 
 struct ReferenceSettings {
   double radius;
-  bool integral = false;                  // curvatures by the paper's integrals; else by the shape operator
+  int32_t estimator = 0;                  // pdesc_estimator of the curvatures
   bool geodesic_ball = false;             // the neighborhood ends where the distance along the surface exceeds the radius
   const std::vector<vec4> *map = nullptr; // (point_count) gradient and value of what operators work on; they need one
   double map_radius = 0;                  // at which it was computed
