@@ -23,7 +23,7 @@ RELOCATIONS = [
 ESTIMATORS = [
     ("shape-operator", "Shape operator", "Curvatures of the surface fitted to the neighborhood; exact at every radius"),
     ("integral", "Integral", "The paper's: mean curvature from volume, Gaussian from geodesic area; for large radii"),
-    ("extrapolated", "Extrapolated", "The integral with mean curvature extrapolated from r and r/2 to r = 0; for r above 15 edges"),
+    ("extrapolated", "Extrapolated", "The integral, mean curvature extrapolated to r = 0; for radii above 12 edges"),
 ]
 VARIANCE_REDUCTIONS = [
     ("shape", "Shape operator", "Integrate only what the shape operator does not explain: far less noise"),
