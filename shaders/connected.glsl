@@ -81,8 +81,9 @@ void sample_support(inout Sums sums, CenterData data, int index) {
       int k = bare_first + i - squares;
       vec4 point = bare[2 * k];
       vec3 offset = point.xyz - sums.center.position;
-      if (is_reached(int(bare[2 * k + 1].w)))
-        add_neighbor(sums, point.xyz, bare[2 * k + 1].xyz, BARE_SHARE * point.w, dot(offset, offset) < point.w, -1.0, MAP_OF_BARE(k));
+      int triangle = int(bare[2 * k + 1].w);
+      if (is_reached(triangle))
+        add_neighbor(sums, point.xyz, bare[2 * k + 1].xyz, triangle, BARE_SHARE * point.w, dot(offset, offset) < point.w, -1.0, MAP_OF_BARE(k));
     }
     ++i;
   }

@@ -39,6 +39,9 @@ layout(std430, binding = BINDING_MAP_BARE) readonly restrict buffer MapBare { ve
 #else
 #define MAP_OF_BARE(i) vec4(0.0)
 #endif
+#if FACES
+layout(binding = UNIT_FACES) uniform sampler2D faces;
+#endif
 layout(location = 2) uniform int first;
 layout(location = 3) uniform int last;
 layout(location = 4) uniform int total;
@@ -163,13 +166,16 @@ float geodesic_distance(Center center, Neighbor neighbor) {
 vec3 turn_to(vec3 n, vec3 m, vec3 v) { return v - (n + m) * (dot(n, v) / max(1.0 + dot(n, m), LEAST_TURN)); }
 #endif
 
-// One place of the surface. near: nearer to the center than texels can tell. geodesic: its distance along the surface where that is
+// One place of the surface, on that triangle. near: nearer to the center than texels can tell. geodesic: its distance along the surface where that is
 // known, else below 0. map: gradient and value of f there.
-void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool near, float geodesic, vec4 map) {
+void add_neighbor(inout Sums sums, vec3 position, vec3 normal, int triangle, float area, bool near, float geodesic, vec4 map) {
   Neighbor neighbor;
   neighbor.offset = position - sums.center.position;
   neighbor.rho = length(neighbor.offset);
   neighbor.normal = normal;
+#if FACES
+  neighbor.face = texelFetch(faces, list_place(triangle), 0).xyz;
+#endif
   neighbor.area = area;
   neighbor.geodesic = geodesic < 0.0 ? geodesic_distance(sums.center, neighbor) : geodesic;
 #if GEODESIC_BALL
@@ -208,10 +214,13 @@ void add_neighbor(inout Sums sums, vec3 position, vec3 normal, float area, bool 
 
 // One texel: cell is the area in (u, v) that it stands for.
 void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
-#if EXACT
+#if EXACT || FACES
   int triangle = texelFetch(ids, texel, 0).y;
-  if (!is_reached(triangle < 0 ? -1 - triangle : triangle)) return;
+  if (triangle < 0) triangle = -1 - triangle;
+#else
+  const int triangle = -1;
 #endif
+  if (!is_reached(triangle)) return;
   vec3 normal;
   vec4 point = surface_at(texel, normal);
   bool near = length(point.xyz - sums.center.position) * float(buffer_size) < sqrt(point.w);
@@ -220,7 +229,7 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
 #else
   const vec4 map = vec4(0.0);
 #endif
-  add_neighbor(sums, point.xyz, normal, point.w * cell, near, geodesic, map);
+  add_neighbor(sums, point.xyz, normal, triangle, point.w * cell, near, geodesic, map);
 }
 
 #if AFFINE || PAPER

@@ -9,13 +9,19 @@ struct AreaTerms {
 void area_init(out AreaTerms terms) { terms = AreaTerms(0.0, 0.0, 0.0, 0.0, vec4(0.0)); }
 void area_add(inout AreaTerms terms, Center center, Neighbor neighbor) {
   terms.inside += neighbor.area * rim_share(neighbor.geodesic, center.radius, neighbor.area);
+#if FACES
+  terms.projected += neighbor.weight * dot(center.normal, neighbor.face);
+#else
   terms.projected += neighbor.weight * dot(center.normal, neighbor.normal);
+#endif
   float height = dot(center.normal, neighbor.offset);
   float flat_square = neighbor.rho * neighbor.rho - height * height;
   float square = neighbor.distance * neighbor.distance;
-  float weight = neighbor.weight * square * square;
+  float outer = square / (center.radius * center.radius);
+  float share = neighbor.weight * outer * outer * outer * outer; // what counts is the rim
+  float weight = share * square * square;
   vec2 e = neighbor.direction;
-  terms.bend += neighbor.weight * (square - flat_square);
+  terms.bend += share * (square - flat_square);
   terms.moment += weight;
   terms.moments += weight * vec4(e.x * e.x * e.x * e.x, e.x * e.x * e.x * e.y, e.x * e.x * e.y * e.y, e.x * e.y * e.y * e.y);
 }
@@ -34,7 +40,8 @@ float area_finish(AreaTerms terms, float area, Support support) {
   float c = RIM_BEND * mean + (terms.bend - RIM_BEND * area_explained(terms, support.shape)) / terms.moment;
   float square = support.radius * support.radius;
   float exact = PI * square * (1.0 - c * square);
-  // Samples miss an area by a per cent, rarely by three. Where the difference is larger, the faces are rougher than their normals say.
+  // Samples miss an area by a per cent, rarely by three. Where the difference is larger, the projection is no such disk, or the normals of
+  // a displaced surface do not tell how it lies.
   float correction = support.variate * (exact - support.scale * terms.projected);
   return support.scale * area + correction * (1.0 - smoothstep(0.04, 0.07, abs(correction) / (PI * square)));
 }

@@ -16,6 +16,9 @@ struct Neighbor {
   vec3 offset;     // d = q - p
   float rho;       // |d|
   vec3 normal;     // n_i, unit
+#if FACES
+  vec3 face;       // unit normal of the triangle it lies on
+#endif
   vec2 direction;  // unit tangent direction e of d
   float geodesic;  // s, the distance along the surface
   float distance;  // rho or s: what bounds the neighborhood

@@ -19,6 +19,7 @@
 
 #define UNIT_LABELS 8 // buffer, RG32I: the cell of each texel, or -1; the part of it that its chart covers, of 65536
 #define UNIT_BOXES 9  // list, RGBA32I: low texel, width and height of each cell's box
+#define UNIT_FACES 14 // list, RGBA32F: unit normal of each triangle
 #define UNIT_MAP 15   // buffer, RGBA32F: gradient of a map, its value
 
 // Uniforms of every program that writes or reads the area element.

@@ -100,12 +100,25 @@ static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius
   }
 }
 
+// (triangle_count) unit normals; 0 of a triangle without area.
+static std::vector<vec4> face_normals(const Triangles &triangles) {
+  std::vector<vec4> normals(static_cast<size_t>(triangles.triangle_count));
+  for (size_t t = 0; t < normals.size(); ++t) {
+    auto corner = [&](size_t k) { return triangles.positions[static_cast<size_t>(triangles.corner_vertex[3 * t + k])]; };
+    const dvec3 first(corner(0)), normal = cross(dvec3(corner(1)) - first, dvec3(corner(2)) - first);
+    const double size = length(normal);
+    normals[t] = size > 0.0 ? vec4(vec3(normal / size), 0.0f) : vec4(0.0f);
+  }
+  return normals;
+}
+
 // All centers of the frame, from one fraction of the whole to another.
 static void evaluate(Mesh &mesh, const EvaluateSettings &settings, const Frame &frame, const Progress &progress, double from,
                      double to) {
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) {
     mesh.device->evaluator.set_links(gl, frame.links, frame.seams);
     mesh.device->evaluator.set_centers(gl, frame.centers, settings);
+    if (settings.faces()) mesh.device->evaluator.set_faces(gl, face_normals(mesh.triangles));
   });
   evaluate_tiles(mesh, settings, static_cast<int>(frame.centers.size()), progress, from, to);
 }
@@ -180,6 +193,7 @@ static EvaluateSettings settings_of(const Mesh &mesh, const pdesc_options &optio
   settings.relocation = options.relocation;
   settings.estimator = options.estimator;
   settings.plain = options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE;
+  settings.mapped = frame.mapped.has_value();
   settings.geodesic_ball = options.distance == PDESC_DISTANCE_GEODESIC;
   settings.adaptive = static_cast<float>(options.adaptive);
   settings.map_radius = settings.radius;

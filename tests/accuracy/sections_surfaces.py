@@ -247,8 +247,8 @@ def integral_k(bench, out, quick):
 
 def extrapolation(bench, out, quick):
     out.say(
-        "The integral H is off by a term in r², which Richardson's step from r and r/2 takes away; facets leave another "
-        "in (edge/r)², which the step enlarges. So it pays for radii above a dozen mean edges."
+        "The integral H is off by a term in r², which Richardson's step from r and r/2 takes away; facets leave "
+        "another in (edge/r)², which the step enlarges. So it pays for radii above a dozen mean edges."
     )
     radii = (0.04, 0.08) if quick else (0.02, 0.04, 0.08, 0.12, 0.16)
     rows = []

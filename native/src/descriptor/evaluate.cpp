@@ -1,6 +1,9 @@
 // Descriptor files → one program that shares one sampling; centers → tiles → results.
 #include "descriptor/evaluate.h"
 
+#include <algorithm>
+#include <string_view>
+
 #include "descriptor/registry.h"
 #include "sample/pattern.h"
 
@@ -10,6 +13,17 @@ size_t EvaluateSettings::value_rows() const {
   size_t rows = 0;
   for (const int descriptor : this->descriptors) rows += static_cast<size_t>(descriptor_row(descriptor).components);
   return rows;
+}
+
+// Descriptors of areas share the sums of geodesic.glsl.
+bool EvaluateSettings::faces() const {
+  auto measures_area = [](int descriptor) {
+    const std::string file = std::string("descriptors/") + descriptor_row(descriptor).name + ".glsl";
+    return std::ranges::any_of(embedded_shaders(), [&](const EmbeddedShader &shader) {
+      return shader.path == file && std::string_view(shader.text).find("\"geodesic.glsl\"") != std::string_view::npos;
+    });
+  };
+  return !mapped && (estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR || std::ranges::any_of(descriptors, measures_area));
 }
 
 // Each descriptor's file defines the same names; they are told apart by renaming them while its text is compiled.
@@ -106,6 +120,11 @@ void Evaluator::set_supports(const Gl &gl, const Supports &supports, const BareS
   check_gl(gl, "support upload");
 }
 
+void Evaluator::set_faces(const Gl &gl, const std::vector<vec4> &normals) {
+  faces_.upload(gl, GL_RGBA32F, normals.data(), normals.size());
+  check_gl(gl, "face upload");
+}
+
 void Evaluator::set_reach(const Gl &gl, std::span<const int32_t> centers, const Reach &reach) {
   std::vector<int32_t> all(centers.begin(), centers.end());
   reach_count_ = static_cast<int>(all.size());
@@ -148,7 +167,8 @@ static std::string variant_of(const EvaluateSettings &settings, bool half) {
          define("INTEGRAL", settings.estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR) +
          define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
-         define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) + (half ? "#define HALF_FLOATS\n" : "");
+         define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) + define("FACES", settings.faces()) +
+         (half ? "#define HALF_FLOATS\n" : "");
 }
 
 // What samples read that are carried over seams by walks.
@@ -244,6 +264,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
     gl.Uniform1f(13, settings.harris_k);
     gl.Uniform1f(14, settings.map_radius);
   }
+  if (settings.faces()) gl.BindTextureUnit(UNIT_FACES, faces_.id());
   if (settings.exact) {
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_REACH, reach_.id());
     gl.Uniform1i(15, reach_count_);

@@ -34,6 +34,7 @@ struct EvaluateSettings {
   bool plain;                     // no control variate
   bool geodesic_ball;             // the neighborhood ends where the distance along the surface exceeds the radius
   float adaptive;                 // 0: all samples everywhere
+  bool mapped = false;            // the surface is displaced: its faces are not the mesh's
   bool exact = false;             // the centers of set_reach again, on the triangles they reach
   const MapBuffer *map = nullptr; // what operators read
   float map_radius = 0;           // at which it was computed, in buffer units
@@ -45,6 +46,8 @@ struct EvaluateSettings {
     if (relocation == PDESC_RELOCATION_CONNECTED) return std::numeric_limits<int>::max();
     return relocation == PDESC_RELOCATION_PAPER ? 16384 : 65536;
   }
+  // Whether areas are measured, which the normals of faces make exact.
+  bool faces() const;
   // Rows of values among the results, after ROW_DESCRIPTORS.
   size_t value_rows() const;
 };
@@ -60,6 +63,8 @@ public:
   // Of a frame.
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
   void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
+  // (triangle_count) unit normals, for settings that ask for faces.
+  void set_faces(const Gl &gl, const std::vector<vec4> &normals);
   void set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare);
   // The map where it is not read from texels: at the centers, and at the samples of BareSamples.
   void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &bare);
@@ -78,7 +83,7 @@ private:
                       int first, int last) const;
 
   Texture border_, labels_;
-  ListTexture border_list_, border_uv_, links_, boxes_;
+  ListTexture border_list_, border_uv_, links_, boxes_, faces_;
   Buffer centers_, pattern_, supports_, support_cells_, areas_, bare_begin_, bare_, reach_, results_, seams_, visits_, stretches_,
       progress_, map_centers_, map_bare_;
   size_t progress_bytes_ = 0;
