@@ -359,7 +359,7 @@ def add_material(made: bpy.types.Object, name: str, pixels: np.ndarray) -> tuple
     image.pixels.foreach_set(rgba.ravel())
     image.pack()
     material = bpy.data.materials.new(name)
-    if material.node_tree is None:
+    if material.node_tree is None:  # before Blender 5.0
         material.use_nodes = True
     made.data.materials.append(material)
     texture = material.node_tree.nodes.new("ShaderNodeTexImage")
@@ -410,17 +410,23 @@ SAMPLES: dict[str, Callable[[], bpy.types.Object]] = {
 
 
 def add_camera(made: bpy.types.Object) -> None:
-    """A camera that sees all of the object, and a sun from behind it, so that the scene can be rendered."""
+    """A camera that sees all of the object, and a sun from the camera's left, before grey, so that it renders."""
     corners = np.array([made.matrix_world @ Vector(corner) for corner in made.bound_box])
     middle, diagonal = corners.mean(axis=0), np.linalg.norm(np.ptp(corners, axis=0))
-    away = Vector((0.45, -1.0, 0.6)).normalized()
-    turn = away.to_track_quat("Z", "Y").to_euler()
-    for name, content in (("camera", bpy.data.cameras.new("camera")), ("sun", bpy.data.lights.new("sun", "SUN"))):
+    contents = {"camera": bpy.data.cameras.new("camera"), "sun": bpy.data.lights.new("sun", "SUN")}
+    for (name, content), away in zip(contents.items(), ((0.45, -1.0, 0.6), (-0.5, -0.8, 1.0)), strict=True):
         placed = bpy.data.objects.new(name, content)
-        placed.location, placed.rotation_euler = Vector(middle) + 2.0 * float(diagonal) * away, turn
+        direction = Vector(away).normalized()
+        placed.location = Vector(middle) + 2.0 * float(diagonal) * direction
+        placed.rotation_euler = direction.to_track_quat("Z", "Y").to_euler()
         bpy.context.collection.objects.link(placed)
     bpy.context.scene.camera = bpy.data.objects["camera"]
-    bpy.data.objects["sun"].data.energy = 3.0
+    contents["sun"].energy = 3.0
+    world = bpy.data.worlds.new("world")
+    if world.node_tree is None:  # before Blender 5.0
+        world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.3, 0.3, 1.0)
+    bpy.context.scene.world = world
 
 
 def make(name: str) -> bpy.types.Object:
