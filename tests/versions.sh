@@ -105,12 +105,16 @@ make_chroot() {
   touch "$1/ready"
 }
 
-# in_program: the tests in the installed Blender itself; pytest comes from an environment for Python 3.11.
+# in_program: the tests in the installed Blender itself; only pytest comes from an environment beside it.
 in_program() {
+  local environment=$environments/pytest
   command -v blender >/dev/null || fail "There is no blender here."
-  make_environment "${REQUIREMENTS[@]}" "${TEST_REQUIREMENTS[@]}"
+  "$environment/bin/python" -c 'import pytest' 2>/dev/null || {
+    python3 -m venv --clear "$environment" &&
+      "$environment/bin/python" -m pip install -q --disable-pip-version-check "${TEST_REQUIREMENTS[@]}"
+  } || fail "pip could not install ${TEST_REQUIREMENTS[*]}."
   exec blender -b --factory-startup -P "$root/tests/addon/run_in_blender.py" -- \
-    "$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')" -q ${words[@]+"${words[@]}"}
+    "$("$environment/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')" -q ${words[@]+"${words[@]}"}
 }
 
 mkdir -p "$environments"
