@@ -12,16 +12,37 @@ fi
 build_library paradesc
 
 samples=$root/blend_samples
-mkdir -p "$samples/out"
+out=$samples/out
+mkdir -p "$out"
 "$python" "$samples/make_samples.py" "$samples" >/dev/null
-for name in torus suzanne; do
-  "$python" -m paradesc bake "$samples/$name.blend" --descriptors mean_curvature,shape_index --radius 0.02 \
-    --output "$samples/out/$name.blend" --output "$samples/out/$name.png" --json "$samples/out/$name.json"
-done
+
+# bake NAME DESCRIPTORS OPTION...: one sample into a scene with attributes and colors, a picture and a report.
+bake() {
+  local name=$1 descriptors=$2
+  shift 2
+  echo
+  echo "== $name"
+  "$python" -m paradesc bake "$samples/$name.blend" --descriptors "$descriptors" "$@" \
+    --output "$out/$name.blend" --output "$out/$name.png" --json "$out/$name.json"
+  baked+=("$name")
+}
+
+baked=()
+bake 01_curvature_suzanne mean_curvature,shape_index --radius 0.02
+bake 02_charts_torus mean_curvature,gaussian_curvature --radius 0.02
+bake 03_genus_20_rim mean_curvature,shape_index --radius 0.02
+bake 04_armature_cylinder mean_curvature --radius 0.04
+bake 05_shape_key_ellipsoid mean_curvature --radius 0.04
+bake 06_udim_sphere mean_curvature --radius 0.04
+bake 07_mirrored_suzanne mean_curvature,shape_index --radius 0.02
+bake 08_displaced_waves mean_curvature,shape_index --radius 0.01 --material-maps
+bake 09_normal_mapped_waves mean_curvature,shape_index --radius 0.01 --material-maps
+bake 10_no_uv_map_torus mean_curvature,gaussian_curvature --radius 0.02
+bake 11_fragmented_sphere mean_curvature --radius 0.04
 
 echo
-echo "The samples with their descriptors as attributes and colors, and pictures of them:"
-for name in torus suzanne; do
-  echo "  $samples/out/$name.blend"
-  echo "  $samples/out/$name.png"
+echo "The samples (blend_samples/README.md says what each shows), with their descriptors as attributes and colors, and pictures:"
+for name in "${baked[@]}"; do
+  echo "  $out/$name.blend"
+  echo "  $out/$name.png"
 done

@@ -23,11 +23,12 @@ def open_scene(path: Path, verbose: bool = False) -> None:
         raise refuse(f'There is no file "{path}".')
     try:
         with quiet(verbose):
+            whole = path.absolute()  # of the rest Blender would ask $PWD, which need not be the working directory
             if suffix == ".blend":
-                bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+                bpy.ops.wm.open_mainfile(filepath=str(whole), load_ui=False)
             else:
                 bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-                import_file(path, suffix)
+                import_file(whole, suffix)
     except (RuntimeError, ValueError, KeyError, IndexError, TypeError, AttributeError, OSError) as error:
         raise refuse(f'Blender cannot read "{path}": {reason(error)}.') from error
 

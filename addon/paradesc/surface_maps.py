@@ -132,7 +132,8 @@ def read_linear(image: bpy.types.Image) -> np.ndarray:
 def read_material(target: bpy.types.Object, maps: SurfaceMaps) -> list[str]:
     """Fills the maps from the object's material; gives a sentence about each."""
     material = single_material(target)
-    output = material.node_tree.get_output_node("ALL") if material.use_nodes and material.node_tree else None
+    uses_nodes = bpy.app.version >= (5, 0, 0) or material.use_nodes  # nothing else since Blender 5.0
+    output = material.node_tree.get_output_node("ALL") if uses_nodes and material.node_tree else None
     notes = []
     if output is not None:
         notes += read_displacement_node(target, material, output, maps)

@@ -319,10 +319,10 @@ def test_malformed_mesh_gives_results_for_its_sound_vertices(paradesc, tmp_path,
 def test_infinite_coordinates_that_blender_sets_to_zero_leave_the_faces_with_area(paradesc, tmp_path):
     accepted(paradesc("bake", real_mesh("malformed/infinite_coordinates.glb"), *QUICK, "--output", "out.npz"))
     arrays = loaded(tmp_path / "out.npz")
-    assert (arrays["vertices"][:, 0] == 0).all()  # a cube pressed flat, without a UV map
+    assert (arrays["vertices"][:, 0] == 0).all()  # a cube pressed flat, without a UV map; in Blender 5.2 to a point
     defined = np.isfinite(arrays["mean_curvature"])
     # Before Blender 4 the unwrap gives the flat sides no area either.
-    assert defined.sum() == (8 if bpy.app.version >= (4, 0) else 0)
+    assert defined.sum() == (8 if bpy.app.version >= (4, 0) and arrays["vertices"].any() else 0)
     np.testing.assert_allclose(arrays["mean_curvature"][defined], 0.0, atol=1e-5)
 
 

@@ -78,6 +78,18 @@ def test_blender_reads_an_exr_of_one_descriptor_as_it_was_written(tmp_path):
         assert np.array_equal(read[::-1, :, channel], written)
 
 
+def compositor(bpy, scene):
+    """The scene's compositing nodes, emptied but for the output."""
+    if hasattr(scene, "compositing_node_group"):  # since Blender 5.0
+        tree = bpy.data.node_groups.new("compositor", "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        scene.compositing_node_group = tree
+        return tree, tree.nodes.new("NodeGroupOutput")
+    scene.use_nodes = True
+    scene.node_tree.nodes.clear()
+    return scene.node_tree, scene.node_tree.nodes.new("CompositorNodeComposite")
+
+
 def test_blender_finds_a_layer_a_descriptor(paradesc, sphere_obj, tmp_path):
     bpy = pytest.importorskip("bpy", reason="needs Blender")
     names = ("mean_curvature", "principal_direction_max")
@@ -85,9 +97,7 @@ def test_blender_finds_a_layer_a_descriptor(paradesc, sphere_obj, tmp_path):
     assert process.returncode == 0, process.stderr
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    scene.use_nodes = True
-    tree = scene.node_tree
-    tree.nodes.clear()
+    tree, output = compositor(bpy, scene)
     node = tree.nodes.new("CompositorNodeImage")
     node.image = bpy.data.images.load(str(tmp_path / "out.exr"))
     assert node.image.type == "MULTILAYER"
@@ -97,8 +107,7 @@ def test_blender_finds_a_layer_a_descriptor(paradesc, sphere_obj, tmp_path):
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
     scene.render.filepath = str(tmp_path / "layer.exr")
-    target = tree.nodes.new("CompositorNodeComposite")
-    tree.links.new(node.outputs["mean_curvature"], target.inputs[0])
+    tree.links.new(node.outputs["mean_curvature"], output.inputs[0])
     bpy.ops.render.render(write_still=True)
     # Radius 2, 64 samples on a coarse sphere; background 0.
     read = pixels_of(tmp_path / "layer.exr")[:, :, 0]

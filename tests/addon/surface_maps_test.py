@@ -206,12 +206,13 @@ def test_larger_faces_have_tangents_too(target):
     quads = corners.reshape(-1, 4)
     shared = [np.flatnonzero(np.isin(quads[0], quads[k])).size for k in range(len(quads))]
     other = next(k for k in range(1, len(quads)) if shared[k] == 2 and np.abs(uvs[4 * k] - uvs[0]).max() < 0.1)
-    edge = next(e for e in mesh.edges if set(e.vertices) == set(quads[0]) & set(quads[other]))
+    vertices = set(quads[0]) & set(quads[other])
+    edge = next(e.index for e in mesh.edges if set(e.vertices) == vertices)
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="DESELECT")
     bpy.ops.object.mode_set(mode="OBJECT")
-    edge.select = True
-    for vertex in edge.vertices:
+    mesh.edges[edge].select = True
+    for vertex in vertices:
         mesh.vertices[vertex].select = True
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.context.tool_settings.mesh_select_mode = (False, True, False)
