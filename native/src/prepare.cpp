@@ -13,7 +13,7 @@
 namespace paradesc {
 
 Normals prepare_normals(Mesh &mesh, int32_t kind) {
-  if (!mesh.rings) mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges);
+  if (!mesh.rings) mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges, mesh.context->threads);
   return compute_normals(mesh.triangles, mesh.half_edges, *mesh.rings, kind, mesh.context->threads);
 }
 
@@ -203,7 +203,9 @@ void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, F
 static bool part_overlaps(Mesh &mesh) {
   const Cuts cuts = cut_charts(mesh.triangles, mesh.half_edges, mesh.charts);
   if (cuts.overlapping) {
-    Charts charts = cuts.cut_charts > 0 ? build_charts(mesh.triangles, mesh.half_edges, cuts.triangle_piece) : mesh.charts;
+    Charts charts = cuts.cut_charts > 0
+                        ? build_charts(mesh.triangles, mesh.half_edges, cuts.triangle_piece, mesh.context->threads)
+                        : mesh.charts;
     repack_charts(mesh.triangles, charts);
     mesh.charts = std::move(charts);
     mesh.cut_charts = cuts.cut_charts;

@@ -103,9 +103,8 @@ const Made &made() {
 template <class Step> void measure(benchmark::State &state, const Step &step) {
   const Made &from = made();
   for (auto _ : state) benchmark::DoNotOptimize(step(from));
-  state.counters["per_million"] =
-      benchmark::Counter(1e-6 * from.triangles.triangle_count,
-                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["per_million"] = benchmark::Counter(1e-6 * from.triangles.triangle_count,
+                                                     benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 void triangles(benchmark::State &state) {
@@ -145,9 +144,8 @@ void layout(benchmark::State &state) {
 }
 // By positions, every frame.
 void normals(benchmark::State &state) {
-  measure(state, [](const Made &from) {
-    return compute_normals(from.triangles, from.half_edges, from.rings, PDESC_NORMALS_FITTED, 0);
-  });
+  measure(state,
+          [](const Made &from) { return compute_normals(from.triangles, from.half_edges, from.rings, PDESC_NORMALS_FITTED, 0); });
 }
 void forms(benchmark::State &state) {
   measure(state, [](const Made &from) {
