@@ -128,7 +128,7 @@ void build_cells_for(Mesh &mesh, const Frame &frame) {
   if (device.cells.block_size == size) return;
   std::vector<int32_t> ids;
   mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = device.buffer->read_ids(); });
-  device.cells = build_cells(ids, device.grid, mesh.triangles, mesh.half_edges, mesh.charts, size);
+  device.cells = build_cells(ids, device.grid, mesh.triangles, mesh.half_edges, mesh.charts, size, mesh.context->threads);
   mesh.context->gl->run(
       [&](const Gl &gl, ProgramCache &) { device.evaluator.set_cells(gl, device.cells, device.buffer->size()); });
 }

@@ -56,12 +56,14 @@ public:
   }
 
   bool has_border(int x, int y) const { return grid_.cells[2 * index(x, y)] < 0; }
+  // No border runs through the texels around.
+  bool is_far_from_borders(int x, int y) const { return grid_.cells[2 * index(x, y)] > 0; }
   int32_t owner(int x, int y) const { return ids_[2 * index(x, y)]; } // the chart that has the texel, also by a line
 
   // The texel that carries a place on a chart: its own, or one beside it in sight; -1: none.
   int64_t carrier(dvec2 place, int32_t of_chart) const {
     const int x = static_cast<int>(std::floor(place.x)), y = static_cast<int>(std::floor(place.y));
-    if (inside(x, y) && chart(x, y) == of_chart && joined(place, middle(x, y), of_chart))
+    if (inside(x, y) && chart(x, y) == of_chart && (!has_border(x, y) || joined(place, middle(x, y), of_chart)))
       return static_cast<int64_t>(index(x, y));
     int64_t best = -1;
     double nearest = 1e9;
@@ -132,10 +134,14 @@ struct Crossing {
 
 uint64_t pair_of(int64_t a, int64_t b) { return static_cast<uint64_t>(a) << 32 | static_cast<uint64_t>(b); }
 
+template <class Value> void sort_unique(std::vector<Value> &values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
 // Sorted pairs → lists by the first number.
 void to_lists(Pairs &pairs, int count, std::vector<int32_t> &begin, std::vector<int32_t> &list) {
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  sort_unique(pairs);
   begin.assign(static_cast<size_t>(count) + 1, 0);
   for (const uint64_t pair : pairs) {
     ++begin[static_cast<size_t>(pair >> 32) + 1];
@@ -144,11 +150,14 @@ void to_lists(Pairs &pairs, int count, std::vector<int32_t> &begin, std::vector<
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
 }
 
+constexpr int one_block = 4096; // edges, triangles or sites, for one thread at a time
+
 class Builder {
 public:
   Builder(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
-          const Charts &charts, int block_size)
-      : map_(ids, grid, triangles), triangles_(triangles), half_edges_(half_edges), charts_(charts), size_(grid.size) {
+          const Charts &charts, int block_size, int threads)
+      : map_(ids, grid, triangles), triangles_(triangles), half_edges_(half_edges), charts_(charts), size_(grid.size),
+        threads_(threads) {
     cells_.block_size = block_size;
   }
 
@@ -158,7 +167,13 @@ public:
     attach_bare_triangles();
     list_links();
     to_lists(boundaries_, cells_.count, cells_.boundary_begin, cells_.boundary);
-    for (const Site &site : charts_.sites) cells_.site_cell.push_back(cell_at(nudged(site.uv, site.inside), site.chart));
+    cells_.site_cell.resize(charts_.sites.size());
+    parallel_blocks(static_cast<int>(charts_.sites.size()), threads_, one_block, [&](int begin, int end) {
+      for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+        const Site &site = charts_.sites[i];
+        cells_.site_cell[i] = cell_at(nudged(site.uv, site.inside), site.chart);
+      }
+    });
     // A site that no texel carries starts where the surface around it does.
     for (size_t corner = 0; corner < charts_.corner_site.size(); ++corner) {
       const int32_t site = charts_.corner_site[corner];
@@ -178,7 +193,8 @@ private:
         if (chart < 0) continue;
         for (const auto &[dx, dy] : {std::pair(1, 0), std::pair(0, 1), std::pair(1, 1), std::pair(-1, 1)}) {
           if (!map_.inside(x + dx, y + dy) || map_.chart(x + dx, y + dy) != chart) continue;
-          if (map_.joined(map_.middle(x, y), map_.middle(x + dx, y + dy), chart)) visit(x, y, x + dx, y + dy);
+          if (map_.is_far_from_borders(x, y) || map_.joined(map_.middle(x, y), map_.middle(x + dx, y + dy), chart))
+            visit(x, y, x + dx, y + dy);
         }
       }
   }
@@ -209,19 +225,34 @@ private:
           cells_.label[static_cast<size_t>(texel)] = cells_.label[static_cast<size_t>(root)];
         }
       }
-    for (const auto &[a, b] : between) link(a, b);
+    for (const auto &[a, b] : between) link(a, b, crossings_);
   }
 
   // texel: on either of them, beside the place where one goes over into the other.
-  void link(int64_t texel_a, int64_t texel_b) {
+  void link(int64_t texel_a, int64_t texel_b, std::vector<Crossing> &crossings) const {
     if (texel_a < 0 || texel_b < 0) return;
     const int32_t a = cells_.label[static_cast<size_t>(texel_a)], b = cells_.label[static_cast<size_t>(texel_b)];
-    if (a != b) crossings_.push_back({std::min(a, b), std::max(a, b), static_cast<int32_t>(std::min(texel_a, texel_b))});
+    if (a != b) crossings.push_back({std::min(a, b), std::max(a, b), static_cast<int32_t>(std::min(texel_a, texel_b))});
+  }
+
+  // By their lower cell first, one bucket each: what most of them differ by.
+  void sort_crossings() {
+    std::vector<int32_t> begin(static_cast<size_t>(cells_.count) + 2, 0);
+    for (const Crossing &crossing : crossings_) ++begin[static_cast<size_t>(crossing.low) + 2];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<Crossing> sorted(crossings_.size());
+    for (const Crossing &crossing : crossings_)
+      sorted[static_cast<size_t>(begin[static_cast<size_t>(crossing.low) + 1]++)] = crossing;
+    parallel_blocks(cells_.count, threads_, one_block, [&](int first, int last) {
+      for (auto cell = static_cast<size_t>(first); cell < static_cast<size_t>(last); ++cell)
+        std::sort(sorted.begin() + begin[cell], sorted.begin() + begin[cell + 1]);
+    });
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+    crossings_ = std::move(sorted);
   }
 
   void list_links() {
-    std::sort(crossings_.begin(), crossings_.end());
-    crossings_.erase(std::unique(crossings_.begin(), crossings_.end()), crossings_.end());
+    sort_crossings();
     std::vector<ivec2> ends; // of each link
     for (size_t i = 0; i < crossings_.size(); ++i) {
       const Crossing &crossing = crossings_[i];
@@ -248,14 +279,16 @@ private:
   // texels.
   void cover_texels() {
     std::vector<int32_t> covered(2 * cells_.label.size());
-    for (int y = 0; y < size_; ++y)
-      for (int x = 0; x < size_; ++x) {
-        const size_t texel = map_.index(x, y);
-        const auto [cell, part] =
-            map_.has_border(x, y) && map_.owner(x, y) >= 0 ? partly_covered(x, y) : std::pair(cells_.label[texel], 16);
-        covered[2 * texel] = cell;
-        covered[2 * texel + 1] = part * 4096;
-      }
+    parallel_blocks(size_, threads_, 8, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y)
+        for (int x = 0; x < size_; ++x) {
+          const size_t texel = map_.index(x, y);
+          const auto [cell, part] =
+              map_.has_border(x, y) && map_.owner(x, y) >= 0 ? partly_covered(x, y) : std::pair(cells_.label[texel], 16);
+          covered[2 * texel] = cell;
+          covered[2 * texel + 1] = part * 4096;
+        }
+    });
     cells_.label = std::move(covered);
   }
 
@@ -303,42 +336,69 @@ private:
   // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and
   // over a seam the same place of the edge is on both sides.
   void link_along_edges() {
-    for (int half_edge = 0; half_edge < 3 * triangles_.triangle_count; ++half_edge) {
-      if (charts_.triangle_chart[static_cast<size_t>(half_edge / 3)] < 0) continue;
-      const int32_t border = charts_.half_edge_border[static_cast<size_t>(half_edge)];
-      const int32_t twin = half_edges_.twin[static_cast<size_t>(half_edge)];
-      if (border < 0 && twin > half_edge) continue; // an inner edge once
-      const bool seam = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::seam;
-      const bool ends = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::boundary;
-      double span = length(uv_of(next_corner(half_edge)) - uv_of(half_edge));
-      if (seam) span = std::max(span, length(uv_of(next_corner(twin)) - uv_of(twin)));
-      const int steps = std::clamp(static_cast<int>(std::ceil(span / 0.7)), 1, 4 * size_);
-      int64_t previous = -1;
-      for (int i = 0; i <= steps; ++i) {
-        const double t = static_cast<double>(i) / steps;
-        const int64_t texel = texel_on_edge(half_edge, t);
-        if (texel < 0) continue;
-        link(previous, texel);
-        if (seam) link(texel, texel_on_edge(twin, 1.0 - t));
-        if (ends) boundaries_.push_back(pair_of(cell_of(texel), half_edge));
-        previous = texel;
-      }
+    struct Found {
+      std::vector<Crossing> crossings;
+      Pairs boundaries;
+    };
+    const int count = 3 * triangles_.triangle_count;
+    std::vector<Found> found(static_cast<size_t>((count + one_block - 1) / one_block));
+    parallel_blocks(count, threads_, one_block, [&](int begin, int end) {
+      Found &here = found[static_cast<size_t>(begin / one_block)];
+      for (int half_edge = begin; half_edge < end; ++half_edge) link_along(half_edge, here.crossings, here.boundaries);
+      sort_unique(here.crossings);
+    });
+    for (const Found &here : found) {
+      crossings_.insert(crossings_.end(), here.crossings.begin(), here.crossings.end());
+      boundaries_.insert(boundaries_.end(), here.boundaries.begin(), here.boundaries.end());
     }
+  }
+
+  void link_along(int half_edge, std::vector<Crossing> &crossings, Pairs &boundaries) const {
+    if (charts_.triangle_chart[static_cast<size_t>(half_edge / 3)] < 0) return;
+    const int32_t border = charts_.half_edge_border[static_cast<size_t>(half_edge)];
+    const int32_t twin = half_edges_.twin[static_cast<size_t>(half_edge)];
+    if (border < 0 && twin > half_edge) return; // an inner edge once
+    const bool seam = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::seam;
+    const bool ends = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::boundary;
+    double span = length(uv_of(next_corner(half_edge)) - uv_of(half_edge));
+    if (seam) span = std::max(span, length(uv_of(next_corner(twin)) - uv_of(twin)));
+    const int steps = std::clamp(static_cast<int>(std::ceil(span / 0.7)), 1, 4 * size_);
+    int64_t previous = -1;
+    for (int i = 0; i <= steps; ++i) {
+      const double t = static_cast<double>(i) / steps;
+      const int64_t texel = texel_on_edge(half_edge, t);
+      if (texel < 0) continue;
+      link(previous, texel, crossings);
+      if (seam) link(texel, texel_on_edge(twin, 1.0 - t), crossings);
+      if (ends) boundaries.push_back(pair_of(cell_of(texel), half_edge));
+      previous = texel;
+    }
+  }
+
+  // The texel that carries each triangle's middle, or -1.
+  std::vector<int64_t> carriers() const {
+    std::vector<int64_t> texel(static_cast<size_t>(triangles_.triangle_count), -1);
+    parallel_blocks(triangles_.triangle_count, threads_, one_block, [&](int begin, int end) {
+      for (int32_t t = begin; t < end; ++t) {
+        const int32_t chart = charts_.triangle_chart[static_cast<size_t>(t)];
+        if (half_edges_.corner_point[static_cast<size_t>(3 * t)] < 0 || chart < 0) continue;
+        texel[static_cast<size_t>(t)] = map_.carrier((uv_of(3 * t) + uv_of(3 * t + 1) + uv_of(3 * t + 2)) / 3.0, chart);
+      }
+    });
+    return texel;
   }
 
   // Triangles without a texel near belong to the cell from which the surface leads to them first; where such ways from two cells
   // meet, the cells are linked.
   void attach_bare_triangles() {
-    std::vector<int64_t> texel(static_cast<size_t>(triangles_.triangle_count), -1);
+    std::vector<int64_t> texel = carriers();
     std::vector<uint8_t> bare(texel.size(), 0);
+    for (size_t t = 0; t < bare.size(); ++t) bare[t] = texel[t] < 0 && half_edges_.corner_point[3 * t] >= 0;
     std::queue<int32_t> queue;
-    for (int32_t t = 0; t < triangles_.triangle_count; ++t) {
-      if (half_edges_.corner_point[static_cast<size_t>(3 * t)] < 0) continue;
-      const int32_t chart = charts_.triangle_chart[static_cast<size_t>(t)];
-      if (chart >= 0)
-        texel[static_cast<size_t>(t)] = map_.carrier((uv_of(3 * t) + uv_of(3 * t + 1) + uv_of(3 * t + 2)) / 3.0, chart);
-      bare[static_cast<size_t>(t)] = texel[static_cast<size_t>(t)] < 0;
-      if (texel[static_cast<size_t>(t)] >= 0) queue.push(t);
+    for (int32_t h = 0; h < 3 * triangles_.triangle_count; ++h) { // only what lies beside a bare one leads anywhere
+      const int32_t twin = half_edges_.twin[static_cast<size_t>(h)];
+      if (texel[static_cast<size_t>(h / 3)] < 0 || twin < 0 || !bare[static_cast<size_t>(twin / 3)]) continue;
+      if (queue.empty() || queue.back() != h / 3) queue.push(h / 3);
     }
     Pairs pairs;
     while (!queue.empty()) {
@@ -353,11 +413,12 @@ private:
           pairs.push_back(pair_of(cell_of(other), twin / 3));
           queue.push(twin / 3);
         } else if (bare[static_cast<size_t>(t)] || bare[static_cast<size_t>(twin / 3)]) {
-          link(texel[static_cast<size_t>(t)], other);
+          link(texel[static_cast<size_t>(t)], other, crossings_);
         }
       }
     }
     to_lists(pairs, cells_.count, cells_.bare_begin, cells_.bare);
+    cells_.triangle_cell.reserve(texel.size());
     for (const int64_t one : texel) cells_.triangle_cell.push_back(cell_of(one));
   }
 
@@ -365,7 +426,7 @@ private:
   const Triangles &triangles_;
   const HalfEdges &half_edges_;
   const Charts &charts_;
-  int size_;
+  int size_, threads_;
   Cells cells_;
   std::vector<Crossing> crossings_;
   Pairs boundaries_;
@@ -374,8 +435,8 @@ private:
 } // namespace
 
 Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles,
-                  const HalfEdges &half_edges, const Charts &charts, int block_size) {
-  return Builder(ids, grid, triangles, half_edges, charts, block_size).build();
+                  const HalfEdges &half_edges, const Charts &charts, int block_size, int threads) {
+  return Builder(ids, grid, triangles, half_edges, charts, block_size, threads).build();
 }
 
 std::vector<int32_t> find_cells(const Cells &cells, const std::vector<int32_t> &ids, const BorderGrid &grid,
