@@ -2,11 +2,14 @@
 //
 // PARADESC_BENCH_MESH names a mesh to take instead of the torus: int32 vertex count and corner count (three a triangle), then
 // float positions, int32 vertices of the corners, float (u, v) of the corners. preprocessing_cache.py writes such files.
+// PARADESC_BENCH_DUMP names a folder for the arrays that a file could keep; nothing is timed then.
 #include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <numeric>
+#include <span>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -153,6 +156,58 @@ void forms(benchmark::State &state) {
   });
 }
 
+// Every array of indices that depends on topology and UV map alone.
+struct Kept {
+  const char *name;
+  std::span<const int32_t> values;
+  size_t limit; // of the values, exclusive
+};
+
+std::vector<Kept> kept_arrays(const Made &from) {
+  const auto corners = from.triangles.corner_vertex.size(), points = static_cast<size_t>(from.half_edges.point_count);
+  const auto vertices = static_cast<size_t>(from.triangles.vertex_count), sites = from.charts.sites.size();
+  const auto fans = static_cast<size_t>(from.rings.fan_count);
+  return {{"twin", from.half_edges.twin, corners},
+          {"corner_point", from.half_edges.corner_point, points},
+          {"point_vertex", from.half_edges.point_vertex, vertices},
+          {"point_half_edge", from.half_edges.point_half_edge, corners},
+          {"vertex_point", from.half_edges.vertex_point, points},
+          {"triangle_chart", from.charts.triangle_chart, static_cast<size_t>(from.charts.chart_count)},
+          {"corner_site", from.charts.corner_site, sites},
+          {"half_edge_border", from.charts.half_edge_border, from.charts.borders.size()},
+          {"point_site", from.charts.point_site, sites},
+          {"corner_fan", from.rings.corner_fan, fans},
+          {"fan_point", from.rings.fan_point, points},
+          {"ring_begin", from.rings.ring_begin, from.rings.ring_point.size() + 1},
+          {"ring_point", from.rings.ring_point, points},
+          {"face_begin", from.rings.face_begin, from.rings.face.size() + 1},
+          {"face", from.rings.face, corners / 3},
+          {"own_faces", from.rings.own_faces, from.rings.face.size() + 1}};
+}
+
+// The least that a reader of such a file has to do: take the arrays over, and look that no index leads astray.
+void take_over(benchmark::State &state) {
+  measure(state, [](const Made &from) {
+    size_t bad = 0;
+    std::vector<std::vector<int32_t>> taken;
+    for (const Kept &kept : kept_arrays(from)) {
+      taken.emplace_back(kept.values.begin(), kept.values.end());
+      for (const int32_t value : taken.back()) bad += value < -1 || (value >= 0 && static_cast<size_t>(value) >= kept.limit);
+    }
+    const std::vector<int32_t> &twin = taken.front();
+    for (size_t h = 0; h < twin.size(); ++h) bad += twin[h] >= 0 && twin[static_cast<size_t>(twin[h])] != static_cast<int32_t>(h);
+    benchmark::DoNotOptimize(taken.data());
+    return bad;
+  });
+}
+
+void dump(const std::string &folder) {
+  for (const Kept &kept : kept_arrays(made())) {
+    std::ofstream file(folder + "/" + kept.name, std::ios::binary);
+    file.write(reinterpret_cast<const char *>(kept.values.data()), static_cast<std::streamsize>(kept.values.size_bytes()));
+  }
+}
+
 #define PARADESC_STEP(step) BENCHMARK(step)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime()
 PARADESC_STEP(triangles);
 PARADESC_STEP(half_edges);
@@ -165,8 +220,18 @@ PARADESC_STEP(cut);
 PARADESC_STEP(layout);
 PARADESC_STEP(normals);
 PARADESC_STEP(forms);
+PARADESC_STEP(take_over);
 
 } // namespace
 } // namespace paradesc::test
 
-BENCHMARK_MAIN();
+int main(int count, char **arguments) {
+  if (const char *folder = std::getenv("PARADESC_BENCH_DUMP")) {
+    paradesc::test::dump(folder);
+    return 0;
+  }
+  benchmark::Initialize(&count, arguments);
+  if (benchmark::ReportUnrecognizedArguments(count, arguments)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
