@@ -12,6 +12,12 @@ namespace paradesc {
 
 namespace {
 
+// Without the call that std::floor is where processors before 2008 have to be served.
+int floor_of(double x) {
+  const int whole = static_cast<int>(x);
+  return whole - (x < whole);
+}
+
 // Where a place of a chart belongs, and whether two places of a chart are joined by a straight way on it.
 class ChartMap {
 public:
@@ -37,8 +43,8 @@ public:
 
   // No border of the chart crosses the way from a to b, which lie in these two texels or beside them.
   bool joined(dvec2 a, dvec2 b, int32_t of_chart) const {
-    const int x0 = static_cast<int>(std::floor(std::min(a.x, b.x))), x1 = static_cast<int>(std::floor(std::max(a.x, b.x)));
-    const int y0 = static_cast<int>(std::floor(std::min(a.y, b.y))), y1 = static_cast<int>(std::floor(std::max(a.y, b.y)));
+    const int x0 = floor_of(std::min(a.x, b.x)), x1 = floor_of(std::max(a.x, b.x));
+    const int y0 = floor_of(std::min(a.y, b.y)), y1 = floor_of(std::max(a.y, b.y));
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x)
         if (inside(x, y) && crossed(x, y, a, b, of_chart)) return false;
@@ -62,7 +68,7 @@ public:
 
   // The texel that carries a place on a chart: its own, or one beside it in sight; -1: none.
   int64_t carrier(dvec2 place, int32_t of_chart) const {
-    const int x = static_cast<int>(std::floor(place.x)), y = static_cast<int>(std::floor(place.y));
+    const int x = floor_of(place.x), y = floor_of(place.y);
     if (inside(x, y) && chart(x, y) == of_chart && (!has_border(x, y) || joined(place, middle(x, y), of_chart)))
       return static_cast<int64_t>(index(x, y));
     int64_t best = -1;
@@ -324,13 +330,22 @@ private:
   int32_t cell_of(int64_t texel) const { return texel < 0 ? -1 : cells_.label[static_cast<size_t>(texel)]; }
   int32_t cell_at(dvec2 place, int32_t chart) const { return cell_of(map_.carrier(place, chart)); }
 
+  // A half-edge in the UV map, in texels, and the middle of its triangle.
+  struct Line {
+    dvec2 start, way, middle;
+    int32_t chart;
+  };
+
+  Line line_of(int half_edge) const {
+    const dvec2 a = uv_of(half_edge), b = uv_of(next_corner(half_edge)), c = uv_of(previous_corner(half_edge));
+    return {a, b - a, (a + b + c) / 3.0, charts_.triangle_chart[static_cast<size_t>(half_edge / 3)]};
+  }
+
   // The texel that carries a place on a half-edge, just inside its triangle.
-  int64_t texel_on_edge(int half_edge, double t) const {
-    const int a = half_edge, b = next_corner(a), c = next_corner(b);
-    const dvec2 place = uv_of(a) + (uv_of(b) - uv_of(a)) * t;
-    const dvec2 way = (uv_of(a) + uv_of(b) + uv_of(c)) / 3.0 - place;
-    return map_.carrier(place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)),
-                        charts_.triangle_chart[static_cast<size_t>(a / 3)]);
+  int64_t texel_on(const Line &line, double t) const {
+    const dvec2 place = line.start + line.way * t;
+    const dvec2 way = line.middle - place;
+    return map_.carrier(place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)), line.chart);
   }
 
   // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and
@@ -360,16 +375,16 @@ private:
     if (border < 0 && twin > half_edge) return; // an inner edge once
     const bool seam = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::seam;
     const bool ends = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::boundary;
-    double span = length(uv_of(next_corner(half_edge)) - uv_of(half_edge));
-    if (seam) span = std::max(span, length(uv_of(next_corner(twin)) - uv_of(twin)));
+    const Line line = line_of(half_edge), beyond = seam ? line_of(twin) : line;
+    const double span = std::max(length(line.way), length(beyond.way));
     const int steps = std::clamp(static_cast<int>(std::ceil(span / 0.7)), 1, 4 * size_);
     int64_t previous = -1;
     for (int i = 0; i <= steps; ++i) {
       const double t = static_cast<double>(i) / steps;
-      const int64_t texel = texel_on_edge(half_edge, t);
+      const int64_t texel = texel_on(line, t);
       if (texel < 0) continue;
       link(previous, texel, crossings);
-      if (seam) link(texel, texel_on_edge(twin, 1.0 - t), crossings);
+      if (seam) link(texel, texel_on(beyond, 1.0 - t), crossings);
       if (ends) boundaries.push_back(pair_of(cell_of(texel), half_edge));
       previous = texel;
     }
