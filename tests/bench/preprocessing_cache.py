@@ -4,9 +4,9 @@
     PYTHONPATH=addon python tests/bench/preprocessing_cache.py --bench build/paradesc_preprocessing_bench --json FILE
     PYTHONPATH=addon python tests/bench/preprocessing_cache.py --bench … --mesh ../shared/meshes/human.obj
 
-Needs Blender's module bpy. Every time is the least of several, by the clock and of all cores (which other programs on the
-machine disturb less); steps are those of preprocessing_bench.cpp. Peak memory is that of a process of its own that reads
-the mesh and computes once.
+Needs Blender's module bpy. Every time is the least of several, by the clock and of all cores (which other programs
+on the machine disturb less); steps are those of preprocessing_bench.cpp. Peak memory is that of a process of its own
+that reads the mesh and computes once.
 """
 
 import argparse
