@@ -1,5 +1,5 @@
-// Looks for triangles that overlap, square by square. Where there are some, grows pieces triangle by triangle over a chart; what
-// would overlap its piece waits for the next one.
+// Looks for triangles that overlap, square by square. Over a chart that has some, grows pieces triangle by triangle; what would
+// overlap its piece waits for the next one.
 #include "mesh/cut.h"
 
 #include <algorithm>
@@ -114,33 +114,46 @@ Squares sort_into_squares(const Triangles &triangles, const Charts &charts) {
   return squares;
 }
 
-// Whether two triangles of a square overlap. A pair is looked at where its common box begins, and nowhere else.
-bool overlap_in(const Triangles &triangles, const Squares &squares, size_t square, std::vector<Outline> &outlines) {
+struct Overlaps {
+  std::vector<std::atomic<uint8_t>> within; // (chart_count) 1: the chart overlaps itself
+  std::atomic<bool> between{false};         // two charts overlap
+};
+
+// A pair is looked at where its common box begins, and nowhere else.
+void find_overlaps_in(const Triangles &triangles, const Charts &charts, const Squares &squares, size_t square,
+                      std::vector<Outline> &outlines, Overlaps &found) {
   outlines.clear();
-  for (int32_t i = squares.begin[square]; i < squares.begin[square + 1]; ++i) {
-    const Outline place = outline(triangles, squares.triangle[at(i)]);
-    for (const Outline &other : outlines) {
-      const dvec2 low = glm::max(place.low, other.low), high = glm::min(place.high, other.high);
+  const int32_t first = squares.begin[square];
+  for (int32_t i = first; i < squares.begin[square + 1]; ++i) {
+    const int32_t triangle = squares.triangle[at(i)], chart = charts.triangle_chart[at(triangle)];
+    const Outline place = outline(triangles, triangle);
+    for (size_t k = 0; k < outlines.size(); ++k) {
+      const dvec2 low = glm::max(place.low, outlines[k].low), high = glm::min(place.high, outlines[k].high);
       if (low.x > high.x || low.y > high.y) continue;
       if (at(squares.place(low.y, squares.low.y) * squares.side + squares.place(low.x, squares.low.x)) != square) continue;
-      if (overlap(place, other)) return true;
+      const bool same = charts.triangle_chart[at(squares.triangle[at(first) + k])] == chart;
+      if (same ? found.within[at(chart)].load(std::memory_order_relaxed) != 0 : found.between.load(std::memory_order_relaxed))
+        continue; // known
+      if (!overlap(place, outlines[k])) continue;
+      if (same)
+        found.within[at(chart)] = 1;
+      else
+        found.between = true;
     }
     outlines.push_back(place);
   }
-  return false;
 }
 
-// False only where no two triangles of the map overlap, of whichever charts.
-bool may_overlap(const Triangles &triangles, const Charts &charts, int threads) {
+// Which charts overlap, themselves or others; false where the squares are of no use for that.
+bool find_overlaps(const Triangles &triangles, const Charts &charts, int threads, Overlaps &found) {
   const Squares squares = sort_into_squares(triangles, charts);
-  if (squares.begin.empty()) return true;
-  std::atomic<bool> found{false};
+  if (squares.begin.empty()) return false;
   parallel_blocks(squares.side * squares.side, threads, 4096, [&](int begin, int end) {
     std::vector<Outline> outlines;
-    for (auto square = at(begin); square < at(end) && !found; ++square)
-      if (overlap_in(triangles, squares, square, outlines)) found = true;
+    for (auto square = at(begin); square < at(end); ++square)
+      find_overlaps_in(triangles, charts, squares, square, outlines, found);
   });
-  return found;
+  return true;
 }
 
 // The triangles of one piece by place: a quadtree in which a triangle lies in the square that holds its middle and is just as
@@ -274,6 +287,18 @@ std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
   return refused;
 }
 
+// All pieces of the triangle's chart; whether there are several.
+bool cut_chart(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
+  std::vector<int32_t> seeds{far_end(cutting, seen, start)};
+  const int32_t first = cutting.pieces;
+  for (size_t i = 0; i < seeds.size(); ++i) {
+    if (cutting.triangle_piece[at(seeds[i])] >= 0) continue; // an earlier seed's piece has reached it
+    const std::vector<int32_t> refused = grow(cutting, seeds[i]);
+    seeds.insert(seeds.end(), refused.begin(), refused.end());
+  }
+  return cutting.pieces > first + 1;
+}
+
 // Whether triangles of two charts overlap; none of one chart do.
 bool charts_overlap(const Triangles &triangles, const Charts &charts, Occupancy &occupancy) {
   const Range range = range_of(triangles);
@@ -290,26 +315,28 @@ bool charts_overlap(const Triangles &triangles, const Charts &charts, Occupancy 
 } // namespace
 
 Cuts cut_charts(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts, int threads) {
-  if (!may_overlap(triangles, charts, threads)) return {false, 0, charts.triangle_chart};
+  Overlaps overlaps{std::vector<std::atomic<uint8_t>>(at(charts.chart_count)), false};
+  const bool known = find_overlaps(triangles, charts, threads, overlaps);
   const size_t count = at(triangles.triangle_count);
   Cutting cutting{triangles, half_edges.twin,     std::vector<int32_t>(count, -1), std::vector<int32_t>(count, -1),
                   {},        Occupancy(triangles)};
   for (size_t h = 0; h < cutting.link.size(); ++h)
     if (charts.half_edge_border[h] >= 0 || charts.triangle_chart[h / 3] < 0) cutting.link[h] = -1;
   std::vector<uint8_t> seen(count, 0);
+  std::vector<int32_t> whole(at(charts.chart_count), -1); // the piece that a chart is as it is
   Cuts cuts;
   for (int32_t start = 0; start < triangles.triangle_count; ++start) {
-    if (charts.triangle_chart[at(start)] < 0 || seen[at(start)]) continue;
-    std::vector<int32_t> seeds{far_end(cutting, seen, start)};
-    const int32_t first = cutting.pieces;
-    for (size_t i = 0; i < seeds.size(); ++i) {
-      if (cutting.triangle_piece[at(seeds[i])] >= 0) continue; // an earlier seed's piece has reached it
-      const std::vector<int32_t> refused = grow(cutting, seeds[i]);
-      seeds.insert(seeds.end(), refused.begin(), refused.end());
+    const int32_t chart = charts.triangle_chart[at(start)];
+    if (chart < 0 || seen[at(start)]) continue;
+    if (known && !overlaps.within[at(chart)]) {
+      if (whole[at(chart)] < 0) whole[at(chart)] = cutting.pieces++;
+      cutting.triangle_piece[at(start)] = whole[at(chart)];
+      continue;
     }
-    cuts.cut_charts += cutting.pieces > first + 1;
+    cuts.cut_charts += cut_chart(cutting, seen, start);
   }
-  cuts.overlapping = cuts.cut_charts > 0 || charts_overlap(triangles, charts, cutting.occupancy);
+  cuts.overlapping =
+      cuts.cut_charts > 0 || (known ? overlaps.between.load() : charts_overlap(triangles, charts, cutting.occupancy));
   cuts.triangle_piece = std::move(cutting.triangle_piece);
   return cuts;
 }
