@@ -56,7 +56,7 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
   mesh->context = std::move(context);
   mesh->triangles = read_triangles(input);
   mesh->half_edges = build_half_edges(mesh->triangles);
-  mesh->charts = build_charts(mesh->triangles, mesh->half_edges);
+  mesh->charts = build_charts(mesh->triangles, mesh->half_edges, {}, mesh->context->threads);
   measure(*mesh);
   mesh->found = describe(*mesh);
   return mesh;

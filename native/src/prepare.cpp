@@ -13,7 +13,7 @@
 namespace paradesc {
 
 Normals prepare_normals(Mesh &mesh, int32_t kind) {
-  if (!mesh.rings) mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges);
+  if (!mesh.rings) mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges, mesh.context->threads);
   return compute_normals(mesh.triangles, mesh.half_edges, *mesh.rings, kind, mesh.context->threads);
 }
 
@@ -128,7 +128,7 @@ void build_cells_for(Mesh &mesh, const Frame &frame) {
   if (device.cells.block_size == size) return;
   std::vector<int32_t> ids;
   mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = device.buffer->read_ids(); });
-  device.cells = build_cells(ids, device.grid, mesh.triangles, mesh.half_edges, mesh.charts, size);
+  device.cells = build_cells(ids, device.grid, mesh.triangles, mesh.half_edges, mesh.charts, size, mesh.context->threads);
   mesh.context->gl->run(
       [&](const Gl &gl, ProgramCache &) { device.evaluator.set_cells(gl, device.cells, device.buffer->size()); });
 }
@@ -201,10 +201,12 @@ void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, F
 
 // What overlaps gets a layout of its own, charts that overlap themselves cut into pieces.
 static bool part_overlaps(Mesh &mesh) {
-  const Cuts cuts = cut_charts(mesh.triangles, mesh.half_edges, mesh.charts);
+  const Cuts cuts = cut_charts(mesh.triangles, mesh.half_edges, mesh.charts, mesh.context->threads);
   if (cuts.overlapping) {
-    Charts charts = cuts.cut_charts > 0 ? build_charts(mesh.triangles, mesh.half_edges, cuts.triangle_piece) : mesh.charts;
-    repack_charts(mesh.triangles, charts);
+    Charts charts = cuts.cut_charts > 0
+                        ? build_charts(mesh.triangles, mesh.half_edges, cuts.triangle_piece, mesh.context->threads)
+                        : mesh.charts;
+    repack_charts(mesh.triangles, charts, 0.0, mesh.context->threads);
     mesh.charts = std::move(charts);
     mesh.cut_charts = cuts.cut_charts;
     mesh.private_layout = PDESC_LAYOUT_OVERLAPS;
@@ -222,7 +224,7 @@ bool lay_out_afresh(Mesh &mesh, double radius_in_texels) {
   const bool sparse = counts.covered < 0.15 * size * size || radius_in_texels < 4.0;
   if (!mesh.overlap_free && (counts.overlapping > 0 || sparse) && part_overlaps(mesh)) return true;
   if (!sparse || std::exchange(mesh.fill_tried, true)) return false; // it helps at every size and radius, or at none
-  if (!repack_charts(mesh.triangles, mesh.charts, 1.5)) return false;
+  if (!repack_charts(mesh.triangles, mesh.charts, 1.5, mesh.context->threads)) return false;
   mesh.private_layout = PDESC_LAYOUT_SPARSE;
   return true;
 }

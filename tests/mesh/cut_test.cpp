@@ -192,6 +192,28 @@ TEST(Cut, small_triangles_over_large_ones_are_found) {
   EXPECT_GT(share_of_two(cuts), 0.99);
 }
 
+// A hundred by a hundred quads; what lies at one inner vertex is moved along u by this part of a quad.
+Shape dented_grid(int x, int y, double part) {
+  return grid(100, 100, [=](dvec2 place, int, int) { return (place + dvec2(place == dvec2(x, y) ? part : 0.0, 0.0)) / 100.0; });
+}
+
+TEST(Cut, one_overlap_among_twenty_thousand_triangles_is_found_wherever_it_lies) {
+  for (const auto &[x, y] : {std::pair(1, 1), std::pair(98, 98), std::pair(50, 33), std::pair(99, 1), std::pair(17, 64)}) {
+    const Built sound = build(dented_grid(x, y, 0.9)), folded = build(dented_grid(x, y, 1.2));
+    EXPECT_FALSE(cut_charts(sound.triangles, sound.half_edges, sound.charts).overlapping) << x << ", " << y;
+    EXPECT_TRUE(cut_charts(folded.triangles, folded.half_edges, folded.charts).overlapping) << x << ", " << y;
+  }
+}
+
+// Boxes of all of these are the whole square.
+TEST(Cut, long_triangles_across_the_square_are_left_alone) {
+  const Cuts cuts = checked_cuts(build(grid(1, 400, [](dvec2 place, int, int) {
+    return dvec2(0.1, 0.0) + place.x * dvec2(0.8) + place.y / 400.0 * dvec2(-0.1, 0.1);
+  })));
+  EXPECT_FALSE(cuts.overlapping);
+  EXPECT_EQ(pieces_of(cuts), 1);
+}
+
 TEST(Cut, triangles_on_no_chart_belong_to_no_piece) {
   Shape shape = grid(3, 3, [](dvec2 place, int, int) { return place / 3.0; });
   for (size_t corner = 24; corner < 27; ++corner) shape.uvs[corner] = vec2(0.5f);

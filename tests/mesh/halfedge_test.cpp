@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -78,6 +79,19 @@ Shape share(const Shape &shape) {
 
 size_t at(int32_t index) { return static_cast<size_t>(index); }
 
+// As OpenMesh knows edges: of the half-edges between two points there is one each way, and they are twins.
+void expect_one_edge_between_two_points(const HalfEdges &half_edges) {
+  std::map<std::pair<int32_t, int32_t>, int32_t> half_edge_of;
+  for (int h = 0; h < static_cast<int>(half_edges.twin.size()); ++h) {
+    const int32_t from = half_edges.corner_point[at(h)], to = half_edges.corner_point[at(next_corner(h))];
+    if (from < 0) continue;
+    EXPECT_TRUE(half_edge_of.emplace(std::pair(from, to), h).second) << "a second one from " << from << " to " << to;
+    const auto other = half_edge_of.find({to, from});
+    if (other == half_edge_of.end()) continue;
+    EXPECT_EQ(half_edges.twin[at(h)], other->second);
+  }
+}
+
 // What holds of every mesh: twins are mutual and meet end to end, and turning about a point reaches all of its faces.
 void expect_sound(const Triangles &triangles, const HalfEdges &half_edges) {
   std::vector<int> faces_at(at(half_edges.point_count), 0);
@@ -112,6 +126,7 @@ HalfEdges build(const Shape &shape) {
   EXPECT_EQ(half_edges.twin.size(), shape.faces.size());
   EXPECT_EQ(half_edges.vertex_point.size(), shape.positions.size());
   expect_sound(triangles, half_edges);
+  expect_one_edge_between_two_points(half_edges);
   return half_edges;
 }
 
@@ -403,7 +418,7 @@ TEST(HalfEdge, random_triangles_on_few_places_become_manifold) {
     for (size_t i = 0; i < vertices; ++i) shape.positions.push_back(vec3(random() % 3, random() % 3, random() % 3));
     const size_t corners = 3 * (1 + random() % 30);
     for (size_t i = 0; i < corners; ++i) shape.faces.push_back(static_cast<int32_t>(random() % vertices));
-    const HalfEdges half_edges = build(shape);
+    const HalfEdges half_edges = build(seed % 2 ? split(shape) : shape);
     EXPECT_LE(half_edges.boundary_edges, open_half_edges(half_edges));
     if (testing::Test::HasFailure()) FAIL() << "seed " << seed;
   }

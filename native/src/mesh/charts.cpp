@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "support/parallel.h"
+
 namespace paradesc {
 namespace {
 
@@ -14,6 +16,7 @@ constexpr double no_relative_uv_area = 1e-7; // twice the area against the squar
 constexpr double needle = 1e-2;              // the same of a triangle that no texel hits but by chance ...
 constexpr double needle_part = 1e-7;         // ... if it is no larger than this part of the map: a tenth of a texel of 1024²
 constexpr double same_uv = 1e-6;
+constexpr int block = 4096; // for one thread at a time
 
 size_t at(int32_t index) { return static_cast<size_t>(index); }
 
@@ -47,23 +50,31 @@ struct UvAreas {
   std::vector<uint8_t> left_out; // (triangle_count) 1: not on the surface, or no area in the UV map
 };
 
-UvAreas measure(const Triangles &triangles, const HalfEdges &half_edges, Charts &charts) {
+// (triangle_count) twice and signed; 0: not on the surface, or too small to stand on.
+std::vector<double> uv_areas(const Triangles &triangles, const HalfEdges &half_edges, double largest_needle, int threads) {
+  std::vector<double> area(at(triangles.triangle_count), 0.0);
+  parallel_blocks(triangles.triangle_count, threads, block, [&](int begin, int end) {
+    for (int triangle = begin; triangle < end; ++triangle)
+      if (half_edges.corner_point[3 * at(triangle)] >= 0) area[at(triangle)] = uv_area(triangles, triangle, largest_needle);
+  });
+  return area;
+}
+
+UvAreas measure(const Triangles &triangles, const HalfEdges &half_edges, int threads, Charts &charts) {
   UvAreas areas;
-  areas.area.assign(at(triangles.triangle_count), 0.0);
   areas.left_out.assign(at(triangles.triangle_count), 1);
   double whole = 0.0;
-  for (int triangle = 0; triangle < triangles.triangle_count; ++triangle)
-    if (half_edges.corner_point[3 * at(triangle)] >= 0) whole += std::abs(uv_area(triangles, triangle, 0.0));
+  for (const double area : uv_areas(triangles, half_edges, 0.0, threads)) whole += std::abs(area);
+  areas.area = uv_areas(triangles, half_edges, needle_part * whole, threads);
   std::array<double, 2> total = {0.0, 0.0};
   std::array<int, 2> count = {0, 0};
   for (int triangle = 0; triangle < triangles.triangle_count; ++triangle) {
     if (half_edges.corner_point[3 * at(triangle)] < 0) continue;
-    const double area = uv_area(triangles, triangle, needle_part * whole);
+    const double area = areas.area[at(triangle)];
     if (area == 0.0) {
       ++charts.zero_uv_area_triangles;
       continue;
     }
-    areas.area[at(triangle)] = area;
     areas.left_out[at(triangle)] = 0;
     total[area < 0] += std::abs(area);
     ++count[area < 0];
@@ -74,14 +85,16 @@ UvAreas measure(const Triangles &triangles, const HalfEdges &half_edges, Charts 
 
 // Half-edges over which a chart goes on: both sides have area, lie on the same side of the fold and meet in the UV map.
 std::vector<int32_t> link_within_charts(const Triangles &triangles, const HalfEdges &half_edges, const UvAreas &areas,
-                                        std::span<const int32_t> triangle_piece) {
+                                        std::span<const int32_t> triangle_piece, int threads) {
   std::vector<int32_t> link(half_edges.twin.size(), -1);
-  for (int h = 0; h < 3 * triangles.triangle_count; ++h) {
-    const int32_t twin = half_edges.twin[at(h)];
-    if (twin < 0 || areas.area[at(h / 3)] * areas.area[at(twin / 3)] <= 0.0) continue;
-    if (!triangle_piece.empty() && triangle_piece[at(h / 3)] != triangle_piece[at(twin / 3)]) continue;
-    if (agree(triangles, h, next_corner(twin)) && agree(triangles, next_corner(h), twin)) link[at(h)] = twin;
-  }
+  parallel_blocks(3 * triangles.triangle_count, threads, 3 * block, [&](int begin, int end) {
+    for (int h = begin; h < end; ++h) {
+      const int32_t twin = half_edges.twin[at(h)];
+      if (twin < 0 || areas.area[at(h / 3)] * areas.area[at(twin / 3)] <= 0.0) continue;
+      if (!triangle_piece.empty() && triangle_piece[at(h / 3)] != triangle_piece[at(twin / 3)]) continue;
+      if (agree(triangles, h, next_corner(twin)) && agree(triangles, next_corner(h), twin)) link[at(h)] = twin;
+    }
+  });
   return link;
 }
 
@@ -90,23 +103,43 @@ vec2 uv_centroid(const Triangles &triangles, int triangle) {
   return vec2(sum / 3.0);
 }
 
-void place_points(const Triangles &triangles, const HalfEdges &half_edges, const Fans &fans, Charts &charts) {
+// Of a corner, on the surface and in the UV map.
+struct Angles {
+  double surface, uv;
+};
+
+// Calls visit(corner, angles) for every corner of a fan, in order; angles are found by all threads, a run of corners at a time.
+template <class Visit> void for_each_corner(const Triangles &triangles, const Fans &fans, int threads, const Visit &visit) {
+  constexpr int run = 64 * block;
+  const int count = 3 * triangles.triangle_count;
+  std::vector<Angles> angles(at(std::min(run, count)));
+  for (int first = 0; first < count; first += std::min(run, count - first)) {
+    const int length = std::min(run, count - first);
+    parallel_blocks(length, threads, block, [&](int begin, int end) {
+      for (int i = begin; i < end; ++i)
+        if (fans.corner_fan[at(first + i)] >= 0)
+          angles[at(i)] = {surface_angle(triangles, first + i), uv_angle(triangles, first + i)};
+    });
+    for (int i = 0; i < length; ++i)
+      if (fans.corner_fan[at(first + i)] >= 0) visit(first + i, angles[at(i)]);
+  }
+}
+
+void place_points(const Triangles &triangles, const HalfEdges &half_edges, const Fans &fans, int threads, Charts &charts) {
   charts.corner_site = fans.corner_fan;
   charts.sites.resize(at(fans.count));
   std::vector<double> widest(at(fans.count), -1.0);
-  for (int corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
+  for_each_corner(triangles, fans, threads, [&](int corner, Angles angles) {
     const int32_t index = fans.corner_fan[at(corner)];
-    if (index < 0) continue;
     Site &site = charts.sites[at(index)];
     if (widest[at(index)] < 0)
       site = {
           half_edges.corner_point[at(corner)], charts.triangle_chart[at(corner / 3)], triangles.corner_uv[at(corner)], {}, 0.0};
-    site.angle += surface_angle(triangles, corner);
-    const double angle = uv_angle(triangles, corner);
-    if (angle <= widest[at(index)]) continue;
-    widest[at(index)] = angle;
+    site.angle += angles.surface;
+    if (angles.uv <= widest[at(index)]) return;
+    widest[at(index)] = angles.uv;
     site.inside = uv_centroid(triangles, corner / 3);
-  }
+  });
   for (int32_t index = 0; index < fans.count; ++index) {
     int32_t &chosen = charts.point_site[at(charts.sites[at(index)].point)];
     if (chosen < 0 || charts.sites[at(index)].angle > charts.sites[at(chosen)].angle) chosen = index;
@@ -137,7 +170,8 @@ void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link,
 
 } // namespace
 
-Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece) {
+Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece,
+                    int threads) {
   Charts charts;
   charts.triangle_chart.assign(at(triangles.triangle_count), -1);
   charts.corner_site.assign(half_edges.twin.size(), -1);
@@ -145,12 +179,12 @@ Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std
   charts.point_site.assign(at(half_edges.point_count), -1);
   if (triangles.corner_uv.empty()) return charts;
 
-  const UvAreas areas = measure(triangles, half_edges, charts);
-  const std::vector<int32_t> link = link_within_charts(triangles, half_edges, areas, triangle_piece);
+  const UvAreas areas = measure(triangles, half_edges, threads, charts);
+  const std::vector<int32_t> link = link_within_charts(triangles, half_edges, areas, triangle_piece, threads);
   Pieces pieces = trace_pieces(link, areas.left_out);
   charts.chart_count = pieces.count;
   charts.triangle_chart = std::move(pieces.triangle_piece);
-  place_points(triangles, half_edges, trace_fans(link, areas.left_out), charts);
+  place_points(triangles, half_edges, trace_fans(link, areas.left_out), threads, charts);
   find_borders(half_edges, link, charts);
   return charts;
 }

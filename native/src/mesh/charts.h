@@ -48,7 +48,9 @@ struct Charts {
   int unlinked_edges = 0;
 };
 
-// triangle_piece: charts also end where two triangles have different numbers; empty: nowhere else.
-Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece = {});
+// triangle_piece: charts also end where two triangles have different numbers; empty: nowhere else. threads as in
+// pdesc_context_options.
+Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece = {},
+                    int threads = 0);
 
 } // namespace paradesc

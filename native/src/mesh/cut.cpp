@@ -1,10 +1,16 @@
-// Grows pieces triangle by triangle over a chart; what would overlap its piece waits for the next one.
+// Looks for triangles that overlap, square by square. Over a chart that has some, grows pieces triangle by triangle; what would
+// overlap its piece waits for the next one.
 #include "mesh/cut.h"
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
+
+#include "support/parallel.h"
 
 namespace paradesc {
 namespace {
@@ -43,6 +49,111 @@ bool parted_by_an_edge(const Outline &a, const Outline &b) {
 bool overlap(const Outline &a, const Outline &b) {
   if (a.low.x > b.high.x || b.low.x > a.high.x || a.low.y > b.high.y || b.low.y > a.high.y) return false;
   return !parted_by_an_edge(a, b) && !parted_by_an_edge(b, a);
+}
+
+// Squares of the UV map, each with the triangles whose boxes meet it.
+struct Squares {
+  int side = 1; // squares along a side
+  dvec2 low{0.0};
+  double per_unit = 1.0;
+  std::vector<int32_t> begin; // (side * side + 1) into triangle
+  std::vector<int32_t> triangle;
+
+  // Never decreases with the coordinate.
+  int place(double coordinate, double lowest) const {
+    return std::clamp(static_cast<int>((coordinate - lowest) * per_unit), 0, side - 1);
+  }
+  template <class Visit> void each_met(const Outline &outline, const Visit &visit) const {
+    const int x0 = place(outline.low.x, low.x), x1 = place(outline.high.x, low.x);
+    for (int y = place(outline.low.y, low.y); y <= place(outline.high.y, low.y); ++y)
+      for (int x = x0; x <= x1; ++x) visit(at(y * side + x));
+  }
+};
+
+struct Range {
+  dvec2 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+};
+
+Range range_of(const Triangles &triangles) {
+  Range range;
+  for (const vec2 &uv : triangles.corner_uv) {
+    range.low = glm::min(range.low, dvec2(uv));
+    range.high = glm::max(range.high, dvec2(uv));
+  }
+  return range;
+}
+
+// About two triangles a square; without lists where triangles are so long that squares would be full of them.
+Squares sort_into_squares(const Triangles &triangles, const Charts &charts) {
+  constexpr int64_t most_of_one = 16;
+  const Range range = range_of(triangles);
+  Squares squares;
+  squares.side = std::clamp(static_cast<int>(std::sqrt(0.5 * triangles.triangle_count)), 1, 4096);
+  squares.low = range.low;
+  squares.per_unit = squares.side / std::max({range.high.x - range.low.x, range.high.y - range.low.y, hair});
+  const auto each_triangle = [&](const auto &visit) {
+    for (int32_t triangle = 0; triangle < triangles.triangle_count; ++triangle)
+      if (charts.triangle_chart[at(triangle)] >= 0) visit(triangle, outline(triangles, triangle));
+  };
+  int64_t count = 0;
+  each_triangle([&](int32_t, const Outline &place) {
+    const auto squares_along = [&](double low, double high, double lowest) {
+      return int64_t{1} + squares.place(high, lowest) - squares.place(low, lowest);
+    };
+    count += squares_along(place.low.x, place.high.x, range.low.x) * squares_along(place.low.y, place.high.y, range.low.y);
+  });
+  if (count > most_of_one * triangles.triangle_count) return squares;
+  squares.begin.assign(at(squares.side * squares.side) + 2, 0);
+  each_triangle([&](int32_t, const Outline &place) { squares.each_met(place, [&](size_t i) { ++squares.begin[i + 2]; }); });
+  std::partial_sum(squares.begin.begin(), squares.begin.end(), squares.begin.begin());
+  squares.triangle.resize(at(squares.begin.back()));
+  each_triangle([&](int32_t triangle, const Outline &place) {
+    squares.each_met(place, [&](size_t i) { squares.triangle[at(squares.begin[i + 1]++)] = triangle; });
+  });
+  squares.begin.pop_back();
+  return squares;
+}
+
+struct Overlaps {
+  std::vector<std::atomic<uint8_t>> within; // (chart_count) 1: the chart overlaps itself
+  std::atomic<bool> between{false};         // two charts overlap
+};
+
+// A pair is looked at where its common box begins, and nowhere else.
+void find_overlaps_in(const Triangles &triangles, const Charts &charts, const Squares &squares, size_t square,
+                      std::vector<Outline> &outlines, Overlaps &found) {
+  outlines.clear();
+  const int32_t first = squares.begin[square];
+  for (int32_t i = first; i < squares.begin[square + 1]; ++i) {
+    const int32_t triangle = squares.triangle[at(i)], chart = charts.triangle_chart[at(triangle)];
+    const Outline place = outline(triangles, triangle);
+    for (size_t k = 0; k < outlines.size(); ++k) {
+      const dvec2 low = glm::max(place.low, outlines[k].low), high = glm::min(place.high, outlines[k].high);
+      if (low.x > high.x || low.y > high.y) continue;
+      if (at(squares.place(low.y, squares.low.y) * squares.side + squares.place(low.x, squares.low.x)) != square) continue;
+      const bool same = charts.triangle_chart[at(squares.triangle[at(first) + k])] == chart;
+      if (same ? found.within[at(chart)].load(std::memory_order_relaxed) != 0 : found.between.load(std::memory_order_relaxed))
+        continue; // known
+      if (!overlap(place, outlines[k])) continue;
+      if (same)
+        found.within[at(chart)] = 1;
+      else
+        found.between = true;
+    }
+    outlines.push_back(place);
+  }
+}
+
+// Which charts overlap, themselves or others; false where the squares are of no use for that.
+bool find_overlaps(const Triangles &triangles, const Charts &charts, int threads, Overlaps &found) {
+  const Squares squares = sort_into_squares(triangles, charts);
+  if (squares.begin.empty()) return false;
+  parallel_blocks(squares.side * squares.side, threads, 4096, [&](int begin, int end) {
+    std::vector<Outline> outlines;
+    for (auto square = at(begin); square < at(end); ++square)
+      find_overlaps_in(triangles, charts, squares, square, outlines, found);
+  });
+  return true;
 }
 
 // The triangles of one piece by place: a quadtree in which a triangle lies in the square that holds its middle and is just as
@@ -176,14 +287,22 @@ std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
   return refused;
 }
 
+// All pieces of the triangle's chart; whether there are several.
+bool cut_chart(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
+  std::vector<int32_t> seeds{far_end(cutting, seen, start)};
+  const int32_t first = cutting.pieces;
+  for (size_t i = 0; i < seeds.size(); ++i) {
+    if (cutting.triangle_piece[at(seeds[i])] >= 0) continue; // an earlier seed's piece has reached it
+    const std::vector<int32_t> refused = grow(cutting, seeds[i]);
+    seeds.insert(seeds.end(), refused.begin(), refused.end());
+  }
+  return cutting.pieces > first + 1;
+}
+
 // Whether triangles of two charts overlap; none of one chart do.
 bool charts_overlap(const Triangles &triangles, const Charts &charts, Occupancy &occupancy) {
-  dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
-  for (const vec2 &uv : triangles.corner_uv) {
-    low = glm::min(low, dvec2(uv));
-    high = glm::max(high, dvec2(uv));
-  }
-  occupancy.set_range(low, high);
+  const Range range = range_of(triangles);
+  occupancy.set_range(range.low, range.high);
   occupancy.clear();
   for (int32_t triangle = 0; triangle < static_cast<int32_t>(charts.triangle_chart.size()); ++triangle) {
     if (charts.triangle_chart[at(triangle)] < 0) continue;
@@ -195,26 +314,29 @@ bool charts_overlap(const Triangles &triangles, const Charts &charts, Occupancy 
 
 } // namespace
 
-Cuts cut_charts(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts) {
+Cuts cut_charts(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts, int threads) {
+  Overlaps overlaps{std::vector<std::atomic<uint8_t>>(at(charts.chart_count)), false};
+  const bool known = find_overlaps(triangles, charts, threads, overlaps);
   const size_t count = at(triangles.triangle_count);
   Cutting cutting{triangles, half_edges.twin,     std::vector<int32_t>(count, -1), std::vector<int32_t>(count, -1),
                   {},        Occupancy(triangles)};
   for (size_t h = 0; h < cutting.link.size(); ++h)
     if (charts.half_edge_border[h] >= 0 || charts.triangle_chart[h / 3] < 0) cutting.link[h] = -1;
   std::vector<uint8_t> seen(count, 0);
+  std::vector<int32_t> whole(at(charts.chart_count), -1); // the piece that a chart is as it is
   Cuts cuts;
   for (int32_t start = 0; start < triangles.triangle_count; ++start) {
-    if (charts.triangle_chart[at(start)] < 0 || seen[at(start)]) continue;
-    std::vector<int32_t> seeds{far_end(cutting, seen, start)};
-    const int32_t first = cutting.pieces;
-    for (size_t i = 0; i < seeds.size(); ++i) {
-      if (cutting.triangle_piece[at(seeds[i])] >= 0) continue; // an earlier seed's piece has reached it
-      const std::vector<int32_t> refused = grow(cutting, seeds[i]);
-      seeds.insert(seeds.end(), refused.begin(), refused.end());
+    const int32_t chart = charts.triangle_chart[at(start)];
+    if (chart < 0 || seen[at(start)]) continue;
+    if (known && !overlaps.within[at(chart)]) {
+      if (whole[at(chart)] < 0) whole[at(chart)] = cutting.pieces++;
+      cutting.triangle_piece[at(start)] = whole[at(chart)];
+      continue;
     }
-    cuts.cut_charts += cutting.pieces > first + 1;
+    cuts.cut_charts += cut_chart(cutting, seen, start);
   }
-  cuts.overlapping = cuts.cut_charts > 0 || charts_overlap(triangles, charts, cutting.occupancy);
+  cuts.overlapping =
+      cuts.cut_charts > 0 || (known ? overlaps.between.load() : charts_overlap(triangles, charts, cutting.occupancy));
   cuts.triangle_piece = std::move(cutting.triangle_piece);
   return cuts;
 }

@@ -1,7 +1,8 @@
 // A triangle list, as split and as non-manifold as files are → manifold half-edges in flat arrays, connected by OpenMesh.
 //
-// Pair edges, by vertex and then by position; give every fan of paired faces a point of its own; let OpenMesh connect faces
-// over points, and read its half-edges back.
+// Pair edges, by vertex and then by position; give every fan of paired faces a point of its own. Where two edges would run
+// between the same points, let OpenMesh connect faces over points and read its half-edges back; where none do, what it would
+// make of the faces is what was paired.
 #include "mesh/halfedge.h"
 
 #include <algorithm>
@@ -199,6 +200,30 @@ std::vector<int32_t> connect(const Triangles &triangles, const std::vector<uint8
   return read_twins(mesh, face_triangle, corner_vertex);
 }
 
+// Whether half-edges that were not paired run between the same two points: OpenMesh knows one edge there, and would pair them or
+// refuse a face. That takes an edge that was taken apart, or a point of several vertices: else points tell what vertices do.
+bool is_in_doubt(const Triangles &triangles, const std::vector<uint8_t> &left_out, const Pairing &pairing, const Fans &fans) {
+  std::vector<int32_t> fan_vertex(at(fans.count));
+  for (size_t fan = 0; fan < fan_vertex.size(); ++fan) fan_vertex[fan] = triangles.corner_vertex[at(fans.first[fan])];
+  std::vector<uint8_t> is_mixed(at(fans.count), 0);
+  for (size_t corner = 0; corner < fans.corner_fan.size(); ++corner) {
+    const int32_t fan = fans.corner_fan[corner];
+    if (fan >= 0 && fan_vertex[at(fan)] != triangles.corner_vertex[corner]) is_mixed[at(fan)] = 1;
+  }
+  std::vector<int32_t> doubtful;
+  for (int32_t h = 0; h < 3 * triangles.triangle_count; ++h) {
+    if (left_out[at(h / 3)]) continue;
+    const int32_t from = fans.corner_fan[at(h)], to = fans.corner_fan[at(next_corner(h))];
+    if (pairing.nonmanifold[at(h)] || is_mixed[at(from)] || is_mixed[at(to)]) doubtful.push_back(h);
+  }
+  bool found = false;
+  if (doubtful.empty()) return found;
+  for_each_edge(doubtful, fans.corner_fan, fans.count, [&](std::span<const int32_t> edge) {
+    found = found || edge.size() > 2 || (edge.size() == 2 && pairing.twin[at(edge[0])] != edge[1]);
+  });
+  return found;
+}
+
 void count_edges(const Pairing &pairing, HalfEdges &result) {
   result.nonmanifold_edges = pairing.nonmanifold_edges;
   for (size_t h = 0; h < result.twin.size(); ++h) {
@@ -324,8 +349,14 @@ HalfEdges build_half_edges(const Triangles &triangles) {
   }
   const std::vector<int32_t> welded = weld(triangles.positions);
   const Pairing pairing = pair_half_edges(triangles, welded, left_out);
-  result.twin = connect(triangles, left_out, trace_fans(pairing.twin, left_out));
-  describe_points(triangles, trace_fans(result.twin, left_out), result); // again: a refused face may have split a fan
+  Fans fans = trace_fans(pairing.twin, left_out);
+  if (is_in_doubt(triangles, left_out, pairing, fans)) {
+    result.twin = connect(triangles, left_out, fans);
+    fans = trace_fans(result.twin, left_out); // again: a refused face may have split a fan
+  } else {
+    result.twin = pairing.twin;
+  }
+  describe_points(triangles, fans, result);
   count_edges(pairing, result);
   answer_vertices(triangles, welded, result);
   result.parts = trace_pieces(result.twin, left_out).count;

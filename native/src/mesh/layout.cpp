@@ -11,6 +11,7 @@
 #include <stb/stb_rect_pack.h>
 
 #include "support/error.h"
+#include "support/parallel.h"
 
 namespace paradesc {
 
@@ -151,24 +152,25 @@ static std::vector<Move> pack_largest(std::vector<Move> moves, Spacing spacing) 
 }
 
 static std::vector<Move> plan(const Triangles &triangles, const std::vector<std::vector<int32_t>> &corners,
-                              const std::vector<Density> &densities) {
-  std::vector<Move> moves;
+                              const std::vector<Density> &densities, int threads) {
+  std::vector<Move> moves(corners.size());
   const double median = median_density(densities);
-  for (size_t chart = 0; chart < corners.size(); ++chart) {
-    moves.push_back(best_turn(triangles, corners[chart]));
+  parallel_blocks(static_cast<int>(corners.size()), threads, 1, [&](int begin, int) {
+    const auto chart = static_cast<size_t>(begin);
     const double density = densities[chart].density;
-    moves.back().evening = std::clamp(density, median / evenness, median * evenness) / density;
-  }
+    moves[chart] = best_turn(triangles, corners[chart]);
+    moves[chart].evening = std::clamp(density, median / evenness, median * evenness) / density;
+  });
   for (const Spacing spacing : spacings)
     if (std::vector<Move> best = pack_largest(moves, spacing); !best.empty()) return best;
   return {};
 }
 
-bool repack_charts(Triangles &triangles, Charts &charts, double least_gain) {
+bool repack_charts(Triangles &triangles, Charts &charts, double least_gain, int threads) {
   const auto corners = corners_by_chart(triangles, charts);
   std::vector<Density> densities = chart_densities(triangles, charts);
   const double before = median_density(densities);
-  std::vector<Move> moves = plan(triangles, corners, densities);
+  std::vector<Move> moves = plan(triangles, corners, densities, threads);
   if (moves.empty() && least_gain > 0.0) return false;
   if (moves.empty())
     throw Error(PDESC_ERROR_UNSUPPORTED,

@@ -8,7 +8,8 @@ namespace paradesc {
 
 // Moves and turns every chart as a whole into the unit square, with a gutter between them. Seams, sites and borders stay what
 // they are. A chart that overlaps itself still does: cut it first. Changes nothing and returns false where half of the surface
-// would not get texels at least least_gain times as dense (in length) as it has.
-bool repack_charts(Triangles &triangles, Charts &charts, double least_gain = 0.0);
+// would not get texels at least least_gain times as dense (in length) as it has. threads as in
+// pdesc_context_options.
+bool repack_charts(Triangles &triangles, Charts &charts, double least_gain = 0.0, int threads = 0);
 
 } // namespace paradesc

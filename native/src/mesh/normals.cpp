@@ -47,8 +47,10 @@ FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, No
   }
   Fans traced = trace_fans(link, left_out);
   FanCorners fans;
+  fans.begin.reserve(traced.first.size() + 1);
   fans.begin.push_back(0);
   fans.corner.reserve(link.size());
+  rings.fan_point.reserve(traced.first.size());
   for (const int32_t first : traced.first) {
     for (int32_t corner = first; corner >= 0;) {
       fans.corner.push_back(corner);
@@ -127,15 +129,52 @@ private:
   std::vector<int32_t> fan_stamp_, point_stamp_, face_stamp_, front_, next_front_;
 };
 
-// The rings of a run of fans, found by one thread.
+// The rings of a run of fans.
 struct RingRun {
   std::vector<int32_t> ring_size, face_size, own_faces, points, faces;
 };
+
+RingRun walk_run(RingWalker &walker, int begin, int end) {
+  RingRun run;
+  for (int fan = begin; fan < end; ++fan) {
+    const size_t points = run.points.size(), faces = run.faces.size();
+    run.own_faces.push_back(walker.walk(fan, run.points, run.faces));
+    run.ring_size.push_back(static_cast<int32_t>(run.points.size() - points));
+    run.face_size.push_back(static_cast<int32_t>(run.faces.size() - faces));
+  }
+  run.points.shrink_to_fit();
+  run.faces.shrink_to_fit();
+  return run;
+}
 
 void append(const std::vector<int32_t> &from, std::vector<int32_t> &to) { to.insert(to.end(), from.begin(), from.end()); }
 
 void append_sizes(const std::vector<int32_t> &sizes, std::vector<int32_t> &begins) {
   for (const int32_t size : sizes) begins.push_back(begins.back() + size);
+}
+
+// Each run is given up as soon as it is copied: rings take more memory than the mesh.
+void join_runs(std::vector<RingRun> &runs, NormalRings &rings) {
+  size_t points = 0, faces = 0;
+  for (const RingRun &run : runs) {
+    points += run.points.size();
+    faces += run.faces.size();
+  }
+  rings.ring_point.reserve(points);
+  rings.face.reserve(faces);
+  for (auto *begins : {&rings.ring_begin, &rings.face_begin}) {
+    begins->reserve(static_cast<size_t>(rings.fan_count) + 1);
+    begins->push_back(0);
+  }
+  rings.own_faces.reserve(static_cast<size_t>(rings.fan_count));
+  for (RingRun &run : runs) {
+    append_sizes(run.ring_size, rings.ring_begin);
+    append_sizes(run.face_size, rings.face_begin);
+    append(run.own_faces, rings.own_faces);
+    append(run.points, rings.ring_point);
+    append(run.faces, rings.face);
+    run = {};
+  }
 }
 
 // ---- Jets -----------------------------------------------------------------------------------------------------------------
@@ -360,30 +399,20 @@ vec3 point_normal(const Triangles &triangles, const HalfEdges &half_edges, const
 } // namespace
 
 NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
+  constexpr int run_length = 8192; // of fans
   NormalRings rings;
   const FanCorners fans = find_fans(triangles, half_edges, rings);
-  const int run_count = thread_count(threads);
-  const auto run_begin = [&](int run) { return static_cast<int>(int64_t{rings.fan_count} * run / run_count); };
-  std::vector<RingRun> runs(static_cast<size_t>(run_count));
-  parallel_blocks(run_count, threads, 1, [&](int begin, int) {
-    RingRun &run = runs[static_cast<size_t>(begin)];
+  std::vector<RingRun> runs(static_cast<size_t>((rings.fan_count + run_length - 1) / run_length));
+  const auto run_count = static_cast<int>(runs.size());
+  // As many shares as threads: each has stamps of its own.
+  const int shares = std::min(thread_count(threads), std::max(run_count, 1));
+  parallel_blocks(shares, threads, 1, [&](int share, int) {
+    const auto first_of = [&](int i) { return static_cast<int>(int64_t{run_count} * i / shares); };
     RingWalker walker(half_edges, rings, fans);
-    for (int fan = run_begin(begin); fan < run_begin(begin + 1); ++fan) {
-      const size_t points = run.points.size(), faces = run.faces.size();
-      run.own_faces.push_back(walker.walk(fan, run.points, run.faces));
-      run.ring_size.push_back(static_cast<int32_t>(run.points.size() - points));
-      run.face_size.push_back(static_cast<int32_t>(run.faces.size() - faces));
-    }
+    for (int run = first_of(share); run < first_of(share + 1); ++run)
+      runs[static_cast<size_t>(run)] = walk_run(walker, run * run_length, std::min((run + 1) * run_length, rings.fan_count));
   });
-  rings.ring_begin.push_back(0);
-  rings.face_begin.push_back(0);
-  for (const RingRun &run : runs) {
-    append_sizes(run.ring_size, rings.ring_begin);
-    append_sizes(run.face_size, rings.face_begin);
-    append(run.own_faces, rings.own_faces);
-    append(run.points, rings.ring_point);
-    append(run.faces, rings.face);
-  }
+  join_runs(runs, rings);
   return rings;
 }
 

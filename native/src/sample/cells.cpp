@@ -6,104 +6,12 @@
 #include <numeric>
 #include <queue>
 
+#include "sample/chart_map.h"
 #include "support/parallel.h"
 
 namespace paradesc {
 
 namespace {
-
-// Where a place of a chart belongs, and whether two places of a chart are joined by a straight way on it.
-class ChartMap {
-public:
-  ChartMap(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles)
-      : ids_(ids), grid_(grid), triangles_(triangles), size_(grid.size) {}
-
-  bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < size_ && y < size_; }
-  size_t index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(size_) + static_cast<size_t>(x); }
-  // The chart of a texel whose center lies on one, else -1.
-  int32_t chart(int x, int y) const { return ids_[2 * index(x, y) + 1] >= 0 ? ids_[2 * index(x, y)] : -1; }
-
-  // A texel's center; beside a border, a little towards the middle of its triangle: rasterizers round, and what they call inside
-  // may be outside by a hair.
-  dvec2 middle(int x, int y) const {
-    const dvec2 center(x + 0.5, y + 0.5);
-    const int32_t triangle = ids_[2 * index(x, y) + 1];
-    if (!has_border(x, y) || triangle < 0) return center;
-    dvec2 sum(0.0);
-    for (size_t i = 0; i < 3; ++i) sum += dvec2(triangles_.corner_uv[3 * static_cast<size_t>(triangle) + i]);
-    const dvec2 way = sum * (size_ / 3.0) - center;
-    return center + way * std::min(0.5, 0.02 / std::max(length(way), 1e-9));
-  }
-
-  // No border of the chart crosses the way from a to b, which lie in these two texels or beside them.
-  bool joined(dvec2 a, dvec2 b, int32_t of_chart) const {
-    const int x0 = static_cast<int>(std::floor(std::min(a.x, b.x))), x1 = static_cast<int>(std::floor(std::max(a.x, b.x)));
-    const int y0 = static_cast<int>(std::floor(std::min(a.y, b.y))), y1 = static_cast<int>(std::floor(std::max(a.y, b.y)));
-    for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x)
-        if (inside(x, y) && crossed(x, y, a, b, of_chart)) return false;
-    return true;
-  }
-
-  // Whether the way from a to b, both in this texel, crosses the chart's borders an odd number of times.
-  bool crosses_oddly(int x, int y, dvec2 a, dvec2 b, int32_t of_chart) const {
-    bool odd = false;
-    each_border(x, y, of_chart, [&](dvec2 c, dvec2 d) {
-      const bool between = (cross(b - a, c - a) > 0.0) != (cross(b - a, d - a) > 0.0);
-      if (between && (cross(d - c, a - c) > 0.0) != (cross(d - c, b - c) > 0.0)) odd = !odd;
-    });
-    return odd;
-  }
-
-  bool has_border(int x, int y) const { return grid_.cells[2 * index(x, y)] < 0; }
-  int32_t owner(int x, int y) const { return ids_[2 * index(x, y)]; } // the chart that has the texel, also by a line
-
-  // The texel that carries a place on a chart: its own, or one beside it in sight; -1: none.
-  int64_t carrier(dvec2 place, int32_t of_chart) const {
-    const int x = static_cast<int>(std::floor(place.x)), y = static_cast<int>(std::floor(place.y));
-    if (inside(x, y) && chart(x, y) == of_chart && joined(place, middle(x, y), of_chart))
-      return static_cast<int64_t>(index(x, y));
-    int64_t best = -1;
-    double nearest = 1e9;
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) {
-        if (!inside(x + dx, y + dy) || chart(x + dx, y + dy) != of_chart) continue;
-        const dvec2 there = middle(x + dx, y + dy);
-        const double distance = dot(there - place, there - place);
-        if (distance >= nearest || !joined(place, there, of_chart)) continue;
-        nearest = distance;
-        best = static_cast<int64_t>(index(x + dx, y + dy));
-      }
-    return best;
-  }
-
-private:
-  template <class Visit> void each_border(int x, int y, int32_t of_chart, const Visit &visit) const {
-    const size_t texel = index(x, y);
-    const int32_t begin = grid_.cells[2 * texel + 1];
-    for (int32_t i = begin; i < begin - std::min(grid_.cells[2 * texel], 0); ++i) {
-      if (grid_.list[2 * static_cast<size_t>(i) + 1] != of_chart) continue;
-      const dvec4 uv =
-          dvec4(grid_.border_uv[static_cast<size_t>(grid_.list[2 * static_cast<size_t>(i)])]) * static_cast<double>(size_);
-      visit(dvec2(uv.x, uv.y), dvec2(uv.z, uv.w));
-    }
-  }
-
-  bool crossed(int x, int y, dvec2 a, dvec2 b, int32_t of_chart) const {
-    bool result = false;
-    each_border(x, y, of_chart, [&](dvec2 c, dvec2 d) {
-      const double side_c = cross(b - a, c - a), side_d = cross(b - a, d - a), side_a = cross(d - c, a - c),
-                   side_b = cross(d - c, b - c);
-      result |= side_c * side_d <= 0.0 && side_a * side_b < 0.0;
-    });
-    return result;
-  }
-
-  const std::vector<int32_t> &ids_;
-  const BorderGrid &grid_;
-  const Triangles &triangles_;
-  int size_;
-};
 
 struct Unions {
   std::vector<int32_t> parent;
@@ -132,10 +40,14 @@ struct Crossing {
 
 uint64_t pair_of(int64_t a, int64_t b) { return static_cast<uint64_t>(a) << 32 | static_cast<uint64_t>(b); }
 
+template <class Value> void sort_unique(std::vector<Value> &values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
 // Sorted pairs → lists by the first number.
 void to_lists(Pairs &pairs, int count, std::vector<int32_t> &begin, std::vector<int32_t> &list) {
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  sort_unique(pairs);
   begin.assign(static_cast<size_t>(count) + 1, 0);
   for (const uint64_t pair : pairs) {
     ++begin[static_cast<size_t>(pair >> 32) + 1];
@@ -144,11 +56,14 @@ void to_lists(Pairs &pairs, int count, std::vector<int32_t> &begin, std::vector<
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
 }
 
+constexpr int one_block = 4096; // edges, triangles or sites, for one thread at a time
+
 class Builder {
 public:
   Builder(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
-          const Charts &charts, int block_size)
-      : map_(ids, grid, triangles), triangles_(triangles), half_edges_(half_edges), charts_(charts), size_(grid.size) {
+          const Charts &charts, int block_size, int threads)
+      : map_(ids, grid, triangles), triangles_(triangles), half_edges_(half_edges), charts_(charts), size_(grid.size),
+        threads_(threads) {
     cells_.block_size = block_size;
   }
 
@@ -158,7 +73,13 @@ public:
     attach_bare_triangles();
     list_links();
     to_lists(boundaries_, cells_.count, cells_.boundary_begin, cells_.boundary);
-    for (const Site &site : charts_.sites) cells_.site_cell.push_back(cell_at(nudged(site.uv, site.inside), site.chart));
+    cells_.site_cell.resize(charts_.sites.size());
+    parallel_blocks(static_cast<int>(charts_.sites.size()), threads_, one_block, [&](int begin, int end) {
+      for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+        const Site &site = charts_.sites[i];
+        cells_.site_cell[i] = cell_at(nudged(site.uv, site.inside), site.chart);
+      }
+    });
     // A site that no texel carries starts where the edges from it are carried first, else where its triangle is.
     for (size_t corner = 0; corner < charts_.corner_site.size(); ++corner) {
       const int32_t site = charts_.corner_site[corner];
@@ -178,7 +99,8 @@ private:
         if (chart < 0) continue;
         for (const auto &[dx, dy] : {std::pair(1, 0), std::pair(0, 1), std::pair(1, 1), std::pair(-1, 1)}) {
           if (!map_.inside(x + dx, y + dy) || map_.chart(x + dx, y + dy) != chart) continue;
-          if (map_.joined(map_.middle(x, y), map_.middle(x + dx, y + dy), chart)) visit(x, y, x + dx, y + dy);
+          if (map_.is_far_from_borders(x, y) || map_.joined(map_.middle(x, y), map_.middle(x + dx, y + dy), chart))
+            visit(x, y, x + dx, y + dy);
         }
       }
   }
@@ -207,19 +129,34 @@ private:
           cells_.label[static_cast<size_t>(texel)] = cells_.label[static_cast<size_t>(root)];
         }
       }
-    for (const auto &[a, b] : between) link(a, b);
+    for (const auto &[a, b] : between) link(a, b, crossings_);
   }
 
   // texel: on either of them, beside the place where one goes over into the other.
-  void link(int64_t texel_a, int64_t texel_b) {
+  void link(int64_t texel_a, int64_t texel_b, std::vector<Crossing> &crossings) const {
     if (texel_a < 0 || texel_b < 0) return;
     const int32_t a = cells_.label[static_cast<size_t>(texel_a)], b = cells_.label[static_cast<size_t>(texel_b)];
-    if (a != b) crossings_.push_back({std::min(a, b), std::max(a, b), static_cast<int32_t>(std::min(texel_a, texel_b))});
+    if (a != b) crossings.push_back({std::min(a, b), std::max(a, b), static_cast<int32_t>(std::min(texel_a, texel_b))});
+  }
+
+  // By their lower cell first, one bucket each: what most of them differ by.
+  void sort_crossings() {
+    std::vector<int32_t> begin(static_cast<size_t>(cells_.count) + 2, 0);
+    for (const Crossing &crossing : crossings_) ++begin[static_cast<size_t>(crossing.low) + 2];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<Crossing> sorted(crossings_.size());
+    for (const Crossing &crossing : crossings_)
+      sorted[static_cast<size_t>(begin[static_cast<size_t>(crossing.low) + 1]++)] = crossing;
+    parallel_blocks(cells_.count, threads_, one_block, [&](int first, int last) {
+      for (auto cell = static_cast<size_t>(first); cell < static_cast<size_t>(last); ++cell)
+        std::sort(sorted.begin() + begin[cell], sorted.begin() + begin[cell + 1]);
+    });
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+    crossings_ = std::move(sorted);
   }
 
   void list_links() {
-    std::sort(crossings_.begin(), crossings_.end());
-    crossings_.erase(std::unique(crossings_.begin(), crossings_.end()), crossings_.end());
+    sort_crossings();
     std::vector<ivec2> ends; // of each link
     for (size_t i = 0; i < crossings_.size(); ++i) {
       const Crossing &crossing = crossings_[i];
@@ -246,14 +183,16 @@ private:
   // texels.
   void cover_texels() {
     std::vector<int32_t> covered(2 * cells_.label.size());
-    for (int y = 0; y < size_; ++y)
-      for (int x = 0; x < size_; ++x) {
-        const size_t texel = map_.index(x, y);
-        const auto [cell, part] =
-            map_.has_border(x, y) && map_.owner(x, y) >= 0 ? partly_covered(x, y) : std::pair(cells_.label[texel], 16);
-        covered[2 * texel] = cell;
-        covered[2 * texel + 1] = part * 4096;
-      }
+    parallel_blocks(size_, threads_, 8, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y)
+        for (int x = 0; x < size_; ++x) {
+          const size_t texel = map_.index(x, y);
+          const auto [cell, part] =
+              map_.has_border(x, y) && map_.owner(x, y) >= 0 ? partly_covered(x, y) : std::pair(cells_.label[texel], 16);
+          covered[2 * texel] = cell;
+          covered[2 * texel + 1] = part * 4096;
+        }
+    });
     cells_.label = std::move(covered);
     std::vector<ivec4> bounds(static_cast<size_t>(cells_.count), ivec4(size_, size_, 0, 0)); // low, past the end
     for (int y = 0; y < size_; ++y)
@@ -298,19 +237,27 @@ private:
   int32_t cell_of(int64_t texel) const { return texel < 0 ? -1 : cells_.label[static_cast<size_t>(texel)]; }
   int32_t cell_at(dvec2 place, int32_t chart) const { return cell_of(map_.carrier(place, chart)); }
 
+  // A half-edge in the UV map, in texels, and the middle of its triangle.
+  struct Line {
+    dvec2 start, way, middle;
+    int32_t chart;
+  };
+
+  Line line_of(int half_edge) const {
+    const dvec2 a = uv_of(half_edge), b = uv_of(next_corner(half_edge)), c = uv_of(previous_corner(half_edge));
+    return {a, b - a, (a + b + c) / 3.0, charts_.triangle_chart[static_cast<size_t>(half_edge / 3)]};
+  }
+
   // The texel that carries a place on a half-edge, just inside its triangle.
-  int64_t texel_on_edge(int half_edge, double t) const {
-    const int a = half_edge, b = next_corner(a), c = next_corner(b);
-    const dvec2 place = uv_of(a) + (uv_of(b) - uv_of(a)) * t;
-    const dvec2 way = (uv_of(a) + uv_of(b) + uv_of(c)) / 3.0 - place;
-    return map_.carrier(place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)),
-                        charts_.triangle_chart[static_cast<size_t>(a / 3)]);
+  int64_t texel_on(const Line &line, double t) const {
+    const dvec2 place = line.start + line.way * t;
+    const dvec2 way = line.middle - place;
+    return map_.carrier(place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)), line.chart);
   }
 
   // Texels along an edge, none skipped.
-  int steps_along(int half_edge) const {
-    const double span = length(uv_of(next_corner(half_edge)) - uv_of(half_edge));
-    return std::clamp(static_cast<int>(std::ceil(span / 0.7)), 1, 4 * size_);
+  int steps_along(const Line &line) const {
+    return std::clamp(static_cast<int>(std::ceil(length(line.way) / 0.7)), 1, 4 * size_);
   }
 
   // The cell nearest to a corner along the two edges of its triangle, on either side of them.
@@ -320,11 +267,12 @@ private:
     auto walk = [&](int half_edge, bool from_end) {
       if (half_edge < 0 || charts_.triangle_chart[static_cast<size_t>(half_edge / 3)] < 0) return;
       const float length_3d = distance(position_of(half_edge), position_of(next_corner(half_edge)));
-      const int steps = steps_along(half_edge);
+      const Line line = line_of(half_edge);
+      const int steps = steps_along(line);
       for (int i = 0; i <= steps; ++i) {
         const double t = static_cast<double>(i) / steps;
         if (t * static_cast<double>(length_3d) >= nearest) return;
-        const int64_t texel = texel_on_edge(half_edge, from_end ? 1.0 - t : t);
+        const int64_t texel = texel_on(line, from_end ? 1.0 - t : t);
         if (texel < 0) continue;
         nearest = t * static_cast<double>(length_3d);
         best = cell_of(texel);
@@ -346,57 +294,90 @@ private:
   // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and
   // over a seam the same place of the edge is on both sides.
   void link_along_edges() {
-    carried_.assign(3 * static_cast<size_t>(triangles_.triangle_count), 0);
-    anchor_.assign(static_cast<size_t>(triangles_.triangle_count), -1);
-    for (int half_edge = 0; half_edge < 3 * triangles_.triangle_count; ++half_edge) {
-      if (charts_.triangle_chart[static_cast<size_t>(half_edge / 3)] < 0) continue;
-      const int32_t border = charts_.half_edge_border[static_cast<size_t>(half_edge)];
-      const int32_t twin = half_edges_.twin[static_cast<size_t>(half_edge)];
-      if (border < 0 && twin > half_edge) continue; // an inner edge once
-      const bool seam = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::seam;
-      const bool ends = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::boundary;
-      const int steps = std::max(steps_along(half_edge), seam ? steps_along(twin) : 1);
-      int64_t previous = -1;
-      for (int i = 0; i <= steps; ++i) {
-        const double t = static_cast<double>(i) / steps;
-        const int64_t texel = texel_on_edge(half_edge, t);
-        if (texel < 0) continue;
-        link(previous, texel);
-        if (previous < 0) anchor(half_edge / 3, texel);
-        if (previous < 0 && border < 0) anchor(twin / 3, texel);
-        const int64_t other = seam ? texel_on_edge(twin, 1.0 - t) : texel;
-        if (seam) link(texel, other);
-        carried_[static_cast<size_t>(half_edge)] |= other >= 0;
-        if (ends) boundaries_.push_back(pair_of(cell_of(texel), half_edge));
-        previous = texel;
-      }
+    const int count = 3 * triangles_.triangle_count;
+    first_.assign(static_cast<size_t>(count), -1);
+    carried_.assign(static_cast<size_t>(count), 0);
+    struct Found {
+      std::vector<Crossing> crossings;
+      Pairs boundaries;
+    };
+    std::vector<Found> found(static_cast<size_t>((count + one_block - 1) / one_block));
+    parallel_blocks(count, threads_, one_block, [&](int begin, int end) {
+      Found &here = found[static_cast<size_t>(begin / one_block)];
+      for (int half_edge = begin; half_edge < end; ++half_edge) link_along(half_edge, here.crossings, here.boundaries);
+      sort_unique(here.crossings);
+    });
+    for (const Found &here : found) {
+      crossings_.insert(crossings_.end(), here.crossings.begin(), here.crossings.end());
+      boundaries_.insert(boundaries_.end(), here.boundaries.begin(), here.boundaries.end());
     }
   }
 
-  // A texel that carries a place of the triangle: all such are connected.
-  void anchor(int triangle, int64_t texel) {
-    int64_t &first = anchor_[static_cast<size_t>(triangle)];
-    if (first < 0)
-      first = texel;
-    else
-      link(first, texel);
+  void link_along(int half_edge, std::vector<Crossing> &crossings, Pairs &boundaries) {
+    if (charts_.triangle_chart[static_cast<size_t>(half_edge / 3)] < 0) return;
+    const int32_t border = charts_.half_edge_border[static_cast<size_t>(half_edge)];
+    const int32_t twin = half_edges_.twin[static_cast<size_t>(half_edge)];
+    if (border < 0 && twin > half_edge) return; // an inner edge once
+    const bool seam = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::seam;
+    const bool ends = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::boundary;
+    const Line line = line_of(half_edge), beyond = seam ? line_of(twin) : line;
+    const int steps = std::max(steps_along(line), steps_along(beyond));
+    int64_t previous = -1;
+    for (int i = 0; i <= steps; ++i) {
+      const double t = static_cast<double>(i) / steps;
+      const int64_t texel = texel_on(line, t);
+      if (texel < 0) continue;
+      link(previous, texel, crossings);
+      if (previous < 0) first_[static_cast<size_t>(half_edge)] = texel;
+      const int64_t other = seam ? texel_on(beyond, 1.0 - t) : texel;
+      if (seam) link(texel, other, crossings);
+      carried_[static_cast<size_t>(half_edge)] |= other >= 0;
+      if (ends) boundaries.push_back(pair_of(cell_of(texel), half_edge));
+      previous = texel;
+    }
   }
 
-  // Triangles without a texel near belong to the cell from which the surface leads to them first. Where such ways from two cells
-  // meet, the cells are linked, and so are those of two triangles whose common edge is too far in a corner for texels.
-  void attach_bare_triangles() {
+  // The texel that carries each triangle's middle, or -1.
+  std::vector<int64_t> carriers() const {
     std::vector<int64_t> texel(static_cast<size_t>(triangles_.triangle_count), -1);
-    std::vector<uint8_t> bare(texel.size(), 0);
-    std::queue<int32_t> queue;
-    for (int32_t t = 0; t < triangles_.triangle_count; ++t) {
-      if (half_edges_.corner_point[static_cast<size_t>(3 * t)] < 0) continue;
-      const int32_t chart = charts_.triangle_chart[static_cast<size_t>(t)];
-      if (chart >= 0)
+    parallel_blocks(triangles_.triangle_count, threads_, one_block, [&](int begin, int end) {
+      for (int32_t t = begin; t < end; ++t) {
+        const int32_t chart = charts_.triangle_chart[static_cast<size_t>(t)];
+        if (half_edges_.corner_point[static_cast<size_t>(3 * t)] < 0 || chart < 0) continue;
         texel[static_cast<size_t>(t)] = map_.carrier((uv_of(3 * t) + uv_of(3 * t + 1) + uv_of(3 * t + 2)) / 3.0, chart);
-      bare[static_cast<size_t>(t)] = texel[static_cast<size_t>(t)] < 0;
-      if (texel[static_cast<size_t>(t)] < 0) continue;
-      anchor(t, texel[static_cast<size_t>(t)]);
-      queue.push(t);
+      }
+    });
+    return texel;
+  }
+
+  // The middles of two triangles whose common edge is too far in a corner for texels are connected.
+  void link_over_uncarried_edges(const std::vector<int64_t> &texel) {
+    for (size_t half_edge = 0; half_edge < carried_.size(); ++half_edge) {
+      const int32_t twin = half_edges_.twin[half_edge];
+      if (twin < static_cast<int32_t>(half_edge) || carried_[half_edge] || carried_[static_cast<size_t>(twin)]) continue;
+      link(texel[half_edge / 3], texel[static_cast<size_t>(twin / 3)], crossings_);
+    }
+  }
+
+  // The first texel along an edge, or -1; of an inner edge one of the two half-edges knows it.
+  int64_t first_along(size_t half_edge) const {
+    const int32_t twin = half_edges_.twin[half_edge];
+    const bool inner = charts_.half_edge_border[half_edge] < 0 && twin >= 0;
+    return inner && first_[half_edge] < 0 ? first_[static_cast<size_t>(twin)] : first_[half_edge];
+  }
+
+  // Triangles without a texel near belong to the cell from which the surface leads to them first; where such ways from two cells
+  // meet, the cells are linked, and so are texels that carry only an edge of such a triangle.
+  void attach_bare_triangles() {
+    std::vector<int64_t> texel = carriers();
+    std::vector<uint8_t> bare(texel.size(), 0);
+    for (size_t t = 0; t < bare.size(); ++t) bare[t] = texel[t] < 0 && half_edges_.corner_point[3 * t] >= 0;
+    link_over_uncarried_edges(texel);
+    std::queue<int32_t> queue;
+    for (int32_t h = 0; h < 3 * triangles_.triangle_count; ++h) { // only what lies beside a bare one leads anywhere
+      const int32_t twin = half_edges_.twin[static_cast<size_t>(h)];
+      if (texel[static_cast<size_t>(h / 3)] < 0 || twin < 0 || !bare[static_cast<size_t>(twin / 3)]) continue;
+      if (queue.empty() || queue.back() != h / 3) queue.push(h / 3);
     }
     Pairs pairs;
     while (!queue.empty()) {
@@ -408,16 +389,16 @@ private:
         int64_t &other = texel[static_cast<size_t>(twin / 3)];
         if (other < 0) {
           other = texel[static_cast<size_t>(t)];
-          anchor(twin / 3, other);
+          for (size_t k = 0; k < 3; ++k) link(first_along(3 * static_cast<size_t>(twin / 3) + k), other, crossings_);
           pairs.push_back(pair_of(cell_of(other), twin / 3));
           queue.push(twin / 3);
-        } else if (bare[static_cast<size_t>(t)] || bare[static_cast<size_t>(twin / 3)] ||
-                   !(carried_[static_cast<size_t>(3 * t + i)] || carried_[static_cast<size_t>(twin)])) {
-          link(texel[static_cast<size_t>(t)], other);
+        } else if (bare[static_cast<size_t>(t)] || bare[static_cast<size_t>(twin / 3)]) {
+          link(texel[static_cast<size_t>(t)], other, crossings_);
         }
       }
     }
     to_lists(pairs, cells_.count, cells_.bare_begin, cells_.bare);
+    cells_.triangle_cell.reserve(texel.size());
     for (const int64_t one : texel) cells_.triangle_cell.push_back(cell_of(one));
   }
 
@@ -425,19 +406,19 @@ private:
   const Triangles &triangles_;
   const HalfEdges &half_edges_;
   const Charts &charts_;
-  int size_;
+  int size_, threads_;
   Cells cells_;
   std::vector<Crossing> crossings_;
-  std::vector<int64_t> anchor_;  // a texel of each triangle
-  std::vector<uint8_t> carried_; // half-edges with a texel on either side of some place
+  std::vector<int64_t> first_;   // (half-edges) the first texel along it, or -1; of inner edges on one of the two
+  std::vector<uint8_t> carried_; // (half-edges) there are texels on both sides of some place
   Pairs boundaries_;
 };
 
 } // namespace
 
 Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles,
-                  const HalfEdges &half_edges, const Charts &charts, int block_size) {
-  return Builder(ids, grid, triangles, half_edges, charts, block_size).build();
+                  const HalfEdges &half_edges, const Charts &charts, int block_size, int threads) {
+  return Builder(ids, grid, triangles, half_edges, charts, block_size, threads).build();
 }
 
 std::vector<int32_t> find_cells(const Cells &cells, const std::vector<int32_t> &ids, const BorderGrid &grid,

@@ -34,9 +34,9 @@ struct Cells {
   std::vector<int32_t> site_cell; // (sites)
 };
 
-// ids: (size * size, 2) as GeometryBuffer::read_ids.
+// ids: (size * size, 2) as GeometryBuffer::read_ids. threads as in pdesc_context_options.
 Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles,
-                  const HalfEdges &half_edges, const Charts &charts, int block_size);
+                  const HalfEdges &half_edges, const Charts &charts, int block_size, int threads = 0);
 
 // A place of a triangle in the layout, just inside it.
 struct LayoutPlace {
