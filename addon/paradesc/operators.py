@@ -2,9 +2,9 @@
 
 import bpy
 
-from . import devices, targets
+from . import devices, mesh_io, targets
 from .batch import Batch
-from .bridge import ParadescError
+from .bridge import ParadescError, abi
 from .targets import obstacle
 
 # Seconds between two looks at the worker.
@@ -187,18 +187,31 @@ class PARADESC_OT_make_local(bpy.types.Operator):
         """Object and mesh, where they are linked or overrides; whatever else they use stays linked."""
         names = []
         copies: dict[bpy.types.Mesh, bpy.types.Mesh] = {}
-        for target in [item for item in targets.chosen(context) if targets.unwritable(item)]:
-            local = target if target.library is None else target.make_local()
-            mesh = local.data
-            if mesh.library is not None or mesh.override_library is not None:
-                copies[mesh] = copies.get(mesh) or mesh.copy()
-                local.data = copies[mesh]
-            if targets.unwritable(local):
-                self.report({"ERROR"}, f'Blender did not make "{local.name}" local; it belongs to another file')
-                return {"FINISHED" if names else "CANCELLED"}
-            names.append(local.name)
+        try:
+            for target in [item for item in targets.chosen(context) if targets.unwritable(item)]:
+                names.append(make_local(target, copies).name)
+        except ParadescError as error:
+            self.report({"ERROR"}, error.sentence)
+            return {"FINISHED" if names else "CANCELLED"}
         self.report({"INFO"}, f"Local now: {', '.join(names)}")
         return {"FINISHED"}
+
+
+def make_local(target: bpy.types.Object, copies: dict[bpy.types.Mesh, bpy.types.Mesh]) -> bpy.types.Object:
+    """The object, local, with a local mesh; copies holds the meshes that have been made so far."""
+    if target.library is not None:
+        if any(item.override_library and item.override_library.reference == target for item in bpy.data.objects):
+            sentence = f'Overrides follow the linked object "{target.name}"; make those local, or remove them first.'
+            raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        target = target.make_local()
+    if target.data.override_library is not None:
+        target.data.override_library.destroy()  # a copy would be an override again; this leaves what it was of
+    mesh = target.data
+    if mesh.library is not None:
+        copies[mesh] = copies.get(mesh) or mesh.copy()
+        target.data = copies[mesh]
+    mesh_io.check_writable(target)
+    return target
 
 
 class PARADESC_OT_choose_device(bpy.types.Operator):

@@ -323,9 +323,8 @@ def length_words(scene: bpy.types.Scene, length: float) -> str:
     """A length of the scene in its own units."""
     units = scene.unit_settings
     if units.system == "NONE":
-        return f"{length:.4g} in the scene"
-    words = bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length, precision=3)
-    return f"{words} in the scene"
+        return f"{length:.4g}"
+    return bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length, precision=3)
 
 
 def sentence_lines(column: bpy.types.UILayout, sentence: str, icon: str) -> None:
