@@ -41,11 +41,11 @@ RELOCATIONS = [
     ("paper", "Paper", "Sample again on every chart that samples fell on, as the paper does"),
 ]
 ESTIMATORS = [
-    ("shape-operator", "Shape operator", "Curvatures of the surface fitted to the neighborhood; exact at every radius"),
+    ("shape-operator", "Fitted", "Curvatures of the surface fitted to the neighborhood; exact at every radius"),
     ("integral", "Integral", "The paper's: mean curvature from volume, Gaussian from geodesic area; for large radii"),
 ]
 VARIANCE_REDUCTIONS = [
-    ("shape", "Shape operator", "Integrate only what the shape operator does not explain: far less noise"),
+    ("shape", "Fitted", "Integrate only what the shape operator does not explain: far less noise"),
     ("none", "None", "Plain sums over samples"),
 ]
 GEODESICS = [
@@ -135,8 +135,8 @@ def descriptor_members() -> dict[str, object]:
             default=bridge.Options.harris_k, min=0.0, max=0.25, precision=3, step=1,
         ),
         "corner_threshold": bpy.props.FloatProperty(
-            name="Corners from",
-            description="What a corner's Harris response is at least, in percent of the largest one of the mesh",
+            name="Corners",
+            description="The Harris response that makes a corner, in percent of the largest one of the mesh",
             default=100 * THRESHOLD, min=0.01, max=100.0, precision=1, subtype="PERCENTAGE",
         ),
     }  # fmt: skip
@@ -226,7 +226,7 @@ def method_members() -> dict[str, object]:
         ("relocation", "Over seams", "How neighborhoods go on over seams", RELOCATIONS),
         ("pattern", "Pattern", "Places of the samples", PATTERNS),
         ("ellipse", "Stretch", "How the pattern follows the distortion", ELLIPSES),
-        ("geodesic", "Along surface", "How distance along the surface is measured", GEODESICS),
+        ("geodesic", "Geodesic", "How distance along the surface is measured", GEODESICS),
     )
     members = {
         name: bpy.props.EnumProperty(name=label, description=description, items=items, default=items[0][0])
