@@ -22,7 +22,10 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
         return sorted(edited, key=lambda item: item != active)
     if active is not None and active.mode != "OBJECT":
         return [active] if active.type == "MESH" else []
-    found = [item for item in context.view_layer.objects.selected if item.type == "MESH"]
+    selected = getattr(context, "selected_objects", None)  # what a script has put there; none in handlers
+    if selected is None:
+        selected = context.view_layer.objects.selected
+    found = [item for item in selected if item.type == "MESH"]
     if not found and active is not None and active.type == "MESH":
         return [active]
     return sorted(found, key=lambda item: item != active)

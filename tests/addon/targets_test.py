@@ -49,6 +49,14 @@ def test_selected_meshes_are_chosen_the_active_one_first():
     assert targets.chosen(bpy.context) == [second, first]
 
 
+def test_a_script_may_name_the_objects():
+    first, second = add_spheres("first", "second")
+    with bpy.context.temp_override(active_object=first, object=first, selected_objects=[first]):
+        assert targets.chosen(bpy.context) == [first]
+        assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert ["mean_curvature" in item.data.attributes for item in (first, second)] == [True, False]
+
+
 def test_without_a_selection_the_active_mesh_is_chosen():
     first, second = add_spheres("first", "second")
     first.select_set(False)
