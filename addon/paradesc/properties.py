@@ -243,6 +243,12 @@ def method_members() -> dict[str, object]:
     return members
 
 
+def path_options() -> set[str]:
+    """Says that // stands for the .blend's folder, which Blender wants to be told since 4.5."""
+    known = "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
+    return {"PATH_SUPPORTS_BLEND_RELATIVE"} if known else set()
+
+
 def output_members() -> dict[str, object]:
     """Where results go."""
     return {
@@ -261,7 +267,7 @@ def output_members() -> dict[str, object]:
             name="Image",
             description="Where the image goes; the suffix follows the format, and of several meshes the name of each "
             "is added",
-            default="//paradesc.exr", subtype="FILE_PATH",
+            default="//paradesc.exr", subtype="FILE_PATH", options=path_options(),
         ),
         "texels": bpy.props.IntProperty(
             name="Texels",
@@ -276,7 +282,7 @@ def output_members() -> dict[str, object]:
         "buffers_path": bpy.props.StringProperty(
             name="Folder",
             description="Where the buffers go; of several meshes, the name of each is added",
-            default="//paradesc_buffers", subtype="DIR_PATH",
+            default="//paradesc_buffers", subtype="DIR_PATH", options=path_options(),
         ),
     }  # fmt: skip
 

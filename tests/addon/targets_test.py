@@ -5,6 +5,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
+import bmesh  # noqa: E402
+
 import paradesc  # noqa: E402
 from paradesc import mesh_io, targets  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, small_bake  # noqa: E402
@@ -118,10 +120,12 @@ def test_several_meshes_in_edit_mode_are_all_baked_and_stay_there():
 
 def test_selected_vertices_of_edit_mode_stay_selected():
     (ball,) = add_spheres("ball")
-    ball.data.vertices.foreach_set("select", np.arange(len(ball.data.vertices)) == 7)
-    for parts in (ball.data.edges, ball.data.polygons):
-        parts.foreach_set("select", np.zeros(len(parts), bool))
     bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    edited = bmesh.from_edit_mesh(ball.data)
+    edited.verts.ensure_lookup_table()
+    edited.verts[7].select_set(True)
+    bmesh.update_edit_mesh(ball.data)
     bpy.ops.paradesc.bake()
     bpy.ops.object.mode_set(mode="OBJECT")
     assert [vertex.index for vertex in ball.data.vertices if vertex.select] == [7]
