@@ -44,12 +44,13 @@ def obstacle(context: bpy.types.Context) -> str:
     missing = bridge.missing_sentence()
     if missing:
         return missing
+    active = context.active_object
+    if active is not None and active.mode != "OBJECT" and (active.type != "MESH" or active.mode not in MODES):
+        return f"Leave {active.mode.replace('_', ' ').lower()} mode first"
     targets = chosen(context)
     if not targets:
         return "Select a mesh object first"
     for target in targets:
-        if target.mode not in MODES:
-            return f"Leave {target.mode.replace('_', ' ').lower()} mode first"
         if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
             return "Switch dynamic topology off, or leave sculpt mode, first: its mesh is not yet that of the object"
     group = context.scene.paradesc

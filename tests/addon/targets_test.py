@@ -154,6 +154,14 @@ def test_dynamic_topology_is_refused_by_a_sentence():
     assert targets.obstacle(bpy.context) == ""
 
 
+@pytest.mark.parametrize("mode", ["POSE", "EDIT"])
+def test_modes_of_other_objects_have_to_be_left(mode):
+    add_spheres("ball")
+    bpy.ops.object.armature_add()
+    bpy.ops.object.mode_set(mode=mode)
+    assert targets.obstacle(bpy.context) == f"Leave {mode.lower()} mode first"
+
+
 # ---- Shapes
 
 
