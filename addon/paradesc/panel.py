@@ -285,7 +285,7 @@ def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:
     """The registry in groups with a title each, as its own facts tell them apart."""
     rows = bridge.descriptors()
     groups = [
-        ("Of the surface (Shift: several)", [row for row in rows if row.components == 1 and not row.map_degree]),
+        ("Of the surface, any number", [row for row in rows if row.components == 1 and not row.map_degree]),
         ("Directions", [row for row in rows if row.components > 1]),
         ("Operators on the map of", [row for row in rows if row.components == 1 and row.map_degree]),
     ]

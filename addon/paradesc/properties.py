@@ -113,7 +113,7 @@ def descriptor_members() -> dict[str, object]:
     return {
         "descriptors": bpy.props.EnumProperty(
             name="Descriptors",
-            description="What to compute; hold Shift to choose several, which costs little more than one",
+            description="What to compute, any number of them: several cost little more than one",
             items=items,
             options={"ENUM_FLAG"},
             default={default_of(items, DEFAULT_DESCRIPTOR)},
