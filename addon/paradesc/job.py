@@ -130,19 +130,45 @@ def run(
 ) -> Results:
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
-    with bridge.Context(settings.backend, settings.device_index) as context:
-        if arrays.corner_uvs is None and context.backend != "reference":
-            raise bridge.ParadescError(
-                abi.STATUS_INVALID_ARGUMENT,
-                "The arrays have no UV coordinates; give them, or choose the backend reference, which needs none.",
-            )
-        with context.mesh(arrays) as mesh:
-            results = run_radii(context, mesh, settings, progress, with_buffers)
-            if arrays.layout is not None and context.backend != "reference":
-                results.unwrapped = arrays.layout
-                results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
-            add_corners(results, arrays)
-            return results
+    with open_context(arrays, settings) as context, context.mesh(arrays) as mesh:
+        return run_on(context, mesh, arrays, settings, progress, with_buffers)
+
+
+def open_context(arrays: bridge.MeshArrays, settings: Settings) -> bridge.Context:
+    """The device that the settings name, if it can compute on these arrays."""
+    context = bridge.Context(settings.backend, settings.device_index)
+    try:
+        check_uvs(arrays, context.backend)
+    except bridge.ParadescError:
+        context.close()
+        raise
+    return context
+
+
+def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:
+    """Refuses arrays without UV coordinates where texture space is needed."""
+    if arrays.corner_uvs is None and backend != "reference":
+        raise bridge.ParadescError(
+            abi.STATUS_INVALID_ARGUMENT,
+            "The arrays have no UV coordinates; give them, or choose the backend reference, which needs none.",
+        )
+
+
+def run_on(
+    context: bridge.Context,
+    mesh: bridge.Mesh,
+    arrays: bridge.MeshArrays,
+    settings: Settings,
+    progress: ProgressFunction | None = None,
+    with_buffers: bool = False,
+) -> Results:
+    """Computes the descriptors on a mesh that was made of these arrays."""
+    results = run_radii(context, mesh, settings, progress, with_buffers)
+    if arrays.layout is not None and context.backend != "reference":
+        results.unwrapped = arrays.layout
+        results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
+    add_corners(results, arrays)
+    return results
 
 
 def add_corners(results: Results, arrays: bridge.MeshArrays) -> None:
