@@ -1,4 +1,4 @@
-"""The command line: bake, compare, list. Runs as `python -m paradesc …` and as `blender -b FILE -P cli.py -- …`."""
+"""The command line: bake, animate, compare, list. Run by `python -m paradesc …` or `blender -b FILE -P cli.py -- …`."""
 
 import argparse
 import os
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 if __name__ == "__main__":  # run by Blender as a script: find the package that this file lies in
     sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from paradesc import bridge, compare, corners, job, maps, results
+from paradesc import animate, bridge, compare, corners, job, maps, results
 from paradesc.bridge import ParadescError, abi
 from paradesc.streams import quiet
 
@@ -59,7 +59,7 @@ def make_parser() -> Parser:
         prog="paradesc", description="Geometric descriptors of UV-mapped meshes, computed in their texture space."
     )
     commands = parser.add_subparsers(
-        dest="command", required=True, metavar="bake | compare | list", parser_class=Parser
+        dest="command", required=True, metavar="bake | animate | compare | list", parser_class=Parser
     )
     bake = commands.add_parser("bake", help="compute descriptors and write them to files")
     add_mesh_options(bake)
@@ -73,6 +73,7 @@ def make_parser() -> Parser:
     )  # fmt: skip
     bake.add_argument("--dump-buffers", metavar="FOLDER", type=Path, help="write the baked buffers as .png and .npz")
     add_map_options(bake)
+    animate.add_source(bake, "original")
     bake.add_argument("--json", metavar="REPORT", type=Path, help="write settings, reports and ranges as JSON")
     bake.add_argument("--corners", metavar="FILE", type=Path, help="write the corners that harris finds as a JSON list")
     bake.add_argument(
@@ -80,6 +81,7 @@ def make_parser() -> Parser:
         help="corners have at least this share of the largest response (default: 0.05)",
     )  # fmt: skip
     bake.set_defaults(run=run_bake)
+    animate.add_command(commands, sys.modules[__name__])
     comparison = commands.add_parser("compare", help="compare a device's results with those of the reference")
     add_mesh_options(comparison)
     comparison.add_argument("--json", metavar="FILE", type=Path, help="write the table as a JSON list of rows")
@@ -244,17 +246,20 @@ def run_bake(arguments: argparse.Namespace) -> None:
     """Reads the mesh, computes, and writes every output and the report."""
     settings, images = check_bake(arguments)
     target = open_object(arguments)
-    from paradesc import mesh_io
+    from paradesc import mesh_io, sources
 
     saves_scene = any(path.suffix.lower() == ".blend" for path in arguments.output)
     if saves_scene:
         mesh_io.check_writable(target)
-    arrays = mesh_io.read_object(target, settings.options.normals == "mesh", settings.backend != "reference")
+    own_normals, needs_uvs = settings.options.normals == "mesh", settings.backend != "reference"
+    reading = sources.read(target, arguments.source, own_normals, needs_uvs)
+    arrays = reading.arrays
     mapped = add_maps(target, arrays, arguments)
+    sources.check_maps(reading)
     with Progress() as progress:
         computed = job.run(arrays, settings, progress, arguments.dump_buffers is not None)
     baked = results.Baked(target.name, computed, arrays, mesh_io.world_matrix(target))
-    notes = mapped + (mesh_io.write_results(target, computed) if saves_scene else [])
+    notes = mapped + (sources.deliver(target, computed, reading) if saves_scene else reading.notes)
     written, notes = write_outputs(arguments, baked, images, notes)
     print_summary(baked, notes)
     for path in written:
