@@ -2,12 +2,14 @@
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from . import bridge, color_maps, corners, picture, png
+from .bridge import ParadescError, abi
 from .job import Results, registry_row
 
 
@@ -125,6 +127,18 @@ def listed_corners(baked: Baked) -> list[dict[str, object]]:
 def write_json(path: Path, content: object) -> None:
     """Writes plain Python as JSON, with null for what is not a number."""
     path.write_text(json.dumps(finite_only(content), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def write_whole(path: Path, content: object, writer: Callable) -> None:
+    """Writes beside the path first: a failure leaves no half file, and an old one as it was."""
+    temporary = path.with_name(f".{path.name}.part")
+    try:
+        writer(temporary, content)
+        temporary.replace(path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        sentence = f'"{path}" cannot be written: {error.strerror or error}.'
+        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error
 
 
 def finite_only(content: object) -> object:
