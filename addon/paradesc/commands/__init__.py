@@ -4,7 +4,7 @@ from importlib import import_module
 from types import ModuleType
 
 # In the order of the help.
-COMMANDS = ("bake", "compare", "list")
+COMMANDS = ("bake", "compare", "info", "list")
 
 
 def modules() -> list[ModuleType]:

@@ -1,58 +1,133 @@
-"""paradesc bake: computes descriptors of one object and writes them to files."""
+"""paradesc bake: computes descriptors of one object or of several and writes them to files."""
 
 import argparse
-from collections.abc import Callable
-from pathlib import Path
+import time
 from typing import TYPE_CHECKING
 
-from .. import bridge, corners, job, maps, results
-from ..results import write_whole
+from .. import bridge, corners, job, results
 from ..streams import quiet
-from .common import Parser, Progress, UsageError, check_outputs, open_object, print_notes
-from .options import add_map_options, add_mesh_options, settings_of
+from .common import (
+    Parser,
+    Progress,
+    UsageError,
+    add_objects_options,
+    add_output_options,
+    open_objects,
+    print_notes,
+)
+from .options import add_computation_options, add_input, add_map_options, opened_settings, settings_of
+from .outputs import add_output_files, check_files, write_files
 
 if TYPE_CHECKING:
     import bpy
-
-WRITERS: dict[str, Callable[[Path, results.Baked], None]] = {
-    ".npz": results.write_npz,
-    ".ply": results.write_ply,
-    ".png": results.write_picture,
-    ".exr": maps.write_exr,
-}
-OUTPUT_SUFFIXES = (*WRITERS, ".blend")
 
 
 def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     """The command and its options."""
     bake = commands.add_parser("bake", help="compute descriptors and write them to files")
-    add_mesh_options(bake)
-    bake.add_argument(
-        "--output", "-o", action="append", default=[], metavar="OUT", type=Path,
-        help="where to write: .blend, .npz, .ply, .png (picture), .exr (image over the UV map); give it again for more",
-    )  # fmt: skip
-    bake.add_argument(
-        "--map", action="append", default=[], metavar="IMAGE", type=Path,
-        help="write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor)",
-    )  # fmt: skip
-    bake.add_argument("--dump-buffers", metavar="FOLDER", type=Path, help="write the baked buffers as .png and .npz")
+    add_input(bake)
+    add_objects_options(bake)
+    add_computation_options(bake)
     add_map_options(bake)
-    bake.add_argument("--json", metavar="REPORT", type=Path, help="write settings, reports and ranges as JSON")
-    bake.add_argument("--corners", metavar="FILE", type=Path, help="write the corners that harris finds as a JSON list")
-    bake.add_argument(
-        "--corner-threshold", type=float, default=corners.THRESHOLD, metavar="T",
-        help="corners have at least this share of the largest response (default: 0.05)",
-    )  # fmt: skip
+    add_output_files(bake)
+    add = bake.add_argument
+    add("--corner-threshold", type=float, default=corners.THRESHOLD, metavar="T",
+        help="corners have at least this share of the largest response (default: 0.05)")  # fmt: skip
+    add("--fail-under-coverage", type=float, metavar="SHARE",
+        help="end with code 5 if an object's mean coverage is smaller")  # fmt: skip
+    add("--fail-over-undefined", type=float, metavar="SHARE",
+        help="end with code 5 if a larger share of an object's vertices is undefined")  # fmt: skip
+    add("--fail-on-warnings", action="store_true", help="end with code 5 if anything limits the results")
+    add_output_options(bake)
     bake.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> dict[str, object]:
+    """Reads the meshes, computes, and writes every output; gives the report."""
+    check(arguments)
+    started = time.monotonic()
+    opened = open_objects(arguments)
+    settings = opened_settings(arguments)
+    settings.corner_threshold = arguments.corner_threshold
+    if arguments.corners and "harris" not in settings.descriptors:
+        raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
+    read = time.monotonic()
+    baked = bake_objects(opened.objects, settings, arguments)
+    computed = time.monotonic()
+    if saves_scene(arguments):
+        write_attributes(opened.objects, baked)
+    files = write_files(arguments, baked)
+    for one in baked:
+        print_summary(one)
+    fallback = baked[0].results.fallback
+    print_notes([*opened.notes, fallback])
+    for path in files["outputs"]:
+        print(f"wrote {path}")
+    warnings = warnings_of(baked)
+    return {
+        "settings": settings.as_dict(),
+        "backend": baked[0].results.backend,
+        "device": baked[0].results.device,
+        "fallback": fallback,
+        "objects": [results.report(one) for one in baked],
+        "notes": opened.notes,
+        "warnings": warnings,
+        **files,
+        "seconds": {"open": read - started, "compute": computed - read, "write": time.monotonic() - computed},
+        "failed_checks": failed_checks(arguments, baked, warnings),
+    }
+
+
+def check(arguments: argparse.Namespace) -> None:
+    """Refuses whatever makes no sense before any file is opened."""
+    settings_of(arguments)
+    check_files(arguments)
+    if arguments.all and arguments.object:
+        raise UsageError("Give --object or --all, not both.")
+    if not 0 < arguments.corner_threshold <= 1:
+        raise UsageError(f"The corner threshold is {arguments.corner_threshold}; it must be above 0 and at most 1.")
+    if arguments.material_maps and (arguments.displacement or arguments.normal_map):
+        raise UsageError("Maps come from the material or from files; leave --material-maps or the images out.")
+
+
+def saves_scene(arguments: argparse.Namespace) -> bool:
+    """Whether the scene itself is an output."""
+    return any(path.suffix.lower() == ".blend" for path in arguments.output)
+
+
+def bake_objects(
+    targets: list["bpy.types.Object"], settings: job.Settings, arguments: argparse.Namespace
+) -> list[results.Baked]:
+    """Computes each object; those that share a mesh share its results, unless materials change what is measured."""
+    from .. import mesh_io
+
+    if saves_scene(arguments):
+        for target in targets:
+            mesh_io.check_writable(target)
+    baked: list[results.Baked] = []
+    of_mesh: dict[str, results.Baked] = {}
+    with Progress(arguments.progress) as progress:
+        for index, target in enumerate(targets):
+            known = None if arguments.material_maps else of_mesh.get(target.data.name_full)
+            if known is None:
+                arrays = mesh_io.read_object(
+                    target, settings.options.normals == "mesh", settings.backend != "reference"
+                )
+                notes = add_maps(target, arrays, arguments)
+                part = job.part_of(progress, index, len(targets))
+                computed = job.run(arrays, settings, part, arguments.dump_buffers is not None)
+            else:
+                arrays, computed = known.arrays, known.results
+                notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
+            baked.append(results.Baked(target.name, computed, arrays, mesh_io.world_matrix(target), notes))
+            of_mesh.setdefault(target.data.name_full, baked[-1])
+    return baked
 
 
 def add_maps(target: "bpy.types.Object", arrays: bridge.MeshArrays, arguments: argparse.Namespace) -> list[str]:
     """Puts the maps asked for into the arrays; gives a sentence about each."""
     from .. import surface_maps
 
-    files = (arguments.displacement, arguments.normal_map)
-    if arguments.material_maps and any(files):
-        raise UsageError("Maps come from the material or from files; leave --material-maps or the images out.")
     sources = surface_maps.Sources(
         arguments.displacement,
         arguments.midlevel,
@@ -64,109 +139,48 @@ def add_maps(target: "bpy.types.Object", arrays: bridge.MeshArrays, arguments: a
         return surface_maps.add_maps(target, arrays, sources)
 
 
-def check_bake(arguments: argparse.Namespace) -> tuple[job.Settings, list[tuple[Path, str]]]:
-    """The settings, and the images to write; whatever makes no sense is refused before anything is computed."""
-    for path in arguments.output:
-        if path.suffix.lower() not in OUTPUT_SUFFIXES:
-            raise UsageError(f'"{path}" has none of the suffixes {", ".join(OUTPUT_SUFFIXES)}.')
-    settings = settings_of(arguments)
-    images = image_paths(arguments.map, settings)
-    check_outputs(arguments.output + [path for path, _ in images] + report_paths(arguments))
-    check_folder(arguments)
-    settings.corner_threshold = arguments.corner_threshold
-    if not 0 < settings.corner_threshold <= 1:
-        raise UsageError(f"The corner threshold is {settings.corner_threshold}; it must be above 0 and at most 1.")
-    if arguments.corners and "harris" not in settings.descriptors:
-        raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
-    return settings, images
-
-
-def report_paths(arguments: argparse.Namespace) -> list[Path]:
-    """Files that are written last."""
-    return [path for path in (arguments.json, arguments.corners) if path]
-
-
-def run(arguments: argparse.Namespace) -> None:
-    """Reads the mesh, computes, and writes every output and the report."""
-    settings, images = check_bake(arguments)
-    target = open_object(arguments)
+def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:
+    """Leaves the results on the objects' meshes."""
     from .. import mesh_io
 
-    saves_scene = any(path.suffix.lower() == ".blend" for path in arguments.output)
-    if saves_scene:
-        mesh_io.check_writable(target)
-    arrays = mesh_io.read_object(target, settings.options.normals == "mesh", settings.backend != "reference")
-    mapped = add_maps(target, arrays, arguments)
-    with Progress() as progress:
-        computed = job.run(arrays, settings, progress, arguments.dump_buffers is not None)
-    baked = results.Baked(target.name, computed, arrays, mesh_io.world_matrix(target))
-    notes = mapped + (mesh_io.write_results(target, computed) if saves_scene else [])
-    written, notes = write_outputs(arguments, baked, images, notes)
-    print_summary(baked, notes)
-    for path in written:
-        print(f"wrote {path}")
+    done = set()
+    for target, one in zip(targets, baked, strict=True):
+        if target.data.name_full not in done:
+            one.notes += mesh_io.write_results(target, one.results)
+        done.add(target.data.name_full)
 
 
-def write_outputs(
-    arguments: argparse.Namespace, baked: results.Baked, images: list[tuple[Path, str]], notes: list[str]
-) -> tuple[list[Path], list[str]]:
-    """Writes all files; gives them, and the notes with those about images."""
-    from .. import scene_io
-
-    for path in arguments.output:
-        if path.suffix.lower() == ".blend":
-            scene_io.save_blend(path, arguments.verbose)
-        else:
-            write_whole(path, baked, WRITERS[path.suffix.lower()])
-    described = [write_image(path, baked, name) for path, name in images]
-    written = arguments.output + [path for path, _ in images]
-    if images or any(path.suffix.lower() == ".exr" for path in written):
-        notes = notes + maps.notes(baked)
-    if arguments.dump_buffers:
-        written += maps.write_buffers(arguments.dump_buffers, baked)
-    if arguments.json:
-        outputs = {"outputs": [str(path) for path in written], "maps": described}
-        write_whole(arguments.json, {**results.report(baked), "notes": notes, **outputs}, results.write_json)
-    if arguments.corners:
-        write_whole(arguments.corners, results.listed_corners(baked), results.write_json)
-    return written + report_paths(arguments), notes
+def warnings_of(baked: list[results.Baked]) -> list[str]:
+    """Everything that limits the results; of several objects with their names."""
+    several = len(baked) > 1
+    return [
+        f"{one.object_name}: {sentence}" if several else sentence for one in baked for sentence in one.results.warnings
+    ]
 
 
-def image_paths(paths: list[Path], settings: job.Settings) -> list[tuple[Path, str]]:
-    """The files that --map writes, each with its descriptor; "" for all of them in one."""
-    found: list[tuple[Path, str]] = []
-    for path in paths:
-        if path.suffix.lower() not in maps.SUFFIXES:
-            raise UsageError(f'"{path}" has none of the suffixes {", ".join(maps.SUFFIXES)}.')
-        if path.suffix.lower() == ".exr":
-            found.append((path, ""))
-        else:
-            found += [(one, name) for name, one in maps.png_paths(path, settings.value_names()).items()]
-    return found
+def failed_checks(arguments: argparse.Namespace, baked: list[results.Baked], warnings: list[str]) -> list[str]:
+    """A sentence for each check that was asked for and failed."""
+    failed = []
+    least, most = arguments.fail_under_coverage, arguments.fail_over_undefined
+    for one in baked:
+        for suffix, field in one.results.field_reports.items():
+            at = f" at {suffix.removeprefix('_')}" if suffix else ""
+            coverage = field["coverage_mean"]
+            if least is not None and not coverage >= least:
+                failed.append(
+                    f'The coverage of "{one.object_name}"{at} is {coverage:.4g}, below the {least:g} asked for.'
+                )
+            share = field["undefined_vertices"] / max(len(one.arrays.positions), 1)
+            if most is not None and not share <= most:
+                failed.append(
+                    f'Of "{one.object_name}"{at}, {share:.4g} of the vertices are undefined; {most:g} are allowed.'
+                )
+    if arguments.fail_on_warnings and warnings:
+        failed.append(f"There are warnings ({len(warnings)}): {warnings[0]}")
+    return failed
 
 
-def check_folder(arguments: argparse.Namespace) -> None:
-    """Refuses a bake that writes nothing, and a folder for buffers that cannot be."""
-    folder = arguments.dump_buffers
-    if folder is None and not arguments.output + arguments.map:
-        raise UsageError("There is nothing to write; give --output, --map or --dump-buffers.")
-    if folder is not None and arguments.backend == "reference":
-        raise UsageError("The reference bakes no buffers to dump; choose another backend.")
-    if folder is not None and not (folder.is_dir() or (folder.absolute().parent.is_dir() and not folder.exists())):
-        raise UsageError(f'"{folder}" is no folder and cannot become one.')
-
-
-def write_image(path: Path, baked: results.Baked, name: str) -> dict[str, object]:
-    """Writes one image of --map; gives what the report says of it."""
-    described: dict[str, object] = {"path": str(path)}
-    if name:
-        write_whole(path, baked, lambda place, content: described.update(maps.write_png(place, content, name)))
-    else:
-        write_whole(path, baked, maps.write_exr)
-    return described
-
-
-def print_summary(baked: results.Baked, notes: list[str]) -> None:
+def print_summary(baked: results.Baked) -> None:
     """What was found, in a few lines."""
     found = baked.results
     mesh, field = found.mesh_report, found.field_report
@@ -189,4 +203,4 @@ def print_summary(baked: results.Baked, notes: list[str]) -> None:
             print(f"  {name}: {row['minimum']:.6g} to {row['maximum']:.6g} {row['unit']}".rstrip())
     if found.corners is not None:
         print(f"  corners: {len(found.corners.vertices):,}")
-    print_notes([*notes, found.fallback, *found.warnings])
+    print_notes([*baked.notes, *found.warnings])
