@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -176,7 +177,7 @@ def json_text(content: object) -> str:
 
 def write_whole(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
     """Writes beside the path first: a failure leaves no half file, and an old one as it was."""
-    temporary = path.with_name(f".{path.name}.part")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         writer(temporary, content)
         temporary.replace(path)

@@ -97,10 +97,11 @@ class Opened:
 
 
 def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
-    """Opens the input, if there is one. Gives whether it was imported, and sentences about that."""
+    """Opens the input; without one the open scene is meant. Gives whether it was imported, and sentences about that."""
+    scene_is_open = "bpy" in sys.modules  # in Blender, and in scripts that made a scene
     try:
         with quiet(arguments.verbose):
-            import bpy
+            import bpy  # noqa: F401 (before bmesh, which scene_io imports)
 
             from .. import scene_io
     except ImportError as error:
@@ -108,7 +109,7 @@ def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
     if arguments.input is not None:
         notes = scene_io.open_scene(arguments.input, arguments.verbose)
         return arguments.input.suffix.lower() != ".blend", notes
-    if not bpy.app.binary_path:
+    if not scene_is_open:
         raise UsageError(f"INPUT is missing; give a file: {', '.join(scene_io.SUFFIXES)}.")
     return False, []
 
