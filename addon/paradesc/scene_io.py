@@ -97,7 +97,10 @@ def weld_meshes() -> list[str]:
 def reason(error: Exception) -> str:
     """What Blender says is wrong, in one sentence without its final dot; of a traceback the exception alone."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    raised = [line for line in lines if re.match(r"[A-Za-z_.]*(Error|Exception): ", line) and "Traceback" not in line]
+    lines = [line for line in lines if not line.startswith("Location: ")]
+    raised = [
+        line for line in lines if re.match(r"[A-Za-z_.]*([Ee]rror|Exception): ", line) and "Traceback" not in line
+    ]
     line = (raised or lines or [type(error).__name__])[-1]
     return line.removeprefix("Error: ").rstrip(".")[:300]
 

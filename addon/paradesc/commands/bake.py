@@ -2,6 +2,9 @@
 
 import argparse
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import bridge, corners, job, results
@@ -12,11 +15,12 @@ from .common import (
     UsageError,
     add_objects_options,
     add_output_options,
+    check_overwriting,
     open_objects,
     print_notes,
 )
 from .options import add_computation_options, add_input, add_map_options, opened_settings, settings_of
-from .outputs import add_output_files, check_files, write_files
+from .outputs import add_output_files, check_files, files_of, write_files
 
 if TYPE_CHECKING:
     import bpy
@@ -51,6 +55,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     settings.corner_threshold = arguments.corner_threshold
     if arguments.corners and "harris" not in settings.descriptors:
         raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
+    check_overwriting(files_of(arguments), open_file(), arguments.force)
     read = time.monotonic()
     baked = bake_objects(opened.objects, settings, arguments)
     computed = time.monotonic()
@@ -110,18 +115,44 @@ def bake_objects(
         for index, target in enumerate(targets):
             known = None if arguments.material_maps else of_mesh.get(target.data.name_full)
             if known is None:
-                arrays = mesh_io.read_object(
-                    target, settings.options.normals == "mesh", settings.backend != "reference"
-                )
-                notes = add_maps(target, arrays, arguments)
                 part = job.part_of(progress, index, len(targets))
-                computed = job.run(arrays, settings, part, arguments.dump_buffers is not None)
+                with named(target, len(targets)):
+                    arrays, computed, notes = bake_object(target, settings, arguments, part)
             else:
                 arrays, computed = known.arrays, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
             baked.append(results.Baked(target.name, computed, arrays, mesh_io.world_matrix(target), notes))
             of_mesh.setdefault(target.data.name_full, baked[-1])
     return baked
+
+
+def bake_object(
+    target: "bpy.types.Object", settings: job.Settings, arguments: argparse.Namespace, progress: job.ProgressFunction
+) -> tuple[bridge.MeshArrays, job.Results, list[str]]:
+    """Reads and computes one object; gives its arrays, its results and sentences about its maps."""
+    from .. import mesh_io
+
+    arrays = mesh_io.read_object(target, settings.options.normals == "mesh", settings.backend != "reference")
+    notes = add_maps(target, arrays, arguments)
+    return arrays, job.run(arrays, settings, progress, arguments.dump_buffers is not None), notes
+
+
+@contextmanager
+def named(target: "bpy.types.Object", count: int) -> Iterator[None]:
+    """Adds to an error which of several objects it is about."""
+    try:
+        yield
+    except bridge.InputError as error:
+        if count > 1:
+            raise bridge.InputError(f'Object "{target.name}": {error.sentence}') from error
+        raise
+
+
+def open_file() -> Path | None:
+    """The .blend that the open scene comes from."""
+    import bpy
+
+    return Path(bpy.data.filepath) if bpy.data.filepath else None
 
 
 def add_maps(target: "bpy.types.Object", arrays: bridge.MeshArrays, arguments: argparse.Namespace) -> list[str]:

@@ -114,7 +114,8 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
     with scene_group() as group:
         from .. import properties
 
-        arguments.material_maps = getattr(arguments, "material_maps", False) or group.material_maps
+        has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
+        arguments.material_maps = getattr(arguments, "material_maps", False) or (group.material_maps and not has_files)
         return settings_of(arguments, properties.job_settings(group))
 
 

@@ -32,7 +32,7 @@ def check_files(arguments: argparse.Namespace) -> None:
         for path in paths:
             if path.suffix.lower() not in suffixes:
                 raise UsageError(f'"{path}" has none of the suffixes {", ".join(suffixes)}.')
-    paths = arguments.output + arguments.map + [path for path in (arguments.json, arguments.corners) if path]
+    paths = files_of(arguments)
     check_outputs(paths)
     check_overwriting(paths, arguments.input, arguments.force)
     folder = arguments.dump_buffers
@@ -42,6 +42,11 @@ def check_files(arguments: argparse.Namespace) -> None:
         raise UsageError("The reference bakes no buffers to dump; choose another backend.")
     if folder is not None and not (folder.is_dir() or (folder.absolute().parent.is_dir() and not folder.exists())):
         raise UsageError(f'"{folder}" is no folder and cannot become one.')
+
+
+def files_of(arguments: argparse.Namespace) -> list[Path]:
+    """Everything that is to be written, but folders."""
+    return arguments.output + arguments.map + [path for path in (arguments.json, arguments.corners) if path]
 
 
 def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, object]:
