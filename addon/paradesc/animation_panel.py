@@ -56,7 +56,7 @@ def wanted_frames(scene: bpy.types.Scene) -> range:
     if not group.use_scene_range:
         first, last = group.frame_start, group.frame_end
     try:
-        return frames.frame_range(first, last, group.frame_step)
+        return cache.frame_range(first, last, group.frame_step)
     except ValueError as error:
         raise refuse(str(error)) from error
 

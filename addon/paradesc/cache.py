@@ -34,6 +34,8 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.+-]{0,62}")
 FILE_NAME = re.compile(r"frame_(-?\d{1,7})" + re.escape(SUFFIX))
 # Each frame's distribution is kept at so many evenly spaced ranks, from which the range over all frames follows.
 QUANTILES = 257
+FRAMES = re.compile(r"(-?\d+)(?::(-?\d+))?(?::(\d+))?")
+MOST_FRAMES = 1_000_000
 RANGE_FILE = "range.json"
 
 
@@ -79,6 +81,28 @@ def frames_in(folder: Path) -> dict[int, Path]:
         raise refused(f'The folder "{folder}" cannot be read: {error.strerror or error}.') from error
     matches = [match for match in map(FILE_NAME.fullmatch, names) if match]
     return {frame: folder / name for frame, name in sorted((int(match[1]), match[0]) for match in matches)}
+
+
+def parse_frames(text: str) -> range:
+    """The frames of A:B, A:B:STEP or A, with B among them."""
+    found = FRAMES.fullmatch(text.strip())
+    if not found:
+        raise ValueError(f'"{text}" is no range of frames; give A:B or A:B:STEP, for example 1:250.')
+    first = int(found[1])
+    last = int(found[2]) if found[2] else first
+    step = int(found[3]) if found[3] else 1
+    return frame_range(first, last, step)
+
+
+def frame_range(first: int, last: int, step: int) -> range:
+    """All frames from first to last; raises ValueError where there is none, or far too many."""
+    if step < 1:
+        raise ValueError("The step between frames must be at least 1.")
+    if last < first:
+        raise ValueError(f"The last frame, {last}, comes before the first, {first}.")
+    if max(abs(first), abs(last)) >= LAST_FRAME or (last - first) // step >= MOST_FRAMES:
+        raise ValueError(f"Frames {first} to {last} are more than Blender has.")
+    return range(first, last + 1, step)
 
 
 # ---- Keys
@@ -355,4 +379,4 @@ def pool(parts: list[tuple[np.ndarray, int]]) -> np.ndarray:
 
 def refused(sentence: str) -> ParadescError:
     """The error for a file or folder that cannot be used."""
-    return ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+    return ParadescError(abi.STATUS_UNKNOWN, sentence)

@@ -4,7 +4,6 @@ prepare() needs Blender's main thread, run() none. Radii are those of the rest p
 frame can be compared with those of another.
 """
 
-import re
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,12 +14,9 @@ import bpy
 import numpy as np
 
 from . import __version__, cache, job, mesh_io, sources, surface_maps
-from .bridge import MeshArrays, ParadescError, abi
+from .bridge import InputError, MeshArrays, ParadescError, abi
 from .mesh_io import refuse
 from .stream import Stream
-
-FRAMES = re.compile(r"(-?\d+)(?::(-?\d+))?(?::(\d+))?")
-MOST_FRAMES = 1_000_000
 
 
 @dataclass
@@ -228,26 +224,5 @@ def at_frame(frame: int, error: ParadescError) -> ParadescError:
     """The same error, saying at which frame."""
     if error.status == abi.STATUS_CANCELLED or error.sentence.startswith("Frame "):
         return error
-    return ParadescError(error.status, f"Frame {frame}: {error.sentence}")
-
-
-def parse_frames(text: str) -> range:
-    """The frames of A:B, A:B:STEP or A, with B among them."""
-    found = FRAMES.fullmatch(text.strip())
-    if not found:
-        raise ValueError(f'"{text}" is no range of frames; give A:B or A:B:STEP, for example 1:250.')
-    first = int(found[1])
-    last = int(found[2]) if found[2] else first
-    step = int(found[3]) if found[3] else 1
-    return frame_range(first, last, step)
-
-
-def frame_range(first: int, last: int, step: int) -> range:
-    """All frames from first to last; raises ValueError where there is none, or far too many."""
-    if step < 1:
-        raise ValueError("The step between frames must be at least 1.")
-    if last < first:
-        raise ValueError(f"The last frame, {last}, comes before the first, {first}.")
-    if max(abs(first), abs(last)) >= cache.LAST_FRAME or (last - first) // step >= MOST_FRAMES:
-        raise ValueError(f"Frames {first} to {last} are more than Blender has.")
-    return range(first, last + 1, step)
+    sentence = f"Frame {frame}: {error.sentence}"
+    return InputError(sentence) if isinstance(error, InputError) else ParadescError(error.status, sentence)

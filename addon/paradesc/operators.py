@@ -119,7 +119,7 @@ class PARADESC_OT_bake(bpy.types.Operator):
 
     def finish(self, target: bpy.types.Object, results: job.Results) -> None:
         """Writes the results to the mesh and says what was found."""
-        sentences = sources.deliver(target, results, self.reading)
+        sentences = [*self.reading.notes, *sources.deliver(target, results, self.reading)]
         for sentence in [*sentences, *results.warnings]:
             self.report({"WARNING"}, sentence)
         seconds = results.field_report["seconds_total"]

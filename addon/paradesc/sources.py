@@ -250,11 +250,11 @@ def marked(mesh: bpy.types.Mesh, marks: np.ndarray) -> Iterator[None]:
 
 
 def deliver(target: bpy.types.Object, results: Results, reading: Reading) -> list[str]:
-    """Leaves the results where they belong; gives sentences about what was found and replaced."""
+    """Leaves the results where they belong; gives sentences about that and what was replaced."""
     if reading.own:
-        return reading.notes + mesh_io.write_results(target, on_original(results, reading))
+        return mesh_io.write_results(target, on_original(results, reading))
     holder = result_object(target, reading.arrays)
-    return [*reading.notes, f'The results are in "{holder.name}".', *mesh_io.write_results(holder, results)]
+    return [f'The results are in "{holder.name}".', *mesh_io.write_results(holder, results)]
 
 
 def on_original(results: Results, reading: Reading) -> Results:

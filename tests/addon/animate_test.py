@@ -150,13 +150,13 @@ def test_error_says_at_which_frame_and_the_frames_before_stay(tmp_path):
     ("text", "expected"), [("1:5", [1, 2, 3, 4, 5]), ("-2:2:2", [-2, 0, 2]), ("7", [7]), (" 3:3 ", [3])]
 )
 def test_ranges_of_frames(text, expected):
-    assert list(frames.parse_frames(text)) == expected
+    assert list(cache.parse_frames(text)) == expected
 
 
 @pytest.mark.parametrize("text", ["", "a:b", "5:1", "1:5:0", "1:2:3:4", "1.5:2", "1:99999999", "-:3"])
 def test_what_is_no_range_of_frames_is_refused(text):
     with pytest.raises(ValueError, match=r"[a-z]+ .*[.]"):
-        frames.parse_frames(text)
+        cache.parse_frames(text)
 
 
 def test_fox_runs(tmp_path):
@@ -185,15 +185,16 @@ def test_command_bakes_frames_and_reports(paradesc, cylinder_blend, tmp_path):
     words = ("animate", cylinder_blend, *QUICK, "--frames", "1:20:19", "--relative-to-rest", "--json", "report.json")
     output = accepted(paradesc(*words))
     folder = tmp_path / "paradesc_cache" / "cylinder"
-    assert "2 frames made, 0 were there already" in output
+    assert "2 frames made, 0 kept" in output
     assert list(cache.frames_in(folder)) == [1, 20]
     report = json.loads((tmp_path / "report.json").read_text())
-    assert (report["made"], report["kept"], report["source"]) == ([1, 20], [], "deformed")
+    (row,) = report["objects"]
+    assert (row["made"], row["kept"], report["source"]) == ([1, 20], [], "deformed")
     assert set(report["ranges"]) == {"mean_curvature", "mean_curvature_change"}
-    assert all(report["seconds_per_frame"][stage] >= 0 for stage in ("depsgraph", "bake", "evaluate", "write"))
+    assert all(row["seconds_per_frame"][stage] >= 0 for stage in ("depsgraph", "bake", "evaluate", "write"))
     before = contents(folder)
     again = paradesc(*words, "--frames", "1:20:1", "--range=-3:3")
-    assert "18 frames made, 2 were there already" in accepted(again)
+    assert "18 frames made, 2 kept" in accepted(again)
     assert {name: before[name] for name in before} == {name: contents(folder)[name] for name in before}
     report = json.loads((tmp_path / "report.json").read_text())
     assert report["ranges"]["mean_curvature"] == [-3, 3]
@@ -220,7 +221,7 @@ def test_run_that_is_killed_and_started_again_gives_the_same_files(paradesc, cyl
     some = contents(folder)
     assert 0 < len(some) < count
     output = accepted(paradesc(*words, "--cache", "killed"))
-    assert f"{count - len(some)} frames made, {len(some)} were there already" in output
+    assert f"{count - len(some)} frames made, {len(some)} kept" in output
     accepted(paradesc(*words, "--cache", "undisturbed"))
     undisturbed = contents(tmp_path / "undisturbed" / "cylinder")
     assert len(undisturbed) == count

@@ -54,9 +54,9 @@ def sound_sphere():
     ("chosen", "made"),
     [
         (settings(), 1),
-        (settings(("mean_curvature", "harris"), more_radii=(0.12,)), 1),
+        (settings(("mean_curvature", "harris"), more_radii=(0.12,), samples=16), 1),
         (settings(relocation="affine", normals="max"), 1),
-        (settings(evaluate="texel", texels=64), 1),
+        (settings(evaluate="texel", texels=32), 1),
     ],
     ids=["connected", "two radii", "affine", "texel"],
 )
