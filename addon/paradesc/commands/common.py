@@ -101,7 +101,7 @@ def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
     scene_is_open = "bpy" in sys.modules  # in Blender, and in scripts that made a scene
     try:
         with quiet(arguments.verbose):
-            import bpy  # noqa: F401 (before bmesh, which scene_io imports)
+            import bpy  # before bmesh, which scene_io imports
 
             from .. import scene_io
     except ImportError as error:
@@ -111,6 +111,7 @@ def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
         return arguments.input.suffix.lower() != ".blend", notes
     if not scene_is_open:
         raise UsageError(f"INPUT is missing; give a file: {', '.join(scene_io.SUFFIXES)}.")
+    bpy.context.view_layer.update()  # a script may have moved objects
     return False, []
 
 
