@@ -201,6 +201,22 @@ def test_bad_object_among_several_is_named(run, tmp_path, three_objects):
     assert not (tmp_path / "out.npz").exists()
 
 
+def test_shapes_of_bones_are_no_objects(run, tmp_path, three_objects):
+    bpy.ops.wm.open_mainfile(filepath=str(three_objects))
+    rig = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
+    bpy.context.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones.new("bone").tail = (0, 0, 1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    rig.pose.bones[0].custom_shape = bpy.data.objects["second/large"]
+    ended = run("bake", "--all", *QUICK, "--output", "out.npz")
+    assert 'The object "second/large" is the shape of a bone and was left out.' in ended.output
+    with np.load(tmp_path / "out.npz") as arrays:
+        assert {name.rpartition("/")[0] for name in arrays.files} == {"first", "twin"}
+    assert "second/large" not in run("info").output
+
+
 def test_world_space_counts_the_scale_of_each_object(run, tmp_path, three_objects):
     bpy.ops.wm.open_mainfile(filepath=str(three_objects))
     bpy.data.objects["twin"].scale = (3, 3, 3)
@@ -521,6 +537,22 @@ def test_blender_gets_the_command_where_it_knows_commands(run, monkeypatch, sphe
     cli_command.unregister()
     cli_command.unregister()
     assert taken == ["paradesc"]
+
+
+@pytest.mark.skipif(not bpy.app.binary_path or bpy.app.version < (4, 2), reason="needs Blender 4.2's own executable")
+def test_enabled_addon_answers_to_blenders_own_command_option(tmp_path, sphere_obj):
+    (tmp_path / "scripts" / "addons").mkdir(parents=True)
+    (tmp_path / "scripts" / "addons" / "paradesc").symlink_to(ADDON / "paradesc")
+    start = [bpy.app.binary_path, "--factory-startup", "--addons", "paradesc", "-c", "paradesc"]
+    for words, code in ((["bake", sphere_obj, *QUICK, "--output", "out.npz"], 0), (["info", "nothing.obj"], 3)):
+        process = subprocess.run(
+            [*start, *map(str, words)],
+            cwd=tmp_path,
+            env={**os.environ, "BLENDER_USER_SCRIPTS": str(tmp_path / "scripts")},
+            capture_output=True, text=True, timeout=120, check=False,
+        )  # fmt: skip
+        assert process.returncode == code, process.stdout + process.stderr
+    assert (tmp_path / "out.npz").is_file()
 
 
 def test_older_blender_without_commands_is_left_alone(monkeypatch):

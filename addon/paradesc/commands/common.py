@@ -4,6 +4,7 @@ import argparse
 import os
 import signal
 import sys
+import threading
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -180,7 +181,8 @@ class Progress:
         return self.stopped is None
 
     def __enter__(self) -> "Progress":
-        for number in (signal.SIGINT, signal.SIGTERM):
+        on_main_thread = threading.current_thread() is threading.main_thread()
+        for number in (signal.SIGINT, signal.SIGTERM) if on_main_thread else ():
             former = signal.getsignal(number)
             if former is not None:  # Blender itself keeps SIGINT in C, and ends by it
                 self.former[number] = former
