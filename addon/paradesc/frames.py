@@ -59,6 +59,8 @@ class FrameBaker:
         sources.check_source(request.source)
         self.scene, self.target, self.request = scene, target, request
         settings = request.settings
+        if settings.space != "object":
+            raise refuse("Frames are measured in object space; choose that, and apply the scale where it matters.")
         self.normals = settings.options.normals == "mesh"
         self.needs_uvs = settings.backend != "reference"
         self.notes: list[str] = []

@@ -66,8 +66,8 @@ def read(
 
     if source == "original":
         return Reading(original(), source)
-    if target.data.is_editmode:
-        note = "In edit mode the mesh is measured as edited, without its modifiers."
+    if target.data.is_editmode or target.mode == "SCULPT":
+        note = "In edit and sculpt mode the mesh is measured as it is edited, without its modifiers."
         return Reading(mesh_io.read_object(target, corner_normals, needs_uvs), "original", notes=[note])
     if source == "deformed":
         return read_deformed(target, original())

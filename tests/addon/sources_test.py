@@ -176,7 +176,7 @@ def test_edit_mode_is_measured_as_edited():
     reading = sources.read(target, "deformed")
     bpy.ops.object.mode_set(mode="OBJECT")
     assert np.array_equal(reading.arrays.positions, mesh_io.read_positions(target.data))
-    assert "edit mode" in reading.notes[0]
+    assert "as it is edited" in reading.notes[0]
 
 
 def test_own_normals_are_those_of_the_deformed_mesh():
