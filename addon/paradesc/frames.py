@@ -18,6 +18,11 @@ from .bridge import InputError, MeshArrays, ParadescError, abi
 from .mesh_io import refuse
 from .stream import Stream
 
+OWN_VERTICES = (
+    "The modifiers lose original vertices, so that frames hold the values of the evaluated mesh's own vertices: they "
+    "are for reading, and cannot be played on the object."
+)
+
 
 @dataclass
 class Request:
@@ -142,7 +147,8 @@ class FrameBaker:
                 )
             self.add_maps(reading.arrays)
         self.reading = reading
-        self.notes += [note for note in reading.notes if note not in self.notes]
+        notes = reading.notes if reading.own else [OWN_VERTICES]
+        self.notes += [note for note in notes if note not in self.notes]
 
     def run(self, task: Task, progress: job.ProgressFunction | None = None) -> Done:
         """Computes and writes a frame."""

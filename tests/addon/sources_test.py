@@ -187,6 +187,19 @@ def test_own_normals_are_those_of_the_deformed_mesh():
     np.testing.assert_allclose(np.linalg.norm(arrays.corner_normals, axis=1), 1, atol=1e-3)
 
 
+def test_object_that_blender_does_not_evaluate_is_refused_and_not_measured_without_its_modifiers():
+    target = with_modifiers(BEND)
+    target.hide_viewport = True
+    for source in ("deformed", "evaluated"):
+        with pytest.raises(bridge.ParadescError, match="disabled in viewports"):
+            sources.read(target, source)
+    assert len(sources.read(target, "original").arrays.positions) == 152
+    target.hide_viewport = False
+    target.hide_set(True)  # only out of sight
+    straight = mesh_io.read_positions(target.data)
+    assert not np.allclose(sources.read(target, "deformed").arrays.positions, straight)
+
+
 def test_unknown_source_and_taken_name_are_one_sentence():
     target = with_modifiers(SUBSURF)
     with pytest.raises(bridge.ParadescError, match="deformed"):
