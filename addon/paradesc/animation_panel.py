@@ -197,6 +197,9 @@ class PARADESC_OT_bake_frames(bpy.types.Operator):
             self.clean_up(context)
             gone = isinstance(error, ReferenceError)
             return self.fail(refuse("The object is gone; the frames so far are in the cache.") if gone else error)
+        except BaseException:
+            self.clean_up(context)
+            raise
         self.clean_up(context)
         return self.succeed()
 
