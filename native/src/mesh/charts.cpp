@@ -103,25 +103,22 @@ vec2 uv_centroid(const Triangles &triangles, int triangle) {
   return vec2(sum / 3.0);
 }
 
-// Of a corner, on the surface and in the UV map.
-struct Angles {
-  double surface, uv;
-};
-
-// Calls visit(corner, angles) for every corner of a fan, in order; angles are found by all threads, a run of corners at a time.
-template <class Visit> void for_each_corner(const Triangles &triangles, const Fans &fans, int threads, const Visit &visit) {
+// Calls visit(corner, angle) for every corner that has a site, in order; angles are found by all threads, a run of corners at a
+// time.
+template <class Angle, class Visit>
+void for_each_corner(const Triangles &triangles, const std::vector<int32_t> &corner_site, int threads, const Angle &angle_of,
+                     const Visit &visit) {
   constexpr int run = 64 * block;
   const int count = 3 * triangles.triangle_count;
-  std::vector<Angles> angles(at(std::min(run, count)));
+  std::vector<double> angles(at(std::min(run, count)));
   for (int first = 0; first < count; first += std::min(run, count - first)) {
     const int length = std::min(run, count - first);
     parallel_blocks(length, threads, block, [&](int begin, int end) {
       for (int i = begin; i < end; ++i)
-        if (fans.corner_fan[at(first + i)] >= 0)
-          angles[at(i)] = {surface_angle(triangles, first + i), uv_angle(triangles, first + i)};
+        if (corner_site[at(first + i)] >= 0) angles[at(i)] = angle_of(triangles, first + i);
     });
     for (int i = 0; i < length; ++i)
-      if (fans.corner_fan[at(first + i)] >= 0) visit(first + i, angles[at(i)]);
+      if (corner_site[at(first + i)] >= 0) visit(first + i, angles[at(i)]);
   }
 }
 
@@ -129,21 +126,17 @@ void place_points(const Triangles &triangles, const HalfEdges &half_edges, const
   charts.corner_site = fans.corner_fan;
   charts.sites.resize(at(fans.count));
   std::vector<double> widest(at(fans.count), -1.0);
-  for_each_corner(triangles, fans, threads, [&](int corner, Angles angles) {
+  for_each_corner(triangles, fans.corner_fan, threads, uv_angle, [&](int corner, double angle) {
     const int32_t index = fans.corner_fan[at(corner)];
     Site &site = charts.sites[at(index)];
     if (widest[at(index)] < 0)
       site = {
           half_edges.corner_point[at(corner)], charts.triangle_chart[at(corner / 3)], triangles.corner_uv[at(corner)], {}, 0.0};
-    site.angle += angles.surface;
-    if (angles.uv <= widest[at(index)]) return;
-    widest[at(index)] = angles.uv;
+    if (angle <= widest[at(index)]) return;
+    widest[at(index)] = angle;
     site.inside = uv_centroid(triangles, corner / 3);
   });
-  for (int32_t index = 0; index < fans.count; ++index) {
-    int32_t &chosen = charts.point_site[at(charts.sites[at(index)].point)];
-    if (chosen < 0 || charts.sites[at(index)].angle > charts.sites[at(chosen)].angle) chosen = index;
-  }
+  weigh_sites(triangles, threads, charts);
 }
 
 void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link, Charts &charts) {
@@ -169,6 +162,17 @@ void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link,
 }
 
 } // namespace
+
+void weigh_sites(const Triangles &triangles, int threads, Charts &charts) {
+  for (Site &site : charts.sites) site.angle = 0.0;
+  for_each_corner(triangles, charts.corner_site, threads, surface_angle,
+                  [&](int corner, double angle) { charts.sites[at(charts.corner_site[at(corner)])].angle += angle; });
+  std::fill(charts.point_site.begin(), charts.point_site.end(), -1);
+  for (size_t index = 0; index < charts.sites.size(); ++index) {
+    int32_t &chosen = charts.point_site[at(charts.sites[index].point)];
+    if (chosen < 0 || charts.sites[index].angle > charts.sites[at(chosen)].angle) chosen = static_cast<int32_t>(index);
+  }
+}
 
 Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece,
                     int threads) {

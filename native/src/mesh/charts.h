@@ -53,4 +53,7 @@ struct Charts {
 Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece = {},
                     int threads = 0);
 
+// What of the charts depends on positions, for new ones: the sites' angles, and the site that each point takes first.
+void weigh_sites(const Triangles &triangles, int threads, Charts &charts);
+
 } // namespace paradesc
