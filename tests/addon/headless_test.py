@@ -21,7 +21,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import paradesc  # noqa: E402
 from paradesc import bridge, cli_command, job, results, scene_io  # noqa: E402
-from paradesc.commands import COMMANDS, common  # noqa: E402
+from paradesc.commands import COMMANDS, common, signals  # noqa: E402
 from paradesc.commands.main import main, make_parser  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
 
@@ -374,14 +374,26 @@ def test_terminated_computation_is_one_sentence_and_leaves_no_file(run, tmp_path
     assert [path.name for path in tmp_path.iterdir()] == ["fine.obj"]
 
 
+def test_signals_are_as_before_after_a_command(run, sphere_obj):
+    before = [signal.getsignal(number) for number in signals.NUMBERS]
+    native = [signals.swap_native(number, signal.SIG_IGN) for number in signals.NUMBERS]
+    for number, handler in zip(signals.NUMBERS, native, strict=True):
+        signals.swap_native(number, handler)
+    assert run("bake", sphere_obj, *QUICK, "--output", "out.npz").code == 0
+    for number, handler in zip(signals.NUMBERS, native, strict=True):
+        assert signals.swap_native(number, handler) == handler
+    if None not in before:
+        assert [signal.getsignal(number) for number in signals.NUMBERS] == before
+
+
 def test_writer_that_is_stopped_leaves_the_old_file(tmp_path):
     (tmp_path / "out.npz").write_bytes(b"old")
 
     def stopped(path, _content):
         path.write_bytes(b"half")
-        raise common.Terminated
+        raise signals.Terminated
 
-    with pytest.raises(common.Terminated):
+    with pytest.raises(signals.Terminated):
         results.write_whole(tmp_path / "out.npz", None, stopped)
     assert [path.name for path in tmp_path.iterdir()] == ["out.npz"]
     assert (tmp_path / "out.npz").read_bytes() == b"old"
