@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from . import job, mesh_io, outputs, properties, targets
+from . import job, mesh_io, outputs, properties, sources, targets
 from .bridge import ParadescError, abi
 
 IMAGE_STEM, BUFFERS_NAME = "paradesc", "paradesc_buffers"
@@ -20,6 +20,7 @@ class Piece:
     key: tuple[str, str | None]  # the object's name and library: objects themselves do not outlive an undo
     sharing: list[tuple[str, str | None]]  # all chosen objects with this mesh
     files: outputs.Files | None = None
+    reading: sources.Reading | None = None
     results: job.Results | None = None
     failure: str = ""  # one sentence
     notes: list[str] = field(default_factory=list)
@@ -44,7 +45,9 @@ class Batch:
     def __init__(self, context: bpy.types.Context) -> None:
         """Takes the settings as they are now, and the chosen objects; raises where nothing can be computed."""
         group = context.scene.paradesc
-        self.request = targets.Request(group.shape_key, group.material_maps, group.write_attributes)
+        self.request = targets.Request(
+            group.shape_key, group.material_maps, group.write_attributes, context.scene.paradesc_animation.source
+        )
         self.settings = properties.job_settings(group)
         job.check_descriptors(self.settings.descriptors)
         shared = targets.by_mesh(targets.chosen(context))
@@ -103,7 +106,8 @@ class Batch:
         target = piece.target()
         if self.request.write_attributes:
             mesh_io.check_writable(target)
-        arrays, piece.notes = targets.read(target, self.settings, self.request)
+        piece.reading, piece.notes = targets.read(target, self.settings, self.request)
+        arrays = piece.reading.arrays
         if self.settings.space == "world":
             piece.notes += targets.shared_note([item for item in map(bpy.data.objects.get, piece.sharing) if item])
         image, buffers = self.places[self.current]
@@ -143,7 +147,7 @@ class Batch:
         """Leaves one mesh' results where they belong."""
         target = piece.target()
         if self.request.write_attributes:
-            piece.notes += mesh_io.write_results(target, piece.results)
+            piece.notes += sources.deliver(target, piece.results, piece.reading)
         try:
             piece.files.commit()
         except OSError as error:

@@ -10,6 +10,9 @@ from . import bridge
 from .bridge import abi
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
+# Ends the names of values relative to the rest pose.
+CHANGE = "_change"
+
 ProgressFunction = Callable[[str, float], bool]
 
 
@@ -98,15 +101,22 @@ def radius_suffix(radius: float) -> str:
 
 
 def registry_name(name: str) -> str:
-    """The descriptor that values of this name are of: mean_curvature of mean_curvature_r0.02."""
+    """The descriptor that values of this name are of: mean_curvature of mean_curvature_r0.02 and of its _change."""
     known = {row.name for row in bridge.descriptors()}
+    if name not in known:
+        name = name.removesuffix(CHANGE)
     stem, mark, _ = name.rpartition("_r")
     return stem if mark and name not in known and stem in known else name
 
 
 def registry_row(name: str) -> bridge.Descriptor:
-    """The registry's row of a descriptor, at whatever radius."""
-    return next(row for row in bridge.descriptors() if row.name == registry_name(name))
+    """The registry's row of a descriptor, at whatever radius; of a change it is signed, about zero."""
+    found = next(row for row in bridge.descriptors() if row.name == registry_name(name))
+    if name == found.name or not name.endswith(CHANGE):
+        return found
+    nan = float("nan")
+    changed = {"is_signed": True, "neutral_value": 0.0, "display_minimum": nan, "display_maximum": nan}
+    return replace(found, label=f"Change of {found.label}", **changed)
 
 
 def check_descriptors(names: tuple[str, ...]) -> None:
@@ -131,19 +141,45 @@ def run(
 ) -> Results:
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
-    with bridge.Context(settings.backend, settings.device_index) as context:
-        if arrays.corner_uvs is None and context.backend != "reference":
-            raise bridge.ParadescError(
-                abi.STATUS_INVALID_ARGUMENT,
-                "The arrays have no UV coordinates; give them, or choose the backend reference, which needs none.",
-            )
-        with context.mesh(arrays) as mesh:
-            results = run_radii(context, mesh, settings, progress, with_buffers)
-            if arrays.layout is not None and context.backend != "reference":
-                results.unwrapped = arrays.layout
-                results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
-            add_corners(results, arrays)
-            return results
+    with open_context(arrays, settings) as context, context.mesh(arrays) as mesh:
+        return run_on(context, mesh, arrays, settings, progress, with_buffers)
+
+
+def open_context(arrays: bridge.MeshArrays, settings: Settings) -> bridge.Context:
+    """The device that the settings name, if it can compute on these arrays."""
+    context = bridge.Context(settings.backend, settings.device_index)
+    try:
+        check_uvs(arrays, context.backend)
+    except bridge.ParadescError:
+        context.close()
+        raise
+    return context
+
+
+def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:
+    """Refuses arrays without UV coordinates where texture space is needed."""
+    if arrays.corner_uvs is None and backend != "reference":
+        raise bridge.ParadescError(
+            abi.STATUS_INVALID_ARGUMENT,
+            "The arrays have no UV coordinates; give them, or choose the backend reference, which needs none.",
+        )
+
+
+def run_on(
+    context: bridge.Context,
+    mesh: bridge.Mesh,
+    arrays: bridge.MeshArrays,
+    settings: Settings,
+    progress: ProgressFunction | None = None,
+    with_buffers: bool = False,
+) -> Results:
+    """Computes the descriptors on a mesh that was made of these arrays."""
+    results = run_radii(context, mesh, settings, progress, with_buffers)
+    if arrays.layout is not None and context.backend != "reference":
+        results.unwrapped = arrays.layout
+        results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
+    add_corners(results, arrays)
+    return results
 
 
 def add_corners(results: Results, arrays: bridge.MeshArrays) -> None:

@@ -24,6 +24,7 @@ class Baked:
     arrays: bridge.MeshArrays
     matrix_world: np.ndarray  # (4, 4) float64
     notes: list[str] = field(default_factory=list)  # what was done to get here, beside the results' own warnings
+    reading: object = None  # sources.Reading: where the results belong in the scene
 
     def shown(self, name: str) -> color_maps.ValueRange:
         """The range of values that the colors of a descriptor span."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from . import bridge, job, mesh_io, spaces, surface_maps
+from . import bridge, job, mesh_io, sources, spaces, surface_maps
 from .bridge import ParadescError, abi
 
 # Modes in which the mesh can be read, and that can be left and entered again.
@@ -75,14 +75,18 @@ class Request:
     shape_key: str = "basis"  # or "active"
     material_maps: bool = False
     write_attributes: bool = True
+    source: str = "original"
 
 
-def read(target: bpy.types.Object, settings: job.Settings, request: Request) -> tuple[bridge.MeshArrays, list[str]]:
-    """The object's mesh as arrays in the space that is measured, and sentences about what was measured."""
+def read(target: bpy.types.Object, settings: job.Settings, request: Request) -> tuple[sources.Reading, list[str]]:
+    """The object's mesh in the space that is measured, and sentences about what was measured."""
     needs_uvs = settings.backend != "reference"
-    arrays = mesh_io.read_object(target, settings.options.normals == "mesh", needs_uvs)
-    notes = take_shape(target, arrays, request.shape_key)
+    reading = sources.read(target, request.source, settings.options.normals == "mesh", needs_uvs)
+    arrays, notes = reading.arrays, list(reading.notes)
+    if reading.source == "original":
+        notes += take_shape(target, arrays, request.shape_key)
     surface_maps.add_maps(target, arrays, surface_maps.Sources(material=request.material_maps))
+    sources.check_maps(reading)
     matrix = mesh_io.world_matrix(target)
     if settings.space == "world":
         spaces.to_world(arrays, matrix, target.name)
@@ -91,7 +95,7 @@ def read(target: bpy.types.Object, settings: job.Settings, request: Request) -> 
             f'The object "{target.name}" is scaled differently along its axes, but was measured without its scale; '
             "measure in World, or apply the scale."
         )
-    return arrays, notes
+    return reading, notes
 
 
 def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) -> list[str]:

@@ -4,7 +4,7 @@ from importlib import import_module
 from types import ModuleType
 
 # In the order of the help.
-COMMANDS = ("bake", "compare", "info", "list")
+COMMANDS = ("bake", "animate", "compare", "info", "list")
 
 
 def modules() -> list[ModuleType]:

@@ -18,7 +18,7 @@ from .common import (
     open_objects,
     print_notes,
 )
-from .options import add_computation_options, add_input, add_map_options, opened_settings, settings_of
+from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
 from .outputs import add_output_files, check_files, files_of, write_files
 from .reading import read_object
 
@@ -31,6 +31,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     bake = commands.add_parser("bake", help="compute descriptors and write them to files")
     add_input(bake)
     add_objects_options(bake)
+    add_source(bake, "original")
     add_computation_options(bake)
     add_map_options(bake)
     add_output_files(bake)
@@ -109,7 +110,7 @@ def bake_objects(
     if saves_scene(arguments):
         for target in targets:
             mesh_io.check_writable(target)
-    its_own = arguments.material_maps or settings.space == "world"
+    its_own = arguments.material_maps or settings.space == "world" or arguments.source != "original"
     baked: list[results.Baked] = []
     of_mesh: dict[str, results.Baked] = {}
     with Progress(arguments.progress) as progress:
@@ -120,11 +121,12 @@ def bake_objects(
                 with named(target, len(targets)):
                     read = read_object(target, settings, arguments)
                     computed = job.run(read.measured, settings, part, arguments.dump_buffers is not None)
-                arrays, notes = read.arrays, read.notes
+                reading, notes = read.reading, read.notes
             else:
-                arrays, computed = known.arrays, known.results
+                reading, computed = known.reading, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
-            baked.append(results.Baked(target.name, computed, arrays, mesh_io.world_matrix(target), notes))
+            matrix = mesh_io.world_matrix(target)
+            baked.append(results.Baked(target.name, computed, reading.arrays, matrix, notes, reading))
             of_mesh.setdefault(target.data.name_full, baked[-1])
     return baked
 
@@ -148,13 +150,13 @@ def open_file() -> Path | None:
 
 
 def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:
-    """Leaves the results on the objects' meshes; of several objects with one mesh, those of the first."""
-    from .. import mesh_io
+    """Leaves the results where they belong; of several objects with one mesh, those of the first."""
+    from .. import sources
     from .. import targets as groups
 
     for sharing in groups.by_mesh(targets):
         one = baked[targets.index(sharing[0])]
-        one.notes += mesh_io.write_results(sharing[0], one.results)
+        one.notes += sources.deliver(sharing[0], one.results, one.reading)
         if one.results.settings.space == "world":
             one.notes += groups.shared_note(sharing)
 

@@ -23,6 +23,15 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
     add_computation_options(parser)
 
 
+def add_source(parser: argparse.ArgumentParser, default: str) -> None:
+    """Which mesh of an object is measured."""
+    parser.add_argument(
+        "--source", choices=("original", "deformed", "evaluated"), default=default,
+        help="the object's own mesh, as deforming modifiers and shape keys move it, or after all modifiers "
+        "(default: %(default)s)",
+    )  # fmt: skip
+
+
 def add_input(parser: argparse.ArgumentParser) -> None:
     """The file."""
     known = ".blend, .obj, .ply, .stl, .glb, .gltf, .fbx or .usd; in Blender: the open file"

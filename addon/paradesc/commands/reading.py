@@ -10,6 +10,8 @@ from ..streams import quiet
 if TYPE_CHECKING:
     import bpy
 
+    from .. import sources
+
 
 @dataclass
 class Read:
@@ -18,15 +20,20 @@ class Read:
     arrays: bridge.MeshArrays  # in object space, as files hold it
     measured: bridge.MeshArrays  # the same in the space that is measured
     notes: list[str]
+    reading: "sources.Reading"  # where its results belong
 
 
 def read_object(target: "bpy.types.Object", settings: job.Settings, arguments: argparse.Namespace) -> Read:
-    """Reads the object's mesh, before modifiers; the mesh stays as it is."""
-    from .. import mesh_io, targets
+    """Reads the object's mesh, by --source before or after modifiers; the mesh stays as it is."""
+    from .. import mesh_io, sources, targets
 
-    arrays = mesh_io.read_object(target, settings.options.normals == "mesh", settings.backend != "reference")
-    notes = targets.take_shape(target, arrays, arguments.shape_key or "basis")
+    own_normals, needs_uvs = settings.options.normals == "mesh", settings.backend != "reference"
+    reading = sources.read(target, getattr(arguments, "source", "original"), own_normals, needs_uvs)
+    arrays, notes = reading.arrays, list(reading.notes)
+    if reading.source == "original":
+        notes += targets.take_shape(target, arrays, arguments.shape_key or "basis")
     notes += add_maps(target, arrays, arguments)
+    sources.check_maps(reading)
     measured, matrix = replace(arrays), mesh_io.world_matrix(target)
     if settings.space == "world":
         if arrays.maps is not None:
@@ -37,7 +44,7 @@ def read_object(target: "bpy.types.Object", settings: job.Settings, arguments: a
             f'The object "{target.name}" is scaled differently along its axes, but was measured without its scale; '
             "give --space world, or apply the scale."
         )
-    return Read(arrays, measured, notes)
+    return Read(arrays, measured, notes, reading)
 
 
 def add_maps(target: "bpy.types.Object", arrays: bridge.MeshArrays, arguments: argparse.Namespace) -> list[str]:
