@@ -9,6 +9,7 @@ from .targets import obstacle
 
 # Seconds between two looks at the worker.
 TIMER_STEP = 0.1
+BRUSH_MODES = {"SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 # Events that move the view; everything else waits until the bake has ended.
 VIEW_EVENTS = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
 
@@ -105,6 +106,7 @@ class PARADESC_OT_bake(bpy.types.Operator):
             batch.abandon()
             self.report({"INFO"}, "Cancelled; every mesh is as it was")
             return {"CANCELLED"}
+        keep_for_undo(context)
         batch.finish(context)
         several = len(batch.pieces) > 1
         for piece in batch.written:
@@ -128,6 +130,13 @@ class PARADESC_OT_bake(bpy.types.Operator):
         if context.workspace is not None:
             context.workspace.status_text_set(None)
         redraw_sidebars(context)
+
+
+def keep_for_undo(context: bpy.types.Context) -> None:
+    """In brush modes, a step of undo to come back to: their own steps hold strokes, not the attributes of a mesh."""
+    active = context.active_object
+    if active is not None and active.mode in BRUSH_MODES and not bpy.app.background:
+        bpy.ops.ed.undo_push(message="Before Bake Descriptors")
 
 
 def progress_text(batch: Batch) -> str:

@@ -83,20 +83,16 @@ def refuse(sentence: str) -> ParadescError:
 def run(
     files: Files, arrays: bridge.MeshArrays, settings: job.Settings, progress: job.ProgressFunction | None
 ) -> job.Results:
-    """job.run(), then the files, aside; on failure and cancel nothing lies there."""
+    """job.run(), then the files, aside; whoever asked brings them to their places or discards them."""
     if not files.any:
         return job.run(arrays, settings, progress)
     report = progress or (lambda _stage, _fraction: True)
     part = None if progress is None else lambda stage, fraction: progress(stage, COMPUTING * fraction)
+    results = job.run(arrays, settings, part, files.buffers is not None)
     try:
-        results = job.run(arrays, settings, part, files.buffers is not None)
         write(files, Baked(files.object_name, results, arrays, files.matrix_world), report)
     except OSError as error:
-        files.discard()
         raise refuse(f"A file cannot be written ({error.strerror or error}): {error.filename}.") from error
-    except Exception:
-        files.discard()
-        raise
     return results
 
 

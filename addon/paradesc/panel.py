@@ -19,8 +19,8 @@ DEFECTS = (
 STAGES = (("seconds_prepare", "mesh"), ("seconds_bake", "bake"), ("seconds_evaluate", "evaluate"))
 # Operators that look at their map through Gaussian windows.
 WINDOWED = {"difference_of_gaussians", "harris"}
-# Characters that fit a line of the sidebar at its default width.
-LINE = 32
+# Of a line in the sidebar, in pixels at Blender's own scale: a character, what lies beside the text, an icon.
+CHARACTER, MARGIN, ICON = 5.5, 46, 28
 
 
 class SidebarPanel:
@@ -42,7 +42,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         layout = self.layout
         missing = bridge.missing_sentence()
         if missing:
-            sentence_lines(layout.column(align=True), missing, "ERROR")
+            sentence_lines(context, layout, missing, "ERROR")
             return
         row = layout.row(align=True)
         row.menu("PARADESC_MT_presets", text=presets.PARADESC_MT_presets.bl_label)
@@ -50,7 +50,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         row.operator("paradesc.add_preset", text="", icon="REMOVE").remove_active = True
         running = operators.PARADESC_OT_bake.running
         if running:
-            draw_progress(layout, running)
+            draw_progress(context, layout, running)
             return
         chosen = targets.chosen(context)
         column = layout.column()
@@ -58,7 +58,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         column.operator("paradesc.bake", text=button_text(len(targets.by_mesh(chosen))), icon="SHADING_TEXTURE")
         sentence = targets.obstacle(context)
         if sentence:
-            sentence_lines(layout.column(align=True), sentence, "INFO")
+            sentence_lines(context, layout, sentence, "INFO")
         if any(targets.unwritable(target) for target in chosen):
             layout.operator("paradesc.make_local", icon="LINK_BLEND")
 
@@ -87,20 +87,19 @@ class PARADESC_PT_descriptor(SettingsPanel, bpy.types.Panel):
     bl_idname = "PARADESC_PT_descriptor"
     bl_order = 0
 
-    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """The registry in three groups, and the options of the operators that are chosen."""
         layout.use_property_split = False
         for title, rows in descriptor_groups():
             layout.label(text=title)
             column = layout.column(align=True)
+            if rows[0].map_degree:
+                column.prop(settings, "map_descriptor", text="")
             for row in rows:
                 column.prop_enum(settings, "descriptors", row.name)
-        chosen = {row.name for row in bridge.descriptors() if row.map_degree and row.name in settings.descriptors}
-        if not chosen:
-            return
+        chosen = settings.descriptors
         column = layout.column()
         column.use_property_split = True
-        column.prop(settings, "map_descriptor")
         if chosen & WINDOWED:
             column.prop(settings, "map_sigma")
         if "harris" in chosen:
@@ -132,7 +131,7 @@ class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
             layout.prop(settings, "shape_key")
         if target is not None and settings.space == "object" and not spaces.is_even(target.matrix_world):
             sentence = "The object is scaled unevenly: measure in World, or apply the scale"
-            sentence_lines(layout.column(align=True), sentence, "INFO")
+            sentence_lines(context, layout, sentence, "INFO")
 
 
 class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
@@ -142,7 +141,7 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
     bl_idname = "PARADESC_PT_quality"
     bl_order = 20
 
-    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Samples, buffers, normals, device."""
         for name in ("samples", "adaptive", "buffer_size", "precision", "normals", "material_maps"):
             layout.prop(settings, name)
@@ -182,7 +181,7 @@ class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
     bl_order = 30
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Estimators, distance, evaluation; what belongs to one choice only is grey with the others."""
         carried = settings.relocation != "connected"
         for name, active in (
@@ -211,7 +210,7 @@ class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
     bl_order = 35
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Attributes, images and buffers, each with what belongs to it."""
         layout.use_property_split = False
         layout.prop(settings, "write_attributes")
@@ -241,21 +240,21 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
         if target is None or target.type != "MESH":
             return False
         left = mesh_io.written_attributes(target.data)  # the list outlives an undo in edit mode, the attributes do not
-        return target.mode == "EDIT" or any(name in target.data.attributes for name in left)
+        return any(name in target.data.attributes for name in left)
 
     def draw(self, context: bpy.types.Context) -> None:
         """One line a fact, warnings below."""
         column = self.layout.column(align=True)
         stored = mesh_io.stored_summary(context.active_object.data)
-        for line in report_lines(stored):
-            column.label(text=line)
+        for fact in report_lines(stored):
+            for line in wrapped(fact, line_length(context)):
+                column.label(text=line)
         shading = context.space_data.shading
         if shading.type == "SOLID" and shading.color_type != "VERTEX":
-            column.label(text="Colors show with the viewport's", icon="INFO")
-            column.label(text="Color set to Attribute:", icon="BLANK1")
+            sentence_lines(context, column, "Colors show with the viewport's Color set to Attribute:", "INFO")
             column.prop(shading, "color_type", text="")
         for sentence in stored["warnings"].splitlines():
-            sentence_lines(column, sentence, "ERROR")
+            sentence_lines(context, column, sentence, "ERROR")
 
 
 def report_lines(stored: dict[str, dict]) -> list[str]:
@@ -268,8 +267,8 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
         f"Coverage: {100 * field['coverage_mean']:.2f} %",
         f"Undefined vertices: {field['undefined_vertices']:,}",
         f"Time: {field['seconds_total']:.2f} s ({stored['backend']})",
-        *[f"    {words}: {field[name]:.2f} s" for name, words in STAGES if field.get(name, 0) > 0],
-        *wrapped(stored["device"], LINE),
+        *[f"– {words}: {field[name]:.2f} s" for name, words in STAGES if field.get(name, 0) > 0],
+        stored["device"],
     ]
     if stored["settings"].get("space") == "world":
         lines.append("Measured in the world")
@@ -278,7 +277,7 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
         lines.append("Charts laid out afresh" + cut)
     lines += [f"{mesh[name]:,} {words}" for name, words in DEFECTS if mesh[name]]
     if stored.get("fallback") and stored["backend"] == "reference":
-        lines += wrapped(stored["fallback"], LINE)
+        lines.append(stored["fallback"])
     return lines
 
 
@@ -286,9 +285,9 @@ def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:
     """The registry in groups with a title each, as its own facts tell them apart."""
     rows = bridge.descriptors()
     groups = [
-        ("Of the surface (Shift: several)", [row for row in rows if row.components == 1 and not row.map_degree]),
+        ("Of the surface, any number", [row for row in rows if row.components == 1 and not row.map_degree]),
         ("Directions", [row for row in rows if row.components > 1]),
-        ("Operators on a map of values", [row for row in rows if row.components == 1 and row.map_degree]),
+        ("Operators on the map of", [row for row in rows if row.components == 1 and row.map_degree]),
     ]
     return [(title, found) for title, found in groups if found]
 
@@ -298,11 +297,11 @@ def button_text(count: int) -> str:
     return f"Bake {count} Meshes" if count > 1 else "Bake Descriptors"
 
 
-def draw_progress(layout: bpy.types.UILayout, running: Batch) -> None:
+def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Batch) -> None:
     """How far the bake is; Blender has a bar for it since 4.0."""
     if hasattr(layout, "progress"):
         layout.progress(factor=running.fraction, text=f"{running.fraction:.0%}", type="BAR")
-    sentence_lines(layout.column(align=True), f"{operators.progress_text(running)} (Esc cancels)", "SORTTIME")
+    sentence_lines(context, layout, f"{operators.progress_text(running)} (Esc cancels)", "SORTTIME")
 
 
 def radius_words(scene: bpy.types.Scene, settings: bpy.types.PropertyGroup, target: bpy.types.Object) -> str:
@@ -327,10 +326,17 @@ def length_words(scene: bpy.types.Scene, length: float) -> str:
     return bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length, precision=3)
 
 
-def sentence_lines(column: bpy.types.UILayout, sentence: str, icon: str) -> None:
+def sentence_lines(context: bpy.types.Context, layout: bpy.types.UILayout, sentence: str, icon: str) -> None:
     """A sentence in lines, the first with an icon."""
-    for index, line in enumerate(wrapped(sentence, LINE)):
+    column = layout.column(align=True)
+    for index, line in enumerate(wrapped(sentence, line_length(context, ICON))):
         column.label(text=line, icon="BLANK1" if index else icon)
+
+
+def line_length(context: bpy.types.Context, taken: int = 0) -> int:
+    """How many characters fit beside each other in the sidebar as wide as it is."""
+    width = context.region.width / context.preferences.system.ui_scale
+    return max(int((width - MARGIN - taken) / CHARACTER), 16)
 
 
 def texels(field: dict[str, float]) -> str:

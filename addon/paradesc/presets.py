@@ -30,7 +30,7 @@ PRESETS = {
     "edge_wear": Preset(
         "Edge Wear",
         "Edges and tips that stand out, from 0 to 1: a mask for worn paint or bare metal",
-        {"descriptors": {"convexity"}, "radius_percent": 1.5, "samples": 128, "buffer_size": 2048},
+        {"descriptors": {"convexity"}, "radius_percent": 1.5, "samples": 128},
     ),
     "curvature": Preset(
         "Curvature",
@@ -45,7 +45,7 @@ PRESETS = {
     "corners": Preset(
         "Corners",
         "Corner points: the Harris response, and 1 at each corner in harris_corner",
-        {"descriptors": {"harris"}, "radius_percent": 3.0},
+        {"descriptors": {"harris"}, "radius_percent": 3.0, "samples": 64},
     ),
 }
 

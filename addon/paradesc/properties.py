@@ -41,11 +41,11 @@ RELOCATIONS = [
     ("paper", "Paper", "Sample again on every chart that samples fell on, as the paper does"),
 ]
 ESTIMATORS = [
-    ("shape-operator", "Shape operator", "Curvatures of the surface fitted to the neighborhood; exact at every radius"),
+    ("shape-operator", "Fitted", "Curvatures of the surface fitted to the neighborhood; exact at every radius"),
     ("integral", "Integral", "The paper's: mean curvature from volume, Gaussian from geodesic area; for large radii"),
 ]
 VARIANCE_REDUCTIONS = [
-    ("shape", "Shape operator", "Integrate only what the shape operator does not explain: far less noise"),
+    ("shape", "Fitted", "Integrate only what the shape operator does not explain: far less noise"),
     ("none", "None", "Plain sums over samples"),
 ]
 GEODESICS = [
@@ -113,7 +113,7 @@ def descriptor_members() -> dict[str, object]:
     return {
         "descriptors": bpy.props.EnumProperty(
             name="Descriptors",
-            description="What to compute; hold Shift to choose several, which costs little more than one",
+            description="What to compute, any number of them: several cost little more than one",
             items=items,
             options={"ENUM_FLAG"},
             default={default_of(items, DEFAULT_DESCRIPTOR)},
@@ -135,8 +135,8 @@ def descriptor_members() -> dict[str, object]:
             default=bridge.Options.harris_k, min=0.0, max=0.25, precision=3, step=1,
         ),
         "corner_threshold": bpy.props.FloatProperty(
-            name="Corners from",
-            description="What a corner's Harris response is at least, in percent of the largest one of the mesh",
+            name="Corners",
+            description="The Harris response that makes a corner, in percent of the largest one of the mesh",
             default=100 * THRESHOLD, min=0.01, max=100.0, precision=1, subtype="PERCENTAGE",
         ),
     }  # fmt: skip
@@ -226,7 +226,7 @@ def method_members() -> dict[str, object]:
         ("relocation", "Over seams", "How neighborhoods go on over seams", RELOCATIONS),
         ("pattern", "Pattern", "Places of the samples", PATTERNS),
         ("ellipse", "Stretch", "How the pattern follows the distortion", ELLIPSES),
-        ("geodesic", "Along surface", "How distance along the surface is measured", GEODESICS),
+        ("geodesic", "Geodesic", "How distance along the surface is measured", GEODESICS),
     )
     members = {
         name: bpy.props.EnumProperty(name=label, description=description, items=items, default=items[0][0])
@@ -241,6 +241,12 @@ def method_members() -> dict[str, object]:
         default=0, min=0,
     )  # fmt: skip
     return members
+
+
+def path_options() -> set[str]:
+    """Says that // stands for the .blend's folder, which Blender wants to be told since 4.5."""
+    known = "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
+    return {"PATH_SUPPORTS_BLEND_RELATIVE"} if known else set()
 
 
 def output_members() -> dict[str, object]:
@@ -261,7 +267,7 @@ def output_members() -> dict[str, object]:
             name="Image",
             description="Where the image goes; the suffix follows the format, and of several meshes the name of each "
             "is added",
-            default="//paradesc.exr", subtype="FILE_PATH",
+            default="//paradesc.exr", subtype="FILE_PATH", options=path_options(),
         ),
         "texels": bpy.props.IntProperty(
             name="Texels",
@@ -276,7 +282,7 @@ def output_members() -> dict[str, object]:
         "buffers_path": bpy.props.StringProperty(
             name="Folder",
             description="Where the buffers go; of several meshes, the name of each is added",
-            default="//paradesc_buffers", subtype="DIR_PATH",
+            default="//paradesc_buffers", subtype="DIR_PATH", options=path_options(),
         ),
     }  # fmt: skip
 

@@ -22,7 +22,10 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
         return sorted(edited, key=lambda item: item != active)
     if active is not None and active.mode != "OBJECT":
         return [active] if active.type == "MESH" else []
-    found = [item for item in context.view_layer.objects.selected if item.type == "MESH"]
+    selected = getattr(context, "selected_objects", None)  # what a script has put there; none in handlers
+    if selected is None:
+        selected = context.view_layer.objects.selected
+    found = [item for item in selected if item.type == "MESH"]
     if not found and active is not None and active.type == "MESH":
         return [active]
     return sorted(found, key=lambda item: item != active)
@@ -41,12 +44,13 @@ def obstacle(context: bpy.types.Context) -> str:
     missing = bridge.missing_sentence()
     if missing:
         return missing
+    active = context.active_object
+    if active is not None and active.mode != "OBJECT" and (active.type != "MESH" or active.mode not in MODES):
+        return f"Leave {active.mode.replace('_', ' ').lower()} mode first"
     targets = chosen(context)
     if not targets:
         return "Select a mesh object first"
     for target in targets:
-        if target.mode not in MODES:
-            return f"Leave {target.mode.replace('_', ' ').lower()} mode first"
         if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
             return "Switch dynamic topology off, or leave sculpt mode, first: its mesh is not yet that of the object"
     group = context.scene.paradesc

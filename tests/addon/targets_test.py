@@ -5,6 +5,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
+import bmesh  # noqa: E402
+
 import paradesc  # noqa: E402
 from paradesc import mesh_io, targets  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, small_bake  # noqa: E402
@@ -47,6 +49,14 @@ def test_selected_meshes_are_chosen_the_active_one_first():
     third.select_set(False)
     bpy.context.view_layer.objects.active = second
     assert targets.chosen(bpy.context) == [second, first]
+
+
+def test_a_script_may_name_the_objects():
+    first, second = add_spheres("first", "second")
+    with bpy.context.temp_override(active_object=first, object=first, selected_objects=[first]):
+        assert targets.chosen(bpy.context) == [first]
+        assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert ["mean_curvature" in item.data.attributes for item in (first, second)] == [True, False]
 
 
 def test_without_a_selection_the_active_mesh_is_chosen():
@@ -110,10 +120,12 @@ def test_several_meshes_in_edit_mode_are_all_baked_and_stay_there():
 
 def test_selected_vertices_of_edit_mode_stay_selected():
     (ball,) = add_spheres("ball")
-    ball.data.vertices.foreach_set("select", np.arange(len(ball.data.vertices)) == 7)
-    for parts in (ball.data.edges, ball.data.polygons):
-        parts.foreach_set("select", np.zeros(len(parts), bool))
     bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    edited = bmesh.from_edit_mesh(ball.data)
+    edited.verts.ensure_lookup_table()
+    edited.verts[7].select_set(True)
+    bmesh.update_edit_mesh(ball.data)
     bpy.ops.paradesc.bake()
     bpy.ops.object.mode_set(mode="OBJECT")
     assert [vertex.index for vertex in ball.data.vertices if vertex.select] == [7]
@@ -140,6 +152,14 @@ def test_dynamic_topology_is_refused_by_a_sentence():
         bpy.ops.paradesc.bake()
     bpy.ops.sculpt.dynamic_topology_toggle()
     assert targets.obstacle(bpy.context) == ""
+
+
+@pytest.mark.parametrize("mode", ["POSE", "EDIT"])
+def test_modes_of_other_objects_have_to_be_left(mode):
+    add_spheres("ball")
+    bpy.ops.object.armature_add()
+    bpy.ops.object.mode_set(mode=mode)
+    assert targets.obstacle(bpy.context) == f"Leave {mode.lower()} mode first"
 
 
 # ---- Shapes
@@ -305,6 +325,17 @@ def test_a_linked_object_that_overrides_follow_is_not_made_local(tmp_path):
         bpy.ops.paradesc.make_local()
     assert origin.library is not None
     assert made.override_library.reference == origin
+
+
+def test_linked_meshes_are_measured_into_images_as_they_are(tmp_path):
+    target = link_sphere(tmp_path)
+    settings = bpy.context.scene.paradesc
+    settings.write_attributes, settings.write_image, settings.texels = False, True, 64
+    settings.image_path = str(tmp_path / "linked.exr")
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert (tmp_path / "linked.exr").is_file()
+    assert target.library is not None
+    assert "mean_curvature" not in target.data.attributes
 
 
 def test_nothing_to_make_local_is_said_by_the_poll():

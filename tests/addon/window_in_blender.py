@@ -16,6 +16,7 @@ import numpy as np
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 import paradesc  # noqa: E402
+from paradesc import mesh_io, operators  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
 STEP = 0.2
@@ -39,9 +40,28 @@ def start_bake() -> None:
     assert state == {"RUNNING_MODAL"}, state
 
 
+def press(key: str, **place: int) -> Iterator[None]:
+    """Presses and releases a key or button of the mouse."""
+    window = bpy.context.window_manager.windows[0]
+    for value in ("PRESS", "RELEASE"):
+        window.event_simulate(key, value, **{"x": 700, "y": 500, **place})
+        yield
+
+
+def run_in_view(operator, *words: object, **settings: object) -> None:
+    """Runs an operator as if over the viewport; the last argument of an undoable one is True."""
+    with bpy.context.temp_override(**view_context()):
+        operator(*words, **settings)
+
+
 def computing() -> bool:
-    """The worker's thread is at work."""
+    """A worker's thread is at work."""
     return any(thread.name == "paradesc" for thread in threading.enumerate())
+
+
+def baking() -> bool:
+    """The operator has not ended."""
+    return operators.PARADESC_OT_bake.running is not None
 
 
 def say(text: str) -> None:
@@ -57,55 +77,144 @@ def wait_for(condition) -> Iterator[None]:
         yield
 
 
+def baked(name: str) -> bool:
+    """The mesh of that name has values."""
+    return "mean_curvature" in bpy.data.meshes[name].attributes
+
+
+def cancel_and_bake(target) -> Iterator[None]:
+    """Esc leaves everything as it was; without it the values are right."""
+    mesh_name = target.data.name
+    settings = bpy.context.scene.paradesc
+    before = fingerprint(target)
+    settings.samples, settings.radius_percent = 4096, 15.0  # seconds of work
+    start_bake()
+    yield
+    assert computing(), "ended before it could be cancelled"
+    yield from press("ESC")
+    yield from wait_for(lambda: not baking())
+    assert not computing()
+    assert fingerprint(target) == before, "cancelling changed the mesh"
+    say("cancelled without a trace")
+    settings.samples, settings.radius_percent = 256, 4.0
+    start_bake()
+    yield from wait_for(lambda: baked(mesh_name))
+    values = attribute_values(bpy.data.meshes[mesh_name], "mean_curvature")
+    np.testing.assert_allclose(values, 0.5, rtol=0.05)
+    say("baked with the right values")
+
+
+def take_picture(screenshot: str) -> Iterator[None]:
+    """The panel, and the colors in the viewport."""
+    area = view_context()["area"]
+    sidebar = next(region for region in area.regions if region.type == "UI")
+    yield from press("LEFTMOUSE", x=sidebar.x + sidebar.width - 12, y=sidebar.y + sidebar.height - TAB_BELOW_TOP)
+    run_in_view(bpy.ops.view3d.view_selected)
+    for _ in range(5):
+        area.tag_redraw()
+        yield
+    bpy.ops.screen.screenshot(filepath=screenshot)
+    say(f"wrote {screenshot}")
+
+
+def undo(*names: str) -> Iterator[None]:
+    """One step back takes the values from all of these meshes."""
+    run_in_view(bpy.ops.ed.undo)
+    yield
+    assert not any(map(baked, names)), "undo left an attribute"
+
+
+def several(names: tuple[str, str]) -> Iterator[None]:
+    """Two meshes: a preset, Esc while the second one is computed, both, and one step back."""
+    run_in_view(bpy.ops.paradesc.preset, "INVOKE_DEFAULT", True, name="curvature")
+    settings = bpy.context.scene.paradesc
+    assert settings.descriptors == {"mean_curvature", "gaussian_curvature"}, "the preset sets what to compute"
+    settings.samples, settings.buffer_size = 512, 512
+    settings.radius_percent = 15.0
+    before = [fingerprint(bpy.data.objects[name]) for name in names]
+    start_bake()
+    yield from wait_for(lambda: operators.PARADESC_OT_bake.running.current == 1)
+    yield from press("ESC")
+    yield from wait_for(lambda: not baking())
+    assert [fingerprint(bpy.data.objects[name]) for name in names] == before, "cancelling left the first mesh' values"
+    say("cancelled the second of two meshes without a trace of the first")
+    settings.samples, settings.radius_percent = 64, 4.0
+    start_bake()
+    yield from wait_for(lambda: not baking())
+    assert all(map(baked, names)), "not both were baked"
+    yield from undo(*names)
+    say("baked two meshes and undone both in one step")
+
+
+def in_edit_mode(name: str) -> Iterator[None]:
+    """A bake in edit mode stays there, and so does undoing it."""
+    run_in_view(bpy.ops.object.mode_set, "EXEC_DEFAULT", True, mode="EDIT")
+    yield
+    start_bake()
+    yield from wait_for(lambda: not baking())
+    assert bpy.data.objects[name].mode == "EDIT", "left edit mode"
+    assert baked(name), "not baked in edit mode"
+    yield from undo(name)
+    assert bpy.data.objects[name].mode == "EDIT", "undo left edit mode"
+    run_in_view(bpy.ops.object.mode_set, "EXEC_DEFAULT", True, mode="OBJECT")
+    assert not baked(name), "leaving edit mode brought the values back"
+    say("baked and undone in edit mode")
+
+
+def sculpted(name: str) -> Iterator[None]:
+    """What a brush has just done is seen, without leaving sculpt mode; undo takes the values, not the stroke."""
+    run_in_view(bpy.ops.object.mode_set, "EXEC_DEFAULT", True, mode="SCULPT")
+    yield
+    before = mesh_io.read_positions(bpy.data.meshes[name])
+    region = view_context()["region"]
+    middle = (region.width / 2, region.height / 2)
+    dot = {"name": "", "location": (0, 0, 2), "mouse": middle, "mouse_event": middle, "pressure": 1.0, "size": 80.0}
+    dot.update(pen_flip=False, x_tilt=0.0, y_tilt=0.0, time=0.0)
+    stroke = [{**dot, "is_start": start, "time": number * 0.1} for number, start in enumerate((True, False, False))]
+    run_in_view(bpy.ops.sculpt.brush_stroke, "EXEC_DEFAULT", True, stroke=stroke)
+    yield
+    moved = np.abs(mesh_io.read_positions(bpy.data.meshes[name]) - before).max(axis=1)
+    assert moved.max() > 1e-3, "the brush did nothing"
+    start_bake()
+    yield from wait_for(lambda: not baking())
+    assert bpy.data.objects[name].mode == "SCULPT", "left sculpt mode"
+    values = attribute_values(bpy.data.meshes[name], "mean_curvature")
+    np.testing.assert_allclose(np.median(values), 0.5, rtol=0.05)
+    assert np.abs(values - 0.5).max() > 0.1, "the sculpted place was not seen"
+    yield from undo(name)
+    assert bpy.data.objects[name].mode == "SCULPT", "undo left sculpt mode"
+    after = np.abs(mesh_io.read_positions(bpy.data.meshes[name]) - before).max(axis=1)
+    assert np.array_equal(after, moved), "undo took the stroke as well"
+    say("baked what was sculpted, and undone")
+
+
 def steps(target, screenshot: str) -> Iterator[None]:
     """What the person does; every yield is a turn of the event loop."""
-    mesh_name = target.data.name
+    first, second = target.data.name, "second"
     area = view_context()["area"]
     area.spaces[0].show_region_ui = True
     area.spaces[0].shading.type = "SOLID"
     area.spaces[0].shading.color_type = "VERTEX"
     settings = bpy.context.scene.paradesc
     settings.descriptors = {"mean_curvature", "shape_index"}
-    settings.radius_percent, settings.samples, settings.buffer_size = 4.0, 256, 1024
+    settings.buffer_size = 1024
     settings.backend = "software"
     yield
-    before = fingerprint(target)
-    settings.samples, settings.radius_percent = 4096, 15.0  # seconds of work
-    start_bake()
-    yield
-    assert computing(), "ended before it could be cancelled"
-    window = bpy.context.window_manager.windows[0]
-    window.event_simulate("ESC", "PRESS", x=700, y=500)
-    window.event_simulate("ESC", "RELEASE", x=700, y=500)
-    yield from wait_for(lambda: not computing())
-    for _ in range(5):
-        yield
-    assert fingerprint(target) == before, "cancelling changed the mesh"
-    say("cancelled without a trace")
-    settings.samples, settings.radius_percent = 256, 4.0
-    start_bake()
-    yield from wait_for(lambda: "mean_curvature" in bpy.data.meshes[mesh_name].attributes)
-    values = attribute_values(bpy.data.meshes[mesh_name], "mean_curvature")
-    np.testing.assert_allclose(values, 0.5, rtol=0.05)
-    say("baked with the right values")
+    yield from cancel_and_bake(target)
     if screenshot:
-        sidebar = next(region for region in area.regions if region.type == "UI")
-        place = {"x": sidebar.x + sidebar.width - 12, "y": sidebar.y + sidebar.height - TAB_BELOW_TOP}
-        for value in ("PRESS", "RELEASE"):
-            window.event_simulate("LEFTMOUSE", value, **place)
-            yield
-        with bpy.context.temp_override(**view_context()):
-            bpy.ops.view3d.view_selected()
-        for _ in range(5):
-            area.tag_redraw()
-            yield
-        bpy.ops.screen.screenshot(filepath=screenshot)
-        say(f"wrote {screenshot}")
-    with bpy.context.temp_override(**view_context()):
-        bpy.ops.ed.undo()
-    yield
-    assert "mean_curvature" not in bpy.data.meshes[mesh_name].attributes, "undo left the attribute"
+        yield from take_picture(screenshot)
+    yield from undo(first)
     say("undone")
+    add_sphere(second, steps=48).location.x = 5.0
+    bpy.ops.ed.undo_push(message="two spheres")
+    yield
+    yield from several((first, second))
+    bpy.data.objects[second].select_set(False)
+    bpy.context.view_layer.objects.active = bpy.data.objects[first]
+    bpy.ops.ed.undo_push(message="one sphere")
+    yield
+    yield from in_edit_mode(first)
+    yield from sculpted(first)
     say("all steps passed")
 
 

@@ -1,0 +1,173 @@
+"""What the panel draws, on a layout that takes notes: Blender draws none without a window."""
+
+from functools import partial
+from types import SimpleNamespace
+
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+import paradesc  # noqa: E402
+from paradesc import batch, bridge, mesh_io, operators, panel, properties  # noqa: E402
+from scene import add_sphere, empty_scene, small_bake  # noqa: E402
+
+# Pixels of a sidebar that nobody has widened.
+DEFAULT_WIDTH = 217
+PANELS = [cls for cls in panel.classes if cls.__name__ != "PARADESC_MT_devices"]
+
+
+@pytest.fixture(autouse=True)
+def registered():
+    empty_scene()
+    paradesc.register()
+    small_bake()
+    yield
+    paradesc.unregister()
+
+
+class Notes:
+    """A layout, and all that hang on it: what is drawn, by kind."""
+
+    def __init__(self, drawn=None):
+        self.drawn = {"label": [], "prop": [], "operator": [], "menu": [], "progress": []} if drawn is None else drawn
+
+    def column(self, **_options):
+        return Notes(self.drawn)
+
+    row = split = column
+
+    def label(self, text="", **_options):
+        self.drawn["label"].append(text)
+
+    def prop(self, data, name, **_options):
+        assert name in data.bl_rna.properties, name
+        self.drawn["prop"].append(name)
+
+    def prop_enum(self, data, name, value):
+        assert value in data.bl_rna.properties[name].enum_items
+        self.drawn["prop"].append(value)
+
+    def operator(self, name, text="", **_options):
+        assert hasattr(bpy.types, "PARADESC_OT_" + name.split(".")[1]), name
+        self.drawn["operator"].append(text or name)
+        return SimpleNamespace()
+
+    def menu(self, name, text="", **_options):
+        assert hasattr(bpy.types, name), name
+        self.drawn["menu"].append(text)
+
+    def progress(self, **options):
+        self.drawn["progress"].append(options["factor"])
+
+
+def context():
+    """As a panel sees it."""
+    return SimpleNamespace(
+        scene=bpy.context.scene,
+        view_layer=bpy.context.view_layer,
+        active_object=bpy.context.active_object,
+        selected_objects=bpy.context.selected_objects,
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=2.0)),
+        region=SimpleNamespace(width=2 * DEFAULT_WIDTH),
+        space_data=SimpleNamespace(shading=SimpleNamespace(type="SOLID", color_type="VERTEX")),
+    )
+
+
+def drawn_by(cls):
+    """What a panel, or a menu, draws."""
+    layout = Notes()
+    fake = SimpleNamespace(layout=layout)
+    if hasattr(cls, "draw_settings"):
+        fake.draw_settings = partial(cls.draw_settings, fake)
+    cls.draw(fake, context())
+    return layout.drawn
+
+
+def drawn_everything():
+    every = Notes().drawn
+    for cls in PANELS:
+        if not hasattr(cls, "poll") or cls.poll(context()):
+            for kind, found in drawn_by(cls).items():
+                every[kind] += found
+    return every
+
+
+def test_every_setting_is_in_the_panel():
+    settings = bpy.context.scene.paradesc
+    settings.descriptors, settings.write_image, settings.write_buffers = {"harris"}, True, True
+    add_sphere().shape_key_add(name="Basis")
+    shown = set(drawn_everything()["prop"])
+    for unit in ("absolute", "mean-edge"):
+        settings.radius_unit = unit
+        shown |= set(drawn_everything()["prop"])
+    members = {name for group in properties.GROUPS for name in group()}
+    assert members - shown == {"descriptors", "backend", "device_index"}  # one by one, and as a menu
+    assert {row.name for row in bridge.descriptors()} <= shown
+
+
+@pytest.mark.parametrize("state", ["nothing", "baked", "uneven", "linked", "dyntopo"])
+def test_no_line_is_wider_than_the_sidebar(state, monkeypatch):
+    if state != "nothing":
+        target = add_sphere()
+        bpy.ops.paradesc.bake()
+    if state == "uneven":
+        target.scale = (2, 1, 1)
+        bpy.context.view_layer.update()
+    if state == "linked":
+        monkeypatch.setattr(mesh_io, "check_writable", refused)
+    if state == "dyntopo":
+        bpy.ops.object.mode_set(mode="SCULPT")
+        bpy.ops.sculpt.dynamic_topology_toggle()
+    labels = drawn_everything()["label"]
+    widest = panel.line_length(context())
+    assert widest >= 30
+    assert [line for line in labels if len(line) > widest and " " in line] == []
+
+
+def refused(target):
+    raise bridge.ParadescError(3, f'The mesh "{target.data.name}" is linked from another file; make it local first.')
+
+
+def test_what_stands_in_the_way_is_said_and_linked_meshes_get_a_button(monkeypatch):
+    assert " ".join(drawn_by(panel.PARADESC_PT_bake)["label"]) == "Select a mesh object first"
+    add_sphere()
+    assert drawn_by(panel.PARADESC_PT_bake)["label"] == []
+    monkeypatch.setattr(mesh_io, "check_writable", refused)
+    shown = drawn_by(panel.PARADESC_PT_bake)
+    assert "linked from another file" in " ".join(shown["label"])
+    assert "paradesc.make_local" in shown["operator"]
+
+
+def test_a_missing_library_leaves_one_sentence_and_no_settings(monkeypatch):
+    monkeypatch.setattr(bridge, "missing_sentence", lambda: "native library missing – somewhere.")
+    shown = drawn_everything()
+    assert " ".join(shown["label"]) == "native library missing – somewhere."
+    assert shown["prop"] == shown["operator"] == []
+
+
+def test_a_bake_under_way_shows_how_far_it_is_in_place_of_the_button(monkeypatch):
+    add_sphere()
+    monkeypatch.setattr(operators.PARADESC_OT_bake, "running", batch.Batch(bpy.context))
+    shown = drawn_by(panel.PARADESC_PT_bake)
+    assert shown["progress"] == [0.0]
+    assert "(Esc cancels)" in " ".join(shown["label"])
+    assert "Bake Descriptors" not in shown["operator"]
+
+
+def test_last_run_is_there_only_while_the_values_are():
+    target = add_sphere()
+    assert not panel.PARADESC_PT_report.poll(context())
+    bpy.ops.paradesc.bake()
+    assert panel.PARADESC_PT_report.poll(context())
+    lines = drawn_by(panel.PARADESC_PT_report)["label"]
+    for words in ("Charts: 6", "Coverage: ", "Undefined vertices: 0", "– evaluate: ", "llvmpipe"):
+        assert any(line.startswith(words) for line in lines), words
+    for name in mesh_io.written_attributes(target.data):
+        target.data.attributes.remove(target.data.attributes[name])
+    assert not panel.PARADESC_PT_report.poll(context())
+
+
+def test_devices_that_are_missing_are_in_the_menu_too():
+    shown = drawn_by(panel.PARADESC_MT_devices)["operator"]
+    assert shown[0] == "Automatic"
+    assert [text.split(":")[0] for text in shown[1:]] == ["Graphics card", "Software", "Reference"]
