@@ -1,8 +1,10 @@
 """What the add-on's tests share: fixtures of the sphere, and the command line as a process."""
 
+import json
 import os
 import subprocess
 import sys
+from dataclasses import dataclass
 
 import pytest
 
@@ -65,3 +67,52 @@ def real_mesh(name):
     if not path.is_file():
         pytest.skip(f"real meshes are not at ../shared/meshes ({name})")
     return path
+
+
+@dataclass
+class Ended:
+    """What a command left behind."""
+
+    code: int
+    output: str
+    error: str
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capfd):
+    """Runs a command in this process, in an empty folder."""
+    from paradesc.commands.main import main
+
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        capfd.readouterr()
+        code = main([str(word) for word in words])
+        return Ended(code, *capfd.readouterr())
+
+    return call
+
+
+@pytest.fixture
+def report(tmp_path):
+    """Reads a JSON report."""
+    return lambda name="report.json": json.loads((tmp_path / name).read_text())
+
+
+@pytest.fixture
+def three_objects(tmp_path):
+    """Two spheres of their own, one that shares a mesh, and objects that are no use."""
+    import bpy
+
+    from scene import add_sphere, empty_scene, saved_scene
+
+    empty_scene()
+    first = add_sphere("first", steps=6)
+    second = add_sphere("second/large", steps=8)
+    second.location, second.scale = (10, 0, 0), (2, 2, 2)
+    copy = first.copy()
+    copy.name, copy.location = "twin", (0, 10, 0)
+    bpy.context.collection.objects.link(copy)
+    add_sphere("hidden", steps=4).hide_render = True
+    bpy.context.collection.objects.link(bpy.data.objects.new("bare", bpy.data.meshes.new("bare")))
+    return saved_scene(tmp_path / "three.blend")

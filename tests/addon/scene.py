@@ -71,3 +71,9 @@ def small_bake(backend="software"):
     settings.radius_percent, settings.samples, settings.buffer_size = 8.0, 64, 256
     settings.backend = backend
     return settings
+
+
+def saved_scene(path):
+    """Saves the open scene; gives the path."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+    return path

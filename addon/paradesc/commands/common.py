@@ -2,9 +2,7 @@
 
 import argparse
 import os
-import signal
 import sys
-import threading
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,10 +10,9 @@ from typing import TYPE_CHECKING, NoReturn
 
 from ..bridge import InputError, ParadescError, abi
 from ..streams import quiet
+from .signals import Signals, Terminated
 
 if TYPE_CHECKING:
-    from types import FrameType
-
     import bpy
 
 EXIT_OK = 0
@@ -33,10 +30,6 @@ LINE_STEP = 0.05
 
 class UsageError(Exception):
     """The arguments make no sense; the text is one sentence."""
-
-
-class Terminated(BaseException):
-    """The process was asked to end, by SIGTERM."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -164,8 +157,7 @@ class Progress:
         self.shown = mode == "auto" and sys.stderr.isatty()
         self.time = 0.0
         self.last = -1.0
-        self.stopped: type[BaseException] | None = None
-        self.former: dict[int, object] = {}
+        self.signals = Signals()
 
     def __call__(self, stage: str, fraction: float) -> bool:
         """Shows the stage and the percentage; False once the work is to stop."""
@@ -178,26 +170,16 @@ class Progress:
             self.last = fraction
             sys.stderr.write(f"Progress: {100 * fraction:.0f}% {stage}\n")
             sys.stderr.flush()
-        return self.stopped is None
+        return self.signals.stopped is None
 
     def __enter__(self) -> "Progress":
-        on_main_thread = threading.current_thread() is threading.main_thread()
-        for number in (signal.SIGINT, signal.SIGTERM) if on_main_thread else ():
-            former = signal.getsignal(number)
-            if former is not None:  # Blender itself keeps SIGINT in C, and ends by it
-                self.former[number] = former
-                signal.signal(number, self.interrupt)  # an exception could not pass through C
+        self.signals.__enter__()
         return self
 
-    def __exit__(self, *_error: object) -> None:
-        for number, former in self.former.items():
-            signal.signal(number, former)
+    def __exit__(self, *error: object) -> None:
+        self.signals.__exit__(*error)
         if self.shown:
             sys.stderr.write("\r\x1b[K")
             sys.stderr.flush()
-        if self.stopped is not None:
-            raise self.stopped
-
-    def interrupt(self, number: int, _frame: "FrameType | None") -> None:
-        """Remembers the signal until the native library asks."""
-        self.stopped = Terminated if number == signal.SIGTERM else KeyboardInterrupt
+        if self.signals.stopped is not None:
+            raise self.signals.stopped

@@ -3,16 +3,15 @@
 import argparse
 import contextlib
 import io
-import signal
 import sys
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 from .. import __version__, results
 from ..bridge import ParadescError
 from . import COMMANDS, modules
-from .common import EXIT_CHECK, EXIT_FAILED, EXIT_OK, Parser, Terminated, UsageError, exit_code
+from .common import EXIT_CHECK, EXIT_FAILED, EXIT_OK, Parser, UsageError, exit_code
+from .signals import Signals, Terminated
 
 # Of the JSON reports. A number more says that a key has another meaning or is gone; new keys may come without.
 SCHEMA = 1
@@ -39,7 +38,7 @@ def main(words: list[str]) -> int:
     except SystemExit as error:  # --help and --version, which were shown
         return int(error.code or 0)
     try:
-        with terminable():
+        with Signals(raises=True):
             with muted(arguments):
                 content = arguments.run(arguments) or {}
             sentence = " ".join(content.get("failed_checks", []))
@@ -59,23 +58,6 @@ def sentence_of(error: BaseException) -> str:
     if isinstance(error, (KeyboardInterrupt, Terminated)):
         return "Terminated." if isinstance(error, Terminated) else "Interrupted."
     return error.sentence if isinstance(error, ParadescError) else str(error)
-
-
-@contextlib.contextmanager
-def terminable() -> Iterator[None]:
-    """Lets SIGTERM, by which a farm ends a job, clean up as an exception does."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # signals are the main thread's
-        return
-
-    def stop(*_signal: object) -> None:
-        raise Terminated
-
-    former = signal.signal(signal.SIGTERM, stop)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, former or signal.SIG_DFL)
 
 
 @contextlib.contextmanager

@@ -1,0 +1,65 @@
+"""Ctrl-C and SIGTERM to exceptions, or to a wish to stop that the work asks for. Never imports bpy."""
+
+import ctypes
+import signal
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+NUMBERS = (signal.SIGINT, signal.SIGTERM)
+
+
+class Terminated(BaseException):
+    """The process was asked to end, by SIGTERM."""
+
+
+class Signals:
+    """Takes both signals for a while. Either they raise, or, since no exception may pass through C, stopped says so."""
+
+    def __init__(self, raises: bool = False) -> None:
+        self.raises = raises
+        self.stopped: type[BaseException] | None = None
+        self.former: list[tuple[int, object, int | None]] = []
+
+    def __enter__(self) -> "Signals":
+        if threading.current_thread() is not threading.main_thread():
+            return self  # signals are the main thread's
+        for number in NUMBERS:
+            python, native = signal.getsignal(number), swap_native(number, signal.SIG_IGN)
+            if python is None and native is None:
+                continue  # set by C, and not to be brought back from here
+            self.former.append((number, python, native))
+            signal.signal(number, self.stop)
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        for number, python, native in self.former:
+            signal.signal(number, signal.SIG_DFL if python is None else python)
+            if native is not None:
+                swap_native(number, native)
+        self.former.clear()
+
+    def stop(self, number: int, _frame: "FrameType | None") -> None:
+        """Remembers the signal until it is asked for, or raises."""
+        self.stopped = Terminated if number == signal.SIGTERM else KeyboardInterrupt
+        if self.raises:
+            raise self.stopped
+
+
+def swap_native(number: int, handler: int) -> int | None:
+    """Sets the C handler of a signal and gives the former one, which Python does not know of where Blender set it."""
+    swap = native_function()
+    return None if swap is None else (swap(number, int(handler)) or 0)
+
+
+def native_function() -> Callable[[int, int], int | None] | None:
+    """C's signal(), where it can be reached."""
+    try:
+        function = ctypes.CDLL(None).signal
+    except (OSError, TypeError, AttributeError):
+        return None
+    function.argtypes, function.restype = [ctypes.c_int, ctypes.c_void_p], ctypes.c_void_p
+    return function
