@@ -60,6 +60,8 @@ class Session:
             self.compute(positions, evaluated, settings)
         computed = time.perf_counter()
         changed = self.write(target.data, locked_ranges(scene.paradesc_live, self.results), fresh)
+        if changed:
+            tag_written(target.data, depsgraph)
         if fresh:
             ends = (start, read, computed, time.perf_counter())
             self.seconds = {name: ends[k + 1] - ends[k] for k, name in enumerate(STAGES)}
@@ -105,7 +107,6 @@ class Session:
         for name, values in self.written.items():
             attribute = mesh.attributes[name]
             attribute.data.foreach_set(member_of(attribute), values)
-        mesh.update()
         return True
 
     def is_written(self, mesh: bpy.types.Mesh) -> bool:
@@ -208,6 +209,18 @@ def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object) ->
             "switch off those that add or remove vertices."
         )
     return mesh_io.read_positions(evaluated.data)
+
+
+def tag_written(mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph) -> None:
+    """Has Blender evaluate the mesh again with its new attributes.
+
+    A render's copies of the mesh and its shape keys are then made afresh from the originals, whose animated values are
+    those of the window's frame, and Blender does not animate a frame twice: touching the animation makes it.
+    """
+    mesh.update()
+    for datablock in (mesh, mesh.shape_keys) if depsgraph.mode == "RENDER" else ():
+        if datablock is not None and datablock.animation_data is not None:
+            datablock.animation_data.action_influence = datablock.animation_data.action_influence
 
 
 def member_of(attribute: bpy.types.Attribute) -> str:
