@@ -3,6 +3,7 @@
 Importing the package imports no part of Blender; register() does.
 """
 
+import atexit
 from importlib import import_module
 from types import ModuleType
 
@@ -19,9 +20,9 @@ bl_info = {
 
 __version__ = "0.1.0"
 
-# In the order in which they refer to each other. Each has classes; what else it needs stands in register() and
+# In the order in which they refer to each other. Each has classes; what else it needs stands in its register() and
 # unregister().
-MODULES = ("properties", "operators", "panel", "live_panel", "handlers")
+MODULES = ("properties", "operators", "panel", "animation_panel", "live_panel", "handlers", "cli_command")
 
 
 def modules() -> list[ModuleType]:
@@ -38,12 +39,15 @@ def register() -> None:
             bpy.utils.register_class(cls)
         if hasattr(module, "register"):
             module.register()
+    if not bpy.app.binary_path:  # Blender's Python module ends with a crash where classes are still registered
+        atexit.register(unregister)
 
 
 def unregister() -> None:
     """Takes back what register() did, in reverse order."""
     import bpy
 
+    atexit.unregister(unregister)
     for module in reversed(modules()):
         if hasattr(module, "unregister"):
             module.unregister()

@@ -10,6 +10,9 @@ from . import bridge
 from .bridge import abi
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
+# Ends the names of values relative to the rest pose.
+CHANGE = "_change"
+
 ProgressFunction = Callable[[str, float], bool]
 
 
@@ -97,15 +100,22 @@ def radius_suffix(radius: float) -> str:
 
 
 def registry_name(name: str) -> str:
-    """The descriptor that values of this name are of: mean_curvature of mean_curvature_r0.02."""
+    """The descriptor that values of this name are of: mean_curvature of mean_curvature_r0.02 and of its _change."""
     known = {row.name for row in bridge.descriptors()}
+    if name not in known:
+        name = name.removesuffix(CHANGE)
     stem, mark, _ = name.rpartition("_r")
     return stem if mark and name not in known and stem in known else name
 
 
 def registry_row(name: str) -> bridge.Descriptor:
-    """The registry's row of a descriptor, at whatever radius."""
-    return next(row for row in bridge.descriptors() if row.name == registry_name(name))
+    """The registry's row of a descriptor, at whatever radius; of a change it is signed, about zero."""
+    found = next(row for row in bridge.descriptors() if row.name == registry_name(name))
+    if name == found.name or not name.endswith(CHANGE):
+        return found
+    nan = float("nan")
+    changed = {"is_signed": True, "neutral_value": 0.0, "display_minimum": nan, "display_maximum": nan}
+    return replace(found, label=f"Change of {found.label}", **changed)
 
 
 def check_descriptors(names: tuple[str, ...]) -> None:

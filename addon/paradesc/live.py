@@ -133,7 +133,7 @@ class Session:
 
 
 def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
-    """The scene's settings: in the viewport with as few samples and texels as live mode allows."""
+    """The scene's settings: in the viewport with what live mode makes of them for speed."""
     settings = properties.job_settings(scene.paradesc)
     group = scene.paradesc_live
     if rendering and group.full_render:
@@ -142,6 +142,7 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
         settings.options,
         samples=min(settings.options.samples, group.samples),
         buffer_size=min(settings.options.buffer_size, group.buffer_size),
+        relocation="affine" if group.fast_seams else settings.options.relocation,
     )
     return replace(settings, options=options)
 

@@ -40,7 +40,7 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
     samples: bpy.props.IntProperty(
         name="Samples",
         description="At most so many samples around every vertex in the viewport; fewer are faster",
-        default=32,
+        default=16,
         min=8,
         max=4096,
         update=settings_changed,
@@ -53,9 +53,16 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         max=8192,
         update=settings_changed,
     )
+    fast_seams: bpy.props.BoolProperty(
+        name="Fast over seams",
+        description="Carry every sample over seams by itself in the viewport, some three times as fast as to take what "
+        "is connected; less exact where charts are many and small",
+        default=True,
+        update=settings_changed,
+    )
     full_render: bpy.props.BoolProperty(
         name="Full quality in renders",
-        description="Render with the samples and the buffer size of Quality and Device",
+        description="Render with the settings of Quality and Method instead of these",
         default=True,
     )
     ranges: bpy.props.CollectionProperty(type=PARADESC_PG_live_range)
@@ -127,7 +134,7 @@ class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
         column = layout.column()
         column.use_property_split = True
         column.use_property_decorate = False
-        for name in ("samples", "buffer_size", "full_render"):
+        for name in ("samples", "buffer_size", "fast_seams", "full_render"):
             column.prop(group, name)
         if target.paradesc_live.mode != "OFF":
             draw_ranges(layout, group)

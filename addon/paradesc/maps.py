@@ -6,7 +6,7 @@ import numpy as np
 
 from . import bridge, color_maps, exr, picture, png
 from .bridge import abi
-from .results import Baked, registry_row
+from .results import Baked, registry_row, write_whole
 
 SUFFIXES = (".exr", ".png")
 # Texels around each chart that take the values beside them: filtering and a few mipmaps show no seam then.
@@ -233,9 +233,15 @@ def write_buffers(folder: Path, baked: Baked) -> list[Path]:
     """Writes buffers.npz, rows from v = 0 up, and a PNG of every buffer and descriptor; gives their paths."""
     folder.mkdir(exist_ok=True)
     paths = [folder / "buffers.npz"]
-    with paths[0].open("wb") as file:
-        np.savez_compressed(file, **baked.results.buffers, layout=baked.results.layout, **baked.results.maps)
+    write_whole(paths[0], baked, write_raw_buffers)
     for name, view in pictures_of(baked).items():
         paths.append(folder / f"{name}.png")
-        png.write_png(paths[-1], np.round(255 * np.clip(np.nan_to_num(view[::-1]), 0.0, 1.0)).astype(np.uint8))
+        pixels = np.round(255 * np.clip(np.nan_to_num(view[::-1]), 0.0, 1.0)).astype(np.uint8)
+        write_whole(paths[-1], pixels, png.write_png)
     return paths
+
+
+def write_raw_buffers(path: Path, baked: Baked) -> None:
+    """Writes what was baked, the layout and the maps as a .npz file."""
+    with path.open("wb") as file:
+        np.savez_compressed(file, **baked.results.buffers, layout=baked.results.layout, **baked.results.maps)

@@ -7,16 +7,16 @@ import bpy
 import numpy as np
 
 from . import color_maps, unwrap
-from .bridge import MeshArrays, ParadescError, abi, components
+from .bridge import InputError, MeshArrays, ParadescError, components
 from .job import Results, registry_name, registry_row
 
 # Custom property of a mesh that says what was baked into it: settings, report, and the names of our attributes.
 PROPERTY = "paradesc"
 
 
-def refuse(sentence: str) -> ParadescError:
+def refuse(sentence: str) -> InputError:
     """The error for a mesh that cannot be read or written."""
-    return ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+    return InputError(sentence)
 
 
 def read_object(target: bpy.types.Object, corner_normals: bool, needs_uvs: bool = True) -> MeshArrays:

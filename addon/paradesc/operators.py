@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import bridge, job, mesh_io, properties, surface_maps
+from . import bridge, job, mesh_io, properties, sources, surface_maps
 from .bridge import ParadescError, abi
 
 MODES = {"OBJECT", "EDIT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
@@ -95,8 +95,11 @@ class PARADESC_OT_bake(bpy.types.Operator):
         mesh_io.check_writable(target)
         settings = properties.job_settings(context.scene.paradesc)
         needs_uvs = settings.backend != "reference"
-        arrays = mesh_io.read_object(target, settings.options.normals == "mesh", needs_uvs)
+        source = context.scene.paradesc_animation.source
+        self.reading = sources.read(target, source, settings.options.normals == "mesh", needs_uvs)
+        arrays = self.reading.arrays
         surface_maps.add_maps(target, arrays, surface_maps.Sources(material=context.scene.paradesc.material_maps))
+        sources.check_maps(self.reading)
         return settings, arrays
 
     def take_results(self) -> set[str]:
@@ -116,7 +119,7 @@ class PARADESC_OT_bake(bpy.types.Operator):
 
     def finish(self, target: bpy.types.Object, results: job.Results) -> None:
         """Writes the results to the mesh and says what was found."""
-        sentences = mesh_io.write_results(target, results)
+        sentences = [*self.reading.notes, *sources.deliver(target, results, self.reading)]
         for sentence in [*sentences, *results.warnings]:
             self.report({"WARNING"}, sentence)
         seconds = results.field_report["seconds_total"]

@@ -2,12 +2,16 @@
 
 import json
 import math
-from dataclasses import dataclass
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from . import bridge, color_maps, corners, picture, png
+from .bridge import ParadescError, abi
 from .job import Results, registry_row
 
 
@@ -19,6 +23,8 @@ class Baked:
     results: Results
     arrays: bridge.MeshArrays
     matrix_world: np.ndarray  # (4, 4) float64
+    notes: list[str] = field(default_factory=list)  # what was done to get here, beside the results' own warnings
+    reading: object = None  # sources.Reading: where the results belong in the scene
 
     def shown(self, name: str) -> color_maps.ValueRange:
         """The range of values that the colors of a descriptor span."""
@@ -36,13 +42,13 @@ class Baked:
 def write_npz(path: Path, baked: Baked) -> None:
     """Writes vertices (n, 3) in object space, matrix_world (4, 4), descriptors (n,) or (n, 3), and extras (n,)."""
     with path.open("wb") as file:
-        np.savez(
-            file,
-            vertices=baked.arrays.positions,
-            matrix_world=baked.matrix_world,
-            **baked.results.values,
-            **baked.results.extras,
-        )
+        np.savez(file, **arrays_of(baked))
+
+
+def arrays_of(baked: Baked) -> dict[str, np.ndarray]:
+    """What a .npz file holds of one object."""
+    placed = {"vertices": baked.arrays.positions, "matrix_world": baked.matrix_world}
+    return {**placed, **baked.results.values, **baked.results.extras}
 
 
 def write_ply(path: Path, baked: Baked) -> None:
@@ -85,8 +91,49 @@ def write_picture(path: Path, baked: Baked) -> None:
     png.write_png(path, picture.compose(points, baked.arrays.triangle_vertices, views))
 
 
+def write_npz_of_all(path: Path, baked: list[Baked]) -> None:
+    """The same of several objects, each name after its object's and a slash."""
+    with path.open("wb") as file:
+        np.savez(
+            file, **{f"{one.object_name}/{name}": array for one in baked for name, array in arrays_of(one).items()}
+        )
+
+
+def joined(baked: list[Baked]) -> Baked:
+    """Several objects as one in world space, with one range of colors; directions are turned along."""
+    first = baked[0].results
+    positions, corner_vertices, triangle_corners = [], [], []
+    vertices = corners_before = 0
+    for one in baked:
+        matrix = one.matrix_world
+        positions.append(one.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
+        corner_vertices.append(one.arrays.corner_vertices + vertices)
+        triangle_corners.append(one.arrays.triangle_corners + corners_before)
+        vertices += len(one.arrays.positions)
+        corners_before += len(one.arrays.corner_vertices)
+    values = {name: np.concatenate([world_values(one, name) for one in baked]) for name in first.values}
+    found = [one.results.corners for one in baked if one.results.corners is not None]
+    painted = corners.Corners(np.zeros(0, np.int32), np.concatenate([one.painted for one in found])) if found else None
+    arrays = bridge.MeshArrays(
+        np.concatenate(positions).astype(np.float32), np.concatenate(corner_vertices), np.concatenate(triangle_corners)
+    )
+    coverage = np.concatenate([one.results.coverage for one in baked])
+    whole = replace(first, values=values, coverage=coverage, corners=painted)
+    return Baked(", ".join(one.object_name for one in baked), whole, arrays, np.eye(4))
+
+
+def world_values(baked: Baked, name: str) -> np.ndarray:
+    """(n,) values as they are, (n, 3) directions in world space."""
+    values = baked.results.values[name]
+    if values.ndim == 1:
+        return values
+    turned = values.astype(np.float64) @ baked.matrix_world[:3, :3].T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return (turned / np.linalg.norm(turned, axis=1, keepdims=True)).astype(np.float32)
+
+
 def report(baked: Baked) -> dict[str, object]:
-    """Everything about a bake but its values."""
+    """Everything about a bake of one object but its values and what is the same for all objects."""
     results = baked.results
     ranges = {}
     for name, values in results.values.items():
@@ -103,15 +150,12 @@ def report(baked: Baked) -> dict[str, object]:
         }
     return {
         "object": baked.object_name,
-        "settings": results.settings.as_dict(),
-        "backend": results.backend,
-        "device": results.device,
         "mesh_report": results.mesh_report,
         "field_report": results.field_report,
         "field_reports": {suffix: report for suffix, report in results.field_reports.items() if suffix},
         "descriptors": ranges,
         "corners": listed_corners(baked),
-        "fallback": results.fallback,
+        "notes": baked.notes,
         "warnings": results.warnings,
     }
 
@@ -124,7 +168,26 @@ def listed_corners(baked: Baked) -> list[dict[str, object]]:
 
 def write_json(path: Path, content: object) -> None:
     """Writes plain Python as JSON, with null for what is not a number."""
-    path.write_text(json.dumps(finite_only(content), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    path.write_text(json_text(content), encoding="utf-8")
+
+
+def json_text(content: object) -> str:
+    """Plain Python as JSON, with null for what is not a number."""
+    return json.dumps(finite_only(content), indent=2, ensure_ascii=False) + "\n"
+
+
+def write_whole(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
+    """Writes beside the path first: a failure leaves no half file, and an old one as it was."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        writer(temporary, content)
+        temporary.replace(path)
+    except BaseException as error:
+        temporary.unlink(missing_ok=True)
+        if not isinstance(error, OSError):
+            raise
+        sentence = f'"{path}" cannot be written: {error.strerror or error}.'
+        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error
 
 
 def finite_only(content: object) -> object:

@@ -73,7 +73,7 @@ class Stream:
         except BaseException:
             self.forget()  # a layout may have been made whose report is lost
             raise
-        if not keeps_layout(results):
+        if not goes_on(results):
             self.forget()
         return results
 
@@ -96,8 +96,7 @@ class Stream:
 
     def mesh_at(self, arrays: MeshArrays) -> bridge.Mesh:
         """The native mesh with these positions: the one there is, or a new one."""
-        moves = arrays.corner_normals is None and arrays.maps is None and moves_alone(self.settings.options)
-        if self._mesh is not None and moves and self._contact.holds(arrays.positions):
+        if self._mesh is not None and arrays.corner_normals is None and self._contact.holds(arrays.positions):
             self._mesh.set_positions(arrays.positions)
             return self._mesh
         self.forget()
@@ -122,11 +121,6 @@ class Stream:
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
-
-
-def moves_alone(options: bridge.Options) -> bool:
-    """True where a vertex is evaluated from all its places in the UV map: which one is its first depends on angles."""
-    return options.relocation == "connected" and options.evaluate == "vertex"
 
 
 class Contact:
@@ -184,16 +178,18 @@ def distinct(keys: np.ndarray) -> int:
     return 1 + int(np.count_nonzero(ordered[1:] != ordered[:-1])) if len(ordered) else 0
 
 
-def keeps_layout(results: job.Results) -> bool:
-    """True where the UV map itself was baked and no other layout tried, as that would be by these positions."""
+def goes_on(results: job.Results) -> bool:
+    """True where a mesh made at other positions would be the same: nothing was taken apart, nor laid out afresh.
+
+    Where several fans of faces meet in a vertex, the widest answers for it; a private layout follows areas.
+    """
+    if results.mesh_report["nonmanifold_vertices"]:
+        return False
     texels = SPARSE_SHARE * results.settings.options.buffer_size**2
-    return all(
-        results.backend == "reference"
-        or (
-            not report["private_layout"]
-            and report["covered_texels"] >= texels
-            and report["radius_in_texels"] >= SPARSE_TEXELS
-        )
+    return results.backend == "reference" or all(
+        not report["private_layout"]
+        and report["covered_texels"] >= texels
+        and report["radius_in_texels"] >= SPARSE_TEXELS
         for report in results.field_reports.values()
     )
 

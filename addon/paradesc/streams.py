@@ -1,5 +1,7 @@
 """Keeps the two standard streams of the process clean of what Blender's own code writes there. Never imports bpy."""
 
+import contextlib
+import ctypes
 import os
 import sys
 import tempfile
@@ -15,6 +17,7 @@ def quiet(verbose: bool) -> Iterator[None]:
         return
     sys.stdout.flush()
     sys.stderr.flush()
+    flush_c()
     kept = os.dup(1), os.dup(2)
     with tempfile.TemporaryFile() as sink:
         os.dup2(sink.fileno(), 1)
@@ -24,6 +27,13 @@ def quiet(verbose: bool) -> Iterator[None]:
         finally:
             sys.stdout.flush()
             sys.stderr.flush()
+            flush_c()
             for number, copy in enumerate(kept, start=1):
                 os.dup2(copy, number)
                 os.close(copy)
+
+
+def flush_c() -> None:
+    """Writes what C's own buffers still hold, where Python can reach the C library of the process."""
+    with contextlib.suppress(OSError, TypeError, AttributeError):
+        ctypes.CDLL(None).fflush(None)

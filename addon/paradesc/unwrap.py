@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from . import packing
-from .bridge import Layout, MeshArrays, ParadescError, abi
+from .bridge import InputError, Layout, MeshArrays, ParadescError, abi
 
 # Three floats a corner (u, v, 0): two would be one more UV map since Blender 3.5. Names that begin with ".hide" stay
 # out of Blender's own lists of attributes.
@@ -50,7 +50,7 @@ def layout(mesh: bpy.types.Mesh, stored: dict[str, str], arrays: MeshArrays, rea
     finite = np.isfinite(arrays.positions).all(axis=1)
     if not finite.all():
         sentence = f"The position of vertex {np.argmin(finite)} is not finite; repair the mesh before it is unwrapped."
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        raise InputError(sentence)
     return Layout(lay_out(arrays, starts), reason, key, kept=False)
 
 

@@ -68,6 +68,7 @@ Mesh::~Mesh() {
 
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   set_positions(mesh.triangles, positions, vertex_count);
+  weigh_sites(mesh.triangles, mesh.charts);
   measure(mesh);
 }
 

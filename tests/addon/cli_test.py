@@ -95,13 +95,14 @@ def test_one_run_writes_every_kind_of_output_and_they_agree(paradesc, sphere_obj
     np.testing.assert_allclose(np.array(target.matrix_world), arrays["matrix_world"], atol=1e-6)
 
     report = json.loads((tmp_path / "report.json").read_text())
-    assert report["object"] == "sphere"
+    (row,) = report["objects"]
+    assert row["object"] == "sphere"
     assert report["settings"]["descriptors"] == list(NAMES)
-    assert report["mesh_report"]["charts"] == 6
-    assert report["field_report"]["undefined_vertices"] == int(np.isnan(arrays["shape_index"]).sum())
+    assert row["mesh_report"]["charts"] == 6
+    assert row["field_report"]["undefined_vertices"] == int(np.isnan(arrays["shape_index"]).sum())
     assert report["device"]
     assert isinstance(report["warnings"], list)
-    assert report["descriptors"]["mean_curvature"]["minimum"] == float(np.nanmin(arrays["mean_curvature"]))
+    assert row["descriptors"]["mean_curvature"]["minimum"] == float(np.nanmin(arrays["mean_curvature"]))
 
 
 def test_sphere_is_right_through_the_command_line(paradesc, sphere_obj, tmp_path):
@@ -173,7 +174,7 @@ def test_compare_prints_a_table_and_writes_its_rows(paradesc, tmp_path):
     ellipsoid = write_obj(tmp_path / "ellipsoid.obj", points * (1.0, 0.8, 0.6), quads, uvs)
     output = accepted(paradesc("compare", ellipsoid, "--descriptors", ",".join(names), *QUICK, "--json", "rows.json"))
     assert all(name in output for name in names)
-    rows = json.loads((tmp_path / "rows.json").read_text())
+    rows = json.loads((tmp_path / "rows.json").read_text())["rows"]
     assert [row["descriptor"] for row in rows] == list(names)
     expected = {
         "descriptor", "radius", "mean_percent_ae", "median_percent_ae", "p99_percent_ae", "max_percent_ae",
@@ -309,7 +310,7 @@ def test_malformed_mesh_gives_results_for_its_sound_vertices(paradesc, tmp_path,
     path = real_mesh(f"malformed/{name}_planar_uv.obj")
     accepted(paradesc("bake", path, "--radius", "0.2", *QUICK[2:], "--output", "out.npz", "--json", "report.json"))
     arrays = loaded(tmp_path / "out.npz")
-    report = json.loads((tmp_path / "report.json").read_text())
+    (report,) = json.loads((tmp_path / "report.json").read_text())["objects"]
     found = report["mesh_report"]
     sound = found["triangle_count"] - found["degenerate_triangles"] - found["zero_uv_area_triangles"]
     assert np.isfinite(arrays["mean_curvature"]).any() == (sound > 0)
@@ -333,7 +334,7 @@ def test_split_vertices_of_a_gltf_file_each_get_their_value(paradesc, tmp_path):
         )
     )
     arrays = loaded(tmp_path / "out.npz")
-    report = json.loads((tmp_path / "r.json").read_text())
+    (report,) = json.loads((tmp_path / "r.json").read_text())["objects"]
     assert report["mesh_report"]["welded_vertices"] > 1000
     _, place = np.unique(arrays["vertices"], axis=0, return_inverse=True)
     values, coverage = arrays["mean_curvature"], arrays["coverage"]
@@ -349,7 +350,7 @@ def test_split_vertices_of_a_gltf_file_each_get_their_value(paradesc, tmp_path):
 @pytest.mark.parametrize("name", ["spot.obj", "bob.obj", "human.obj"])
 def test_real_mesh_has_no_visible_seams(paradesc, tmp_path, name):
     accepted(paradesc("compare", real_mesh(name), "--backend", "software", "--json", "rows.json"))
-    (row,) = json.loads((tmp_path / "rows.json").read_text())
+    (row,) = json.loads((tmp_path / "rows.json").read_text())["rows"]
     assert row["seam_error_mean"] <= 0.25
     assert row["seam_error_p99"] <= 1.0
     assert row["mean_percent_ae"] <= 1.0

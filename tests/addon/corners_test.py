@@ -126,7 +126,7 @@ def test_the_command_line_lists_and_paints_them(paradesc, tmp_path):
     for row in listed:
         assert row["response"] == pytest.approx(painted["harris"][row["vertex"]])
         assert row["position"] == pytest.approx(painted["vertices"][row["vertex"]])
-    assert json.loads((tmp_path / "report.json").read_text())["corners"] == listed
+    assert json.loads((tmp_path / "report.json").read_text())["objects"][0]["corners"] == listed
 
 
 def test_corners_without_harris_are_refused(paradesc, sphere_obj):

@@ -211,7 +211,7 @@ def test_stacked_charts_get_an_image_in_the_uv_map_and_a_note(paradesc, tmp_path
         process = paradesc("bake", path, *QUICK, "--evaluate", evaluate, "--map", f"{evaluate}.exr", "--json", "r.json")
         assert process.returncode == 0, process.stderr
         assert "the last one" in process.stdout
-        assert json.loads((tmp_path / "r.json").read_text())["field_report"]["private_layout"] == 1
+        assert json.loads((tmp_path / "r.json").read_text())["objects"][0]["field_report"]["private_layout"] == 1
         image = pixels_of(tmp_path / f"{evaluate}.exr")[:, :, 0]
         inside = np.abs(image) > 0.1
         assert inside.mean() > 0.7

@@ -54,9 +54,9 @@ def sound_sphere():
     ("chosen", "made"),
     [
         (settings(), 1),
-        (settings(("mean_curvature", "harris"), more_radii=(0.12,)), 1),
-        (settings(relocation="affine", normals="max"), 3),
-        (settings(evaluate="texel", texels=64), 3),
+        (settings(("mean_curvature", "harris"), more_radii=(0.12,), samples=16), 1),
+        (settings(relocation="affine", normals="max"), 1),
+        (settings(evaluate="texel", texels=32), 1),
     ],
     ids=["connected", "two radii", "affine", "texel"],
 )
@@ -109,6 +109,29 @@ def test_triangles_that_lose_their_area_are_left_out(sound_sphere):
     assert not contact.holds(line)
 
 
+def test_fans_that_meet_in_one_vertex_are_weighed_in_each_frame(sound_sphere):
+    """Two spheres that share a vertex: the wider fan answers for it, first the one's and then the other's."""
+    count, corners = len(sound_sphere.positions), len(sound_sphere.corner_vertices)
+    tip = int(np.argmax(sound_sphere.positions[:, 2]))
+    height = np.float32(2 * sound_sphere.positions[tip, 2])
+    other = sound_sphere.positions * np.float32([1, 1, -1]) + np.float32([0, 0, height])
+    vertices = np.where(sound_sphere.corner_vertices == tip, tip, sound_sphere.corner_vertices + count)
+    uvs = sound_sphere.corner_uvs * np.float32([0.5, 1])
+    pair = replace(
+        sound_sphere,
+        positions=np.concatenate([sound_sphere.positions, other]).astype(np.float32),
+        corner_vertices=np.concatenate([sound_sphere.corner_vertices, vertices]).astype(np.int32),
+        triangle_corners=np.concatenate([sound_sphere.triangle_corners, sound_sphere.triangle_corners + corners]),
+        corner_uvs=np.concatenate([uvs, uvs + np.float32([0.5, 0])]),
+    )
+    drawn = pair.positions.copy()  # the first sphere drawn out to a needle at the vertex
+    drawn[:count, :2] *= np.float32(0.2)
+    drawn_other = pair.positions.copy()
+    drawn_other[count:, :2] *= np.float32(0.2)
+    chosen = settings(relocation="affine", radius=0.04, buffer_size=512)
+    check_frames(pair, chosen, [drawn, drawn_other], made=2)
+
+
 def test_zero_and_minus_zero_are_one_place():
     places = np.array([[0.0, 1.0, 2.0], [-0.0, 1.0, 2.0], [0.0, 1.0, 3.0]], np.float32)
     keys = stream.place_keys(places)
@@ -132,7 +155,7 @@ def test_own_normals_follow_the_positions_or_are_asked_for(sound_sphere):
 def test_displacement_stays_on_the_moving_surface(sound_sphere):
     heights = np.random.default_rng(1).random((32, 32)).astype(np.float32)
     mapped = replace(sound_sphere, maps=bridge.SurfaceMaps(heights=heights, scale=0.05))
-    check_frames(mapped, settings(), [mapped.positions, bent(mapped.positions, 0.3)], made=2)
+    check_frames(mapped, settings(), [mapped.positions, bent(mapped.positions, 0.3)])
     normal_mapped = replace(sound_sphere, maps=bridge.SurfaceMaps(normals=np.full((4, 4, 3), 0.5, np.float32)))
     with stream.Stream(normal_mapped, settings()) as opened, pytest.raises(bridge.ParadescError, match="tangents"):
         opened.compute(mapped.positions)

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from cli_test import QUICK, accepted, loaded, refused
 
+from cli_test import QUICK, accepted, loaded, refused
 from shapes import RADIUS, as_arrays, cube_sphere
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")

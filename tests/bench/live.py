@@ -31,6 +31,7 @@ class Row:
     vertices: int
     radius_in_texels: float
     frames_per_second: float
+    cpu: float  # of all threads, which other programs do not change
     depsgraph: float  # both evaluations, without anything of ours
     read: float
     compute: float  # of this the native library's stages:
@@ -91,6 +92,13 @@ def frame_seconds(frame: int) -> float:
     return time.perf_counter() - start
 
 
+def cpu_seconds(frame: int) -> float:
+    """How much time of all cores a change to this frame takes."""
+    start = time.process_time()
+    bpy.context.scene.frame_set(frame)
+    return time.process_time() - start
+
+
 def reference_values(target: bpy.types.Object) -> np.ndarray:
     """(vertex_count,) what the oracle computes of the present shape."""
     settings = live.with_lasting_radius(
@@ -117,6 +125,7 @@ def measure(target: bpy.types.Object, samples: int, buffer_size: int, expected: 
         found |= {f"native_{stage}": report[f"seconds_{stage}"] for stage in ("prepare", "bake", "evaluate")}
         for name, seconds in found.items():
             times.setdefault(name, []).append(1e3 * seconds)
+    times["cpu"] = [1e3 * cpu_seconds(frame) for frame in range(1, FRAMES + 1)]
     least = {name: round(min(values), 2) for name, values in times.items()}
     return Row(
         samples=samples,
@@ -135,10 +144,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rings", type=int, default=250)
     parser.add_argument("--sides", type=int, default=140)
-    parser.add_argument("--samples", type=int, nargs="+", default=[32, 64])
+    parser.add_argument("--samples", type=int, nargs="+", default=[16, 32])
     parser.add_argument("--buffers", type=int, nargs="+", default=[512])
     parser.add_argument("--radius", type=float, default=2.0, help="percent of the diagonal")
     parser.add_argument("--backend", default="software")
+    parser.add_argument("--connected", action="store_true", help="over seams as in bakes, not the fast way")
     parser.add_argument("--rounds", type=int, default=2)
     parser.add_argument("--json", type=Path)
     words = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else None)
@@ -150,6 +160,7 @@ def main() -> int:
     settings = bpy.context.scene.paradesc
     settings.samples, settings.buffer_size, settings.radius_percent = 4096, 8192, words.radius
     settings.backend = words.backend
+    bpy.context.scene.paradesc_live.fast_seams = not words.connected
     bpy.context.scene.frame_set(FRAMES)
     expected = reference_values(target)
     bare = 1e3 * min(frame_seconds(frame) for frame in range(1, FRAMES + 1))

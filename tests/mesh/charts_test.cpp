@@ -366,6 +366,22 @@ TEST(Charts, the_widest_place_of_a_point_is_chosen) {
   EXPECT_EQ(built.charts.seam_edges, 2);
 }
 
+TEST(Charts, new_positions_may_choose_another_place) {
+  Shape shape = grid(2, 2); // as above; then the middle moves close to the one quad's far corner
+  for (size_t corner = 18; corner < 24; ++corner) shape.uvs[corner] = shape.uvs[corner] * 0.5f - vec2(0.25f);
+  Built moved = build(shape);
+  const size_t middle = at(moved.half_edges.vertex_point[4]);
+  EXPECT_EQ(moved.charts.sites[at(moved.charts.point_site[middle])].chart, 0);
+  moved.triangles.positions[4] = vec3(0.95f, 0.95f, 0.0f);
+  weigh_sites(moved.triangles, moved.charts);
+  shape.positions = moved.triangles.positions;
+  const Built fresh = build(shape);
+  EXPECT_EQ(moved.charts.point_site, fresh.charts.point_site);
+  for (size_t i = 0; i < fresh.charts.sites.size(); ++i)
+    EXPECT_EQ(moved.charts.sites[i].angle, fresh.charts.sites[i].angle) << "site " << i;
+  expect_sound(moved);
+}
+
 TEST(Charts, a_slit_within_a_chart_is_a_seam_of_the_chart_with_itself) {
   Shape shape = grid(2, 2); // quads 0 and 1 part along their common edge, but hang together over the other two
   for (size_t corner = 0; corner < 6; ++corner)

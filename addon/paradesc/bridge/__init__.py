@@ -1,6 +1,6 @@
 """The way from Python to libparadesc: plain Python, ctypes and numpy, never Blender."""
 
-from .library import Descriptor, ParadescError, components, descriptors, load_library, missing_sentence
+from .library import Descriptor, InputError, ParadescError, components, descriptors, load_library, missing_sentence
 from .session import (
     ADAPTIVE_THRESHOLD,
     BACKENDS,
@@ -46,6 +46,7 @@ __all__ = [
     "Context",
     "Descriptor",
     "Field",
+    "InputError",
     "Layout",
     "Mesh",
     "MeshArrays",

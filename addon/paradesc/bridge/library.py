@@ -28,6 +28,13 @@ class ParadescError(Exception):
         self.sentence = sentence
 
 
+class InputError(ParadescError):
+    """The mesh or file that was given cannot be used, whatever the settings."""
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(abi.STATUS_INVALID_ARGUMENT, sentence)
+
+
 @dataclass(frozen=True)
 class Descriptor:
     """One row of the native registry."""

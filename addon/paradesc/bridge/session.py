@@ -10,7 +10,7 @@ from types import TracebackType
 import numpy as np
 
 from . import abi
-from .library import ParadescError, check, components, load_library, new_struct, text
+from .library import InputError, ParadescError, check, components, load_library, new_struct, text
 
 BACKENDS = {
     "auto": abi.BACKEND_AUTO,
@@ -325,8 +325,11 @@ class Context:
         """Validates and copies a mesh, and builds its adjacency, charts and seams."""
         native, kept = native_mesh(self._library, arrays)
         pointer = abi.MeshPointer()
-        check(self._library, self._library.pdesc_mesh_create(self._pointer, byref(native), byref(pointer)))
+        status = self._library.pdesc_mesh_create(self._pointer, byref(native), byref(pointer))
         del kept
+        if status == abi.STATUS_INVALID_ARGUMENT:
+            raise InputError(text(self._library.pdesc_last_error()))
+        check(self._library, status)
         mesh = Mesh(self._library, pointer, native.vertex_count)
         self._meshes.add(mesh)
         if arrays.maps is not None:

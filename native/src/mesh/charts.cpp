@@ -101,16 +101,12 @@ void place_points(const Triangles &triangles, const HalfEdges &half_edges, const
     if (widest[at(index)] < 0)
       site = {
           half_edges.corner_point[at(corner)], charts.triangle_chart[at(corner / 3)], triangles.corner_uv[at(corner)], {}, 0.0};
-    site.angle += surface_angle(triangles, corner);
     const double angle = uv_angle(triangles, corner);
     if (angle <= widest[at(index)]) continue;
     widest[at(index)] = angle;
     site.inside = uv_centroid(triangles, corner / 3);
   }
-  for (int32_t index = 0; index < fans.count; ++index) {
-    int32_t &chosen = charts.point_site[at(charts.sites[at(index)].point)];
-    if (chosen < 0 || charts.sites[at(index)].angle > charts.sites[at(chosen)].angle) chosen = index;
-  }
+  weigh_sites(triangles, charts);
 }
 
 void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link, Charts &charts) {
@@ -136,6 +132,18 @@ void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link,
 }
 
 } // namespace
+
+void weigh_sites(const Triangles &triangles, Charts &charts) {
+  for (Site &site : charts.sites) site.angle = 0.0;
+  for (size_t corner = 0; corner < charts.corner_site.size(); ++corner)
+    if (const int32_t index = charts.corner_site[corner]; index >= 0)
+      charts.sites[at(index)].angle += surface_angle(triangles, static_cast<int>(corner));
+  std::fill(charts.point_site.begin(), charts.point_site.end(), -1);
+  for (size_t index = 0; index < charts.sites.size(); ++index) {
+    int32_t &chosen = charts.point_site[at(charts.sites[index].point)];
+    if (chosen < 0 || charts.sites[index].angle > charts.sites[at(chosen)].angle) chosen = static_cast<int32_t>(index);
+  }
+}
 
 Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece) {
   Charts charts;

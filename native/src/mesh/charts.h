@@ -51,4 +51,7 @@ struct Charts {
 // triangle_piece: charts also end where two triangles have different numbers; empty: nowhere else.
 Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece = {});
 
+// What of the charts depends on positions, for new ones: the sites' angles, and the site that each point takes first.
+void weigh_sites(const Triangles &triangles, Charts &charts);
+
 } // namespace paradesc

@@ -1,0 +1,214 @@
+"""paradesc animate: frames of an animation to a folder of files, resumable and on any number of machines."""
+
+import argparse
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .. import cache, job
+from ..streams import quiet
+from .common import (
+    Parser,
+    Progress,
+    UsageError,
+    add_objects_options,
+    add_output_options,
+    check_outputs,
+    open_objects,
+    print_notes,
+)
+from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
+
+if TYPE_CHECKING:
+    import bpy
+
+    from ..frames import Done, FrameBaker
+
+STAGES = ("depsgraph", "read", "upload", "prepare", "bake", "evaluate", "write")
+DEFAULT_FOLDER = "paradesc_cache"
+
+
+def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """The command and its options."""
+    animate = commands.add_parser("animate", help="compute descriptors at frames of an animation into a frame cache")
+    add_input(animate)
+    add_objects_options(animate)
+    add_source(animate, "deformed")
+    add_computation_options(animate)
+    add_map_options(animate)
+    add = animate.add_argument
+    add("--frames", metavar="A:B[:STEP]", help="which frames (default: those of the scene)")
+    add("--cache", metavar="FOLDER", type=Path,
+        help="where frames are kept, in a folder for each object (default: paradesc_cache by the .blend)")  # fmt: skip
+    add("--relative-to-rest", action="store_true", help="also the change against the rest pose, as NAME_change")
+    add("--range", metavar="LOW:HIGH", dest="value_range",
+        help="colors span these values in all frames (default: what follows from all frames together)")  # fmt: skip
+    add("--force", action="store_true", help="compute frames again that are there already")
+    add_output_options(animate)
+    animate.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> dict[str, object]:
+    """Bakes the frames that are missing; gives the report of what there is then."""
+    settings_of(arguments)
+    fixed = parse_range(arguments.value_range)
+    chosen = parse_frames(arguments.frames)
+    if arguments.all and arguments.object:
+        raise UsageError("Give --object or --all, not both.")
+    check_outputs([arguments.json] if arguments.json else [])
+    opened = open_objects(arguments)
+    import bpy
+
+    scene = bpy.context.scene
+    settings = opened_settings(arguments)
+    wanted = chosen or range(scene.frame_start, scene.frame_end + 1, max(1, scene.frame_step))
+    root = cache_folder(arguments)
+    reports = []
+    with Progress(arguments.progress) as progress:
+        for index, target in enumerate(opened.objects):
+            folder = cache.object_folder(root, target.name)
+            make_folder(folder)
+            part = job.part_of(progress, index, len(opened.objects))
+            reports.append(bake_object(target, settings, arguments, folder, wanted, part))
+            if fixed:
+                cache.write_fixed(folder, {"": fixed})
+    shared = cache.locked_ranges(sorted(path for path in root.iterdir() if path.is_dir()))
+    for report in reports:
+        report["ranges"] = cache.locked_ranges([Path(report["folder"])], report["key"])
+        print_summary(report)
+        report["ranges"] = {name: [shown.minimum, shown.maximum] for name, shown in report["ranges"].items()}
+    print_notes(opened.notes)
+    return {
+        "settings": settings.as_dict(),
+        "source": arguments.source,
+        "relative_to_rest": arguments.relative_to_rest,
+        "frames": list(wanted),
+        "objects": reports,
+        "ranges": {name: [shown.minimum, shown.maximum] for name, shown in shared.items()},
+        "notes": opened.notes,
+        "warnings": list(dict.fromkeys(sentence for report in reports for sentence in report["warnings"])),
+    }
+
+
+def bake_object(
+    target: "bpy.types.Object",
+    settings: job.Settings,
+    arguments: argparse.Namespace,
+    folder: Path,
+    wanted: range,
+    progress: job.ProgressFunction,
+) -> dict[str, object]:
+    """Bakes one object's frames; gives what there is to say about it."""
+    import bpy
+
+    from .. import frames, surface_maps
+
+    maps = surface_maps.Sources(
+        arguments.displacement,
+        arguments.midlevel,
+        arguments.displacement_scale,
+        arguments.normal_map,
+        arguments.material_maps,
+    )
+    request = frames.Request(
+        settings, folder, arguments.source, arguments.relative_to_rest, arguments.force, maps if maps.any else None
+    )
+    scene = bpy.context.scene
+    with quiet(arguments.verbose):
+        baker = frames.FrameBaker(scene, target, request)
+    with baker:
+        with frames.frame_kept(scene), baker.evaluating():
+            made = bake_frames(baker, wanted, progress)
+        return report_of(baker, wanted, made)
+
+
+def bake_frames(baker: "FrameBaker", wanted: range, progress: job.ProgressFunction) -> "list[Done]":
+    """Bakes one frame after the other; gives those that had to be made."""
+    made = []
+    for index, frame in enumerate(wanted):
+        part = part_of(progress, frame, index, len(wanted))
+        if not part("read", 0.0):
+            raise KeyboardInterrupt
+        task = baker.prepare(frame)
+        if task is not None:
+            made.append(baker.run(task, part))
+    return made
+
+
+def part_of(progress: job.ProgressFunction, frame: int, index: int, count: int) -> Callable[[str, float], bool]:
+    """The same progress for one of the frames."""
+    return lambda stage, fraction: progress(f"frame {frame}: {stage}", (index + fraction) / count)
+
+
+def parse_range(text: str | None) -> tuple[float, float] | None:
+    """The two numbers of LOW:HIGH."""
+    if text is None:
+        return None
+    try:
+        low, high = (float(word) for word in text.split(":"))
+    except ValueError:
+        low = high = 0.0
+    if not (low < high and abs(low) < float("inf") and abs(high) < float("inf")):
+        raise UsageError(f'"{text}" is no range of values; give LOW:HIGH, for example --range=-5:5.')
+    return low, high
+
+
+def parse_frames(text: str | None) -> range | None:
+    """The frames asked for, or None for the scene's."""
+    try:
+        return None if text is None else cache.parse_frames(text)
+    except ValueError as error:
+        raise UsageError(str(error)) from error
+
+
+def cache_folder(arguments: argparse.Namespace) -> Path:
+    """The folder asked for, or the one beside the .blend."""
+    import bpy
+
+    if arguments.cache is not None:
+        return arguments.cache
+    if not bpy.data.filepath:
+        raise UsageError("There is no .blend to keep the frames beside; give --cache FOLDER.")
+    return Path(bpy.data.filepath).parent / DEFAULT_FOLDER
+
+
+def make_folder(folder: Path) -> None:
+    """Makes the folder, or says why it cannot be written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise cache.refused(f'The folder "{folder}" cannot be made: {error.strerror or error}.') from error
+    if not os.access(folder, os.W_OK):
+        raise cache.refused(f'The folder "{folder}" cannot be written.')
+
+
+def report_of(baker: "FrameBaker", wanted: range, made: "list[Done]") -> dict[str, object]:
+    """Everything about an object's frames but its values."""
+    frames = [done.frame for done in made]
+    seconds = {stage: sum(done.seconds[stage] for done in made) / len(made) for stage in STAGES} if made else {}
+    return {
+        "object": baker.target.name,
+        "folder": str(baker.request.folder),
+        "key": baker.key,
+        "made": frames,
+        "kept": sorted(set(wanted) - set(frames)),
+        "device": made[0].device if made else "",
+        "seconds_per_frame": seconds,
+        "notes": baker.notes,
+        "warnings": list(dict.fromkeys(sentence for done in made for sentence in done.warnings)),
+    }
+
+
+def print_summary(report: dict) -> None:
+    """What was made, in a few lines."""
+    print(f'object "{report["object"]}": {len(report["made"]):,} frames made, {len(report["kept"]):,} kept')
+    if report["made"]:
+        seconds = report["seconds_per_frame"]
+        stages = ", ".join(f"{name} {1000 * value:.1f}" for name, value in seconds.items())
+        print(f"{1 / sum(seconds.values()):.2f} frames/s, {report['device']}; ms a frame: {stages}")
+    for name, shown in report["ranges"].items():
+        unit = job.registry_row(name).unit
+        print(f"  {name}: {shown.minimum:.6g} to {shown.maximum:.6g} {unit}".rstrip())
+    print_notes([*report["notes"], *report["warnings"]])
+    print(f"wrote {report['folder']}")

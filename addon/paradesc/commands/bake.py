@@ -1,0 +1,245 @@
+"""paradesc bake: computes descriptors of one object or of several and writes them to files."""
+
+import argparse
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .. import bridge, corners, job, results
+from ..streams import quiet
+from .common import (
+    Parser,
+    Progress,
+    UsageError,
+    add_objects_options,
+    add_output_options,
+    check_overwriting,
+    open_objects,
+    print_notes,
+)
+from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
+from .outputs import add_output_files, check_files, files_of, write_files
+
+if TYPE_CHECKING:
+    import bpy
+
+    from .. import sources
+
+
+def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """The command and its options."""
+    bake = commands.add_parser("bake", help="compute descriptors and write them to files")
+    add_input(bake)
+    add_objects_options(bake)
+    add_source(bake, "original")
+    add_computation_options(bake)
+    add_map_options(bake)
+    add_output_files(bake)
+    add = bake.add_argument
+    add("--corner-threshold", type=float, default=corners.THRESHOLD, metavar="T",
+        help="corners have at least this share of the largest response (default: 0.05)")  # fmt: skip
+    add("--fail-under-coverage", type=float, metavar="SHARE",
+        help="end with code 5 if an object's mean coverage is smaller")  # fmt: skip
+    add("--fail-over-undefined", type=float, metavar="SHARE",
+        help="end with code 5 if a larger share of an object's vertices is undefined")  # fmt: skip
+    add("--fail-on-warnings", action="store_true", help="end with code 5 if anything limits the results")
+    add_output_options(bake)
+    bake.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> dict[str, object]:
+    """Reads the meshes, computes, and writes every output; gives the report."""
+    check(arguments)
+    started = time.monotonic()
+    opened = open_objects(arguments)
+    settings = opened_settings(arguments)
+    settings.corner_threshold = arguments.corner_threshold
+    if arguments.corners and "harris" not in settings.descriptors:
+        raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
+    check_overwriting(files_of(arguments), open_file(), arguments.force)
+    read = time.monotonic()
+    baked = bake_objects(opened.objects, settings, arguments)
+    computed = time.monotonic()
+    if saves_scene(arguments):
+        write_attributes(opened.objects, baked)
+    files = write_files(arguments, baked)
+    for one in baked:
+        print_summary(one)
+    fallback = baked[0].results.fallback
+    print_notes([*opened.notes, fallback])
+    for path in files["outputs"]:
+        print(f"wrote {path}")
+    warnings = warnings_of(baked)
+    return {
+        "settings": settings.as_dict(),
+        "backend": baked[0].results.backend,
+        "device": baked[0].results.device,
+        "fallback": fallback,
+        "objects": [results.report(one) for one in baked],
+        "notes": opened.notes,
+        "warnings": warnings,
+        **files,
+        "seconds": {"open": read - started, "compute": computed - read, "write": time.monotonic() - computed},
+        "failed_checks": failed_checks(arguments, baked, warnings),
+    }
+
+
+def check(arguments: argparse.Namespace) -> None:
+    """Refuses whatever makes no sense before any file is opened."""
+    settings_of(arguments)
+    check_files(arguments)
+    if arguments.all and arguments.object:
+        raise UsageError("Give --object or --all, not both.")
+    if not 0 < arguments.corner_threshold <= 1:
+        raise UsageError(f"The corner threshold is {arguments.corner_threshold}; it must be above 0 and at most 1.")
+    if arguments.material_maps and (arguments.displacement or arguments.normal_map):
+        raise UsageError("Maps come from the material or from files; leave --material-maps or the images out.")
+
+
+def saves_scene(arguments: argparse.Namespace) -> bool:
+    """Whether the scene itself is an output."""
+    return any(path.suffix.lower() == ".blend" for path in arguments.output)
+
+
+def bake_objects(
+    targets: list["bpy.types.Object"], settings: job.Settings, arguments: argparse.Namespace
+) -> list[results.Baked]:
+    """Computes each object; those that share a mesh share its results, unless materials change what is measured."""
+    from .. import mesh_io
+
+    if saves_scene(arguments):
+        for target in targets:
+            mesh_io.check_writable(target)
+    baked: list[results.Baked] = []
+    of_mesh: dict[str, results.Baked] = {}
+    with Progress(arguments.progress) as progress:
+        for index, target in enumerate(targets):
+            shares = not arguments.material_maps and arguments.source == "original"
+            known = of_mesh.get(target.data.name_full) if shares else None
+            if known is None:
+                part = job.part_of(progress, index, len(targets))
+                with named(target, len(targets)):
+                    reading, computed = bake_object(target, settings, arguments, part)
+                notes = list(reading.notes)
+            else:
+                reading, computed = known.reading, known.results
+                notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
+            matrix = mesh_io.world_matrix(target)
+            baked.append(results.Baked(target.name, computed, reading.arrays, matrix, notes, reading))
+            of_mesh.setdefault(target.data.name_full, baked[-1])
+    return baked
+
+
+def bake_object(
+    target: "bpy.types.Object", settings: job.Settings, arguments: argparse.Namespace, progress: job.ProgressFunction
+) -> "tuple[sources.Reading, job.Results]":
+    """Reads and computes one object; the reading has sentences about its source and its maps."""
+    from .. import sources
+
+    own_normals, needs_uvs = settings.options.normals == "mesh", settings.backend != "reference"
+    reading = sources.read(target, arguments.source, own_normals, needs_uvs)
+    reading.notes += add_maps(target, reading.arrays, arguments)
+    sources.check_maps(reading)
+    return reading, job.run(reading.arrays, settings, progress, arguments.dump_buffers is not None)
+
+
+@contextmanager
+def named(target: "bpy.types.Object", count: int) -> Iterator[None]:
+    """Adds to an error which of several objects it is about."""
+    try:
+        yield
+    except bridge.InputError as error:
+        if count > 1:
+            raise bridge.InputError(f'Object "{target.name}": {error.sentence}') from error
+        raise
+
+
+def open_file() -> Path | None:
+    """The .blend that the open scene comes from."""
+    import bpy
+
+    return Path(bpy.data.filepath) if bpy.data.filepath else None
+
+
+def add_maps(target: "bpy.types.Object", arrays: bridge.MeshArrays, arguments: argparse.Namespace) -> list[str]:
+    """Puts the maps asked for into the arrays; gives a sentence about each."""
+    from .. import surface_maps
+
+    sources = surface_maps.Sources(
+        arguments.displacement,
+        arguments.midlevel,
+        arguments.displacement_scale,
+        arguments.normal_map,
+        arguments.material_maps,
+    )
+    with quiet(arguments.verbose):
+        return surface_maps.add_maps(target, arrays, sources)
+
+
+def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:
+    """Leaves the results on the objects' meshes, or on objects of their own."""
+    from .. import sources
+
+    done = set()
+    for target, one in zip(targets, baked, strict=True):
+        if target.data.name_full not in done:
+            one.notes += sources.deliver(target, one.results, one.reading)
+        done.add(target.data.name_full)
+
+
+def warnings_of(baked: list[results.Baked]) -> list[str]:
+    """Everything that limits the results; of several objects with their names."""
+    several = len(baked) > 1
+    return [
+        f"{one.object_name}: {sentence}" if several else sentence for one in baked for sentence in one.results.warnings
+    ]
+
+
+def failed_checks(arguments: argparse.Namespace, baked: list[results.Baked], warnings: list[str]) -> list[str]:
+    """A sentence for each check that was asked for and failed."""
+    failed = []
+    least, most = arguments.fail_under_coverage, arguments.fail_over_undefined
+    for one in baked:
+        for suffix, field in one.results.field_reports.items():
+            at = f" at {suffix.removeprefix('_')}" if suffix else ""
+            coverage = field["coverage_mean"]
+            if least is not None and not coverage >= least:
+                failed.append(
+                    f'The coverage of "{one.object_name}"{at} is {coverage:.4g}, below the {least:g} asked for.'
+                )
+            share = field["undefined_vertices"] / max(len(one.arrays.positions), 1)
+            if most is not None and not share <= most:
+                failed.append(
+                    f'Of "{one.object_name}"{at}, {share:.4g} of the vertices are undefined; {most:g} are allowed.'
+                )
+    if arguments.fail_on_warnings and warnings:
+        failed.append(f"There are warnings ({len(warnings)}): {warnings[0]}")
+    return failed
+
+
+def print_summary(baked: results.Baked) -> None:
+    """What was found, in a few lines."""
+    found = baked.results
+    mesh, field = found.mesh_report, found.field_report
+    print(
+        f'object "{baked.object_name}": {mesh["vertex_count"]:,} vertices, {mesh["triangle_count"]:,} triangles, '
+        f"{mesh['charts']:,} charts, {mesh['seam_edges']:,} seam edges"
+    )
+    texels = f" ({field['radius_in_texels']:.1f} texels)" if field["radius_in_texels"] > 0 else ""
+    print(
+        f"radius {field['radius']:.6g}{texels}, "
+        f"coverage {100 * field['coverage_mean']:.3f} %, undefined vertices {field['undefined_vertices']:,}"
+    )
+    buffers = f", buffers {field['buffer_megabytes']:.1f} MB" if field["buffer_megabytes"] > 0 else ""
+    places = f"{field['places']:,} places evaluated"
+    print(f"{field['seconds_total']:.2f} s, {places}{buffers}, {found.backend}: {found.device}")
+    for name, row in results.report(baked)["descriptors"].items():
+        if row["minimum"] is None:
+            print(f"  {name}: undefined everywhere")
+        else:
+            print(f"  {name}: {row['minimum']:.6g} to {row['maximum']:.6g} {row['unit']}".rstrip())
+    if found.corners is not None:
+        print(f"  corners: {len(found.corners.vertices):,}")
+    print_notes([*baked.notes, *found.warnings])

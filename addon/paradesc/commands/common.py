@@ -1,0 +1,200 @@
+"""What the commands share: errors and exit codes, opening the input, checks of outputs, progress, notes."""
+
+import argparse
+import os
+import signal
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+from ..bridge import InputError, ParadescError, abi
+from ..streams import quiet
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+    import bpy
+
+EXIT_OK = 0
+EXIT_FAILED = 1  # could not be computed or written
+EXIT_USAGE = 2  # the arguments make no sense
+EXIT_INPUT = 3  # the input cannot be read or used
+EXIT_DEVICE = 4  # no such device, or it cannot do this; or a part of the installation is missing
+EXIT_CHECK = 5  # everything is written, but a check that was asked for failed
+EXIT_INTERRUPTED = 130  # Ctrl-C
+EXIT_TERMINATED = 143  # SIGTERM
+PROGRESS = ("auto", "lines", "off")
+# Between two lines of --progress lines.
+LINE_STEP = 0.05
+
+
+class UsageError(Exception):
+    """The arguments make no sense; the text is one sentence."""
+
+
+class Terminated(BaseException):
+    """The process was asked to end, by SIGTERM."""
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse whose errors are one sentence."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raises instead of printing the usage and exiting."""
+        sentence = message[:1].upper() + message[1:].rstrip(".")
+        raise UsageError(f"{sentence}; see {self.prog} --help.")
+
+
+def exit_code(error: BaseException) -> int:
+    """What the process ends with after this error."""
+    if isinstance(error, UsageError):
+        return EXIT_USAGE
+    if isinstance(error, InputError):
+        return EXIT_INPUT
+    if isinstance(error, ParadescError):
+        by_status = {abi.STATUS_INVALID_ARGUMENT: EXIT_USAGE, abi.STATUS_UNSUPPORTED: EXIT_DEVICE}
+        return by_status.get(error.status, EXIT_FAILED)
+    if isinstance(error, Terminated):
+        return EXIT_TERMINATED
+    return EXIT_INTERRUPTED if isinstance(error, KeyboardInterrupt) else EXIT_FAILED
+
+
+def add_output_options(parser: argparse.ArgumentParser) -> None:
+    """What a command says, and where."""
+    parser.add_argument(
+        "--json", metavar="FILE", type=Path, help="write a report as JSON, also when it fails; - prints it"
+    )
+    parser.add_argument("--quiet", "-q", action="store_true", help="print errors only")
+    parser.add_argument("--verbose", action="store_true", help="show what Blender itself prints")
+
+
+def check_outputs(paths: list[Path]) -> None:
+    """Refuses what cannot be written before anything is computed; "-" is the standard output."""
+    for path in paths:
+        if str(path) == "-":
+            continue
+        if not path.absolute().parent.is_dir():
+            raise UsageError(f'There is no folder "{path.absolute().parent}" to write "{path.name}" into.')
+        if path.is_dir() or not os.access(path.absolute().parent, os.W_OK):
+            raise UsageError(f'"{path}" cannot be written.')
+
+
+def check_overwriting(paths: list[Path], given: Path | None, force: bool) -> None:
+    """Refuses to write over the input; every other file may be replaced."""
+    for path in paths:
+        if given is not None and not force and path.resolve() == given.resolve():
+            raise UsageError(f'"{path}" is the input; add --force to write over it, or choose another name.')
+
+
+@dataclass
+class Opened:
+    """The objects to work on, and sentences about how they came to be."""
+
+    objects: list["bpy.types.Object"]
+    notes: list[str] = field(default_factory=list)
+
+
+def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
+    """Opens the input; without one the open scene is meant. Gives whether it was imported, and sentences about that."""
+    scene_is_open = "bpy" in sys.modules  # in Blender, and in scripts that made a scene
+    try:
+        with quiet(arguments.verbose):
+            import bpy  # noqa: F401 (before bmesh, which scene_io imports)
+
+            from .. import scene_io
+    except ImportError as error:
+        raise ParadescError(abi.STATUS_UNSUPPORTED, "Blender's Python module bpy is not installed here.") from error
+    if arguments.input is not None:
+        notes = scene_io.open_scene(arguments.input, arguments.verbose)
+        return arguments.input.suffix.lower() != ".blend", notes
+    if not scene_is_open:
+        raise UsageError(f"INPUT is missing; give a file: {', '.join(scene_io.SUFFIXES)}.")
+    return False, []
+
+
+def open_object(arguments: argparse.Namespace) -> "bpy.types.Object":
+    """Opens the input and picks one object, --object or the one that stands out; prints how that came to be."""
+    imported, notes = open_input(arguments)
+    from .. import scene_io
+
+    print_notes(notes)
+    return scene_io.choose_object(arguments.object, prefer_active=not imported)
+
+
+def open_objects(arguments: argparse.Namespace) -> Opened:
+    """Opens the input and picks the objects: --all of them, those that --object names, or the one that stands out."""
+    imported, notes = open_input(arguments)
+    from .. import scene_io
+
+    if arguments.all:
+        chosen, left_out = scene_io.all_objects()
+        return Opened(chosen, notes + left_out)
+    if arguments.object:
+        return Opened([scene_io.find_object(name) for name in dict.fromkeys(arguments.object)], notes)
+    return Opened([scene_io.choose_object(None, prefer_active=not imported)], notes)
+
+
+def add_objects_options(parser: argparse.ArgumentParser) -> None:
+    """Which objects: none, one, several or all."""
+    parser.add_argument(
+        "--object", action="append", default=[], metavar="NAME",
+        help="a mesh object; give it again for more (default: a .blend's active one, else the largest)",
+    )  # fmt: skip
+    parser.add_argument("--all", action="store_true", help="every mesh object that renders")
+
+
+def print_notes(sentences: list[str]) -> None:
+    """What limits the results, a line each."""
+    for sentence in filter(None, sentences):
+        print(f"note: {sentence}")
+
+
+class Progress:
+    """Shows how far the work is on the standard error stream, and lets Ctrl-C and SIGTERM cancel it at the next tile.
+
+    auto: one line that is written over and over, on a terminal only; lines: a line every few percent, for a farm's log.
+    """
+
+    def __init__(self, mode: str = "auto") -> None:
+        self.lines = mode == "lines"
+        self.shown = mode == "auto" and sys.stderr.isatty()
+        self.time = 0.0
+        self.last = -1.0
+        self.stopped: type[BaseException] | None = None
+        self.former: dict[int, object] = {}
+
+    def __call__(self, stage: str, fraction: float) -> bool:
+        """Shows the stage and the percentage; False once the work is to stop."""
+        now = time.monotonic()
+        if self.shown and now - self.time > 0.1:
+            self.time = now
+            sys.stderr.write(f"\r\x1b[K{fraction:6.1%} {stage}")
+            sys.stderr.flush()
+        if self.lines and (fraction >= self.last + LINE_STEP or fraction >= 1.0 > self.last):
+            self.last = fraction
+            sys.stderr.write(f"Progress: {100 * fraction:.0f}% {stage}\n")
+            sys.stderr.flush()
+        return self.stopped is None
+
+    def __enter__(self) -> "Progress":
+        for number in (signal.SIGINT, signal.SIGTERM):
+            former = signal.getsignal(number)
+            if former is not None:  # Blender itself keeps SIGINT in C, and ends by it
+                self.former[number] = former
+                signal.signal(number, self.interrupt)  # an exception could not pass through C
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        for number, former in self.former.items():
+            signal.signal(number, former)
+        if self.shown:
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()
+        if self.stopped is not None:
+            raise self.stopped
+
+    def interrupt(self, number: int, _frame: "FrameType | None") -> None:
+        """Remembers the signal until the native library asks."""
+        self.stopped = Terminated if number == signal.SIGTERM else KeyboardInterrupt

@@ -1,0 +1,94 @@
+"""paradesc compare: a device's results against the reference's, as a table of errors."""
+
+import argparse
+
+from .. import compare
+from .common import (
+    Parser,
+    Progress,
+    UsageError,
+    add_output_options,
+    check_outputs,
+    check_overwriting,
+    open_object,
+    print_notes,
+)
+from .options import add_mesh_options, opened_settings, settings_of
+
+COLUMNS = (
+    ("mean_percent_ae", "mean %"),
+    ("median_percent_ae", "median %"),
+    ("p99_percent_ae", "p99 %"),
+    ("max_percent_ae", "max %"),
+    ("seam_mean_percent_ae", "near seams %"),
+    ("seam_error_mean", "seam error %"),
+    ("seam_error_p99", "seam p99 %"),
+    ("coverage_mean", "coverage"),
+    ("undefined", "undefined"),
+)
+
+
+def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """The command and its options."""
+    comparison = commands.add_parser("compare", help="compare a device's results with those of the reference")
+    add_mesh_options(comparison)
+    comparison.add_argument(
+        "--fail-over-error",
+        type=float,
+        metavar="PERCENT",
+        help="end with code 5 if a descriptor's mean error is larger",
+    )
+    add_output_options(comparison)
+    comparison.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> dict[str, object]:
+    """Computes on a device and on the reference, and prints the table of errors."""
+    if arguments.backend == "reference":
+        raise UsageError("The reference is what compare compares with; choose another backend.")
+    check_outputs([arguments.json] if arguments.json else [])
+    check_overwriting([arguments.json] if arguments.json else [], arguments.input, force=False)
+    settings_of(arguments)
+    target = open_object(arguments)
+    settings = opened_settings(arguments)
+    from .. import mesh_io
+
+    arrays = mesh_io.read_object(target, settings.options.normals == "mesh")
+    with Progress(arguments.progress) as progress:
+        rows, device, reference = compare.compare(arrays, settings, progress)
+    print(f'object "{target.name}", radius {device.radius:.6g}, {settings.options.samples} samples')
+    print(f"{device.backend}: {device.device}, {device.field_report['seconds_total']:.2f} s")
+    print(f"reference: {reference.device}, {reference.field_report['seconds_total']:.2f} s")
+    print_table(rows)
+    print_notes([device.fallback, *device.warnings])
+    return {
+        "object": target.name,
+        "settings": settings.as_dict(),
+        "backend": device.backend,
+        "device": device.device,
+        "fallback": device.fallback,
+        "warnings": device.warnings,
+        "rows": rows,
+        "failed_checks": failed_checks(rows, arguments.fail_over_error),
+    }
+
+
+def failed_checks(rows: list[dict[str, object]], largest: float | None) -> list[str]:
+    """A sentence for each descriptor whose mean error, or its absence, exceeds what was allowed."""
+    if largest is None:
+        return []
+    return [
+        f"The mean error of {row['descriptor']} is {row['mean_percent_ae']:.4g} %, above the {largest:g} % allowed."
+        for row in rows
+        if not row["mean_percent_ae"] <= largest
+    ]
+
+
+def print_table(rows: list[dict[str, object]]) -> None:
+    """One line a descriptor."""
+    print(f"{'descriptor':26}" + "".join(f"{title:>14}" for _, title in COLUMNS))
+    for row in rows:
+        cells = "".join(
+            f"{row[name]:>14}" if isinstance(row[name], int) else f"{row[name]:>14.4f}" for name, _ in COLUMNS
+        )
+        print(f"{row['descriptor']:26}{cells}")

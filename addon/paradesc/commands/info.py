@@ -1,0 +1,181 @@
+"""paradesc info: what the meshes of a file are, what is wrong with them, and which radius and buffer suit them."""
+
+import argparse
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .. import bridge
+from .common import (
+    Parser,
+    add_objects_options,
+    add_output_options,
+    check_outputs,
+    check_overwriting,
+    open_input,
+    print_notes,
+)
+from .options import add_input
+
+if TYPE_CHECKING:
+    import bpy
+
+# Counts of the mesh report that limit a bake, in words.
+DEFECTS = {
+    "degenerate_triangles": "triangles without area",
+    "zero_uv_area_triangles": "triangles without area in the UV map",
+    "flipped_triangles": "flipped triangles in the UV map",
+    "nonmanifold_edges": "non-manifold edges",
+    "nonmanifold_vertices": "non-manifold vertices",
+    "loose_vertices": "loose vertices",
+    "unlinked_edges": "edges without a partner over the seam",
+}
+# A radius this many mean edges wide sees the surface, not its facets; but more of the diagonal is no neighborhood.
+RADIUS_IN_EDGES = 2.0
+LARGEST_RADIUS = 0.25
+USUAL_RADIUS = bridge.Options().radius
+LEAST_TEXELS = 4.0
+BUFFERS = (256, 512, 1024, 2048, 4096, 8192)
+# Of its square, the share that an unwrap of our own fills, about.
+UNWRAPPED_SHARE = 0.6
+
+
+def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """The command and its options."""
+    info = commands.add_parser("info", help="show what a file's meshes are, and which radius and buffer suit them")
+    add_input(info)
+    add_objects_options(info)
+    add_output_options(info)
+    info.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> dict[str, object]:
+    """Prints every mesh object, or those that --object names; gives them."""
+    paths = [arguments.json] if arguments.json else []
+    check_outputs(paths)
+    check_overwriting(paths, arguments.input, force=False)
+    _, notes = open_input(arguments)
+    from .. import scene_io
+
+    named = [scene_io.find_object(name) for name in dict.fromkeys(arguments.object)]
+    objects = [describe(item) for item in named or scene_io.mesh_objects()]
+    for row in objects:
+        print_object(row)
+    if not objects:
+        print("There is no mesh object.")
+    print_notes(notes)
+    return {"objects": objects, "notes": notes}
+
+
+def describe(target: "bpy.types.Object") -> dict[str, object]:
+    """One object: facts, UV map, defects, and what suits it; a mesh that cannot be read has a sentence instead."""
+    from .. import mesh_io
+
+    mesh = target.data
+    row: dict[str, object] = {
+        "object": target.name,
+        "mesh": mesh.name,
+        "renders": not target.hide_render,
+        "linked": mesh.library is not None or mesh.override_library is not None,
+        "scale": [round(float(size), 6) for size in target.matrix_world.to_scale()],
+        "modifiers": [modifier.type for modifier in target.modifiers],
+        "shape_keys": len(mesh.shape_keys.key_blocks) if mesh.shape_keys else 0,
+        "uv_maps": [layer.name for layer in mesh.uv_layers],
+        "baked": mesh_io.written_attributes(mesh),
+        "obstacle": "",
+    }
+    try:
+        arrays = mesh_io.read_object(target, corner_normals=False, needs_uvs=False)
+        with bridge.Context("reference") as context, context.mesh(arrays) as native:
+            report = native.report()
+    except bridge.ParadescError as error:
+        return {**row, "obstacle": error.sentence, "vertices": len(mesh.vertices), "faces": len(mesh.polygons)}
+    return {
+        **row,
+        "vertices": report["vertex_count"],
+        "faces": len(mesh.polygons),
+        "triangles": report["triangle_count"],
+        "parts": report["parts"],
+        "boundary_edges": report["boundary_edges"],
+        "welded_vertices": report["welded_vertices"],
+        "uv_map": uv_map(mesh, arrays, report),
+        "defects": {name: report[name] for name in DEFECTS},
+        "diagonal": report["diagonal"],
+        "mean_edge": report["mean_edge"],
+        "suggested": suggested(report, texels_per_length(arrays)),
+    }
+
+
+def uv_map(mesh: "bpy.types.Mesh", arrays: bridge.MeshArrays, report: dict[str, float]) -> dict[str, object]:
+    """The active UV map: its name, what it is lacking, its charts and seams."""
+    from .. import mesh_io, unwrap
+
+    own = mesh_io.read_uvs(mesh)
+    return {
+        "name": None if own is None else mesh.uv_layers.active.name,
+        "fault": unwrap.fault(own, arrays.triangle_corners),
+        "charts": report["charts"],
+        "seam_edges": report["seam_edges"],
+    }
+
+
+def texels_per_length(arrays: bridge.MeshArrays) -> float:
+    """How long a unit of the surface is in the UV square: the median over triangles; of a mesh to unwrap, about."""
+    area = double_areas(arrays.positions[arrays.triangle_vertices])
+    if arrays.corner_uvs is None:
+        total = float(area.sum()) / 2
+        return float(np.sqrt(UNWRAPPED_SHARE / total)) if total > 0 else 0.0
+    uvs = arrays.corner_uvs[arrays.triangle_corners]
+    in_map = double_areas(np.concatenate([uvs, np.zeros((*uvs.shape[:2], 1), uvs.dtype)], axis=2))
+    sound = (area > 0) & (in_map > 0)
+    return float(np.median(np.sqrt(in_map[sound] / area[sound]))) if sound.any() else 0.0
+
+
+def double_areas(corners: np.ndarray) -> np.ndarray:
+    """(n,) float64 twice the areas of (n, 3, 3) triangles."""
+    corners = corners.astype(np.float64)
+    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+
+
+def suggested(report: dict[str, float], density: float) -> dict[str, object] | None:
+    """A radius, as a share of the diagonal, that sees the surface, and the smallest buffer it has four texels in."""
+    diagonal = report["diagonal"]
+    if not (diagonal > 0 and density > 0):
+        return None
+    radius = min(max(USUAL_RADIUS, RADIUS_IN_EDGES * report["mean_edge"] / diagonal), LARGEST_RADIUS)
+    radius = float(f"{radius:.3g}")
+    texels = {size: radius * diagonal * density * size for size in BUFFERS}
+    fitting = next((size for size in BUFFERS if texels[size] >= LEAST_TEXELS), BUFFERS[-1])
+    usual = bridge.Options().buffer_size
+    return {
+        "radius": radius,
+        "radius_unit": "diagonal",
+        "buffer": fitting,
+        "radius_in_texels": texels[fitting],
+        "smallest_radius_at_usual_buffer": LEAST_TEXELS / (density * usual * diagonal),
+    }
+
+
+def print_object(row: dict[str, object]) -> None:
+    """A few lines."""
+    if row["obstacle"]:
+        print(f'object "{row["object"]}": {row["obstacle"]}')
+        return
+    print(
+        f'object "{row["object"]}": {row["vertices"]:,} vertices, {row["faces"]:,} faces, '
+        f"{row['triangles']:,} triangles, parts: {row['parts']:,}, boundary edges: {row['boundary_edges']:,}"
+    )
+    found = row["uv_map"]
+    state = f"The mesh {found['fault']}; it is unwrapped for a bake" if found["fault"] else "usable"
+    name = f' "{found["name"]}"' if found["name"] else ""
+    print(f"  UV map{name}: {state}, charts: {found['charts']:,}, seam edges: {found['seam_edges']:,}")
+    defects = [f"{count:,} {DEFECTS[key]}" for key, count in row["defects"].items() if count]
+    print(f"  defects: {', '.join(defects) or 'none'}")
+    diagonal = row["diagonal"]
+    print(f"  diagonal {diagonal:.6g}, mean edge {row['mean_edge']:.6g} ({row['mean_edge'] / diagonal:.3g} of it)")
+    hint = row["suggested"]
+    if hint:
+        texels = f"{hint['radius_in_texels']:.1f} texels"
+        least = f"{hint['smallest_radius_at_usual_buffer']:.3g}"
+        print(f"  suggested: --radius {hint['radius']:g} --buffer {hint['buffer']} ({texels})")
+        print(f"  four texels with --buffer {bridge.Options().buffer_size}: --radius {least}")

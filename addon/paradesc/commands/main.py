@@ -1,0 +1,127 @@
+"""Runs one command of the command line: words in, an exit code, a JSON report and sentences out."""
+
+import argparse
+import contextlib
+import io
+import signal
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from .. import __version__, results
+from ..bridge import ParadescError
+from . import COMMANDS, modules
+from .common import EXIT_CHECK, EXIT_FAILED, EXIT_OK, Parser, Terminated, UsageError, exit_code
+
+# Of the JSON reports. A number more says that a key has another meaning or is gone; new keys may come without.
+SCHEMA = 1
+
+
+def make_parser() -> Parser:
+    """All commands and their options."""
+    parser = Parser(
+        prog="paradesc", description="Geometric descriptors of UV-mapped meshes, computed in their texture space."
+    )
+    parser.add_argument("--version", action="version", version=f"paradesc {__version__}")
+    found = parser.add_subparsers(dest="command", required=True, metavar=" | ".join(COMMANDS), parser_class=Parser)
+    for module in modules():
+        module.add_command(found)
+    return parser
+
+
+def main(words: list[str]) -> int:
+    """Runs one command; gives the exit code. Whatever fails is one sentence on the standard error stream."""
+    try:
+        arguments = make_parser().parse_args(words)
+    except UsageError as error:
+        return say(str(error), exit_code(error))
+    except SystemExit as error:  # --help and --version, which were shown
+        return int(error.code or 0)
+    try:
+        with terminable():
+            with muted(arguments):
+                content = arguments.run(arguments) or {}
+            sentence = " ".join(content.get("failed_checks", []))
+            code = EXIT_CHECK if sentence else EXIT_OK
+            write_report(arguments, content, code, sentence)
+    except (UsageError, ParadescError, KeyboardInterrupt, Terminated) as error:
+        return fail(arguments, sentence_of(error), exit_code(error))
+    except Exception as error:  # a defect of ours; --verbose shows where
+        if getattr(arguments, "verbose", False):
+            raise
+        return fail(arguments, f"Unexpected {type(error).__name__}: {error} (--verbose says where).", EXIT_FAILED)
+    return say(sentence, code) if sentence else code
+
+
+def sentence_of(error: BaseException) -> str:
+    """The error for people."""
+    if isinstance(error, (KeyboardInterrupt, Terminated)):
+        return "Terminated." if isinstance(error, Terminated) else "Interrupted."
+    return error.sentence if isinstance(error, ParadescError) else str(error)
+
+
+@contextlib.contextmanager
+def terminable() -> Iterator[None]:
+    """Lets SIGTERM, by which a farm ends a job, clean up as an exception does."""
+
+    def stop(*_signal: object) -> None:
+        raise Terminated
+
+    former = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, former or signal.SIG_DFL)
+
+
+@contextlib.contextmanager
+def muted(arguments: argparse.Namespace) -> Iterator[None]:
+    """Prints nothing with --quiet, or where the standard output belongs to the JSON report."""
+    if not getattr(arguments, "quiet", False) and not prints_json(arguments):
+        yield
+        return
+    with contextlib.redirect_stdout(io.StringIO()):
+        yield
+
+
+def prints_json(arguments: argparse.Namespace) -> bool:
+    """Whether the report goes to the standard output."""
+    return str(getattr(arguments, "json", None)) == "-"
+
+
+def write_report(arguments: argparse.Namespace, content: dict[str, object], code: int, sentence: str) -> None:
+    """Writes what a command has to report, if it was asked for."""
+    path: Path | None = getattr(arguments, "json", None)
+    if path is None:
+        return
+    status = {EXIT_OK: "ok", EXIT_CHECK: "check failed"}.get(code, "failed")
+    given = getattr(arguments, "input", None)
+    report = {
+        "schema": SCHEMA,
+        "version": __version__,
+        "command": arguments.command,
+        "status": status,
+        "exit_code": code,
+        "error": sentence or None,
+        "input": str(given) if given else None,
+        **content,
+    }
+    if prints_json(arguments):
+        print(results.json_text(report), end="")
+        return
+    results.write_whole(path, report, results.write_json)
+    if code in (EXIT_OK, EXIT_CHECK) and not arguments.quiet:
+        print(f"wrote {path}")
+
+
+def fail(arguments: argparse.Namespace, sentence: str, code: int) -> int:
+    """Says why, also in the report; a report that cannot be written is not worth a second sentence."""
+    with contextlib.suppress(ParadescError):
+        write_report(arguments, {}, code, " ".join(sentence.split()))
+    return say(sentence, code)
+
+
+def say(sentence: str, code: int) -> int:
+    """Says why, on one line."""
+    print("paradesc: " + " ".join(sentence.split()), file=sys.stderr)
+    return code

@@ -1,0 +1,149 @@
+"""Options that commands share, and the settings of the computation that they become."""
+
+import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .. import bridge, job
+from .common import PROGRESS
+
+if TYPE_CHECKING:
+    import bpy
+
+
+def add_mesh_options(parser: argparse.ArgumentParser) -> None:
+    """One object of a file, and how to compute."""
+    add_input(parser)
+    parser.add_argument(
+        "--object", metavar="NAME", help="the mesh object (default: a .blend's active one, else the largest)"
+    )
+    add_computation_options(parser)
+
+
+def add_source(parser: argparse.ArgumentParser, default: str) -> None:
+    """Which mesh of an object is measured."""
+    parser.add_argument(
+        "--source", choices=("original", "deformed", "evaluated"), default=default,
+        help="the object's own mesh, as deforming modifiers and shape keys move it, or after all modifiers "
+        "(default: %(default)s)",
+    )  # fmt: skip
+
+
+def add_input(parser: argparse.ArgumentParser) -> None:
+    """The file."""
+    known = ".blend, .obj, .ply, .stl, .glb, .gltf, .fbx or .usd; in Blender: the open file"
+    parser.add_argument("input", nargs="?", metavar="INPUT", type=Path, help=known)
+
+
+def add_computation_options(parser: argparse.ArgumentParser) -> None:
+    """What to compute, and how; what is not given is None, and settings_of() takes it from elsewhere."""
+    add = parser.add_argument
+    add("--scene-settings", action="store_true",
+        help="take what is not given here from the panel's settings in the .blend")  # fmt: skip
+    add("--descriptors", metavar="A,B,C", help="see paradesc list (default: mean_curvature)")
+    add("--radius", type=radii, metavar="R[,R...]",
+        help="support radius (default: 0.02); of several, names end in _r and the radius")  # fmt: skip
+    add("--radius-unit", choices=bridge.RADIUS_UNITS,
+        help="diagonal: a fraction of the bounding box's (default); absolute: the mesh's own units")  # fmt: skip
+    add("--samples", type=int, metavar="N", help="samples around a vertex (default: 256)")
+    add("--buffer", type=int, dest="buffer_size", metavar="N", help="side of the buffers (default: 1024)")
+    add("--normals", choices=bridge.NORMALS, help="vertex normals (default: fitted)")
+    add("--relocation", choices=bridge.RELOCATIONS,
+        help="over seams: by connected cells (default), each sample by affine maps, or as the paper does")  # fmt: skip
+    add("--max-jumps", type=int, metavar="N", help="affine, paper: seams to cross (default: 8)")
+    add("--pattern", choices=bridge.PATTERNS, help="affine, paper: places of the samples")
+    add("--ellipse", choices=bridge.ELLIPSES,
+        help="affine, paper: extent by the distortion at the center, or the largest on the way")  # fmt: skip
+    add("--estimator", choices=bridge.ESTIMATORS,
+        help="curvatures by the least-squares shape operator (default), or by the paper's integrals")  # fmt: skip
+    add("--variance-reduction", choices=bridge.VARIANCE_REDUCTIONS,
+        help="integrals with the shape operator as control variate (default), or plain sums")  # fmt: skip
+    add("--geodesic", choices=bridge.GEODESICS,
+        help="along the surface by a local formula (default), or by chords (affine, paper)")  # fmt: skip
+    add("--distance", choices=bridge.DISTANCES, help="what the radius bounds")
+    add("--adaptive", type=float, nargs="?", const=bridge.ADAPTIVE_THRESHOLD,
+        metavar="THRESHOLD", help="half of the samples where normals fit to this angle, in radians")  # fmt: skip
+    add("--evaluate", choices=bridge.EVALUATIONS, help="at vertices, or texels looked up")
+    add("--texels", type=int, metavar="N", help="side of the map of texels (default: 512)")
+    add("--precision", choices=bridge.PRECISIONS, help="of the buffers (default: full)")
+    add("--map-descriptor", metavar="A",
+        help="what the operators (harris, laplacian, ...) work on (default: sphere_volume_normalized)")  # fmt: skip
+    add("--map-sigma", type=float, metavar="S",
+        help="of harris' and difference_of_gaussians' windows, times the radius (default: 1)")  # fmt: skip
+    add("--harris-k", type=float, metavar="K", help="k of harris (default: 0.04)")
+    add("--backend", choices=bridge.BACKENDS, help="what computes (default: auto)")
+    add("--device", type=int, metavar="N", help="which device of the backend (default: the first)")
+    add("--seed", type=int, metavar="N", help="of the sampling pattern (default: 0)")
+    add("--progress", choices=PROGRESS, default="auto",
+        help="on the standard error stream: where it is a terminal (default), a line every 5 %%, or none")  # fmt: skip
+
+
+def radii(text: str) -> tuple[float, ...]:
+    """Numbers between commas."""
+    return tuple(float(word) for word in text.split(","))
+
+
+def add_map_options(parser: argparse.ArgumentParser) -> None:
+    """Images that change what is measured; the reference has no texels for them, so compare does without."""
+    add = parser.add_argument
+    add("--displacement", metavar="IMAGE", type=Path, help="displace the surface by (value - midlevel) scale")
+    add("--midlevel", type=float, default=0.5, metavar="X", help="of the displacement (default: 0.5)")
+    add("--displacement-scale", type=float, default=1.0, metavar="X", help="in the mesh's units (default: 1)")
+    add("--normal-map", metavar="IMAGE", type=Path, help="take the normals from a tangent space normal map")
+    add("--material-maps", action="store_true", help="take displacement and normal map from the object's material")
+
+
+def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None) -> job.Settings:
+    """The computation's settings, base where an option is not given; unknown descriptors are refused here."""
+    base = base or job.Settings()
+    names = base.descriptors
+    if arguments.descriptors is not None:
+        names = tuple(name.strip() for name in arguments.descriptors.split(",") if name.strip())
+    job.check_descriptors(names)
+    members = [member.name for member in fields(bridge.Options) if member.name not in ("radius", "seam_error")]
+    given = {name: getattr(arguments, name) for name in members if getattr(arguments, name) is not None}
+    radius, *more = arguments.radius or (base.options.radius, *base.more_radii)
+    return replace(
+        base,
+        descriptors=names,
+        options=replace(base.options, radius=radius, **given),
+        backend=base.backend if arguments.backend is None else arguments.backend,
+        device_index=base.device_index if arguments.device is None else arguments.device,
+        more_radii=tuple(more),
+    )
+
+
+def opened_settings(arguments: argparse.Namespace) -> job.Settings:
+    """The same once the file is open: with --scene-settings, base is what the panel shows of this scene."""
+    if not arguments.scene_settings:
+        return settings_of(arguments)
+    with scene_group() as group:
+        from .. import properties
+
+        has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
+        arguments.material_maps = getattr(arguments, "material_maps", False) or (group.material_maps and not has_files)
+        return settings_of(arguments, properties.job_settings(group))
+
+
+@contextmanager
+def scene_group() -> "Iterator[bpy.types.PropertyGroup]":
+    """The panel's settings of the open scene; they lie in the .blend, whether the add-on is enabled or not."""
+    import bpy
+
+    from .. import properties
+
+    if hasattr(bpy.types.Scene, "paradesc"):
+        yield bpy.context.scene.paradesc
+        return
+    for cls in properties.classes:
+        bpy.utils.register_class(cls)
+    properties.register()
+    try:
+        yield bpy.context.scene.paradesc
+    finally:
+        properties.unregister()
+        for cls in reversed(properties.classes):
+            bpy.utils.unregister_class(cls)

@@ -1,0 +1,120 @@
+"""The files of a bake: which there are to be, and writing them, whole or not at all."""
+
+import argparse
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from .. import maps, results
+from ..results import Baked, write_whole
+from .common import UsageError, check_outputs, check_overwriting
+
+# Of one object, or of several as one in world space.
+WRITERS: dict[str, Callable[[Path, Baked], None]] = {".ply": results.write_ply, ".png": results.write_picture}
+OUTPUT_SUFFIXES = (".npz", *WRITERS, ".exr", ".blend")
+
+
+def add_output_files(parser: argparse.ArgumentParser) -> None:
+    """The files to write."""
+    add = parser.add_argument
+    output = ".blend, .npz, .ply, .png (picture) or .exr (image over the UV map); give it again for more"
+    image = "write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor)"
+    add("--output", "-o", action="append", default=[], metavar="OUT", type=Path, help=output)
+    add("--map", action="append", default=[], metavar="IMAGE", type=Path, help=image)
+    add("--dump-buffers", metavar="FOLDER", type=Path, help="write the baked buffers as .png and .npz")
+    add("--corners", metavar="FILE", type=Path, help="write the corners that harris finds as a JSON list")
+    add("--force", action="store_true", help="write over the input where it is an output as well")
+
+
+def check_files(arguments: argparse.Namespace) -> None:
+    """Refuses what cannot be written before any file is opened."""
+    for paths, suffixes in ((arguments.output, OUTPUT_SUFFIXES), (arguments.map, maps.SUFFIXES)):
+        for path in paths:
+            if path.suffix.lower() not in suffixes:
+                raise UsageError(f'"{path}" has none of the suffixes {", ".join(suffixes)}.')
+    paths = files_of(arguments)
+    check_outputs(paths)
+    check_overwriting(paths, arguments.input, arguments.force)
+    folder = arguments.dump_buffers
+    if folder is None and not paths:
+        raise UsageError("There is nothing to write; give --output, --map, --dump-buffers or --json.")
+    if folder is not None and arguments.backend == "reference":
+        raise UsageError("The reference bakes no buffers to dump; choose another backend.")
+    if folder is not None and not (folder.is_dir() or (folder.absolute().parent.is_dir() and not folder.exists())):
+        raise UsageError(f'"{folder}" is no folder and cannot become one.')
+
+
+def files_of(arguments: argparse.Namespace) -> list[Path]:
+    """Everything that is to be written, but folders."""
+    return arguments.output + arguments.map + [path for path in (arguments.json, arguments.corners) if path]
+
+
+def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, object]:
+    """Writes all files; gives what the report says of them."""
+    from .. import scene_io
+
+    whole = baked[0] if len(baked) == 1 else results.joined(baked)
+    written: list[Path] = []
+    images: list[Path] = list(arguments.map)
+    for path in arguments.output:
+        suffix = path.suffix.lower()
+        if suffix == ".exr":
+            images.append(path)
+            continue
+        if suffix == ".blend":
+            scene_io.save_blend(path, arguments.verbose)
+        elif suffix == ".npz" and len(baked) > 1:
+            write_whole(path, baked, results.write_npz_of_all)
+        else:
+            write_whole(path, whole, results.write_npz if suffix == ".npz" else WRITERS[suffix])
+        written.append(path)
+    described = [row for path in images for row in write_images(path, baked)]
+    written += [Path(str(row["path"])) for row in described]
+    for one in baked if arguments.dump_buffers else []:
+        written += maps.write_buffers(folder_of(arguments.dump_buffers, one, baked), one)
+    if arguments.corners:
+        listed = [
+            {**({"object": one.object_name} if len(baked) > 1 else {}), **row}
+            for one in baked
+            for row in results.listed_corners(one)
+        ]
+        write_whole(arguments.corners, listed, results.write_json)
+        written.append(arguments.corners)
+    return {"outputs": [str(path) for path in written], "maps": described}
+
+
+def write_images(path: Path, baked: list[Baked]) -> list[dict[str, object]]:
+    """Writes the images over the UV map of each object, of several each with its name; what the report says of them."""
+    rows: list[dict[str, object]] = []
+    for one in baked:
+        own = path if len(baked) == 1 else path.with_name(f"{path.stem}_{file_name(one, baked)}{path.suffix}")
+        one.notes += [note for note in maps.notes(one) if note not in one.notes]
+        if path.suffix.lower() == ".exr":
+            write_whole(own, one, maps.write_exr)
+            rows.append({"path": str(own), "object": one.object_name})
+            continue
+        for name, place in maps.png_paths(own, list(one.results.values)).items():
+            described: dict[str, object] = {"path": str(place), "object": one.object_name}
+            write_whole(
+                place,
+                one,
+                lambda at, content, row=described, which=name: row.update(maps.write_png(at, content, which)),
+            )
+            rows.append(described)
+    return rows
+
+
+def folder_of(folder: Path, one: Baked, baked: list[Baked]) -> Path:
+    """Where the buffers of one object go: the folder itself, or of several one in it."""
+    if len(baked) == 1:
+        return folder
+    folder.mkdir(exist_ok=True)
+    return folder / file_name(one, baked)
+
+
+def file_name(one: Baked, baked: list[Baked]) -> str:
+    """An object's name as a part of a file's; a number follows where two would be alike."""
+    names = [re.sub(r"[^\w.-]+", "_", other.object_name) for other in baked]
+    place = next(number for number, other in enumerate(baked) if other is one)
+    before = names[:place].count(names[place])
+    return names[place] if before == 0 else f"{names[place]}_{before + 1}"

@@ -1,0 +1,196 @@
+"""Original, deformed and evaluated meshes: what is measured, where results go, and that the scene stays as it is."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+import animated  # noqa: E402
+from paradesc import bridge, job, mesh_io, sources  # noqa: E402
+from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
+
+QUICK = job.Settings(("mean_curvature",), bridge.Options(radius=0.1, samples=64, buffer_size=256), "software")
+
+
+def with_modifiers(*modifiers, steps=5):
+    """A sphere of radius 2 with these modifiers, each a type and its settings."""
+    empty_scene()
+    target = add_sphere(steps=steps)
+    for kind, settings in modifiers:
+        modifier = target.modifiers.new(kind, kind)
+        for name, value in settings.items():
+            setattr(modifier, name, value)
+    bpy.context.view_layer.update()
+    return target
+
+
+def scene_state(target):
+    """The mesh, and all that a source could change besides."""
+    shown = [(item.name, item.show_viewport, item.show_render) for item in target.modifiers]
+    evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return (*fingerprint(target), shown, target.data.attributes.active_index, len(evaluated.data.vertices))
+
+
+BEND = ("SIMPLE_DEFORM", {"deform_method": "BEND", "angle": 1.0})
+SUBSURF = ("SUBSURF", {"levels": 1})
+
+
+def test_without_modifiers_all_sources_are_the_same():
+    target = with_modifiers()
+    first, *others = (sources.read(target, source).arrays for source in sources.SOURCES)
+    assert all(np.array_equal(first.positions, arrays.positions) for arrays in others)
+    assert all(np.array_equal(first.triangle_corners, arrays.triangle_corners) for arrays in others)
+
+
+def test_deformed_follows_the_armature_and_original_does_not():
+    target = animated.bent_cylinder()
+    bpy.context.scene.frame_set(20)
+    original, deformed = (sources.read(target, source).arrays for source in ("original", "deformed"))
+    assert original.positions[:, 2].max() == pytest.approx(4)
+    assert deformed.positions[:, 2].max() < 3.2  # bent by 90 degrees at 2
+    lower = original.positions[:, 2] <= 1.5
+    np.testing.assert_allclose(deformed.positions[lower], original.positions[lower], atol=1e-5)
+    assert deformed.corner_uvs is not None
+
+
+def test_deformed_follows_a_shape_key():
+    target = animated.swelling_sphere(steps=4)
+    bpy.context.scene.frame_set(6)
+    lengths = np.linalg.norm(sources.read(target, "deformed").arrays.positions, axis=1)
+    np.testing.assert_allclose(lengths, 3, rtol=1e-4)
+
+
+@pytest.mark.parametrize("source", sources.SOURCES)
+@pytest.mark.parametrize("modifiers", [(), (BEND,), (BEND, SUBSURF), (("REMESH", {"voxel_size": 0.5}), BEND)], ids=len)
+def test_reading_changes_nothing(source, modifiers):
+    target = with_modifiers(*modifiers)
+    before = scene_state(target)
+    sources.read(target, source)
+    assert scene_state(target) == before
+
+
+def test_deformed_leaves_generating_modifiers_out_and_says_so():
+    bent = sources.read(with_modifiers(BEND), "deformed")
+    more = sources.read(with_modifiers(BEND, SUBSURF), "deformed")
+    assert np.array_equal(more.arrays.positions, bent.arrays.positions)
+    assert bent.notes == []
+    assert '"SUBSURF"' in more.notes[0]
+
+
+def test_modifiers_hidden_before_stay_hidden():
+    target = with_modifiers(BEND, SUBSURF)
+    target.modifiers["SUBSURF"].show_viewport = False
+    assert sources.read(target, "deformed").notes == []
+    assert not target.modifiers["SUBSURF"].show_viewport
+
+
+def test_modifiers_are_shown_again_after_an_error(monkeypatch):
+    target = with_modifiers(BEND, SUBSURF)
+    before = scene_state(target)
+
+    def fail(*_):
+        raise MemoryError
+
+    monkeypatch.setattr(mesh_io, "read_positions", fail)
+    for source in ("deformed", "evaluated"):
+        with pytest.raises(MemoryError):
+            sources.read(target, source)
+    monkeypatch.undo()
+    assert scene_state(target) == before
+
+
+@pytest.mark.parametrize(
+    ("kind", "settings", "made"),
+    [("SUBSURF", {"levels": 1}, 602), ("MIRROR", {"use_mirror_merge": False}, 304), ("SOLIDIFY", {}, 304),
+     ("ARRAY", {"count": 3}, 456), ("TRIANGULATE", {}, 152)],
+)  # fmt: skip
+def test_original_vertices_are_found_among_the_evaluated_ones(kind, settings, made):
+    target = with_modifiers((kind, settings))
+    reading = sources.read(target, "evaluated")
+    assert len(reading.arrays.positions) == made
+    assert reading.own
+    assert len(set(reading.vertices.tolist())) == 152
+    own = mesh_io.read_positions(target.data)
+    found = reading.arrays.positions[reading.vertices]
+    nearest = np.linalg.norm(own[:, None] - found[None], axis=2).argmin(axis=1)  # subdivision draws them inwards
+    assert np.array_equal(nearest, np.arange(152))
+    assert "go to the original" in reading.notes[0]
+
+
+@pytest.mark.parametrize(("kind", "settings"), [("REMESH", {"voxel_size": 0.4}), ("DECIMATE", {"ratio": 0.5})])
+def test_where_vertices_are_lost_results_get_an_object_of_their_own(kind, settings):
+    target = with_modifiers((kind, settings))
+    before = fingerprint(target)[:4]
+    reading = sources.read(target, "evaluated")
+    assert not reading.own
+    results = job.run(reading.arrays, QUICK)
+    sentences = sources.deliver(target, results, reading)
+    holder = bpy.data.objects["sphere_paradesc"]
+    assert any("sphere_paradesc" in sentence for sentence in sentences)
+    assert np.array_equal(attribute_values(holder.data, "mean_curvature"), results.values["mean_curvature"])
+    assert fingerprint(target)[:4] == before
+    objects, meshes = len(bpy.data.objects), len(bpy.data.meshes)
+    sources.deliver(target, results, sources.read(target, "evaluated"))
+    assert (len(bpy.data.objects), len(bpy.data.meshes)) == (objects, meshes)
+
+
+def test_an_object_that_has_the_name_by_chance_is_left_alone():
+    target = with_modifiers(("REMESH", {"voxel_size": 0.4}))
+    stranger = bpy.data.objects.new("sphere_paradesc", bpy.data.meshes.new("other"))
+    reading = sources.read(target, "evaluated")
+    sources.deliver(target, job.run(reading.arrays, QUICK), reading)
+    assert len(stranger.data.vertices) == 0
+    assert "sphere_paradesc.001" in bpy.data.objects
+
+
+def test_subdivided_results_on_the_original_are_those_of_its_vertices():
+    target = with_modifiers(("SUBSURF", {"levels": 1}), steps=12)
+    reading = sources.read(target, "evaluated")
+    results = job.run(reading.arrays, QUICK)
+    sources.deliver(target, results, reading)
+    values = attribute_values(target.data, "mean_curvature")
+    assert np.array_equal(values, results.values["mean_curvature"][reading.vertices])
+    radius = np.linalg.norm(reading.arrays.positions[reading.vertices], axis=1).mean()
+    assert np.median(values) == pytest.approx(1 / radius, rel=0.03)  # of the smooth surface, not of the cage
+
+
+def test_corners_come_along_to_the_original():
+    target = with_modifiers(("SUBSURF", {"levels": 1}))
+    reading = sources.read(target, "evaluated")
+    settings = job.Settings(("harris",), QUICK.options, "software")
+    found = sources.on_original(job.run(reading.arrays, settings), reading)
+    assert len(found.corners.painted) == 152
+    assert all(found.corners.painted[vertex] == 1 for vertex in found.corners.vertices)
+
+
+def test_mixed_marks_are_no_vertices():
+    marks = np.array([[0, 5, 9], [1, 7, 3], [2, 8, 4]], np.float32)
+    mixed = (marks[0] + marks[2]) / 2  # has the index of the vertex between
+    carried = np.array([mixed, marks[2], marks[0], marks[2], [np.nan, 0, 0], [9, 0, 0]], np.float32)
+    assert sources.matched(carried, marks).tolist() == [2, -1, 1]
+
+
+def test_edit_mode_is_measured_as_edited():
+    target = with_modifiers(BEND)
+    bpy.ops.object.mode_set(mode="EDIT")
+    reading = sources.read(target, "deformed")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.array_equal(reading.arrays.positions, mesh_io.read_positions(target.data))
+    assert "edit mode" in reading.notes[0]
+
+
+def test_own_normals_are_those_of_the_deformed_mesh():
+    target = with_modifiers(BEND)
+    arrays = sources.read(target, "deformed", corner_normals=True).arrays
+    original = sources.read(target, "original", corner_normals=True).arrays
+    assert not np.allclose(arrays.corner_normals, original.corner_normals, atol=0.05)
+    np.testing.assert_allclose(np.linalg.norm(arrays.corner_normals, axis=1), 1, atol=1e-3)
+
+
+def test_unknown_source_and_taken_name_are_one_sentence():
+    target = with_modifiers(SUBSURF)
+    with pytest.raises(bridge.ParadescError, match="deformed"):
+        sources.read(target, "rest")
+    target.data.attributes.new(sources.MARK, "INT", "POINT")
+    with pytest.raises(bridge.ParadescError, match="rename"):
+        sources.read(target, "evaluated")
