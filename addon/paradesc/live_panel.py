@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import handlers, live, mesh_io
+from . import handlers, live, mesh_io, painting
 from .panel import SidebarPanel, wrapped
 
 MODES = [
@@ -105,7 +105,8 @@ class PARADESC_OT_live_range(bpy.types.Operator):
         handlers.refresh_window(targets)
         sessions = [handlers.STATE.sessions.get(target.name) for target in targets]
         with handlers.our_turn(wait=True):
-            live.take_ranges(context.scene.paradesc_live, [session.results for session in sessions if session])
+            found = [session.found_ranges() for session in sessions if session]
+            painting.take_ranges(context.scene.paradesc_live, found)
         handlers.refresh_window(handlers.live_objects())
         return {"FINISHED"}
 

@@ -8,7 +8,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import paradesc  # noqa: E402
-from paradesc import color_maps, handlers, job, live, mesh_io, properties  # noqa: E402
+from paradesc import bridge, color_maps, frames, handlers, job, live, mesh_io, painting, properties  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
 
 NAME = "mean_curvature"
@@ -62,7 +62,9 @@ def baked_shape(target, settings):
 def live_settings(target):
     """The settings that live mode computes with, in the window."""
     settings = live.settings_for(bpy.context.scene, rendering=False)
-    return live.with_lasting_radius(settings, mesh_io.read_object(target, corner_normals=False))
+    with bridge.Context(settings.backend) as context:
+        rest = context.mesh(mesh_io.read_object(target, corner_normals=False)).report()
+    return frames.at_fixed_radii(settings, rest)
 
 
 def count_computations(monkeypatch):
@@ -124,7 +126,7 @@ def test_range_of_this_frame_holds_all_live_objects(stretching):
 
 def test_undefined_values_are_grey():
     shown = color_maps.ValueRange(0.0, 1.0, False)
-    found = live.colors(np.float32([np.nan, 0, 1, 7]), shown, live.color_table(shown))
+    found = painting.colors(np.float32([np.nan, 0, 1, 7]), shown, painting.color_table(shown))
     expected = color_maps.linear_rgba(color_maps.colors(np.array([np.nan, 0, 1, 1]), shown))
     np.testing.assert_allclose(found, expected, atol=1e-6)
 
@@ -160,17 +162,6 @@ def test_the_radius_does_not_change_with_the_pose(stretching):
     )
     bpy.context.scene.frame_set(3)
     assert handlers.STATE.sessions["sphere"].results.radius == pytest.approx(rest.radius, rel=1e-6)
-
-
-@pytest.mark.parametrize("unit", ["diagonal", "mean-edge"])
-def test_the_lasting_radius_is_the_librarys(stretching, unit):
-    arrays = mesh_io.read_object(stretching, corner_normals=False)
-    settings = properties.job_settings(bpy.context.scene.paradesc)
-    settings = dataclasses.replace(settings, options=dataclasses.replace(settings.options, radius_unit=unit))
-    report = job.run(
-        arrays, dataclasses.replace(settings, options=dataclasses.replace(settings.options, radius=0.05))
-    ).mesh_report
-    assert live.radius_unit(settings.options, arrays) == pytest.approx(report[unit.replace("-", "_")], rel=1e-5)
 
 
 # ---- Edits

@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 
 import paradesc
-from paradesc import handlers, job, live, mesh_io
+from paradesc import handlers, job, mesh_io
 
 NAME = "mean_curvature"
 LENGTH, RADIUS, BUMP = 8.0, 1.0, 0.06
@@ -101,9 +101,7 @@ def cpu_seconds(frame: int) -> float:
 
 def reference_values(target: bpy.types.Object) -> np.ndarray:
     """(vertex_count,) what the oracle computes of the present shape."""
-    settings = live.with_lasting_radius(
-        live.settings_for(bpy.context.scene, False), mesh_io.read_object(target, corner_normals=False)
-    )
+    settings = handlers.STATE.sessions[target.name].stream.settings
     arrays = mesh_io.read_object(target, corner_normals=False)
     evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get())
     arrays = replace(arrays, positions=mesh_io.read_positions(evaluated.data))
@@ -162,9 +160,10 @@ def main() -> int:
     settings.backend = words.backend
     bpy.context.scene.paradesc_live.fast_seams = not words.connected
     bpy.context.scene.frame_set(FRAMES)
-    expected = reference_values(target)
     bare = 1e3 * min(frame_seconds(frame) for frame in range(1, FRAMES + 1))
+    bpy.context.scene.frame_set(FRAMES)
     target.paradesc_live.mode = "LIVE"
+    expected = reference_values(target)
     sys.stdout.write(f"{len(expected)} vertices; a frame without live values takes {bare:.1f} ms\n")
     rows = [measure(target, s, b, expected, words.rounds) for b in words.buffers for s in words.samples]
     for row in rows:
