@@ -14,11 +14,12 @@ from contextlib import contextmanager
 import bpy
 from bpy.app.handlers import persistent
 
-from . import live
+from . import live, playback
 from .bridge import ParadescError
 
 # Seconds without another edit after which live values follow.
 EDIT_DELAY = 0.2
+KINDS = {"LIVE": live.Session, "CACHE": playback.Player}
 LOG = logging.getLogger("paradesc")
 
 
@@ -26,7 +27,7 @@ class State:
     """What lasts between two events. Cleared when a file is loaded."""
 
     def __init__(self) -> None:
-        self.sessions: dict[str, live.Session] = {}  # by the object's name
+        self.sessions: dict[str, live.Session | playback.Player] = {}  # by the object's name
         self.names: list[str] = []  # of live objects
         self.object_count = -1  # in the file, when names were listed
         self.edited_at: float | None = None
@@ -92,12 +93,22 @@ def refresh(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, targets: lis
 def refresh_one(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, target: bpy.types.Object) -> None:
     """One object; what goes wrong switches it off and is said in the panel, and in a farm's log."""
     try:
-        session = STATE.sessions.setdefault(target.name, live.Session())
-        session.refresh(target, depsgraph, scene)
+        session_of(target).refresh(target, depsgraph, scene)
     except ParadescError as error:
         switch_off(target, error.sentence)
     except Exception as error:  # noqa: BLE001 (whatever it is, an exception would stop nothing but the sentence)
         switch_off(target, f"Live values stopped: {type(error).__name__}: {error}")
+
+
+def session_of(target: bpy.types.Object) -> live.Session | playback.Player:
+    """What the object keeps, by its mode."""
+    wanted = KINDS[target.paradesc_live.mode]
+    found = STATE.sessions.get(target.name)
+    if not isinstance(found, wanted):
+        if found is not None:
+            found.close()
+        found = STATE.sessions[target.name] = wanted()
+    return found
 
 
 def switch_off(target: bpy.types.Object, sentence: str) -> None:

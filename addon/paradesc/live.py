@@ -95,13 +95,20 @@ class Session:
         self.results = self.stream.compute(positions, corner_normals=normals)
         self.positions, self.asked = positions, settings
 
+    def forget_ranges(self) -> None:
+        """Nothing is kept of them."""
+
     def found_ranges(self) -> dict[str, ValueRange]:
         """The range of each descriptor in these results."""
-        return {name: mesh_io.shown_range(self.results, name) for name in self.results.values}
+        return (
+            {}
+            if self.results is None
+            else {name: mesh_io.shown_range(self.results, name) for name in self.results.values}
+        )
 
     def values(self, mesh: bpy.types.Mesh) -> painting.Values:
         """The results as they are written."""
-        return painting.Values(self.results.values, self.results.extras, mesh_io.summary(mesh, self.results))
+        return painting.Values(self.results.values, self.results.extras, lambda: mesh_io.summary(mesh, self.results))
 
 
 # ---- What is asked

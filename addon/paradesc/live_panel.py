@@ -2,12 +2,17 @@
 
 import bpy
 
-from . import handlers, live, mesh_io, painting
+from . import handlers, live, painting
 from .panel import SidebarPanel, wrapped
 
 MODES = [
     ("OFF", "Off", "Values stay as they were baked"),
     ("LIVE", "Live", "Compute the values of the deformed shape at every frame, after every edit, and in renders"),
+    ("CACHE", "Cache", "Play the frames that Bake Frames left in the cache; nothing is computed"),
+]
+MISSING = [
+    ("HOLD", "Hold nearest", "Show the values of the nearest frame that is there"),
+    ("COMPUTE", "Compute", "Compute them as live mode does"),
 ]
 TEXT_WIDTH = 36
 
@@ -65,6 +70,13 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         description="Render with the settings of Quality and Method instead of these",
         default=True,
     )
+    missing: bpy.props.EnumProperty(
+        name="Missing frames",
+        description="What is shown at frames that the cache lacks",
+        items=MISSING,
+        default="HOLD",
+        update=settings_changed,
+    )
     ranges: bpy.props.CollectionProperty(type=PARADESC_PG_live_range)
     lock_taken: bpy.props.BoolProperty(
         name="Interface locked", description="Live mode has switched on Render > Lock Interface", options={"HIDDEN"}
@@ -85,7 +97,7 @@ class PARADESC_PG_live_object(bpy.types.PropertyGroup):
 
 
 class PARADESC_OT_live_range(bpy.types.Operator):
-    """Let the colors of all live objects span the values of this frame, from now on"""
+    """Let the colors of all live objects span the values of this frame, those of played ones that of all frames"""
 
     bl_idname = "paradesc.live_range"
     bl_label = "Range of This Frame"
@@ -102,8 +114,10 @@ class PARADESC_OT_live_range(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Takes the ranges anew from what is there."""
         targets = handlers.live_objects()
+        for session in handlers.STATE.sessions.values():
+            session.forget_ranges()
         handlers.refresh_window(targets)
-        sessions = [handlers.STATE.sessions.get(target.name) for target in targets]
+        sessions = [handlers.STATE.sessions.get(target.name) for target in handlers.live_objects()]
         with handlers.our_turn(wait=True):
             found = [session.found_ranges() for session in sessions if session]
             painting.take_ranges(context.scene.paradesc_live, found)
@@ -114,7 +128,7 @@ class PARADESC_OT_live_range(bpy.types.Operator):
 class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
     """Values that follow the animation"""
 
-    bl_label = "Live"
+    bl_label = "Live and Playback"
     bl_idname = "PARADESC_PT_live"
     bl_order = 51
     bl_parent_id = "PARADESC_PT_bake"
@@ -127,16 +141,21 @@ class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """The switch, what was said, settings, ranges and time."""
         layout, target = self.layout, context.active_object
+        icon = "ERROR" if target.paradesc_live.sentence else "INFO"
         layout.row().prop(target.paradesc_live, "mode", expand=True)
         for index, line in enumerate(wrapped(live_sentence(target), TEXT_WIDTH)):
             if line:
-                layout.label(text=line, icon="BLANK1" if index else "ERROR")
+                layout.label(text=line, icon="BLANK1" if index else icon)
         group = context.scene.paradesc_live
         column = layout.column()
         column.use_property_split = True
         column.use_property_decorate = False
-        for name in ("samples", "buffer_size", "fast_seams", "full_render"):
-            column.prop(group, name)
+        mode = target.paradesc_live.mode
+        if mode == "CACHE":
+            column.prop(group, "missing")
+        if mode != "CACHE" or group.missing == "COMPUTE":
+            for name in ("samples", "buffer_size", "fast_seams", "full_render"):
+                column.prop(group, name)
         if target.paradesc_live.mode != "OFF":
             draw_ranges(layout, group)
             draw_time(layout, target)
@@ -149,6 +168,9 @@ def live_sentence(target: bpy.types.Object) -> str:
         return target.paradesc_live.sentence
     if target.paradesc_live.mode != "OFF" and target.mode in live.WAITING_MODES:
         return "Values follow when this mode is left."
+    session = handlers.STATE.sessions.get(target.name)
+    if target.paradesc_live.mode != "OFF" and session is not None and session.note:
+        return session.note
     if target.library is not None or target.data.library is not None:
         return f'The mesh "{target.data.name}" is linked from another file; make it local first.'
     return ""
@@ -158,7 +180,7 @@ def draw_ranges(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup) -> N
     """What the colors span."""
     column = layout.column(align=True)
     for item in group.ranges:
-        column.label(text=mesh_io.registry_row(item.name).label)
+        column.label(text=item.name.replace("_", " ").capitalize())
         row = column.row(align=True)
         row.prop(item, "minimum", text="")
         row.prop(item, "maximum", text="")

@@ -1,6 +1,6 @@
 """Values and their colors to the attributes of a mesh, frame after frame, by ranges that stay."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 import bpy
@@ -19,7 +19,7 @@ class Values:
 
     shown: dict[str, np.ndarray]  # each (vertex_count,) or (vertex_count, 3) float32, with colors beside them
     extras: dict[str, np.ndarray]  # each (vertex_count,) float32, without
-    summary: dict[str, object]  # as mesh_io.summary() has it
+    summary: Callable[[], dict[str, object]]  # gives what mesh_io.summary() has
 
     @property
     def names(self) -> list[str]:
@@ -82,7 +82,7 @@ def store_summary(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueR
     names = sorted({*mesh_io.written_attributes(mesh), *values.names})
     mesh[mesh_io.PROPERTY] = {
         **former,
-        **values.summary,
+        **values.summary(),
         "layout": mesh_io.stored_layout(mesh),
         "ranges": {name: [shown.minimum, shown.maximum] for name, shown in ranges.items()},
         "attributes": [name for name in names if name in mesh.attributes],

@@ -118,7 +118,7 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Only where there was one."""
         target = context.active_object
-        return target is not None and target.type == "MESH" and bool(mesh_io.stored_summary(target.data))
+        return target is not None and target.type == "MESH" and "mesh_report" in mesh_io.stored_summary(target.data)
 
     def draw(self, context: bpy.types.Context) -> None:
         """One line a fact, warnings below."""
