@@ -10,7 +10,7 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from . import frames, mesh_io, painting, properties, surface_maps
+from . import frames, mesh_io, painting, properties, sources, surface_maps
 from .bridge import MeshArrays
 from .color_maps import ValueRange
 from .job import Results, Settings
@@ -20,6 +20,8 @@ from .stream import Stream
 # In these modes Blender works on copies of a mesh, or keeps tables of its own: results wait until they are left.
 WAITING_MODES = {"EDIT", "SCULPT", "VERTEX_PAINT"}
 STAGES = ("read", "compute", "write")
+# Modifiers that only append vertices: the original ones come first, in their order (tested).
+APPENDING = {"SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY", "ARRAY"}
 
 
 class Session:
@@ -51,7 +53,7 @@ class Session:
             return False
         settings = settings_for(scene, depsgraph.mode == "RENDER")
         self.follow_mesh(target, settings)
-        positions = deformed_positions(target, evaluated)
+        positions = deformed_positions(target, evaluated, depsgraph.mode == "RENDER")
         read = time.perf_counter()
         fresh = self.results is None or settings != self.asked or not np.array_equal(positions, self.positions)
         if fresh:
@@ -159,12 +161,21 @@ def evaluated_object(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -
     return evaluated if evaluated.is_evaluated and evaluated.type == "MESH" else None
 
 
-def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object) -> np.ndarray:
-    """(vertex_count, 3) float32 in object space after all modifiers, which must not have changed the vertices."""
+def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bool) -> np.ndarray:
+    """(vertex_count, 3) float32 of the original vertices in object space after all modifiers."""
     count, found = len(target.data.vertices), len(evaluated.data.vertices)
-    if count != found:
+    if not keeps_vertices(target, rendering, count, found):
         raise refuse(
-            f'The modifiers of "{target.name}" make {found:,} vertices of {count:,}, which live values cannot follow; '
-            "switch those off that add or remove vertices, or bake frames and play them."
+            f'The modifiers of "{target.name}" make {found:,} vertices of {count:,}, among which live values do not '
+            "find the original ones; switch those off that take vertices away, or bake frames and play them."
         )
-    return mesh_io.read_positions(evaluated.data)
+    return mesh_io.read_positions(evaluated.data)[:count]
+
+
+def keeps_vertices(target: bpy.types.Object, rendering: bool, count: int, found: int) -> bool:
+    """True where the modifiers in use leave the original vertices first."""
+    used = [item for item in target.modifiers if (item.show_render if rendering else item.show_viewport)]
+    if any(item.type == "MIRROR" and any(item.use_bisect_axis) for item in used):
+        return False  # it may well make as many as it cuts away
+    changing = [item for item in used if item.type in sources.GENERATING or item.type == "NODES"]
+    return count == found or (found > count and all(item.type in APPENDING for item in changing))

@@ -8,7 +8,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import paradesc  # noqa: E402
-from paradesc import bridge, color_maps, frames, handlers, job, live, mesh_io, painting, properties  # noqa: E402
+from paradesc import bridge, color_maps, frames, handlers, job, live, mesh_io, painting, properties, sources  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
 
 NAME = "mean_curvature"
@@ -233,7 +233,7 @@ def test_a_renamed_object_goes_on(stretching):
 def test_modifiers_that_change_the_vertices_are_one_sentence(stretching, caplog):
     switch(stretching)
     before = values(stretching)
-    stretching.modifiers.new("more", "SUBSURF").levels = 1
+    stretching.modifiers.new("fewer", "DECIMATE").ratio = 0.5
     bpy.context.scene.frame_set(3)
     assert stretching.paradesc_live.mode == "OFF"
     assert "vertices of" in stretching.paradesc_live.sentence
@@ -241,6 +241,37 @@ def test_modifiers_that_change_the_vertices_are_one_sentence(stretching, caplog)
     assert np.array_equal(values(stretching), before)
     stretching.modifiers.clear()
     assert switch(stretching) == ""
+
+
+APPENDING = {
+    "SUBSURF": {"levels": 2},
+    "MIRROR": {"use_mirror_merge": True, "merge_threshold": 0.1},
+    "SOLIDIFY": {"thickness": 0.1, "use_rim": True},
+    "ARRAY": {"count": 3, "use_merge_vertices": True, "merge_threshold": 0.1},
+}
+
+
+@pytest.mark.parametrize("kind", APPENDING)
+def test_vertices_that_modifiers_append_come_after_the_original_ones(stretching, kind):
+    modifier = stretching.modifiers.new("more", kind)
+    for name, value in APPENDING[kind].items():
+        setattr(modifier, name, value)
+    place = sources.read(stretching, "evaluated").vertices
+    assert np.array_equal(place, np.arange(len(stretching.data.vertices)))
+    assert kind in live.APPENDING
+    assert switch(stretching) == ""
+    bpy.context.scene.frame_set(3)
+    assert stretching.paradesc_live.sentence == ""
+    evaluated = stretching.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    positions = mesh_io.read_positions(evaluated.data)[: len(place)]
+    arrays = dataclasses.replace(mesh_io.read_object(stretching, corner_normals=False), positions=positions)
+    assert np.array_equal(values(stretching), job.run(arrays, live_settings(stretching)).values[NAME])
+
+
+def test_a_mirror_that_cuts_is_one_sentence(stretching):
+    modifier = stretching.modifiers.new("cut", "MIRROR")
+    modifier.use_bisect_axis[0] = True
+    assert "find the original" in switch(stretching)
 
 
 def test_positions_that_are_not_finite_are_one_sentence(stretching):
