@@ -15,7 +15,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
 import paradesc  # noqa: E402
-from paradesc import mesh_io  # noqa: E402
+from paradesc import handlers, live, mesh_io  # noqa: E402
 from scene import add_sphere, empty_scene  # noqa: E402
 
 NAME = "shape_index"
@@ -221,13 +221,22 @@ def test_renders_take_full_quality_where_the_window_does_not(tmp_path):
     assert not same(render_still(tmp_path / "quick.png"), expected)
 
 
-def test_motion_blur_keeps_the_values_of_the_frame(tmp_path):
-    target = animated_scene("CYCLES", stretch_by_key)
-    bpy.context.scene.frame_set(FRAMES[1])
-    bpy.context.scene.render.use_motion_blur = True
-    bpy.context.scene.render.motion_blur_shutter = 0.01  # shapes all but stand still, values would not
-    expected = render_baked(target, tmp_path / "expected.png")
-    assert same(render_still(tmp_path / "blurred.png"), expected)
+def test_motion_blur_asks_for_shapes_between_frames_not_for_values(tmp_path, monkeypatch):
+    animated_scene("CYCLES", stretch_by_key)
+    scene = bpy.context.scene
+    scene.frame_set(FRAMES[1])
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
+    asked, computed = [], []
+    on_frame, compute = handlers.live_objects, live.Session.compute
+    monkeypatch.setattr(handlers, "live_objects", lambda: (asked.append(scene.frame_current_final), on_frame())[1])
+    monkeypatch.setattr(
+        live.Session, "compute", lambda *words: (computed.append(scene.frame_current_final), compute(*words))
+    )
+    scene.paradesc.samples = 128  # the render is not what the window has
+    render_still(tmp_path / "blurred.png")
+    assert any(frame != int(frame) for frame in asked)
+    assert computed[0] == FRAMES[1]
+    assert all(frame == FRAMES[1] for frame in computed)
 
 
 @pytest.mark.skipif(
