@@ -22,10 +22,10 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
     """Which mesh, and which frames of it, in one scene."""
 
     source: bpy.props.EnumProperty(
-        name="Source",
-        description="Which mesh is measured, in single bakes and frames",
-        items=SOURCES,
-        default="deformed",
+        name="Source", description="Which mesh a single bake measures", items=SOURCES, default="original"
+    )
+    frame_source: bpy.props.EnumProperty(
+        name="Frames of", description="Which mesh is measured at each frame", items=SOURCES[1:], default="deformed"
     )
     use_scene_range: bpy.props.BoolProperty(
         name="Scene range", description="Bake the frames from the scene's start to its end", default=True
@@ -136,8 +136,11 @@ class PARADESC_OT_bake_frames(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Says why it cannot run where it cannot."""
         sentence = operators.obstacle(context)
-        if not sentence and context.active_object.mode == "EDIT":
-            sentence = "Leave edit mode first"
+        target = context.active_object
+        if not sentence and (target is None or target.type != "MESH"):
+            sentence = "Make a mesh the active object first"
+        if not sentence and target.mode in {"EDIT", "SCULPT"}:
+            sentence = f"Leave {target.mode.lower()} mode first"
         if sentence:
             cls.poll_message_set(sentence)
         return not sentence
@@ -194,6 +197,9 @@ class PARADESC_OT_bake_frames(bpy.types.Operator):
             self.clean_up(context)
             gone = isinstance(error, ReferenceError)
             return self.fail(refuse("The object is gone; the frames so far are in the cache.") if gone else error)
+        except BaseException:
+            self.clean_up(context)
+            raise
         self.clean_up(context)
         return self.succeed()
 
@@ -212,7 +218,7 @@ class PARADESC_OT_bake_frames(bpy.types.Operator):
         settings = properties.job_settings(scene.paradesc)
         folder = object_cache(scene, target)
         request = frames.Request(
-            settings, folder, group.source, group.relative_to_rest, group.overwrite, maps if maps.any else None
+            settings, folder, group.frame_source, group.relative_to_rest, group.overwrite, maps if maps.any else None
         )
         self.baker = frames.FrameBaker(scene, target, request)
 
@@ -287,6 +293,8 @@ class PARADESC_PT_animation(SidebarPanel, bpy.types.Panel):
         layout.use_property_decorate = False
         scene, group = context.scene, context.scene.paradesc_animation
         layout.prop(group, "source")
+        layout.separator()
+        layout.prop(group, "frame_source")
         layout.prop(group, "use_scene_range")
         column = layout.column(align=True)
         if not group.use_scene_range:

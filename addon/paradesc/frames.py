@@ -18,6 +18,11 @@ from .bridge import InputError, MeshArrays, ParadescError, abi
 from .mesh_io import refuse
 from .stream import Stream
 
+OWN_VERTICES = (
+    "The modifiers lose original vertices, so that frames hold the values of the evaluated mesh's own vertices: they "
+    "are for reading, and cannot be played on the object."
+)
+
 
 @dataclass
 class Request:
@@ -59,6 +64,8 @@ class FrameBaker:
         sources.check_source(request.source)
         self.scene, self.target, self.request = scene, target, request
         settings = request.settings
+        if settings.space != "object":
+            raise refuse("Frames are measured in object space; choose that, and apply the scale where it matters.")
         self.normals = settings.options.normals == "mesh"
         self.needs_uvs = settings.backend != "reference"
         self.notes: list[str] = []
@@ -140,7 +147,8 @@ class FrameBaker:
                 )
             self.add_maps(reading.arrays)
         self.reading = reading
-        self.notes += [note for note in reading.notes if note not in self.notes]
+        notes = reading.notes if reading.own else [OWN_VERTICES]
+        self.notes += [note for note in notes if note not in self.notes]
 
     def run(self, task: Task, progress: job.ProgressFunction | None = None) -> Done:
         """Computes and writes a frame."""

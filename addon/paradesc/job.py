@@ -29,6 +29,7 @@ class Settings:
     device_index: int = -1
     more_radii: tuple[float, ...] = ()
     corner_threshold: float = THRESHOLD  # of the largest Harris response
+    space: str = "object"  # or "world": what the arrays were brought into before; see spaces.py
 
     def value_names(self) -> list[str]:
         """What the results are called: the descriptors, at each radius if there are several."""
@@ -41,7 +42,7 @@ class Settings:
         flat: dict[str, object] = {"descriptors": list(self.descriptors)}
         flat.update(asdict(self.options))
         flat.update(backend=self.backend, device_index=self.device_index, more_radii=list(self.more_radii))
-        flat.update(corner_threshold=self.corner_threshold)
+        flat.update(corner_threshold=self.corner_threshold, space=self.space)
         return flat
 
 
@@ -266,11 +267,15 @@ def layout_sentence(layout: bridge.Layout, charts: int) -> str:
 class Worker:
     """Runs one bake on a thread of its own, so that a window stays alive; ask it from the main thread."""
 
-    def __init__(self, arrays: bridge.MeshArrays, settings: Settings) -> None:
+    def __init__(
+        self, arrays: bridge.MeshArrays, settings: Settings, work: Callable[..., Results] | None = None
+    ) -> None:
+        """work: what to call with arrays, settings and progress; run() where none is given."""
         self.stage = "start"
         self.fraction = 0.0
         self._cancelled = threading.Event()
         self._results: Results | None = None
+        self._work = work or run
         self._error: Exception | None = None
         self._thread = threading.Thread(target=self._run, args=(arrays, settings), name="paradesc", daemon=True)
 
@@ -300,7 +305,7 @@ class Worker:
 
     def _run(self, arrays: bridge.MeshArrays, settings: Settings) -> None:
         try:
-            self._results = run(arrays, settings, self._progress)
+            self._results = self._work(arrays, settings, self._progress)
         except Exception as error:  # noqa: BLE001 (raised again on the main thread by results())
             self._error = error
 

@@ -102,15 +102,18 @@ class Session:
 
     def found_ranges(self) -> dict[str, ValueRange]:
         """The range of each descriptor in these results."""
-        return (
-            {}
-            if self.results is None
-            else {name: mesh_io.shown_range(self.results, name) for name in self.results.values}
-        )
+        if self.results is None:
+            return {}
+        return {name: mesh_io.shown_range(self.results, computed) for name, computed in self.names()}
+
+    def names(self) -> list[tuple[str, str]]:
+        """What each value is called by the radius that was asked for, and by the one that was computed with."""
+        return list(zip(self.asked.value_names(), self.results.settings.value_names(), strict=True))
 
     def values(self, mesh: bpy.types.Mesh) -> painting.Values:
         """The results as they are written."""
-        return painting.Values(self.results.values, self.results.extras, lambda: mesh_io.summary(mesh, self.results))
+        shown = {name: self.results.values[computed] for name, computed in self.names()}
+        return painting.Values(shown, self.results.extras, lambda: mesh_io.summary(mesh, self.results))
 
 
 # ---- What is asked
@@ -120,6 +123,8 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
     """The scene's settings: in the viewport with what live mode makes of them for speed."""
     settings = properties.job_settings(scene.paradesc)
     group = scene.paradesc_live
+    if settings.space != "object":
+        raise refuse("Live values are measured in object space; choose that, and apply the scale where it matters.")
     if rendering and group.full_render:
         return settings
     options = replace(

@@ -1,8 +1,10 @@
-"""The sidebar panel: settings, the bake button, and the report of what the active mesh carries."""
+"""The sidebar panel: presets, settings, the bake button, and the report of what the active mesh carries."""
 
 import bpy
+from mathutils import Vector
 
-from . import bridge, mesh_io, properties
+from . import bridge, devices, mesh_io, operators, presets, properties, spaces, targets
+from .batch import Batch
 
 # Mesh defects worth a line each when there are any: member of the mesh report, words for people.
 DEFECTS = (
@@ -13,6 +15,12 @@ DEFECTS = (
     ("nonmanifold_edges", "non-manifold edges"),
     ("nonmanifold_vertices", "non-manifold vertices"),
 )
+# Stages of a bake that are timed: member of the field report, words for people.
+STAGES = (("seconds_prepare", "mesh"), ("seconds_bake", "bake"), ("seconds_evaluate", "evaluate"))
+# Operators that look at their map through Gaussian windows.
+WINDOWED = {"difference_of_gaussians", "harris"}
+# Characters that fit a line of the sidebar at its default width.
+LINE = 32
 
 
 class SidebarPanel:
@@ -24,70 +32,158 @@ class SidebarPanel:
 
 
 class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
-    """What to compute, and the button"""
+    """Presets, and the button"""
 
     bl_label = "Paradesc"
     bl_idname = "PARADESC_PT_bake"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Descriptors, radius, button."""
+        """Preset, button, progress, and what stands in the way."""
         layout = self.layout
         missing = bridge.missing_sentence()
         if missing:
-            for line in wrapped(missing, 36):
-                layout.label(text=line, icon="ERROR" if missing.startswith(line) else "BLANK1")
+            sentence_lines(layout.column(align=True), missing, "ERROR")
             return
-        settings = context.scene.paradesc
-        layout.label(text="Descriptors (Shift: several)")
-        layout.column(align=True).prop(settings, "descriptors")
+        row = layout.row(align=True)
+        row.menu("PARADESC_MT_presets", text=presets.PARADESC_MT_presets.bl_label)
+        row.operator("paradesc.add_preset", text="", icon="ADD")
+        row.operator("paradesc.add_preset", text="", icon="REMOVE").remove_active = True
+        running = operators.PARADESC_OT_bake.running
+        if running:
+            draw_progress(layout, running)
+            return
+        chosen = targets.chosen(context)
+        column = layout.column()
+        column.scale_y = 1.3
+        column.operator("paradesc.bake", text=button_text(len(targets.by_mesh(chosen))), icon="SHADING_TEXTURE")
+        sentence = targets.obstacle(context)
+        if sentence:
+            sentence_lines(layout.column(align=True), sentence, "INFO")
+        if any(targets.unwritable(target) for target in chosen):
+            layout.operator("paradesc.make_local", icon="LINK_BLEND")
+
+
+class SettingsPanel(SidebarPanel):
+    """A sub-panel of settings."""
+
+    bl_parent_id = "PARADESC_PT_bake"
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Only with the native library: the descriptors are its own."""
+        return not bridge.missing_sentence()
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Blender's two columns, without the dots for animation."""
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        self.draw_settings(context, self.layout, context.scene.paradesc)
+
+
+class PARADESC_PT_descriptor(SettingsPanel, bpy.types.Panel):
+    """What to compute"""
+
+    bl_label = "Descriptor"
+    bl_idname = "PARADESC_PT_descriptor"
+    bl_order = 0
+
+    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """The registry in three groups, and the options of the operators that are chosen."""
+        layout.use_property_split = False
+        for title, rows in descriptor_groups():
+            layout.label(text=title)
+            column = layout.column(align=True)
+            for row in rows:
+                column.prop_enum(settings, "descriptors", row.name)
+        chosen = {row.name for row in bridge.descriptors() if row.map_degree and row.name in settings.descriptors}
+        if not chosen:
+            return
+        column = layout.column()
+        column.use_property_split = True
+        column.prop(settings, "map_descriptor")
+        if chosen & WINDOWED:
+            column.prop(settings, "map_sigma")
+        if "harris" in chosen:
+            column.prop(settings, "harris_k")
+            column.prop(settings, "corner_threshold")
+
+
+class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
+    """How far a vertex looks around"""
+
+    bl_label = "Neighborhood"
+    bl_idname = "PARADESC_PT_neighborhood"
+    bl_order = 10
+
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """Radius and unit, what that is as a length, further radii, and in which space."""
         column = layout.column(align=True)
         column.prop(settings, properties.radius_member(settings))
-        column.prop(settings, "radius_unit", text="")
-        layout.operator("paradesc.bake", icon="SHADING_TEXTURE")
+        column.prop(settings, "radius_unit")
+        target = next(iter(targets.chosen(context)), None)
+        words = radius_words(context.scene, settings, target) if target is not None else ""
+        if words:
+            split = layout.split(factor=0.4)
+            split.label(text="")
+            split.label(text=words)
+        layout.prop(settings, "more_radii")
+        layout.prop(settings, "space")
+        if target is not None and target.data.shape_keys is not None:
+            layout.prop(settings, "shape_key")
+        if target is not None and settings.space == "object" and not spaces.is_even(target.matrix_world):
+            sentence = "The object is scaled unevenly: measure in World, or apply the scale"
+            sentence_lines(layout.column(align=True), sentence, "INFO")
 
 
-class PARADESC_PT_quality(SidebarPanel, bpy.types.Panel):
-    """How to compute"""
+class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
+    """How exactly to compute, and on what"""
 
     bl_label = "Quality and Device"
     bl_idname = "PARADESC_PT_quality"
     bl_order = 20
-    bl_parent_id = "PARADESC_PT_bake"
+
+    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """Samples, buffers, normals, device."""
+        for name in ("samples", "adaptive", "buffer_size", "precision", "normals", "material_maps"):
+            layout.prop(settings, name)
+        split = layout.split(factor=0.4)
+        column = split.column()
+        column.alignment = "RIGHT"
+        column.label(text="Device")
+        split.menu("PARADESC_MT_devices", text=devices.label_of(settings.backend, settings.device_index))
+
+
+class PARADESC_MT_devices(bpy.types.Menu):
+    """What can compute here"""
+
+    bl_idname = "PARADESC_MT_devices"
+    bl_label = "Device"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Samples, buffers, normals, device."""
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        """Every device there is; a backend without one is grey, and its tooltip says why."""
         settings = context.scene.paradesc
-        for name in (
-            "samples",
-            "adaptive",
-            "buffer_size",
-            "precision",
-            "normals",
-            "material_maps",
-            "backend",
-            "device_index",
-        ):
-            layout.prop(settings, name)
+        current = (settings.backend, settings.device_index)
+        for backend, index, label, there in [
+            ("auto", -1, "Automatic", True),
+            *((row.backend, row.index, row.label, not row.missing) for row in devices.found()),
+        ]:
+            row = self.layout.row()
+            row.enabled = there
+            icon = "CHECKMARK" if current == (backend, index) else "BLANK1"
+            choice = row.operator("paradesc.choose_device", text=label, icon=icon)
+            choice.backend, choice.index = backend, index
 
 
-class PARADESC_PT_method(SidebarPanel, bpy.types.Panel):
+class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
     """Choices that researchers want; the defaults are the most exact"""
 
     bl_label = "Method"
     bl_idname = "PARADESC_PT_method"
     bl_order = 30
-    bl_parent_id = "PARADESC_PT_bake"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Estimators, distance, evaluation; what belongs to one choice only is grey with the others."""
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        settings = context.scene.paradesc
         carried = settings.relocation != "connected"
         for name, active in (
             ("estimator", True),
@@ -100,10 +196,34 @@ class PARADESC_PT_method(SidebarPanel, bpy.types.Panel):
             ("pattern", carried),
             ("ellipse", carried),
             ("geodesic", carried),
+            ("seed", True),
         ):
             row = layout.row()
             row.active = active
             row.prop(settings, name)
+
+
+class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
+    """Where results go"""
+
+    bl_label = "Output"
+    bl_idname = "PARADESC_PT_output"
+    bl_order = 35
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_settings(self, _context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """Attributes, images and buffers, each with what belongs to it."""
+        layout.use_property_split = False
+        layout.prop(settings, "write_attributes")
+        for name, members in (
+            ("write_image", ("image_format", "texels", "image_path")),
+            ("write_buffers", ("buffers_path",)),
+        ):
+            layout.prop(settings, name)
+            if getattr(settings, name):
+                column = layout.column(align=True)
+                for member in members:
+                    column.prop(settings, member, text="" if member.endswith("path") else None)
 
 
 class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
@@ -118,7 +238,10 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Only where there was one."""
         target = context.active_object
-        return target is not None and target.type == "MESH" and "mesh_report" in mesh_io.stored_summary(target.data)
+        if target is None or target.type != "MESH" or "mesh_report" not in mesh_io.stored_summary(target.data):
+            return False  # frames of a cache have no report
+        left = mesh_io.written_attributes(target.data)  # the list outlives an undo in edit mode, the attributes do not
+        return target.mode == "EDIT" or any(name in target.data.attributes for name in left)
 
     def draw(self, context: bpy.types.Context) -> None:
         """One line a fact, warnings below."""
@@ -132,8 +255,7 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
             column.label(text="Color set to Attribute:", icon="BLANK1")
             column.prop(shading, "color_type", text="")
         for sentence in stored["warnings"].splitlines():
-            for index, line in enumerate(wrapped(sentence, 36)):
-                column.label(text=line, icon="BLANK1" if index else "ERROR")
+            sentence_lines(column, sentence, "ERROR")
 
 
 def report_lines(stored: dict[str, dict]) -> list[str]:
@@ -146,13 +268,69 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
         f"Coverage: {100 * field['coverage_mean']:.2f} %",
         f"Undefined vertices: {field['undefined_vertices']:,}",
         f"Time: {field['seconds_total']:.2f} s ({stored['backend']})",
-        *wrapped(stored["device"], 36),
+        *[f"    {words}: {field[name]:.2f} s" for name, words in STAGES if field.get(name, 0) > 0],
+        *wrapped(stored["device"], LINE),
     ]
+    if stored["settings"].get("space") == "world":
+        lines.append("Measured in the world")
     if field.get("private_layout"):
         cut = f", {field['cut_charts']:,} cut" if field.get("cut_charts") else ""
         lines.append("Charts laid out afresh" + cut)
     lines += [f"{mesh[name]:,} {words}" for name, words in DEFECTS if mesh[name]]
+    if stored.get("fallback") and stored["backend"] == "reference":
+        lines += wrapped(stored["fallback"], LINE)
     return lines
+
+
+def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:
+    """The registry in groups with a title each, as its own facts tell them apart."""
+    rows = bridge.descriptors()
+    groups = [
+        ("Of the surface (Shift: several)", [row for row in rows if row.components == 1 and not row.map_degree]),
+        ("Directions", [row for row in rows if row.components > 1]),
+        ("Operators on a map of values", [row for row in rows if row.components == 1 and row.map_degree]),
+    ]
+    return [(title, found) for title, found in groups if found]
+
+
+def button_text(count: int) -> str:
+    """What the button says of so many meshes."""
+    return f"Bake {count} Meshes" if count > 1 else "Bake Descriptors"
+
+
+def draw_progress(layout: bpy.types.UILayout, running: Batch) -> None:
+    """How far the bake is; Blender has a bar for it since 4.0."""
+    if hasattr(layout, "progress"):
+        layout.progress(factor=running.fraction, text=f"{running.fraction:.0%}", type="BAR")
+    sentence_lines(layout.column(align=True), f"{operators.progress_text(running)} (Esc cancels)", "SORTTIME")
+
+
+def radius_words(scene: bpy.types.Scene, settings: bpy.types.PropertyGroup, target: bpy.types.Object) -> str:
+    """What the radius is as a length in the scene, where the number does not say it and a scale is even; else ""."""
+    in_world = settings.space == "world"
+    if not spaces.is_even(target.matrix_world) or settings.radius_unit == "mean-edge":
+        return ""
+    scale = float(spaces.scales(target.matrix_world).mean())
+    if settings.radius_unit == "absolute":
+        if in_world or abs(scale - 1) < spaces.EVEN:
+            return ""
+        return "= " + length_words(scene, settings.radius_absolute * scale)
+    low, high = Vector(target.bound_box[0]), Vector(target.bound_box[6])
+    return "≈ " + length_words(scene, settings.radius_percent / 100 * (high - low).length * scale)
+
+
+def length_words(scene: bpy.types.Scene, length: float) -> str:
+    """A length of the scene in its own units."""
+    units = scene.unit_settings
+    if units.system == "NONE":
+        return f"{length:.4g}"
+    return bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length, precision=3)
+
+
+def sentence_lines(column: bpy.types.UILayout, sentence: str, icon: str) -> None:
+    """A sentence in lines, the first with an icon."""
+    for index, line in enumerate(wrapped(sentence, LINE)):
+        column.label(text=line, icon="BLANK1" if index else icon)
 
 
 def texels(field: dict[str, float]) -> str:
@@ -170,4 +348,13 @@ def wrapped(sentence: str, width: int) -> list[str]:
     return lines
 
 
-classes = (PARADESC_PT_bake, PARADESC_PT_quality, PARADESC_PT_method, PARADESC_PT_report)
+classes = (
+    PARADESC_MT_devices,
+    PARADESC_PT_bake,
+    PARADESC_PT_descriptor,
+    PARADESC_PT_neighborhood,
+    PARADESC_PT_quality,
+    PARADESC_PT_method,
+    PARADESC_PT_output,
+    PARADESC_PT_report,
+)

@@ -1,14 +1,34 @@
 """The settings kept in a scene; the descriptors to choose from come from the native registry."""
 
+import math
+
 import bpy
 
 from . import bridge
+from .bridge import ParadescError, abi
+from .corners import THRESHOLD
 from .job import Settings
 
 RADIUS_UNITS = [
     ("diagonal", "% of diagonal", "Percent of the diagonal of the mesh's bounding box"),
-    ("absolute", "Units", "Units of the mesh's own coordinates, before the object's scale"),
+    ("absolute", "Length", "A length of the mesh before the object's scale, or of the scene where World is measured"),
     ("mean-edge", "× mean edge", "Multiples of the mean edge length"),
+]
+SPACES = [
+    ("object", "Object", "The mesh as it is stored, before the object's scale"),
+    (
+        "world",
+        "World",
+        "The mesh as it stands in the scene: scaled, also unevenly or mirrored, by the object and parents",
+    ),
+]
+SHAPES = [
+    ("basis", "Basis", "The basis of the shape keys"),
+    ("active", "Active key", "The active shape key at its full value"),
+]
+IMAGE_FORMATS = [
+    (".exr", "OpenEXR", "32-bit floats: the values themselves, all descriptors in one file"),
+    (".png", "PNG, 16 bits", "Values from the smallest to the largest as 16-bit numbers, a file for each descriptor"),
 ]
 NORMALS = [
     ("fitted", "Fitted", "Fit the surface around each vertex; best wherever the surface is smooth"),
@@ -66,89 +86,121 @@ def descriptor_items() -> list[tuple[str, str, str, int]]:
     """Menu items (name, label, description, bit) of the native registry."""
     if bridge.missing_sentence():
         return [NO_DESCRIPTOR]
-    return [
-        (row.name, row.label, row.description + (f" [{row.unit}]" if row.unit else ""), 1 << index)
-        for index, row in enumerate(bridge.descriptors())
-    ]
+    return [(row.name, row.label, with_unit(row), 1 << index) for index, row in enumerate(bridge.descriptors())]
 
 
-def make_settings() -> type:
-    """The class of the settings, with the registry as it is now."""
-    items = descriptor_items()
-    default = DEFAULT_DESCRIPTOR if any(item[0] == DEFAULT_DESCRIPTOR for item in items) else items[0][0]
-    annotations = {
+def map_items() -> list[tuple[str, str, str]]:
+    """Menu items of the descriptors that operators can work on: those of the surface with one component."""
+    if bridge.missing_sentence():
+        return [NO_DESCRIPTOR[:3]]
+    rows = [row for row in bridge.descriptors() if row.components == 1 and row.map_degree == 0]
+    return [(row.name, row.label, with_unit(row)) for row in rows]
+
+
+def with_unit(row: bridge.Descriptor) -> str:
+    """A descriptor's description, with its unit where it has one."""
+    return row.description + (f" [{row.unit}]" if row.unit else "")
+
+
+def default_of(items: list[tuple], wanted: str) -> str:
+    """The wanted item where there is one, else the first."""
+    return wanted if any(item[0] == wanted for item in items) else items[0][0]
+
+
+def descriptor_members() -> dict[str, object]:
+    """What to compute."""
+    items, maps = descriptor_items(), map_items()
+    return {
         "descriptors": bpy.props.EnumProperty(
             name="Descriptors",
             description="What to compute; hold Shift to choose several, which costs little more than one",
             items=items,
             options={"ENUM_FLAG"},
-            default={default},
+            default={default_of(items, DEFAULT_DESCRIPTOR)},
         ),
+        "map_descriptor": bpy.props.EnumProperty(
+            name="Map of",
+            description="The descriptor whose values over the surface the operators work on",
+            items=maps,
+            default=default_of(maps, bridge.Options.map_descriptor),
+        ),
+        "map_sigma": bpy.props.FloatProperty(
+            name="Sigma",
+            description="Standard deviation of the operators' Gaussian windows, in multiples of the radius",
+            default=bridge.Options.map_sigma, min=0.05, soft_max=2.0, max=16.0, precision=2,
+        ),
+        "harris_k": bpy.props.FloatProperty(
+            name="Harris k",
+            description="k of det A - k tr\u00b2 A, without unit; more suppresses edges, 0.04 to 0.06 are usual",
+            default=bridge.Options.harris_k, min=0.0, max=0.25, precision=3, step=1,
+        ),
+        "corner_threshold": bpy.props.FloatProperty(
+            name="Corners from",
+            description="What a corner's Harris response is at least, in percent of the largest one of the mesh",
+            default=100 * THRESHOLD, min=0.01, max=100.0, precision=1, subtype="PERCENTAGE",
+        ),
+    }  # fmt: skip
+
+
+def neighborhood_members() -> dict[str, object]:
+    """How far to look around, and in which space."""
+    return {
         "radius_percent": bpy.props.FloatProperty(
-            name="Radius", description="Support radius", default=2.0, min=0.01, soft_max=20.0, max=100.0, precision=2
+            name="Radius",
+            description="How far a vertex looks around, in percent of the diagonal of the mesh's bounding box",
+            default=2.0, min=0.01, soft_max=20.0, max=100.0, precision=2, subtype="PERCENTAGE",
         ),
         "radius_absolute": bpy.props.FloatProperty(
-            name="Radius", description="Support radius", default=0.1, min=1e-6, precision=4, unit="LENGTH"
+            name="Radius",
+            description="How far a vertex looks around, as a length: of the mesh before the object's scale, or of the "
+            "scene where World is measured",
+            default=0.1, min=1e-6, precision=4, unit="LENGTH",
         ),
         "radius_edges": bpy.props.FloatProperty(
-            name="Radius", description="Support radius", default=4.0, min=0.01, soft_max=50.0, precision=2
+            name="Radius",
+            description="How far a vertex looks around, in multiples of the mesh's mean edge length",
+            default=4.0, min=0.01, soft_max=50.0, precision=2,
         ),
         "radius_unit": bpy.props.EnumProperty(
             name="Unit", description="What the radius is measured in", items=RADIUS_UNITS, default="diagonal"
         ),
+        "more_radii": bpy.props.StringProperty(
+            name="More radii",
+            description="Further radii in the same unit, separated by commas, from the same buffers; with any, every "
+            "result's name ends in _r and its radius",
+        ),
+        "space": bpy.props.EnumProperty(
+            name="Measure in", description="Whose lengths count", items=SPACES, default="object"
+        ),
+        "shape_key": bpy.props.EnumProperty(
+            name="Shape", description="Which shape of a mesh with shape keys is measured", items=SHAPES, default="basis"
+        ),
+    }  # fmt: skip
+
+
+def quality_members() -> dict[str, object]:
+    """How exactly, from what, and on which device."""
+    return {
         "samples": bpy.props.IntProperty(
-            name="Samples", description="Surface samples around every vertex", default=256, min=8, max=4096
-        ),
-        "buffer_size": bpy.props.IntProperty(
-            name="Buffer size", description="Texels along a side of the baked buffers", default=1024, min=64, max=8192
-        ),
-        "normals": bpy.props.EnumProperty(
-            name="Normals", description="Where the vertex normals come from", items=NORMALS, default="fitted"
-        ),
-        "relocation": bpy.props.EnumProperty(
-            name="Over seams", description="How neighborhoods go on over seams", items=RELOCATIONS, default="connected"
-        ),
-        "estimator": bpy.props.EnumProperty(
-            name="Curvatures", description="How curvatures are computed", items=ESTIMATORS, default="shape-operator"
-        ),
-        "variance_reduction": bpy.props.EnumProperty(
-            name="Control", description="What integrals are helped by", items=VARIANCE_REDUCTIONS, default="shape"
-        ),
-        "distance": bpy.props.EnumProperty(
-            name="Distance", description="What the radius bounds", items=DISTANCES, default="euclidean"
-        ),
-        "geodesic": bpy.props.EnumProperty(
-            name="Along surface",
-            description="How distance along the surface is measured",
-            items=GEODESICS,
-            default="local",
-        ),
-        "pattern": bpy.props.EnumProperty(
-            name="Pattern", description="Places of the samples", items=PATTERNS, default="golden-angle"
-        ),
-        "ellipse": bpy.props.EnumProperty(
-            name="Stretch", description="How the pattern follows the distortion", items=ELLIPSES, default="center"
+            name="Samples",
+            description="Surface samples around every vertex, at least; more are more exact and slower",
+            default=256, min=8, soft_max=1024, max=4096,
         ),
         "adaptive": bpy.props.FloatProperty(
             name="Adaptive",
             description="Take half of the samples where normals fit the shape operator to within this angle; 0: all",
-            default=0.0,
-            min=0.0,
-            soft_max=0.2,
-            precision=3,
-            subtype="ANGLE",
+            default=0.0, min=0.0, soft_max=0.2, precision=3, subtype="ANGLE",
         ),
-        "evaluate": bpy.props.EnumProperty(
-            name="Evaluate at", description="Where descriptors are computed", items=EVALUATIONS, default="vertex"
-        ),
-        "texels": bpy.props.IntProperty(
-            name="Texels", description="Along a side of the map of texels", default=512, min=16, max=8192
+        "buffer_size": bpy.props.IntProperty(
+            name="Buffer size",
+            description="Texels along a side of the baked buffers; the radius should span at least four",
+            default=1024, min=64, max=8192, subtype="PIXEL",
         ),
         "precision": bpy.props.EnumProperty(
-            name="Precision", description="Of the baked buffers", items=PRECISIONS, default="full"
+            name="Precision", description="Of the numbers in the baked buffers", items=PRECISIONS, default="full"
         ),
-        "max_jumps": bpy.props.IntProperty(
-            name="Max jumps", description="Seams that one sample may cross", default=8, min=0, max=64
+        "normals": bpy.props.EnumProperty(
+            name="Normals", description="Where the vertex normals come from", items=NORMALS, default="fitted"
         ),
         "material_maps": bpy.props.BoolProperty(
             name="Material maps",
@@ -157,9 +209,85 @@ def make_settings() -> type:
         ),
         "backend": bpy.props.EnumProperty(name="Backend", description="What computes", items=BACKENDS, default="auto"),
         "device_index": bpy.props.IntProperty(
-            name="Device", description="Which device of the backend; -1 takes the first that works", default=-1, min=-1
+            name="Device",
+            description="Number of the device among those of the backend, from 0; -1 takes the first that works",
+            default=-1, min=-1,
         ),
+    }  # fmt: skip
+
+
+def method_members() -> dict[str, object]:
+    """What researchers compare; the defaults are the most exact."""
+    choices = (
+        ("estimator", "Curvatures", "How curvatures are computed", ESTIMATORS),
+        ("variance_reduction", "Control", "What integrals are helped by", VARIANCE_REDUCTIONS),
+        ("distance", "Distance", "What the radius bounds", DISTANCES),
+        ("evaluate", "Evaluate at", "Where descriptors are computed", EVALUATIONS),
+        ("relocation", "Over seams", "How neighborhoods go on over seams", RELOCATIONS),
+        ("pattern", "Pattern", "Places of the samples", PATTERNS),
+        ("ellipse", "Stretch", "How the pattern follows the distortion", ELLIPSES),
+        ("geodesic", "Along surface", "How distance along the surface is measured", GEODESICS),
+    )
+    members = {
+        name: bpy.props.EnumProperty(name=label, description=description, items=items, default=items[0][0])
+        for name, label, description, items in choices
     }
+    members["max_jumps"] = bpy.props.IntProperty(
+        name="Max jumps", description="Number of seams that one sample may cross", default=8, min=0, max=64
+    )
+    members["seed"] = bpy.props.IntProperty(
+        name="Seed",
+        description="Number that the choice of samples follows from; the same settings give the same values",
+        default=0, min=0,
+    )  # fmt: skip
+    return members
+
+
+def output_members() -> dict[str, object]:
+    """Where results go."""
+    return {
+        "write_attributes": bpy.props.BoolProperty(
+            name="Attributes",
+            description="Leave values and colors on the mesh, as attributes of its vertices",
+            default=True,
+        ),
+        "write_image": bpy.props.BoolProperty(
+            name="Image over UV map", description="Write the values as an image in the mesh's UV map", default=False
+        ),
+        "image_format": bpy.props.EnumProperty(
+            name="Format", description="Kind of image file", items=IMAGE_FORMATS, default=".exr"
+        ),
+        "image_path": bpy.props.StringProperty(
+            name="Image",
+            description="Where the image goes; the suffix follows the format, and of several meshes the name of each "
+            "is added",
+            default="//paradesc.exr", subtype="FILE_PATH",
+        ),
+        "texels": bpy.props.IntProperty(
+            name="Texels",
+            description="Along a side of images, and of the map of texels that Evaluate at: Texels computes",
+            default=512, min=16, max=8192, subtype="PIXEL",
+        ),
+        "write_buffers": bpy.props.BoolProperty(
+            name="Baked buffers",
+            description="Write positions, normals, charts, seams and distortion as pictures and raw values",
+            default=False,
+        ),
+        "buffers_path": bpy.props.StringProperty(
+            name="Folder",
+            description="Where the buffers go; of several meshes, the name of each is added",
+            default="//paradesc_buffers", subtype="DIR_PATH",
+        ),
+    }  # fmt: skip
+
+
+# Each becomes a sub-panel; the first four make a preset, device and folders excepted.
+GROUPS = (descriptor_members, neighborhood_members, quality_members, method_members, output_members)
+
+
+def make_settings() -> type:
+    """The class of the settings, with the registry as it is now."""
+    annotations = {name: member for group in GROUPS for name, member in group().items()}
     body = {"__annotations__": annotations, "__doc__": "Paradesc's settings of one scene.", "__module__": __name__}
     return type("PARADESC_PG_settings", (bpy.types.PropertyGroup,), body)
 
@@ -169,23 +297,44 @@ def radius_member(group: bpy.types.PropertyGroup) -> str:
     return {"diagonal": "radius_percent", "absolute": "radius_absolute"}.get(group.radius_unit, "radius_edges")
 
 
+def scaled_radius(group: bpy.types.PropertyGroup, radius: float) -> float:
+    """A radius as the panel has it, in the unit of the computation: of the diagonal, a share."""
+    return radius / 100 if group.radius_unit == "diagonal" else radius
+
+
+def more_radii(group: bpy.types.PropertyGroup) -> tuple[float, ...]:
+    """The further radii in the unit of the computation; one sentence about what is no number."""
+    radii = []
+    for word in group.more_radii.replace(";", ",").split(","):
+        try:
+            radius = float(word) if word.strip() else None
+        except ValueError:
+            radius = math.nan
+        if radius is None:
+            continue
+        if not (math.isfinite(radius) and radius > 0):
+            sentence = f'"{word.strip()}" in More radii is no positive number; write numbers with commas between them.'
+            raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        radii.append(scaled_radius(group, radius))
+    return tuple(radii)
+
+
 def job_settings(group: bpy.types.PropertyGroup) -> Settings:
     """A scene's settings as the computation takes them, descriptors in the registry's order."""
-    radius = getattr(group, radius_member(group))
     chosen = group.descriptors
+    same = ("samples", "buffer_size", "max_jumps", "texels", "adaptive", "seed", "map_descriptor", "map_sigma")
     return Settings(
         descriptors=tuple(row.name for row in bridge.descriptors() if row.name in chosen),
         options=bridge.Options(
-            radius=radius / 100 if group.radius_unit == "diagonal" else radius,
-            samples=group.samples,
-            buffer_size=group.buffer_size,
-            max_jumps=group.max_jumps,
-            texels=group.texels,
-            adaptive=group.adaptive,
-            **{name: getattr(group, name) for name in bridge.CHOICES},
+            radius=scaled_radius(group, getattr(group, radius_member(group))),
+            harris_k=group.harris_k,
+            **{name: getattr(group, name) for name in (*same, *bridge.CHOICES)},
         ),
         backend=group.backend,
         device_index=group.device_index,
+        more_radii=more_radii(group),
+        corner_threshold=group.corner_threshold / 100,
+        space=group.space,
     )
 
 

@@ -125,7 +125,7 @@ def joined(baked: list[Baked]) -> Baked:
 def world_values(baked: Baked, name: str) -> np.ndarray:
     """(n,) values as they are, (n, 3) directions in world space."""
     values = baked.results.values[name]
-    if values.ndim == 1:
+    if values.ndim == 1 or baked.results.settings.space == "world":
         return values
     turned = values.astype(np.float64) @ baked.matrix_world[:3, :3].T
     with np.errstate(divide="ignore", invalid="ignore"):

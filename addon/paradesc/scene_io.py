@@ -133,7 +133,8 @@ def choose_object(name: str | None, prefer_active: bool) -> bpy.types.Object:
         return active
     if not meshes:
         raise refuse("There is no mesh object in the scene.")
-    return max(meshes, key=lambda item: len(item.data.vertices))
+    shapes = bone_shapes()
+    return max([item for item in meshes if item not in shapes] or meshes, key=lambda item: len(item.data.vertices))
 
 
 def find_object(name: str) -> bpy.types.Object:
@@ -148,19 +149,29 @@ def find_object(name: str) -> bpy.types.Object:
 
 
 def all_objects() -> tuple[list[bpy.types.Object], list[str]]:
-    """Every mesh object of the view layer that has faces and is not disabled in renders; sentences about the others."""
-    shown = [item for item in bpy.context.view_layer.objects if item.type == "MESH"]
+    """Every mesh object of the view layer that has faces and renders; sentences about the others."""
+    shapes = bone_shapes()
     chosen, sentences = [], []
-    for item in shown:
-        if item.hide_render:
-            sentences.append(f'The object "{item.name}" is disabled in renders and was left out.')
+    for item in (item for item in bpy.context.view_layer.objects if item.type == "MESH"):
+        if item in shapes:
+            reason = "is the shape of a bone"
+        elif item.hide_render or all(collection.hide_render for collection in item.users_collection):
+            reason = "is disabled in renders"
         elif not item.data.polygons:
-            sentences.append(f'The object "{item.name}" has no faces and was left out.')
+            reason = "has no faces"
         else:
             chosen.append(item)
+            continue
+        sentences.append(f'The object "{item.name}" {reason} and was left out.')
     if not chosen:
-        raise refuse("There is no mesh object with faces in the scene.")
+        raise refuse(" ".join(["There is no mesh object with faces in the scene that renders.", *sentences]))
     return sorted(chosen, key=lambda item: item.name), sentences
+
+
+def bone_shapes() -> set[bpy.types.Object]:
+    """Objects that bones are drawn as; the importer of glTF makes one."""
+    rigs = [item for item in bpy.context.scene.objects if item.type == "ARMATURE" and item.pose]
+    return {bone.custom_shape for rig in rigs for bone in rig.pose.bones if bone.custom_shape}
 
 
 def save_blend(path: Path, verbose: bool = False) -> None:

@@ -66,8 +66,8 @@ def read(
 
     if source == "original":
         return Reading(original(), source)
-    if target.data.is_editmode:
-        note = "In edit mode the mesh is measured as edited, without its modifiers."
+    if target.data.is_editmode or target.mode == "SCULPT":
+        note = "In edit and sculpt mode the mesh is measured as it is edited, without its modifiers."
         return Reading(mesh_io.read_object(target, corner_normals, needs_uvs), "original", notes=[note])
     if source == "deformed":
         return read_deformed(target, original())
@@ -131,12 +131,15 @@ def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
     """The mesh after modifiers at the current frame; it exists for this long only."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = target.evaluated_get(depsgraph)
+    if not evaluated.is_evaluated:
+        raise refuse(
+            f'The object "{target.name}" is disabled in viewports or not in the view layer, so Blender does not '
+            "evaluate its modifiers; enable it, or choose the source original."
+        )
     try:
         mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
     except RuntimeError as error:
         raise refuse(f'Blender cannot evaluate "{target.name}": {error}') from error
-    if mesh is None:
-        raise refuse(f'Blender cannot evaluate "{target.name}"; it is not in the view layer.')
     try:
         yield mesh
     finally:

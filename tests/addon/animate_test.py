@@ -137,6 +137,19 @@ def test_evaluated_frames_go_to_the_original_vertices(tmp_path):
         bake(target, tmp_path, (1,), source="evaluated", relative=True)
 
 
+def test_frames_whose_vertices_are_lost_hold_those_of_the_evaluated_mesh(tmp_path):
+    target = animated.swelling_sphere(steps=5)
+    target.modifiers.new("Remesh", "REMESH").voxel_size = 0.5
+    scene = bpy.context.scene
+    request = frames.Request(SETTINGS, tmp_path, "evaluated")
+    with frames.FrameBaker(scene, target, request) as baker, frames.frame_kept(scene):
+        done = [baker.run(baker.prepare(frame)) for frame in (1, 11)]
+        assert len([note for note in baker.notes if "cannot be played" in note]) == 1
+    first, last = (cache.read_frame(one.path) for one in done)
+    assert first.info["vertices"] == last.info["vertices"] == "evaluated"
+    assert first.vertex_count < last.vertex_count  # voxels stay as large
+
+
 def test_error_says_at_which_frame_and_the_frames_before_stay(tmp_path):
     target = animated.swelling_sphere(steps=5)
     target.data.shape_keys.key_blocks["Large"].data[4].co.x = float("nan")

@@ -20,7 +20,7 @@ from shapes import ADDON, RADIUS, cube_sphere, write_obj
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import paradesc  # noqa: E402
-from paradesc import bridge, cli_command, results, scene_io  # noqa: E402
+from paradesc import bridge, cli_command, job, results, scene_io  # noqa: E402
 from paradesc.commands import COMMANDS, common  # noqa: E402
 from paradesc.commands.main import main, make_parser  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
@@ -201,11 +201,66 @@ def test_bad_object_among_several_is_named(run, tmp_path, three_objects):
     assert not (tmp_path / "out.npz").exists()
 
 
+def test_shapes_of_bones_are_no_objects(run, tmp_path, three_objects):
+    bpy.ops.wm.open_mainfile(filepath=str(three_objects))
+    rig = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
+    bpy.context.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones.new("bone").tail = (0, 0, 1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    rig.pose.bones[0].custom_shape = bpy.data.objects["second/large"]
+    ended = run("bake", "--all", *QUICK, "--output", "out.npz")
+    assert 'The object "second/large" is the shape of a bone and was left out.' in ended.output
+    with np.load(tmp_path / "out.npz") as arrays:
+        assert {name.rpartition("/")[0] for name in arrays.files} == {"first", "twin"}
+    assert "second/large" not in run("info").output
+
+
+def test_world_space_counts_the_scale_of_each_object(run, tmp_path, three_objects):
+    bpy.ops.wm.open_mainfile(filepath=str(three_objects))
+    bpy.data.objects["twin"].scale = (3, 3, 3)
+    saved_scene(three_objects)
+    words = ("--all", *QUICK, "--space", "world", "--output", "a.npz", "--output", "a.blend")
+    ended = run("bake", three_objects, *words)
+    assert ended.code == 0, ended.error
+    with np.load(tmp_path / "a.npz") as arrays:
+        for name, scale in (("first", 1), ("second/large", 2), ("twin", 3)):
+            found = arrays[f"{name}/mean_curvature"]
+            np.testing.assert_allclose(found, 1 / (scale * RADIUS), rtol=0.06)  # 32 samples on a coarse sphere
+            np.testing.assert_allclose(np.linalg.norm(arrays[f"{name}/vertices"], axis=1), RADIUS, rtol=1e-5)
+    assert "it was measured as" in ended.output
+
+
+def test_uneven_scale_that_is_not_measured_is_said(run, three_objects):
+    bpy.ops.wm.open_mainfile(filepath=str(three_objects))
+    bpy.data.objects["first"].scale = (1, 1, 2)
+    assert "give --space world" in run("bake", "--object", "first", *QUICK, "--output", "a.npz").output
+
+
+def test_shape_key_is_measured_where_asked_for(run, report, tmp_path):
+    empty_scene()
+    target = add_sphere(steps=6)
+    target.shape_key_add(name="Basis")
+    key = target.shape_key_add(name="half")
+    points = 0.5 * cube_sphere(6)[0]
+    key.data.foreach_set("co", points.astype(np.float32).ravel())
+    target.active_shape_key_index = 1
+    path = saved_scene(tmp_path / "keys.blend")
+    for shape, size in (("basis", 1.0), ("active", 0.5)):
+        words = ("--shape-key", shape, "--output", f"{shape}.npz", "--json", "report.json")
+        assert run("bake", path, *QUICK, *words).code == 0
+        with np.load(tmp_path / f"{shape}.npz") as arrays:
+            np.testing.assert_allclose(arrays["mean_curvature"] * size * RADIUS, 1, rtol=0.06)
+    assert report()["objects"][0]["notes"] == ['The shape key "half" was measured, at its full value.']
+
+
 def test_directions_are_turned_with_their_object():
     arrays = bridge.MeshArrays(np.zeros((2, 3), np.float32), np.zeros(0, np.int32), np.zeros((0, 3), np.int32))
     turned = np.array([[0, -2, 0, 5], [2, 0, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1.0]])
 
     class Found:
+        settings = job.Settings()
         values = {"principal_direction_max": np.array([[1, 0, 0], [np.nan] * 3], np.float32)}
 
     found = results.world_values(results.Baked("a", Found(), arrays, turned), "principal_direction_max")
@@ -409,11 +464,11 @@ def test_list_describes_descriptors_and_devices(run, report):
     assert rows["principal_direction_max"]["kind"] == "direction"
     assert rows["harris"]["kind"] == "operator"
     devices = report()["devices"]
-    assert [row["backend"] for row in devices if row["index"] in (0, None)] == ["gpu", "software", "reference"]
+    assert list(dict.fromkeys(row["backend"] for row in devices)) == ["gpu", "software", "reference"]
     for row in devices:
         assert bool(row["device"]) != bool(row["missing"])
-    software = [row["index"] for row in devices if row["backend"] == "software" and row["device"]]
-    assert software == list(range(len(software)))
+        assert row["missing"] in ended.output
+    assert [row["index"] for row in devices if row["backend"] == "reference"] == [None]
 
 
 # ---- The add-on
@@ -433,7 +488,7 @@ def test_panel_settings_of_a_file_are_taken_and_options_go_first(run, report, tm
     add_sphere(steps=6)
     group = bpy.context.scene.paradesc
     group.descriptors, group.radius_unit, group.radius_edges = {"curvedness", "cavity"}, "mean-edge", 2.5
-    group.samples, group.buffer_size, group.backend = 24, 128, "software"
+    group.samples, group.buffer_size, group.backend, group.space = 24, 128, "software", "world"
     path = saved_scene(tmp_path / "scene.blend")
     paradesc.unregister()
     words = ("--scene-settings", "--samples", "16", "--output", "out.npz", "--json", "report.json")
@@ -442,7 +497,29 @@ def test_panel_settings_of_a_file_are_taken_and_options_go_first(run, report, tm
     assert found["descriptors"] == ["curvedness", "cavity"]
     assert (found["radius"], found["radius_unit"]) == (2.5, "mean-edge")
     assert (found["samples"], found["buffer_size"], found["backend"]) == (16, 128, "software")
+    assert found["space"] == "world"
     assert not hasattr(bpy.types.Scene, "paradesc")
+
+
+def test_preset_says_what_and_how_and_options_go_first(run, report, sphere_obj):
+    words = ("--backend", "software", "--buffer", "128", "--output", "out.npz", "--json", "report.json")
+    assert run("bake", sphere_obj, "--preset", "edge_wear", *words).code == 0
+    found = report()["settings"]
+    assert (found["descriptors"], found["radius"], found["samples"]) == (["convexity"], 0.015, 128)
+    assert (found["buffer_size"], found["backend"]) == (128, "software")
+    ended = run("bake", sphere_obj, "--preset", "wear", *words)
+    assert ended.code == 2
+    assert "edge_wear" in ended.error
+
+
+def test_every_preset_of_the_panel_is_one_here():
+    from paradesc import presets
+    from paradesc.commands.options import with_preset
+
+    for name in presets.PRESETS:
+        settings = with_preset(name, None)
+        job.check_descriptors(settings.descriptors)
+        assert set(settings.descriptors) == presets.PRESETS[name].members["descriptors"]
 
 
 def test_blender_gets_the_command_where_it_knows_commands(run, monkeypatch, sphere_obj):
@@ -460,6 +537,22 @@ def test_blender_gets_the_command_where_it_knows_commands(run, monkeypatch, sphe
     cli_command.unregister()
     cli_command.unregister()
     assert taken == ["paradesc"]
+
+
+@pytest.mark.skipif(not bpy.app.binary_path or bpy.app.version < (4, 2), reason="needs Blender 4.2's own executable")
+def test_enabled_addon_answers_to_blenders_own_command_option(tmp_path, sphere_obj):
+    (tmp_path / "scripts" / "addons").mkdir(parents=True)
+    (tmp_path / "scripts" / "addons" / "paradesc").symlink_to(ADDON / "paradesc")
+    start = [bpy.app.binary_path, "--factory-startup", "--addons", "paradesc", "-c", "paradesc"]
+    for words, code in ((["bake", sphere_obj, *QUICK, "--output", "out.npz"], 0), (["info", "nothing.obj"], 3)):
+        process = subprocess.run(
+            [*start, *map(str, words)],
+            cwd=tmp_path,
+            env={**os.environ, "BLENDER_USER_SCRIPTS": str(tmp_path / "scripts")},
+            capture_output=True, text=True, timeout=120, check=False,
+        )  # fmt: skip
+        assert process.returncode == code, process.stdout + process.stderr
+    assert (tmp_path / "out.npz").is_file()
 
 
 def test_older_blender_without_commands_is_left_alone(monkeypatch):

@@ -375,3 +375,19 @@ def test_every_handler_is_hung_in_once_and_taken_out():
     handlers.unregister()
     assert count() == 0
     handlers.register()
+
+
+def test_values_of_several_radii_are_called_as_asked(stretching):
+    bpy.context.scene.paradesc.more_radii = "12"
+    assert switch(stretching) == ""
+    bpy.context.scene.frame_set(3)
+    asked = properties.job_settings(bpy.context.scene.paradesc).value_names()
+    expected = baked_shape(stretching, live_settings(stretching))
+    for name, computed in zip(asked, expected.values, strict=True):
+        assert np.array_equal(values(stretching, name), expected.values[computed])
+    assert len(asked) == 2
+
+
+def test_the_world_is_refused_in_one_sentence(stretching):
+    bpy.context.scene.paradesc.space = "world"
+    assert "object space" in switch(stretching)

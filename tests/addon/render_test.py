@@ -158,7 +158,9 @@ def render_baked(target, path):
         shape.attributes.remove(shape.attributes[name])
     still = bpy.data.objects.new("still", shape)
     bpy.context.collection.objects.link(still)
+    bpy.ops.object.select_all(action="DESELECT")
     bpy.context.view_layer.objects.active = still
+    still.select_set(True)
     target.hide_render = True
     assert bpy.ops.paradesc.bake() == {"FINISHED"}
     found = render_still(path)

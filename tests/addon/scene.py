@@ -63,3 +63,11 @@ def fingerprint(target):
         sorted(item.name for item in bpy.data.objects),
         sorted(item.name for item in bpy.data.meshes),
     )
+
+
+def small_bake(backend="software"):
+    """Settings that take a moment on small spheres."""
+    settings = bpy.context.scene.paradesc
+    settings.radius_percent, settings.samples, settings.buffer_size = 8.0, 64, 256
+    settings.backend = backend
+    return settings

@@ -176,7 +176,7 @@ def test_edit_mode_is_measured_as_edited():
     reading = sources.read(target, "deformed")
     bpy.ops.object.mode_set(mode="OBJECT")
     assert np.array_equal(reading.arrays.positions, mesh_io.read_positions(target.data))
-    assert "edit mode" in reading.notes[0]
+    assert "as it is edited" in reading.notes[0]
 
 
 def test_own_normals_are_those_of_the_deformed_mesh():
@@ -185,6 +185,19 @@ def test_own_normals_are_those_of_the_deformed_mesh():
     original = sources.read(target, "original", corner_normals=True).arrays
     assert not np.allclose(arrays.corner_normals, original.corner_normals, atol=0.05)
     np.testing.assert_allclose(np.linalg.norm(arrays.corner_normals, axis=1), 1, atol=1e-3)
+
+
+def test_object_that_blender_does_not_evaluate_is_refused_and_not_measured_without_its_modifiers():
+    target = with_modifiers(BEND)
+    target.hide_viewport = True
+    for source in ("deformed", "evaluated"):
+        with pytest.raises(bridge.ParadescError, match="disabled in viewports"):
+            sources.read(target, source)
+    assert len(sources.read(target, "original").arrays.positions) == 152
+    target.hide_viewport = False
+    target.hide_set(True)  # only out of sight
+    straight = mesh_io.read_positions(target.data)
+    assert not np.allclose(sources.read(target, "deformed").arrays.positions, straight)
 
 
 def test_unknown_source_and_taken_name_are_one_sentence():

@@ -7,8 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .. import bridge, corners, job, results
-from ..streams import quiet
+from .. import bridge, job, results
 from .common import (
     Parser,
     Progress,
@@ -21,11 +20,10 @@ from .common import (
 )
 from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
 from .outputs import add_output_files, check_files, files_of, write_files
+from .reading import read_object
 
 if TYPE_CHECKING:
     import bpy
-
-    from .. import sources
 
 
 def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
@@ -38,8 +36,8 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_map_options(bake)
     add_output_files(bake)
     add = bake.add_argument
-    add("--corner-threshold", type=float, default=corners.THRESHOLD, metavar="T",
-        help="corners have at least this share of the largest response (default: 0.05)")  # fmt: skip
+    threshold = "corners have at least this share of the largest response (default: 0.05)"
+    add("--corner-threshold", type=float, metavar="T", help=threshold)
     add("--fail-under-coverage", type=float, metavar="SHARE",
         help="end with code 5 if an object's mean coverage is smaller")  # fmt: skip
     add("--fail-over-undefined", type=float, metavar="SHARE",
@@ -55,7 +53,6 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     started = time.monotonic()
     opened = open_objects(arguments)
     settings = opened_settings(arguments)
-    settings.corner_threshold = arguments.corner_threshold
     if arguments.corners and "harris" not in settings.descriptors:
         raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
     check_overwriting(files_of(arguments), open_file(), arguments.force)
@@ -92,8 +89,9 @@ def check(arguments: argparse.Namespace) -> None:
     check_files(arguments)
     if arguments.all and arguments.object:
         raise UsageError("Give --object or --all, not both.")
-    if not 0 < arguments.corner_threshold <= 1:
-        raise UsageError(f"The corner threshold is {arguments.corner_threshold}; it must be above 0 and at most 1.")
+    threshold = arguments.corner_threshold
+    if threshold is not None and not 0 < threshold <= 1:
+        raise UsageError(f"The corner threshold is {threshold}; it must be above 0 and at most 1.")
     if arguments.material_maps and (arguments.displacement or arguments.normal_map):
         raise UsageError("Maps come from the material or from files; leave --material-maps or the images out.")
 
@@ -106,23 +104,24 @@ def saves_scene(arguments: argparse.Namespace) -> bool:
 def bake_objects(
     targets: list["bpy.types.Object"], settings: job.Settings, arguments: argparse.Namespace
 ) -> list[results.Baked]:
-    """Computes each object; those that share a mesh share its results, unless materials change what is measured."""
+    """Computes each object; those that share a mesh share its results, unless what is measured is the object's own."""
     from .. import mesh_io
 
     if saves_scene(arguments):
         for target in targets:
             mesh_io.check_writable(target)
+    its_own = arguments.material_maps or settings.space == "world" or arguments.source != "original"
     baked: list[results.Baked] = []
     of_mesh: dict[str, results.Baked] = {}
     with Progress(arguments.progress) as progress:
         for index, target in enumerate(targets):
-            shares = not arguments.material_maps and arguments.source == "original"
-            known = of_mesh.get(target.data.name_full) if shares else None
+            known = None if its_own else of_mesh.get(target.data.name_full)
             if known is None:
                 part = job.part_of(progress, index, len(targets))
                 with named(target, len(targets)):
-                    reading, computed = bake_object(target, settings, arguments, part)
-                notes = list(reading.notes)
+                    read = read_object(target, settings, arguments)
+                    computed = job.run(read.measured, settings, part, arguments.dump_buffers is not None)
+                reading, notes = read.reading, read.notes
             else:
                 reading, computed = known.reading, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
@@ -130,19 +129,6 @@ def bake_objects(
             baked.append(results.Baked(target.name, computed, reading.arrays, matrix, notes, reading))
             of_mesh.setdefault(target.data.name_full, baked[-1])
     return baked
-
-
-def bake_object(
-    target: "bpy.types.Object", settings: job.Settings, arguments: argparse.Namespace, progress: job.ProgressFunction
-) -> "tuple[sources.Reading, job.Results]":
-    """Reads and computes one object; the reading has sentences about its source and its maps."""
-    from .. import sources
-
-    own_normals, needs_uvs = settings.options.normals == "mesh", settings.backend != "reference"
-    reading = sources.read(target, arguments.source, own_normals, needs_uvs)
-    reading.notes += add_maps(target, reading.arrays, arguments)
-    sources.check_maps(reading)
-    return reading, job.run(reading.arrays, settings, progress, arguments.dump_buffers is not None)
 
 
 @contextmanager
@@ -163,30 +149,16 @@ def open_file() -> Path | None:
     return Path(bpy.data.filepath) if bpy.data.filepath else None
 
 
-def add_maps(target: "bpy.types.Object", arrays: bridge.MeshArrays, arguments: argparse.Namespace) -> list[str]:
-    """Puts the maps asked for into the arrays; gives a sentence about each."""
-    from .. import surface_maps
-
-    sources = surface_maps.Sources(
-        arguments.displacement,
-        arguments.midlevel,
-        arguments.displacement_scale,
-        arguments.normal_map,
-        arguments.material_maps,
-    )
-    with quiet(arguments.verbose):
-        return surface_maps.add_maps(target, arrays, sources)
-
-
 def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:
-    """Leaves the results on the objects' meshes, or on objects of their own."""
+    """Leaves the results where they belong; of several objects with one mesh, those of the first."""
     from .. import sources
+    from .. import targets as groups
 
-    done = set()
-    for target, one in zip(targets, baked, strict=True):
-        if target.data.name_full not in done:
-            one.notes += sources.deliver(target, one.results, one.reading)
-        done.add(target.data.name_full)
+    for sharing in groups.by_mesh(targets):
+        one = baked[targets.index(sharing[0])]
+        one.notes += sources.deliver(sharing[0], one.results, one.reading)
+        if one.results.settings.space == "world":
+            one.notes += groups.shared_note(sharing)
 
 
 def warnings_of(baked: list[results.Baked]) -> list[str]:

@@ -4,6 +4,7 @@ import argparse
 import os
 import signal
 import sys
+import threading
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -101,7 +102,7 @@ def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
     scene_is_open = "bpy" in sys.modules  # in Blender, and in scripts that made a scene
     try:
         with quiet(arguments.verbose):
-            import bpy  # noqa: F401 (before bmesh, which scene_io imports)
+            import bpy  # before bmesh, which scene_io imports
 
             from .. import scene_io
     except ImportError as error:
@@ -111,6 +112,7 @@ def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
         return arguments.input.suffix.lower() != ".blend", notes
     if not scene_is_open:
         raise UsageError(f"INPUT is missing; give a file: {', '.join(scene_io.SUFFIXES)}.")
+    bpy.context.view_layer.update()  # a script may have moved objects
     return False, []
 
 
@@ -179,7 +181,8 @@ class Progress:
         return self.stopped is None
 
     def __enter__(self) -> "Progress":
-        for number in (signal.SIGINT, signal.SIGTERM):
+        on_main_thread = threading.current_thread() is threading.main_thread()
+        for number in (signal.SIGINT, signal.SIGTERM) if on_main_thread else ():
             former = signal.getsignal(number)
             if former is not None:  # Blender itself keeps SIGINT in C, and ends by it
                 self.former[number] = former

@@ -14,6 +14,7 @@ from .common import (
     print_notes,
 )
 from .options import add_mesh_options, opened_settings, settings_of
+from .reading import read_object
 
 COLUMNS = (
     ("mean_percent_ae", "mean %"),
@@ -51,22 +52,21 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     settings_of(arguments)
     target = open_object(arguments)
     settings = opened_settings(arguments)
-    from .. import mesh_io
-
-    arrays = mesh_io.read_object(target, settings.options.normals == "mesh")
+    read = read_object(target, settings, arguments)
     with Progress(arguments.progress) as progress:
-        rows, device, reference = compare.compare(arrays, settings, progress)
+        rows, device, reference = compare.compare(read.measured, settings, progress)
     print(f'object "{target.name}", radius {device.radius:.6g}, {settings.options.samples} samples')
     print(f"{device.backend}: {device.device}, {device.field_report['seconds_total']:.2f} s")
     print(f"reference: {reference.device}, {reference.field_report['seconds_total']:.2f} s")
     print_table(rows)
-    print_notes([device.fallback, *device.warnings])
+    print_notes([*read.notes, device.fallback, *device.warnings])
     return {
         "object": target.name,
         "settings": settings.as_dict(),
         "backend": device.backend,
         "device": device.device,
         "fallback": device.fallback,
+        "notes": read.notes,
         "warnings": device.warnings,
         "rows": rows,
         "failed_checks": failed_checks(rows, arguments.fail_over_error),

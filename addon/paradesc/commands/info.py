@@ -58,7 +58,8 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     from .. import scene_io
 
     named = [scene_io.find_object(name) for name in dict.fromkeys(arguments.object)]
-    objects = [describe(item) for item in named or scene_io.mesh_objects()]
+    shown = named or [item for item in scene_io.mesh_objects() if item not in scene_io.bone_shapes()]
+    objects = [describe(item) for item in shown]
     for row in objects:
         print_object(row)
     if not objects:

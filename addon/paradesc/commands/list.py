@@ -2,14 +2,8 @@
 
 import argparse
 
-from .. import bridge
+from .. import bridge, devices
 from .common import Parser, add_output_options, check_outputs
-
-BACKENDS = ("gpu", "software", "reference")
-# More devices of one backend than a machine has.
-MOST_DEVICES = 64
-# What the library says of an index that is too large.
-PAST_THE_LAST = "there are only"
 
 
 def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
@@ -23,7 +17,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Prints the registry and the devices; gives them."""
     check_outputs([arguments.json] if arguments.json else [])
     rows = [describe(row) for row in bridge.descriptors()]
-    found = devices()
+    found = [describe_device(row) for row in devices.found()]
     print("Descriptors")
     for row in rows:
         unit = f" [{row['unit']}]" if row["unit"] else ""
@@ -50,31 +44,7 @@ def describe(row: bridge.Descriptor) -> dict[str, object]:
     }
 
 
-def devices() -> list[dict[str, object]]:
-    """Every device of every backend by its index; a backend without one has a row that says why."""
-    return [row for backend in BACKENDS for row in devices_of(backend)]
-
-
-def devices_of(backend: str) -> list[dict[str, object]]:
-    """The devices of one backend; the reference has one, which needs no index."""
-    first = row_of(backend, None)
-    if first["missing"] or backend == "reference":
-        return [first]
-    rows: list[dict[str, object]] = []
-    for index in range(MOST_DEVICES):
-        row = row_of(backend, index)
-        if PAST_THE_LAST in str(row["missing"]):
-            break
-        rows.append(row)
-    return rows
-
-
-def row_of(backend: str, index: int | None) -> dict[str, object]:
-    """One device, or the sentence that says why there is none."""
-    row: dict[str, object] = {"backend": backend, "index": index, "device": "", "missing": ""}
-    try:
-        with bridge.Context(backend, -1 if index is None else index) as context:
-            row["device"] = context.device
-    except bridge.ParadescError as error:
-        row["missing"] = error.sentence
-    return row
+def describe_device(row: devices.Device) -> dict[str, object]:
+    """A device for the report; one that is the only one of its backend needs no index."""
+    index = None if row.index < 0 else row.index
+    return {"backend": row.backend, "index": index, "device": row.name, "missing": row.missing}

@@ -5,6 +5,7 @@ import contextlib
 import io
 import signal
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -63,6 +64,9 @@ def sentence_of(error: BaseException) -> str:
 @contextlib.contextmanager
 def terminable() -> Iterator[None]:
     """Lets SIGTERM, by which a farm ends a job, clean up as an exception does."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals are the main thread's
+        return
 
     def stop(*_signal: object) -> None:
         raise Terminated

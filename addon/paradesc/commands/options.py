@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import bridge, job
-from .common import PROGRESS
+from .common import PROGRESS, UsageError
 
 if TYPE_CHECKING:
     import bpy
@@ -43,6 +43,7 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--scene-settings", action="store_true",
         help="take what is not given here from the panel's settings in the .blend")  # fmt: skip
+    add("--preset", metavar="NAME", help="take them from a preset of the panel: cavity, edge_wear, curvature, ...")
     add("--descriptors", metavar="A,B,C", help="see paradesc list (default: mean_curvature)")
     add("--radius", type=radii, metavar="R[,R...]",
         help="support radius (default: 0.02); of several, names end in _r and the radius")  # fmt: skip
@@ -77,6 +78,9 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
     add("--backend", choices=bridge.BACKENDS, help="what computes (default: auto)")
     add("--device", type=int, metavar="N", help="which device of the backend (default: the first)")
     add("--seed", type=int, metavar="N", help="of the sampling pattern (default: 0)")
+    add("--space", choices=("object", "world"),
+        help="measure the mesh itself (default), or as it stands in the world, with the object's scale")  # fmt: skip
+    add("--shape-key", choices=("basis", "active"), help="which shape to measure (default: basis)")
     add("--progress", choices=PROGRESS, default="auto",
         help="on the standard error stream: where it is a terminal (default), a line every 5 %%, or none")  # fmt: skip
 
@@ -110,22 +114,52 @@ def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None)
         base,
         descriptors=names,
         options=replace(base.options, radius=radius, **given),
-        backend=base.backend if arguments.backend is None else arguments.backend,
-        device_index=base.device_index if arguments.device is None else arguments.device,
+        backend=given_or(arguments, "backend", base.backend),
+        device_index=given_or(arguments, "device", base.device_index),
         more_radii=tuple(more),
+        corner_threshold=given_or(arguments, "corner_threshold", base.corner_threshold),
+        space=given_or(arguments, "space", base.space),
     )
 
 
-def opened_settings(arguments: argparse.Namespace) -> job.Settings:
-    """The same once the file is open: with --scene-settings, base is what the panel shows of this scene."""
-    if not arguments.scene_settings:
-        return settings_of(arguments)
-    with scene_group() as group:
-        from .. import properties
+def given_or(arguments: argparse.Namespace, name: str, otherwise: object) -> object:
+    """An option that was given, else something else; not every command has every option."""
+    value = getattr(arguments, name, None)
+    return otherwise if value is None else value
 
-        has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
-        arguments.material_maps = getattr(arguments, "material_maps", False) or (group.material_maps and not has_files)
-        return settings_of(arguments, properties.job_settings(group))
+
+def opened_settings(arguments: argparse.Namespace) -> job.Settings:
+    """The same once the file is open: what is not given comes from --preset, else from the scene, else the defaults.
+
+    --scene-settings also says whether material maps and which shape key are measured, where no option does.
+    """
+    base = None
+    if arguments.scene_settings:
+        with scene_group() as group:
+            from .. import properties
+
+            base = properties.job_settings(group)
+            arguments.shape_key = arguments.shape_key or group.shape_key
+            has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
+            given = getattr(arguments, "material_maps", False)
+            arguments.material_maps = given or (group.material_maps and not has_files)
+    return settings_of(arguments, with_preset(arguments.preset, base))
+
+
+def with_preset(name: str | None, base: job.Settings | None) -> job.Settings | None:
+    """The settings with what one of the panel's presets says about what and how; where it runs stays."""
+    if name is None:
+        return base
+    from .. import presets
+
+    if name not in presets.PRESETS:
+        raise UsageError(f'There is no preset "{name}"; choose one of {", ".join(presets.PRESETS)}.')
+    members = dict(presets.PRESETS[name].members)
+    chosen = members.pop("descriptors")
+    radius = members.pop("radius_percent") / 100
+    names = tuple(row.name for row in bridge.descriptors() if row.name in chosen)
+    options = bridge.Options(radius=radius, **members)
+    return replace(base or job.Settings(), descriptors=names, options=options, more_radii=())
 
 
 @contextmanager

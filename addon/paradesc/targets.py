@@ -1,0 +1,160 @@
+"""The selection to the meshes that are baked, each once; what stands in the way; reading them; modes and back."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from . import bridge, job, mesh_io, sources, spaces, surface_maps
+from .bridge import ParadescError, abi
+
+# Modes in which the mesh can be read, and that can be left and entered again.
+MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
+
+
+def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The mesh objects that a bake is about: the selected ones, the active one first; in other modes those in it."""
+    active = context.active_object
+    if active is not None and active.type == "MESH" and active.mode == "EDIT":
+        edited = [item for item in context.view_layer.objects if item.type == "MESH" and item.mode == "EDIT"]
+        return sorted(edited, key=lambda item: item != active)
+    if active is not None and active.mode != "OBJECT":
+        return [active] if active.type == "MESH" else []
+    found = [item for item in context.view_layer.objects.selected if item.type == "MESH"]
+    if not found and active is not None and active.type == "MESH":
+        return [active]
+    return sorted(found, key=lambda item: item != active)
+
+
+def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
+    """The objects grouped by the mesh that they share."""
+    groups: dict[bpy.types.Mesh, list[bpy.types.Object]] = {}
+    for target in targets:
+        groups.setdefault(target.data, []).append(target)
+    return list(groups.values())
+
+
+def obstacle(context: bpy.types.Context) -> str:
+    """Why nothing can be baked right now, as one sentence, or ""."""
+    missing = bridge.missing_sentence()
+    if missing:
+        return missing
+    targets = chosen(context)
+    if not targets:
+        return "Select a mesh object first"
+    for target in targets:
+        if target.mode not in MODES:
+            return f"Leave {target.mode.replace('_', ' ').lower()} mode first"
+        if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
+            return "Switch dynamic topology off, or leave sculpt mode, first: its mesh is not yet that of the object"
+    group = context.scene.paradesc
+    if not (group.write_attributes or group.write_image or group.write_buffers):
+        return "There is nothing to write: choose attributes, an image or buffers under Output"
+    refused = [sentence for sentence in map(unwritable, targets) if sentence] if group.write_attributes else []
+    return refused[0] if len(refused) == len(targets) else ""
+
+
+def unwritable(target: bpy.types.Object) -> str:
+    """Why the object's mesh would not keep what is written to it, or ""."""
+    try:
+        mesh_io.check_writable(target)
+    except ParadescError as error:
+        return error.sentence
+    return ""
+
+
+# ---- Reading
+
+
+@dataclass
+class Request:
+    """What else is asked of a bake than the computation's own settings; plain values, since it outlasts an undo."""
+
+    shape_key: str = "basis"  # or "active"
+    material_maps: bool = False
+    write_attributes: bool = True
+    source: str = "original"
+
+
+def read(target: bpy.types.Object, settings: job.Settings, request: Request) -> tuple[sources.Reading, list[str]]:
+    """The object's mesh in the space that is measured, and sentences about what was measured."""
+    needs_uvs = settings.backend != "reference"
+    reading = sources.read(target, request.source, settings.options.normals == "mesh", needs_uvs)
+    arrays, notes = reading.arrays, list(reading.notes)
+    if reading.source == "original":
+        notes += take_shape(target, arrays, request.shape_key)
+    surface_maps.add_maps(target, arrays, surface_maps.Sources(material=request.material_maps))
+    sources.check_maps(reading)
+    matrix = mesh_io.world_matrix(target)
+    if settings.space == "world":
+        spaces.to_world(arrays, matrix, target.name)
+    elif not spaces.is_even(matrix):
+        notes.append(
+            f'The object "{target.name}" is scaled differently along its axes, but was measured without its scale; '
+            "measure in World, or apply the scale."
+        )
+    return reading, notes
+
+
+def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) -> list[str]:
+    """Takes the positions of the wanted shape key; says so where another shape is shown."""
+    keys = target.data.shape_keys
+    if keys is None:
+        return []
+    active = target.active_shape_key
+    key = active if shape == "active" and active is not None else keys.reference_key
+    if len(key.data) != len(arrays.positions):
+        sentence = f'The shape key "{key.name}" does not fit its mesh "{target.data.name}"; leave edit mode first.'
+        raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence)
+    arrays.positions = mesh_io.read_array(key.data, "co", np.float32, 3)
+    if key != keys.reference_key:
+        return [f'The shape key "{key.name}" was measured, at its full value.']
+    if any(block.value != 0 and not block.mute for block in keys.key_blocks[1:]):
+        return [f'The mesh "{target.data.name}" has shape keys; the basis was measured, not the shape that is shown.']
+    return []
+
+
+def shared_note(sharing: list[bpy.types.Object]) -> list[str]:
+    """Says which object's scale counted, where objects that share a mesh are measured in the world."""
+    first, *others = sharing
+    own = np.sort(spaces.scales(mesh_io.world_matrix(first)))
+    if all(np.allclose(own, np.sort(spaces.scales(mesh_io.world_matrix(item))), rtol=spaces.EVEN) for item in others):
+        return []
+    return [
+        f'{len(sharing)} objects share the mesh "{first.data.name}" at different scales; it was measured as '
+        f'"{first.name}" stands in the world.'
+    ]
+
+
+# ---- Modes
+
+
+@contextmanager
+def object_mode(context: bpy.types.Context) -> Iterator[None]:
+    """Object mode for a while: the mode, which objects are in it, the selection and the active object come back."""
+    objects = context.view_layer.objects
+    active = objects.active
+    mode = "OBJECT" if active is None else active.mode
+    if mode == "OBJECT":
+        yield
+        return
+    inside = [item for item in objects if item.mode == mode]
+    selected = list(objects.selected)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    try:
+        yield
+    finally:
+        objects.active = active
+        select_only(objects, inside)  # edit mode takes all that are selected
+        bpy.ops.object.mode_set(mode=mode)
+        select_only(objects, selected)
+
+
+def select_only(objects: bpy.types.LayerObjects, wanted: list[bpy.types.Object]) -> None:
+    """Selects these objects and no others."""
+    for item in objects:
+        if item.select_get() != (item in wanted):
+            with suppress(RuntimeError):  # hidden ones cannot be selected
+                item.select_set(item in wanted)

@@ -1,0 +1,137 @@
+"""Images and buffers that the panel's bake writes, and what it leaves when it cannot."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+import paradesc  # noqa: E402
+from paradesc import batch, maps, targets  # noqa: E402
+from scene import add_sphere, empty_scene, fingerprint, small_bake  # noqa: E402
+
+
+@pytest.fixture(autouse=True)
+def registered():
+    empty_scene()
+    paradesc.register()
+    yield
+    paradesc.unregister()
+
+
+@pytest.fixture
+def settings(tmp_path):
+    add_sphere("ball")
+    made = small_bake()
+    made.texels = 64
+    made.write_image, made.image_path = True, str(tmp_path / "curves.png")
+    return made
+
+
+def names_in(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def pixels_of(path):
+    image = bpy.data.images.load(str(path))
+    values = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(values)
+    bpy.data.images.remove(image)
+    return values.reshape(64, 64, -1)
+
+
+def test_an_exr_beside_the_attributes_holds_the_values(settings, tmp_path):
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert names_in(tmp_path) == ["curves.exr"]  # the suffix follows the format
+    values = pixels_of(tmp_path / "curves.exr")[..., 0]
+    np.testing.assert_allclose(values[values != 0], 0.5, rtol=0.1)
+    assert np.mean(values != 0) > 0.5
+    assert "mean_curvature" in bpy.data.objects["ball"].data.attributes
+
+
+def test_pngs_are_a_file_a_descriptor(settings, tmp_path):
+    settings.image_format, settings.descriptors = ".png", {"mean_curvature", "curvedness"}
+    bpy.ops.paradesc.bake()
+    assert names_in(tmp_path) == ["curves_curvedness.png", "curves_mean_curvature.png"]
+
+
+def test_several_meshes_have_files_of_their_own(settings, tmp_path):
+    add_sphere("a b")
+    add_sphere("a_b")
+    settings.write_buffers, settings.buffers_path = True, str(tmp_path / "buffers")
+    bpy.ops.paradesc.bake()
+    folders = [f"buffers_{word}" for word in ("a_b", "a_b_2", "ball")]
+    assert names_in(tmp_path) == [*folders, "curves_a_b.exr", "curves_a_b_2.exr", "curves_ball.exr"]
+    assert {"buffers.npz", "charts.png", "normal.png"} <= set(names_in(tmp_path / folders[0]))
+
+
+def test_without_attributes_the_mesh_stays_as_it_is(settings, tmp_path):
+    settings.write_attributes = False
+    target = bpy.data.objects["ball"]
+    before = fingerprint(target)
+    bpy.ops.paradesc.bake()
+    assert fingerprint(target) == before
+    assert names_in(tmp_path) == ["curves.exr"]
+
+
+def test_nothing_to_write_is_said_by_the_poll(settings):
+    settings.write_attributes = settings.write_image = False
+    assert "nothing to write" in targets.obstacle(bpy.context)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"image_path": "//curves.exr"}, "Save the .blend first"),
+        ({"image_path": " "}, "has no path"),
+        ({"image_path": "/no/such/folder/curves.exr"}, "There is no folder"),
+        ({"write_buffers": True, "buffers_path": "/no/such/folder/buffers"}, "There is no folder"),
+        ({"write_buffers": True, "backend": "reference"}, "The reference bakes no buffers"),
+    ],
+    ids=str,
+)
+def test_files_that_cannot_be_written_are_one_sentence_before_anything_is_computed(settings, tmp_path, change, words):
+    settings.buffers_path = str(tmp_path / "buffers")
+    for name, value in change.items():
+        setattr(settings, name, value)
+    before = fingerprint(bpy.data.objects["ball"])
+    with pytest.raises(RuntimeError, match=words):
+        bpy.ops.paradesc.bake()
+    assert fingerprint(bpy.data.objects["ball"]) == before
+    assert names_in(tmp_path) == []
+
+
+def test_an_image_needs_a_uv_map_of_the_mesh(settings, tmp_path):
+    layers = bpy.data.objects["ball"].data.uv_layers
+    layers.remove(layers[0])
+    with pytest.raises(RuntimeError, match="no usable UV map"):
+        bpy.ops.paradesc.bake()
+    assert names_in(tmp_path) == []
+
+
+def test_an_image_that_fails_leaves_the_old_one_and_no_half_one(settings, tmp_path, monkeypatch):
+    (tmp_path / "curves.exr").write_bytes(b"old")
+
+    def full(path, _baked):
+        path.write_bytes(b"half")
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr(maps, "write_exr", full)
+    before = fingerprint(bpy.data.objects["ball"])
+    with pytest.raises(RuntimeError, match="No space left"):
+        bpy.ops.paradesc.bake()
+    assert (tmp_path / "curves.exr").read_bytes() == b"old"
+    assert names_in(tmp_path) == ["curves.exr"]
+    assert fingerprint(bpy.data.objects["ball"]) == before
+
+
+def test_cancelled_between_two_meshes_no_file_is_left(settings, tmp_path):
+    add_sphere("other")
+    (tmp_path / "curves_other.exr").write_bytes(b"old")
+    made = batch.Batch(bpy.context)
+    made.step()
+    made.step(wait=True)
+    assert names_in(tmp_path) == [".curves_other.exr.part", "curves_other.exr"]
+    made.step()
+    made.abandon()
+    assert names_in(tmp_path) == ["curves_other.exr"]
+    assert (tmp_path / "curves_other.exr").read_bytes() == b"old"
