@@ -154,8 +154,10 @@ class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
         if mode == "CACHE":
             column.prop(group, "missing")
         if mode != "CACHE" or group.missing == "COMPUTE":
-            for name in ("samples", "buffer_size", "fast_seams", "full_render"):
+            for name in ("samples", "buffer_size"):
                 column.prop(group, name)
+            for name in ("fast_seams", "full_render"):
+                layout.prop(group, name)
         if target.paradesc_live.mode != "OFF":
             draw_ranges(layout, group)
             draw_time(layout, target)
@@ -192,8 +194,8 @@ def draw_time(layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
     session = handlers.STATE.sessions.get(target.name)
     if session is None or not session.seconds:
         return
-    parts = ", ".join(f"{name} {1e3 * seconds:.0f}" for name, seconds in session.seconds.items())
-    layout.label(text=f"Last frame, ms: {parts}")
+    total, computing = sum(session.seconds.values()), session.seconds.get("compute", 0.0)
+    layout.label(text=f"Last frame: {1e3 * total:.0f} ms (computing {1e3 * computing:.0f})")
 
 
 def draw_lock(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
