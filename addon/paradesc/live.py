@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from . import frames, mesh_io, painting, properties, sources, surface_maps
-from .bridge import MeshArrays
+from .bridge import MeshArrays, Options
 from .color_maps import ValueRange
 from .job import Results, Settings
 from .mesh_io import refuse
@@ -19,6 +19,8 @@ from .stream import Stream
 
 # In these modes Blender works on copies of a mesh, or keeps tables of its own: results wait until they are left.
 WAITING_MODES = {"EDIT", "SCULPT", "VERTEX_PAINT"}
+# Smaller buffers save nothing more, and a radius of fewer texels costs accuracy.
+SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
 STAGES = ("read", "compute", "write")
 # Modifiers that only append vertices: the original ones come first, in their order (tested).
 APPENDING = {"SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY", "ARRAY"}
@@ -57,7 +59,7 @@ class Session:
         read = time.perf_counter()
         fresh = self.results is None or settings != self.asked or not np.array_equal(positions, self.positions)
         if fresh:
-            self.compute(positions, evaluated, settings)
+            self.compute(positions, evaluated, settings, is_quick(scene, depsgraph.mode == "RENDER"))
         computed = time.perf_counter()
         ranges = painting.locked_ranges(scene.paradesc_live, self.found_ranges())
         changed = self.painter.paint(target.data, self.values(target.data), ranges, fresh)
@@ -85,7 +87,9 @@ class Session:
             return
         self.topology, self.arrays, self.asked = topology, arrays, None  # and the radius follows the new rest pose
 
-    def compute(self, positions: np.ndarray, evaluated: bpy.types.Object, settings: Settings) -> None:
+    def compute(
+        self, positions: np.ndarray, evaluated: bpy.types.Object, settings: Settings, quick: bool = False
+    ) -> None:
         """The results of these positions, at the radius of the undeformed mesh: it does not change with the pose."""
         if self.stream is None or device_of(self.stream.settings) != device_of(settings):
             self.close()
@@ -95,6 +99,11 @@ class Session:
             self.stream.settings = frames.at_fixed_radii(settings, self.stream.mesh_at(self.arrays).report())
         normals = mesh_io.read_corner_normals(evaluated.data) if settings.options.normals == "mesh" else None
         self.results = self.stream.compute(positions, corner_normals=normals)
+        if quick and settings != self.asked:
+            options = with_fewer_texels(self.stream.settings.options, self.results.field_report["radius_in_texels"])
+            if options != self.stream.settings.options:
+                self.stream.settings = replace(self.stream.settings, options=options)
+                self.results = self.stream.compute(positions, corner_normals=normals)
         self.positions, self.asked = positions, settings
 
     def forget_ranges(self) -> None:
@@ -125,7 +134,7 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
     group = scene.paradesc_live
     if settings.space != "object":
         raise refuse("Live values are measured in object space; choose that, and apply the scale where it matters.")
-    if rendering and group.full_render:
+    if not is_quick(scene, rendering):
         return settings
     options = replace(
         settings.options,
@@ -134,6 +143,19 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
         relocation="affine" if group.fast_seams else settings.options.relocation,
     )
     return replace(settings, options=options)
+
+
+def is_quick(scene: bpy.types.Scene, rendering: bool) -> bool:
+    """Whether live mode's own, quicker settings hold."""
+    return not (rendering and scene.paradesc_live.full_render)
+
+
+def with_fewer_texels(options: Options, radius_in_texels: float) -> Options:
+    """The same options with buffers as small as the radius allows, which take less time."""
+    size = options.buffer_size
+    while size > SMALLEST_BUFFER and radius_in_texels * (size // 2) >= ENOUGH_TEXELS * options.buffer_size:
+        size //= 2
+    return replace(options, buffer_size=size)
 
 
 def device_of(settings: Settings) -> tuple[str, int]:

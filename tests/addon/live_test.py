@@ -164,6 +164,21 @@ def test_the_radius_does_not_change_with_the_pose(stretching):
     assert handlers.STATE.sessions["sphere"].results.radius == pytest.approx(rest.radius, rel=1e-6)
 
 
+def test_the_viewport_takes_smaller_buffers_where_the_radius_spans_texels_enough(stretching):
+    settings, group = bpy.context.scene.paradesc, bpy.context.scene.paradesc_live
+    settings.buffer_size = group.buffer_size = 1024
+    switch(stretching)
+    session = handlers.STATE.sessions["sphere"]
+    size = session.stream.settings.options.buffer_size
+    assert size < 1024
+    assert session.results.field_report["radius_in_texels"] >= 5.4
+    bpy.context.scene.frame_set(3)
+    assert session.results.settings.options.buffer_size == size
+    settings.radius_percent = 1.0
+    bpy.context.scene.frame_set(2)
+    assert session.results.settings.options.buffer_size == 1024
+
+
 # ---- Edits
 
 

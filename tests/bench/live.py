@@ -127,7 +127,7 @@ def measure(target: bpy.types.Object, samples: int, buffer_size: int, expected: 
     least = {name: round(min(values), 2) for name, values in times.items()}
     return Row(
         samples=samples,
-        buffer_size=buffer_size,
+        buffer_size=session.results.settings.options.buffer_size,
         vertices=len(expected),
         radius_in_texels=round(session.results.field_report["radius_in_texels"], 1),
         frames_per_second=round(1e3 / least.pop("total"), 1),
