@@ -313,8 +313,9 @@ def ranges(frames: Iterable[Frame], percent: float = color_maps.CLIPPED_PERCENT)
     for frame in frames:
         for name, quantiles in frame.quantiles.items():
             pooled.setdefault(name, []).append((quantiles, frame.counts.get(name, 0)))
-            radius = frame.info.get("radius", {})
-            radii[name] = float(radius.get(name, 0.0)) if isinstance(radius, dict) else 0.0
+            given = frame.info.get("radius")
+            radius = given.get(name) if isinstance(given, dict) else None
+            radii[name] = float(radius) if isinstance(radius, (int, float)) else 0.0
     found = {}
     for name, parts in pooled.items():
         try:

@@ -211,6 +211,14 @@ def test_damaged_frame_does_not_count_in_the_range(tmp_path):
     assert cache.locked_ranges([tmp_path]) == expected
 
 
+@pytest.mark.parametrize(
+    "info", [{}, {"radius": 3}, {"radius": {"mean_curvature": "wide"}}, {"radius": [None]}], ids=str
+)
+def test_range_needs_nothing_of_what_is_for_readers(tmp_path, info):
+    cache.write_frame(tmp_path, replace(a_frame(1), info=info))
+    assert cache.locked_ranges([tmp_path])["mean_curvature"].maximum == pytest.approx(0.95, abs=0.05)
+
+
 def test_fixed_range_comes_first_and_a_damaged_one_is_one_sentence(tmp_path):
     cache.write_frame(tmp_path, a_frame(1, mean_curvature_change=np.ones(40, np.float32)))
     cache.write_fixed(tmp_path, {"": (-5.0, 5.0), "mean_curvature_change": (-1.0, 1.0)})

@@ -54,7 +54,7 @@ def sound_sphere():
     ("chosen", "made"),
     [
         (settings(), 1),
-        (settings(("mean_curvature", "harris"), more_radii=(0.12,), samples=16), 1),
+        (settings(more_radii=(0.12,)), 1),
         (settings(relocation="affine", normals="max"), 1),
         (settings(evaluate="texel", texels=32), 1),
     ],
@@ -63,6 +63,17 @@ def sound_sphere():
 def test_every_frame_has_the_bits_of_a_bake_of_its_own(sound_sphere, chosen, made):
     frames = [bent(sound_sphere.positions, strength) for strength in (0.0, 0.3, -0.2)]
     check_frames(sound_sphere, chosen, frames, made)
+
+
+def test_corners_are_those_of_the_frame():
+    coarse = as_arrays(*cube_sphere(5))
+    chosen = settings(("harris",), samples=16, radius=0.15, buffer_size=128)
+    with stream.Stream(coarse, chosen) as opened:
+        for strength in (0.0, 0.6):
+            positions = bent(coarse.positions, strength)
+            found, alone = opened.compute(positions), job.run(replace(coarse, positions=positions), chosen)
+            assert_same(found, alone)
+            assert np.array_equal(found.corners.vertices, alone.corners.vertices)
 
 
 def test_order_of_frames_does_not_matter(sound_sphere):
