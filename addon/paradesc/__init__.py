@@ -21,7 +21,7 @@ bl_info = {
 __version__ = "0.1.0"
 
 # In the order in which they refer to each other. Each has classes; what else it needs, register() and unregister().
-MODULES = ("properties", "presets", "operators", "panel", "animation_panel", "cli_command")
+MODULES = ("properties", "presets", "operators", "panel", "animation_panel", "live_panel", "handlers", "cli_command")
 
 
 def modules() -> list[ModuleType]:

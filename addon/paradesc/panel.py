@@ -237,8 +237,8 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Only where there was one."""
         target = context.active_object
-        if target is None or target.type != "MESH":
-            return False
+        if target is None or target.type != "MESH" or "mesh_report" not in mesh_io.stored_summary(target.data):
+            return False  # frames of a cache have no report
         left = mesh_io.written_attributes(target.data)  # the list outlives an undo in edit mode, the attributes do not
         return any(name in target.data.attributes for name in left)
 

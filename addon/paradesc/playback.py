@@ -1,0 +1,119 @@
+"""Playback: frames of an object's cache to values and colors of its mesh; nothing is computed.
+
+Frames that the cache lacks are held from the nearest one, or computed by a live session, as the scene says.
+"""
+
+import time
+from pathlib import Path
+
+import bpy
+
+from . import animation_panel, cache, live, mesh_io, painting
+from .bridge import ParadescError
+from .color_maps import ValueRange
+from .corners import ATTRIBUTE
+from .mesh_io import refuse
+
+# What has no colors beside it.
+EXTRAS = ("coverage", ATTRIBUTE)
+
+
+class Player:
+    """What one object keeps while its frames are played."""
+
+    def __init__(self) -> None:
+        self.painter = painting.Painter()
+        self.frame: cache.Frame | None = None
+        self.shown: tuple[Path, int] | None = None  # the file, and when it was written
+        self.whole: dict[str, ValueRange] = {}  # over all frames
+        self.folder: Path | None = None
+        self.seconds: dict[str, float] = {}
+        self.note = ""  # for the panel
+        self.edited = False
+        self.session: live.Session | None = None  # for frames that are not there
+
+    def close(self) -> None:
+        """Forgets everything."""
+        if self.session is not None:
+            self.session.close()
+        self.session = self.frame = self.shown = None
+
+    def refresh(self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene) -> bool:
+        """Leaves on the object's mesh the values of the scene's frame; False where nothing had to change."""
+        if target.mode in live.WAITING_MODES:
+            return False
+        start = time.perf_counter()
+        folder = animation_panel.object_cache(scene, target)
+        path = self.find(folder, scene.frame_current)
+        if path is None or (self.note and scene.paradesc_live.missing == "COMPUTE"):
+            return self.compute(target, depsgraph, scene)
+        fresh = self.read(path, target)
+        read = time.perf_counter()
+        if folder != self.folder:
+            self.folder, self.whole = folder, cache.locked_ranges([folder], self.frame.key)
+        ranges = painting.locked_ranges(scene.paradesc_live, self.found_ranges())
+        changed = self.painter.paint(target.data, self.values(), ranges, fresh)
+        if changed:
+            painting.tag_written(target.data, depsgraph)
+        if fresh:
+            self.seconds = {"read": read - start, "write": time.perf_counter() - read}
+        return changed
+
+    def find(self, folder: Path, wanted: int) -> Path | None:
+        """The file of the frame, or of the nearest one, the earlier of two; says which."""
+        found = cache.frame_path(folder, wanted)
+        self.note = ""
+        if found.is_file():
+            return found
+        there = cache.frames_in(folder)
+        if not there:
+            self.note = f'No frames in "{folder}".'
+            return None
+        nearest = min(there, key=lambda frame: (abs(frame - wanted), frame))
+        self.note = f"Frame {wanted} is not in the cache: showing frame {nearest}."
+        return there[nearest]
+
+    def read(self, path: Path, target: bpy.types.Object) -> bool:
+        """Reads the file unless it is the one that was read last; False then."""
+        stamp = (path, path.stat().st_mtime_ns)
+        if stamp == self.shown and self.frame is not None:
+            return False
+        frame = cache.read_frame(path)
+        count = len(target.data.vertices)
+        if frame.vertex_count != count:
+            raise refuse(
+                f'The frames in "{path.parent}" are of {frame.vertex_count:,} vertices, but "{target.name}" has '
+                f"{count:,}; bake them again, or play them on the object that they are of."
+            )
+        mesh_io.check_writable(target)
+        self.frame, self.shown = frame, stamp
+        return True
+
+    def compute(self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene) -> bool:
+        """The values of a frame that is not there, live."""
+        if scene.paradesc_live.missing != "COMPUTE":
+            raise ParadescError(0, f"{self.note} Bake frames first, or let missing ones be computed.")
+        if self.session is None:
+            self.session = live.Session()
+        self.note = f"Frame {scene.frame_current} is not in the cache: computed."
+        self.shown = None
+        changed = self.session.refresh(target, depsgraph, scene)
+        self.seconds = self.session.seconds
+        return changed
+
+    def forget_ranges(self) -> None:
+        """Has the ranges over all frames read again."""
+        self.folder = None
+
+    def found_ranges(self) -> dict[str, ValueRange]:
+        """The range of each descriptor over all frames."""
+        if self.frame is None:
+            return {} if self.session is None else self.session.found_ranges()
+        spans = {name: ValueRange(0.0, 1.0, False) for name in self.frame.values if name not in EXTRAS}
+        return {**spans, **{name: shown for name, shown in self.whole.items() if name in spans}}
+
+    def values(self) -> painting.Values:
+        """The frame as it is written."""
+        shown = {name: values for name, values in self.frame.values.items() if name not in EXTRAS}
+        extras = {name: values for name, values in self.frame.values.items() if name in EXTRAS}
+        return painting.Values(shown, extras, dict)

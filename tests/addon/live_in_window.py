@@ -1,0 +1,217 @@
+"""Live values in Blender's window, as a person has them: edits, playback, undo, F12. Started by run_in_window.sh.
+
+Timers fire here, and F12 renders on a thread of its own while the interface is locked.
+"""
+
+import os
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+words = sys.argv[sys.argv.index("--") + 1 :]
+sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
+import animated  # noqa: E402
+import paradesc  # noqa: E402
+from paradesc import handlers, live  # noqa: E402
+from scene import attribute_values  # noqa: E402
+
+NAME, SIZE, STEP, PATIENCE = "mean_curvature", 32, 0.1, 120.0
+RENDERED_BY: list[str] = []
+
+
+def say(text: str) -> None:
+    """One line for run_in_window.sh."""
+    sys.stdout.write(f"window: {text}\n")
+    sys.stdout.flush()
+
+
+def wait_for(condition) -> Iterator[None]:
+    """Gives Blender's event loop its turns until the condition holds."""
+    start = time.monotonic()
+    while not condition():
+        assert time.monotonic() - start < PATIENCE, "took too long"
+        yield
+
+
+def target() -> bpy.types.Object:
+    """Undo makes it another one in memory."""
+    return bpy.data.objects["sphere"]
+
+
+def radius_now() -> float:
+    """The radius of the sphere that the values on the mesh speak of."""
+    return 1.0 / float(np.median(attribute_values(target().data, NAME)))
+
+
+def follows(radius: float):
+    """A condition: the values speak of this radius."""
+    return lambda: abs(radius_now() - radius) < 0.02 * radius
+
+
+def view_context() -> dict[str, object]:
+    """The 3D viewport of the only window."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    return {"window": window, "area": area, "region": next(r for r in area.regions if r.type == "WINDOW")}
+
+
+def edit_steps() -> Iterator[None]:
+    """The shape is edited, in object mode and in edit mode, and an edit is undone."""
+    key = target().data.shape_keys.key_blocks["Large"]
+    key.value = 0.5
+    yield from wait_for(follows(3.0))
+    say("followed an edit")
+    before = handlers.STATE.sessions["sphere"].results
+    with bpy.context.temp_override(**view_context()):
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.transform.resize(value=(1.5, 1.5, 1.5))
+    for _ in range(8):
+        yield
+    assert handlers.STATE.sessions["sphere"].results is before, "computed while the mesh was being edited"
+    with bpy.context.temp_override(**view_context()):
+        bpy.ops.object.mode_set(mode="OBJECT")
+    yield from wait_for(lambda: not follows(3.0)())
+    say("followed what edit mode left")
+    with bpy.context.temp_override(**view_context()):
+        bpy.ops.ed.undo_push(message="edited")
+        bpy.ops.ed.undo()
+    yield from wait_for(follows(2.0))
+    assert target().paradesc_live.mode == "LIVE", target().paradesc_live.sentence
+    say("undone")
+
+
+def play_steps() -> Iterator[None]:
+    """The animation is played and stopped."""
+    scene = bpy.context.scene
+    scene.frame_end = 11
+    scene.frame_set(1)
+    seen = set()
+    with bpy.context.temp_override(**view_context()):
+        bpy.ops.screen.animation_play()
+    start = time.monotonic()
+    while len(seen) < 5:
+        assert time.monotonic() - start < PATIENCE, "nothing is played"
+        expected = 2.0 + 0.2 * (scene.frame_current - 1)
+        assert follows(expected)(), f"frame {scene.frame_current}: {radius_now()} instead of {expected}"
+        seen.add(scene.frame_current)
+        yield
+    with bpy.context.temp_override(**view_context()):
+        bpy.ops.screen.animation_cancel(restore_frame=False)
+    say("every frame that was played had its own values")
+
+
+def prepare_render() -> None:
+    """A camera in front, a material that shows the values, and where the handler runs."""
+    scene = bpy.context.scene
+    material = bpy.data.materials.new("shown")
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    attribute, emission, output = (nodes.new(f"ShaderNode{k}") for k in ("Attribute", "Emission", "OutputMaterial"))
+    attribute.attribute_name = f"{NAME}_color"
+    links.new(attribute.outputs["Color"], emission.inputs["Color"])
+    links.new(emission.outputs["Emission"], output.inputs["Surface"])
+    target().data.materials.append(material)
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.data.type, camera.data.ortho_scale, camera.location = "ORTHO", 2.0, (0, 0, 20)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scene.view_settings.view_transform = "Standard"
+    scene.cycles.samples, scene.cycles.use_denoising, scene.eevee.taa_render_samples = 2, False, 2
+    refresh = live.Session.refresh
+
+    def watched(session, item, depsgraph, of_scene):
+        if depsgraph.mode == "RENDER":
+            RENDERED_BY.append(threading.current_thread().name)
+            assert bpy.data.scenes[of_scene.name].render.use_lock_interface
+        return refresh(session, item, depsgraph, of_scene)
+
+    live.Session.refresh = watched
+
+
+def render_steps(engine: str, frame: int, found: dict) -> Iterator[None]:
+    """F12 at a frame; the color in the middle of the picture."""
+    scene = bpy.context.scene
+    path = Path(bpy.app.tempdir) / f"{engine}{frame}.png"
+    scene.render.engine, scene.render.filepath = engine, str(path)
+    scene.frame_set(frame)
+    with bpy.context.temp_override(**view_context()):
+        assert bpy.ops.render.render("INVOKE_DEFAULT", write_still=True) == {"RUNNING_MODAL"}
+    yield from wait_for(lambda: path.is_file() and not handlers.STATE.rendering)
+    for _ in range(5):
+        yield
+    image = bpy.data.images.load(str(path))
+    pixels = np.array(image.pixels[:]).reshape(SIZE, SIZE, 4)
+    found[engine, frame] = pixels[SIZE // 2, SIZE // 2, :3]
+
+
+def steps() -> Iterator[None]:
+    """What the person does; every yield is a turn of the event loop."""
+    scene = bpy.context.scene
+    settings = scene.paradesc
+    settings.radius_percent, settings.samples, settings.buffer_size, settings.backend = 10.0, 64, 256, "software"
+    scene.render.use_lock_interface = False
+    yield
+    target().paradesc_live.mode = "LIVE"
+    assert scene.render.use_lock_interface
+    assert follows(2.0)(), radius_now()
+    bpy.ops.ed.undo_push(message="live")
+    yield from play_steps()
+    scene.frame_set(1)
+    prepare_render()
+    found: dict[tuple[str, int], np.ndarray] = {}
+    engines = ("CYCLES", "BLENDER_EEVEE") if os.environ.get("PARADESC_LONG_TESTS") else ("CYCLES",)
+    for engine in engines:
+        for frame in (1, 11):
+            yield from render_steps(engine, frame, found)
+        assert np.abs(found[engine, 1] - found[engine, 11]).max() > 0.1, found
+        np.testing.assert_allclose(found["CYCLES", 1], found[engine, 1], atol=0.02)
+        np.testing.assert_allclose(found["CYCLES", 11], found[engine, 11], atol=0.02)
+    assert len(RENDERED_BY) >= 2 * len(engines), RENDERED_BY
+    assert target().paradesc_live.mode == "LIVE", target().paradesc_live.sentence
+    say(f"rendered each frame's values: {', '.join(engines)}")
+    scene.frame_set(1)
+    target().data.shape_keys.animation_data_clear()
+    yield from edit_steps()
+    target().paradesc_live.mode = "OFF"
+    assert not bpy.context.scene.render.use_lock_interface
+    say("all steps passed")
+
+
+def run_steps(iterator: Iterator[None]) -> float | None:
+    """One turn; Blender ends after the last one or the first failure."""
+    try:
+        next(iterator)
+    except StopIteration:
+        bpy.ops.wm.quit_blender()
+        return None
+    except Exception:  # noqa: BLE001 (whatever it is, it has to be seen and Blender has to end)
+        traceback.print_exc(file=sys.stdout)
+        sys.stdout.flush()
+        bpy.ops.wm.quit_blender()
+        return None
+    return STEP
+
+
+def main() -> None:
+    """Prepares the scene and lets the event loop do the rest."""
+    bpy.context.preferences.view.show_splash = False
+    paradesc.register()
+    for item in list(bpy.data.objects):
+        bpy.data.objects.remove(item)
+    animated.empty_scene = lambda: None  # the window stays
+    animated.swelling_sphere()
+    bpy.ops.ed.undo_push(message="start")
+    iterator = steps()
+    bpy.app.timers.register(lambda: run_steps(iterator), first_interval=1.0)
+
+
+main()

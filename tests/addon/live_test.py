@@ -1,0 +1,408 @@
+"""Live mode: values follow frames and edits, in Blender without a window."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+import paradesc  # noqa: E402
+from paradesc import bridge, color_maps, frames, handlers, job, live, mesh_io, painting, properties, sources  # noqa: E402
+from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
+
+NAME = "mean_curvature"
+
+
+@pytest.fixture(autouse=True)
+def registered():
+    empty_scene()
+    paradesc.register()
+    yield
+    paradesc.unregister()
+
+
+@pytest.fixture
+def stretching():
+    """A sphere that a shape key makes an ellipsoid, from frame 1 to frame 3."""
+    settings = bpy.context.scene.paradesc
+    settings.radius_percent, settings.samples, settings.buffer_size = 8.0, 64, 256
+    settings.backend = "software"
+    made = add_sphere()
+    made.shape_key_add(name="Basis")
+    key = made.shape_key_add(name="long")
+    points = np.empty(3 * len(made.data.vertices), np.float32)
+    made.data.vertices.foreach_get("co", points)
+    key.data.foreach_set("co", (points.reshape(-1, 3) * np.float32([1, 1, 2])).ravel())
+    for frame, value in ((1, 0.0), (3, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    bpy.context.scene.frame_set(1)
+    return made
+
+
+def switch(target, mode="LIVE"):
+    """Switches live mode and gives the sentence that came of it."""
+    target.paradesc_live.mode = mode
+    return target.paradesc_live.sentence
+
+
+def values(target, name=NAME):
+    """The values on the mesh."""
+    return attribute_values(bpy.data.objects[target.name].data, name)
+
+
+def baked_shape(target, settings):
+    """What a bake of the object's present shape computes."""
+    evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    arrays = mesh_io.read_object(target, corner_normals=False)
+    return job.run(dataclasses.replace(arrays, positions=mesh_io.read_positions(evaluated.data)), settings)
+
+
+def live_settings(target):
+    """The settings that live mode computes with, in the window."""
+    settings = live.settings_for(bpy.context.scene, rendering=False)
+    with bridge.Context(settings.backend) as context:
+        rest = context.mesh(mesh_io.read_object(target, corner_normals=False)).report()
+    return frames.at_fixed_radii(settings, rest)
+
+
+def count_computations(monkeypatch):
+    """A list that grows with every computation."""
+    done = []
+    compute = live.Session.compute
+    monkeypatch.setattr(live.Session, "compute", lambda *words: (done.append(1), compute(*words)))
+    return done
+
+
+def edit_and_rest():
+    """What the event loop does after an edit, when the hand rests."""
+    bpy.context.view_layer.update()
+    handlers.STATE.edited_at = None if handlers.STATE.edited_at is None else 0.0
+    handlers.follow_edits()
+
+
+@pytest.mark.parametrize("frame", [2, 3])
+def test_every_frame_has_the_values_of_a_bake_of_its_shape(stretching, frame):
+    assert switch(stretching) == ""
+    at_first = values(stretching)
+    bpy.context.scene.frame_set(frame)
+    expected = baked_shape(stretching, live_settings(stretching))
+    assert np.array_equal(values(stretching), expected.values[NAME])
+    assert np.array_equal(values(stretching, "coverage"), expected.coverage)
+    assert np.abs(values(stretching) - at_first).max() > 0.05
+
+
+def test_colors_of_all_frames_are_by_the_first_frames_range(stretching):
+    switch(stretching)
+    shown = mesh_io.shown_range(handlers.STATE.sessions["sphere"].results, NAME)
+    bpy.context.scene.frame_set(3)
+    expected = color_maps.linear_rgba(color_maps.colors(values(stretching), shown))
+    np.testing.assert_allclose(values(stretching, f"{NAME}_color"), expected, atol=1e-3)
+    own = mesh_io.shown_range(handlers.STATE.sessions["sphere"].results, NAME)
+    assert own.maximum > 1.2 * shown.maximum
+
+
+def test_a_changed_range_recolors_without_computing(stretching, monkeypatch):
+    switch(stretching)
+    before = values(stretching)
+    done = count_computations(monkeypatch)
+    item = bpy.context.scene.paradesc_live.ranges[NAME]
+    item.minimum, item.maximum = 0.0, 10.0
+    expected = color_maps.linear_rgba(color_maps.colors(before, color_maps.ValueRange(0.0, 10.0, True)))
+    np.testing.assert_allclose(values(stretching, f"{NAME}_color"), expected, atol=1e-3)
+    assert not done
+
+
+def test_range_of_this_frame_holds_all_live_objects(stretching):
+    switch(stretching)
+    small = add_sphere("small", steps=6)
+    small.data.transform([[0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 0.5, 0], [0, 0, 0, 1]])
+    assert switch(small) == ""
+    assert bpy.context.scene.paradesc_live.ranges[NAME].maximum < 0.7
+    assert bpy.ops.paradesc.live_range() == {"FINISHED"}
+    assert bpy.context.scene.paradesc_live.ranges[NAME].maximum > 0.9
+
+
+def test_undefined_values_are_grey():
+    shown = color_maps.ValueRange(0.0, 1.0, False)
+    found = painting.colors(np.float32([np.nan, 0, 1, 7]), shown, painting.color_table(shown))
+    expected = color_maps.linear_rgba(color_maps.colors(np.array([np.nan, 0, 1, 1]), shown))
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+
+
+def test_the_same_shape_is_computed_once(stretching, monkeypatch):
+    done = count_computations(monkeypatch)
+    switch(stretching)
+    bpy.context.scene.frame_set(1)
+    edit_and_rest()
+    assert len(done) == 1
+    bpy.context.scene.frame_set(2)
+    for _ in range(3):  # our own writing is an edit of the mesh, too
+        edit_and_rest()
+    assert len(done) == 2
+
+
+def test_what_another_tool_wrote_over_is_put_back(stretching, monkeypatch):
+    switch(stretching)
+    before = values(stretching)
+    done = count_computations(monkeypatch)
+    stretching.data.attributes[NAME].data[3].value = 99.0
+    stretching.data.attributes.remove(stretching.data.attributes["coverage"])
+    bpy.context.scene.frame_set(1)
+    assert np.array_equal(values(stretching), before)
+    assert np.isfinite(values(stretching, "coverage")).all()
+    assert not done
+
+
+def test_the_radius_does_not_change_with_the_pose(stretching):
+    switch(stretching)
+    rest = job.run(
+        mesh_io.read_object(stretching, corner_normals=False), properties.job_settings(bpy.context.scene.paradesc)
+    )
+    bpy.context.scene.frame_set(3)
+    assert handlers.STATE.sessions["sphere"].results.radius == pytest.approx(rest.radius, rel=1e-6)
+
+
+def test_the_viewport_takes_smaller_buffers_where_the_radius_spans_texels_enough(stretching):
+    settings, group = bpy.context.scene.paradesc, bpy.context.scene.paradesc_live
+    settings.buffer_size = group.buffer_size = 1024
+    switch(stretching)
+    session = handlers.STATE.sessions["sphere"]
+    size = session.stream.settings.options.buffer_size
+    assert size < 1024
+    assert session.results.field_report["radius_in_texels"] >= 5.4
+    bpy.context.scene.frame_set(3)
+    assert session.results.settings.options.buffer_size == size
+    settings.radius_percent = 1.0
+    bpy.context.scene.frame_set(2)
+    assert session.results.settings.options.buffer_size == 1024
+
+
+# ---- Edits
+
+
+def test_an_edit_of_the_shape_is_followed(stretching):
+    switch(stretching)
+    before = values(stretching)
+    stretching.data.shape_keys.key_blocks[0].data[7].co *= 1.1
+    edit_and_rest()
+    assert np.abs(values(stretching) - before).max() > 0.05
+
+
+def test_edit_mode_is_waited_for(stretching):
+    switch(stretching)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.scene.frame_set(3)
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.transform.resize(value=(2, 2, 2))
+    edit_and_rest()
+    assert stretching.paradesc_live.mode == "LIVE"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    edit_and_rest()
+    assert np.array_equal(values(stretching), baked_shape(stretching, live_settings(stretching)).values[NAME])
+
+
+def test_another_topology_is_followed(stretching):
+    switch(stretching)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.scene.frame_set(3)
+    assert stretching.paradesc_live.sentence == ""
+    assert np.array_equal(values(stretching), baked_shape(stretching, live_settings(stretching)).values[NAME])
+
+
+def test_a_moved_uv_map_is_followed(stretching):
+    switch(stretching)
+    layer = stretching.data.uv_layers.active
+    for item in layer.data:
+        item.uv *= 0.9
+    stretching.data.update()
+    edit_and_rest()
+    bpy.context.scene.frame_set(2)
+    assert np.array_equal(values(stretching), baked_shape(stretching, live_settings(stretching)).values[NAME])
+
+
+def test_a_changed_setting_is_followed(stretching):
+    switch(stretching)
+    bpy.context.scene.paradesc.descriptors = {"curvedness", "shape_index"}
+    bpy.context.scene.frame_set(2)
+    expected = baked_shape(stretching, live_settings(stretching))
+    for name in ("curvedness", "shape_index"):
+        assert np.array_equal(values(stretching, name), expected.values[name], equal_nan=True)
+
+
+def test_a_renamed_object_goes_on(stretching):
+    switch(stretching)
+    stretching.name = "ball"
+    bpy.context.scene.frame_set(3)
+    assert list(handlers.STATE.sessions) == ["ball"]
+    assert np.array_equal(values(stretching), baked_shape(stretching, live_settings(stretching)).values[NAME])
+
+
+# ---- What goes wrong
+
+
+def test_modifiers_that_change_the_vertices_are_one_sentence(stretching, caplog):
+    switch(stretching)
+    before = values(stretching)
+    stretching.modifiers.new("fewer", "DECIMATE").ratio = 0.5
+    bpy.context.scene.frame_set(3)
+    assert stretching.paradesc_live.mode == "OFF"
+    assert "vertices of" in stretching.paradesc_live.sentence
+    assert stretching.paradesc_live.sentence in caplog.text  # for the log of a farm
+    assert np.array_equal(values(stretching), before)
+    stretching.modifiers.clear()
+    assert switch(stretching) == ""
+
+
+APPENDING = {
+    "SUBSURF": {"levels": 2},
+    "MIRROR": {"use_mirror_merge": True, "merge_threshold": 0.1},
+    "SOLIDIFY": {"thickness": 0.1, "use_rim": True},
+    "ARRAY": {"count": 3, "use_merge_vertices": True, "merge_threshold": 0.1},
+}
+
+
+@pytest.mark.parametrize("kind", APPENDING)
+def test_vertices_that_modifiers_append_come_after_the_original_ones(stretching, kind):
+    modifier = stretching.modifiers.new("more", kind)
+    for name, value in APPENDING[kind].items():
+        setattr(modifier, name, value)
+    place = sources.read(stretching, "evaluated").vertices
+    assert np.array_equal(place, np.arange(len(stretching.data.vertices)))
+    assert kind in live.APPENDING
+    assert switch(stretching) == ""
+    bpy.context.scene.frame_set(3)
+    assert stretching.paradesc_live.sentence == ""
+    evaluated = stretching.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    positions = mesh_io.read_positions(evaluated.data)[: len(place)]
+    arrays = dataclasses.replace(mesh_io.read_object(stretching, corner_normals=False), positions=positions)
+    assert np.array_equal(values(stretching), job.run(arrays, live_settings(stretching)).values[NAME])
+
+
+def test_a_mirror_that_cuts_is_one_sentence(stretching):
+    modifier = stretching.modifiers.new("cut", "MIRROR")
+    modifier.use_bisect_axis[0] = True
+    assert "find the original" in switch(stretching)
+
+
+def test_positions_that_are_not_finite_are_one_sentence(stretching):
+    switch(stretching)
+    stretching.data.shape_keys.key_blocks[1].data[3].co.x = float("nan")
+    bpy.context.scene.frame_set(3)
+    assert stretching.paradesc_live.mode == "OFF"
+    assert "3" in stretching.paradesc_live.sentence
+
+
+def test_what_nobody_thought_of_is_one_sentence(stretching, monkeypatch):
+    switch(stretching)
+
+    def fail(*_words):
+        raise ZeroDivisionError("nobody thought of this")
+
+    monkeypatch.setattr(live, "deformed_positions", fail)
+    bpy.context.scene.frame_set(2)
+    assert "nobody thought of this" in stretching.paradesc_live.sentence
+
+
+def test_a_shared_mesh_has_one_live_object(stretching):
+    switch(stretching)
+    twin = bpy.data.objects.new("twin", stretching.data)
+    bpy.context.collection.objects.link(twin)
+    assert "sphere" in switch(twin)
+    assert twin.paradesc_live.mode == "OFF"
+    assert stretching.paradesc_live.mode == "LIVE"
+
+
+def test_attributes_that_are_not_ours_are_left_alone(stretching):
+    stretching.data.attributes.new(NAME, "INT", "FACE")
+    assert "not ours" in switch(stretching)
+    assert stretching.data.attributes[NAME].data_type == "INT"
+    assert f"{NAME}_color" not in stretching.data.attributes
+
+
+def test_a_removed_object_is_forgotten(stretching):
+    switch(stretching)
+    bpy.data.objects.remove(stretching)
+    bpy.context.scene.frame_set(2)
+    assert handlers.STATE.sessions == {}
+
+
+# ---- Switches, files
+
+
+@pytest.mark.parametrize("before", [False, True])
+def test_the_interface_lock_is_given_back(stretching, before):
+    render = bpy.context.scene.render
+    render.use_lock_interface = before
+    switch(stretching)
+    assert render.use_lock_interface
+    switch(stretching, "OFF")
+    assert render.use_lock_interface == before
+
+
+def test_the_interface_lock_stays_for_the_other_object(stretching):
+    other = add_sphere("other", steps=4)
+    switch(stretching), switch(other)
+    switch(stretching, "OFF")
+    assert bpy.context.scene.render.use_lock_interface
+    switch(other, "OFF")
+    assert not bpy.context.scene.render.use_lock_interface
+
+
+def test_switched_off_values_stay_and_nothing_is_kept(stretching):
+    switch(stretching)
+    bpy.context.scene.frame_set(2)
+    before = values(stretching)
+    switch(stretching, "OFF")
+    bpy.context.scene.frame_set(3)
+    assert np.array_equal(values(stretching), before)
+    assert handlers.STATE.sessions == {}
+
+
+def test_a_loaded_file_is_live_again(stretching, tmp_path):
+    switch(stretching)
+    path = str(tmp_path / "live.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    assert handlers.STATE.sessions == {}
+    bpy.ops.wm.open_mainfile(filepath=path)
+    made = bpy.data.objects["sphere"]
+    bpy.context.scene.frame_set(3)
+    assert np.array_equal(values(made), baked_shape(made, live_settings(made)).values[NAME])
+    switch(made, "OFF")
+    assert not bpy.context.scene.render.use_lock_interface
+
+
+def test_every_handler_is_hung_in_once_and_taken_out():
+    def count():
+        return sum(
+            getattr(hook, "__module__", "").startswith("paradesc.handlers")
+            for name in handlers.HANDLERS
+            for hook in getattr(bpy.app.handlers, name)
+        )
+
+    handlers.register()
+    assert count() == len(handlers.HANDLERS)
+    handlers.unregister()
+    assert count() == 0
+    handlers.register()
+
+
+def test_values_of_several_radii_are_called_as_asked(stretching):
+    bpy.context.scene.paradesc.more_radii = "12"
+    assert switch(stretching) == ""
+    bpy.context.scene.frame_set(3)
+    asked = properties.job_settings(bpy.context.scene.paradesc).value_names()
+    expected = baked_shape(stretching, live_settings(stretching))
+    for name, computed in zip(asked, expected.values, strict=True):
+        assert np.array_equal(values(stretching, name), expected.values[computed])
+    assert len(asked) == 2
+
+
+def test_the_world_is_refused_in_one_sentence(stretching):
+    bpy.context.scene.paradesc.space = "world"
+    assert "object space" in switch(stretching)

@@ -1,0 +1,133 @@
+"""Frames of a cache at the mesh: played, held and computed, in Blender without a window."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+import animated  # noqa: E402
+import paradesc  # noqa: E402
+from paradesc import animation_panel, bridge, cache, color_maps, frames, handlers, job, mesh_io, panel  # noqa: E402
+from scene import attribute_values  # noqa: E402
+
+NAME = "mean_curvature"
+SETTINGS = job.Settings((NAME,), bridge.Options(radius=0.1, samples=64, buffer_size=256), "software")
+
+
+@pytest.fixture
+def swelling(tmp_path):
+    """The sphere that swells, with frames 1, 6 and 11 in the cache of its file."""
+    target = animated.swelling_sphere()
+    paradesc.register()
+    scene = bpy.context.scene
+    scene.paradesc_animation.cache_folder = str(tmp_path)
+    group = scene.paradesc
+    group.radius_percent, group.samples, group.buffer_size, group.backend = 10.0, 64, 256, "software"
+    request = frames.Request(SETTINGS, animation_panel.object_cache(scene, target))
+    with frames.FrameBaker(scene, target, request) as baker, frames.frame_kept(scene):
+        for frame in (1, 6, 11):
+            baker.run(baker.prepare(frame))
+    yield target
+    paradesc.unregister()
+
+
+def play(target):
+    """Switches playback on and gives the sentence that came of it."""
+    target.paradesc_live.mode = "CACHE"
+    return target.paradesc_live.sentence
+
+
+def radius_now(target):
+    """The radius of the sphere that the values on the mesh speak of."""
+    return 1 / np.median(attribute_values(target.data, NAME))
+
+
+def note(target):
+    """What the panel says."""
+    return handlers.STATE.sessions[target.name].note
+
+
+def test_frames_of_the_cache_are_played_and_nothing_is_computed(swelling, monkeypatch):
+    monkeypatch.setattr(bridge.Mesh, "compute", None)
+    assert play(swelling) == ""
+    for frame, radius in ((6, 3.0), (11, 4.0), (1, 2.0)):
+        bpy.context.scene.frame_set(frame)
+        assert radius_now(swelling) == pytest.approx(radius, rel=0.02)
+        path = cache.frame_path(animation_panel.object_cache(bpy.context.scene, swelling), frame)
+        assert np.array_equal(attribute_values(swelling.data, NAME), cache.read_frame(path).values[NAME])
+        assert np.isfinite(attribute_values(swelling.data, "coverage")).all()
+        assert note(swelling) == ""
+
+
+def test_colors_are_by_the_range_over_all_frames(swelling):
+    bpy.context.scene.frame_set(11)
+    play(swelling)
+    folder = animation_panel.object_cache(bpy.context.scene, swelling)
+    shown = cache.locked_ranges([folder])[NAME]
+    assert shown.maximum == pytest.approx(0.5, rel=0.02)
+    expected = color_maps.linear_rgba(color_maps.colors(attribute_values(swelling.data, NAME), shown))
+    np.testing.assert_allclose(attribute_values(swelling.data, f"{NAME}_color"), expected, atol=1e-3)
+
+
+def test_missing_frames_are_held_from_the_nearest_and_said(swelling):
+    play(swelling)
+    bpy.context.scene.frame_set(8)
+    assert radius_now(swelling) == pytest.approx(3.0, rel=0.02)
+    assert note(swelling) == "Frame 8 is not in the cache: showing frame 6."
+
+
+def test_missing_frames_are_computed_on_request_and_said(swelling):
+    bpy.context.scene.paradesc_live.missing = "COMPUTE"
+    play(swelling)
+    bpy.context.scene.frame_set(8)
+    assert radius_now(swelling) == pytest.approx(3.4, rel=0.02)
+    assert "computed" in note(swelling)
+    bpy.context.scene.frame_set(6)
+    assert radius_now(swelling) == pytest.approx(3.0, rel=0.02)
+    assert note(swelling) == ""
+
+
+def test_a_frame_that_was_baked_again_is_read_again(swelling):
+    play(swelling)
+    folder = animation_panel.object_cache(bpy.context.scene, swelling)
+    frame = cache.read_frame(cache.frame_path(folder, 1))
+    frame.values[NAME][:] = 7.0
+    cache.write_frame(folder, frame)
+    bpy.context.scene.frame_set(1)
+    assert (attribute_values(swelling.data, NAME) == 7.0).all()
+
+
+def test_a_damaged_frame_is_one_sentence(swelling):
+    play(swelling)
+    path = cache.frame_path(animation_panel.object_cache(bpy.context.scene, swelling), 6)
+    path.write_bytes(path.read_bytes()[:-9])
+    bpy.context.scene.frame_set(6)
+    assert swelling.paradesc_live.mode == "OFF"
+    assert "damaged" in swelling.paradesc_live.sentence
+
+
+def test_frames_of_another_mesh_are_one_sentence(swelling):
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert "vertices" in play(swelling)
+    assert NAME not in swelling.data.attributes
+
+
+def test_an_empty_cache_is_one_sentence(swelling, tmp_path):
+    bpy.context.scene.paradesc_animation.cache_folder = str(tmp_path / "elsewhere")
+    assert "Bake frames first" in play(swelling)
+
+
+def test_live_values_follow_when_playback_is_left(swelling):
+    play(swelling)
+    bpy.context.scene.frame_set(8)
+    swelling.paradesc_live.mode = "LIVE"
+    assert radius_now(swelling) == pytest.approx(3.4, rel=0.02)
+
+
+def test_the_report_of_the_last_bake_is_not_asked_of_played_frames(swelling):
+    play(swelling)
+    assert mesh_io.written_attributes(swelling.data)
+    assert not panel.PARADESC_PT_report.poll(bpy.context)
