@@ -71,6 +71,9 @@ class PARADESC_PT_quality(SidebarPanel, bpy.types.Panel):
             "device_index",
         ):
             layout.prop(settings, name)
+        note = bridge.without_devices()
+        for line in wrapped(note, 36) if note else []:
+            layout.label(text=line, icon="INFO" if note.startswith(line) else "BLANK1")
 
 
 class PARADESC_PT_method(SidebarPanel, bpy.types.Panel):

@@ -196,3 +196,9 @@ def test_windows_loads_a_copy_that_does_not_lock_the_addon(tmp_path, monkeypatch
     original.write_bytes(b"second")
     assert library.unlocked(original) != first
     assert not list(first.parent.glob("tmp*"))
+
+
+@pytest.mark.parametrize(("system", "says"), [("linux", False), ("win32", True), ("darwin", True)])
+def test_panel_says_where_no_device_is_used(monkeypatch, system, says):
+    monkeypatch.setattr(library.sys, "platform", system)
+    assert ("slower" in library.without_devices()) == says

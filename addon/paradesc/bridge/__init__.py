@@ -1,6 +1,14 @@
 """The way from Python to libparadesc: plain Python, ctypes and numpy, never Blender."""
 
-from .library import Descriptor, ParadescError, components, descriptors, load_library, missing_sentence
+from .library import (
+    Descriptor,
+    ParadescError,
+    components,
+    descriptors,
+    load_library,
+    missing_sentence,
+    without_devices,
+)
 from .session import (
     ADAPTIVE_THRESHOLD,
     BACKENDS,
@@ -57,4 +65,5 @@ __all__ = [
     "devices",
     "load_library",
     "missing_sentence",
+    "without_devices",
 ]

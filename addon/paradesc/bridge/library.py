@@ -82,9 +82,11 @@ def library_path() -> Path:
     return Path(__file__).resolve().parent.parent / "lib" / name
 
 
-def has_devices() -> bool:
-    """Whether the library of this system can use graphics devices at all; without them the reference computes."""
-    return sys.platform == "linux"
+def without_devices() -> str:
+    """What to expect where the library of this system uses no graphics devices, as one sentence; "" where it does."""
+    if sys.platform == "linux":
+        return ""
+    return "On this system the exact reference computes, which is slower than a graphics device."
 
 
 def missing_sentence() -> str:
