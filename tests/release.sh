@@ -45,10 +45,11 @@ mkdir -p "$release"
 tail -n 8 "$release/build.log"
 
 status=0
-PARADESC_RELEASE=$release "$tools/bin/python" -m pytest -q -s -p no:cacheprovider --rootdir "$root" -o testpaths= \
+export PARADESC_RELEASE=$release
+"$tools/bin/python" -m pytest -q -s -p no:cacheprovider --rootdir "$root" -o testpaths= \
   "$root/tests/packages/release_test.py" || status=1
 
-# The add-on's own tests, with the library that lies in the zip.
+# The add-on's own tests, with the library that lies in the zips, and those zips installed.
 lib=$root/addon/paradesc/lib
 kept=$(mktemp -d)
 mkdir -p "$lib"

@@ -54,8 +54,13 @@ def pack(root, output):
     environment = {**os.environ, "PYTHONPATH": str(Path(pytest.__file__).parents[1])}
     done = subprocess.run(list(map(str, words)), env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+    return zips_of(output)
+
+
+def zips_of(output):
+    """What package.py wrote for this system."""
     (legacy,) = output.glob("*-legacy.zip")
-    (extension,) = (output / "repository").glob("*.zip")
+    (extension,) = (output / "repository").glob("*-linux-x64.zip")
     return {"legacy": legacy, "extension": extension, "index": output / "repository" / "index.json"}
 
 
@@ -77,9 +82,16 @@ def replace(path, old, new):
 
 
 @pytest.fixture(scope="module")
-def packages(tmp_path_factory):
-    """This version's zips."""
+def packed(tmp_path_factory):
+    """This version's zips, with the library of this build."""
     return pack(ROOT, tmp_path_factory.mktemp("packages"))
+
+
+@pytest.fixture(scope="module")
+def packages(request):
+    """This version's zips: the release's where tests/release.sh has built one."""
+    release = os.environ.get("PARADESC_RELEASE")
+    return zips_of(Path(release) / "packages") if release else request.getfixturevalue("packed")
 
 
 @pytest.fixture(scope="module")
@@ -123,12 +135,12 @@ def test_enabling_and_disabling_twenty_times_leaks_nothing(packages, tmp_path):
     in_blender(tmp_path, "cycles", packages["legacy"])
 
 
-def test_zips_hold_the_addon_and_nothing_else(packages):
+def test_zips_hold_the_addon_and_nothing_else(packed):
     expected = {str(path.relative_to(ADDON / "paradesc")) for path in (ADDON / "paradesc").rglob("*") if path.is_file()}
     expected = {name for name in expected if "__pycache__" not in name and not name.startswith("lib")}
     expected |= {f"lib/{path.name}" for path in LIBRARIES} | {"LICENSE"}
-    assert set(zipfile.ZipFile(packages["extension"]).namelist()) == expected
-    legacy = zipfile.ZipFile(packages["legacy"]).namelist()
+    assert set(zipfile.ZipFile(packed["extension"]).namelist()) == expected
+    legacy = zipfile.ZipFile(packed["legacy"]).namelist()
     assert {name for name in legacy if not name.endswith("/")} == {f"paradesc/{name}" for name in expected}
     assert legacy[0] == "paradesc/"  # or Blender would unpack a newer zip into the folder of the older one
 
