@@ -4,6 +4,7 @@ Importing the package imports no part of Blender; register() does.
 """
 
 import atexit
+import sys
 from importlib import import_module
 from types import ModuleType
 
@@ -18,7 +19,11 @@ bl_info = {
     "category": "Mesh",
 }
 
-__version__ = "0.1.0"
+__version__ = ".".join(map(str, bl_info["version"]))
+
+# After an update within a session Blender before 4.2 reads this file again, but not the modules behind it.
+for _name in [name for name in sys.modules if name.startswith(__name__ + ".")]:
+    del sys.modules[_name]
 
 # In the order in which they refer to each other. Each has classes; what else it needs, register() and unregister().
 MODULES = ("properties", "presets", "operators", "panel", "animation_panel", "live_panel", "handlers", "cli_command")

@@ -150,6 +150,9 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
         column.alignment = "RIGHT"
         column.label(text="Device")
         split.menu("PARADESC_MT_devices", text=devices.label_of(settings.backend, settings.device_index))
+        note = bridge.without_devices()
+        if note:
+            sentence_lines(context, layout, note, "INFO")
 
 
 class PARADESC_MT_devices(bpy.types.Menu):

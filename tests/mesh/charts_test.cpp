@@ -373,7 +373,7 @@ TEST(Charts, new_positions_may_choose_another_place) {
   const size_t middle = at(moved.half_edges.vertex_point[4]);
   EXPECT_EQ(moved.charts.sites[at(moved.charts.point_site[middle])].chart, 0);
   moved.triangles.positions[4] = vec3(0.95f, 0.95f, 0.0f);
-  weigh_sites(moved.triangles, moved.charts);
+  weigh_sites(moved.triangles, 1, moved.charts);
   shape.positions = moved.triangles.positions;
   const Built fresh = build(shape);
   EXPECT_EQ(moved.charts.point_site, fresh.charts.point_site);

@@ -1,6 +1,15 @@
 """The way from Python to libparadesc: plain Python, ctypes and numpy, never Blender."""
 
-from .library import Descriptor, InputError, ParadescError, components, descriptors, load_library, missing_sentence
+from .library import (
+    Descriptor,
+    InputError,
+    ParadescError,
+    components,
+    descriptors,
+    load_library,
+    missing_sentence,
+    without_devices,
+)
 from .session import (
     ADAPTIVE_THRESHOLD,
     BACKENDS,
@@ -58,4 +67,5 @@ __all__ = [
     "devices",
     "load_library",
     "missing_sentence",
+    "without_devices",
 ]

@@ -1,20 +1,34 @@
 """Finds, loads and checks libparadesc in the add-on's own lib folder, and reads its descriptor registry."""
 
 import ctypes
+import hashlib
+import platform
+import shutil
 import sys
+import tempfile
 from ctypes import byref, sizeof
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
 
+from .. import __version__
 from . import abi
 
-LIBRARY_NAMES = {"linux": "libparadesc.so", "darwin": "libparadesc.dylib", "win32": "paradesc.dll"}
+# By sys.platform; one zip serves both kinds of Mac.
+LIBRARY_NAMES = {
+    "linux": "libparadesc.so",
+    "win32": "paradesc.dll",
+    "darwin": f"libparadesc-{platform.machine()}.dylib",
+}
+# What release packages hold libraries for; platform.machine() by sys.platform.
+MACHINES = {"linux": ("x86_64",), "win32": ("AMD64",), "darwin": ("x86_64", "arm64")}
 # Libraries that libparadesc needs; loaded first, from the same folder, where they lie there.
 COMPANION_NAMES = ("libOpenMeshCore.so.9.0",)
 # Bytes kept free behind every struct: a newer library of the same ABI version may know more members than abi.py.
 GROWTH_ROOM = 256
+# A library that is loaded stays so: an add-on that was updated beside it meets the old one.
+REMEDY = "restart Blender if you have just updated the add-on, else install both from one release"
 
 Struct = TypeVar("Struct", bound=ctypes.Structure)
 
@@ -75,6 +89,13 @@ def library_path() -> Path:
     return Path(__file__).resolve().parent.parent / "lib" / name
 
 
+def without_devices() -> str:
+    """What to expect where the library of this system uses no graphics devices, as one sentence; "" where it does."""
+    if sys.platform == "linux":
+        return ""
+    return "On this system the exact reference computes, which is slower than a graphics device."
+
+
 def missing_sentence() -> str:
     """Why the native library cannot be used, as one sentence; "" when it can."""
     try:
@@ -93,41 +114,75 @@ def load_library() -> ctypes.CDLL:
 def open_library(path: Path) -> ctypes.CDLL:
     """Loads the library at an absolute path; ParadescError says in one sentence what is wrong with it."""
     if not path.is_file():
-        raise ParadescError(
-            abi.STATUS_UNSUPPORTED,
-            f"native library missing – {path.name} is not in {path.parent}; build it with cmake, or install the add-on "
-            "from a release package instead of a source archive.",
-        )
+        raise ParadescError(abi.STATUS_UNSUPPORTED, absent_sentence(path))
+    path = unlocked(path)
     try:
         for name in COMPANION_NAMES:
             if (path.parent / name).is_file():
                 ctypes.CDLL(str(path.parent / name), mode=ctypes.RTLD_LOCAL)
         library = ctypes.CDLL(str(path), mode=ctypes.RTLD_LOCAL)
     except OSError as error:
-        sentence = f"native library cannot be loaded – {str(error).strip().rstrip('.')}."
+        sentence = f"native library cannot be loaded – {str(error).strip().rstrip('.')}; {offer()}."
         raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
     check_version(library, path)
     abi.declare(library)
     return library
 
 
+def absent_sentence(path: Path) -> str:
+    """What to do where there is no library."""
+    if platform.machine() not in MACHINES.get(sys.platform, ()):
+        return f"native library missing – {offer()}; elsewhere build it with cmake, so that {path} exists."
+    return (
+        f"native library missing – {path.name} is not in {path.parent}; install the add-on from a release package for "
+        "this system instead of a source archive, or build it with cmake."
+    )
+
+
+def offer() -> str:
+    """What release packages there are, and what this is."""
+    return (
+        "release packages are for Linux and Windows on x86-64 and for macOS, and this is "
+        f"{platform.system()} on {platform.machine()}"
+    )
+
+
+def unlocked(path: Path) -> Path:
+    """The file to load. Windows locks it, so it loads a copy, lest the add-on could be neither updated nor removed."""
+    if sys.platform != "win32":
+        return path
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    copy = Path(tempfile.gettempdir()) / f"paradesc-{digest}" / path.name
+    if not copy.is_file():
+        copy.parent.mkdir(exist_ok=True)
+        part = Path(tempfile.mkstemp(dir=copy.parent)[1])
+        shutil.copyfile(path, part)
+        part.replace(copy)
+    return copy
+
+
 def check_version(library: ctypes.CDLL, path: Path) -> None:
-    """Compares the library's ABI version with the one abi.py was written for, before any other call."""
+    """Compares the library's versions with those that this add-on was written for, before any other call."""
     try:
         library.pdesc_abi_version.restype = ctypes.c_int32
         found = library.pdesc_abi_version()
         for name in abi.FUNCTIONS:
             getattr(library, name)
     except AttributeError as error:
-        sentence = (
-            f"native library does not fit – {path.name} lacks a function ({error}); install both from one release."
-        )
+        sentence = f"native library does not fit – {path.name} lacks a function ({error}); {REMEDY}."
         raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
     if found != abi.ABI_VERSION:
         raise ParadescError(
             abi.STATUS_UNSUPPORTED,
             f"native library does not fit – {path.name} has ABI version {found} and this add-on needs "
-            f"{abi.ABI_VERSION}; install both from one release.",
+            f"{abi.ABI_VERSION}; {REMEDY}.",
+        )
+    library.pdesc_version.restype = ctypes.c_char_p
+    version = text(library.pdesc_version())
+    if version != __version__:
+        raise ParadescError(
+            abi.STATUS_UNSUPPORTED,
+            f"native library does not fit – {path.name} is version {version} and this add-on {__version__}; {REMEDY}.",
         )
 
 

@@ -1,0 +1,53 @@
+# Libraries → the add-on's folder, its zips and the static repository of extensions: target package_addon.
+#
+# With PARADESC_ZIG the libraries come from Zig's compiler, one build a platform; without, the one for this system is packed.
+set(PARADESC_ZIG "" CACHE FILEPATH "Zig's compiler, for release builds: .../site-packages/ziglang/zig")
+set(PARADESC_PLATFORMS linux-x64 windows-x64 macos-arm64 macos-x64 CACHE STRING "Platforms of release builds")
+find_program(PARADESC_PYTHON python3 HINTS ${PROJECT_SOURCE_DIR}/.venv/bin)
+
+if(APPLE)
+  # Both Macs' libraries lie in one zip for Blender before 4.2.
+  set_target_properties(paradesc PROPERTIES OUTPUT_NAME paradesc-${CMAKE_SYSTEM_PROCESSOR}
+                        INSTALL_NAME_DIR "@rpath" BUILD_WITH_INSTALL_NAME_DIR ON)
+elseif(WIN32)
+  set_target_properties(paradesc PROPERTIES PREFIX "")
+endif()
+
+if(PARADESC_PLATFORM)
+  target_link_options(paradesc PRIVATE -s)
+  if(NOT APPLE)
+    # A caller of the library, to run on this system and under Wine.
+    add_executable(sphere_curvature ${PROJECT_SOURCE_DIR}/tests/packages/sphere_curvature.c)
+    target_include_directories(sphere_curvature PRIVATE native/include)
+    set_target_properties(sphere_curvature PROPERTIES C_EXTENSIONS ON)
+    target_link_libraries(sphere_curvature PRIVATE $<$<NOT:$<PLATFORM_ID:Windows>>:m>)
+  endif()
+  return()
+endif()
+
+# The add-on finds the library in its own lib folder and nowhere else.
+set(library_files $<TARGET_FILE:paradesc> ${OPENMESH_CORE_FILE})
+add_custom_command(TARGET paradesc POST_BUILD
+  COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_SOURCE_DIR}/addon/paradesc/lib
+  COMMAND ${CMAKE_COMMAND} -E copy_if_different ${library_files} ${PROJECT_SOURCE_DIR}/addon/paradesc/lib/)
+
+set(arguments "")
+if(PARADESC_ZIG)
+  include(ExternalProject)
+  foreach(platform ${PARADESC_PLATFORMS})
+    ExternalProject_Add(library_${platform} EXCLUDE_FROM_ALL ON
+      SOURCE_DIR ${PROJECT_SOURCE_DIR} BINARY_DIR ${PROJECT_BINARY_DIR}/${platform}
+      CMAKE_ARGS -DCMAKE_TOOLCHAIN_FILE=${PROJECT_SOURCE_DIR}/native/cmake/zig.cmake -DPARADESC_ZIG=${PARADESC_ZIG}
+                 -DPARADESC_PLATFORM=${platform} -DOPENMESH_SOURCE_DIR=${OPENMESH_SOURCE_DIR} -DPARADESC_TESTS=OFF
+                 -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
+      BUILD_ALWAYS ON USES_TERMINAL_BUILD ON INSTALL_COMMAND "")
+    list(APPEND libraries library_${platform})
+    list(APPEND arguments --folder ${platform}=${PROJECT_BINARY_DIR}/${platform})
+  endforeach()
+else()
+  set(libraries paradesc)
+  set(arguments --files ${library_files})
+endif()
+add_custom_target(package_addon
+  COMMAND ${PARADESC_PYTHON} ${PROJECT_SOURCE_DIR}/native/cmake/package.py --output ${PROJECT_BINARY_DIR}/packages ${arguments}
+  DEPENDS ${libraries} USES_TERMINAL COMMENT "Packing the add-on" VERBATIM COMMAND_EXPAND_LISTS)

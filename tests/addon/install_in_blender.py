@@ -1,0 +1,180 @@
+"""What install_test.py has done in a Blender of its own, with empty user folders: install, use, update, disable.
+
+Usage: blender -b --factory-startup -P install_in_blender.py -- ACTION ARGUMENT...
+       python install_in_blender.py -- ACTION ARGUMENT...                           with the Python module bpy
+"""
+
+import gc
+import os
+import sys
+from pathlib import Path
+
+import bpy
+
+EXTENSION = "bl_ext.user_default.paradesc"
+CYCLES = 20
+# Of these the first fill caches: Blender's own, the driver's, Python's.
+FIRST_CYCLES = 8
+
+
+def finished(result: set[str]) -> None:
+    """Fails where an operator did not finish."""
+    assert result == {"FINISHED"}, result
+
+
+def enable(module: str) -> None:
+    """Enables the add-on, of which nothing was there before."""
+    finished(bpy.ops.preferences.addon_enable(module=module))
+    assert hasattr(bpy.types.Scene, "paradesc")
+
+
+def disable(module: str) -> None:
+    """Disables the add-on, of which nothing stays."""
+    finished(bpy.ops.preferences.addon_disable(module=module))
+    assert not hasattr(bpy.types.Scene, "paradesc")
+    assert not hasattr(bpy.types, "PARADESC_PT_bake")
+    assert not hasattr(bpy.types, "PARADESC_OT_bake")
+
+
+def bake(backend: str = "software") -> None:
+    """Adds a torus, bakes it, and looks at the values: a torus is most curved on its outer equator."""
+    bpy.ops.mesh.primitive_torus_add(generate_uvs=True, major_segments=24, minor_segments=12)
+    torus = bpy.context.active_object
+    settings = bpy.context.scene.paradesc
+    settings.backend = backend
+    settings.buffer_size = 256
+    settings.radius = 5.0
+    finished(bpy.ops.paradesc.bake())
+    values = [row.value for row in torus.data.attributes["mean_curvature"].data]
+    assert len(values) == 24 * 12
+    assert 1.0 < max(values) < 3.5, max(values)  # 0.5 (1/0.25 + 1/1.25) = 2.4, on a coarse mesh
+    assert "mean_curvature_color" in torus.data.attributes
+    mesh = torus.data
+    bpy.data.objects.remove(torus)
+    bpy.data.meshes.remove(mesh)
+
+
+def install_legacy(package: str) -> None:
+    """As under Preferences > Add-ons > Install."""
+    finished(bpy.ops.preferences.addon_install(filepath=package, overwrite=True))
+
+
+def install_extension(package: str) -> None:
+    """As under Preferences > Get Extensions > Install from Disk."""
+    import addon_utils
+
+    addon_utils.enable("bl_pkg")
+    finished(bpy.ops.extensions.package_install_files(filepath=package, repo="user_default", enable_on_install=True))
+
+
+def legacy(package: str) -> None:
+    """Installs the zip into the add-ons folder and uses it."""
+    install_legacy(package)
+    use("paradesc")
+
+
+def extension(package: str) -> None:
+    """Installs the zip as an extension and uses it."""
+    install_extension(package)
+    assert hasattr(bpy.types.Scene, "paradesc")
+    disable(EXTENSION)
+    use(EXTENSION)
+
+
+def use(module: str) -> None:
+    """Enables, bakes, disables."""
+    enable(module)
+    assert str(Path(sys.modules[module].__file__)).startswith(os.environ["PARADESC_TEST_USER"])
+    bake()
+    disable(module)
+
+
+def remote(index: str, newer: str = "") -> None:
+    """Installs from a repository and, where there is a newer index, updates as Blender's button does."""
+    import addon_utils
+
+    addon_utils.enable("bl_pkg")
+    bpy.context.preferences.system.use_online_access = True
+    repositories = bpy.context.preferences.extensions.repos
+    repository = repositories.new(name="Paradesc", module="paradesc_releases", remote_url=f"file://{index}")
+    place = list(repositories).index(repository)
+    finished(bpy.ops.extensions.repo_sync(repo_index=place))
+    finished(bpy.ops.extensions.package_install(repo_index=place, pkg_id="paradesc", enable_on_install=True))
+    bake()
+    if newer:
+        repository.remote_url = f"file://{newer}"
+        finished(bpy.ops.extensions.repo_sync(repo_index=place))
+        finished(bpy.ops.extensions.package_upgrade_all())
+        is_newer_code_with_older_library("bl_ext.paradesc_releases.paradesc")
+
+
+def upgrade_legacy(package: str, newer: str) -> None:
+    """Installs a newer zip over one in use."""
+    install_legacy(package)
+    enable("paradesc")
+    bake()
+    install_legacy(newer)
+    # The boxes in the preferences: off, on.
+    disable("paradesc")
+    enable("paradesc")
+    is_newer_code_with_older_library("paradesc")
+
+
+def is_newer_code_with_older_library(module: str) -> None:
+    """The newer package has the code of version 9.9.9 in every module, and the library that was in use before."""
+    assert sys.modules[module].__version__ == "9.9.9"
+    assert sys.modules[f"{module}.bridge"].FRESH == "9.9.9"
+    sentence = sys.modules[f"{module}.bridge"].missing_sentence()
+    assert "restart Blender" in sentence, sentence
+    assert "9.9.9" in sentence
+    bpy.ops.mesh.primitive_torus_add(generate_uvs=True)
+    assert not bpy.ops.paradesc.bake.poll()
+
+
+def cycles(package: str) -> None:
+    """Enables, bakes and disables again and again: nothing is left behind that the first time did not leave."""
+    install_legacy(package)
+    counts = []
+    for _ in range(CYCLES):
+        enable("paradesc")
+        bake()
+        disable("paradesc")
+        gc.collect()
+        counts.append(holdings())
+    sys.stdout.write("".join(f"{count}\n" for count in counts))
+    settled, last = counts[FIRST_CYCLES], counts[-1]
+    for name in ("files", "libraries", "threads", "handlers"):
+        assert last[name] <= settled[name], (name, counts)
+    # A context that stays, with its buffers and programs, is some 10 MB; of a baked mesh and its reports it is 0.1.
+    assert last["megabytes"] - settled["megabytes"] < 12.0, counts
+
+
+def holdings() -> dict[str, float]:
+    """What this process holds that an add-on can leak."""
+    status = Path("/proc/self/status").read_text()
+    maps = Path("/proc/self/maps").read_text().splitlines()
+    lists = [
+        value
+        for value in (getattr(bpy.app.handlers, name) for name in dir(bpy.app.handlers))
+        if isinstance(value, list)
+    ]
+    return {
+        "files": len(list(Path("/proc/self/fd").iterdir())),
+        "libraries": len({line.split(maxsplit=5)[-1] for line in maps if ".so" in line}),
+        "threads": len(list(Path("/proc/self/task").iterdir())),
+        "handlers": sum(map(len, lists)),
+        "megabytes": int(status.split("VmRSS:")[1].split()[0]) / 1024,
+    }
+
+
+def main() -> None:
+    """Runs one action; Blender is told to end with an error by --python-exit-code."""
+    # A development environment has the sources on Python's path: what is installed must not be taken from there.
+    sys.path[:] = [folder for folder in sys.path if not (Path(folder) / "paradesc").is_dir()]
+    action, *arguments = sys.argv[sys.argv.index("--") + 1 :]
+    globals()[action](*arguments)
+    sys.stdout.write(f"{action} done\n")
+    sys.stdout.flush()
+
+
+main()

@@ -1,0 +1,139 @@
+"""The libraries of a release as users get them: what they need and show, and that Windows computes as Linux does.
+
+Run by tests/release.sh, which builds them and names their folder in PARADESC_RELEASE.
+"""
+
+import math
+import os
+import re
+import subprocess
+import zipfile
+from pathlib import Path
+
+import lief
+import pytest
+
+RELEASE = Path(os.environ["PARADESC_RELEASE"])
+HEADER = Path(__file__).resolve().parents[2] / "native" / "include" / "paradesc" / "paradesc.h"
+NEWEST_GLIBC = (2, 28)  # of the systems that Blender is built on: Rocky Linux 8
+LIBRARIES = {
+    "linux-x64": "libparadesc.so",
+    "windows-x64": "paradesc.dll",
+    "macos-x64": "libparadesc-x86_64.dylib",
+    "macos-arm64": "libparadesc-arm64.dylib",
+}
+MACS = {"macos-x64": "x86_64", "macos-arm64": "arm64"}
+# What Zig's C++ library leaves visible on a Mac: marks of every library, and operators new and delete as weak symbols,
+# of which the system's are taken.
+MAC_EXTRAS = re.compile(r"__mh_dylib_header|___dso_handle|__Zn[wa]m.*|__Zd[la]Pv.*")
+
+
+def path_of(platform):
+    """A platform's library."""
+    return RELEASE / platform / LIBRARIES[platform]
+
+
+def public_functions():
+    """The functions that the header declares."""
+    return set(re.findall(r"^PDESC_API .*?\b(pdesc_\w+)\(", HEADER.read_text(), re.M))
+
+
+def exports(platform):
+    """The names that a library shows."""
+    binary = lief.parse(str(path_of(platform)))
+    entries = binary.get_export().entries if platform == "windows-x64" else binary.exported_symbols
+    return {entry.name for entry in entries}
+
+
+def test_header_declares_functions():
+    assert {"pdesc_abi_version", "pdesc_compute", "pdesc_field_destroy"} <= public_functions()
+
+
+@pytest.mark.parametrize("platform", ["linux-x64", "windows-x64"])
+def test_library_shows_the_public_functions_alone(platform):
+    assert exports(platform) == public_functions()
+
+
+@pytest.mark.parametrize("platform", MACS)
+def test_mac_library_shows_the_public_functions(platform):
+    names = {name for name in exports(platform) if not MAC_EXTRAS.fullmatch(name)}
+    assert names == {f"_{name}" for name in public_functions()}
+
+
+def test_linux_library_runs_with_glibc_2_28():
+    binary = lief.parse(str(path_of("linux-x64")))
+    names = {aux.name for need in binary.symbols_version_requirement for aux in need.get_auxiliary_symbols()}
+    versions = sorted(tuple(map(int, re.findall(r"\d+", name))) for name in names)
+    print("lowest glibc of libparadesc.so:", ".".join(map(str, versions[-1])))  # noqa: T201
+    assert all(name.startswith("GLIBC_") for name in names)
+    assert versions[-1] <= NEWEST_GLIBC
+
+
+def test_linux_library_needs_the_c_library_alone():
+    binary = lief.parse(str(path_of("linux-x64")))
+    assert set(binary.libraries) <= {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "ld-linux-x86-64.so.2"}
+
+
+def test_windows_library_needs_windows_alone():
+    binary = lief.parse(str(path_of("windows-x64")))  # its parts live as long as it does
+    names = {entry.name.lower() for entry in binary.imports}
+    assert all(name in {"kernel32.dll", "ntdll.dll"} or name.startswith("api-ms-win-crt-") for name in names), names
+
+
+@pytest.mark.parametrize(("platform", "machine"), MACS.items())
+def test_mac_library_needs_the_system_alone_and_is_found_by_its_name(platform, machine):
+    binary = lief.parse(str(path_of(platform)))
+    own, *needed = [library.name for library in binary.libraries]
+    assert own == f"@rpath/libparadesc-{machine}.dylib"
+    assert needed == ["/usr/lib/libSystem.B.dylib"]
+    assert str(binary.header.cpu_type).lower().endswith(machine)
+    assert machine != "arm64" or binary.has_code_signature  # an unsigned one is killed there
+
+
+def curvatures(words):
+    """What sphere_curvature prints: values by descriptor, beside version and device."""
+    environment = {**os.environ, "WINEPREFIX": str(RELEASE / "wine"), "WINEDEBUG": "-all"}
+    environment["WINEDLLOVERRIDES"] = "mscoree=;mshtml="
+    done = subprocess.run(
+        list(map(str, words)), env=environment, capture_output=True, text=True, timeout=300, check=True
+    )
+    return dict(line.split(" ", 1) for line in done.stdout.splitlines())
+
+
+def test_windows_library_computes_as_the_linux_one_does():
+    wine = next((path for path in map(Path, ("/usr/lib/wine/wine64", "/usr/bin/wine64")) if path.is_file()), None)
+    if wine is None:
+        pytest.skip("wine64 is not here")
+    linux, windows = RELEASE / "linux-x64", RELEASE / "windows-x64"
+    ours = curvatures([linux / "sphere_curvature", path_of("linux-x64")])
+    library = "Z:" + str(path_of("windows-x64")).replace("/", "\\")
+    theirs = curvatures([wine, windows / "sphere_curvature.exe", library])
+    assert theirs["device"].startswith("CPU")  # found by backend auto
+    assert theirs["version"] == ours["version"]
+    for name in ("mean_curvature", "gaussian_curvature", "sphere_volume"):
+        values, expected = ([float(word) for word in found[name].split()] for found in (theirs, ours))
+        assert len(values) == len(expected) == 17 * 24
+        # Sums in double, printed as floats: other mathematical functions differ in the last of nine digits.
+        assert all(math.isclose(a, b, rel_tol=1e-6) for a, b in zip(values, expected, strict=True)), name
+    middle = float(theirs["mean_curvature"].split()[8 * 24])
+    assert math.isclose(middle, 0.5, rel_tol=0.02)  # a sphere of radius 2, as a polyhedron
+
+
+def test_zips_hold_the_libraries_that_were_tested():
+    zips = {path.name: path for path in (RELEASE / "packages").rglob("*.zip")}
+    assert len(zips) == 1 + len(LIBRARIES)
+    for platform, name in LIBRARIES.items():
+        extension = next(path for key, path in zips.items() if key.endswith(f"-{platform}.zip"))
+        archive = zipfile.ZipFile(extension)
+        assert [entry for entry in archive.namelist() if entry.startswith("lib/")] == [f"lib/{name}"]
+        assert archive.read(f"lib/{name}") == path_of(platform).read_bytes()
+        assert f'platforms = ["{platform}"]' in archive.read("blender_manifest.toml").decode()
+    legacy = zipfile.ZipFile(next(path for key, path in zips.items() if key.endswith("-legacy.zip")))
+    assert {Path(entry).name for entry in legacy.namelist() if "/lib/l" in entry or "/lib/p" in entry} == set(
+        LIBRARIES.values()
+    )
+
+
+def test_libraries_are_stripped_and_small():
+    for platform in LIBRARIES:
+        assert path_of(platform).stat().st_size < 4e6, platform

@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# Builds the release packages for all systems from this one, and tests what users get: exports and needs of each library,
+# the Windows one under Wine, and the add-on's own tests with the Linux one. The packages stay in build/release/packages.
+set -uo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
+
+ZIG_PACKAGE=ziglang==0.17.1 # a C++ compiler for all of them, with their C and C++ libraries
+LIEF_PACKAGE=lief==1.0.0    # reads ELF, PE and Mach-O
+release=$root/build/release
+tools=$root/build/release-tools
+
+# get_openmesh: Debian's source of OpenMesh, checked by apt, without a change to this system's lists.
+get_openmesh() {
+  local folder=$tools/openmesh suite options
+  openmesh=$(find "$folder" -maxdepth 1 -type d -name 'OpenMesh-*' 2>/dev/null | head -n 1)
+  [ -z "$openmesh" ] || return 0
+  command -v apt-get >/dev/null || fail "OpenMesh's source is got by apt; elsewhere unpack OpenMesh 9 into $folder/OpenMesh-9."
+  suite=$(. /etc/os-release && echo "$VERSION_CODENAME")
+  mkdir -p "$folder/lists/partial"
+  echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian $suite main" \
+    >"$folder/sources.list"
+  options=(-q -o Dir::Etc::sourcelist="$folder/sources.list" -o Dir::Etc::sourceparts=/dev/null
+    -o Dir::State::lists="$folder/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache=)
+  (cd "$folder" && apt-get "${options[@]}" update && apt-get "${options[@]}" source --download-only openmesh) \
+    >"$folder/log" 2>&1 || fail "apt-get could not get OpenMesh's source; all of its output is in $folder/log."
+  tar -xf "$folder"/openmesh_*.orig.tar.* -C "$folder"
+  openmesh=$(find "$folder" -maxdepth 1 -type d -name 'OpenMesh-*' | head -n 1)
+}
+
+install_packages "${BUILD_PACKAGES[@]}" "${RUN_PACKAGES[@]}" "${TEST_PACKAGES[@]}" wine64
+make_environment "${REQUIREMENTS[@]}" "${TEST_REQUIREMENTS[@]}"
+"$tools/bin/python" -c 'import lief, pytest, ziglang' 2>/dev/null || {
+  "$python" -m venv "$tools" && "$tools/bin/pip" install -q "$ZIG_PACKAGE" "$LIEF_PACKAGE" "${TEST_REQUIREMENTS[@]}"
+} || fail "pip could not install $ZIG_PACKAGE and $LIEF_PACKAGE into $tools."
+zig=$("$tools/bin/python" -c 'import ziglang, pathlib; print(pathlib.Path(ziglang.__file__).with_name("zig"))')
+get_openmesh
+
+echo "Building for Linux, Windows and macOS (the first time 10 minutes and more: Zig builds a C++ library for each)"
+mkdir -p "$release"
+{ cmake -S "$root" -B "$release" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPARADESC_TESTS=OFF -DPARADESC_ZIG="$zig" \
+  -DOPENMESH_SOURCE_DIR="$openmesh" && cmake --build "$release" --target package_addon; } >"$release/build.log" 2>&1 || {
+  tail -n 40 "$release/build.log" >&2
+  fail "The build failed; all of its output is in $release/build.log."
+}
+tail -n 8 "$release/build.log"
+
+status=0
+export PARADESC_RELEASE=$release
+"$tools/bin/python" -m pytest -q -s -p no:cacheprovider --rootdir "$root" -o testpaths= \
+  "$root/tests/packages/release_test.py" || status=1
+
+# The add-on's own tests, with the library that lies in the zips, and those zips installed.
+lib=$root/addon/paradesc/lib
+kept=$(mktemp -d)
+mkdir -p "$lib"
+mv "$lib"/* "$kept" 2>/dev/null
+trap 'rm -f "$lib"/*; mv "$kept"/* "$lib" 2>/dev/null; rmdir "$kept"' EXIT
+cp "$release/linux-x64/libparadesc.so" "$lib"
+"$python" -m pytest -q --rootdir "$root" "$root/tests/addon" "$@" || status=1
+if command -v blender >/dev/null; then
+  site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+  blender -b --factory-startup -P "$root/tests/addon/run_in_blender.py" -- "$site_packages" -q "$@" || status=1
+fi
+[ $status -eq 0 ] && echo "release: all passed" || echo "release: FAILED"
+exit $status
