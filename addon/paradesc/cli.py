@@ -14,6 +14,7 @@ if __name__ == "__main__":  # run by Blender as a script: find the package that 
 
 from paradesc import bridge, compare, corners, job, maps, results
 from paradesc.bridge import ParadescError, abi
+from paradesc.look_options import add_look_options, look_of
 from paradesc.streams import quiet
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ def make_parser() -> Parser:
     )  # fmt: skip
     bake.add_argument("--dump-buffers", metavar="FOLDER", type=Path, help="write the baked buffers as .png and .npz")
     add_map_options(bake)
+    add_look_options(bake)
     bake.add_argument("--json", metavar="REPORT", type=Path, help="write settings, reports and ranges as JSON")
     bake.add_argument("--corners", metavar="FILE", type=Path, help="write the corners that harris finds as a JSON list")
     bake.add_argument(
@@ -253,6 +255,7 @@ def run_bake(arguments: argparse.Namespace) -> None:
     mapped = add_maps(target, arrays, arguments)
     with Progress() as progress:
         computed = job.run(arrays, settings, progress, arguments.dump_buffers is not None)
+    computed.look = look_of(arguments)
     baked = results.Baked(target.name, computed, arrays, mesh_io.world_matrix(target))
     notes = mapped + (mesh_io.write_results(target, computed) if saves_scene else [])
     written, notes = write_outputs(arguments, baked, images, notes)

@@ -1,0 +1,33 @@
+"""What a legend says: title, unit and numbers of a range of colors. For pictures and the viewport alike. No bpy."""
+
+import math
+
+from . import bridge, color_maps
+from .job import registry_name
+
+
+def title(name: str, unit: str) -> str:
+    """The descriptor in words with its unit: "mean curvature (1/length)"; several radii keep theirs."""
+    stem = registry_name(name)
+    words = stem.replace("_", " ") + (f", radius {name[len(stem) + 2 :]}" if name != stem else "")
+    return words + (f" ({unit})" if unit else "")
+
+
+def unit_of(name: str, map_descriptor: str) -> str:
+    """The unit of a descriptor's values; of operators, on the map that they worked on."""
+    stem = registry_name(name)
+    return next((row.unit_on(map_descriptor) for row in bridge.descriptors() if row.name == stem), "")
+
+
+def ticks(shown: color_maps.ValueRange) -> list[tuple[float, str]]:
+    """Where along the bar, in [0, 1], which number stands: both ends, and the neutral value or the middle."""
+    span = shown.maximum - shown.minimum
+    middle = shown.neutral
+    if not (math.isfinite(middle) and 0.15 <= (middle - shown.minimum) / span <= 0.85):
+        middle = shown.minimum + span / 2
+    return [((value - shown.minimum) / span, number(value, span)) for value in (shown.minimum, middle, shown.maximum)]
+
+
+def number(value: float, span: float) -> str:
+    """A value in three digits; what is nothing against the range is 0."""
+    return "0" if abs(value) < 1e-6 * span else f"{value:.3g}"
