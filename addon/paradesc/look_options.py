@@ -13,7 +13,7 @@ def add_look_options(parser: argparse.ArgumentParser) -> None:
     add("--color-map", choices=(AUTOMATIC, *MAPS), default=AUTOMATIC, help="default: by the descriptor's sign")
     bounds = group.add_mutually_exclusive_group()
     bounds.add_argument("--range", action="append", type=fixed_range, default=[], metavar="[NAME=]A:B",
-        help="values at the map's ends, of all or of one descriptor, as in --range=-1:1; several are possible")  # fmt: skip
+        help="values at the map's ends, of all or of one descriptor, as in --range=-1:1; may come again")  # fmt: skip
     bounds.add_argument("--percentile", type=percentile, metavar="P",
         help="leave P per cent of the values outside the range on either side (default: 2.5)")  # fmt: skip
     add("--neutral", type=float, metavar="X", help="the value in the middle of maps with two sides")

@@ -13,7 +13,9 @@ DESCRIPTOR = "paradesc_descriptor"
 CAVITY_GROUP = "Paradesc Cavity"
 TREE = "ShaderNodeTree"
 # What node groups and materials look like before the user changes them.
-CLAY, DIRT, WEAR = (0.32, 0.30, 0.27, 1.0), (0.035, 0.022, 0.012, 1.0), (0.80, 0.76, 0.68, 1.0)
+CLAY, DIRT, WEAR = (0.35, 0.20, 0.11, 1.0), (0.025, 0.014, 0.008, 1.0), (0.78, 0.62, 0.46, 1.0)
+# Where the masks begin and where they are full, of curvature times radius: most of a surface is a little convex.
+RAMPS = {"Cavity": (0.03, 0.4), "Edge": (0.2, 0.7)}
 
 
 # ---- Slots
@@ -177,12 +179,12 @@ def build_cavity(title: str, attributes: tuple[str, str]) -> bpy.types.NodeTree:
     given = add_node(tree, "NodeGroupInput", (-900, 0)).outputs
     result = add_node(tree, "NodeGroupOutput", (700, 0)).inputs
     color = given["Base Color"]
-    for index, (word, value) in enumerate(zip(("Cavity", "Edge"), raw_masks(tree, attributes, given), strict=True)):
+    for index, (word, value) in enumerate(zip(RAMPS, raw_masks(tree, attributes, given), strict=True)):
         height = -300.0 * index
         # The larger of a value and 0: also where the value does not exist.
         value = add_math(tree, "ShaderNodeMath", "MAXIMUM", (-300, height), value, 0.0)
         ramp = add_node(tree, "ShaderNodeValToRGB", (-120, height), label=word)
-        ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[1].position = (0.02, 0.4)
+        ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[1].position = RAMPS[word]
         tree.links.new(value, ramp.inputs[0])
         mask = add_math(
             tree, "ShaderNodeMath", "MULTIPLY", (180, height), ramp.outputs["Color"], given[f"{word} Strength"]

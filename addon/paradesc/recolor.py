@@ -37,6 +37,7 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
     drawn = stored.get("drawn", {}).get(name, {})
     signed = registry_row(name).is_signed
     neutral = drawn.get("neutral", math.nan)
+    neutral = neutral if math.isfinite(neutral) else math.nan  # the one NaN that equals itself in comparisons
     return color_maps.ValueRange(minimum, maximum, signed, neutral, drawn.get("map", color_maps.AUTOMATIC))
 
 
