@@ -21,8 +21,16 @@ __version__ = "0.1.0"
 
 # In the order in which they refer to each other. Each has classes; what else it needs, register() and unregister().
 MODULES = (
-    *("properties", "operators", "panel"),
-    *("looks", "recolor", "materials", "geometry_nodes", "channels", "looks_panel", "overlay"),
+    "properties",
+    "operators",
+    "panel",
+    "looks",
+    "recolor",
+    "materials",
+    "geometry_nodes",
+    "channels",
+    "looks_panel",
+    "overlay",
 )
 
 

@@ -29,8 +29,8 @@ class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
         if group.span == "fixed":
             column.prop(group, "minimum")
             column.prop(group, "maximum")
-            for line in wrapped(looks.fault(group), 36) if looks.fault(group) else ():
-                column.label(text=line, icon="ERROR")
+            for index, line in enumerate(wrapped(looks.fault(group), 28) if looks.fault(group) else ()):
+                column.label(text=line, icon="BLANK1" if index else "ERROR")
         elif group.span == "percentile":
             column.prop(group, "percentile")
         if group.span != "fixed":

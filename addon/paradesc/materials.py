@@ -267,6 +267,7 @@ class PARADESC_OT_make_material(recolor.NeedsBake, bpy.types.Operator):
     bl_idname = "paradesc.make_material"
     bl_label = "Material"
     bl_options = {"REGISTER", "UNDO"}
+    whole_selection = True
 
     kind: bpy.props.EnumProperty(
         name="Kind",
@@ -311,6 +312,7 @@ class PARADESC_OT_remove_material(recolor.NeedsBake, bpy.types.Operator):
     bl_idname = "paradesc.remove_material"
     bl_label = "Remove"
     bl_options = {"REGISTER", "UNDO"}
+    whole_selection = True
 
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Removes what the other two made."""

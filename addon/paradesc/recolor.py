@@ -85,8 +85,19 @@ def obstacle(context: bpy.types.Context) -> str:
     return ""
 
 
+def baked_targets(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The active object and whatever else is selected of meshes with results; of several with one mesh the first."""
+    found: dict[bpy.types.Mesh, bpy.types.Object] = {}
+    for target in [context.active_object, *context.selected_objects]:
+        if target.type == "MESH" and baked_names(target.data):
+            found.setdefault(target.data, target)
+    return list(found.values())
+
+
 class NeedsBake:
     """What operators on baked meshes have in common: they are grey without one, and failures are one sentence."""
+
+    whole_selection = False  # or the active object alone
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -98,23 +109,26 @@ class NeedsBake:
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Runs in object mode for a while, in which attributes can be read and written."""
-        target = context.active_object
-        try:
-            mesh_io.check_writable(target)
-            with mesh_io.object_mode(target):
-                self.run(context, target)
-        except ParadescError as error:
-            self.report({"ERROR"}, error.sentence)
-            return {"CANCELLED"}
-        return {"FINISHED"}
+        targets = baked_targets(context) if self.whole_selection else [context.active_object]
+        failures = 0
+        for target in targets:
+            try:
+                mesh_io.check_writable(target)
+                with mesh_io.object_mode(target):
+                    self.run(context, target)
+            except ParadescError as error:
+                self.report({"ERROR"}, error.sentence)
+                failures += 1
+        return {"CANCELLED"} if failures == len(targets) else {"FINISHED"}
 
 
 class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
-    """Make the colors again as they are set here, from the stored values, without computing anything"""
+    """Make the colors of all selected meshes again as they are set here, without computing anything"""
 
     bl_idname = "paradesc.recolor"
     bl_label = "Recolor"
     bl_options = {"REGISTER", "UNDO"}
+    whole_selection = True
 
     every: bpy.props.BoolProperty(
         name="All descriptors", description="Not only the one whose colors are shown", default=False
@@ -145,17 +159,19 @@ def name_items(_self: object, context: bpy.types.Context | None) -> list[Item]:
 
 
 class PARADESC_OT_show(NeedsBake, bpy.types.Operator):
-    """Show the colors of this descriptor"""
+    """Show the colors of this descriptor on all selected meshes"""
 
     bl_idname = "paradesc.show"
     bl_label = "Show"
     bl_options = {"REGISTER", "UNDO"}
+    whole_selection = True
 
     name: bpy.props.EnumProperty(name="Descriptor", description="Whose colors to show", items=name_items)
 
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
-        """Makes its colors the active ones."""
-        show(target.data, self.name)
+        """Makes its colors the active ones, wherever it was baked."""
+        if self.name in baked_names(target.data):
+            show(target.data, self.name)
 
 
 class PARADESC_OT_view_colors(bpy.types.Operator):

@@ -96,6 +96,23 @@ def test_later_bake_of_another_descriptor_keeps_the_legend_of_the_first(baked):
     assert recolor.baked_names(baked.data) == ["curvedness", "mean_curvature", "shape_index"]
 
 
+def test_recolor_and_material_take_all_selected_meshes(baked):
+    other = add_sphere("other", steps=4)
+    mesh_io.write_results(other, made_up_results(other, NAMES))
+    bare = add_sphere("bare", steps=2)
+    bpy.context.view_layer.objects.active = baked
+    assert [item.select_get() for item in (baked, other, bare)] == [True] * 3
+    group().color_map = "grey"
+    bpy.ops.paradesc.recolor()
+    bpy.ops.paradesc.make_material(kind="flat")
+    for target in (baked, other):
+        assert np.ptp(colors_of(target)[0]) < 1e-3
+        assert target.data.materials[0].name.startswith("Paradesc mean_curvature")
+    assert len(bare.data.materials) == 0
+    bpy.ops.paradesc.remove_material()
+    assert not [item.name for item in bpy.data.materials if "Paradesc" in item.name]
+
+
 def test_recolor_in_edit_mode_stays_in_edit_mode(baked):
     group().color_map = "grey"
     bpy.ops.object.mode_set(mode="EDIT")
