@@ -1,7 +1,5 @@
 """Stored values to other places, on request: packed channels, face corners, a vertex group, the sculpt mask."""
 
-import math
-
 import bmesh
 import bpy
 import numpy as np
@@ -76,7 +74,7 @@ def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
         return np.clip(np.where(defined, values, 0), 0, 1).astype(np.float32)
     shown = recolor.stored_range(mesh, name)
     neutral = color_maps.neutral_value(registry_row(name), color_maps.Look(neutral=shown.neutral))
-    empty = neutral if math.isfinite(neutral) else shown.minimum
+    empty = shown.minimum if neutral is None else neutral
     scaled = (np.where(defined, values, empty) - shown.minimum) / (shown.maximum - shown.minimum)
     return np.clip(scaled, 0, 1).astype(np.float32)
 
@@ -184,7 +182,7 @@ def export_copies(mesh: bpy.types.Mesh) -> list[str]:
             continue
         values = recolor.stored_values(mesh, name)
         neutral = color_maps.neutral_value(registry_row(name), color_maps.Look())
-        values = np.where(np.isfinite(values), values, neutral if math.isfinite(neutral) else 0.0)
+        values = np.where(np.isfinite(values), values, neutral or 0.0)
         attribute = own_attribute(mesh, EXPORT_PREFIX + name, "FLOAT", "POINT").name
         mesh.attributes[attribute].data.foreach_set("value", values.astype(np.float32))
         made.append(attribute)

@@ -55,7 +55,7 @@ class ValueRange:
     minimum: float
     maximum: float
     diverging: bool
-    neutral: float = math.nan  # shown by the middle of a diverging map; where there is none, halfway
+    neutral: float | None = None  # shown by the middle of a diverging map; where there is none, halfway
     map_name: str = AUTOMATIC
 
     @property
@@ -66,7 +66,7 @@ class ValueRange:
     def shares(self, values: np.ndarray) -> np.ndarray:
         """(n,) finite values to places in the color map: a diverging one changes equally fast on both sides."""
         held = np.clip(values, self.minimum, self.maximum)
-        if not (self.color_map.diverging and math.isfinite(self.neutral)):
+        if not self.color_map.diverging or self.neutral is None:
             return (held - self.minimum) / (self.maximum - self.minimum)
         half = max(self.maximum - self.neutral, self.neutral - self.minimum)
         return 0.5 + 0.5 * (held - self.neutral) / half
@@ -80,7 +80,7 @@ class Look:
     percentile: float | None = None  # per cent of the values left outside on either side; None: as suits the descriptor
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)  # fixed ones by descriptor; "": of all others
     symmetric: bool = True  # of signed descriptors, by percentiles: about the neutral value
-    neutral: float = math.nan  # instead of the descriptor's own
+    neutral: float | None = None  # instead of the descriptor's own
 
     def fixed(self, descriptor: Descriptor) -> tuple[float, float] | None:
         """The range asked for, if there is one."""
@@ -206,12 +206,12 @@ def value_range(values: np.ndarray, descriptor: Descriptor, radius: float, look:
     return ValueRange(low, high, descriptor.is_signed, neutral, look.color_map)
 
 
-def neutral_value(descriptor: Descriptor, look: Look) -> float:
-    """What the middle of a diverging map stands for; NaN for halfway."""
-    if math.isfinite(look.neutral):
+def neutral_value(descriptor: Descriptor, look: Look) -> float | None:
+    """What the middle of a diverging map stands for; None for halfway."""
+    if look.neutral is not None:
         return look.neutral
     if not descriptor.is_signed:
-        return math.nan
+        return None
     return descriptor.neutral_value if math.isfinite(descriptor.neutral_value) else 0.0
 
 

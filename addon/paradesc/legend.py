@@ -1,7 +1,5 @@
 """What a legend says: title, unit and numbers of a range of colors. For pictures and the viewport alike. No bpy."""
 
-import math
-
 from . import bridge, color_maps
 from .job import registry_name
 
@@ -23,7 +21,7 @@ def ticks(shown: color_maps.ValueRange) -> list[tuple[float, str]]:
     """Where along the bar, in [0, 1], which number stands: both ends, and the neutral value or the middle."""
     span = shown.maximum - shown.minimum
     middle = shown.neutral
-    if not (math.isfinite(middle) and 0.15 <= (middle - shown.minimum) / span <= 0.85):
+    if middle is None or not (0.15 <= (middle - shown.minimum) / span <= 0.85):
         middle = shown.minimum + span / 2
     return [((value - shown.minimum) / span, number(value, span)) for value in (shown.minimum, middle, shown.maximum)]
 

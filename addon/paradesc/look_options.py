@@ -1,6 +1,7 @@
 """The command line's options about colors, and what they mean. Never imports bpy."""
 
 import argparse
+import math
 
 from . import bridge
 from .color_maps import AUTOMATIC, MAPS, Look
@@ -16,7 +17,7 @@ def add_look_options(parser: argparse.ArgumentParser) -> None:
         help="values at the map's ends, of all or of one descriptor, as in --range=-1:1; may come again")  # fmt: skip
     bounds.add_argument("--percentile", type=percentile, metavar="P",
         help="leave P per cent of the values outside the range on either side (default: 2.5)")  # fmt: skip
-    add("--neutral", type=float, metavar="X", help="the value in the middle of maps with two sides")
+    add("--neutral", type=finite, metavar="X", help="the value in the middle of maps with two sides")
     add("--asymmetric", action="store_true", help="values with a sign: a range by percentiles of its own on each side")
 
 
@@ -27,7 +28,7 @@ def look_of(arguments: argparse.Namespace) -> Look:
         percentile=arguments.percentile,
         ranges=dict(arguments.range),
         symmetric=not arguments.asymmetric,
-        **({} if arguments.neutral is None else {"neutral": arguments.neutral}),
+        neutral=arguments.neutral,
     )
 
 
@@ -35,7 +36,7 @@ def fixed_range(text: str) -> tuple[str, tuple[float, float]]:
     """A descriptor's name, "" for all, and two numbers: of "curvedness=0:3" or "-1:1"."""
     name, _, bounds = text.rpartition("=")
     try:
-        low, high = map(float, bounds.split(":"))
+        low, high = map(finite, bounds.split(":"))
     except ValueError:
         raise argparse.ArgumentTypeError(f'"{text}" is no range; write two numbers, as in 0:2 or =-1:1') from None
     if not high > low:
@@ -45,6 +46,14 @@ def fixed_range(text: str) -> tuple[str, tuple[float, float]]:
     if name and name not in known:
         raise argparse.ArgumentTypeError(f'there is no descriptor "{name}"; choose from {", ".join(known)}')
     return name, (low, high)
+
+
+def finite(text: str) -> float:
+    """A number, neither infinite nor NaN."""
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(text)
+    return value
 
 
 def percentile(text: str) -> float:

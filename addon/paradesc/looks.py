@@ -1,7 +1,5 @@
 """How values become colors in one scene: the settings, and what they mean for the color maps."""
 
-import math
-
 import bpy
 
 from .color_maps import AUTOMATIC, CLIPPED_PERCENT, MAPS, Look
@@ -106,7 +104,7 @@ def look_of(group: bpy.types.PropertyGroup) -> Look:
         percentile=group.percentile if group.span == "percentile" else None,
         ranges={"": (group.minimum, group.maximum)} if fixed else {},
         symmetric=group.symmetric,
-        neutral=group.neutral if group.use_neutral else math.nan,
+        neutral=group.neutral if group.use_neutral else None,
     )
 
 

@@ -110,7 +110,8 @@ def cavity_material(mesh: bpy.types.Mesh) -> bpy.types.Material:
 def new_material(name: str, descriptor: str) -> tuple[bpy.types.Material, bpy.types.Node]:
     """A material of ours with nothing but its output node."""
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
+    if material.node_tree is None:  # never since Blender 5
+        material.use_nodes = True
     material.node_tree.nodes.clear()
     material[DESCRIPTOR] = descriptor
     material[MARK] = "material"

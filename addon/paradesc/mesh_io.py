@@ -272,11 +272,15 @@ def shown_range(results: Results, name: str) -> color_maps.ValueRange:
     return color_maps.value_range(results.values[name], registry_row(name), results.radius_of(name), look)
 
 
-def drawing(shown: color_maps.ValueRange, results: Results, name: str) -> dict[str, object]:
+def drawing(shown: color_maps.ValueRange) -> dict[str, object]:
+    """How colors were made, beside their range."""
+    return {"map": shown.map_name, **({} if shown.neutral is None else {"neutral": shown.neutral})}
+
+
+def drawing_of(shown: color_maps.ValueRange, results: Results, name: str) -> dict[str, object]:
     """What a legend and a new coloring need to know of a descriptor's values, beside their range."""
     return {
-        "map": shown.map_name,
-        "neutral": shown.neutral,
+        **drawing(shown),
         "radius": results.radius_of(name),
         "unit": legend.unit_of(name, results.settings.options.map_descriptor),
     }
@@ -287,7 +291,7 @@ def summary(mesh: bpy.types.Mesh, results: Results) -> dict[str, object]:
     names = sorted(set(written_attributes(mesh)) | set(wanted_names(results)))
     earlier = stored_summary(mesh)
     shown = {name: shown_range(results, name) for name in results.values}
-    drawn = {name: drawing(shown[name], results, name) for name in shown}
+    drawn = {name: drawing_of(shown[name], results, name) for name in shown}
     return {
         "settings": {name: storable(value) for name, value in results.settings.as_dict().items()},
         "mesh_report": results.mesh_report,

@@ -1,7 +1,5 @@
 """What a bake left on a mesh, shown in other colors: from the stored values, without computing anything again."""
 
-import math
-
 import bpy
 import numpy as np
 
@@ -36,9 +34,7 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
     minimum, maximum = stored["ranges"][name]
     drawn = stored.get("drawn", {}).get(name, {})
     signed = registry_row(name).is_signed
-    neutral = drawn.get("neutral", math.nan)
-    neutral = neutral if math.isfinite(neutral) else math.nan  # the one NaN that equals itself in comparisons
-    return color_maps.ValueRange(minimum, maximum, signed, neutral, drawn.get("map", color_maps.AUTOMATIC))
+    return color_maps.ValueRange(minimum, maximum, signed, drawn.get("neutral"), drawn.get("map", color_maps.AUTOMATIC))
 
 
 def stored_values(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
@@ -62,7 +58,7 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     shown = color_maps.value_range(values, registry_row(name), radius, look)
     mesh_io.write_colors(mesh, name, values, shown)
     ranges = {**stored.get("ranges", {}), name: [shown.minimum, shown.maximum]}
-    drawn = {**drawn, "map": shown.map_name, "neutral": shown.neutral}
+    drawn = {**mesh_io.drawing(shown), **{word: drawn[word] for word in ("radius", "unit") if word in drawn}}
     mesh[mesh_io.PROPERTY] = {**stored, "ranges": ranges, "drawn": {**stored.get("drawn", {}), name: drawn}}
     mesh.update()
     return shown

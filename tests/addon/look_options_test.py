@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import math
 
 import numpy as np
 import pytest
@@ -23,8 +22,7 @@ def parsed(*words):
 
 def test_no_option_is_the_automatic_look():
     look = parsed()
-    assert (look.color_map, look.percentile, look.ranges, look.symmetric) == ("auto", None, {}, True)
-    assert math.isnan(look.neutral)
+    assert look == Look("auto", None, {}, True, None)
 
 
 def test_ranges_are_of_all_or_of_one_descriptor():
@@ -52,6 +50,8 @@ def test_picture_and_report_have_the_colors_asked_for(paradesc, sphere_obj, tmp_
         (["--color-map", "jet"], "jet"),
         (["--range", "2:1"], "above"),
         (["--range", "1"], "two numbers"),
+        (["--range", "0:inf"], "two numbers"),
+        (["--neutral", "nan"], "nan"),
         (["--range", "pointiness=0:1"], "pointiness"),
         (["--percentile", "50"], "below 50"),
         (["--percentile", "2", "--range", "0:1"], "--range"),
