@@ -1,4 +1,4 @@
-"""Draws one picture of the manual inside Blender; started by make.sh: make.py -- legend|cavity FILE."""
+"""Draws one picture of the manual inside Blender; started by make.sh: make.py -- legend|cavity|maps FILE."""
 
 import math
 import sys
@@ -7,9 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import paradesc
+from paradesc import color_maps, lettering, png
 
 RADIUS_PERCENT, BUFFER = 2.5, 1024
 
@@ -98,6 +100,18 @@ def compress(path: str) -> None:
     bpy.data.images.load(path).save_render(path, scene=scene)
 
 
+def draw_maps(path: str) -> None:
+    """Every color map as a bar with its name."""
+    width, height, left = 420, 18, 150
+    image = np.full((len(color_maps.MAPS) * (height + 4), left + width, 3), 237, np.uint8)
+    for index, row in enumerate(color_maps.MAPS.values()):
+        top = index * (height + 4) + 2
+        colors = np.round(255 * row.function(np.linspace(0, 1, width))).astype(np.uint8)
+        image[top : top + height, left:] = colors
+        lettering.draw_text(image, row.name, 6, top + 5, 1, (60, 60, 60))
+    png.write_png(Path(path), image)
+
+
 def turn(iterator: Iterator[None]) -> float | None:
     """One step; Blender ends after the last one or the first failure."""
     try:
@@ -116,7 +130,9 @@ def main() -> None:
     """Either picture."""
     kind, path = sys.argv[sys.argv.index("--") + 1 :]
     paradesc.register()
-    if kind == "cavity":
+    if kind == "maps":
+        draw_maps(path)
+    elif kind == "cavity":
         render_cavity(path)
     else:
         bpy.context.preferences.view.show_splash = False

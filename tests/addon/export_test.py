@@ -11,6 +11,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import addon_utils  # noqa: E402
 from mesh_io_test import made_up_results  # noqa: E402
 
+import paradesc  # noqa: E402
 from paradesc import channels, mesh_io, scene_io  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
 
@@ -81,6 +82,23 @@ def test_gltf_carries_values_whose_names_begin_with_an_underscore(baked, tmp_pat
     np.testing.assert_allclose(found["_mean_curvature"][:, 0], expected[nearest(source, points)], atol=1e-6)
     assert np.isfinite(found["_shape_index"]).all()  # glTF knows no NaN: the copy has 0 there
     assert "color_0" in found
+
+
+def test_gltf_shows_the_descriptor_that_our_material_shows(baked, tmp_path):
+    paradesc.register()
+    try:
+        bpy.ops.paradesc.show(name="shape_index")
+        bpy.ops.paradesc.make_material(kind="colors")
+    finally:
+        paradesc.unregister()
+    colors, source = attribute_values(baked.data, "shape_index_color"), positions(baked.data)
+    enable("io_scene_gltf2")
+    with scene_io.numpy_bool():
+        bpy.ops.export_scene.gltf(filepath=str(tmp_path / "a.glb"))
+    found = primitive(tmp_path / "a.glb")
+    place = nearest(source, found["POSITION"][:, [0, 2, 1]] * (1, -1, 1))
+    values = found["COLOR_0"] / (1 if found["COLOR_0"].dtype.kind == "f" else np.iinfo(found["COLOR_0"].dtype).max)
+    np.testing.assert_allclose(values[:, :3], colors[place, :3], atol=1e-4)
 
 
 @needs_new
