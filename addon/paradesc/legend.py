@@ -1,14 +1,24 @@
 """What a legend says: title, unit and numbers of a range of colors. For pictures and the viewport alike. No bpy."""
 
 from . import bridge, color_maps
-from .job import registry_name
+from .job import registry_name, registry_row
 
 
 def title(name: str, unit: str) -> str:
-    """The descriptor in words with its unit: "mean curvature (1/length)"; several radii keep theirs."""
-    stem = registry_name(name)
-    words = stem.replace("_", " ") + (f", radius {name[len(stem) + 2 :]}" if name != stem else "")
-    return words + (f" ({unit})" if unit else "")
+    """The descriptor in words with its unit: "mean curvature (1/length)"."""
+    return registry_name(name).replace("_", " ") + variant(name) + (f" ({unit})" if unit else "")
+
+
+def label(name: str) -> str:
+    """The descriptor as menus have it."""
+    return registry_row(name).label + variant(name).removesuffix(", change")  # whose label says so
+
+
+def variant(name: str) -> str:
+    """What these values are besides their descriptor, in words: ", radius 0.02" where there are several."""
+    rest = name.removeprefix(registry_name(name))
+    words = [f"radius {part[1:]}" if part[0] == "r" and part[1:2].isdigit() else part for part in rest.split("_")[1:]]
+    return "".join(f", {word}" for word in words)
 
 
 def unit_of(name: str, map_descriptor: str) -> str:

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+from dataclasses import replace
 
 from . import bridge
 from .color_maps import AUTOMATIC, MAPS, Look
@@ -11,7 +12,7 @@ def add_look_options(parser: argparse.ArgumentParser) -> None:
     """Color map and range of .blend, .ply and .png outputs."""
     group = parser.add_argument_group("colors")
     add = group.add_argument
-    add("--color-map", choices=(AUTOMATIC, *MAPS), default=AUTOMATIC, help="default: by the descriptor's sign")
+    add("--color-map", choices=(AUTOMATIC, *MAPS), help="default: by the descriptor's sign")
     bounds = group.add_mutually_exclusive_group()
     bounds.add_argument("--range", action="append", type=fixed_range, default=[], metavar="[NAME=]A:B",
         help="values at the map's ends, of all or of one descriptor, as in --range=-1:1; may come again")  # fmt: skip
@@ -21,15 +22,14 @@ def add_look_options(parser: argparse.ArgumentParser) -> None:
     add("--asymmetric", action="store_true", help="values with a sign: a range by percentiles of its own on each side")
 
 
-def look_of(arguments: argparse.Namespace) -> Look:
-    """The look that these options ask for."""
-    return Look(
-        color_map=arguments.color_map,
-        percentile=arguments.percentile,
-        ranges=dict(arguments.range),
-        symmetric=not arguments.asymmetric,
-        neutral=arguments.neutral,
-    )
+def look_of(arguments: argparse.Namespace, otherwise: Look | None = None) -> Look:
+    """The look that these options ask for; what is not given is as otherwise, or as suits each descriptor."""
+    look = otherwise or Look()
+    if arguments.range or arguments.percentile is not None:
+        look = replace(look, percentile=arguments.percentile, ranges=dict(arguments.range))
+    given = {"color_map": arguments.color_map, "neutral": arguments.neutral}
+    look = replace(look, **{name: value for name, value in given.items() if value is not None})
+    return replace(look, symmetric=False) if arguments.asymmetric else look
 
 
 def fixed_range(text: str) -> tuple[str, tuple[float, float]]:

@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import looks, recolor
+from . import legend, looks, recolor
 from .looks import CHANNELS
 from .panel import SidebarPanel, wrapped
 
@@ -106,8 +106,7 @@ def label(name: str) -> str:
     """The descriptor in words; several radii keep theirs."""
     if not name:
         return "Choose what to show"
-    row = recolor.registry_row(name)
-    return row.label + name[len(row.name) :].replace("_r", ", radius ")
+    return legend.label(name)
 
 
 classes = (PARADESC_PT_looks, PARADESC_PT_materials, PARADESC_PT_channels)

@@ -274,7 +274,11 @@ def shown_range(results: Results, name: str) -> color_maps.ValueRange:
 
 def drawing(shown: color_maps.ValueRange) -> dict[str, object]:
     """How colors were made, beside their range."""
-    return {"map": shown.map_name, **({} if shown.neutral is None else {"neutral": shown.neutral})}
+    return {
+        "map": shown.map_name,
+        "diverging": shown.diverging,
+        **({} if shown.neutral is None else {"neutral": shown.neutral}),
+    }
 
 
 def drawing_of(shown: color_maps.ValueRange, results: Results, name: str) -> dict[str, object]:

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from . import color_maps, looks, mesh_io
+from . import color_maps, legend, looks, mesh_io
 from .bridge import ParadescError
 from .job import registry_row
 
@@ -33,7 +33,7 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
     stored = mesh_io.stored_summary(mesh)
     minimum, maximum = stored["ranges"][name]
     drawn = stored.get("drawn", {}).get(name, {})
-    signed = registry_row(name).is_signed
+    signed = bool(drawn.get("diverging", registry_row(name).is_signed))
     return color_maps.ValueRange(minimum, maximum, signed, drawn.get("neutral"), drawn.get("map", color_maps.AUTOMATIC))
 
 
@@ -54,7 +54,7 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     values = stored_values(mesh, name)
     stored = mesh_io.stored_summary(mesh)
     drawn = stored.get("drawn", {}).get(name, {})
-    radius = drawn.get("radius", stored["field_report"]["radius"])
+    radius = drawn.get("radius", stored.get("field_report", {}).get("radius", 0.0))
     shown = color_maps.value_range(values, registry_row(name), radius, look)
     mesh_io.write_colors(mesh, name, values, shown)
     ranges = {**stored.get("ranges", {}), name: [shown.minimum, shown.maximum]}
@@ -150,7 +150,7 @@ def name_items(_self: object, context: bpy.types.Context | None) -> list[Item]:
     """The baked descriptors of the active mesh."""
     target = context.active_object if context is not None else None
     names = baked_names(target.data) if target is not None and target.type == "MESH" else []
-    _items[:] = [(name, registry_row(name).label + name[len(registry_row(name).name) :], "") for name in names]
+    _items[:] = [(name, legend.label(name), "") for name in names]
     return _items or [("", "None", "")]
 
 

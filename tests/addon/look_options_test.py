@@ -13,11 +13,11 @@ from paradesc.look_options import add_look_options, look_of
 QUICK = ("--radius", "0.06", "--samples", "64", "--buffer", "256", "--backend", "software")
 
 
-def parsed(*words):
+def parsed(*words, otherwise=None):
     """The look of these words."""
     parser = argparse.ArgumentParser(exit_on_error=False)
     add_look_options(parser)
-    return look_of(parser.parse_args(list(words)))
+    return look_of(parser.parse_args(list(words)), otherwise)
 
 
 def test_no_option_is_the_automatic_look():
@@ -29,6 +29,13 @@ def test_ranges_are_of_all_or_of_one_descriptor():
     look = parsed("--range=-1:2.5", "--range", "curvedness=0:3", "--color-map", "heat", "--neutral", "0.5")
     assert look == Look("heat", None, {"": (-1.0, 2.5), "curvedness": (0.0, 3.0)}, True, 0.5)
     assert parsed("--percentile", "0", "--asymmetric") == Look("auto", 0.0, {}, False)
+
+
+def test_what_is_not_given_is_taken_from_elsewhere():
+    scene = Look("heat", 5.0, {}, False, 1.0)
+    assert parsed(otherwise=scene) == scene
+    assert parsed("--color-map", "auto", otherwise=scene) == Look("auto", 5.0, {}, False, 1.0)
+    assert parsed("--range", "0:1", otherwise=scene) == Look("heat", None, {"": (0.0, 1.0)}, False, 1.0)
 
 
 def test_picture_and_report_have_the_colors_asked_for(paradesc, sphere_obj, tmp_path):
