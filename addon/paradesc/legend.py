@@ -3,6 +3,9 @@
 from . import bridge, color_maps
 from .job import registry_name, registry_row
 
+# Under the title of directions, whose colors have no scale.
+DIRECTIONS = "sizes of x, y, z as red, green, blue"
+
 
 def title(name: str, unit: str) -> str:
     """The descriptor in words with its unit: "mean curvature (1/length)"."""

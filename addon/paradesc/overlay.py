@@ -45,7 +45,7 @@ def draw() -> None:
     if found is None:
         return
     target, name = found
-    if name not in mesh_io.stored_summary(target.data).get("ranges", {}) or recolor.is_direction(name):
+    if name not in mesh_io.stored_summary(target.data).get("ranges", {}):
         return
     title, shown = lines_of(target.data, name)
     scale = context.preferences.system.ui_scale
@@ -53,8 +53,12 @@ def draw() -> None:
     width = min(BAR_WIDTH * scale, right - left - 2 * MARGIN * scale)
     if width < 80 * scale:
         return
-    draw_bar(left + MARGIN * scale, MARGIN * scale, width, scale, shown)
-    draw_texts(left + MARGIN * scale, MARGIN * scale, width, scale, f"{target.name}: {title}", legend.ticks(shown))
+    place, text = (left + MARGIN * scale, MARGIN * scale), f"{target.name}: {title}"
+    if recolor.is_direction(name):
+        draw_texts(*place, width, scale, text, [(0.5, legend.DIRECTIONS)])
+        return
+    draw_bar(*place, width, scale, shown)
+    draw_texts(*place, width, scale, text, legend.ticks(shown))
 
 
 def free_span(area: bpy.types.Area, window: bpy.types.Region) -> tuple[float, float]:

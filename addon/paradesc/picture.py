@@ -29,7 +29,7 @@ class View:
 
     colors: np.ndarray  # (vertex_count, 3) display colors in [0, 1]
     title: str
-    shown: color_maps.ValueRange
+    shown: color_maps.ValueRange | None  # None of directions, whose colors have no scale
 
 
 def compose(points: np.ndarray, triangles: np.ndarray, views: list[View]) -> np.ndarray:
@@ -48,6 +48,10 @@ def compose(points: np.ndarray, triangles: np.ndarray, views: list[View]) -> np.
 
 def draw_legend(area: np.ndarray, view: View) -> None:
     """The color bar with its numbers, and the title, into the (LEGEND, PANEL, 3) strip below a view."""
+    if view.shown is None:
+        for text, top in ((view.title, 8), (legend.DIRECTIONS, 34)):
+            lettering.draw_text(area, text, (area.shape[1] - lettering.text_width(text, 2)) // 2, top, 2, INK)
+        return
     bar_width, bar_height, scale = 420, 16, 2
     left = (area.shape[1] - bar_width) // 2
     values = np.linspace(view.shown.minimum, view.shown.maximum, bar_width)

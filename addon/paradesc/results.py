@@ -80,7 +80,8 @@ def write_picture(path: Path, baked: Baked) -> None:
     points = baked.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     views = []
     for name in baked.results.values:
-        views.append(picture.View(baked.colors(name), legend.title(name, baked.unit(name)), baked.shown(name)))
+        shown = baked.shown(name) if baked.results.values[name].ndim == 1 else None
+        views.append(picture.View(baked.colors(name), legend.title(name, baked.unit(name)), shown))
     png.write_png(path, picture.compose(points, baked.arrays.triangle_vertices, views))
 
 
