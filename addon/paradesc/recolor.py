@@ -3,17 +3,19 @@
 import bpy
 import numpy as np
 
-from . import color_maps, legend, looks, mesh_io
+from . import bridge, color_maps, legend, looks, mesh_io
 from .bridge import ParadescError
-from .job import registry_row
+from .job import registry_name, registry_row
 
 Item = tuple[str, str, str]
 
 
 def baked_names(mesh: bpy.types.Mesh) -> list[str]:
     """The descriptors, by the names of their attributes, that bakes have left on this mesh with colors."""
-    ours = mesh_io.written_attributes(mesh)
-    return [name for name in ours if f"{name}_color" in ours]
+    if bridge.missing_sentence():
+        return []
+    ours, known = mesh_io.written_attributes(mesh), {row.name for row in bridge.descriptors()}
+    return [name for name in ours if f"{name}_color" in ours and registry_name(name) in known]
 
 
 def is_direction(name: str) -> bool:

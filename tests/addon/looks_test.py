@@ -143,6 +143,16 @@ def test_legend_is_there_only_where_our_colors_are_seen(baked):
     assert overlay.name_in("SOLID", "VERTEX", baked) == ""
 
 
+def test_descriptor_of_a_newer_version_is_left_alone(baked):
+    mesh = baked.data
+    for name, kind in (("wobbliness", "FLOAT"), ("wobbliness_color", "FLOAT_COLOR")):
+        mesh.attributes.new(name, kind, "POINT")
+    stored = mesh_io.stored_summary(mesh)
+    mesh[mesh_io.PROPERTY] = {**stored, "attributes": [*stored["attributes"], "wobbliness", "wobbliness_color"]}
+    assert recolor.baked_names(mesh) == ["curvedness", "mean_curvature"]
+    assert bpy.ops.paradesc.recolor(every=True) == {"FINISHED"}
+
+
 def test_operators_are_grey_without_a_bake():
     add_sphere(steps=2)
     assert recolor.obstacle(bpy.context) == "Bake descriptors on this mesh first"
