@@ -27,12 +27,20 @@ bake() {
   baked+=("$name")
 }
 
+# animate NAME: its frames into a cache beside the scene, which the add-on plays.
+animate() {
+  "$python" -m paradesc animate "$out/$1.blend" --frames 1:24 --descriptors mean_curvature --radius 0.04 --samples 64 \
+    --buffer 512 --cache "$out/paradesc_cache"
+}
+
 baked=()
 bake 01_curvature_suzanne mean_curvature,shape_index --radius 0.02
 bake 02_charts_torus mean_curvature,gaussian_curvature --radius 0.02
 bake 03_genus_20_rim mean_curvature,shape_index --radius 0.02
 bake 04_armature_cylinder mean_curvature --radius 0.04
+animate 04_armature_cylinder
 bake 05_shape_key_ellipsoid mean_curvature --radius 0.04
+animate 05_shape_key_ellipsoid
 bake 06_udim_sphere mean_curvature --radius 0.04
 bake 07_mirrored_suzanne mean_curvature,shape_index --radius 0.02
 bake 08_displaced_waves mean_curvature,shape_index --radius 0.01 --material-maps

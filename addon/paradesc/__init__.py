@@ -26,7 +26,23 @@ for _name in [name for name in sys.modules if name.startswith(__name__ + ".")]:
     del sys.modules[_name]
 
 # In the order in which they refer to each other. Each has classes; what else it needs, register() and unregister().
-MODULES = ("properties", "presets", "operators", "panel", "animation_panel", "live_panel", "handlers", "cli_command")
+MODULES = (
+    "properties",
+    "presets",
+    "operators",
+    "panel",
+    "looks",
+    "recolor",
+    "materials",
+    "geometry_nodes",
+    "channels",
+    "looks_panel",
+    "overlay",
+    "animation_panel",
+    "live_panel",
+    "handlers",
+    "cli_command",
+)
 
 
 def modules() -> list[ModuleType]:

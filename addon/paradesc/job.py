@@ -8,12 +8,15 @@ import numpy as np
 
 from . import bridge
 from .bridge import abi
+from .color_maps import Look
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
 # Ends the names of values relative to the rest pose.
 CHANGE = "_change"
 
 ProgressFunction = Callable[[str, float], bool]
+# The attribute of vertices without a value.
+UNDEFINED_MASK = "paradesc_mask"
 
 
 @dataclass
@@ -69,12 +72,21 @@ class Results:
     field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
     unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
     corners: Corners | None = None  # with the descriptor harris only
+    look: Look | None = None  # of the colors; None: as the scene has it, else as suits each descriptor
 
     @property
     def extras(self) -> dict[str, np.ndarray]:
         """What is written beside the descriptors, each (vertex_count,) float32."""
         painted = {} if self.corners is None else {ATTRIBUTE: self.corners.painted}
-        return {"coverage": self.coverage, **painted}
+        return {"coverage": self.coverage, UNDEFINED_MASK: self.undefined, **painted}
+
+    @property
+    def undefined(self) -> np.ndarray:
+        """(vertex_count,) float32, 1 where at least one of the values does not exist, else 0."""
+        found = np.zeros(len(self.coverage), bool)
+        for values in self.values.values():
+            found |= np.isnan(values.reshape(len(values), -1)).any(axis=1)
+        return found.astype(np.float32)
 
     @property
     def radius(self) -> float:

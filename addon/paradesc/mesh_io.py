@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import bpy
 import numpy as np
 
-from . import color_maps, unwrap
+from . import color_maps, legend, looks, unwrap
 from .bridge import InputError, MeshArrays, ParadescError, components
 from .job import Results, registry_name, registry_row
 
@@ -251,9 +251,7 @@ def write_values(mesh: bpy.types.Mesh, results: Results) -> None:
     for name, values in results.values.items():
         member = "value" if values.ndim == 1 else "vector"
         mesh.attributes[name].data.foreach_set(member, np.ascontiguousarray(values, np.float32).ravel())
-        display = color_maps.colors(values, shown_range(results, name))
-        rgba = color_maps.linear_rgba(display)
-        mesh.attributes[f"{name}_color"].data.foreach_set("color", rgba.ravel())
+        write_colors(mesh, name, values, shown_range(results, name))
     for name, values in results.extras.items():
         mesh.attributes[name].data.foreach_set("value", np.ascontiguousarray(values, np.float32))
     first = next(iter(results.values)) + "_color"
@@ -262,15 +260,42 @@ def write_values(mesh: bpy.types.Mesh, results: Results) -> None:
     colors.render_color_index = colors.find(first)
 
 
+def write_colors(mesh: bpy.types.Mesh, name: str, values: np.ndarray, shown: color_maps.ValueRange) -> None:
+    """Fills the color attribute of a descriptor's (n,) or (n, 3) values."""
+    rgba = color_maps.linear_rgba(color_maps.colors(values, shown))
+    mesh.attributes[f"{name}_color"].data.foreach_set("color", rgba.ravel())
+
+
 def shown_range(results: Results, name: str) -> color_maps.ValueRange:
     """The range of values that the colors of a descriptor span."""
-    return color_maps.value_range(results.values[name], registry_row(name), results.radius_of(name))
+    look = results.look or looks.scene_look(bpy.context.scene)
+    return color_maps.value_range(results.values[name], registry_row(name), results.radius_of(name), look)
+
+
+def drawing(shown: color_maps.ValueRange) -> dict[str, object]:
+    """How colors were made, beside their range."""
+    return {
+        "map": shown.map_name,
+        "diverging": shown.diverging,
+        **({} if shown.neutral is None else {"neutral": shown.neutral}),
+    }
+
+
+def drawing_of(shown: color_maps.ValueRange, results: Results, name: str) -> dict[str, object]:
+    """What a legend and a new coloring need to know of a descriptor's values, beside their range."""
+    return {
+        **drawing(shown),
+        "radius": results.radius_of(name),
+        "unit": legend.unit_of(name, results.settings.options.map_descriptor),
+    }
 
 
 def summary(mesh: bpy.types.Mesh, results: Results) -> dict[str, object]:
     """What the custom property holds: plain numbers, strings and lists."""
     names = sorted(set(written_attributes(mesh)) | set(wanted_names(results)))
+    earlier = stored_summary(mesh)
     shown = {name: shown_range(results, name) for name in results.values}
+    drawn = {name: drawing_of(shown[name], results, name) for name in shown}
     return {
         "settings": {name: storable(value) for name, value in results.settings.as_dict().items()},
         "mesh_report": results.mesh_report,
@@ -279,7 +304,8 @@ def summary(mesh: bpy.types.Mesh, results: Results) -> dict[str, object]:
         "device": results.device,
         "fallback": results.fallback,
         "warnings": "\n".join(results.warnings),
-        "ranges": {name: [span.minimum, span.maximum] for name, span in shown.items()},
+        "ranges": {**earlier.get("ranges", {}), **{name: [span.minimum, span.maximum] for name, span in shown.items()}},
+        "drawn": {**earlier.get("drawn", {}), **drawn},
         "attributes": [name for name in names if name in mesh.attributes],
     }
 

@@ -1,7 +1,7 @@
 """Values and their colors to the attributes of a mesh, frame after frame, by ranges that stay."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import bpy
 import numpy as np
@@ -79,12 +79,15 @@ def member_of(attribute: bpy.types.Attribute) -> str:
 def store_summary(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange]) -> None:
     """Says on the mesh what is written there, so that the attributes are known as ours."""
     former = mesh_io.stored_summary(mesh)
+    drawn = former.get("drawn", {})
+    drawn = {**drawn, **{name: {**drawn.get(name, {}), **mesh_io.drawing(shown)} for name, shown in ranges.items()}}
     names = sorted({*mesh_io.written_attributes(mesh), *values.names})
     mesh[mesh_io.PROPERTY] = {
         **former,
         **values.summary(),
         "layout": mesh_io.stored_layout(mesh),
         "ranges": {name: [shown.minimum, shown.maximum] for name, shown in ranges.items()},
+        "drawn": drawn,
         "attributes": [name for name in names if name in mesh.attributes],
     }
     if mesh.color_attributes.active_color is None:
@@ -112,7 +115,7 @@ def locked_ranges(group: bpy.types.PropertyGroup, found: dict[str, ValueRange]) 
     ranges = {}
     for name, shown in found.items():
         item = stored.get(name) or add_range(group, name, shown.minimum, shown.maximum)
-        ranges[name] = ValueRange(item.minimum, max(item.maximum, above(item.minimum)), shown.diverging)
+        ranges[name] = replace(shown, minimum=item.minimum, maximum=max(item.maximum, above(item.minimum)))
     return ranges
 
 

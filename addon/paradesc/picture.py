@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import color_maps, lettering
+from . import color_maps, legend, lettering
 
 BACKGROUND = 0.93
 INK = (60, 60, 60)
@@ -29,7 +29,7 @@ class View:
 
     colors: np.ndarray  # (vertex_count, 3) display colors in [0, 1]
     title: str
-    shown: color_maps.ValueRange
+    shown: color_maps.ValueRange | None  # None of directions, whose colors have no scale
 
 
 def compose(points: np.ndarray, triangles: np.ndarray, views: list[View]) -> np.ndarray:
@@ -48,13 +48,15 @@ def compose(points: np.ndarray, triangles: np.ndarray, views: list[View]) -> np.
 
 def draw_legend(area: np.ndarray, view: View) -> None:
     """The color bar with its numbers, and the title, into the (LEGEND, PANEL, 3) strip below a view."""
+    if view.shown is None:
+        for text, top in ((view.title, 8), (legend.DIRECTIONS, 34)):
+            lettering.draw_text(area, text, (area.shape[1] - lettering.text_width(text, 2)) // 2, top, 2, INK)
+        return
     bar_width, bar_height, scale = 420, 16, 2
     left = (area.shape[1] - bar_width) // 2
     values = np.linspace(view.shown.minimum, view.shown.maximum, bar_width)
     area[4 : 4 + bar_height, left : left + bar_width] = np.round(255 * color_maps.colors(values, view.shown))
-    for share in (0.0, 0.5, 1.0):
-        value = view.shown.minimum + share * (view.shown.maximum - view.shown.minimum)
-        text = f"{value:.3g}"
+    for share, text in legend.ticks(view.shown):
         place = left + round(share * bar_width) - lettering.text_width(text, scale) // 2
         lettering.draw_text(area, text, place, 6 + bar_height, scale, INK)
     place = (area.shape[1] - lettering.text_width(view.title, scale)) // 2

@@ -4,18 +4,20 @@ Frames that the cache lacks are held from the nearest one, or computed by a live
 """
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
 
-from . import animation_panel, cache, live, mesh_io, painting
+from . import animation_panel, cache, live, looks, mesh_io, painting
 from .bridge import ParadescError
 from .color_maps import ValueRange
 from .corners import ATTRIBUTE
+from .job import UNDEFINED_MASK
 from .mesh_io import refuse
 
 # What has no colors beside it.
-EXTRAS = ("coverage", ATTRIBUTE)
+EXTRAS = ("coverage", ATTRIBUTE, UNDEFINED_MASK)
 
 
 class Player:
@@ -51,7 +53,9 @@ class Player:
         read = time.perf_counter()
         if folder != self.folder:
             self.folder, self.whole = folder, cache.locked_ranges([folder], self.frame.key)
-        ranges = painting.locked_ranges(scene.paradesc_live, self.found_ranges())
+        chosen = looks.scene_look(scene).color_map
+        found = {name: replace(shown, map_name=chosen) for name, shown in self.found_ranges().items()}
+        ranges = painting.locked_ranges(scene.paradesc_live, found)
         changed = self.painter.paint(target.data, self.values(), ranges, fresh)
         if changed:
             painting.tag_written(target.data, depsgraph)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from . import bridge, color_maps, corners, picture, png
+from . import bridge, color_maps, corners, legend, picture, png
 from .bridge import ParadescError, abi
 from .job import Results, registry_row
 
@@ -28,7 +28,8 @@ class Baked:
 
     def shown(self, name: str) -> color_maps.ValueRange:
         """The range of values that the colors of a descriptor span."""
-        return color_maps.value_range(self.results.values[name], registry_row(name), self.results.radius_of(name))
+        results = self.results
+        return color_maps.value_range(results.values[name], registry_row(name), results.radius_of(name), results.look)
 
     def unit(self, name: str) -> str:
         """The unit of a descriptor's values as text."""
@@ -85,9 +86,8 @@ def write_picture(path: Path, baked: Baked) -> None:
     points = baked.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     views = []
     for name in baked.results.values:
-        unit = baked.unit(name)
-        title = name.replace("_", " ") + (f" ({unit})" if unit else "")
-        views.append(picture.View(baked.colors(name), title, baked.shown(name)))
+        shown = baked.shown(name) if baked.results.values[name].ndim == 1 else None
+        views.append(picture.View(baked.colors(name), legend.title(name, baked.unit(name)), shown))
     png.write_png(path, picture.compose(points, baked.arrays.triangle_vertices, views))
 
 
@@ -144,6 +144,7 @@ def report(baked: Baked) -> dict[str, object]:
             "maximum": float(finite.max()) if finite.size else None,
             "shown_minimum": shown.minimum,
             "shown_maximum": shown.maximum,
+            "color_map": shown.color_map.name,
             "undefined": int(np.isnan(values.reshape(len(values), -1)).any(axis=1).sum()),
             "radius": results.radius_of(name),
             "unit": baked.unit(name),

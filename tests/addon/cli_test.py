@@ -71,7 +71,7 @@ def test_one_run_writes_every_kind_of_output_and_they_agree(paradesc, sphere_obj
     )
     assert 'object "sphere"' in output
     arrays = loaded(outputs[0])
-    assert list(arrays) == ["vertices", "matrix_world", *NAMES, "coverage"]
+    assert list(arrays) == ["vertices", "matrix_world", *NAMES, "coverage", "paradesc_mask"]
     count = len(cube_sphere()[0])
     assert arrays["vertices"].shape == (count, 3)
     assert arrays["matrix_world"].shape == (4, 4)

@@ -7,6 +7,7 @@ import pytest
 
 from paradesc import color_maps
 from paradesc.bridge import Descriptor
+from paradesc.color_maps import Look
 
 SIGNED = Descriptor("h", "H", "", -1, True, 0.0, math.nan, math.nan)
 UNSIGNED = Descriptor("c", "C", "", -1, False, 0.0, math.nan, math.nan)
@@ -14,8 +15,11 @@ FIXED = Descriptor("s", "S", "", 0, True, math.nan, -1.0, 1.0)
 AROUND_HALF = Descriptor("v", "V", "", 0, True, 0.5, math.nan, math.nan)
 
 
-def lightness(display):
-    """OKLab's L of (n, 3) display colors."""
+EVERY_MAP = pytest.mark.parametrize("row", color_maps.MAPS.values(), ids=lambda row: row.name)
+
+
+def oklab(display):
+    """(n, 3) OKLab of (n, 3) display colors."""
     linear = color_maps.srgb_to_linear(display)
     to_cones = np.array(
         [
@@ -24,27 +28,108 @@ def lightness(display):
             [0.0883024619, 0.2817188376, 0.6299787005],
         ]
     )
-    return np.cbrt(linear @ to_cones.T) @ np.array([0.2104542553, 0.7936177850, -0.0040720468])
+    to_lab = np.array(
+        [
+            [0.2104542553, 0.7936177850, -0.0040720468],
+            [1.9779984951, -2.4285922050, 0.4505937099],
+            [0.0259040371, 0.7827717662, -0.8086757660],
+        ]
+    )
+    return np.cbrt(linear @ to_cones.T) @ to_lab.T
 
 
-def test_diverging_map_is_blue_white_red():
-    blue, white, red = color_maps.diverging(np.array([0.0, 0.5, 1.0]))
+@EVERY_MAP
+def test_equal_steps_of_values_are_equal_steps_to_the_eye(row):
+    """viridis is uniform in another space (CAM02-UCS), from which OKLab differs by a quarter; the formulas, by rounding
+    at the edge of what screens can show.
+    """
+    lab = oklab(row.function(np.linspace(0, 1, 201)))
+    steps = np.linalg.norm(np.diff(lab, axis=0), axis=1)
+    assert steps.max() / steps.min() < (1.4 if row.name == "viridis" else 1.15)
+    assert 201 * steps.mean() > 0.5  # and the whole way is long
+
+
+@EVERY_MAP
+def test_lightness_changes_evenly_and_never_turns_but_in_the_middle(row):
+    light = oklab(row.function(np.linspace(0, 1, 201)))[:, 0]
+    for half in (light[:101], light[100:]):
+        steps = np.diff(half)
+        assert (np.sign(steps) == np.sign(steps[0])).all()
+        assert np.abs(steps).max() / np.abs(steps).min() < (1.5 if row.name == "viridis" else 1.15)
+    if not row.diverging:
+        assert light[-1] > light[0] + 0.5
+
+
+@EVERY_MAP
+def test_two_sides_of_a_diverging_map_are_equally_far_from_its_middle(row):
+    if row.diverging:
+        lab = oklab(row.function(np.linspace(0, 1, 101)))
+        away = np.linalg.norm(lab - lab[50], axis=1)
+        np.testing.assert_allclose(away, away[::-1], atol=0.01)
+
+
+@EVERY_MAP
+def test_undefined_is_no_color_of_the_map(row):
+    colors = row.function(np.linspace(0, 1, 201))
+    assert np.linalg.norm(oklab(colors) - oklab(np.array([row.undefined])), axis=1).min() > 0.05
+
+
+def test_default_maps_are_viridis_and_blue_white_red():
+    blue, white, red = color_maps.colors(np.array([-1.0, 0.0, 1.0]), color_maps.ValueRange(-1, 1, True))
     assert blue[2] > blue[0] + 0.3
     assert red[0] > red[2] + 0.3
     assert white.min() > 0.94
     assert np.ptp(white) < 0.01
+    first, last = color_maps.colors(np.array([0.0, 1.0]), color_maps.ValueRange(0, 1, False))
+    np.testing.assert_allclose([first, last], [color_maps.VIRIDIS[0], color_maps.VIRIDIS[-1]], atol=1e-6)
 
 
-def test_diverging_map_darkens_evenly_to_both_sides():
-    light = lightness(color_maps.diverging(np.linspace(0, 1, 101)))
-    np.testing.assert_allclose(light, light[::-1], atol=0.01)
-    np.testing.assert_allclose(np.diff(light[:51]), np.diff(light[:51]).mean(), atol=1e-3)
+def test_named_map_is_taken_whatever_the_sign():
+    shown = color_maps.value_range(np.linspace(-1, 1, 100), SIGNED, 0.1, Look(color_map="grey"))
+    colors = color_maps.colors(np.linspace(-1, 1, 50), shown)
+    assert np.ptp(colors, axis=1).max() < 1e-3  # no hue
+    assert (np.diff(colors[:, 0]) >= 0).all()
 
 
-def test_sequential_map_grows_lighter_throughout():
-    steps = np.diff(lightness(color_maps.sequential(np.linspace(0, 1, 101))))
-    assert (steps > 0).all()
-    assert steps.max() < 2 * steps.min() + 0.005
+def test_fixed_range_comes_before_everything_else():
+    look = Look(ranges={"": (0.0, 4.0), "h": (-3.0, 1.0)}, percentile=10)
+    values = np.linspace(-100, 100, 1000)
+    assert color_maps.value_range(values, SIGNED, 0.1, look).minimum == -3.0
+    for row in (UNSIGNED, FIXED):
+        shown = color_maps.value_range(values, row, 0.1, look)
+        assert (shown.minimum, shown.maximum) == (0.0, 4.0)
+
+
+def test_neutral_value_keeps_the_middle_color_in_a_lopsided_range():
+    shown = color_maps.value_range(np.zeros(3), SIGNED, 0.1, Look(ranges={"": (-1.0, 3.0)}))
+    low, neutral, up, high = color_maps.colors(np.array([-1.0, 0.0, 1.0, 3.0]), shown)
+    assert neutral.min() > 0.94  # white
+    assert low[2] > low[0]  # blue
+    assert up[0] > up[2]  # red
+    lab = oklab(np.array([low, neutral, up, high]))
+    distance = np.linalg.norm(lab - lab[1], axis=1)
+    np.testing.assert_allclose(distance[[0, 2]], distance[3] / 3, rtol=0.03)  # as far by color as by value
+
+
+def test_own_neutral_value_moves_the_middle_and_the_symmetry():
+    shown = color_maps.value_range(np.linspace(0, 3, 1001), SIGNED, 0.1, Look(neutral=1.0, percentile=0))
+    np.testing.assert_allclose([shown.minimum, shown.maximum], [-1.0, 3.0])
+    assert color_maps.colors(np.array([1.0]), shown).min() > 0.94
+
+
+def test_percentile_is_what_is_left_out_on_either_side():
+    values = np.linspace(0, 100, 1001)
+    shown = color_maps.value_range(values, UNSIGNED, 0.1, Look(percentile=10))
+    np.testing.assert_allclose([shown.minimum, shown.maximum], [10, 90])
+    shown = color_maps.value_range(values, UNSIGNED, 0.1, Look(percentile=0))
+    np.testing.assert_allclose([shown.minimum, shown.maximum], [0, 100])
+    shown = color_maps.value_range(np.linspace(-0.5, 0.1, 1001), FIXED, 0.1, Look(percentile=0))
+    np.testing.assert_allclose([shown.minimum, shown.maximum], [-0.5, 0.5])  # not the registry's -1 to 1
+
+
+def test_asymmetric_range_is_that_of_the_values():
+    shown = color_maps.value_range(np.linspace(-1, 3, 1001), SIGNED, 0.1, Look(percentile=0, symmetric=False))
+    np.testing.assert_allclose([shown.minimum, shown.maximum, shown.neutral], [-1, 3, 0])
 
 
 @pytest.mark.parametrize("shown", [color_maps.ValueRange(-1, 1, True), color_maps.ValueRange(0, 1, False)])
@@ -86,7 +171,7 @@ def test_unsigned_range_is_the_percentiles():
 
 
 def test_fixed_range_ignores_the_values():
-    assert color_maps.value_range(np.array([0.1, 0.2]), FIXED, 0.1) == color_maps.ValueRange(-1.0, 1.0, True)
+    assert color_maps.value_range(np.array([0.1, 0.2]), FIXED, 0.1) == color_maps.ValueRange(-1.0, 1.0, True, 0.0)
 
 
 def test_rounding_on_a_plane_stays_neutral():

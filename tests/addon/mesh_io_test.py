@@ -149,6 +149,8 @@ def test_undefined_values_stay_nan_and_are_grey(sphere_object):
     mesh_io.write_results(sphere_object, results)
     assert np.isnan(attribute_values(sphere_object.data, "mean_curvature")[5])
     np.testing.assert_allclose(attribute_values(sphere_object.data, "mean_curvature_color")[5, :3], 0.21404, atol=1e-4)
+    assert np.flatnonzero(attribute_values(sphere_object.data, "paradesc_mask")).tolist() == [5]
+    assert attribute_values(sphere_object.data, "paradesc_mask")[5] == 1
 
 
 def test_second_bake_overwrites_the_first(sphere_object):
@@ -167,7 +169,7 @@ def test_summary_says_what_was_done(sphere_object):
     assert stored["settings"]["descriptors"] == ["mean_curvature"]
     assert stored["settings"]["radius"] == 0.02
     assert stored["warnings"].splitlines() == ["One.", "Two."]
-    assert stored["attributes"] == ["coverage", "mean_curvature", "mean_curvature_color"]
+    assert stored["attributes"] == ["coverage", "mean_curvature", "mean_curvature_color", "paradesc_mask"]
 
 
 def test_largest_seed_fits_the_summary(sphere_object):

@@ -134,3 +134,20 @@ def test_numbers_are_written_with_ink():
     assert (image == 0).any()
     lettering.draw_text(image, "far outside", 500, 500, 2, (0, 0, 0))
     assert lettering.text_width("ab", 2) == 22
+
+
+def test_legend_of_directions_has_words_and_no_bar():
+    area = np.full((picture.LEGEND, picture.PANEL, 3), 237, np.uint8)
+    picture.draw_legend(area, picture.View(np.zeros((3, 3)), "principal direction max", None))
+    colors = {tuple(color) for color in area.reshape(-1, 3).tolist()}
+    assert colors == {(237, 237, 237), picture.INK}
+
+
+def test_bar_has_the_neutral_color_where_its_number_stands():
+    area = np.full((picture.LEGEND, picture.PANEL, 3), 237, np.uint8)
+    picture.draw_legend(area, picture.View(np.zeros((3, 3)), "h", color_maps.ValueRange(-1.0, 3.0, True, 0.0)))
+    left = (picture.PANEL - 420) // 2
+    bar = area[8, left : left + 420].astype(int)
+    assert abs(int(bar.min(axis=1).argmax()) - 105) <= 1  # a quarter of the way
+    ink = np.flatnonzero((area[22:42] == picture.INK).all(axis=2).any(axis=0))
+    assert np.abs(ink - (left + 105)).min() <= 4

@@ -4,6 +4,7 @@ Blender draws with OpenGL on the main thread here, which is what the library's o
 """
 
 import sys
+import tempfile
 import threading
 import time
 import traceback
@@ -188,6 +189,31 @@ def sculpted(name: str) -> Iterator[None]:
     say("baked what was sculpted, and undone")
 
 
+def legend_is_drawn(area: bpy.types.Area) -> Iterator[None]:
+    """The legend's bar is in the viewport with the colors of its map while it is switched on, and only then."""
+    looks, seen = bpy.context.scene.paradesc_looks, {}
+    for shown in (True, False):
+        looks.show_legend = shown
+        for _ in range(3):
+            area.tag_redraw()
+            yield
+        with tempfile.TemporaryDirectory() as folder:
+            path = str(Path(folder) / "screen.png")
+            bpy.ops.screen.screenshot(filepath=path)
+            image = bpy.data.images.load(path)
+            width, height = image.size
+            pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[..., :3]
+            bpy.data.images.remove(image)
+        seen[shown] = pixels[area.y : area.y + 100, area.x : area.x + area.width]
+    looks.show_legend = True
+    changed = np.abs(seen[True] - seen[False]).max(axis=2) > 0.02
+    colors = seen[True][changed]
+    for color in ((0.09, 0.30, 0.71), (0.96, 0.96, 0.96), (0.63, 0.07, 0.11)):  # blue, white, red
+        assert np.abs(colors - color).max(axis=1).min() < 0.06, f"no {color} in the legend"
+    assert changed.sum() > 2000, "the legend is not there"
+    say("drew the legend")
+
+
 def steps(target, screenshot: str) -> Iterator[None]:
     """What the person does; every yield is a turn of the event loop."""
     first, second = target.data.name, "second"
@@ -201,6 +227,7 @@ def steps(target, screenshot: str) -> Iterator[None]:
     settings.backend = "software"
     yield
     yield from cancel_and_bake(target)
+    yield from legend_is_drawn(area)
     if screenshot:
         yield from take_picture(screenshot)
     yield from undo(first)

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import bridge, job, results
+from ..color_maps import Look
+from ..look_options import add_look_options, look_of
 from .common import (
     Parser,
     Progress,
@@ -35,6 +37,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_computation_options(bake)
     add_map_options(bake)
     add_output_files(bake)
+    add_look_options(bake)
     add = bake.add_argument
     threshold = "corners have at least this share of the largest response (default: 0.05)"
     add("--corner-threshold", type=float, metavar="T", help=threshold)
@@ -121,6 +124,7 @@ def bake_objects(
                 with named(target, len(targets)):
                     read = read_object(target, settings, arguments)
                     computed = job.run(read.measured, settings, part, arguments.dump_buffers is not None)
+                computed.look = asked_look(arguments)
                 reading, notes = read.reading, read.notes
             else:
                 reading, computed = known.reading, known.results
@@ -129,6 +133,17 @@ def bake_objects(
             baked.append(results.Baked(target.name, computed, reading.arrays, matrix, notes, reading))
             of_mesh.setdefault(target.data.name_full, baked[-1])
     return baked
+
+
+def asked_look(arguments: argparse.Namespace) -> Look:
+    """The look of the options, what is not given being the scene's where its settings are asked for."""
+    if not arguments.scene_settings:
+        return look_of(arguments)
+    import bpy
+
+    from ..looks import scene_look
+
+    return look_of(arguments, scene_look(bpy.context.scene))
 
 
 @contextmanager

@@ -1,0 +1,153 @@
+"""What other programs get: values and colors through each of Blender's exporters. Inside Blender."""
+
+import json
+import struct
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+import addon_utils  # noqa: E402
+from mesh_io_test import made_up_results  # noqa: E402
+
+import paradesc  # noqa: E402
+from paradesc import channels, mesh_io, scene_io  # noqa: E402
+from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
+
+NAMES = ("mean_curvature", "shape_index")
+NEW = bpy.app.version >= (4, 0, 0)
+needs_new = pytest.mark.skipif(not NEW, reason="since Blender 4.0")
+needs_usd = pytest.mark.skipif(not bpy.app.build_options.usd, reason="this Blender was built without USD")
+
+
+@pytest.fixture
+def baked():
+    """A sphere with made-up values, and every copy there is for exporters; vertex 5 has no value."""
+    empty_scene()
+    target = add_sphere(steps=3)
+    results = made_up_results(target, NAMES)
+    results.values["shape_index"][5] = np.nan
+    mesh_io.write_results(target, results)
+    channels.export_copies(target.data)
+    channels.corner_colors(target.data, "mean_curvature")
+    return target
+
+
+def positions(mesh):
+    """(n, 3) float32"""
+    return mesh_io.read_array(mesh.vertices, "co", np.float32, 3)
+
+
+def imported():
+    """The only mesh that an importer made, in world space like its source."""
+    return next(item for item in bpy.data.objects if item.type == "MESH")
+
+
+def nearest(source, points):
+    """(k,) which of (n, 3) source points lies at each of (k, 3) points."""
+    distance = np.linalg.norm(points[:, None] - source[None], axis=2)
+    assert distance.min(axis=1).max() < 1e-4
+    return distance.argmin(axis=1)
+
+
+def enable(name):
+    """Exporters that are add-ons have to be enabled in a Blender without preferences."""
+    addon_utils.enable(name)
+
+
+def primitive(path):
+    """The attributes of the only primitive of a .glb, each (n, k)."""
+    content = path.read_bytes()
+    (length,) = struct.unpack("<I", content[12:16])
+    scene, binary = json.loads(content[20 : 20 + length]), content[28 + length :]
+    kinds, widths = {5126: "<f4", 5123: "<u2", 5121: "u1"}, {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+    found = {}
+    for name, number in scene["meshes"][0]["primitives"][0]["attributes"].items():
+        accessor = scene["accessors"][number]
+        start = scene["bufferViews"][accessor["bufferView"]].get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        width = widths[accessor["type"]]
+        values = np.frombuffer(binary, kinds[accessor["componentType"]], accessor["count"] * width, start)
+        found[name] = values.reshape(-1, width)
+    return found
+
+
+def test_gltf_carries_values_whose_names_begin_with_an_underscore(baked, tmp_path):
+    expected, source = attribute_values(baked.data, "mean_curvature"), positions(baked.data)
+    enable("io_scene_gltf2")
+    with scene_io.numpy_bool():
+        bpy.ops.export_scene.gltf(filepath=str(tmp_path / "a.glb"), export_attributes=True)
+    found = {name.lower(): values for name, values in primitive(tmp_path / "a.glb").items()}
+    points = found["position"][:, [0, 2, 1]] * (1, -1, 1)  # Y is up there
+    np.testing.assert_allclose(found["_mean_curvature"][:, 0], expected[nearest(source, points)], atol=1e-6)
+    assert np.isfinite(found["_shape_index"]).all()  # glTF knows no NaN: the copy has 0 there
+    assert "color_0" in found
+
+
+def test_gltf_shows_the_descriptor_that_our_material_shows(baked, tmp_path):
+    paradesc.register()
+    try:
+        bpy.ops.paradesc.show(name="shape_index")
+        bpy.ops.paradesc.make_material(kind="colors")
+    finally:
+        paradesc.unregister()
+    colors, source = attribute_values(baked.data, "shape_index_color"), positions(baked.data)
+    enable("io_scene_gltf2")
+    with scene_io.numpy_bool():
+        bpy.ops.export_scene.gltf(filepath=str(tmp_path / "a.glb"))
+    found = primitive(tmp_path / "a.glb")
+    place = nearest(source, found["POSITION"][:, [0, 2, 1]] * (1, -1, 1))
+    values = found["COLOR_0"] / (1 if found["COLOR_0"].dtype.kind == "f" else np.iinfo(found["COLOR_0"].dtype).max)
+    np.testing.assert_allclose(values[:, :3], colors[place, :3], atol=1e-4)
+
+
+@needs_new
+def test_ply_carries_values_and_the_active_color(baked, tmp_path):
+    source = positions(baked.data)
+    values, colors = (
+        attribute_values(baked.data, "mean_curvature"),
+        attribute_values(baked.data, "mean_curvature_color"),
+    )
+    path = str(tmp_path / "a.ply")
+    bpy.ops.wm.ply_export(filepath=path, export_attributes=True, export_colors="LINEAR", apply_modifiers=False)
+    empty_scene()
+    bpy.ops.wm.ply_import(filepath=path, import_colors="LINEAR")
+    place = nearest(source, positions(imported().data))
+    np.testing.assert_allclose(attribute_values(imported().data, "mean_curvature"), values[place], atol=1e-6)
+    np.testing.assert_allclose(attribute_values(imported().data, "Col"), colors[place], atol=1 / 255)  # cut to 8 bits
+
+
+@needs_usd
+@needs_new
+def test_usd_carries_values_and_colors_exactly(baked, tmp_path):
+    expected = {name: attribute_values(baked.data, name) for name in (*NAMES, "coverage", "mean_curvature_color")}
+    path = str(tmp_path / "a.usdc")
+    bpy.ops.wm.usd_export(filepath=path)
+    empty_scene()
+    bpy.ops.wm.usd_import(filepath=path)
+    for name, values in expected.items():
+        assert np.array_equal(attribute_values(imported().data, name), values, equal_nan=True), name
+
+
+def test_fbx_carries_colors(baked, tmp_path):
+    source, colors = positions(baked.data), attribute_values(baked.data, "mean_curvature_color")
+    enable("io_scene_fbx")
+    path = str(tmp_path / "a.fbx")
+    bpy.ops.export_scene.fbx(filepath=path)
+    empty_scene()
+    bpy.ops.import_scene.fbx(filepath=path)
+    mesh = imported().data
+    points = (np.array(imported().matrix_world)[:3, :3] @ positions(mesh).T).T
+    expected = colors[nearest(source, points)][mesh_io.read_corner_vertices(mesh)]
+    found = np.empty(4 * len(mesh.loops), np.float32)
+    mesh.attributes["mean_curvature_color"].data.foreach_get("color", found)
+    np.testing.assert_allclose(found.reshape(-1, 4), expected, atol=0.02)  # 8 bits, sRGB
+
+
+def test_obj_carries_the_active_color_on_request(baked, tmp_path):
+    colors = attribute_values(baked.data, "mean_curvature_color")
+    path = str(tmp_path / "a.obj")
+    bpy.ops.wm.obj_export(filepath=path, export_colors=True)
+    empty_scene()
+    bpy.ops.wm.obj_import(filepath=path)
+    np.testing.assert_allclose(attribute_values(imported().data, "Color"), colors, atol=1e-3)  # four digits

@@ -1,0 +1,87 @@
+"""The command line's colors: maps and ranges, asked for and refused; and what legends say."""
+
+import argparse
+import json
+
+import numpy as np
+import pytest
+
+from paradesc import legend
+from paradesc.color_maps import Look, ValueRange
+from paradesc.look_options import add_look_options, look_of
+
+QUICK = ("--radius", "0.06", "--samples", "64", "--buffer", "256", "--backend", "software")
+
+
+def parsed(*words, otherwise=None):
+    """The look of these words."""
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    add_look_options(parser)
+    return look_of(parser.parse_args(list(words)), otherwise)
+
+
+def test_no_option_is_the_automatic_look():
+    look = parsed()
+    assert look == Look("auto", None, {}, True, None)
+
+
+def test_ranges_are_of_all_or_of_one_descriptor():
+    look = parsed("--range=-1:2.5", "--range", "curvedness=0:3", "--color-map", "heat", "--neutral", "0.5")
+    assert look == Look("heat", None, {"": (-1.0, 2.5), "curvedness": (0.0, 3.0)}, True, 0.5)
+    assert parsed("--percentile", "0", "--asymmetric") == Look("auto", 0.0, {}, False)
+
+
+def test_what_is_not_given_is_taken_from_elsewhere():
+    scene = Look("heat", 5.0, {}, False, 1.0)
+    assert parsed(otherwise=scene) == scene
+    assert parsed("--color-map", "auto", otherwise=scene) == Look("auto", 5.0, {}, False, 1.0)
+    assert parsed("--range", "0:1", otherwise=scene) == Look("heat", None, {"": (0.0, 1.0)}, False, 1.0)
+
+
+def test_picture_and_report_have_the_colors_asked_for(paradesc, sphere_obj, tmp_path):
+    words = ["--output", "out.ply", "--json", "out.json", "--color-map", "grey", "--range=0:1"]
+    process = paradesc("bake", sphere_obj, *QUICK, *words)
+    assert process.returncode == 0, process.stderr
+    row = json.loads((tmp_path / "out.json").read_text())["descriptors"]["mean_curvature"]
+    assert (row["shown_minimum"], row["shown_maximum"], row["color_map"]) == (0.0, 1.0, "grey")
+    content = (tmp_path / "out.ply").read_bytes()
+    place = content.index(b"end_header\n") + len(b"end_header\n") + 12
+    colors = np.frombuffer(content, np.uint8, 3, place).astype(int)
+    assert np.ptp(colors) <= 1
+    assert 95 < colors[0] < 130  # H is 1/2 on this sphere: OKLab's L is halfway from 0.12 to 1
+
+
+@pytest.mark.parametrize(
+    ("words", "word"),
+    [
+        (["--color-map", "jet"], "jet"),
+        (["--range", "2:1"], "above"),
+        (["--range", "1"], "two numbers"),
+        (["--range", "0:inf"], "two numbers"),
+        (["--neutral", "nan"], "nan"),
+        (["--range", "pointiness=0:1"], "pointiness"),
+        (["--percentile", "50"], "below 50"),
+        (["--percentile", "2", "--range", "0:1"], "--range"),
+    ],
+    ids=str,
+)
+def test_bad_colors_are_one_sentence(paradesc, sphere_obj, tmp_path, words, word):
+    process = paradesc("bake", sphere_obj, *QUICK, "--output", "out.ply", *words)
+    assert process.returncode == 2
+    assert word in process.stderr
+    assert len(process.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "out.ply").exists()
+
+
+def test_legend_counts_from_end_to_end_through_the_neutral_value():
+    assert legend.ticks(ValueRange(-1, 3, True, 0.0)) == [(0.0, "-1"), (0.25, "0"), (1.0, "3")]
+    assert legend.ticks(ValueRange(0, 0.5, False)) == [(0.0, "0"), (0.5, "0.25"), (1.0, "0.5")]
+    assert legend.ticks(ValueRange(-1e-17, 1, False))[0] == (0.0, "0")
+    assert legend.ticks(ValueRange(-0.01, 3, True, 0.0))[1][1] == "1.49"  # 0 would be written over the end
+
+
+def test_legend_is_named_with_unit_and_radius():
+    assert legend.title("mean_curvature", "1/length") == "mean curvature (1/length)"
+    assert legend.title("shape_index_r0.02", "") == "shape index, radius 0.02"
+    assert legend.unit_of("gaussian_curvature_r0.02", "mean_curvature") == "1/length^2"
+    assert legend.unit_of("gradient_magnitude", "mean_curvature") == "1/length^2"
