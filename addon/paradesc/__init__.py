@@ -4,6 +4,7 @@ Importing the package imports no part of Blender; register() does.
 """
 
 import atexit
+import gc
 import sys
 from importlib import import_module
 from types import ModuleType
@@ -59,17 +60,27 @@ def register() -> None:
             bpy.utils.register_class(cls)
         if hasattr(module, "register"):
             module.register()
-    if not bpy.app.binary_path:  # Blender's Python module ends with a crash where classes are still registered
-        atexit.register(unregister)
+    if not bpy.app.binary_path:
+        atexit.unregister(end)
+        atexit.register(end, [cls for module in modules() for cls in module.classes])
 
 
 def unregister() -> None:
-    """Takes back what register() did, in reverse order."""
+    """Takes back what register() did, in reverse order; nothing where it has been taken back."""
     import bpy
 
-    atexit.unregister(unregister)
+    if not hasattr(bpy.types.Scene, "paradesc"):
+        return
     for module in reversed(modules()):
         if hasattr(module, "unregister"):
             module.unregister()
         for cls in reversed(module.classes):
             bpy.utils.unregister_class(cls)
+
+
+def end(classes: list[type]) -> None:
+    """Blender's Python module ends with a crash where classes, or properties with callbacks, are still there."""
+    unregister()
+    for cls in classes:
+        getattr(cls, "__annotations__", {}).clear()
+    gc.collect()

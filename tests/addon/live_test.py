@@ -109,7 +109,7 @@ def test_a_changed_range_recolors_without_computing(stretching, monkeypatch):
     done = count_computations(monkeypatch)
     item = bpy.context.scene.paradesc_live.ranges[NAME]
     item.minimum, item.maximum = 0.0, 10.0
-    expected = color_maps.linear_rgba(color_maps.colors(before, color_maps.ValueRange(0.0, 10.0, True)))
+    expected = color_maps.linear_rgba(color_maps.colors(before, color_maps.ValueRange(0.0, 10.0, True, 0.0)))
     np.testing.assert_allclose(values(stretching, f"{NAME}_color"), expected, atol=1e-3)
     assert not done
 

@@ -42,7 +42,7 @@ def test_picture_and_report_have_the_colors_asked_for(paradesc, sphere_obj, tmp_
     words = ["--output", "out.ply", "--json", "out.json", "--color-map", "grey", "--range=0:1"]
     process = paradesc("bake", sphere_obj, *QUICK, *words)
     assert process.returncode == 0, process.stderr
-    row = json.loads((tmp_path / "out.json").read_text())["descriptors"]["mean_curvature"]
+    row = json.loads((tmp_path / "out.json").read_text())["objects"][0]["descriptors"]["mean_curvature"]
     assert (row["shown_minimum"], row["shown_maximum"], row["color_map"]) == (0.0, 1.0, "grey")
     content = (tmp_path / "out.ply").read_bytes()
     place = content.index(b"end_header\n") + len(b"end_header\n") + 12
