@@ -1,7 +1,8 @@
-"""Draws one picture of the manual inside Blender; started by make.sh: make.py -- legend|cavity|maps FILE."""
+"""Draws one picture of the manual inside Blender, for make.sh: make.py -- legend|panel|cavity|frames|maps FILE."""
 
 import math
 import sys
+import tempfile
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
@@ -91,6 +92,58 @@ def steps(path: str) -> Iterator[None]:
         compress(path)
 
 
+def panel_steps(path: str) -> Iterator[None]:
+    """The sidebar with our tab, as a new user finds it, cut out of the window."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    with bpy.context.temp_override(window=window, area=area):
+        monkey()
+        bpy.ops.screen.screen_full_area(use_hide_panels=True)
+    yield
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    area.spaces[0].show_region_ui = True
+    yield
+    sidebar = next(region for region in area.regions if region.type == "UI")
+    for value in ("PRESS", "RELEASE"):  # on our tab, the last of four
+        window.event_simulate("LEFTMOUSE", value, x=sidebar.x + sidebar.width - 12, y=sidebar.y + sidebar.height - 175)
+        yield
+    for _ in range(6):
+        area.tag_redraw()
+        yield
+    bpy.ops.screen.screenshot(filepath=path)
+    image = bpy.data.images.load(path)
+    width, height = image.size
+    pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[::-1]
+    bpy.data.images.remove(image)
+    top = height - (sidebar.y + sidebar.height)
+    cut = pixels[top : top + sidebar.height, sidebar.x : sidebar.x + sidebar.width, :3]
+    png.write_png(Path(path), np.round(255 * cut).astype(np.uint8))
+
+
+def draw_frames(path: str) -> None:
+    """The bending tube of the samples at three frames, with one range of colors."""
+    sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "blend_samples"))
+    import make_samples
+
+    from paradesc.commands.main import main as run
+
+    made = make_samples.make("04_armature_cylinder")
+    pictures = []
+    with tempfile.TemporaryDirectory() as folder:
+        for frame in (1, 6, 12):
+            bpy.context.scene.frame_set(frame)
+            file = str(Path(folder) / "frame.png")
+            words = ["bake", "--object", made.name, "--descriptors", "gaussian_curvature", "--range=-2:2"]
+            if run([*words, "--source", "deformed", "--output", file, "--quiet"]) != 0:
+                raise RuntimeError("the frame was not baked")
+            image = bpy.data.images.load(file)
+            width, height = image.size
+            pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[::-1, :, :3]
+            bpy.data.images.remove(image)
+            pictures.append(np.round(255 * pixels[::2, ::2]).astype(np.uint8))
+    png.write_png(Path(path), np.concatenate(pictures, axis=1))
+
+
 def compress(path: str) -> None:
     """Writes a picture again, as small as it gets."""
     scene = bpy.context.scene
@@ -134,10 +187,12 @@ def main() -> None:
         draw_maps(path)
     elif kind == "cavity":
         render_cavity(path)
+    elif kind == "frames":
+        draw_frames(path)
     else:
         bpy.context.preferences.view.show_splash = False
         bpy.context.preferences.view.smooth_view = 0
-        iterator = steps(path)
+        iterator = steps(path) if kind == "legend" else panel_steps(path)
         bpy.app.timers.register(lambda: turn(iterator), first_interval=1.0)
 
 
