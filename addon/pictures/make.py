@@ -1,4 +1,4 @@
-"""Draws one picture of the manual inside Blender, for make.sh: make.py -- legend|panel|cavity|frames|maps FILE."""
+"""Draws one picture of the manual inside Blender, for make.sh: make.py -- KIND FILE, the kinds being those of main()."""
 
 import math
 import sys
@@ -120,6 +120,30 @@ def panel_steps(path: str) -> Iterator[None]:
     png.write_png(Path(path), np.round(255 * cut).astype(np.uint8))
 
 
+def draw_radii(path: str) -> None:
+    """The monkey's mean curvature at three radii, each times the radius."""
+    from paradesc.commands.main import main as run
+
+    made, pictures = monkey(), []
+    with tempfile.TemporaryDirectory() as folder:
+        for radius in (0.01, 0.03, 0.09):
+            file = str(Path(folder) / "radius.png")
+            words = ["bake", "--object", made.name, "--radius", str(radius), "--output", file, "--quiet"]
+            if run(words) != 0:
+                raise RuntimeError("the mesh was not baked")
+            pictures.append(half_size(file))
+    png.write_png(Path(path), np.concatenate(pictures, axis=1))
+
+
+def half_size(path: str) -> np.ndarray:
+    """(height, width, 3) uint8: every second pixel of a picture."""
+    image = bpy.data.images.load(path)
+    width, height = image.size
+    pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[::-1, :, :3]
+    bpy.data.images.remove(image)
+    return np.round(255 * pixels[::2, ::2]).astype(np.uint8)
+
+
 def draw_frames(path: str) -> None:
     """The bending tube of the samples at three frames, with one range of colors."""
     sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "blend_samples"))
@@ -136,11 +160,7 @@ def draw_frames(path: str) -> None:
             words = ["bake", "--object", made.name, "--descriptors", "gaussian_curvature", "--range=-2:2"]
             if run([*words, "--source", "deformed", "--output", file, "--quiet"]) != 0:
                 raise RuntimeError("the frame was not baked")
-            image = bpy.data.images.load(file)
-            width, height = image.size
-            pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[::-1, :, :3]
-            bpy.data.images.remove(image)
-            pictures.append(np.round(255 * pixels[::2, ::2]).astype(np.uint8))
+            pictures.append(half_size(file))
     png.write_png(Path(path), np.concatenate(pictures, axis=1))
 
 
@@ -187,6 +207,8 @@ def main() -> None:
         draw_maps(path)
     elif kind == "cavity":
         render_cavity(path)
+    elif kind == "radii":
+        draw_radii(path)
     elif kind == "frames":
         draw_frames(path)
     else:
