@@ -1,4 +1,4 @@
-"""Draws one picture of the manual inside Blender, for make.sh: make.py -- KIND FILE, the kinds being those of main()."""
+"""Draws one picture of the manual inside Blender, for make.sh: make.py -- KIND FILE, kinds as in main()."""
 
 import math
 import sys
