@@ -249,6 +249,7 @@ def test_run_that_is_killed_and_started_again_gives_the_same_files(paradesc, cyl
         (("--range=3:-3",), "LOW:HIGH"),
         (("--frames", "1", "--cache", "file"), "cannot be made"),
         (("--source", "rest"), "source"),
+        (("--frames", "1", "--shape-key", "active"), "leave --shape-key out"),
         (("--frames", "1", "--object", "skeleton"), "no mesh"),
     ],
     ids=str,
@@ -269,6 +270,19 @@ def test_bake_measures_the_source_that_is_asked_for(paradesc, cylinder_blend):
     accepted(paradesc("bake", cylinder_blend, *QUICK, "--source", "deformed", "-o", "out.npz"))
     with np.load(cylinder_blend.with_name("out.npz")) as file:
         assert file["vertices"][:, 2].max() < 3.2  # bent by 90 degrees at 2
+
+
+def test_scene_settings_say_which_source_is_measured(cylinder_blend, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    package.register()
+    bpy.context.scene.frame_set(20)
+    bpy.context.scene.paradesc_animation.source = "deformed"
+    bpy.ops.wm.save_as_mainfile(filepath=str(cylinder_blend))
+    package.unregister()
+    for words, bent in (((), True), (("--source", "original"), False)):
+        assert cli.main(["bake", str(cylinder_blend), "--scene-settings", *QUICK, *words, "-o", "out.npz"]) == 0
+        with np.load("out.npz") as file:
+            assert (file["vertices"][:, 2].max() < 3.2) == bent
 
 
 # ---- The operator

@@ -230,6 +230,8 @@ def test_panel_settings_of_a_file_are_taken_and_options_go_first(run, report, tm
     group = bpy.context.scene.paradesc
     group.descriptors, group.radius_unit, group.radius_edges = {"curvedness", "cavity"}, "mean-edge", 2.5
     group.samples, group.buffer_size, group.backend, group.space = 24, 128, "software", "world"
+    looks = bpy.context.scene.paradesc_looks
+    looks.color_map, looks.span, looks.minimum, looks.maximum = "heat", "fixed", 0.0, 7.0
     path = saved_scene(tmp_path / "scene.blend")
     paradesc.unregister()
     words = ("--scene-settings", "--samples", "16", "--output", "out.npz", "--json", "report.json")
@@ -239,7 +241,10 @@ def test_panel_settings_of_a_file_are_taken_and_options_go_first(run, report, tm
     assert (found["radius"], found["radius_unit"]) == (2.5, "mean-edge")
     assert (found["samples"], found["buffer_size"], found["backend"]) == (16, 128, "software")
     assert found["space"] == "world"
-    assert not hasattr(bpy.types.Scene, "paradesc")
+    shown = report()["objects"][0]["descriptors"]["curvedness"]
+    assert (shown["shown_minimum"], shown["shown_maximum"], shown["color_map"]) == (0.0, 7.0, "heat")
+    for name in ("paradesc", "paradesc_looks", "paradesc_animation"):
+        assert not hasattr(bpy.types.Scene, name)
 
 
 def test_preset_says_what_and_how_and_options_go_first(run, report, sphere_obj):

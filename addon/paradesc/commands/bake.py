@@ -20,7 +20,15 @@ from .common import (
     open_objects,
     print_notes,
 )
-from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
+from .options import (
+    add_computation_options,
+    add_input,
+    add_map_options,
+    add_source,
+    opened_settings,
+    scene_settings,
+    settings_of,
+)
 from .outputs import add_output_files, check_files, files_of, write_files
 from .reading import read_object
 
@@ -110,6 +118,7 @@ def bake_objects(
     """Computes each object; those that share a mesh share its results, unless what is measured is the object's own."""
     from .. import mesh_io
 
+    look = asked_look(arguments)
     if saves_scene(arguments):
         for target in targets:
             mesh_io.check_writable(target)
@@ -124,7 +133,7 @@ def bake_objects(
                 with named(target, len(targets)):
                     read = read_object(target, settings, arguments)
                     computed = job.run(read.measured, settings, part, arguments.dump_buffers is not None)
-                computed.look = asked_look(arguments)
+                computed.look = look
                 reading, notes = read.reading, read.notes
             else:
                 reading, computed = known.reading, known.results
@@ -139,11 +148,10 @@ def asked_look(arguments: argparse.Namespace) -> Look:
     """The look of the options, what is not given being the scene's where its settings are asked for."""
     if not arguments.scene_settings:
         return look_of(arguments)
-    import bpy
-
     from ..looks import scene_look
 
-    return look_of(arguments, scene_look(bpy.context.scene))
+    with scene_settings() as scene:
+        return look_of(arguments, scene_look(scene))
 
 
 @contextmanager
