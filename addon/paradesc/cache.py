@@ -10,17 +10,15 @@ there. Never imports bpy.
 import hashlib
 import json
 import re
-import secrets
 import struct
 import time
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from . import color_maps, job
+from . import color_maps, job, results
 from .bridge import MeshArrays, ParadescError, abi
 
 MAGIC = b"PDFRAME\n"
@@ -185,15 +183,11 @@ def write_frame(folder: Path, content: Frame) -> Path:
 
 def write_whole(path: Path, content: bytes) -> None:
     """Writes beside the path, then puts it in place; what a power cut leaves of it, the checksum finds."""
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_bytes(content)
-        temporary.replace(path)
     except OSError as error:
-        with suppress(OSError):
-            temporary.unlink()
         raise refused(f'"{path}" cannot be written: {error.strerror or error}.') from error
+    results.write_whole(path, content, Path.write_bytes)
 
 
 def sweep(folder: Path) -> None:

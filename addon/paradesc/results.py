@@ -2,7 +2,7 @@
 
 import json
 import math
-import os
+import secrets
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -179,7 +179,7 @@ def json_text(content: object) -> str:
 
 def write_whole(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
     """Writes beside the path first: a failure leaves no half file, and an old one as it was."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         writer(temporary, content)
         temporary.replace(path)
