@@ -300,7 +300,7 @@ def kept(folder: Path, frame: int, key: str, content: str) -> bool:
 # ---- One range over all
 
 
-def ranges(frames: Iterable[Frame], percent: float = color_maps.CLIPPED_PERCENT) -> dict[str, color_maps.ValueRange]:
+def ranges(frames: Iterable[Frame], look: color_maps.Look | None = None) -> dict[str, color_maps.ValueRange]:
     """The range of values to show for each name over all of these frames, of one object or of several."""
     pooled: dict[str, list[tuple[np.ndarray, int]]] = {}
     radii: dict[str, float] = {}
@@ -316,7 +316,7 @@ def ranges(frames: Iterable[Frame], percent: float = color_maps.CLIPPED_PERCENT)
             row = job.registry_row(name)
         except StopIteration:
             continue  # coverage, and values of a newer version
-        found[name] = color_maps.value_range(pool(parts), row, radii[name])
+        found[name] = color_maps.value_range(pool(parts), row, radii[name], look)
     return found
 
 
@@ -338,7 +338,9 @@ def write_fixed(folder: Path, fixed: dict[str, tuple[float, float]]) -> None:
     write_whole(folder / RANGE_FILE, (json.dumps(fixed, sort_keys=True) + "\n").encode())
 
 
-def locked_ranges(folders: Iterable[Path], key: str = "") -> dict[str, color_maps.ValueRange]:
+def locked_ranges(
+    folders: Iterable[Path], key: str = "", look: color_maps.Look | None = None
+) -> dict[str, color_maps.ValueRange]:
     """The one range for each name over all sound frames in these folders, of this key where one is given."""
     folders = list(folders)
     frames = []
@@ -350,7 +352,7 @@ def locked_ranges(folders: Iterable[Path], key: str = "") -> dict[str, color_map
                 continue  # it is baked again with the next run
             if key in ("", frame.key):
                 frames.append(replace(frame, values={}))
-    found = ranges(frames)
+    found = ranges(frames, look)
     for folder in folders:
         fixed = read_fixed(folder)
         for name, shown in found.items():
