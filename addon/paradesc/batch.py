@@ -108,8 +108,8 @@ class Batch:
             mesh_io.check_writable(target)
         piece.reading, piece.notes = targets.read(target, self.settings, self.request)
         arrays = piece.reading.arrays
-        if self.settings.space == "world":
-            piece.notes += targets.shared_note([item for item in map(bpy.data.objects.get, piece.sharing) if item])
+        sharing = [item for item in map(bpy.data.objects.get, piece.sharing) if item]
+        piece.notes += targets.shared_note(sharing, self.settings.space, self.request.source)
         image, buffers = self.places[self.current]
         piece.files = outputs.Files(target.name, mesh_io.world_matrix(target), image, buffers)
         outputs.check(piece.files, arrays, self.settings.backend)

@@ -309,6 +309,13 @@ def scene_to_bake(registered, tmp_path):
     return target
 
 
+def test_frames_need_no_output_of_a_single_bake(scene_to_bake):
+    bpy.context.scene.paradesc.write_attributes = False
+    assert bpy.ops.paradesc.bake_frames.poll()
+    bpy.context.view_layer.objects.active = None
+    assert not bpy.ops.paradesc.bake_frames.poll()
+
+
 def test_operator_bakes_frames_and_comes_back(scene_to_bake, tmp_path):
     bpy.context.scene.frame_set(4)
     before = fingerprint(scene_to_bake)

@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     baked = bake_objects(opened.objects, settings, arguments)
     computed = time.monotonic()
     if saves_scene(arguments):
-        write_attributes(opened.objects, baked)
+        write_attributes(opened.objects, baked, arguments.source)
     files = write_files(arguments, baked)
     for one in baked:
         print_summary(one)
@@ -172,7 +172,7 @@ def open_file() -> Path | None:
     return Path(bpy.data.filepath) if bpy.data.filepath else None
 
 
-def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:
+def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked], source: str) -> None:
     """Leaves the results where they belong; of several objects with one mesh, those of the first."""
     from .. import sources
     from .. import targets as groups
@@ -180,8 +180,7 @@ def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Bake
     for sharing in groups.by_mesh(targets):
         one = baked[targets.index(sharing[0])]
         one.notes += sources.deliver(sharing[0], one.results, one.reading)
-        if one.results.settings.space == "world":
-            one.notes += groups.shared_note(sharing)
+        one.notes += groups.shared_note(sharing, one.results.settings.space, source)
 
 
 def warnings_of(baked: list[results.Baked]) -> list[str]:
