@@ -144,15 +144,17 @@ class Batch:
                     self.attempt(piece, self.write)
 
     def write(self, piece: Piece) -> None:
-        """Leaves one mesh' results where they belong."""
+        """Leaves one mesh' results where they belong, or nothing: files go first once the mesh has no objection."""
         target = piece.target()
-        if self.request.write_attributes:
-            piece.notes += sources.deliver(target, piece.results, piece.reading)
+        if self.request.write_attributes and piece.reading.own:
+            mesh_io.check_names(target.data, mesh_io.wanted_names(piece.results))
         try:
             piece.files.commit()
         except OSError as error:
             sentence = f"A file cannot be brought to its place ({error.strerror or error}): {error.filename}."
             raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence) from error
+        if self.request.write_attributes:
+            piece.notes += sources.deliver(target, piece.results, piece.reading)
 
     @property
     def written(self) -> list[Piece]:
