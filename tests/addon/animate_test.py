@@ -272,17 +272,22 @@ def test_bake_measures_the_source_that_is_asked_for(paradesc, cylinder_blend):
         assert file["vertices"][:, 2].max() < 3.2  # bent by 90 degrees at 2
 
 
-def test_scene_settings_say_which_source_is_measured(cylinder_blend, tmp_path, monkeypatch):
+def test_scene_settings_say_what_is_measured(cylinder_blend, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     package.register()
     bpy.context.scene.frame_set(20)
-    bpy.context.scene.paradesc_animation.source = "deformed"
+    group = bpy.context.scene.paradesc_animation
+    group.source, group.relative_to_rest = "deformed", True
     bpy.ops.wm.save_as_mainfile(filepath=str(cylinder_blend))
     package.unregister()
     for words, bent in (((), True), (("--source", "original"), False)):
         assert cli.main(["bake", str(cylinder_blend), "--scene-settings", *QUICK, *words, "-o", "out.npz"]) == 0
         with np.load("out.npz") as file:
             assert (file["vertices"][:, 2].max() < 3.2) == bent
+    words = ("--frames", "20", "--cache", "frames")
+    assert cli.main(["animate", str(cylinder_blend), "--scene-settings", *QUICK, *words]) == 0
+    (frame,) = (tmp_path / "frames" / "cylinder").iterdir()
+    assert any(name.endswith("_change") for name in cache.read_frame(frame).values)
 
 
 # ---- The operator

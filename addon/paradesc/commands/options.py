@@ -133,7 +133,8 @@ def given_or(arguments: argparse.Namespace, name: str, otherwise: object) -> obj
 def opened_settings(arguments: argparse.Namespace) -> job.Settings:
     """The same once the file is open: what is not given comes from --preset, else from the scene, else the defaults.
 
-    --scene-settings also says which source and shape key and whether material maps are measured, where no option does.
+    --scene-settings also says which source and shape key and whether material maps and the change against rest are
+    measured, where no option does.
     """
     base = None
     usual = getattr(arguments, "usual_source", "original")
@@ -146,6 +147,8 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
             group, animation = scene.paradesc, scene.paradesc_animation
             base = properties.job_settings(group)
             arguments.source = source or (animation.source if usual == "original" else animation.frame_source)
+            if not getattr(arguments, "relative_to_rest", True):
+                arguments.relative_to_rest = animation.relative_to_rest
             arguments.shape_key = arguments.shape_key or group.shape_key
             has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
             given = getattr(arguments, "material_maps", False)
