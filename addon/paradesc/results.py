@@ -33,7 +33,7 @@ class Baked:
 
     def unit(self, name: str) -> str:
         """The unit of a descriptor's values as text."""
-        return registry_row(name).unit_on(self.results.settings.options.map_descriptor)
+        return legend.unit_of(name, self.results.settings.options.map_descriptor)
 
     def colors(self, name: str) -> np.ndarray:
         """(vertex_count, 3) float32 display colors of a descriptor."""
