@@ -247,6 +247,22 @@ def test_panel_settings_of_a_file_are_taken_and_options_go_first(run, report, tm
         assert not hasattr(bpy.types.Scene, name)
 
 
+@pytest.mark.parametrize("command", ["bake", "animate", "compare", "info"])
+def test_report_never_takes_the_place_of_the_input(run, sphere_obj, command):
+    before = sphere_obj.read_bytes()
+    ended = run(command, sphere_obj, "--json", sphere_obj)
+    assert (ended.code, sphere_obj.read_bytes()) == (2, before)
+    assert "is the input" in ended.error
+
+
+def test_report_never_takes_the_place_of_the_open_file(run, tmp_path, addon):
+    empty_scene()
+    path = saved_scene(tmp_path / "scene.blend")
+    before = path.read_bytes()
+    assert run("info", "--json", path).code == 2
+    assert path.read_bytes() == before
+
+
 def test_preset_says_what_and_how_and_options_go_first(run, report, sphere_obj):
     words = ("--backend", "software", "--buffer", "128", "--output", "out.npz", "--json", "report.json")
     assert run("bake", sphere_obj, "--preset", "edge_wear", *words).code == 0
