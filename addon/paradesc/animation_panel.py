@@ -5,7 +5,7 @@ from pathlib import Path
 
 import bpy
 
-from . import cache, frames, operators, properties, surface_maps
+from . import bridge, cache, frames, operators, properties, surface_maps
 from .bridge import ParadescError, abi
 from .mesh_io import refuse
 from .panel import SidebarPanel
@@ -16,6 +16,8 @@ SOURCES = [
     ("evaluated", "Evaluated", "What all modifiers make; results go to the original vertices where these remain"),
 ]
 DEFAULT_CACHE = "//paradesc_cache"
+# In which the mesh is that of the object.
+MODES = {"OBJECT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
 
 class PARADESC_PG_animation(bpy.types.PropertyGroup):
@@ -135,12 +137,12 @@ class PARADESC_OT_bake_frames(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Says why it cannot run where it cannot."""
-        sentence = operators.obstacle(context)
+        sentence = bridge.missing_sentence()
         target = context.active_object
         if not sentence and (target is None or target.type != "MESH"):
             sentence = "Make a mesh the active object first"
-        if not sentence and target.mode in {"EDIT", "SCULPT"}:
-            sentence = f"Leave {target.mode.lower()} mode first"
+        if not sentence and target.mode not in MODES:
+            sentence = f"Leave {target.mode.replace('_', ' ').lower()} mode first"
         if sentence:
             cls.poll_message_set(sentence)
         return not sentence

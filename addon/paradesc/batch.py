@@ -108,8 +108,8 @@ class Batch:
             mesh_io.check_writable(target)
         piece.reading, piece.notes = targets.read(target, self.settings, self.request)
         arrays = piece.reading.arrays
-        if self.settings.space == "world":
-            piece.notes += targets.shared_note([item for item in map(bpy.data.objects.get, piece.sharing) if item])
+        sharing = [item for item in map(bpy.data.objects.get, piece.sharing) if item]
+        piece.notes += targets.shared_note(sharing, self.settings.space, self.request.source)
         image, buffers = self.places[self.current]
         piece.files = outputs.Files(target.name, mesh_io.world_matrix(target), image, buffers)
         outputs.check(piece.files, arrays, self.settings.backend)
@@ -144,15 +144,17 @@ class Batch:
                     self.attempt(piece, self.write)
 
     def write(self, piece: Piece) -> None:
-        """Leaves one mesh' results where they belong."""
+        """Leaves one mesh' results where they belong, or nothing: files go first once the mesh has no objection."""
         target = piece.target()
-        if self.request.write_attributes:
-            piece.notes += sources.deliver(target, piece.results, piece.reading)
+        if self.request.write_attributes and piece.reading.own:
+            mesh_io.check_names(target.data, mesh_io.wanted_names(piece.results))
         try:
             piece.files.commit()
         except OSError as error:
             sentence = f"A file cannot be brought to its place ({error.strerror or error}): {error.filename}."
             raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence) from error
+        if self.request.write_attributes:
+            piece.notes += sources.deliver(target, piece.results, piece.reading)
 
     @property
     def written(self) -> list[Piece]:

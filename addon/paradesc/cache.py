@@ -10,17 +10,15 @@ there. Never imports bpy.
 import hashlib
 import json
 import re
-import secrets
 import struct
 import time
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from . import color_maps, job
+from . import color_maps, job, results
 from .bridge import MeshArrays, ParadescError, abi
 
 MAGIC = b"PDFRAME\n"
@@ -185,15 +183,11 @@ def write_frame(folder: Path, content: Frame) -> Path:
 
 def write_whole(path: Path, content: bytes) -> None:
     """Writes beside the path, then puts it in place; what a power cut leaves of it, the checksum finds."""
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_bytes(content)
-        temporary.replace(path)
     except OSError as error:
-        with suppress(OSError):
-            temporary.unlink()
         raise refused(f'"{path}" cannot be written: {error.strerror or error}.') from error
+    results.write_whole(path, content, Path.write_bytes)
 
 
 def sweep(folder: Path) -> None:
@@ -306,7 +300,7 @@ def kept(folder: Path, frame: int, key: str, content: str) -> bool:
 # ---- One range over all
 
 
-def ranges(frames: Iterable[Frame], percent: float = color_maps.CLIPPED_PERCENT) -> dict[str, color_maps.ValueRange]:
+def ranges(frames: Iterable[Frame], look: color_maps.Look | None = None) -> dict[str, color_maps.ValueRange]:
     """The range of values to show for each name over all of these frames, of one object or of several."""
     pooled: dict[str, list[tuple[np.ndarray, int]]] = {}
     radii: dict[str, float] = {}
@@ -322,7 +316,7 @@ def ranges(frames: Iterable[Frame], percent: float = color_maps.CLIPPED_PERCENT)
             row = job.registry_row(name)
         except StopIteration:
             continue  # coverage, and values of a newer version
-        found[name] = color_maps.value_range(pool(parts), row, radii[name])
+        found[name] = color_maps.value_range(pool(parts), row, radii[name], look)
     return found
 
 
@@ -344,7 +338,9 @@ def write_fixed(folder: Path, fixed: dict[str, tuple[float, float]]) -> None:
     write_whole(folder / RANGE_FILE, (json.dumps(fixed, sort_keys=True) + "\n").encode())
 
 
-def locked_ranges(folders: Iterable[Path], key: str = "") -> dict[str, color_maps.ValueRange]:
+def locked_ranges(
+    folders: Iterable[Path], key: str = "", look: color_maps.Look | None = None
+) -> dict[str, color_maps.ValueRange]:
     """The one range for each name over all sound frames in these folders, of this key where one is given."""
     folders = list(folders)
     frames = []
@@ -356,7 +352,7 @@ def locked_ranges(folders: Iterable[Path], key: str = "") -> dict[str, color_map
                 continue  # it is baked again with the next run
             if key in ("", frame.key):
                 frames.append(replace(frame, values={}))
-    found = ranges(frames)
+    found = ranges(frames, look)
     for folder in folders:
         fixed = read_fixed(folder)
         for name, shown in found.items():

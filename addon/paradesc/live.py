@@ -10,7 +10,7 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from . import frames, mesh_io, painting, properties, sources, surface_maps
+from . import frames, looks, mesh_io, painting, properties, sources, surface_maps
 from .bridge import MeshArrays, Options
 from .color_maps import ValueRange
 from .job import Results, Settings
@@ -61,6 +61,7 @@ class Session:
         if fresh:
             self.compute(positions, evaluated, settings, is_quick(scene, depsgraph.mode == "RENDER"))
         computed = time.perf_counter()
+        self.results.look = looks.scene_look(scene)
         ranges = painting.locked_ranges(scene.paradesc_live, self.found_ranges())
         changed = self.painter.paint(target.data, self.values(target.data), ranges, fresh)
         if changed:

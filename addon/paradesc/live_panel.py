@@ -3,7 +3,7 @@
 import bpy
 
 from . import handlers, live, painting
-from .panel import SidebarPanel, wrapped
+from .panel import SidebarPanel, sentence_lines
 
 MODES = [
     ("OFF", "Off", "Values stay as they were baked"),
@@ -14,7 +14,6 @@ MISSING = [
     ("HOLD", "Hold nearest", "Show the values of the nearest frame that is there"),
     ("COMPUTE", "Compute", "Compute them as live mode does"),
 ]
-TEXT_WIDTH = 36
 
 
 def mode_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
@@ -143,9 +142,9 @@ class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
         layout, target = self.layout, context.active_object
         icon = "ERROR" if target.paradesc_live.sentence else "INFO"
         layout.row().prop(target.paradesc_live, "mode", expand=True)
-        for index, line in enumerate(wrapped(live_sentence(target), TEXT_WIDTH)):
-            if line:
-                layout.label(text=line, icon="BLANK1" if index else icon)
+        sentence = live_sentence(target)
+        if sentence:
+            sentence_lines(context, layout, sentence, icon)
         group = context.scene.paradesc_live
         column = layout.column()
         column.use_property_split = True

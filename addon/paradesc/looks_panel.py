@@ -4,7 +4,7 @@ import bpy
 
 from . import legend, looks, recolor
 from .looks import CHANNELS
-from .panel import SidebarPanel, wrapped
+from .panel import SidebarPanel, sentence_lines
 
 
 class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
@@ -29,8 +29,8 @@ class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
         if group.span == "fixed":
             column.prop(group, "minimum")
             column.prop(group, "maximum")
-            for index, line in enumerate(wrapped(looks.fault(group), 28) if looks.fault(group) else ()):
-                column.label(text=line, icon="BLANK1" if index else "ERROR")
+            if looks.fault(group):
+                sentence_lines(context, column, looks.fault(group), "ERROR")
         elif group.span == "percentile":
             column.prop(group, "percentile")
         if group.span != "fixed":

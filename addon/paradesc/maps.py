@@ -6,7 +6,7 @@ import numpy as np
 
 from . import bridge, color_maps, exr, picture, png
 from .bridge import abi
-from .results import Baked, registry_row, write_whole
+from .results import Baked, write_whole
 
 SUFFIXES = (".exr", ".png")
 # Texels around each chart that take the values beside them: filtering and a few mipmaps show no seam then.
@@ -179,7 +179,7 @@ def write_png(path: Path, baked: Baked, name: str) -> dict[str, object]:
     image = image_of(baked, name)
     low, high = stored_range(image, image.shape[2])
     share = np.clip((fill_gutter(image)[::-1].astype(np.float64) - low) / (high - low), 0.0, 1.0)
-    unit = registry_row(name).unit
+    unit = baked.unit(name)
     meaning = f"{name} = {low!r} + ({high!r} - {low!r}) * pixel / {WHOLE_16}" + (f" [{unit}]" if unit else "")
     png.write_png16(path, np.round(WHOLE_16 * share).astype(np.uint16), {"Description": meaning})
     return {"descriptor": name, "minimum": low, "maximum": high}

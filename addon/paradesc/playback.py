@@ -11,7 +11,7 @@ import bpy
 
 from . import animation_panel, cache, live, looks, mesh_io, painting
 from .bridge import ParadescError
-from .color_maps import ValueRange
+from .color_maps import AUTOMATIC, Look, ValueRange
 from .corners import ATTRIBUTE
 from .job import UNDEFINED_MASK
 from .mesh_io import refuse
@@ -28,7 +28,7 @@ class Player:
         self.frame: cache.Frame | None = None
         self.shown: tuple[Path, int] | None = None  # the file, and when it was written
         self.whole: dict[str, ValueRange] = {}  # over all frames
-        self.folder: Path | None = None
+        self.ranged: tuple[Path, Look] | None = None  # what whole follows from, whatever the color map
         self.seconds: dict[str, float] = {}
         self.note = ""  # for the panel
         self.edited = False
@@ -51,10 +51,11 @@ class Player:
             return self.compute(target, depsgraph, scene)
         fresh = self.read(path, target)
         read = time.perf_counter()
-        if folder != self.folder:
-            self.folder, self.whole = folder, cache.locked_ranges([folder], self.frame.key)
-        chosen = looks.scene_look(scene).color_map
-        found = {name: replace(shown, map_name=chosen) for name, shown in self.found_ranges().items()}
+        look = looks.scene_look(scene)
+        wanted = (folder, replace(look, color_map=AUTOMATIC))
+        if wanted != self.ranged:
+            self.ranged, self.whole = wanted, cache.locked_ranges([folder], self.frame.key, look)
+        found = {name: replace(shown, map_name=look.color_map) for name, shown in self.found_ranges().items()}
         ranges = painting.locked_ranges(scene.paradesc_live, found)
         changed = self.painter.paint(target.data, self.values(), ranges, fresh)
         if changed:
@@ -107,7 +108,7 @@ class Player:
 
     def forget_ranges(self) -> None:
         """Has the ranges over all frames read again."""
-        self.folder = None
+        self.ranged = None
 
     def found_ranges(self) -> dict[str, ValueRange]:
         """The range of each descriptor over all frames."""

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from . import bridge, color_maps, legend, looks, mesh_io
+from . import bridge, color_maps, legend, looks, mesh_io, targets
 from .bridge import ParadescError
 from .job import registry_name, registry_row
 
@@ -107,17 +107,18 @@ class NeedsBake:
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Runs in object mode for a while, in which attributes can be read and written."""
-        targets = baked_targets(context) if self.whole_selection else [context.active_object]
+        found = baked_targets(context) if self.whole_selection else [context.active_object]
         failures = 0
-        for target in targets:
-            try:
-                mesh_io.check_writable(target)
-                with mesh_io.object_mode(target):
-                    self.run(context, target)
-            except ParadescError as error:
-                self.report({"ERROR"}, error.sentence)
-                failures += 1
-        return {"CANCELLED"} if failures == len(targets) else {"FINISHED"}
+        with targets.object_mode(context):
+            for target in found:
+                try:
+                    mesh_io.check_writable(target)
+                    with mesh_io.object_mode(target):
+                        self.run(context, target)
+                except ParadescError as error:
+                    self.report({"ERROR"}, error.sentence)
+                    failures += 1
+        return {"CANCELLED"} if failures == len(found) else {"FINISHED"}
 
 
 class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):

@@ -2,7 +2,7 @@
 
 import json
 import math
-import os
+import secrets
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -33,7 +33,7 @@ class Baked:
 
     def unit(self, name: str) -> str:
         """The unit of a descriptor's values as text."""
-        return registry_row(name).unit_on(self.results.settings.options.map_descriptor)
+        return legend.unit_of(name, self.results.settings.options.map_descriptor)
 
     def colors(self, name: str) -> np.ndarray:
         """(vertex_count, 3) float32 display colors of a descriptor."""
@@ -179,7 +179,7 @@ def json_text(content: object) -> str:
 
 def write_whole(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
     """Writes beside the path first: a failure leaves no half file, and an old one as it was."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         writer(temporary, content)
         temporary.replace(path)

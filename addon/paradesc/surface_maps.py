@@ -7,7 +7,7 @@ import bmesh
 import bpy
 import numpy as np
 
-from . import mesh_io
+from . import color_maps, mesh_io, spaces
 from .bridge import MeshArrays, SurfaceMaps
 from .mesh_io import read_array, refuse
 
@@ -121,8 +121,7 @@ def read_linear(image: bpy.types.Image) -> np.ndarray:
         return pixels
     if space.name != "sRGB":
         raise refuse(f'The image "{image.name}" is in the color space "{space.name}"; set it to Non-Color.')
-    color = pixels[..., :3]
-    pixels[..., :3] = np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
+    pixels[..., :3] = color_maps.srgb_to_linear(pixels[..., :3])
     return pixels
 
 
@@ -184,8 +183,9 @@ def read_displacement_node(
 
 def uniform_scale(target: bpy.types.Object) -> float:
     """The factor from the mesh's units to the world's."""
-    scale = np.abs(np.array(target.matrix_world.to_scale()))
-    if scale.min() <= 0 or scale.max() > 1.0001 * scale.min():
+    matrix = mesh_io.world_matrix(target)
+    scale = spaces.scales(matrix)
+    if scale.min() <= 0 or not spaces.is_even(matrix):
         raise refuse(
             f'The object "{target.name}" is scaled differently along its axes, which its displacement in world space '
             "cannot follow; apply the scale, or set the Displacement node to object space."

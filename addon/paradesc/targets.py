@@ -120,9 +120,13 @@ def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) 
     return []
 
 
-def shared_note(sharing: list[bpy.types.Object]) -> list[str]:
-    """Says which object's scale counted, where objects that share a mesh are measured in the world."""
+def shared_note(sharing: list[bpy.types.Object], space: str = "world", source: str = "original") -> list[str]:
+    """Says which object's modifiers or scale counted, where objects share a mesh but not these."""
     first, *others = sharing
+    if others and source != "original":
+        return [f'{len(sharing)} objects share the mesh "{first.data.name}"; it was measured as "{first.name}" has it.']
+    if space != "world":
+        return []
     own = np.sort(spaces.scales(mesh_io.world_matrix(first)))
     if all(np.allclose(own, np.sort(spaces.scales(mesh_io.world_matrix(item))), rtol=spaces.EVEN) for item in others):
         return []

@@ -249,6 +249,7 @@ def test_run_that_is_killed_and_started_again_gives_the_same_files(paradesc, cyl
         (("--range=3:-3",), "LOW:HIGH"),
         (("--frames", "1", "--cache", "file"), "cannot be made"),
         (("--source", "rest"), "source"),
+        (("--frames", "1", "--shape-key", "active"), "leave --shape-key out"),
         (("--frames", "1", "--object", "skeleton"), "no mesh"),
     ],
     ids=str,
@@ -269,6 +270,24 @@ def test_bake_measures_the_source_that_is_asked_for(paradesc, cylinder_blend):
     accepted(paradesc("bake", cylinder_blend, *QUICK, "--source", "deformed", "-o", "out.npz"))
     with np.load(cylinder_blend.with_name("out.npz")) as file:
         assert file["vertices"][:, 2].max() < 3.2  # bent by 90 degrees at 2
+
+
+def test_scene_settings_say_what_is_measured(cylinder_blend, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    package.register()
+    bpy.context.scene.frame_set(20)
+    group = bpy.context.scene.paradesc_animation
+    group.source, group.relative_to_rest = "deformed", True
+    bpy.ops.wm.save_as_mainfile(filepath=str(cylinder_blend))
+    package.unregister()
+    for words, bent in (((), True), (("--source", "original"), False)):
+        assert cli.main(["bake", str(cylinder_blend), "--scene-settings", *QUICK, *words, "-o", "out.npz"]) == 0
+        with np.load("out.npz") as file:
+            assert (file["vertices"][:, 2].max() < 3.2) == bent
+    words = ("--frames", "20", "--cache", "frames")
+    assert cli.main(["animate", str(cylinder_blend), "--scene-settings", *QUICK, *words]) == 0
+    (frame,) = (tmp_path / "frames" / "cylinder").iterdir()
+    assert any(name.endswith("_change") for name in cache.read_frame(frame).values)
 
 
 # ---- The operator
@@ -293,6 +312,13 @@ def scene_to_bake(registered, tmp_path):
     animation.frame_start, animation.frame_end, animation.frame_step = 1, 20, 9
     animation.cache_folder = str(tmp_path)
     return target
+
+
+def test_frames_need_no_output_of_a_single_bake(scene_to_bake):
+    bpy.context.scene.paradesc.write_attributes = False
+    assert bpy.ops.paradesc.bake_frames.poll()
+    bpy.context.view_layer.objects.active = None
+    assert not bpy.ops.paradesc.bake_frames.poll()
 
 
 def test_operator_bakes_frames_and_comes_back(scene_to_bake, tmp_path):

@@ -230,6 +230,8 @@ def test_panel_settings_of_a_file_are_taken_and_options_go_first(run, report, tm
     group = bpy.context.scene.paradesc
     group.descriptors, group.radius_unit, group.radius_edges = {"curvedness", "cavity"}, "mean-edge", 2.5
     group.samples, group.buffer_size, group.backend, group.space = 24, 128, "software", "world"
+    looks = bpy.context.scene.paradesc_looks
+    looks.color_map, looks.span, looks.minimum, looks.maximum = "heat", "fixed", 0.0, 7.0
     path = saved_scene(tmp_path / "scene.blend")
     paradesc.unregister()
     words = ("--scene-settings", "--samples", "16", "--output", "out.npz", "--json", "report.json")
@@ -239,7 +241,26 @@ def test_panel_settings_of_a_file_are_taken_and_options_go_first(run, report, tm
     assert (found["radius"], found["radius_unit"]) == (2.5, "mean-edge")
     assert (found["samples"], found["buffer_size"], found["backend"]) == (16, 128, "software")
     assert found["space"] == "world"
-    assert not hasattr(bpy.types.Scene, "paradesc")
+    shown = report()["objects"][0]["descriptors"]["curvedness"]
+    assert (shown["shown_minimum"], shown["shown_maximum"], shown["color_map"]) == (0.0, 7.0, "heat")
+    for name in ("paradesc", "paradesc_looks", "paradesc_animation"):
+        assert not hasattr(bpy.types.Scene, name)
+
+
+@pytest.mark.parametrize("command", ["bake", "animate", "compare", "info"])
+def test_report_never_takes_the_place_of_the_input(run, sphere_obj, command):
+    before = sphere_obj.read_bytes()
+    ended = run(command, sphere_obj, "--json", sphere_obj)
+    assert (ended.code, sphere_obj.read_bytes()) == (2, before)
+    assert "is the input" in ended.error
+
+
+def test_report_never_takes_the_place_of_the_open_file(run, tmp_path, addon):
+    empty_scene()
+    path = saved_scene(tmp_path / "scene.blend")
+    before = path.read_bytes()
+    assert run("info", "--json", path).code == 2
+    assert path.read_bytes() == before
 
 
 def test_preset_says_what_and_how_and_options_go_first(run, report, sphere_obj):

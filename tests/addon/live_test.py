@@ -406,3 +406,16 @@ def test_values_of_several_radii_are_called_as_asked(stretching):
 def test_the_world_is_refused_in_one_sentence(stretching):
     bpy.context.scene.paradesc.space = "world"
     assert "object space" in switch(stretching)
+
+
+def test_colors_are_those_of_the_scene_that_is_evaluated(stretching):
+    other = bpy.data.scenes.new("other")
+    other.collection.objects.link(stretching)
+    other.paradesc.backend, other.paradesc.buffer_size = "software", 128
+    other.paradesc_looks.color_map = "grey"
+    layer = other.view_layers[0]
+    layer.update()
+    session = live.Session()
+    assert session.refresh(stretching, layer.depsgraph, other)
+    session.close()
+    assert np.ptp(attribute_values(stretching.data, f"{NAME}_color")[:, :3], axis=1).max() < 1e-3

@@ -122,6 +122,18 @@ def test_recolor_in_edit_mode_stays_in_edit_mode(baked):
     assert np.ptp(colors_of(baked)[0]) < 1e-3
 
 
+def test_recolor_leaves_edit_mode_to_the_objects_that_were_in_it(baked):
+    other = add_sphere("other", steps=4)
+    bpy.context.view_layer.objects.active = baked
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert (baked.mode, other.mode) == ("EDIT", "EDIT")
+    other.select_set(False)
+    assert bpy.ops.paradesc.recolor() == {"FINISHED"}
+    assert (baked.mode, other.mode) == ("EDIT", "EDIT")
+    assert (baked.select_get(), other.select_get()) == (True, False)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def test_shown_descriptor_is_the_one_chosen(baked):
     assert recolor.shown_name(baked.data) == "mean_curvature"
     bpy.ops.paradesc.show(name="curvedness")

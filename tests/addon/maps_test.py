@@ -139,6 +139,15 @@ def decode16(content):
     return np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8).view(">u2").reshape(height, width, channels), texts
 
 
+def test_a_16_bit_png_of_an_operator_says_the_unit_on_its_map(tmp_path):
+    options = Options(radius=0.06, samples=16, buffer_size=128, texels=32, map_descriptor="mean_curvature")
+    settings = job.Settings(("gradient_magnitude",), options, "software")
+    arrays = as_arrays(*bumpy())
+    maps.write_png(tmp_path / "x.png", Baked("", job.run(arrays, settings), arrays, np.eye(4)), "gradient_magnitude")
+    _, texts = decode16((tmp_path / "x.png").read_bytes())
+    assert texts["Description"].endswith("[1/length^2]")
+
+
 def test_a_16_bit_png_says_which_values_its_ends_are(paradesc, tmp_path):
     path = write_obj(tmp_path / "bumpy.obj", *bumpy())
     names = "mean_curvature,shape_index"

@@ -6,7 +6,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import paradesc  # noqa: E402
-from paradesc import batch, maps, targets  # noqa: E402
+from paradesc import batch, maps, outputs, targets  # noqa: E402
 from scene import add_sphere, empty_scene, fingerprint, small_bake  # noqa: E402
 
 
@@ -62,6 +62,19 @@ def test_several_meshes_have_files_of_their_own(settings, tmp_path):
     folders = [f"buffers_{word}" for word in ("a_b", "a_b_2", "ball")]
     assert names_in(tmp_path) == [*folders, "curves_a_b.exr", "curves_a_b_2.exr", "curves_ball.exr"]
     assert {"buffers.npz", "charts.png", "normal.png"} <= set(names_in(tmp_path / folders[0]))
+
+
+def test_a_file_that_cannot_be_brought_to_its_place_leaves_the_mesh_as_it_was(settings, tmp_path, monkeypatch):
+    def refuse(_files):
+        raise PermissionError(13, "Permission denied", "curves.exr")
+
+    monkeypatch.setattr(outputs.Files, "commit", refuse)
+    target = bpy.data.objects["ball"]
+    before = fingerprint(target)
+    with pytest.raises(RuntimeError, match="cannot be brought to its place"):
+        bpy.ops.paradesc.bake()
+    assert fingerprint(target) == before
+    assert names_in(tmp_path) == []
 
 
 def test_without_attributes_the_mesh_stays_as_it_is(settings, tmp_path):

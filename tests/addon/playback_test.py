@@ -69,6 +69,16 @@ def test_colors_are_by_the_range_over_all_frames(swelling):
     np.testing.assert_allclose(attribute_values(swelling.data, f"{NAME}_color"), expected, atol=1e-3)
 
 
+def test_range_and_neutral_value_of_the_colors_panel_hold_for_played_frames(swelling):
+    group = bpy.context.scene.paradesc_looks
+    group.span, group.minimum, group.maximum = "fixed", 0.0, 3.0
+    group.use_neutral, group.neutral, group.color_map = True, 1.0, "purple-green"
+    play(swelling)
+    shown = color_maps.ValueRange(0.0, 3.0, True, 1.0, "purple-green")
+    expected = color_maps.linear_rgba(color_maps.colors(attribute_values(swelling.data, NAME), shown))
+    np.testing.assert_allclose(attribute_values(swelling.data, f"{NAME}_color"), expected, atol=1e-3)
+
+
 def test_missing_frames_are_held_from_the_nearest_and_said(swelling):
     play(swelling)
     bpy.context.scene.frame_set(8)

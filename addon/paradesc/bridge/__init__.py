@@ -33,7 +33,6 @@ from .session import (
     MeshArrays,
     Options,
     SurfaceMaps,
-    devices,
 )
 
 __all__ = [
@@ -64,7 +63,6 @@ __all__ = [
     "SurfaceMaps",
     "components",
     "descriptors",
-    "devices",
     "load_library",
     "missing_sentence",
     "without_devices",

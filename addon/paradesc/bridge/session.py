@@ -354,18 +354,6 @@ class Context:
         self.close()
 
 
-def devices() -> list[dict[str, str]]:
-    """One row a backend: its name, and its device or the sentence that says why there is none."""
-    rows = []
-    for backend in ("gpu", "software", "reference"):
-        try:
-            with Context(backend) as context:
-                rows.append({"backend": backend, "device": context.device, "missing": ""})
-        except ParadescError as error:
-            rows.append({"backend": backend, "device": "", "missing": error.sentence})
-    return rows
-
-
 def native_mesh(library: ctypes.CDLL, arrays: MeshArrays) -> tuple[abi.MeshInput, list[np.ndarray]]:
     """The C struct of a mesh, and the arrays that have to live as long as it is read."""
     kept: list[np.ndarray] = []

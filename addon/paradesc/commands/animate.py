@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .. import cache, job
+from .. import cache, job, legend
 from ..streams import quiet
 from .common import (
     Parser,
@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     shared = cache.locked_ranges(sorted(path for path in root.iterdir() if path.is_dir()))
     for report in reports:
         report["ranges"] = cache.locked_ranges([Path(report["folder"])], report["key"])
-        print_summary(report)
+        print_summary(report, settings)
         report["ranges"] = {name: [shown.minimum, shown.maximum] for name, shown in report["ranges"].items()}
     print_notes(opened.notes)
     return {
@@ -200,7 +200,7 @@ def report_of(baker: "FrameBaker", wanted: range, made: "list[Done]") -> dict[st
     }
 
 
-def print_summary(report: dict) -> None:
+def print_summary(report: dict, settings: job.Settings) -> None:
     """What was made, in a few lines."""
     print(f'object "{report["object"]}": {len(report["made"]):,} frames made, {len(report["kept"]):,} kept')
     if report["made"]:
@@ -208,7 +208,7 @@ def print_summary(report: dict) -> None:
         stages = ", ".join(f"{name} {1000 * value:.1f}" for name, value in seconds.items())
         print(f"{1 / sum(seconds.values()):.2f} frames/s, {report['device']}; ms a frame: {stages}")
     for name, shown in report["ranges"].items():
-        unit = job.registry_row(name).unit
+        unit = legend.unit_of(name, settings.options.map_descriptor)
         print(f"  {name}: {shown.minimum:.6g} to {shown.maximum:.6g} {unit}".rstrip())
     print_notes([*report["notes"], *report["warnings"]])
     print(f"wrote {report['folder']}")

@@ -20,7 +20,15 @@ from .common import (
     open_objects,
     print_notes,
 )
-from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
+from .options import (
+    add_computation_options,
+    add_input,
+    add_map_options,
+    add_source,
+    opened_settings,
+    scene_settings,
+    settings_of,
+)
 from .outputs import add_output_files, check_files, files_of, write_files
 from .reading import read_object
 
@@ -63,7 +71,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     baked = bake_objects(opened.objects, settings, arguments)
     computed = time.monotonic()
     if saves_scene(arguments):
-        write_attributes(opened.objects, baked)
+        write_attributes(opened.objects, baked, arguments.source)
     files = write_files(arguments, baked)
     for one in baked:
         print_summary(one)
@@ -110,6 +118,7 @@ def bake_objects(
     """Computes each object; those that share a mesh share its results, unless what is measured is the object's own."""
     from .. import mesh_io
 
+    look = asked_look(arguments)
     if saves_scene(arguments):
         for target in targets:
             mesh_io.check_writable(target)
@@ -124,7 +133,7 @@ def bake_objects(
                 with named(target, len(targets)):
                     read = read_object(target, settings, arguments)
                     computed = job.run(read.measured, settings, part, arguments.dump_buffers is not None)
-                computed.look = asked_look(arguments)
+                computed.look = look
                 reading, notes = read.reading, read.notes
             else:
                 reading, computed = known.reading, known.results
@@ -139,11 +148,10 @@ def asked_look(arguments: argparse.Namespace) -> Look:
     """The look of the options, what is not given being the scene's where its settings are asked for."""
     if not arguments.scene_settings:
         return look_of(arguments)
-    import bpy
-
     from ..looks import scene_look
 
-    return look_of(arguments, scene_look(bpy.context.scene))
+    with scene_settings() as scene:
+        return look_of(arguments, scene_look(scene))
 
 
 @contextmanager
@@ -164,7 +172,7 @@ def open_file() -> Path | None:
     return Path(bpy.data.filepath) if bpy.data.filepath else None
 
 
-def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:
+def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked], source: str) -> None:
     """Leaves the results where they belong; of several objects with one mesh, those of the first."""
     from .. import sources
     from .. import targets as groups
@@ -172,8 +180,7 @@ def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Bake
     for sharing in groups.by_mesh(targets):
         one = baked[targets.index(sharing[0])]
         one.notes += sources.deliver(sharing[0], one.results, one.reading)
-        if one.results.settings.space == "world":
-            one.notes += groups.shared_note(sharing)
+        one.notes += groups.shared_note(sharing, one.results.settings.space, source)
 
 
 def warnings_of(baked: list[results.Baked]) -> list[str]:

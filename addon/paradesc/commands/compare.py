@@ -9,7 +9,6 @@ from .common import (
     UsageError,
     add_output_options,
     check_outputs,
-    check_overwriting,
     open_object,
     print_notes,
 )
@@ -48,7 +47,6 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     if arguments.backend == "reference":
         raise UsageError("The reference is what compare compares with; choose another backend.")
     check_outputs([arguments.json] if arguments.json else [])
-    check_overwriting([arguments.json] if arguments.json else [], arguments.input, force=False)
     settings_of(arguments)
     target = open_object(arguments)
     settings = opened_settings(arguments)

@@ -11,7 +11,6 @@ from .common import (
     add_objects_options,
     add_output_options,
     check_outputs,
-    check_overwriting,
     open_input,
     print_notes,
 )
@@ -51,9 +50,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Prints every mesh object, or those that --object names; gives them."""
-    paths = [arguments.json] if arguments.json else []
-    check_outputs(paths)
-    check_overwriting(paths, arguments.input, force=False)
+    check_outputs([arguments.json] if arguments.json else [])
     _, notes = open_input(arguments)
     from .. import scene_io
 

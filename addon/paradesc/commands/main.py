@@ -10,7 +10,7 @@ from pathlib import Path
 from .. import __version__, results
 from ..bridge import ParadescError
 from . import COMMANDS, modules
-from .common import EXIT_CHECK, EXIT_FAILED, EXIT_OK, Parser, UsageError, exit_code
+from .common import EXIT_CHECK, EXIT_FAILED, EXIT_OK, EXIT_USAGE, Parser, UsageError, exit_code
 from .signals import Signals, Terminated
 
 # Of the JSON reports. A number more says that a key has another meaning or is gone; new keys may come without.
@@ -37,6 +37,8 @@ def main(words: list[str]) -> int:
         return say(str(error), exit_code(error))
     except SystemExit as error:  # --help and --version, which were shown
         return int(error.code or 0)
+    if reports_over_input(arguments):
+        return say(f'"{arguments.json}" is the input; choose another file for the report.', EXIT_USAGE)
     try:
         with Signals(raises=True):
             with muted(arguments):
@@ -73,6 +75,17 @@ def muted(arguments: argparse.Namespace) -> Iterator[None]:
 def prints_json(arguments: argparse.Namespace) -> bool:
     """Whether the report goes to the standard output."""
     return str(getattr(arguments, "json", None)) == "-"
+
+
+def reports_over_input(arguments: argparse.Namespace) -> bool:
+    """Whether the report would take the place of the input or of the open .blend, as that of a failure would too."""
+    path: Path | None = getattr(arguments, "json", None)
+    if path is None or prints_json(arguments):
+        return False
+    blender = sys.modules.get("bpy")
+    opened = blender.data.filepath if blender is not None else ""
+    inputs = [getattr(arguments, "input", None), Path(opened) if opened else None]
+    return any(given is not None and path.resolve() == given.resolve() for given in inputs)
 
 
 def write_report(arguments: argparse.Namespace, content: dict[str, object], code: int, sentence: str) -> None:

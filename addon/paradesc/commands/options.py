@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import bridge, job
+from ..corners import THRESHOLD
 from .common import PROGRESS, UsageError
 
 if TYPE_CHECKING:
@@ -24,12 +25,13 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_source(parser: argparse.ArgumentParser, default: str) -> None:
-    """Which mesh of an object is measured."""
+    """Which mesh of an object is measured; opened_settings() takes it from elsewhere where it is not given."""
     parser.add_argument(
-        "--source", choices=("original", "deformed", "evaluated"), default=default,
+        "--source", choices=("original", "deformed", "evaluated"),
         help="the object's own mesh, as deforming modifiers and shape keys move it, or after all modifiers "
-        "(default: %(default)s)",
+        f"(default: {default})",
     )  # fmt: skip
+    parser.set_defaults(usual_source=default)
 
 
 def add_input(parser: argparse.ArgumentParser) -> None:
@@ -59,7 +61,7 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
     add("--ellipse", choices=bridge.ELLIPSES,
         help="affine, paper: extent by the distortion at the center, or the largest on the way")  # fmt: skip
     add("--estimator", choices=bridge.ESTIMATORS,
-        help="curvatures by the least-squares shape operator (default), or by the paper's integrals")  # fmt: skip
+        help="curvatures by the fitted shape operator (default), the paper's integrals, or extrapolated")  # fmt: skip
     add("--variance-reduction", choices=bridge.VARIANCE_REDUCTIONS,
         help="integrals with the shape operator as control variate (default), or plain sums")  # fmt: skip
     add("--geodesic", choices=bridge.GEODESICS,
@@ -131,18 +133,29 @@ def given_or(arguments: argparse.Namespace, name: str, otherwise: object) -> obj
 def opened_settings(arguments: argparse.Namespace) -> job.Settings:
     """The same once the file is open: what is not given comes from --preset, else from the scene, else the defaults.
 
-    --scene-settings also says whether material maps and which shape key are measured, where no option does.
+    --scene-settings also says which source and shape key and whether material maps and the change against rest are
+    measured, where no option does.
     """
     base = None
+    usual = getattr(arguments, "usual_source", "original")
+    source, shape_key = getattr(arguments, "source", None), arguments.shape_key
+    arguments.source = source or usual
     if arguments.scene_settings:
-        with scene_group() as group:
+        with scene_settings() as scene:
             from .. import properties
 
+            group, animation = scene.paradesc, scene.paradesc_animation
             base = properties.job_settings(group)
+            arguments.source = source or (animation.source if usual == "original" else animation.frame_source)
+            if not getattr(arguments, "relative_to_rest", True):
+                arguments.relative_to_rest = animation.relative_to_rest
             arguments.shape_key = arguments.shape_key or group.shape_key
             has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
             given = getattr(arguments, "material_maps", False)
             arguments.material_maps = given or (group.material_maps and not has_files)
+    if shape_key == "active" and arguments.source != "original":
+        sentence = f"The source {arguments.source} has the shape that shape keys give it; leave --shape-key out"
+        raise UsageError(f"{sentence}, or measure the source original.")
     return settings_of(arguments, with_preset(arguments.preset, base))
 
 
@@ -159,25 +172,31 @@ def with_preset(name: str | None, base: job.Settings | None) -> job.Settings | N
     radius = members.pop("radius_percent") / 100
     names = tuple(row.name for row in bridge.descriptors() if row.name in chosen)
     options = bridge.Options(radius=radius, **members)
-    return replace(base or job.Settings(), descriptors=names, options=options, more_radii=())
+    return replace(
+        base or job.Settings(), descriptors=names, options=options, more_radii=(), corner_threshold=THRESHOLD
+    )
 
 
 @contextmanager
-def scene_group() -> "Iterator[bpy.types.PropertyGroup]":
-    """The panel's settings of the open scene; they lie in the .blend, whether the add-on is enabled or not."""
+def scene_settings() -> "Iterator[bpy.types.Scene]":
+    """The open scene with the panels' settings; they lie in the .blend, whether the add-on is enabled or not."""
     import bpy
 
-    from .. import properties
+    from .. import animation_panel, looks, properties
 
     if hasattr(bpy.types.Scene, "paradesc"):
-        yield bpy.context.scene.paradesc
+        yield bpy.context.scene
         return
-    for cls in properties.classes:
+    groups = (looks.PARADESC_PG_looks, animation_panel.PARADESC_PG_animation)
+    modules = (properties, looks, animation_panel)
+    for cls in groups:
         bpy.utils.register_class(cls)
-    properties.register()
+    for module in modules:
+        module.register()
     try:
-        yield bpy.context.scene.paradesc
+        yield bpy.context.scene
     finally:
-        properties.unregister()
-        for cls in reversed(properties.classes):
+        for module in modules:
+            module.unregister()
+        for cls in groups:
             bpy.utils.unregister_class(cls)

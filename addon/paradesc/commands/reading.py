@@ -28,7 +28,7 @@ def read_object(target: "bpy.types.Object", settings: job.Settings, arguments: a
     from .. import mesh_io, sources, targets
 
     own_normals, needs_uvs = settings.options.normals == "mesh", settings.backend != "reference"
-    reading = sources.read(target, getattr(arguments, "source", "original"), own_normals, needs_uvs)
+    reading = sources.read(target, arguments.source, own_normals, needs_uvs)
     arrays, notes = reading.arrays, list(reading.notes)
     if reading.source == "original":
         notes += targets.take_shape(target, arrays, arguments.shape_key or "basis")
