@@ -17,6 +17,7 @@ from .common import (
     add_objects_options,
     add_output_options,
     check_overwriting,
+    fallback_note,
     open_objects,
     print_notes,
 )
@@ -68,7 +69,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     for one in baked:
         print_summary(one)
     fallback = baked[0].results.fallback
-    print_notes([*opened.notes, fallback])
+    print_notes([*opened.notes, fallback_note(fallback, baked[0].results.backend)])
     for path in files["outputs"]:
         print(f"wrote {path}")
     warnings = warnings_of(baked)
@@ -129,10 +130,21 @@ def bake_objects(
             else:
                 reading, computed = known.reading, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
+            notes = [*notes, *facet_notes(computed)]
             matrix = mesh_io.world_matrix(target)
             baked.append(results.Baked(target.name, computed, reading.arrays, matrix, notes, reading))
             of_mesh.setdefault(target.data.name_full, baked[-1])
     return baked
+
+
+def facet_notes(found: results.Results) -> list[str]:
+    """Says where a radius is too small for what the mesh has to show."""
+    share = min(field["radius"] for field in found.field_reports.values()) / (found.mesh_report["mean_edge"] or 1.0)
+    if share >= 1:
+        return []
+    return [
+        f"The radius is {share:.2g} of the mean edge: values show facets, not the surface; info suggests a larger one."
+    ]
 
 
 def asked_look(arguments: argparse.Namespace) -> Look:
