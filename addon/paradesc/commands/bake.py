@@ -130,21 +130,11 @@ def bake_objects(
             else:
                 reading, computed = known.reading, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
-            notes = [*notes, *facet_notes(computed)]
+            notes = [*notes, *computed.facet_notes()]
             matrix = mesh_io.world_matrix(target)
             baked.append(results.Baked(target.name, computed, reading.arrays, matrix, notes, reading))
             of_mesh.setdefault(target.data.name_full, baked[-1])
     return baked
-
-
-def facet_notes(found: results.Results) -> list[str]:
-    """Says where a radius is too small for what the mesh has to show."""
-    share = min(field["radius"] for field in found.field_reports.values()) / (found.mesh_report["mean_edge"] or 1.0)
-    if share >= 1:
-        return []
-    return [
-        f"The radius is {share:.2g} of the mean edge: values show facets, not the surface; info suggests a larger one."
-    ]
 
 
 def asked_look(arguments: argparse.Namespace) -> Look:
