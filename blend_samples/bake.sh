@@ -49,7 +49,8 @@ bake 10_no_uv_map_torus mean_curvature,gaussian_curvature --radius 0.02
 bake 11_fragmented_sphere mean_curvature --radius 0.04
 
 echo
-echo "The samples (blend_samples/README.md says what each shows), with their descriptors as attributes and colors, and pictures:"
+echo "The samples (blend_samples/README.md says what each shows), with their descriptors as attributes and colors, and pictures"
+echo "(the .blend files are for Blender 4.2 and later):"
 for name in "${baked[@]}"; do
   echo "  $out/$name.blend"
   echo "  $out/$name.png"

@@ -24,6 +24,7 @@ class Piece:
     results: job.Results | None = None
     failure: str = ""  # one sentence
     notes: list[str] = field(default_factory=list)
+    placed: list[Path] = field(default_factory=list)  # files that were written
 
     @property
     def name(self) -> str:
@@ -119,7 +120,7 @@ class Batch:
     def take(self, piece: Piece, worker: job.Worker) -> None:
         """Keeps a worker's results until all are there."""
         piece.results = worker.results()
-        piece.results.warnings += piece.notes
+        piece.results.warnings += [*piece.results.facet_notes(), *piece.notes]
 
     def cancel(self) -> None:
         """Ends the bake as soon as the worker has heard of it; nothing will be written."""
@@ -149,7 +150,7 @@ class Batch:
         if self.request.write_attributes and piece.reading.own:
             mesh_io.check_names(target.data, mesh_io.wanted_names(piece.results))
         try:
-            piece.files.commit()
+            piece.placed = piece.files.commit()
         except OSError as error:
             sentence = f"A file cannot be brought to its place ({error.strerror or error}): {error.filename}."
             raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence) from error

@@ -106,6 +106,15 @@ class Results:
         """The radius of these values, in units of the positions."""
         return float(self.report_of(name)["radius"])
 
+    def facet_notes(self) -> list[str]:
+        """Says where a radius is too small for what the mesh has to show."""
+        edge = self.mesh_report["mean_edge"]
+        least = min(report["radius"] for report in self.field_reports.values())
+        if least >= edge:
+            return []
+        share = f"{least / edge:.2g}"
+        return [f"The radius is {share} of the mean edge: values show facets, not the surface; choose a larger one."]
+
 
 def radius_suffix(radius: float) -> str:
     """What follows a descriptor's name where several radii are computed: "_r0.02"."""

@@ -133,6 +133,10 @@ def fill_gutter(image: np.ndarray, steps: int = GUTTER) -> np.ndarray:
 
 def notes(baked: Baked) -> list[str]:
     """What limits the images."""
+    if baked.arrays.layout is not None:
+        return [
+            "Images show the layout that was made for the computation: they fit no UV map of the mesh; unwrap it first."
+        ]
     if not baked.results.field_report["private_layout"]:
         return []
     return ["Charts of the UV map share texture space: where several lie at one texel, an image shows the last one."]

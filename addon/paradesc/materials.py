@@ -140,23 +140,26 @@ def add_group(
 def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, float]]:
     """The node group that turns what was baked on a mesh into masks and a color, and the inputs that this mesh needs.
 
-    It reads cavity and convexity where both were baked, else mean curvature, times the radius.
+    It reads cavity and convexity where both were baked, else mean curvature, times the radius, else the one of the two
+    that there is; the other is 0 until it is baked.
     """
     names = recolor.baked_names(mesh)
     concave, convex, mean = (first_of(names, word) for word in ("cavity", "convexity", "mean_curvature"))
-    if concave and convex:
-        title, settings = (CAVITY_GROUP if concave == "cavity" else f"{CAVITY_GROUP} {concave[7:]}"), {}
-    elif mean:
+    if mean and not (concave and convex):
         drawn = mesh_io.stored_summary(mesh).get("drawn", {}).get(mean, {})
         radius = drawn.get("radius", mesh_io.stored_summary(mesh)["field_report"]["radius"])
-        title, settings = f"{CAVITY_GROUP} of {mean}", {"Radius": radius}
+        attributes, title, settings = (mean, ""), f"{CAVITY_GROUP} of {mean}", {"Radius": radius}
+    elif concave or convex:
+        suffix = concave.removeprefix("cavity") or convex.removeprefix("convexity")
+        attributes = (concave or f"cavity{suffix}", convex or f"convexity{suffix}")
+        title, settings = f"{CAVITY_GROUP} {suffix.removeprefix('_')}".rstrip(), {}
     else:
         raise mesh_io.refuse(
-            f'The mesh "{mesh.name}" has no cavity and convexity, and no mean curvature instead; bake those first.'
+            f'The mesh "{mesh.name}" has neither cavity nor convexity nor mean curvature; bake those first.'
         )
     group = found_group(TREE, title)
     if group is None:
-        group = build_cavity(title, (concave, convex) if concave and convex else (mean, ""))
+        group = build_cavity(title, attributes)
     return group, settings
 
 

@@ -117,6 +117,8 @@ class PARADESC_OT_bake(bpy.types.Operator):
             return {"CANCELLED"}
         for sentence in failures(batch):
             self.report({"WARNING"}, sentence)
+        for path in [path for piece in batch.written for path in piece.placed]:
+            self.report({"INFO"}, f"Wrote {path}")
         self.report({"WARNING" if batch.failed else "INFO"}, summary(batch))
         return {"FINISHED"}
 

@@ -74,7 +74,7 @@ class Drawing:
         self.pixels = np.flatnonzero(shown >= 0)
         self.corners = self.triangles[shown[self.pixels]]
         self.weights = perspective_weights(screen, self.corners, self.pixels, size * SUPERSAMPLING)
-        self.shading = shade(camera, self.triangles, self.corners, self.weights)
+        self.shading = shade(camera, self.triangles, self.corners, self.weights, faces_viewer(screen, self.corners))
 
     def paint(self, colors: np.ndarray) -> np.ndarray:
         """(n, 3) display colors of the vertices to a (size, size, 3) uint8 image."""
@@ -182,11 +182,22 @@ def blend(values: np.ndarray, corners: np.ndarray, weights: np.ndarray) -> np.nd
     return sum(values[corners[:, index]] * weights[:, index, None] for index in range(3))
 
 
-def shade(camera: np.ndarray, triangles: np.ndarray, corners: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """(k,) brightness of the pixels: soft Lambert light on smooth normals, both sides of a face alike."""
+def faces_viewer(screen: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """(k,) bool: which of the triangles (k, 3) show their front."""
+    a, b, c = (screen[corners[:, index], :2] for index in range(3))
+    return cross(b - a, c - a) < 0  # y points down
+
+
+def shade(
+    camera: np.ndarray, triangles: np.ndarray, corners: np.ndarray, weights: np.ndarray, front: np.ndarray
+) -> np.ndarray:
+    """(k,) brightness of the pixels: soft Lambert light on smooth normals, both sides of a face alike.
+
+    Which side is seen is up to the face: near silhouettes, smooth normals of faces that are seen point away.
+    """
     normals = blend(smooth_normals(camera, triangles), corners, weights)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    normals *= np.where(normals[:, 2:] < 0, -1, 1)
+    normals[~front] *= -1
     light = LIGHT / np.linalg.norm(LIGHT)
     soft = 0.5 + 0.5 * normals @ light
     return (SHADOW + (1 - SHADOW) * soft**1.5).astype(np.float32)

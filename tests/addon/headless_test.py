@@ -90,6 +90,40 @@ def test_code_says_what_went_wrong(run, report, tmp_path, sphere_obj, words, cod
     assert report()["exit_code"] == code
 
 
+def test_radius_below_the_mean_edge_is_said(run, report, sphere_obj):
+    for radius, said in (("0.9", True), ("1.1", False)):
+        words = (*QUICK[2:], "--radius", radius, "--radius-unit", "mean-edge", "--json", "report.json")
+        ended = run("bake", sphere_obj, *words)
+        assert ended.code == 0, ended.error
+        sentences = [line for line in report()["objects"][0]["notes"] if "0.9 of the mean edge" in line]
+        assert len(sentences) == said
+        assert ("of the mean edge" in ended.output) == said
+
+
+def test_what_computed_instead_of_a_graphics_card_is_said_without_advice():
+    sentence = common.fallback_note("No hardware device was found; install its driver, or use another.", "software")
+    assert sentence == "No hardware device was found; the software backend computed."
+    assert common.fallback_note("", "gpu") == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (
+            ["--radius", "0.1,x"],
+            '"0.1,x" is no radius; give a number, or several with commas; see paradesc bake --help.',
+        ),
+        (["--colour-map", "heat"], 'There is no option "--colour-map"; see paradesc bake --help.'),
+        (["second.obj"], 'There is no place for "second.obj"; see paradesc bake --help.'),
+    ],
+    ids=["number", "option", "word"],
+)
+def test_words_that_cannot_be_read_are_named(run, words, sentence):
+    ended = run("bake", "first.obj", "--output", "out.npz", *words)
+    assert ended.code == common.EXIT_USAGE
+    assert sentence in ended.error
+
+
 def test_undefined_vertices_can_fail_a_bake(run, tmp_path):
     empty_scene()
     mesh = bpy.data.meshes.new("loose")

@@ -236,6 +236,14 @@ def test_stacked_charts_get_an_image_in_the_uv_map_and_a_note(paradesc, tmp_path
         np.testing.assert_allclose(image[inside], 0.5, rtol=0.05)
 
 
+def test_image_that_fits_no_uv_map_says_so(paradesc, tmp_path):
+    path = write_obj(tmp_path / "bare.obj", *cube_sphere(4)[:2])
+    process = paradesc("bake", path, *QUICK, "--map", "bare.exr")
+    assert process.returncode == 0, process.stderr
+    assert "they fit no UV map of the mesh" in process.stdout
+    assert maps.notes(baked(as_arrays(*cube_sphere(4)))) == []
+
+
 @pytest.mark.parametrize("evaluate", ["vertex", "texel"])
 def test_coordinates_beyond_the_unit_square_are_drawn_as_a_repeated_texture_shows_them(evaluate):
     arrays = as_arrays(*bumpy())

@@ -69,6 +69,21 @@ def rendered(tmp_path):
     return pixels[SIDE // 2 - 2 : SIDE // 2 + 2, SIDE // 2 - 2 : SIDE // 2 + 2].mean(axis=(0, 1))
 
 
+def assert_base_color(tmp_path, target, expected):
+    """The color that our material gives its shader, seen without light."""
+    material = target.data.materials[2]
+    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    emission = material.node_tree.nodes.new("ShaderNodeEmission")
+    material.node_tree.links.new(shader.inputs["Base Color"].links[0].from_socket, emission.inputs[0])
+    output = next(node for node in material.node_tree.nodes if node.type == "OUTPUT_MATERIAL")
+    material.node_tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    from paradesc import color_maps
+
+    np.testing.assert_allclose(
+        rendered(tmp_path)[:3], color_maps.linear_to_srgb(np.array(expected[:3])), atol=2.1 / 255
+    )
+
+
 @pytest.mark.parametrize("kind", ["colors", "flat", "cavity"])
 def test_materials_of_the_user_come_back_by_one_click(kind):
     target = baked_sphere()
@@ -119,17 +134,7 @@ def test_cavity_material_is_dirty_in_hollows_and_worn_at_edges(tmp_path, values,
     target = baked_sphere()
     fill(target, **values)
     bpy.ops.paradesc.make_material(kind="cavity")
-    material = target.data.materials[2]
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    emission = material.node_tree.nodes.new("ShaderNodeEmission")  # without light, to see the color alone
-    material.node_tree.links.new(shader.inputs["Base Color"].links[0].from_socket, emission.inputs[0])
-    output = next(node for node in material.node_tree.nodes if node.type == "OUTPUT_MATERIAL")
-    material.node_tree.links.new(emission.outputs[0], output.inputs["Surface"])
-    from paradesc import color_maps
-
-    np.testing.assert_allclose(
-        rendered(tmp_path)[:3], color_maps.linear_to_srgb(np.array(expected[:3])), atol=2.1 / 255
-    )
+    assert_base_color(tmp_path, target, expected)
 
 
 def test_cavity_falls_back_to_mean_curvature_times_radius():
@@ -139,6 +144,16 @@ def test_cavity_falls_back_to_mean_curvature_times_radius():
     np.testing.assert_allclose(node.inputs["Radius"].default_value, 0.1, rtol=1e-6)
     names = {item.attribute_name for item in node.node_tree.nodes if item.type == "ATTRIBUTE"}
     assert names == {"mean_curvature"}
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"), [("cavity", materials.DIRT), ("convexity", materials.WEAR)], ids=["hollow", "edge"]
+)
+def test_cavity_material_shows_the_one_mask_that_a_preset_bakes(tmp_path, name, expected):
+    target = baked_sphere((name,))
+    fill(target, **{name: 1.0})
+    bpy.ops.paradesc.make_material(kind="cavity")
+    assert_base_color(tmp_path, target, expected)
 
 
 def test_cavity_without_anything_to_make_it_of_is_one_sentence():

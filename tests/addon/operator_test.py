@@ -32,6 +32,15 @@ def names_of(target):
     return {attribute.name for attribute in target.data.attributes}
 
 
+def test_last_run_says_that_a_radius_shows_facets(sphere_object):
+    settings = bpy.context.scene.paradesc
+    settings.radius_unit = "mean-edge"
+    for radius, said in ((0.5, True), (1.5, False)):
+        settings.radius_edges = radius
+        assert bpy.ops.paradesc.bake() == {"FINISHED"}
+        assert ("0.5 of the mean edge" in mesh_io.stored_summary(sphere_object.data)["warnings"]) == said
+
+
 def test_registering_twice_leaves_nothing_behind():
     paradesc.unregister()
     assert not hasattr(bpy.types.Scene, "paradesc")

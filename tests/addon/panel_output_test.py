@@ -39,8 +39,9 @@ def pixels_of(path):
     return values.reshape(64, 64, -1)
 
 
-def test_an_exr_beside_the_attributes_holds_the_values(settings, tmp_path):
+def test_an_exr_beside_the_attributes_holds_the_values(settings, tmp_path, capfd):
     assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert f"Wrote {tmp_path / 'curves.exr'}" in capfd.readouterr().out
     assert names_in(tmp_path) == ["curves.exr"]  # the suffix follows the format
     values = pixels_of(tmp_path / "curves.exr")[..., 0]
     np.testing.assert_allclose(values[values != 0], 0.5, rtol=0.1)

@@ -104,6 +104,18 @@ def test_picture_shows_red_above_and_blue_below():
     assert bottom[2] > bottom[0] + 50
 
 
+def test_light_does_not_turn_over_at_the_silhouette():
+    # On a coarse sphere, smooth normals of faces at the rim that are seen point away from the viewer.
+    arrays = as_arrays(*cube_sphere(3))
+    drawn = picture.Drawing(arrays.positions, arrays.triangle_vertices, 100)
+    shown = np.zeros((200, 200))
+    shown.flat[drawn.pixels] = drawn.shading
+    lit = shown[:100, :100]  # the quarter that the light comes from
+    assert lit[lit > 0].min() > 0.7
+    turned = picture.Drawing(arrays.positions, arrays.triangle_vertices[:, ::-1], 100)
+    np.testing.assert_allclose(turned.shading, drawn.shading, atol=1e-6)
+
+
 def test_views_stand_side_by_side():
     arrays = as_arrays(*cube_sphere(4))
     colors = np.full((len(arrays.positions), 3), 0.5)

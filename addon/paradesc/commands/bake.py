@@ -17,6 +17,7 @@ from .common import (
     add_objects_options,
     add_output_options,
     check_overwriting,
+    fallback_note,
     open_objects,
     print_notes,
 )
@@ -76,7 +77,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     for one in baked:
         print_summary(one)
     fallback = baked[0].results.fallback
-    print_notes([*opened.notes, fallback])
+    print_notes([*opened.notes, fallback_note(fallback, baked[0].results.backend)])
     for path in files["outputs"]:
         print(f"wrote {path}")
     warnings = warnings_of(baked)
@@ -138,6 +139,7 @@ def bake_objects(
             else:
                 reading, computed = known.reading, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
+            notes = [*notes, *computed.facet_notes()]
             matrix = mesh_io.world_matrix(target)
             baked.append(results.Baked(target.name, computed, reading.arrays, matrix, notes, reading))
             of_mesh.setdefault(target.data.name_full, baked[-1])

@@ -146,6 +146,11 @@ def print_notes(sentences: list[str]) -> None:
         print(f"note: {sentence}")
 
 
+def fallback_note(fallback: str, backend: str) -> str:
+    """Why no better device computed, in which what to do without one is left out: it is done. "" where one did."""
+    return f"{fallback.partition(';')[0].rstrip('.')}; the {backend} backend computed." if fallback else ""
+
+
 class Progress:
     """Shows how far the work is on the standard error stream, and lets Ctrl-C and SIGTERM cancel it at the next tile.
 

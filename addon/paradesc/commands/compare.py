@@ -9,6 +9,7 @@ from .common import (
     UsageError,
     add_output_options,
     check_outputs,
+    fallback_note,
     open_object,
     print_notes,
 )
@@ -57,7 +58,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     print(f"{device.backend}: {device.device}, {device.field_report['seconds_total']:.2f} s")
     print(f"reference: {reference.device}, {reference.field_report['seconds_total']:.2f} s")
     print_table(rows)
-    print_notes([*read.notes, device.fallback, *device.warnings])
+    print_notes([*read.notes, fallback_note(device.fallback, device.backend), *device.warnings])
     return {
         "object": target.name,
         "settings": settings.as_dict(),

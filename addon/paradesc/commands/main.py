@@ -32,7 +32,10 @@ def make_parser() -> Parser:
 def main(words: list[str]) -> int:
     """Runs one command; gives the exit code. Whatever fails is one sentence on the standard error stream."""
     try:
-        arguments = make_parser().parse_args(words)
+        arguments, unknown = make_parser().parse_known_args(words)
+        if unknown:
+            kind = "is no option" if unknown[0].startswith("-") else "is no place for"
+            raise UsageError(f'There {kind} "{unknown[0]}"; see paradesc {arguments.command} --help.')
     except UsageError as error:
         return say(str(error), exit_code(error))
     except SystemExit as error:  # --help and --version, which were shown

@@ -89,7 +89,10 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
 
 def radii(text: str) -> tuple[float, ...]:
     """Numbers between commas."""
-    return tuple(float(word) for word in text.split(","))
+    try:
+        return tuple(float(word) for word in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'"{text}" is no radius; give a number, or several with commas') from None
 
 
 def add_map_options(parser: argparse.ArgumentParser) -> None:
