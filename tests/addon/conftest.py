@@ -116,3 +116,21 @@ def three_objects(tmp_path):
     add_sphere("hidden", steps=4).hide_render = True
     bpy.context.collection.objects.link(bpy.data.objects.new("bare", bpy.data.meshes.new("bare")))
     return saved_scene(tmp_path / "three.blend")
+
+
+def pytest_sessionfinish(session, exitstatus):
+    """Keeps how the tests ended for pytest_unconfigure()."""
+    session.config.ended = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config):
+    """Ends at once: Blender's own glTF exporter leaves callbacks in its Python module that make it crash at exit.
+
+    That ours does not is tested in processes of their own (headless_test.py, install_test.py).
+    """
+    bpy = sys.modules.get("bpy")
+    if bpy is not None and not bpy.app.binary_path and hasattr(config, "ended"):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(config.ended)
