@@ -25,6 +25,18 @@ def sphere_obj(tmp_path):
     return write_obj(tmp_path / "sphere.obj", *cube_sphere())
 
 
+@pytest.fixture
+def registered():
+    """The add-on registered in Blender, and an empty scene."""
+    import paradesc as package
+    from scene import empty_scene
+
+    empty_scene()
+    package.register()
+    yield
+    package.unregister()
+
+
 def command_line():
     """The words before the command: this Blender's if the tests run in one, else the Python module's."""
     try:

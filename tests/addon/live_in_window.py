@@ -7,7 +7,6 @@ import os
 import sys
 import threading
 import time
-import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -20,23 +19,10 @@ import animated  # noqa: E402
 import paradesc  # noqa: E402
 from paradesc import handlers, live  # noqa: E402
 from scene import attribute_values  # noqa: E402
+from window import PATIENCE, begin, say, view_context, wait_for  # noqa: E402
 
-NAME, SIZE, STEP, PATIENCE = "mean_curvature", 32, 0.1, 120.0
+NAME, SIZE, STEP = "mean_curvature", 32, 0.1
 RENDERED_BY: list[str] = []
-
-
-def say(text: str) -> None:
-    """One line for run_in_window.sh."""
-    sys.stdout.write(f"window: {text}\n")
-    sys.stdout.flush()
-
-
-def wait_for(condition) -> Iterator[None]:
-    """Gives Blender's event loop its turns until the condition holds."""
-    start = time.monotonic()
-    while not condition():
-        assert time.monotonic() - start < PATIENCE, "took too long"
-        yield
 
 
 def target() -> bpy.types.Object:
@@ -52,13 +38,6 @@ def radius_now() -> float:
 def follows(radius: float):
     """A condition: the values speak of this radius."""
     return lambda: abs(radius_now() - radius) < 0.02 * radius
-
-
-def view_context() -> dict[str, object]:
-    """The 3D viewport of the only window."""
-    window = bpy.context.window_manager.windows[0]
-    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
-    return {"window": window, "area": area, "region": next(r for r in area.regions if r.type == "WINDOW")}
 
 
 def edit_steps() -> Iterator[None]:
@@ -186,21 +165,6 @@ def steps() -> Iterator[None]:
     say("all steps passed")
 
 
-def run_steps(iterator: Iterator[None]) -> float | None:
-    """One turn; Blender ends after the last one or the first failure."""
-    try:
-        next(iterator)
-    except StopIteration:
-        bpy.ops.wm.quit_blender()
-        return None
-    except Exception:  # noqa: BLE001 (whatever it is, it has to be seen and Blender has to end)
-        traceback.print_exc(file=sys.stdout)
-        sys.stdout.flush()
-        bpy.ops.wm.quit_blender()
-        return None
-    return STEP
-
-
 def main() -> None:
     """Prepares the scene and lets the event loop do the rest."""
     bpy.context.preferences.view.show_splash = False
@@ -210,8 +174,7 @@ def main() -> None:
     animated.empty_scene = lambda: None  # the window stays
     animated.swelling_sphere()
     bpy.ops.ed.undo_push(message="start")
-    iterator = steps()
-    bpy.app.timers.register(lambda: run_steps(iterator), first_interval=1.0)
+    begin(steps(), STEP)
 
 
 main()

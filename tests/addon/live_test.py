@@ -7,19 +7,13 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import paradesc  # noqa: E402
 from paradesc import bridge, color_maps, frames, handlers, job, live, mesh_io, painting, properties, sources  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
+from scene import add_sphere, attribute_values  # noqa: E402
 
 NAME = "mean_curvature"
 
 
-@pytest.fixture(autouse=True)
-def registered():
-    empty_scene()
-    paradesc.register()
-    yield
-    paradesc.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

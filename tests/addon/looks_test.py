@@ -9,17 +9,12 @@ from mesh_io_test import made_up_results  # noqa: E402
 
 import paradesc  # noqa: E402
 from paradesc import channels, color_maps, looks, mesh_io, overlay, recolor  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
+from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
 NAMES = ("mean_curvature", "curvedness")
 
 
-@pytest.fixture(autouse=True)
-def registered():
-    empty_scene()
-    paradesc.register()
-    yield
-    paradesc.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

@@ -7,20 +7,14 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from mesh_io_test import made_up_results  # noqa: E402
 
-import paradesc  # noqa: E402
 from paradesc import materials, mesh_io, recolor  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
+from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
 NAMES = ("mean_curvature", "cavity", "convexity")
 SIDE = 32
 
 
-@pytest.fixture(autouse=True)
-def registered():
-    empty_scene()
-    paradesc.register()
-    yield
-    paradesc.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def baked_sphere(names=NAMES):

@@ -5,18 +5,13 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import paradesc  # noqa: E402
 from paradesc import batch, job, mesh_io, operators, panel, spaces, targets  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, fingerprint, small_bake  # noqa: E402
+from scene import add_sphere, attribute_values, fingerprint, small_bake  # noqa: E402
 
 
 @pytest.fixture(autouse=True)
-def registered():
-    empty_scene()
-    paradesc.register()
+def small(registered):
     small_bake()
-    yield
-    paradesc.unregister()
 
 
 @pytest.fixture

@@ -7,15 +7,9 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import paradesc  # noqa: E402
 from paradesc import bridge, job, mesh_io, operators, panel, properties  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
+from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
-
-@pytest.fixture(autouse=True)
-def registered():
-    empty_scene()
-    paradesc.register()
-    yield
-    paradesc.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

@@ -5,17 +5,10 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import paradesc  # noqa: E402
 from paradesc import batch, maps, outputs, targets  # noqa: E402
-from scene import add_sphere, empty_scene, fingerprint, small_bake  # noqa: E402
+from scene import add_sphere, fingerprint, small_bake  # noqa: E402
 
-
-@pytest.fixture(autouse=True)
-def registered():
-    empty_scene()
-    paradesc.register()
-    yield
-    paradesc.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

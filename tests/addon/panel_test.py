@@ -7,9 +7,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import paradesc  # noqa: E402
 from paradesc import batch, bridge, mesh_io, operators, panel, properties  # noqa: E402
-from scene import add_sphere, empty_scene, small_bake  # noqa: E402
+from scene import add_sphere, small_bake  # noqa: E402
 
 # Pixels of a sidebar that nobody has widened.
 DEFAULT_WIDTH = 217
@@ -17,12 +16,8 @@ PANELS = [cls for cls in panel.classes if cls.__name__ != "PARADESC_MT_devices"]
 
 
 @pytest.fixture(autouse=True)
-def registered():
-    empty_scene()
-    paradesc.register()
+def small(registered):
     small_bake()
-    yield
-    paradesc.unregister()
 
 
 class Notes:

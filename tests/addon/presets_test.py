@@ -5,17 +5,10 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-import paradesc  # noqa: E402
 from paradesc import bridge, devices, panel, presets, properties  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, small_bake  # noqa: E402
+from scene import add_sphere, attribute_values, small_bake  # noqa: E402
 
-
-@pytest.fixture(autouse=True)
-def registered():
-    empty_scene()
-    paradesc.register()
-    yield
-    paradesc.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

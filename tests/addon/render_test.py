@@ -14,9 +14,8 @@ from shapes import ADDON
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
-import paradesc  # noqa: E402
 from paradesc import handlers, live, mesh_io  # noqa: E402
-from scene import add_sphere, empty_scene  # noqa: E402
+from scene import add_sphere  # noqa: E402
 
 NAME = "shape_index"
 SIZE = 64
@@ -27,12 +26,7 @@ EEVEE = "BLENDER_EEVEE" if bpy.app.version < (4, 2, 0) or bpy.app.version >= (5,
 ONE_STEP = 1 / 255 + 1e-6
 
 
-@pytest.fixture(autouse=True)
-def registered():
-    empty_scene()
-    paradesc.register()
-    yield
-    paradesc.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def settings_of(scene):

@@ -7,7 +7,6 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import bmesh  # noqa: E402
 
-import paradesc  # noqa: E402
 from paradesc import mesh_io, targets  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, small_bake  # noqa: E402
 
@@ -15,12 +14,8 @@ MODES = ["EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"]
 
 
 @pytest.fixture(autouse=True)
-def registered():
-    empty_scene()
-    paradesc.register()
+def small(registered):
     small_bake()
-    yield
-    paradesc.unregister()
 
 
 def add_spheres(*names):

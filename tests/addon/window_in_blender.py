@@ -6,8 +6,6 @@ Blender draws with OpenGL on the main thread here, which is what the library's o
 import sys
 import tempfile
 import threading
-import time
-import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,19 +17,11 @@ sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 import paradesc  # noqa: E402
 from paradesc import mesh_io, operators  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
+from window import begin, say, view_context, wait_for  # noqa: E402
 
 STEP = 0.2
-PATIENCE = 120.0
 # Pixels from the sidebar's top to the middle of the Paradesc tab, for the screenshot.
 TAB_BELOW_TOP = 168
-
-
-def view_context() -> dict[str, object]:
-    """The 3D viewport of the only window."""
-    window = bpy.context.window_manager.windows[0]
-    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
-    region = next(region for region in area.regions if region.type == "WINDOW")
-    return {"window": window, "area": area, "region": region}
 
 
 def start_bake() -> None:
@@ -63,19 +53,6 @@ def computing() -> bool:
 def baking() -> bool:
     """The operator has not ended."""
     return operators.PARADESC_OT_bake.running is not None
-
-
-def say(text: str) -> None:
-    """One line for run_in_window.sh."""
-    print(f"window: {text}", flush=True)
-
-
-def wait_for(condition) -> Iterator[None]:
-    """Gives Blender's event loop its turns until the condition holds."""
-    start = time.monotonic()
-    while not condition():
-        assert time.monotonic() - start < PATIENCE, "took too long"
-        yield
 
 
 def baked(name: str) -> bool:
@@ -245,21 +222,6 @@ def steps(target, screenshot: str) -> Iterator[None]:
     say("all steps passed")
 
 
-def run_steps(iterator: Iterator[None]) -> float | None:
-    """One turn; Blender ends after the last one or the first failure."""
-    try:
-        next(iterator)
-    except StopIteration:
-        bpy.ops.wm.quit_blender()
-        return None
-    except Exception:  # noqa: BLE001 (whatever it is, it has to be seen and Blender has to end)
-        traceback.print_exc(file=sys.stdout)
-        sys.stdout.flush()
-        bpy.ops.wm.quit_blender()
-        return None
-    return STEP
-
-
 def main() -> None:
     """Prepares the scene and lets the event loop do the rest."""
     bpy.context.preferences.view.show_splash = False
@@ -268,8 +230,7 @@ def main() -> None:
         bpy.data.objects.remove(item)
     made = add_sphere(steps=24)
     bpy.ops.ed.undo_push(message="start")
-    iterator = steps(made, words[1] if len(words) > 1 else "")
-    bpy.app.timers.register(lambda: run_steps(iterator), first_interval=1.0)
+    begin(steps(made, words[1] if len(words) > 1 else ""), STEP)
 
 
 main()
