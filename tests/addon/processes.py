@@ -1,4 +1,4 @@
-"""Blender as a process of its own, with empty user folders, so that it finds neither the user's add-ons nor settings."""
+"""Blender as a process of its own, with user folders of its own: it finds neither add-ons nor settings of the user."""
 
 import os
 import subprocess
