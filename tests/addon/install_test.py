@@ -292,10 +292,25 @@ def test_system_without_a_release_is_named(tmp_path, monkeypatch):
         library.open_library(tmp_path / "libparadesc.so")
 
 
-def test_windows_loads_a_copy_that_does_not_lock_the_addon(tmp_path, monkeypatch):
+@pytest.fixture
+def windows(tmp_path, monkeypatch):
+    """Windows with a folder for temporary files, which can be neither renamed nor removed while they are open."""
+    (tmp_path / "temporary").mkdir()
     monkeypatch.setattr(library.sys, "platform", "win32")
     monkeypatch.setattr(library.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
-    (tmp_path / "temporary").mkdir()
+    move = Path.replace
+
+    def replace_closed(path, target):
+        opened = {os.path.realpath(entry.path) for entry in os.scandir("/proc/self/fd")}
+        if {os.path.realpath(path), os.path.realpath(target)} & opened:
+            raise PermissionError(13, "The process cannot access the file because it is being used by another process")
+        return move(path, target)
+
+    monkeypatch.setattr(Path, "replace", replace_closed)
+
+
+@pytest.mark.usefixtures("windows")
+def test_windows_loads_a_copy_that_does_not_lock_the_addon(tmp_path):
     original = tmp_path / "paradesc.dll"
     original.write_bytes(b"first")
     first = library.unlocked(original)
@@ -304,7 +319,32 @@ def test_windows_loads_a_copy_that_does_not_lock_the_addon(tmp_path, monkeypatch
     assert library.unlocked(original) == first
     original.write_bytes(b"second")
     assert library.unlocked(original) != first
-    assert not list(first.parent.glob("tmp*"))
+    assert [path.name for path in first.parent.iterdir()] == ["paradesc.dll"]
+
+
+@pytest.mark.usefixtures("windows")
+def test_windows_takes_the_copy_that_another_blender_has_just_made(tmp_path, monkeypatch):
+    original = tmp_path / "paradesc.dll"
+    original.write_bytes(b"first")
+    replace_closed = Path.replace
+
+    def other_is_faster(path, target):
+        target.write_bytes(b"first")
+        with target.open():
+            return replace_closed(path, target)
+
+    monkeypatch.setattr(Path, "replace", other_is_faster)
+    copy = library.unlocked(original)
+    assert copy.read_bytes() == b"first"
+    assert [path.name for path in copy.parent.iterdir()] == ["paradesc.dll"]
+
+
+@pytest.mark.usefixtures("windows")
+def test_windows_without_room_for_the_copy_says_so_in_one_sentence(tmp_path, monkeypatch):
+    (tmp_path / "paradesc.dll").write_bytes(b"first")
+    monkeypatch.setattr(library.tempfile, "gettempdir", lambda: str(tmp_path / "nowhere"))
+    with pytest.raises(library.ParadescError, match="native library cannot be loaded – .*nowhere"):
+        library.open_library(tmp_path / "paradesc.dll")
 
 
 @pytest.mark.parametrize(("system", "says"), [("linux", False), ("win32", True), ("darwin", True)])
