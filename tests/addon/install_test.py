@@ -343,7 +343,7 @@ def test_windows_takes_the_copy_that_another_blender_has_just_made(tmp_path, mon
 def test_windows_without_room_for_the_copy_says_so_in_one_sentence(tmp_path, monkeypatch):
     (tmp_path / "paradesc.dll").write_bytes(b"first")
     monkeypatch.setattr(library.tempfile, "gettempdir", lambda: str(tmp_path / "nowhere"))
-    with pytest.raises(library.ParadescError, match="native library cannot be loaded – .*nowhere"):
+    with pytest.raises(library.ParadescError, match=r"native library cannot be loaded – .*nowhere"):
         library.open_library(tmp_path / "paradesc.dll")
 
 
