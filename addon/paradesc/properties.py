@@ -80,14 +80,23 @@ BACKENDS = [
     ("reference", "Reference", "Exact quadrature in object space on the CPU; slow, needs no UV map"),
 ]
 DEFAULT_DESCRIPTOR = "mean_curvature"
+HIGHEST_BIT = 30  # of the positive numbers that Blender keeps
 NO_DESCRIPTOR = ("missing", "None", "The native library is missing", 1)
 
 
 def descriptor_items() -> list[tuple[str, str, str, int]]:
-    """Menu items (name, label, description, bit) of the native registry."""
+    """Menu items (name, label, description, bit) of the native registry.
+
+    Files keep the bits: those of operators on maps count down from the highest, so that a row more in either table of
+    the registry moves none.
+    """
     if bridge.missing_sentence():
         return [NO_DESCRIPTOR]
-    return [(row.name, row.label, with_unit(row), 1 << index) for index, row in enumerate(bridge.descriptors())]
+    rising, falling = iter(range(HIGHEST_BIT + 1)), iter(range(HIGHEST_BIT, -1, -1))
+    return [
+        (row.name, row.label, with_unit(row), 1 << next(falling if row.map_degree else rising))
+        for row in bridge.descriptors()
+    ]
 
 
 def map_items() -> list[tuple[str, str, str]]:
