@@ -40,16 +40,13 @@ def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name:
     if len(mesh.polygons) == 0:
         raise refuse(f'The mesh "{name}" has no faces; there is no surface to measure.')
     mesh.calc_loop_triangles()
-    triangle_count = len(mesh.loop_triangles)
-    triangle_corners = np.empty(3 * triangle_count, np.int32)
-    mesh.loop_triangles.foreach_get("loops", triangle_corners)
     arrays = MeshArrays(
         positions=read_positions(mesh),
         corner_vertices=read_corner_vertices(mesh),
-        triangle_corners=triangle_corners.reshape(-1, 3),
+        triangle_corners=read_array(mesh.loop_triangles, "loops", np.int32, 3),
         corner_uvs=read_uvs(mesh),
         corner_normals=read_corner_normals(mesh) if corner_normals else None,
-        triangle_smooth=read_smooth(mesh, triangle_count),
+        triangle_smooth=read_smooth(mesh),
         sharp_edges=read_sharp_edges(mesh),
     )
     reason = unwrap.fault(arrays.corner_uvs, arrays.triangle_corners)
@@ -99,7 +96,7 @@ def read_corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
         mesh.free_normals_split()
 
 
-def read_smooth(mesh: bpy.types.Mesh, triangle_count: int) -> np.ndarray | None:
+def read_smooth(mesh: bpy.types.Mesh) -> np.ndarray | None:
     """(triangle_count,) uint8, 0 where flat shaded; None where everything is smooth."""
     attribute = mesh.attributes.get("sharp_face")
     if attribute is not None:
@@ -108,9 +105,14 @@ def read_smooth(mesh: bpy.types.Mesh, triangle_count: int) -> np.ndarray | None:
         return None
     else:
         face_smooth = read_array(mesh.polygons, "use_smooth", bool)
-    triangle_faces = np.empty(triangle_count, np.int32)
-    mesh.loop_triangles.foreach_get("polygon_index", triangle_faces)
-    return face_smooth[triangle_faces].astype(np.uint8)
+    return face_smooth[read_triangle_faces(mesh)].astype(np.uint8)
+
+
+def read_triangle_faces(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(triangle_count,) int32 faces that the triangles are parts of; before Blender 3.6 by the slower way."""
+    if hasattr(mesh, "loop_triangle_polygons"):
+        return read_array(mesh.loop_triangle_polygons, "value", np.int32)
+    return read_array(mesh.loop_triangles, "polygon_index", np.int32)
 
 
 def read_sharp_edges(mesh: bpy.types.Mesh) -> np.ndarray | None:
@@ -209,8 +211,9 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
         replaced = check_names(mesh, wanted_names(results))
         make_attributes(mesh, wanted_names(results), replaced)
         layout = stored_layout(mesh) if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
-        write_values(mesh, results)
-        mesh[PROPERTY] = {**summary(mesh, results), "layout": layout}
+        shown = {name: shown_range(results, name) for name in results.values}
+        write_values(mesh, results, shown)
+        mesh[PROPERTY] = {**summary(mesh, results, shown), "layout": layout}
         mesh.update()
     return [f'The attribute "{name}" had another type or domain and was replaced.' for name in replaced]
 
@@ -246,12 +249,12 @@ def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
     return attribute.name
 
 
-def write_values(mesh: bpy.types.Mesh, results: Results) -> None:
+def write_values(mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.ValueRange]) -> None:
     """Fills the attributes, which exist; making one moves the others' values, so nothing is held across."""
     for name, values in results.values.items():
         member = "value" if values.ndim == 1 else "vector"
         mesh.attributes[name].data.foreach_set(member, np.ascontiguousarray(values, np.float32).ravel())
-        write_colors(mesh, name, values, shown_range(results, name))
+        write_colors(mesh, name, values, shown[name])
     for name, values in results.extras.items():
         mesh.attributes[name].data.foreach_set("value", np.ascontiguousarray(values, np.float32))
     first = next(iter(results.values)) + "_color"
@@ -290,11 +293,10 @@ def drawing_of(shown: color_maps.ValueRange, results: Results, name: str) -> dic
     }
 
 
-def summary(mesh: bpy.types.Mesh, results: Results) -> dict[str, object]:
-    """What the custom property holds: plain numbers, strings and lists."""
+def summary(mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.ValueRange]) -> dict[str, object]:
+    """What the custom property holds, with the ranges of the colors: plain numbers, strings and lists."""
     names = sorted(set(written_attributes(mesh)) | set(wanted_names(results)))
     earlier = stored_summary(mesh)
-    shown = {name: shown_range(results, name) for name in results.values}
     drawn = {name: drawing_of(shown[name], results, name) for name in shown}
     return {
         "settings": {name: storable(value) for name, value in results.settings.as_dict().items()},
