@@ -44,7 +44,7 @@ def radius_now(target):
 
 def note(target):
     """What the panel says."""
-    return handlers.STATE.sessions[target.name].note
+    return handlers.session_at(target).note
 
 
 def test_frames_of_the_cache_are_played_and_nothing_is_computed(swelling, monkeypatch):
