@@ -35,6 +35,8 @@ QUANTILES = 257
 FRAMES = re.compile(r"(-?\d+)(?::(-?\d+))?(?::(\d+))?")
 MOST_FRAMES = 1_000_000
 RANGE_FILE = "range.json"
+# Beside the .blend, where nothing else is said.
+DEFAULT_FOLDER = "paradesc_cache"
 
 
 @dataclass
@@ -342,9 +344,16 @@ def locked_ranges(
     folders: Iterable[Path], key: str = "", look: color_maps.Look | None = None
 ) -> dict[str, color_maps.ValueRange]:
     """The one range for each name over all sound frames in these folders, of this key where one is given."""
-    folders = list(folders)
+    return ranges_over([(folder, key) for folder in folders], look)
+
+
+def ranges_over(
+    places: Iterable[tuple[Path, str]], look: color_maps.Look | None = None
+) -> dict[str, color_maps.ValueRange]:
+    """The one range for each name over all sound frames in folders, in each of a key of its own; "": of any."""
+    places = list(places)
     frames = []
-    for folder in folders:
+    for folder, key in places:
         for path in frames_in(folder).values():
             try:
                 frame = read_frame(path)
@@ -353,7 +362,7 @@ def locked_ranges(
             if key in ("", frame.key):
                 frames.append(replace(frame, values={}))
     found = ranges(frames, look)
-    for folder in folders:
+    for folder, _ in places:
         fixed = read_fixed(folder)
         for name, shown in found.items():
             if name in fixed or "" in fixed:

@@ -4,7 +4,6 @@ Calls on one context wait for each other, so that a bake has one for itself whil
 after the other, as live objects are, share one. What nobody uses is kept, one a device, until close_idle().
 """
 
-import atexit
 import threading
 from dataclasses import dataclass, field
 from types import TracebackType
@@ -103,6 +102,3 @@ def close_idle() -> None:
         POOL.idle.clear()
     for context in contexts:
         context.close()
-
-
-atexit.register(close_idle)

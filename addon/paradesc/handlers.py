@@ -14,7 +14,7 @@ from contextlib import contextmanager
 import bpy
 from bpy.app.handlers import persistent
 
-from . import contexts, live, looks, painting, playback
+from . import contexts, live, looks, painting, pausing, playback
 from .bridge import ParadescError
 
 # Seconds without another edit after which live values follow.
@@ -78,16 +78,20 @@ def is_live(target: bpy.types.Object) -> bool:
 @contextmanager
 def our_turn(wait: bool) -> Iterator[bool]:
     """Gives True to one thread at a time, and False to what it calls itself by what it writes."""
-    me = threading.get_ident()
-    if STATE.owner == me or not STATE.turn.acquire(blocking=wait):
+    if is_ours() or not STATE.turn.acquire(blocking=wait):
         yield False
         return
-    STATE.owner = me
+    STATE.owner = threading.get_ident()
     try:
         yield True
     finally:
         STATE.owner = 0
         STATE.turn.release()
+
+
+def is_ours() -> bool:
+    """Whether this thread is the one that writes."""
+    return STATE.owner == threading.get_ident()
 
 
 def refresh(
@@ -181,7 +185,7 @@ def switch_off(target: bpy.types.Object, sentence: str) -> None:
 
 def refresh_window(targets: list[bpy.types.Object], watched: bool = False) -> None:
     """Brings objects up to date in what the windows show, or, without one, in the current view layer."""
-    if STATE.owner == threading.get_ident() or STATE.rendering:
+    if is_ours() or STATE.rendering:
         return
     windows = bpy.context.window_manager.windows
     shown = [(window.scene, window.view_layer) for window in windows] or [(bpy.context.scene, bpy.context.view_layer)]
@@ -192,14 +196,19 @@ def refresh_window(targets: list[bpy.types.Object], watched: bool = False) -> No
 
 def take_ranges(scene: bpy.types.Scene) -> None:
     """Has the colors of all live objects span the values that are there now, those of played ones all frames."""
-    for session in STATE.sessions.values():
-        session.forget_ranges()
+    forget_ranges()
     refresh_window(live_objects())
     look = looks.scene_look(scene)
     with our_turn(wait=True):
         found = [session_at(target).found_ranges(look) for target in live_objects() if session_at(target)]
         painting.take_ranges(scene.paradesc_live, found)
     refresh_window(live_objects())
+
+
+def forget_ranges() -> None:
+    """Has the ranges of caches read again."""
+    for session in STATE.sessions.values():
+        session.forget_ranges()
 
 
 def look_changed(scene: bpy.types.Scene) -> None:
@@ -247,7 +256,7 @@ def lock_interface(scene: bpy.types.Scene, needed: bool) -> None:
 def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Another frame was evaluated. Between the frames of a render, motion blur asks for shapes only."""
     targets = live_objects()
-    if not targets or depsgraph is None:
+    if not targets or depsgraph is None or (pausing.is_held() and depsgraph.mode != "RENDER"):
         return
     between = STATE.render_time is not None and scene.frame_current_final != STATE.render_time
     if depsgraph.mode == "RENDER" and between:
@@ -259,7 +268,7 @@ def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = Non
 def on_edit(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Something was edited: if it was the shape of a live object, its values follow when the hand rests."""
     targets = live_objects()
-    if not targets or depsgraph is None or STATE.owner == threading.get_ident():
+    if not targets or depsgraph is None or is_ours():
         return
     hit = list(edited_objects(targets, depsgraph))
     if not hit:
@@ -288,9 +297,9 @@ def follow_edits() -> float | None:
     left = STATE.edited_at + EDIT_DELAY - time.monotonic()
     if left > 0:
         return left
-    if STATE.rendering or any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows):
-        return EDIT_DELAY
-    if any(session.busy for session in STATE.sessions.values()):
+    playing = any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
+    busy = any(session.busy for session in STATE.sessions.values())
+    if STATE.rendering or pausing.is_held() or playing or busy:
         return EDIT_DELAY
     STATE.edited_at = None
     for session in STATE.sessions.values():

@@ -26,16 +26,24 @@ def settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context
     handlers.refresh_window(handlers.live_objects(), watched=True)
 
 
+def range_changed(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """The same where somebody has set a range, which then stays."""
+    if not handlers.is_ours():
+        group.typed = True
+        settings_changed(group, context)
+
+
 class PARADESC_PG_live_range(bpy.types.PropertyGroup):
     """The values that the two ends of a descriptor's colors stand for, at every frame and on every live object."""
 
     name: bpy.props.StringProperty(name="Descriptor")
     minimum: bpy.props.FloatProperty(
-        name="From", description="Value at the lower end of the colors", precision=4, update=settings_changed
+        name="From", description="Value at the lower end of the colors", precision=4, update=range_changed
     )
     maximum: bpy.props.FloatProperty(
-        name="To", description="Value at the upper end of the colors", precision=4, update=settings_changed
+        name="To", description="Value at the upper end of the colors", precision=4, update=range_changed
     )
+    typed: bpy.props.BoolProperty(name="Typed", description="Whether somebody has set this range", options={"HIDDEN"})
 
 
 class PARADESC_PG_live(bpy.types.PropertyGroup):

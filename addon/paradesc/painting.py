@@ -159,6 +159,18 @@ def look_key(look: Look) -> str:
     return repr((look.percentile, look.symmetric, look.neutral))
 
 
+def hold_ranges(group: bpy.types.PropertyGroup, look: Look, found: dict[str, ValueRange]) -> None:
+    """Stores these ranges, but for those that somebody has typed."""
+    follow_look(group, look)
+    stored = {item.name: item for item in group.ranges}
+    for name, shown in found.items():
+        item = stored.get(name)
+        if item is None:
+            add_range(group, name, shown.minimum, shown.maximum)
+        elif not item.typed:
+            item.minimum, item.maximum = shown.minimum, shown.maximum
+
+
 def take_ranges(group: bpy.types.PropertyGroup, found: Iterable[dict[str, ValueRange]]) -> None:
     """Stores ranges that hold those of all objects, instead of what was stored."""
     spans: dict[str, list[ValueRange]] = {}

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from . import animation_panel, cache, legend, live, looks, mesh_io, painting
+from . import cache, cache_places, legend, live, looks, mesh_io, painting
 from .bridge import ParadescError
 from .color_maps import AUTOMATIC, Look, ValueRange
 from .corners import ATTRIBUTE
@@ -49,7 +49,7 @@ class Player:
         if target.mode in live.WAITING_MODES:
             return False
         start = time.perf_counter()
-        folder = animation_panel.object_cache(scene, target)
+        folder = cache_places.object_cache(scene, target)
         path = self.find(folder, scene.frame_current)
         if path is None or (self.note and scene.paradesc_live.missing == "COMPUTE"):
             return self.compute(target, depsgraph, scene)

@@ -317,6 +317,7 @@ def scene_to_bake(registered, tmp_path):
 def test_frames_need_no_output_of_a_single_bake(scene_to_bake):
     bpy.context.scene.paradesc.write_attributes = False
     assert bpy.ops.paradesc.bake_frames.poll()
+    scene_to_bake.select_set(False)
     bpy.context.view_layer.objects.active = None
     assert not bpy.ops.paradesc.bake_frames.poll()
 

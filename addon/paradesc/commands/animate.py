@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from ..frames import Done, FrameBaker
 
 STAGES = ("depsgraph", "read", "upload", "prepare", "bake", "evaluate", "write")
-DEFAULT_FOLDER = "paradesc_cache"
 
 
 def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
@@ -170,7 +169,7 @@ def cache_folder(arguments: argparse.Namespace) -> Path:
         return arguments.cache
     if not bpy.data.filepath:
         raise UsageError("There is no .blend to keep the frames beside; give --cache FOLDER.")
-    return Path(bpy.data.filepath).parent / DEFAULT_FOLDER
+    return Path(bpy.data.filepath).parent / cache.DEFAULT_FOLDER
 
 
 def make_folder(folder: Path) -> None:
