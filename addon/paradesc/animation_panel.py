@@ -6,12 +6,8 @@ from . import bridge, cache, frame_batch, handlers, operators, targets
 from .bridge import ParadescError
 from .cache_places import DEFAULT_CACHE, cache_root, object_cache, wanted_frames
 from .panel import SidebarPanel
+from .source_kinds import SOURCES
 
-SOURCES = [
-    ("original", "Original", "The object's own mesh, before shape keys and modifiers"),
-    ("deformed", "Deformed", "The same mesh as armature, shape keys, lattice, cloth and their like move it"),
-    ("evaluated", "Evaluated", "What all modifiers make; results go to the original vertices where these remain"),
-]
 # In which the mesh is that of the object.
 MODES = {"OBJECT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
@@ -20,10 +16,13 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
     """Which mesh, and which frames of it, in one scene."""
 
     source: bpy.props.EnumProperty(
-        name="Source", description="Which mesh a single bake measures", items=SOURCES, default="original"
+        name="Source", description="Which mesh a single bake measures", items=list(SOURCES), default="original"
     )
     frame_source: bpy.props.EnumProperty(
-        name="Frames of", description="Which mesh is measured at each frame", items=SOURCES[1:], default="deformed"
+        name="Frames of",
+        description="Which mesh is measured at each frame",
+        items=list(SOURCES[1:]),
+        default="deformed",
     )
     use_scene_range: bpy.props.BoolProperty(
         name="Scene range", description="Bake the frames from the scene's start to its end", default=True

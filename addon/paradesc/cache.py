@@ -20,6 +20,7 @@ import numpy as np
 
 from . import color_maps, job, results
 from .bridge import MeshArrays, ParadescError, abi
+from .digests import digest
 
 MAGIC = b"PDFRAME\n"
 VERSION = 1
@@ -126,18 +127,6 @@ def key_of(arrays: MeshArrays, settings: job.Settings, **more: object) -> str:
         arrays.triangle_smooth,
         arrays.sharp_edges,
     )
-
-
-def digest(*arrays: np.ndarray | None) -> str:
-    """A name for the arrays' contents; None counts."""
-    found = hashlib.sha256()
-    for array in arrays:
-        if array is None:
-            found.update(b"none;")
-            continue
-        found.update(f"{array.dtype.str}{array.shape};".encode())
-        found.update(np.ascontiguousarray(array).data)
-    return found.hexdigest()
 
 
 # ---- Writing

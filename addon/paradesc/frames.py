@@ -15,6 +15,7 @@ import numpy as np
 
 from . import __version__, cache, job, mesh_io, pausing, sources, surface_maps
 from .bridge import InputError, MeshArrays, ParadescError, abi
+from .digests import digest
 from .mesh_io import refuse
 from .stream import Stream
 
@@ -86,8 +87,8 @@ class FrameBaker:
     def make_key(self) -> str:
         """Of everything that the frames have in common."""
         maps = self.base.maps
-        rest = cache.digest(self.base.positions) if self.request.relative else ""
-        images = cache.digest(maps.heights) + f"{maps.midlevel!r} {maps.scale!r}" if maps is not None else ""
+        rest = digest(self.base.positions) if self.request.relative else ""
+        images = digest(maps.heights) + f"{maps.midlevel!r} {maps.scale!r}" if maps is not None else ""
         more = {"source": self.request.source, "rest": rest, "maps": images, "paradesc": __version__}
         return cache.key_of(self.base, self.stream.settings, names=self.names(), **more)
 
@@ -118,9 +119,9 @@ class FrameBaker:
                 raise at_frame(frame, error) from error
         self.take(reading)
         arrays = reading.arrays
-        content = cache.digest(arrays.positions, arrays.corner_normals, reading.vertices)
+        content = digest(arrays.positions, arrays.corner_normals, reading.vertices)
         if arrays.corner_vertices is not self.base.corner_vertices:
-            content = cache.digest(np.frombuffer(content.encode(), np.uint8), arrays.corner_vertices, arrays.corner_uvs)
+            content = digest(np.frombuffer(content.encode(), np.uint8), arrays.corner_vertices, arrays.corner_uvs)
         read = time.perf_counter()
         if not self.request.force and cache.kept(self.request.folder, frame, self.key, content):
             return None

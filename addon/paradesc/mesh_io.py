@@ -1,12 +1,9 @@
 """Blender's mesh to arrays, and results to Blender's attributes: float32 numpy through foreach_get and foreach_set."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import bpy
 import numpy as np
 
-from . import color_maps, legend, looks, unwrap
+from . import color_maps, legend, looks, modes, unwrap
 from .bridge import InputError, MeshArrays, ParadescError, components
 from .job import Results, registry_name, registry_row
 
@@ -205,7 +202,7 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
     """Leaves the results on the object's mesh; gives sentences about what was replaced. On failure nothing changes."""
     check_writable(target)
     mesh = target.data
-    with object_mode(target):
+    with modes.object_mode(target):
         if len(mesh.vertices) != len(results.coverage):
             raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
         replaced = check_names(mesh, wanted_names(results))
@@ -315,21 +312,3 @@ def summary(mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.
 def storable(value: object) -> object:
     """The value, as a float where Blender's 32-bit custom properties cannot hold the integer."""
     return float(value) if isinstance(value, int) and abs(value) >= 2**31 else value
-
-
-@contextmanager
-def object_mode(target: bpy.types.Object) -> Iterator[None]:
-    """Leaves edit or paint mode for a while: attributes can be written in object mode only."""
-    mode = target.mode
-    if mode == "OBJECT":
-        yield
-        return
-    objects = bpy.context.view_layer.objects
-    active = objects.active
-    objects.active = target
-    bpy.ops.object.mode_set(mode="OBJECT")
-    try:
-        yield
-    finally:
-        bpy.ops.object.mode_set(mode=mode)
-        objects.active = active
