@@ -20,6 +20,7 @@ import numpy as np
 
 from . import color_maps, job, results
 from .bridge import MeshArrays, ParadescError, abi
+from .digests import digest
 
 MAGIC = b"PDFRAME\n"
 VERSION = 1
@@ -35,6 +36,8 @@ QUANTILES = 257
 FRAMES = re.compile(r"(-?\d+)(?::(-?\d+))?(?::(\d+))?")
 MOST_FRAMES = 1_000_000
 RANGE_FILE = "range.json"
+# Beside the .blend, where nothing else is said.
+DEFAULT_FOLDER = "paradesc_cache"
 
 
 @dataclass
@@ -124,18 +127,6 @@ def key_of(arrays: MeshArrays, settings: job.Settings, **more: object) -> str:
         arrays.triangle_smooth,
         arrays.sharp_edges,
     )
-
-
-def digest(*arrays: np.ndarray | None) -> str:
-    """A name for the arrays' contents; None counts."""
-    found = hashlib.sha256()
-    for array in arrays:
-        if array is None:
-            found.update(b"none;")
-            continue
-        found.update(f"{array.dtype.str}{array.shape};".encode())
-        found.update(np.ascontiguousarray(array).data)
-    return found.hexdigest()
 
 
 # ---- Writing
@@ -342,9 +333,16 @@ def locked_ranges(
     folders: Iterable[Path], key: str = "", look: color_maps.Look | None = None
 ) -> dict[str, color_maps.ValueRange]:
     """The one range for each name over all sound frames in these folders, of this key where one is given."""
-    folders = list(folders)
+    return ranges_over([(folder, key) for folder in folders], look)
+
+
+def ranges_over(
+    places: Iterable[tuple[Path, str]], look: color_maps.Look | None = None
+) -> dict[str, color_maps.ValueRange]:
+    """The one range for each name over all sound frames in folders, in each of a key of its own; "": of any."""
+    places = list(places)
     frames = []
-    for folder in folders:
+    for folder, key in places:
         for path in frames_in(folder).values():
             try:
                 frame = read_frame(path)
@@ -353,7 +351,7 @@ def locked_ranges(
             if key in ("", frame.key):
                 frames.append(replace(frame, values={}))
     found = ranges(frames, look)
-    for folder in folders:
+    for folder, _ in places:
         fixed = read_fixed(folder)
         for name, shown in found.items():
             if name in fixed or "" in fixed:

@@ -4,7 +4,7 @@ import math
 
 import bpy
 
-from . import bridge
+from . import bridge, devices
 from .bridge import ParadescError, abi
 from .corners import THRESHOLD
 from .job import Settings
@@ -73,12 +73,7 @@ PRECISIONS = [
     ("full", "Full", "32-bit buffers"),
     ("half", "Half", "16-bit buffers: half the memory"),
 ]
-BACKENDS = [
-    ("auto", "Automatic", "A graphics card, else the software rasterizer, else the reference"),
-    ("gpu", "Graphics card", "A hardware device with OpenGL 4.5"),
-    ("software", "Software", "A software rasterizer on the CPU"),
-    ("reference", "Reference", "Exact quadrature in object space on the CPU; slow, needs no UV map"),
-]
+BACKENDS = [(name, devices.TITLES[name], devices.ABOUT[name]) for name in bridge.BACKENDS]
 DEFAULT_DESCRIPTOR = "mean_curvature"
 HIGHEST_BIT = 30  # of the positive numbers that Blender keeps
 NO_DESCRIPTOR = ("missing", "None", "The native library is missing", 1)

@@ -226,7 +226,7 @@ def test_motion_blur_asks_for_shapes_between_frames_not_for_values(tmp_path, mon
     on_frame, compute = handlers.live_objects, live.Session.compute
     monkeypatch.setattr(handlers, "live_objects", lambda: (asked.append(scene.frame_current_final), on_frame())[1])
     monkeypatch.setattr(
-        live.Session, "compute", lambda *words: (computed.append(scene.frame_current_final), compute(*words))
+        live.Session, "compute", lambda *words: (computed.append(scene.frame_current_final), compute(*words))[1]
     )
     scene.paradesc.samples = 128  # the render is not what the window has
     render_still(tmp_path / "blurred.png")
