@@ -1,10 +1,12 @@
 // A mesh's file → mean curvature in object space at some of its vertices, and what it took: by the baseline (times), or by the
 // reference (errors).
 //
-//   paradesc_object_space baseline|reference MESH RADIUS [points N] [seconds S] [threads N] [normals fitted|max] [values FILE]
+//   paradesc_object_space baseline|reference|both MESH RADIUS [seconds S] [points N] [normals fitted|max] [threads N]
+//                         [baseline_values FILE] [reference_values FILE]
 //
-// RADIUS is in units of the positions. points: about so many, drawn at random, 0 for all; seconds: as many as the baseline can do
-// in that time. FILE gets int32 n, n int32 vertices, n float values. One line of JSON is printed.
+// RADIUS is in units of the positions. The baseline does as many vertices as it can in `seconds`, twice, and the faster run
+// counts; the reference about `points`, drawn at random; all without these words. A FILE gets int32 n, n int32 vertices, n float
+// values. Each method prints a line of JSON.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -50,8 +52,8 @@ Surface read_surface(const std::string &path, int32_t normals, int threads) {
   return surface;
 }
 
-void write_values(const Words &words, const std::vector<int32_t> &vertices, const std::vector<float> &values) {
-  const auto found = words.find("values");
+void write_values(const Words &words, const char *name, const std::vector<int32_t> &vertices, const std::vector<float> &values) {
+  const auto found = words.find(name);
   if (found == words.end()) return;
   std::ofstream file(found->second, std::ios::binary);
   const auto count = static_cast<int32_t>(vertices.size());
@@ -81,15 +83,17 @@ void baseline(const Words &words, const Surface &surface, double radius, int thr
   run_baseline(made, radius, asked, threads, values); // brings threads and memory up
   const BaselineRun first = run_baseline(made, radius, asked, threads, values);
   const double limit = number(words, "seconds", 0.0);
-  const double wanted = limit > 0.0 ? limit / first.seconds * static_cast<double>(asked.size()) : number(words, "points", 0.0);
+  const double wanted = limit > 0.0 ? limit / first.seconds * static_cast<double>(asked.size()) : 0.0;
   asked = choose_points(made, static_cast<int>(std::min(wanted, 2e9)), 2);
   values.resize(asked.size());
-  const BaselineRun run = run_baseline(made, radius, asked, threads, values);
+  const BaselineRun once = run_baseline(made, radius, asked, threads, values);
+  const BaselineRun again = run_baseline(made, radius, asked, threads, values);
+  const BaselineRun &run = again.seconds < once.seconds ? again : once;
   print("baseline", surface.half_edges.point_count, asked.size(), run, threads, setup);
   std::vector<int32_t> vertices;
   for (const int32_t point : asked)
     vertices.push_back(surface.half_edges.point_vertex[static_cast<size_t>(made.origin[static_cast<size_t>(point)])]);
-  write_values(words, vertices, values);
+  write_values(words, "baseline_values", vertices, values);
 }
 
 void reference(const Words &words, const Surface &surface, double radius, int threads, double start) {
@@ -114,12 +118,12 @@ void reference(const Words &words, const Surface &surface, double radius, int th
     vertices.push_back(surface.half_edges.point_vertex[static_cast<size_t>(point)]);
     values.push_back(field.values[0][static_cast<size_t>(point)]);
   }
-  write_values(words, vertices, values);
+  write_values(words, "reference_values", vertices, values);
 }
 
 int run(int count, char **arguments) {
   if (count < 4 || count % 2 != 0)
-    throw std::runtime_error("Give baseline or reference, a mesh's file, the radius, and pairs of words.");
+    throw std::runtime_error("Give baseline, reference or both, a mesh's file, the radius, and pairs of words.");
   const std::string method = arguments[1];
   Words words;
   for (int i = 4; i < count; i += 2) words[arguments[i]] = arguments[i + 1];
@@ -127,7 +131,9 @@ int run(int count, char **arguments) {
   const bool fitted = !words.contains("normals") || words.at("normals") == "fitted";
   const double start = now();
   const Surface surface = read_surface(arguments[2], fitted ? PDESC_NORMALS_FITTED : PDESC_NORMALS_MAX, threads);
-  (method == "baseline" ? baseline : reference)(words, surface, std::stod(arguments[3]), threads, start);
+  const double radius = std::stod(arguments[3]);
+  if (method != "reference") baseline(words, surface, radius, threads, start);
+  if (method != "baseline") reference(words, surface, radius, threads, now());
   return 0;
 }
 
