@@ -1,4 +1,4 @@
-"""What was measured → the ratios that are asked for, each beside its target; null with the reason where a part is missing."""
+"""What was measured → the ratios that are asked for, each beside its target; without a part, None and the reason."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -16,7 +16,7 @@ import peers
 import programs
 import surfaces
 import timing
-from programs import Missing
+from programs import MissingError
 from timing import NAME
 
 from paradesc import bridge
@@ -59,7 +59,7 @@ class Run:
         say(f"{names[0]} … ")
         try:
             yield
-        except (Missing, bridge.ParadescError, ImportError, OSError) as error:
+        except (MissingError, bridge.ParadescError, ImportError, OSError) as error:
             for name in names:
                 self.reasons[name] = str(error)
         self.seconds[names[0]] = time.perf_counter() - start
@@ -111,7 +111,7 @@ def against_baseline(run: Run, arrays: MeshArrays, fraction: float, normals: tup
 
 
 def torus(run: Run, triangles: int, charts: int = 2) -> MeshArrays:
-    """The smooth shape of the detail sweep, irregularly triangulated; charts: 1, or blocks along a side, twice around."""
+    """The smooth shape of the detail sweep, irregularly triangulated; charts: 1, or blocks along a side."""
     return surfaces.torus(int(run.scale * triangles) // 2, irregular=True, charts=charts).arrays
 
 
@@ -143,7 +143,7 @@ def bunny(run: Run) -> MeshArrays | None:
     with run.part("bunny"):
         arrays, sentence = meshes.with_charts("stanford-bunny")
         if arrays is None:
-            raise Missing(sentence)
+            raise MissingError(sentence)
         run.measured["bunny"] = against_baseline(run, arrays, 0.02, ("fitted", "max"))
         return arrays
     return None
@@ -223,7 +223,7 @@ def blender(run: Run, arrays: MeshArrays | None) -> None:
         done = subprocess.run(words, capture_output=True, text=True, check=False)
         if done.returncode:
             last = (done.stderr.strip().splitlines() or ["no output"])[-1]
-            raise Missing(f"Blender's Python module bpy cannot be used: {last}")
+            raise MissingError(f"Blender's Python module bpy cannot be used: {last}")
         found = json.loads(done.stdout.strip().splitlines()[-1])
         run.measured["python"] = found
         run.measured.setdefault("peers", {})
@@ -253,9 +253,9 @@ def others(run: Run, arrays: MeshArrays | None) -> None:
             try:
                 here, there = function(arrays, radius), function(surface.arrays, torus_radius)
             except ImportError:
-                raise Missing(f"{package} is not installed ({peers.INSTALL}).") from None
+                raise MissingError(f"{package} is not installed ({peers.INSTALL}).") from None
             except Exception as error:  # noqa: BLE001 (a peer's own failure must not end the run)
-                raise Missing(f"{label} failed: {error}") from None
+                raise MissingError(f"{label} failed: {error}") from None
             found[name] = {
                 "label": label,
                 "seconds": here.seconds,

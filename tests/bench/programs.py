@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 OBJECT_SPACE, GATHER = "paradesc_object_space", "paradesc_gather_bench"
 
 
-class Missing(Exception):
+class MissingError(Exception):
     """What cannot be measured here, as a sentence."""
 
 
@@ -37,7 +37,7 @@ def write_mesh(path: Path, arrays: MeshArrays) -> Path:
 
 
 def program(build: Path, name: str) -> Path:
-    """The program in a build folder, built if it is not there; Missing says what stands in the way."""
+    """The program in a build folder, built if it is not there; MissingError says what stands in the way."""
     path = build / name
     if not path.is_file():
         steps = [
@@ -48,10 +48,10 @@ def program(build: Path, name: str) -> Path:
             try:
                 done = subprocess.run(step, capture_output=True, text=True, check=False)
             except OSError:
-                raise Missing(f"{name} is not built, and there is no CMake to build it.") from None
+                raise MissingError(f"{name} is not built, and there is no CMake to build it.") from None
             if done.returncode:
                 hint = " (it needs libbenchmark-dev)" if name == GATHER else ""
-                raise Missing(f'{name} could not be built{hint}; see "{" ".join(step)}".')
+                raise MissingError(f'{name} could not be built{hint}; see "{" ".join(step)}".')
     return path
 
 
@@ -72,7 +72,7 @@ def object_space(
         words += [f"{method}_values", str(file)]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise Missing(f"{OBJECT_SPACE}: {done.stderr.strip()}")
+        raise MissingError(f"{OBJECT_SPACE}: {done.stderr.strip()}")
     taken = {row.pop("method"): row for row in map(json.loads, done.stdout.splitlines())}
     return taken, {method: read_values(files[method]) for method in taken}
 
@@ -92,11 +92,11 @@ def gather(build: Path, mesh: Path, texels: float, samples: int, size: int, gpu:
     words = [program(build, GATHER), f"--benchmark_out={out}", "--benchmark_min_time=0.2", "--benchmark_repetitions=3"]
     done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise Missing(f"{GATHER}: {done.stderr.strip()}")
+        raise MissingError(f"{GATHER}: {done.stderr.strip()}")
     found: dict[str, dict] = {}
     for row in json.loads(out.read_text())["benchmarks"]:
         if row.get("error_occurred"):
-            raise Missing(f"{GATHER}: {row['error_message']}")
+            raise MissingError(f"{GATHER}: {row['error_message']}")
         if row["run_type"] != "iteration":
             continue
         kept = found.setdefault(row["name"].split("/")[0].removeprefix("gather_by_"), {"seconds": np.inf})

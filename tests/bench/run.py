@@ -4,8 +4,9 @@
     .venv/bin/python tests/bench/run.py --quick --page           # and tests/bench/REPORT.md, its plot, README's table
     .venv/bin/python tests/bench/run.py --sweep detail --sweep charts --page
 
-FILE has the device, the CPU, the date, the commit and one key a ratio, null with a reason where a part is missing; the
-parts themselves are in it, too. A sweep takes minutes, and leaves results/<sweep>.json. --page puts together what is there.
+FILE has the device, the CPU, the date, the commit and one key a ratio, null with a reason where a part is missing;
+the parts themselves are in it, too. A sweep takes minutes, and leaves results/<sweep>.json. --page puts together what
+is there.
 Other programs on the machine make every figure worthless: the load before the run is in the file.
 """
 

@@ -5,7 +5,9 @@ from pathlib import Path
 
 import figures
 import page
+import peers
 import sweeps
+import timing
 
 START, END = "<!-- speed: written by tests/bench/run.py --page -->", "<!-- end of speed -->"
 QUICK, PLOT = "quick.json", "peers.png"
@@ -35,22 +37,16 @@ def write(results: Path, readme: Path | None) -> None:
 def intro() -> list[str]:
     """What the figures are."""
     return [
-        "Written by `tests/bench/run.py`; [tests/README.md](../README.md#benchmarks) says how. Our times are whole frames, "
-        "from positions in Python to results in Python, without what depends on topology and UV map alone; fitted normals "
-        "are in them. The *baseline* is the paper's method in object space (`baseline.cpp`): Voronoi-weighted vertices "
-        "within r, found by a flood over half-edges, on all cores; its set-up, normals and weights are not counted. It is "
-        "timed at a random sample of the same mesh's vertices, as many as it can do in two seconds, and extrapolated. "
-        "*Fewest samples*: as few as keep the mean error against the reference at 400 random vertices (2000 for the peers) "
-        f"to {timing_error()} %. Errors are the one definition of this project (`addon/paradesc/compare.py`).",
+        "Written by `tests/bench/run.py`; [tests/README.md](../README.md#benchmarks) says how. Our times are "
+        "whole frames, from positions in Python to results in Python, without what depends on topology and UV "
+        "map alone; fitted normals are in them. The *baseline* is the paper's method in object space "
+        "(`baseline.cpp`): Voronoi-weighted vertices within r, found by a flood over half-edges, on all "
+        "cores; its set-up, normals and weights are not counted. It is timed at a random sample of the same "
+        "mesh's vertices, as many as it can do in two seconds, and extrapolated. *Fewest samples*: as few as "
+        f"keep the mean error against the reference at 400 random vertices to {timing.ALLOWED_ERROR:g} %. "
+        "Errors are the one definition of this project (`addon/paradesc/compare.py`).",
         "",
     ]
-
-
-def timing_error() -> str:
-    """The error allowed, as text."""
-    import timing
-
-    return f"{timing.ALLOWED_ERROR:g}"
 
 
 def stamp_lines(found: dict) -> list[str]:
@@ -83,7 +79,7 @@ def peer_rows(found: dict) -> list[tuple[str, float, float | None, float | None,
     bunny, closed = measured.get("bunny"), measured.get("errors_closed", {})
     rows = []
     for name, row in measured.get("peers", {}).items():
-        note = "" if name in same_radius() else row.get("note", "") or "another radius"
+        note = "" if name in peers.SAME_RADIUS else row.get("note", "") or "another radius"
         rows.append((row["label"], row["seconds"], row.get("error"), row.get("error_closed"), row.get("note") or note))
     if bunny:
         for name in ("fewest", "at_256"):
@@ -91,13 +87,6 @@ def peer_rows(found: dict) -> list[tuple[str, float, float | None, float | None,
             rows.append((label, bunny[name]["seconds"], bunny[name]["error"], closed.get(name), ""))
         rows.append(("the paper's object-space method", bunny["baseline"]["seconds"], None, closed.get("baseline"), ""))
     return sorted(rows, key=lambda row: row[1])
-
-
-def same_radius() -> tuple[str, ...]:
-    """Peers that measure at our radius."""
-    import peers
-
-    return peers.SAME_RADIUS
 
 
 def percent(value: float | None) -> str:
@@ -123,9 +112,10 @@ def peer_lines(found: dict, image: str) -> list[str]:
     """The peers' section."""
     lines = ["## Other programs", ""]
     lines += [
-        "69 451 triangles, r = 2 % of the diagonal for those that take a radius. *Error*: against the reference on the same "
-        "mesh at that radius, which is not what programs of another radius or of rings measure; *on a torus*: against the "
-        "closed form on 12 000 vertices, which is what all of them mean. Not counted: imports, making the mesh.",
+        "69 451 triangles, r = 2 % of the diagonal for those that take a radius. *Error*: against the reference on the"
+        " same mesh at that radius, which is not what programs of another radius or of rings measure; *on a torus*:"
+        " against the closed form on 12 000 vertices, which is what all of them mean. Not counted: imports, making the"
+        " mesh.",
         "",
         *peer_table(found),
         "",
@@ -140,8 +130,6 @@ def peer_lines(found: dict, image: str) -> list[str]:
 
 def stage_lines(found: dict) -> list[str]:
     """Where the time goes."""
-    import timing
-
     rows = []
     for part, kinds in (
         ("detail_100k", ("fewest", "max_normals", "at_256")),
@@ -199,8 +187,8 @@ def plot(found: dict, path: Path) -> bool:
 def readme_lines(found: dict, image: str) -> list[str]:
     """What README shows: the peers, and how it grows with detail."""
     lines = [
-        "Mean curvature at r = 2 % of the diagonal; our times are whole frames, from positions to results in Python. *Error*: "
-        "against the reference at the same radius; *on a torus*: against the closed form.",
+        "Mean curvature at r = 2 % of the diagonal; our times are whole frames, from positions to results in Python."
+        " *Error*: against the reference at the same radius; *on a torus*: against the closed form.",
         "",
         *peer_table(found),
         "",
@@ -213,7 +201,8 @@ def readme_lines(found: dict, image: str) -> list[str]:
             growth.append(f"{page.shown(found[f'speedup_{name}'])} times at {triangles} triangles")
     if growth:
         lines += [
-            f"Against the paper's object-space method on all cores, r = 4 %, at most half a percent of error: {', '.join(growth)}.",
+            "Against the paper's object-space method on all cores, r = 4 %, at most half a percent of error: "
+            f"{', '.join(growth)}.",
             "All figures, targets and where the time goes: [tests/bench/REPORT.md](tests/bench/REPORT.md).",
             "",
         ]

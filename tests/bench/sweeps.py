@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import meshes
@@ -38,9 +38,9 @@ def milliseconds(seconds: float) -> float:
 def detail(run: parts.Run, out: page.Section) -> None:
     """Fig. 11 left."""
     out.say(
-        "A torus, irregularly triangulated, eight charts, r = 4 % of the diagonal, mean curvature. Frames from positions "
-        "to results in Python, without preprocessing on both sides; the baseline on all cores, extrapolated from a random "
-        "sample of the same mesh's vertices. Errors against the reference at 400 random vertices."
+        "A torus, irregularly triangulated, eight charts, r = 4 % of the diagonal, mean curvature. Frames from "
+        "positions to results in Python, without preprocessing on both sides; the baseline on all cores, extrapolated "
+        "from a random sample of the same mesh's vertices. Errors against the reference at 400 random vertices."
     )
     rows, curves = [], []
     for triangles in TRIANGLES:
@@ -104,8 +104,8 @@ def samples(run: parts.Run, out: page.Section) -> None:
         out.lacks(atlas)
         return
     out.say(
-        "stanford-bunny, r = 2 %, mean curvature; errors against the reference at 2000 vertices. The paper's milliseconds "
-        "are those of a GTX 670."
+        "stanford-bunny, r = 2 %, mean curvature; errors against the reference at 2000 vertices. The paper's "
+        "milliseconds are those of a GTX 670."
     )
     path = programs.write_mesh(run.folder / "mesh", arrays)
     length = 0.02 * meshes.diagonal(arrays)
@@ -163,8 +163,8 @@ def charts(run: parts.Run, out: page.Section) -> None:
 def models(run: parts.Run, out: page.Section) -> None:
     """The average over models."""
     out.say(
-        "Models as they are, and subdivided by Loop's scheme to more than 300 K triangles; r = 4 %, the fewest samples that "
-        "keep half a percent. The paper's average is 49 times a baseline on four cores."
+        "Models as they are, and subdivided by Loop's scheme to more than 300 K triangles; r = 4 %, the fewest samples "
+        "that keep half a percent. The paper's average is 49 times a baseline on four cores."
     )
     rows = []
     for name in MODELS:
@@ -223,7 +223,7 @@ def measure(name: str, run: parts.Run, stamp: dict[str, object], folder: Path) -
     start = time.monotonic()
     try:
         row.function(run, out)
-    except programs.Missing as missing:
+    except programs.MissingError as missing:
         out.lacks(str(missing))
     out.seconds = time.monotonic() - start
     out.save()
