@@ -17,6 +17,7 @@
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
 #include "sample/cells.h"
+#include "sample/texels.h"
 
 namespace paradesc {
 
@@ -38,7 +39,9 @@ struct DeviceMesh {
   std::unique_ptr<MapBuffer> map; // once an operator was asked for
   BorderGrid grid;
   Cells cells;
+  CellSamples samples; // of the cells, as the last search chose them
   BakeVertices vertices;
+  TexelMap texels;   // where results go in texel evaluation
   BufferFrame frame; // of the last bake
   SurfaceMapper mapper;
   int normals_kind = -1;

@@ -24,8 +24,11 @@ struct Frame {
   std::vector<vec4> forms, links;
   std::vector<int32_t> seams; // (borders) what seam each belongs to, where the paper's relocation asks
   std::vector<CenterData> centers;
-  std::vector<int32_t> sites;  // (centers) -1: the point has no place in the UV map
-  std::vector<int32_t> points; // (centers)
+  std::vector<int32_t> sites;     // (centers) -1: the point has no place in the UV map
+  std::vector<int32_t> points;    // (centers)
+  std::vector<uint8_t> plain;     // (centers) as in Supports
+  std::vector<CellData> measured; // cells, in the buffers of this frame
+  std::vector<vec4> positions;    // (size * size) of the buffers, once a search has asked
   BareSamples bare;
   double radius_in_texels = 0.0;
   std::optional<MappedPoints> mapped; // where maps displace the surface
@@ -54,14 +57,13 @@ void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, F
 // Gives the mesh a layout of its own, which it keeps, where the UV map overlaps or leaves most of the buffers empty.
 bool lay_out_afresh(Mesh &mesh, double radius_in_texels);
 void build_cells_for(Mesh &mesh, const Frame &frame);
-// The neighborhoods of all centers, or of those given, before any sample is drawn.
-void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame);
-void search_supports(Mesh &mesh, double radius, Frame &frame, const std::vector<vec4> &positions,
-                     const std::vector<SupportCenter> &centers);
-// What the search reads: the positions of this frame.
-std::vector<vec4> measure_cells(Mesh &mesh);
-// Neighborhoods of another radius, from the same cells.
-void widen_supports(Mesh &mesh, const pdesc_options &options, double reach, Frame &frame);
+// The neighborhoods of all centers of the frame, which this puts into another order, or of those given.
+void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame);
+Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame,
+                         const std::vector<SupportCenter> &centers);
+void set_supports(Mesh &mesh, const Supports &supports, const Frame &frame);
+// Centers of another radius, among the same cells.
+void widen_centers(Mesh &mesh, const pdesc_options &options, double reach, Frame &frame);
 // How far a pass looks around.
 double reach_of(const Pass &pass, const pdesc_options &options, double radius);
 // The triangles as they are measured: displaced where maps say so.
