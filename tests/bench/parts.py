@@ -1,6 +1,7 @@
 """The parts of a run: each measures one thing on one mesh and leaves a dictionary that figures.py makes ratios of."""
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -51,11 +52,12 @@ class Run:
     measured: dict[str, dict] = field(default_factory=dict)
     reasons: dict[str, str] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
+    cpu_seconds: dict[str, float] = field(default_factory=dict)  # of all cores, those of other processes too
 
     @contextmanager
     def part(self, *names: str):
         """What cannot be measured is a reason, for all these parts, and not the end."""
-        start = time.perf_counter()
+        start, cpu = time.perf_counter(), cpu_time()
         say(f"{names[0]} … ")
         try:
             yield
@@ -63,7 +65,14 @@ class Run:
             for name in names:
                 self.reasons[name] = str(error)
         self.seconds[names[0]] = time.perf_counter() - start
+        self.cpu_seconds[names[0]] = cpu_time() - cpu
         say(f"{self.seconds[names[0]]:.0f} s{' (not measured)' if names[0] in self.reasons else ''}\n")
+
+
+def cpu_time() -> float:
+    """Seconds of all cores, of this process and of those that it has waited for."""
+    used = os.times()
+    return used.user + used.system + used.children_user + used.children_system
 
 
 def say(text: str) -> None:

@@ -98,6 +98,7 @@ def content(run: parts.Run, stamp: dict[str, object]) -> dict[str, object]:
         "reasons": why | {name: text for name, text in run.reasons.items() if name not in figures.FIGURES},
         "beside": figures.beside(run.measured),
         "part_seconds": {name: round(seconds, 1) for name, seconds in run.seconds.items()},
+        "part_cpu_seconds": {name: round(seconds, 1) for name, seconds in run.cpu_seconds.items()},
         "measured": run.measured,
     }
 
