@@ -96,9 +96,13 @@ void reported(benchmark::State &state, Stage stage) {
     const auto charts = static_cast<int>(state.range(0));
     const pdesc_options options = options_of(static_cast<int>(state.range(1)));
     pdesc_mesh *mesh = mesh_of(charts);
-    frame(mesh, options); // what is made once, and programs
+    frame(mesh, options);                                 // what is made once, and programs
+    std::vector<float> moved = surface(charts).positions; // what has not moved need not be baked again
+    float factor = 1.0f + 1e-5f;
     for (auto _ : state) {
-      check(pdesc_mesh_set_positions(mesh, surface(charts).positions.data(), surface(charts).vertex_count));
+      for (float &coordinate : moved) coordinate *= factor;
+      factor = 1.0f / factor;
+      check(pdesc_mesh_set_positions(mesh, moved.data(), surface(charts).vertex_count));
       state.SetIterationTime(frame(mesh, options).*stage);
     }
   });
