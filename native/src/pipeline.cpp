@@ -78,6 +78,7 @@ Mesh::~Mesh() {
 
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   set_positions(mesh.triangles, positions, vertex_count);
+  ++mesh.version;
   weigh_sites(mesh.triangles, mesh.context->threads, mesh.charts);
   measure(mesh);
 }
@@ -126,8 +127,7 @@ static void warn(const Mesh &mesh, Field &field) {
 static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
                                             const Progress &progress, Field &field) {
   Clock clock;
-  Frame frame;
-  frame.normals = prepare_normals(mesh, options.normals);
+  Frame &frame = prepare_frame(mesh, options);
   field.report.seconds_prepare = clock.lap();
   check_cancel(progress, "bake", 0.1);
 

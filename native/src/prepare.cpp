@@ -17,6 +17,18 @@ Normals prepare_normals(Mesh &mesh, int32_t kind) {
   return compute_normals(mesh.triangles, mesh.half_edges, *mesh.rings, kind, mesh.context->threads);
 }
 
+Frame &prepare_frame(Mesh &mesh, const pdesc_options &options) {
+  if (!mesh.device) mesh.device = std::make_unique<DeviceMesh>();
+  std::shared_ptr<Frame> &last = mesh.device->last;
+  if (last && last->version == mesh.version && last->normals_kind == options.normals) return *last;
+  auto frame = std::make_shared<Frame>();
+  frame->version = mesh.version;
+  frame->normals_kind = options.normals;
+  frame->normals = prepare_normals(mesh, options.normals);
+  last = std::move(frame);
+  return *last;
+}
+
 // Marches start a little inside the chart: from a vertex on its border every direction would begin on an edge.
 static vec2 march_start(const Site &site, int size) {
   const vec2 way = site.inside - site.uv;
@@ -91,7 +103,6 @@ static bool uses_half(const Mesh &mesh, const pdesc_options &options) {
 
 // Makes or keeps the device's buffers; true where the topology's part has to be uploaded.
 static bool prepare_device(Mesh &mesh, const pdesc_options &options) {
-  if (!mesh.device) mesh.device = std::make_unique<DeviceMesh>();
   DeviceMesh &device = *mesh.device;
   bool changed = device.buffer && device.buffer->half() != uses_half(mesh, options);
   if (device.grid.size != options.buffer_size) {
@@ -148,12 +159,13 @@ static int block_size(double radius_in_texels, int buffer_size) {
   return size;
 }
 
-void build_cells_for(Mesh &mesh, const Frame &frame) {
+void build_cells_for(Mesh &mesh, Frame &frame) {
   DeviceMesh &device = *mesh.device;
   const int size = block_size(frame.radius_in_texels, device.buffer->size());
   if (device.cells.block_size == size) return;
   std::vector<int32_t> ids;
   mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = device.buffer->read_ids(); });
+  frame.measured.clear();
   device.samples = {};
   device.cells = build_cells(ids, device.grid, mesh.triangles, mesh.half_edges, mesh.charts, size, mesh.context->threads);
   mesh.context->gl->run(
@@ -240,18 +252,27 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
   set_supports(mesh, supports, frame);
 }
 
-void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
-  const bool changed = prepare_device(mesh, options);
+// Metric, displacement and buffers of the frame.
+static void bake_frame(Mesh &mesh, const pdesc_options &options, Frame &frame, bool changed) {
+  frame.baked = false; // until it is done: a run may be cancelled before
+  frame.measured.clear();
+  frame.positions.clear();
   frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
   frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
-  if (options.relocation != PDESC_RELOCATION_CONNECTED) frame.links = seam_links(mesh.triangles, mesh.charts);
-  if (options.relocation == PDESC_RELOCATION_PAPER) frame.seams = number_seams(mesh.charts);
   if (mesh.maps.any())
     frame.mapped =
         map_points(mesh.maps, mesh.triangles, mesh.half_edges, frame.normals, frame.buffer_frame, mesh.context->threads);
   if (frame.mapped) frame.enlargement = ellipse_enlargement * frame.mapped->shrinkage;
-  prepare_centers(mesh, options, radius, frame);
   bake(mesh, options, frame, changed);
+  frame.baked = true;
+}
+
+void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
+  const bool changed = prepare_device(mesh, options);
+  if (changed || !frame.baked) bake_frame(mesh, options, frame, changed);
+  if (options.relocation != PDESC_RELOCATION_CONNECTED) frame.links = seam_links(mesh.triangles, mesh.charts);
+  if (options.relocation == PDESC_RELOCATION_PAPER) frame.seams = number_seams(mesh.charts);
+  prepare_centers(mesh, options, radius, frame);
 }
 
 // What overlaps gets a layout of its own, charts that overlap themselves cut into pieces.

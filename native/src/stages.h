@@ -33,6 +33,9 @@ struct Frame {
   double radius_in_texels = 0.0;
   std::optional<MappedPoints> mapped; // where maps displace the surface
   float enlargement = ellipse_enlargement;
+  uint64_t version = 0;     // of the mesh
+  int32_t normals_kind = 0; // pdesc_normals
+  bool baked = false;       // it is what the device's buffers hold
 };
 
 class Clock {
@@ -52,11 +55,13 @@ void check_cancel(const Progress &progress, const char *stage, double fraction);
 // ---- Before samples are drawn (prepare.cpp)
 
 Normals prepare_normals(Mesh &mesh, int32_t kind);
+// The frame of the mesh as it is now, with its normals: the last one, while it holds. Kept in mesh.device.
+Frame &prepare_frame(Mesh &mesh, const pdesc_options &options);
 // Centers and metric of the frame, and the geometry buffers on the device.
 void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame);
 // Gives the mesh a layout of its own, which it keeps, where the UV map overlaps or leaves most of the buffers empty.
 bool lay_out_afresh(Mesh &mesh, double radius_in_texels);
-void build_cells_for(Mesh &mesh, const Frame &frame);
+void build_cells_for(Mesh &mesh, Frame &frame);
 // The neighborhoods of all centers of the frame, which this puts into another order, or of those given.
 void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame);
 Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame,

@@ -137,7 +137,7 @@ public:
     for (const int32_t k : inside_) {
       const Seen &seen = seen_[static_cast<size_t>(k)];
       if (!seen.plain || meets_boundary(found_[static_cast<size_t>(k)], center)) return false;
-      const float away = std::sqrt(distance_[static_cast<size_t>(k)]), sphere = seen.sphere.w;
+      const float away = std::sqrt(distance_[static_cast<size_t>(k)]), sphere = seen.sphere;
       flat += seen.area * std::min(1.0f, (radius_ + sphere - away) / std::max(2.0f * sphere, 1e-20f));
     }
     return flat < 1.25f * static_cast<float>(pi) * radius_ * radius_;
@@ -145,14 +145,21 @@ public:
 
   // Which of those found lie in the center's ball.
   void measure(vec3 center) {
-    distance_.resize(seen_.size());
-    for (size_t k = 0; k < seen_.size(); ++k) {
-      const vec3 gap = vec3(seen_[k].sphere) - center;
-      distance_[k] = dot(gap, gap);
+    const size_t count = seen_.size();
+    distance_.resize(count);
+    const float *x = x_.data(), *y = y_.data(), *z = z_.data(), *outer = outer_.data();
+    float *distance = distance_.data();
+    for (size_t k = 0; k < count; ++k) { // by vectors
+      const float dx = x[k] - center.x, dy = y[k] - center.y, dz = z[k] - center.z;
+      distance[k] = dx * dx + dy * dy + dz * dz;
     }
-    inside_.clear();
-    for (size_t k = 0; k < seen_.size(); ++k)
-      if (distance_[k] < seen_[k].outer) inside_.push_back(static_cast<int32_t>(k));
+    inside_.resize(count);
+    size_t inside = 0;
+    for (size_t k = 0; k < count; ++k) { // without a branch
+      inside_[inside] = static_cast<int32_t>(k);
+      inside += distance[k] < outer[k];
+    }
+    inside_.resize(inside);
   }
 
   // The cells of the connected part of the center's ball.
@@ -212,27 +219,31 @@ private:
   static constexpr float around = 1.25f; // a link may lie a texel beyond the points of a cell
   static constexpr float least_cosine =
       0.25f; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
-  static constexpr float near_share = 0.3f;
+  static constexpr float near_share = 0.25f;
 
   // What centers ask of a cell that was found.
   struct Seen {
-    vec4 sphere;
-    float outer; // squared distance from its middle from which on it lies outside the ball
-    float near;  // … and below which it is sampled finely
-    float area;  // projected to the tangent plane of the first cell
-    bool plain;  // faces its way
+    float sphere; // radius
+    float near;   // squared distance from its middle below which it is sampled finely
+    float area;   // projected to the tangent plane of the first cell
+    bool plain;   // faces its way
   };
 
   // cone: of the first cell.
   void look_at_found(vec3 normal, float spread) {
     std::sort(found_.begin(), found_.end()); // one order of summation, wherever the search began
     seen_.clear();
+    for (std::vector<float> *list : {&x_, &y_, &z_, &outer_}) list->clear();
     for (const int32_t cell : found_) {
       const CellData &data = measured_[static_cast<size_t>(cell)];
       const float cosine = dot(normal, vec3(data.cone)), own = std::clamp(data.cone.w, -1.0f, 1.0f);
       const float sine = std::sqrt(std::max(0.0f, (1.0f - cosine * cosine) * (1.0f - own * own)));
       const float outer = radius_ + data.sphere.w, near = near_share * radius_ + data.sphere.w;
-      seen_.push_back({data.sphere, outer * outer, near * near, data.area.y * std::max(cosine, 0.0f),
+      x_.push_back(data.sphere.x);
+      y_.push_back(data.sphere.y);
+      z_.push_back(data.sphere.z);
+      outer_.push_back(outer * outer);
+      seen_.push_back({data.sphere.w, near * near, data.area.y * std::max(cosine, 0.0f),
                        std::min({own, spread, cosine, cosine * own - sine}) > least_cosine});
     }
   }
@@ -283,7 +294,9 @@ private:
   std::vector<uint32_t> visited_;
   std::vector<int32_t> found_, near_; // near_: -1 - cell where it is sampled finely
   std::vector<Seen> seen_;            // (found)
-  std::vector<float> distance_;       // (found) squared, from the center to the middle
+  std::vector<float> x_, y_, z_;      // (found) middle
+  std::vector<float> outer_;          // (found) squared distance from there from which on it lies outside the ball
+  std::vector<float> distance_;       // (found) squared, from the center
   std::vector<int32_t> inside_;       // places in found_
   uint32_t mark_ = 0;
 };
@@ -300,7 +313,7 @@ static int32_t start_of(const Cells &cells, const SupportCenter &center) {
 
 namespace {
 
-// Centers by the square that they start in: a block, or two by two where these are small against the radius.
+// Centers by the square that they start in: a block, or two by two or four by four where these are small against the radius.
 struct Groups {
   std::vector<int32_t> start; // (centers) cell, or -1
   std::vector<int32_t> order; // centers
@@ -313,8 +326,8 @@ static Groups group(const Cells &cells, std::span<const CellData> measured, cons
                     float radius) {
   double spheres = 0.0;
   for (const CellData &cell : measured) spheres += static_cast<double>(cell.sphere.w);
-  const bool small = 2.6 * spheres < static_cast<double>(radius) * static_cast<double>(measured.size());
-  const int width = (small ? 2 : 1) * cells.block_size;
+  const double radii = static_cast<double>(radius) * static_cast<double>(measured.size()) / std::max(spheres, 1e-30);
+  const int width = (radii > 4.4 ? 4 : radii > 2.6 ? 2 : 1) * cells.block_size; // at most about the radius
   int across = 1;
   for (const ivec4 box : cells.box) across = std::max({across, box.x / width + 1, box.y / width + 1});
   auto square_of = [&](int32_t cell) {
