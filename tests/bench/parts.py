@@ -200,17 +200,13 @@ def gather(run: Run, name: str, charts: int) -> None:
             frame = run.bench.frame(mesh, arrays, options)
             del frame["values"]
             layout = replace(arrays, corner_uvs=mesh.layout().reshape(-1, 2))
-            walks = {
-                "affine": run.bench.frame(mesh, arrays, replace(options, relocation="affine"), repeats=1),
-                "paper": run.bench.frame(mesh, arrays, replace(options, relocation="paper", max_jumps=8), repeats=1),
-            }
+            affine = run.bench.frame(mesh, arrays, replace(options, relocation="affine"), repeats=1)
+            del affine["values"]
             count = mesh.report()["charts"]
-        for walk in walks.values():
-            del walk["values"]
         path = programs.write_mesh(run.folder / "layout", layout)
         gpu = run.bench.context.backend == "gpu"
         bare = programs.gather(run.build, path, frame["radius_in_texels"], options.samples, options.buffer_size, gpu)
-        run.measured[name] = {"charts": count, "evaluate": frame, "bare": bare, **walks}
+        run.measured[name] = {"charts": count, "evaluate": frame, "bare": bare, "affine": affine}
 
 
 def memory(run: Run, triangles: int = 1_000_000) -> None:

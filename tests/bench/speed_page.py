@@ -137,8 +137,8 @@ def stage_lines(found: dict) -> list[str]:
         ("detail_2m", ("fewest", "max_normals", "at_256")),
         ("radius", ("small", "large")),
         ("bunny", ("fewest", "max_normals", "at_256")),
-        ("gather_one_chart", ("evaluate", "affine", "paper")),
-        ("gather_many_charts", ("evaluate", "affine", "paper")),
+        ("gather_one_chart", ("evaluate", "affine")),
+        ("gather_many_charts", ("evaluate", "affine")),
         ("together", ("one", "eight")),
     ):
         for kind in kinds:
