@@ -35,6 +35,7 @@ EIGHT = (
     "sphere_volume",
 )
 THREE_RADII = (0.01, 0.02, 0.04)  # the middle one alone is what they are compared with
+FEWEST_IN_COMMON = 50
 PEER_MESH = 12000  # vertices of the torus on which errors against the closed form are taken
 
 
@@ -97,25 +98,26 @@ def against_baseline(run: Run, arrays: MeshArrays, fraction: float, normals: tup
     radius = fraction * meshes.diagonal(arrays)
     taken, found = programs.object_space(run.build, path, radius, run.baseline_seconds, run.reference_points)
     truth = found["reference"]
-    found_baseline = np.full(len(arrays.positions), np.nan)
-    found_baseline[found["baseline"].vertices] = found["baseline"].values
     options = Options(radius=fraction)
     mesh, once = run.bench.mesh(arrays, options)
     with mesh:
         fewest = replace(options, samples=timing.fewest_samples(run.bench, mesh, arrays, options, truth))
+        big = len(arrays.triangle_corners) > 500_000
         result = {
             "triangles": len(arrays.triangle_corners),
             "vertices": len(arrays.positions),
             "radius": fraction,
             "once": once,
-            "baseline": taken["baseline"],
+            "baseline": taken["baseline"] | {"error": common_error(found["baseline"], truth, radius)},
             "reference_points": len(truth.vertices),
-            "at_256": timing.with_error(run.bench.frame(mesh, arrays, options), truth),
-            "fewest": timing.with_error(run.bench.frame(mesh, arrays, fewest, repeats=4), truth),
+            "at_256": timing.with_error(run.bench.frame(mesh, arrays, options, repeats=1 if big else 2), truth),
+            "fewest": timing.with_error(run.bench.frame(mesh, arrays, fewest, repeats=2 if big else 4), truth),
         }
         if "max" in normals:
             cheap = replace(fewest, normals="max")
-            result["max_normals"] = timing.with_error(run.bench.frame(mesh, arrays, cheap), truth)
+            result["max_normals"] = timing.with_error(
+                run.bench.frame(mesh, arrays, cheap, repeats=1 if big else 2), truth
+            )
     return result
 
 
@@ -141,7 +143,7 @@ def radius(run: Run, triangles: int = 600_000, radii: tuple[float, float] = (0.0
             for label, samples in (("", 256), ("_32_samples", 32)):
                 for name, fraction in zip(("small", "large"), radii, strict=True):
                     chosen = replace(options, radius=fraction, samples=samples)
-                    frame = run.bench.frame(mesh, arrays, chosen, repeats=2)
+                    frame = run.bench.frame(mesh, arrays, chosen, repeats=1)
                     frame.pop("values")
                     found[name + label] = frame
         run.measured["radius"] = found
@@ -183,7 +185,7 @@ def three_radii(mesh: bridge.Mesh, positions: np.ndarray, options: Options) -> N
 def fastest(action: Callable[[int], object], times: int = 5) -> float:
     """Seconds of the fastest of several turns, which the action is told."""
     taken = []
-    for turn in range(times):
+    for turn in range(1, times + 1):
         start = time.perf_counter()
         action(turn)
         taken.append(time.perf_counter() - start)
@@ -288,12 +290,20 @@ def ours(run: Run, surface: surfaces.Surface, closed: programs.Values) -> None:
 
 
 def peer_error(found: peers.Found, truth: programs.Values, radius: float) -> float | None:
-    """Mean %AE at the vertices that both have."""
+    """Mean %AE at the vertices that both have; None where a peer has no H."""
     if found.values is None:
         return None
     vertices = np.arange(len(found.values)) if found.vertices is None else found.vertices
-    _, here, there = np.intersect1d(vertices, truth.vertices, return_indices=True)
-    if len(here) < 20:
+    return common_error(programs.Values(vertices, found.values), truth, radius, either_sign=True)
+
+
+def common_error(
+    found: programs.Values, truth: programs.Values, radius: float, either_sign: bool = False
+) -> float | None:
+    """Mean %AE at the vertices that both have; None where these are too few."""
+    _, here, there = np.intersect1d(found.vertices, truth.vertices, return_indices=True)
+    if len(here) < FEWEST_IN_COMMON:
         return None
     expected = truth.values[there]
-    return timing.percent_error(peers.with_sign(found.values[here], expected), expected, radius)
+    values = peers.with_sign(found.values[here], expected) if either_sign else found.values[here]
+    return timing.percent_error(values, expected, radius)

@@ -173,7 +173,7 @@ def models(run: parts.Run, out: page.Section) -> None:
             out.lacks(atlas)
             continue
         variants = [arrays]
-        times = int(np.ceil(np.log(3e5 / len(arrays.triangle_corners)) / np.log(4)))
+        times = int(np.ceil(np.log(run.scale * 3e5 / len(arrays.triangle_corners)) / np.log(4)))
         if times > 0:
             variants.append(meshes.loop_subdivide(arrays, times))
         for variant in variants:
@@ -196,7 +196,7 @@ def models(run: parts.Run, out: page.Section) -> None:
     if not rows:
         return
     for label, big in (("mean, as they are", False), ("mean, subdivided", True)):
-        chosen = [row for row in rows if (row[1] > 3e5) == big and not row[0].startswith("mean")]
+        chosen = [row for row in rows if (row[1] > run.scale * 3e5) == big and not row[0].startswith("mean")]
         if chosen:
             rows.append([label, "", "", "", "", "", *np.mean([row[6:] for row in chosen], axis=0)])
     head = ["model", "triangles", "baseline s", "samples", "error %", "ms", "times faster"]
