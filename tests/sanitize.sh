@@ -23,7 +23,7 @@ thread)
   ;;
 valgrind)
   packages=(clang valgrind) flags="-O1 -g" option=-DPARADESC_SANITIZE=
-  : "${filter:=Threads.two_contexts_on_the_same_arrays_give_what_one_gives/software}"
+  : "${filter:=Threads.calls_on_one_context_take_turns/software}"
   ;;
 *) fail "usage: bash tests/sanitize.sh address|thread|valgrind [filter]" ;;
 esac

@@ -54,7 +54,7 @@ void place(Shape shape, float s, float t, Arrays &arrays) {
 // columns × rows quads over the unit square; the UV map is that square, or has a chart for each column.
 void surface(Bytes &bytes, Arrays &arrays) {
   const auto shape = static_cast<Shape>(bytes.below(static_cast<int>(Shape::count)));
-  const int columns = 1 + bytes.below(4), rows = 1 + bytes.below(4);
+  const int columns = 1 + bytes.below(3), rows = 1 + bytes.below(3);
   const bool welded = bytes.one_in(2), torn = bytes.one_in(2);
   for (int row = 0; row <= rows; ++row)
     for (int column = 0; column <= columns; ++column)
