@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from . import color_maps, legend, looks, modes, unwrap
+from . import color_maps, legend, looks, modes, stored, unwrap
 from .bridge import InputError, MeshArrays, ParadescError, components
 from .job import Results, registry_name, registry_row
 
@@ -150,15 +150,13 @@ def check_writable(target: bpy.types.Object) -> None:
 
 def stored_summary(mesh: bpy.types.Mesh) -> dict[str, object]:
     """What summary() left on this mesh with the last bake; empty without one."""
-    stored = mesh.get(PROPERTY)
-    content = stored.to_dict() if hasattr(stored, "to_dict") else {}
-    return content if "attributes" in content else {}
+    content = mesh.get(PROPERTY)
+    return stored.checked(content.to_dict() if hasattr(content, "to_dict") else None)
 
 
 def stored_layout(mesh: bpy.types.Mesh) -> dict[str, str]:
     """What a bake stored about the layout that it left on this mesh; empty without one."""
-    found = stored_summary(mesh).get("layout", {})
-    return found if isinstance(found, dict) else {}
+    return stored_summary(mesh).get("layout", {})
 
 
 def written_attributes(mesh: bpy.types.Mesh) -> list[str]:

@@ -33,6 +33,8 @@ def shown_name(mesh: bpy.types.Mesh) -> str:
 def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
     """The range and map in which a descriptor's colors on this mesh were made."""
     stored = mesh_io.stored_summary(mesh)
+    if name not in stored.get("ranges", {}):
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" does not say any more which range "{name}" has; bake it again.')
     minimum, maximum = stored["ranges"][name]
     drawn = stored.get("drawn", {}).get(name, {})
     signed = bool(drawn.get("diverging", registry_row(name).is_signed))

@@ -1,12 +1,14 @@
 // The spine: mesh → half-edges → charts and seams → baked buffers → neighborhood sampler → descriptors → a value at every vertex.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <string>
+#include <thread>
 
 #include "bake/surface_maps.h"
 #include "descriptor/evaluate.h"
@@ -28,6 +30,7 @@ struct Context {
   std::string device;
   std::string fallback;
   std::mutex mutex; // one call at a time
+  std::atomic<std::thread::id> holder; // the thread that has it
 };
 
 std::shared_ptr<Context> make_context(const pdesc_context_options &options);

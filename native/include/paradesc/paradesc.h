@@ -12,12 +12,15 @@
  *   Operators (gradient_magnitude, laplacian, difference_of_gaussians, harris) work on a map f: the values of a descriptor at the
  *   vertices, linear on triangles. Derivatives are those along the surface, per length. The Harris response is made of r grad f, so
  *   its unit is that of f to the fourth power, and equal shapes of any size have equal responses at equal relative radius.
- *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) is NaN in raw results.
+ *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) or is larger than a float holds is NaN in
+ *   raw results.
  *
  * MEMORY AND THREADS
  *   Inputs are borrowed for the duration of a call; outputs are allocated by the caller, who says their length.
  *   Handles are opaque. Every handle may be used from any thread; calls on one context, on its meshes and on their fields are
- *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh.
+ *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh. A handle that was destroyed, or one of another
+ *   kind, is refused (INVALID_ARGUMENT), as long as no new one has got its address; while one thread destroys a handle, no other may use it.
+ *   A progress callback may not call into the context that it was called from: INVALID_OPERATION.
  *
  * ERRORS
  *   A call that can fail returns a pdesc_status, and on failure leaves one sentence (what was asked, what was found, what to
