@@ -185,9 +185,11 @@ int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context
 }
 
 void pdesc_context_destroy(pdesc_context *context) { delete context; }
-int32_t pdesc_context_backend(const pdesc_context *context) { return context ? context->context->backend : PDESC_BACKEND_AUTO; }
-const char *pdesc_context_device(const pdesc_context *context) { return context ? context->context->device.c_str() : ""; }
-const char *pdesc_context_fallback(const pdesc_context *context) { return context ? context->context->fallback.c_str() : ""; }
+int32_t pdesc_context_backend(const pdesc_context *context) {
+  return context ? context->context->backend.load() : PDESC_BACKEND_AUTO;
+}
+const char *pdesc_context_device(const pdesc_context *context) { return context ? context->context->device.load() : ""; }
+const char *pdesc_context_fallback(const pdesc_context *context) { return context ? context->context->fallback.load() : ""; }
 
 void pdesc_mesh_input_init(pdesc_mesh_input *input) { zero_init(input); }
 void pdesc_mesh_report_init(pdesc_mesh_report *report) { zero_init(report); }

@@ -12,27 +12,6 @@
 
 namespace paradesc {
 
-std::shared_ptr<Context> make_context(const pdesc_context_options &options) {
-  auto context = std::make_shared<Context>();
-  context->threads = options.threads;
-  const bool automatic = options.backend == PDESC_BACKEND_AUTO;
-  for (const int backend : {PDESC_BACKEND_GPU, PDESC_BACKEND_SOFTWARE}) {
-    if (!automatic && options.backend != backend) continue;
-    try {
-      context->gl = std::make_unique<GlThread>(backend == PDESC_BACKEND_SOFTWARE, options.device_index);
-      context->backend = backend;
-      context->device = context->gl->device();
-      return context;
-    } catch (const Error &error) {
-      if (!automatic) throw;
-      context->fallback = error.what();
-    }
-  }
-  context->backend = PDESC_BACKEND_REFERENCE;
-  context->device = "CPU, " + std::to_string(thread_count(options.threads)) + " threads (object-space reference)";
-  return context;
-}
-
 static void measure(Mesh &mesh) {
   const Box box = bounding_box(mesh.triangles, mesh.half_edges);
   mesh.diagonal = length(box.high - box.low);
@@ -62,9 +41,11 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
   return mesh;
 }
 
-Mesh::~Mesh() {
-  if (device && context->gl) context->gl->run([&](const Gl &, ProgramCache &) { device.reset(); });
+static void drop_device(Mesh &mesh) {
+  if (mesh.device) mesh.gl->run([&](const Gl &, ProgramCache &) { mesh.device.reset(); });
 }
+
+Mesh::~Mesh() { drop_device(*this); }
 
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   set_positions(mesh.triangles, positions, vertex_count);
@@ -90,6 +71,10 @@ static double resolve_radius(const Mesh &mesh, const pdesc_options &options) {
 static void warn(const Mesh &mesh, Field &field) {
   auto add = [&](const std::string &sentence) { field.warnings += (field.warnings.empty() ? "" : "\n") + sentence; };
   const pdesc_field_report &report = field.report;
+  if (mesh.context->given_up)
+    add(std::string("The graphics device failed, and ") + mesh.context->device.load() +
+        " computed instead: " + mesh.context->fallback.load());
+  if (report.backend == PDESC_BACKEND_REFERENCE) return;
   if (report.private_layout == PDESC_LAYOUT_OVERLAPS)
     add("Charts of the UV map share texture space" +
         (report.cut_charts > 0 ? ", " + std::to_string(report.cut_charts) + " of them with themselves and cut for that"
@@ -184,7 +169,7 @@ static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &opti
   return results;
 }
 
-Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, const Progress &progress) {
+static Field compute_on_backend(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, const Progress &progress) {
   const bool reference = mesh.context->backend == PDESC_BACKEND_REFERENCE;
   if (!reference && mesh.triangles.corner_uv.empty())
     throw Error(PDESC_ERROR_INVALID_OPERATION,
@@ -203,9 +188,33 @@ Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> ask
   for (const int descriptor : asked) field.names.emplace_back(descriptors()[static_cast<size_t>(descriptor)].name);
   gather(mesh.half_edges, results, options.seam_error != 0 && !reference, field);
   field.report.radius = radius;
+  field.report.backend = mesh.context->backend;
   field.report.seconds_total = clock.lap();
-  if (!reference) warn(mesh, field);
+  warn(mesh, field);
   return field;
+}
+
+// The mesh goes where the context computes now.
+static void take_device(Mesh &mesh) {
+  reopen_lost_device(*mesh.context);
+  if (mesh.gl == mesh.context->gl) return;
+  drop_device(mesh);
+  mesh.gl = mesh.context->gl;
+}
+
+// What a device fails to compute is computed on the next one, where AUTO was asked for.
+Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, const Progress &progress) {
+  while (true) {
+    try {
+      take_device(mesh);
+      return compute_on_backend(mesh, options, asked, progress);
+    } catch (const Error &error) {
+      if (!mesh.gl || !is_of_device(error)) throw;
+      drop_device(mesh); // half of it may be missing
+      if (!fall_back(*mesh.context, error)) throw;
+      if (!mesh.context->gl && mesh.maps.any()) throw; // which only a device can follow
+    }
+  }
 }
 
 } // namespace paradesc

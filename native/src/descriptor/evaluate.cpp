@@ -97,8 +97,17 @@ void Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const Geomet
   if (cell_count_ == 0) return;
   gl.UseProgram(programs.get(gl, "cells", {{GL_COMPUTE_SHADER, "cells.comp.glsl"}}));
   bind(gl, buffer);
-  gl.Uniform1i(3, cell_count_);
-  gl.DispatchCompute(static_cast<GLuint>((cell_count_ + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+  // So many texels at a time that no desktop's driver loses its patience: a cell has up to a block of them.
+  const int64_t texels = int64_t{block_size_} * block_size_;
+  const auto tile =
+      static_cast<int>(std::max<int64_t>(GROUP_SIZE, std::min<int64_t>(65535, (1 << 26) / texels / GROUP_SIZE) * GROUP_SIZE));
+  for (int first = 0; first < cell_count_; first += tile) {
+    const int last = std::min(first + tile, cell_count_);
+    gl.Uniform1i(2, first);
+    gl.Uniform1i(3, last);
+    gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+    if (last < cell_count_) gl.Finish();
+  }
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   check_gl(gl, "cells");
 }
