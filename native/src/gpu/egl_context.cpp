@@ -7,7 +7,6 @@
 #include <EGL/eglext.h>
 #include <dlfcn.h>
 
-#include <iterator>
 #include <limits>
 #include <type_traits>
 #include <vector>
@@ -121,14 +120,16 @@ static bool make_context(auto &egl, const Candidate &candidate) {
   if (!has_extension(extensions, "EGL_KHR_surfaceless_context") || !has_extension(extensions, "EGL_KHR_no_config_context"))
     return false;
   if (!egl.bind_api(EGL_OPENGL_API)) return false;
-  constexpr EGLint plain[] = {
+  const std::vector<EGLint> version = {
       EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
-  std::vector<EGLint> robust(std::begin(plain), std::end(plain) - 1);
+  std::vector<EGLint> robust(version.begin(), version.end() - 1);
   robust.insert(robust.end(), {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET,
                                EGL_CONTEXT_OPENGL_ROBUST_ACCESS, EGL_TRUE, EGL_NONE});
-  if (10 * major + minor >= 15) egl.context = egl.create_context(egl.display, nullptr, EGL_NO_CONTEXT, robust.data());
-  if (egl.context == EGL_NO_CONTEXT) egl.context = egl.create_context(egl.display, nullptr, EGL_NO_CONTEXT, plain);
+  if (10 * major + minor < 15) robust = version;
+  // The last is for the sentence that says what an older device offers.
+  for (const std::vector<EGLint> &attributes : {robust, version, std::vector<EGLint>{EGL_NONE}})
+    if (egl.context == EGL_NO_CONTEXT) egl.context = egl.create_context(egl.display, nullptr, EGL_NO_CONTEXT, attributes.data());
   if (egl.context == EGL_NO_CONTEXT) return false;
   if (egl.make_current(egl.display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl.context)) return true;
   egl.destroy_context(egl.display, egl.context);
@@ -184,7 +185,7 @@ std::string EglContext::look_at_context(bool software) {
 #define PARADESC_LOAD(type, name) load("gl" #name, gl_.name);
   PARADESC_GL_FUNCTIONS(PARADESC_LOAD)
 #undef PARADESC_LOAD
-  if (!missing.empty()) return "its driver has no " + missing;
+  if (!gl_.GetString || !gl_.GetIntegerv) return "its driver has no glGetString";
   const auto *name = reinterpret_cast<const char *>(gl_.GetString(GL_RENDERER));
   device_ = name ? name : "a device without a name";
   if (is_software_renderer(device_) != software) return software ? "it is hardware" : "it is a software rasterizer";
@@ -192,6 +193,7 @@ std::string EglContext::look_at_context(bool software) {
   gl_.GetIntegerv(GL_MAJOR_VERSION, &major);
   gl_.GetIntegerv(GL_MINOR_VERSION, &minor);
   if (10 * major + minor < 45) return "it offers OpenGL " + std::to_string(major) + "." + std::to_string(minor);
+  if (!missing.empty()) return "its driver has no " + missing;
   const std::string flaw = read_limits(gl_);
   // llvmpipe says 2^27 bytes and takes more; a test has it reach the end of a longer one.
   if (software) gl_.limits.storage_bytes = std::numeric_limits<GLint64>::max();
