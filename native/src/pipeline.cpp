@@ -6,6 +6,7 @@
 #include "descriptor/reference.h"
 #include "descriptor/registry.h"
 #include "image/passes.h"
+#include "memory.h"
 #include "stages.h"
 #include "support/error.h"
 #include "support/parallel.h"
@@ -30,7 +31,17 @@ static void measure(Mesh &mesh) {
   mesh.mean_edge = count ? sum / count : 0.0;
 }
 
+// Triangles that devices tell apart: shaders carry their numbers in floats, too.
+static void check_triangle_count(const Context &context, int32_t triangles) {
+  constexpr int32_t most = 1 << 24;
+  if (context.gl && triangles > most)
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh has " + std::to_string(triangles) + " triangles, and graphics devices take " +
+                                             std::to_string(most) + "; use fewer, or the reference backend.");
+}
+
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
+  check_memory_of_input(*context, input);
+  if (context->asked != PDESC_BACKEND_AUTO) check_triangle_count(*context, input.triangle_count);
   auto mesh = std::make_unique<Mesh>();
   mesh->context = std::move(context);
   mesh->triangles = read_triangles(input);
@@ -179,6 +190,7 @@ static Field compute_on_backend(Mesh &mesh, const pdesc_options &options, std::s
         PDESC_ERROR_INVALID_OPERATION,
         "Displacement and normal maps live in texture space, which the reference backend does without; take the maps away, "
         "or use the gpu or software backend.");
+  check_triangle_count(*mesh.context, mesh.triangles.triangle_count);
   Clock clock;
   Field field;
   const double radius = resolve_radius(mesh, options);
@@ -189,6 +201,8 @@ static Field compute_on_backend(Mesh &mesh, const pdesc_options &options, std::s
   gather(mesh.half_edges, results, options.seam_error != 0 && !reference, field);
   field.report.radius = radius;
   field.report.backend = mesh.context->backend;
+  field.report.memory_megabytes =
+      1e-6 * static_cast<double>(total_of(memory_of_compute(mesh, field.report.backend, options, asked), field.report.backend));
   field.report.seconds_total = clock.lap();
   warn(mesh, field);
   return field;
@@ -204,6 +218,7 @@ static void take_device(Mesh &mesh) {
 
 // What a device fails to compute is computed on the next one, where AUTO was asked for.
 Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, const Progress &progress) {
+  check_memory_of_compute(mesh, options, asked);
   while (true) {
     try {
       take_device(mesh);

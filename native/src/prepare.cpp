@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "bake/seam_links.h"
+#include "memory.h"
 #include "mesh/cut.h"
 #include "mesh/layout.h"
 #include "sample/pattern.h"
@@ -154,8 +155,10 @@ void search_supports(Mesh &mesh, double radius, Frame &frame, const std::vector<
   DeviceMesh &device = *mesh.device;
   const auto reach = static_cast<float>(radius * frame.buffer_frame.scale);
   const MappedSurface surface(mesh.maps, mesh.triangles, frame.normals, frame.buffer_frame);
-  const Supports supports =
-      find_supports(device.cells, positions, surface_of(mesh, frame), frame.buffer_frame, centers, reach, mesh.context->threads);
+  // Three times: in parts, as one list, and on the device.
+  const auto most = static_cast<size_t>(allowed_memory(*mesh.context, 0)) / (3 * sizeof(int32_t));
+  const Supports supports = find_supports(device.cells, positions, surface_of(mesh, frame), frame.buffer_frame, centers, reach,
+                                          mesh.context->threads, most);
   frame.bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, reach,
                                      frame.mapped ? &surface : nullptr);
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, frame.bare); });

@@ -300,6 +300,22 @@ typedef int32_t (*pdesc_progress)(void *user, const char *stage, double fraction
 PDESC_API int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
                                 int32_t descriptor_count, pdesc_progress progress, void *user, pdesc_field **field);
 
+/* What a computation would take, in bytes, found from counts and options before anything is allocated. A little more than it comes
+ * to, as a rule. pdesc_mesh_create and pdesc_compute refuse (OUT_OF_MEMORY, with these numbers) what is more than allowed; so they do
+ * where a neighborhood turns out to have too many pieces on the way. */
+typedef struct pdesc_memory {
+  uint32_t struct_size;
+  int64_t mesh;    /* held by the mesh, with or without a computation */
+  int64_t host;    /* at the peak of the computation, beside the mesh */
+  int64_t device;  /* of the device at the peak; 0 on REFERENCE */
+  int64_t total;   /* of the host at the peak: mesh, host, and on SOFTWARE device */
+  int64_t allowed; /* of total: pdesc_context_options.memory_limit, else mesh and half of what is free now */
+} pdesc_memory;
+PDESC_API void pdesc_memory_init(pdesc_memory *memory);
+/* backend: a pdesc_backend, AUTO for the one that the mesh's context uses. */
+PDESC_API int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
+                                    int32_t descriptor_count, int32_t backend, pdesc_memory *memory);
+
 /* Why a mesh was given a private layout: its charts moved, turned and scaled, their texel densities brought within a factor of two of
  * the median. The mesh keeps it; the UV map itself is not touched, and pdesc_mesh_report goes on describing that. */
 typedef enum pdesc_layout {
@@ -339,6 +355,7 @@ typedef struct pdesc_field_report {
   double buffer_megabytes;      /* of the baked buffers on the device, 10^6 bytes */
   int32_t cut_charts;           /* charts that overlapped themselves and were cut into pieces for the private layout */
   int32_t backend;              /* the pdesc_backend that computed */
+  double memory_megabytes;      /* of the host that the mesh and the computation took at most, as pdesc_mesh_memory expects it */
 } pdesc_field_report;
 
 PDESC_API void pdesc_field_report_init(pdesc_field_report *report);

@@ -2,9 +2,12 @@
 #include "sample/supports.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <string>
 
 #include "sample/reach.h"
+#include "support/error.h"
 #include "support/parallel.h"
 
 namespace paradesc {
@@ -154,9 +157,19 @@ private:
 
 } // namespace
 
+[[noreturn]] static void refuse_cells(size_t centers, size_t most) {
+  throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The neighborhoods of " + std::to_string(centers) + " places have more than " +
+                                             std::to_string(most) +
+                                             " pieces of charts, for which there is no memory; use a "
+                                             "smaller radius, smaller buffers, or a UV map of fewer charts.");
+}
+
 Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles,
-                       const BufferFrame &frame, const std::vector<SupportCenter> &centers, float radius, int threads) {
+                       const BufferFrame &frame, const std::vector<SupportCenter> &centers, float radius, int threads,
+                       size_t most) {
   constexpr int block = 512;
+  most = std::min<size_t>(most, std::numeric_limits<int32_t>::max());
+  std::atomic<size_t> all{0};
   const std::vector<Bounds> links = link_bounds(cells, positions, threads);
   const auto count = static_cast<int>(centers.size());
   Supports supports;
@@ -169,6 +182,7 @@ Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, c
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       const auto first = static_cast<int32_t>(list.size());
       search.run(centers[i], list, supports.boundary[i]);
+      if ((all += list.size() - static_cast<size_t>(first)) > most) refuse_cells(centers.size(), most);
       supports.range[i] = ivec2(first, static_cast<int32_t>(list.size()) - first);
     }
   });

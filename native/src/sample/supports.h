@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -37,8 +38,10 @@ struct BareSamples {
 BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
                                   const BufferFrame &frame, float radius, const MappedSurface *mapped = nullptr);
 
-// positions: (size * size) as GeometryBuffer::read_position. radius in buffer units.
+// positions: (size * size) as GeometryBuffer::read_position. radius in buffer units. Throws Error(OUT_OF_MEMORY) where all
+// neighborhoods together have more cells than `most`, or than can be counted.
 Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles,
-                       const BufferFrame &frame, const std::vector<SupportCenter> &centers, float radius, int threads);
+                       const BufferFrame &frame, const std::vector<SupportCenter> &centers, float radius, int threads,
+                       size_t most = std::numeric_limits<int32_t>::max());
 
 } // namespace paradesc
