@@ -3,6 +3,7 @@
 #include "memory.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 
@@ -89,26 +90,33 @@ int64_t allowed_memory(const Context &context, int64_t held) {
   return free < 0 ? std::numeric_limits<int64_t>::max() : free / 2;
 }
 
-static std::string gigabytes(int64_t bytes) {
+static std::string in_words(int64_t bytes) {
+  const auto number = static_cast<double>(bytes);
   char text[32];
-  std::snprintf(text, sizeof text, bytes < 10'000'000 ? "%.3f" : "%.2f", 1e-9 * static_cast<double>(bytes));
-  return std::string(text) + " GB";
+  if (bytes < 10'000'000)
+    std::snprintf(text, sizeof text, "%.0f kB", std::ceil(1e-3 * number));
+  else if (bytes < 1'000'000'000)
+    std::snprintf(text, sizeof text, "%.0f MB", std::ceil(1e-6 * number));
+  else
+    std::snprintf(text, sizeof text, "%.1f GB", 1e-9 * number);
+  return text;
 }
 
-void check_memory(const Context &context, const std::string &subject, int64_t needed, int64_t held) {
+void check_memory(const Context &context, const std::string &subject, const std::string &remedy, int64_t needed, int64_t held) {
   const int64_t allowed = allowed_memory(context, held);
   if (needed <= allowed) return;
-  throw Error(PDESC_ERROR_OUT_OF_MEMORY,
-              subject + " needs about " + gigabytes(needed) + " of memory, and " + gigabytes(allowed) + " may be used (" +
-                  (context.memory_limit > 0 ? "what the memory limit leaves" : "half of what is free") +
-                  "); use smaller buffers or fewer triangles, free some memory, or set a higher memory limit.");
+  const bool limited = context.memory_limit > 0;
+  throw Error(PDESC_ERROR_OUT_OF_MEMORY, subject + " needs about " + in_words(needed) + " of memory, and " + in_words(allowed) +
+                                             " may be used (" +
+                                             (limited ? "what the memory limit leaves" : "half of what is free") + "); " +
+                                             remedy + ", or " + (limited ? "set a higher limit." : "close other programs."));
 }
 
 void check_memory_of_input(const Context &context, const pdesc_mesh_input &input) {
   check_memory(context,
                "A mesh of " + std::to_string(input.triangle_count) + " triangles and " + std::to_string(input.vertex_count) +
                    " vertices",
-               bytes_of_input(input), 0);
+               "use fewer triangles", bytes_of_input(input), 0);
 }
 
 void check_memory_of_compute(const Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors) {
@@ -118,6 +126,7 @@ void check_memory_of_compute(const Mesh &mesh, const pdesc_options &options, std
   check_memory(*mesh.context,
                "A computation on " + std::to_string(mesh.triangles.triangle_count) + " triangles" +
                    (reference ? std::string() : " with buffers of " + std::to_string(options.buffer_size) + " texels a side"),
+               reference ? "use fewer triangles" : "use smaller buffers or fewer triangles",
                total_of(memory, backend) - memory.mesh, memory.mesh);
 }
 

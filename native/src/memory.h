@@ -24,8 +24,9 @@ int64_t total_of(const MemoryOfCompute &memory, int backend);
 // Bytes that may be taken beside those held already: what the context's limit leaves, or half of what is free.
 int64_t allowed_memory(const Context &context, int64_t held);
 
-// Throws Error(OUT_OF_MEMORY) with both numbers where more is needed than allowed. subject: "A mesh of 17 triangles".
-void check_memory(const Context &context, const std::string &subject, int64_t needed, int64_t held);
+// Throws Error(OUT_OF_MEMORY) with both numbers where more is needed than allowed. subject: "A mesh of 17 triangles"; remedy:
+// "use fewer triangles".
+void check_memory(const Context &context, const std::string &subject, const std::string &remedy, int64_t needed, int64_t held);
 
 // Throws what a mesh or a computation is too large for.
 void check_memory_of_input(const Context &context, const pdesc_mesh_input &input);
