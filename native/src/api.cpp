@@ -228,6 +228,7 @@ int32_t pdesc_mesh_set_displacement(pdesc_mesh *mesh, const float *heights, int3
   return guarded([&] {
     need(mesh, "mesh");
     std::lock_guard lock(mesh->mesh->context->mutex);
+    ++mesh->mesh->version;
     paradesc::set_displacement(mesh->mesh->maps, mesh->mesh->triangles, heights, width, height, midlevel, scale);
   });
 }
@@ -237,6 +238,7 @@ int32_t pdesc_mesh_set_normal_map(pdesc_mesh *mesh, const float *rgb, int32_t wi
   return guarded([&] {
     need(mesh, "mesh");
     std::lock_guard lock(mesh->mesh->context->mutex);
+    ++mesh->mesh->version;
     paradesc::set_normal_map(mesh->mesh->maps, mesh->mesh->triangles, rgb, width, height, corner_tangents, corner_count);
   });
 }

@@ -14,19 +14,29 @@
 namespace paradesc {
 
 static void measure(Mesh &mesh) {
+  constexpr int block = 65536;
   const Box box = bounding_box(mesh.triangles, mesh.half_edges);
   mesh.diagonal = length(box.high - box.low);
+  const int half_edges = 3 * mesh.triangles.triangle_count;
+  std::vector<std::pair<double, int>> parts(static_cast<size_t>((half_edges + block - 1) / block)); // sum and count
+  parallel_blocks(half_edges, mesh.context->threads, block, [&](int begin, int end) {
+    auto &[sum, count] = parts[static_cast<size_t>(begin / block)];
+    for (int h = begin; h < end; ++h) {
+      // Each edge once: a pair by its lower half-edge.
+      const int32_t twin = mesh.half_edges.twin[static_cast<size_t>(h)];
+      if (mesh.half_edges.corner_point[static_cast<size_t>(h)] < 0 || (twin >= 0 && twin < h)) continue;
+      auto at = [&](int c) {
+        return dvec3(mesh.triangles.positions[static_cast<size_t>(mesh.triangles.corner_vertex[static_cast<size_t>(c)])]);
+      };
+      sum += length(at(next_corner(h)) - at(h));
+      ++count;
+    }
+  });
   double sum = 0.0;
   int count = 0;
-  for (int h = 0; h < 3 * mesh.triangles.triangle_count; ++h) {
-    // Each edge once: a pair by its lower half-edge.
-    const int32_t twin = mesh.half_edges.twin[static_cast<size_t>(h)];
-    if (mesh.half_edges.corner_point[static_cast<size_t>(h)] < 0 || (twin >= 0 && twin < h)) continue;
-    auto at = [&](int c) {
-      return dvec3(mesh.triangles.positions[static_cast<size_t>(mesh.triangles.corner_vertex[static_cast<size_t>(c)])]);
-    };
-    sum += length(at(next_corner(h)) - at(h));
-    ++count;
+  for (const auto &[part, edges] : parts) {
+    sum += part;
+    count += edges;
   }
   mesh.mean_edge = count ? sum / count : 0.0;
 }
@@ -60,6 +70,7 @@ Mesh::~Mesh() { drop_device(*this); }
 
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   set_positions(mesh.triangles, positions, vertex_count);
+  ++mesh.version;
   weigh_sites(mesh.triangles, mesh.context->threads, mesh.charts);
   measure(mesh);
 }
@@ -112,8 +123,7 @@ static void warn(const Mesh &mesh, Field &field) {
 static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
                                             const Progress &progress, Field &field) {
   Clock clock;
-  Frame frame;
-  frame.normals = prepare_normals(mesh, options.normals);
+  Frame &frame = prepare_frame(mesh, options);
   field.report.seconds_prepare = clock.lap();
   check_cancel(progress, "bake", 0.1);
 
@@ -129,7 +139,6 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
 
   const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED, at_texels = options.evaluate == PDESC_EVALUATE_TEXEL;
   if (connected) build_cells_for(mesh, frame);
-  if (connected && !at_texels) prepare_supports(mesh, options, radius, frame);
   field.report.seconds_prepare += clock.lap();
   check_cancel(progress, "evaluate", 0.3);
 

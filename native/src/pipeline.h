@@ -16,6 +16,7 @@
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
 #include "sample/cells.h"
+#include "sample/texels.h"
 
 namespace paradesc {
 
@@ -26,8 +27,11 @@ struct DeviceMesh {
   std::unique_ptr<MapBuffer> map; // once an operator was asked for
   BorderGrid grid;
   Cells cells;
+  CellSamples samples; // of the cells, as the last search chose them
   BakeVertices vertices;
-  BufferFrame frame; // of the last bake
+  TexelMap texels;                    // where results go in texel evaluation
+  BufferFrame frame;                  // of the last bake
+  std::shared_ptr<struct Frame> last; // what was made for it, while positions and maps stay
   SurfaceMapper mapper;
   int normals_kind = -1;
   TexelCounts counts;
@@ -48,6 +52,7 @@ struct Mesh {
   int32_t cut_charts = 0;
   bool fill_tried = false;
   bool overlap_free = false; // no place of the layout in use belongs to two triangles, whatever rasterizers round
+  uint64_t version = 0;      // of positions and maps
   double diagonal = 0.0;
   double mean_edge = 0.0;
 

@@ -8,6 +8,7 @@
 #include "bake/seam_links.h"
 #include "shared.h"
 #include "support/error.h"
+#include "support/parallel.h"
 
 namespace paradesc {
 
@@ -102,13 +103,14 @@ void GeometryBuffer::upload(const BakeInput &input, bool topology_changed) {
     vec2 uv;
     int32_t chart;
   };
-  std::vector<Moving> moving;
-  moving.reserve(input.vertices.corner.size());
-  for (const int32_t corner : input.vertices.corner) {
-    const auto c = static_cast<size_t>(corner);
-    moving.push_back({input.frame.to_buffer(input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[c])]),
-                      input.normals.corner[c]});
-  }
+  std::vector<Moving> moving(input.vertices.corner.size());
+  parallel_blocks(static_cast<int>(moving.size()), input.threads, 8192, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      const auto c = static_cast<size_t>(input.vertices.corner[i]);
+      moving[i] = {input.frame.to_buffer(input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[c])]),
+                   input.normals.corner[c]};
+    }
+  });
   position_normal_.upload(gl_, moving, GL_STREAM_DRAW);
   forms_.upload(gl_, GL_RGBA32F, input.forms.data(), input.forms.size());
   const std::vector<EdgeData> edges = edge_data(input);

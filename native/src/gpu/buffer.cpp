@@ -27,6 +27,19 @@ void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) 
   if (data && bytes && bytes < size) gl.NamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(bytes), data);
 }
 
+void BufferTexture::upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage) {
+  GLint limit = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
+  if (pairs.size() > static_cast<size_t>(limit))
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The neighborhoods are too large for this device (" + std::to_string(pairs.size()) +
+                                             " list elements); use smaller buffers or fewer samples, or the reference backend.");
+  buffer_.upload(gl, pairs, usage);
+  if (id_) return;
+  gl_ = &gl;
+  gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &id_);
+  gl.TextureBuffer(id_, GL_RG32I, buffer_.id());
+}
+
 Texture::Texture(const Gl &gl, int width, int height, GLenum format) : gl_(&gl) {
   gl.CreateTextures(GL_TEXTURE_2D, 1, &id_);
   gl.TextureStorage2D(id_, 1, format, width, height);

@@ -32,6 +32,7 @@
   F(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                                                                                 \
   F(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                                                                               \
   F(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                                                               \
+  F(PFNGLTEXTUREBUFFERPROC, TextureBuffer)                                                                                       \
   F(PFNGLGETTEXTUREIMAGEPROC, GetTextureImage)                                                                                   \
   F(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                                                   \
   F(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)                                                                                 \
