@@ -6,11 +6,12 @@ layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CELLS) writeonly restrict buffer CellList { CellData cells[]; };
 layout(binding = UNIT_LABELS) uniform isampler2D labels;
 layout(binding = UNIT_BOXES) uniform isampler2D boxes;
+layout(location = 2) uniform int first;
 layout(location = 3) uniform int last;
 layout(location = 8) uniform int block_size;
 
 void main() {
-  int cell = int(gl_GlobalInvocationID.x);
+  int cell = first + int(gl_GlobalInvocationID.x);
   if (cell >= last) return;
   ivec4 box = texelFetch(boxes, list_place(cell), 0);
   vec3 low = vec3(1e30), high = vec3(-1e30), face = vec3(0.0);

@@ -8,6 +8,7 @@
 
 #include "descriptor/registry.h"
 #include "image/passes.h"
+#include "memory.h"
 #include "mesh/near_seam.h"
 #include "pipeline.h"
 #include "support/error.h"
@@ -154,6 +155,14 @@ void check_options(const pdesc_options &options) {
            "the paper's relocation, or the local geodesic distance.");
 }
 
+std::vector<int> rows_of(const char *const *names, int32_t count) {
+  need(names, "descriptors");
+  check_range("descriptor_count", count, 1, pdesc_descriptor_count());
+  std::vector<int> rows;
+  for (int32_t i = 0; i < count; ++i) rows.push_back(paradesc::find_descriptor(names[i]));
+  return rows;
+}
+
 void check_length(int32_t given, size_t needed) {
   if (given < 0 || static_cast<size_t>(given) != needed)
     refuse("The array has room for " + std::to_string(given) + " vertices, but the mesh has " + std::to_string(needed) + ".");
@@ -216,6 +225,7 @@ int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context
     check_range("backend", ours.backend, PDESC_BACKEND_AUTO, PDESC_BACKEND_REFERENCE);
     check_range("device_index", ours.device_index, -1, 1023);
     check_range("threads", ours.threads, 0, 4096);
+    check_range("memory_limit", ours.memory_limit, 0, INT64_MAX);
     *context = live().add(std::unique_ptr<pdesc_context>(new pdesc_context{paradesc::make_context(ours)}));
   });
 }
@@ -224,13 +234,13 @@ void pdesc_context_destroy(pdesc_context *context) {
   if (live().remove(context)) delete context;
 }
 int32_t pdesc_context_backend(const pdesc_context *context) {
-  return live().contains(context) ? context->context->backend : PDESC_BACKEND_AUTO;
+  return live().contains(context) ? context->context->backend.load() : PDESC_BACKEND_AUTO;
 }
 const char *pdesc_context_device(const pdesc_context *context) {
-  return live().contains(context) ? context->context->device.c_str() : "";
+  return live().contains(context) ? context->context->device.load() : "";
 }
 const char *pdesc_context_fallback(const pdesc_context *context) {
-  return live().contains(context) ? context->context->fallback.c_str() : "";
+  return live().contains(context) ? context->context->fallback.load() : "";
 }
 
 void pdesc_mesh_input_init(pdesc_mesh_input *input) { zero_init(input); }
@@ -323,19 +333,41 @@ int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char
                       pdesc_progress progress, void *user, pdesc_field **field) {
   return guarded([&] {
     need_live(mesh, "mesh");
-    need(names, "descriptors");
     need(field, "field");
-    check_range("descriptor_count", count, 1, pdesc_descriptor_count());
     const auto ours = read_struct(options, pdesc_options_init, "pdesc_options");
     check_options(ours);
-    std::vector<int> asked;
-    for (int32_t i = 0; i < count; ++i) asked.push_back(paradesc::find_descriptor(names[i]));
+    const std::vector<int> asked = rows_of(names, count);
     const Turn turn(*mesh->mesh->context);
     auto result = std::make_unique<pdesc_field>();
     result->field = paradesc::compute(*mesh->mesh, ours, asked, [&](const char *stage, double fraction) {
       return !progress || progress(user, stage, fraction) != 0;
     });
     *field = live().add(std::move(result));
+  });
+}
+
+void pdesc_memory_init(pdesc_memory *memory) { zero_init(memory); }
+
+int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, const char *const *names, int32_t count,
+                          int32_t backend, pdesc_memory *memory) {
+  return guarded([&] {
+    need_live(mesh, "mesh");
+    check_range("backend", backend, PDESC_BACKEND_AUTO, PDESC_BACKEND_REFERENCE);
+    const auto ours = read_struct(options, pdesc_options_init, "pdesc_options");
+    check_options(ours);
+    const std::vector<int> asked = rows_of(names, count);
+    const Turn turn(*mesh->mesh->context);
+    const paradesc::Context &context = *mesh->mesh->context;
+    if (backend == PDESC_BACKEND_AUTO) backend = context.backend;
+    const paradesc::MemoryOfCompute needed = paradesc::memory_of_compute(*mesh->mesh, backend, ours, asked);
+    pdesc_memory found{};
+    found.mesh = needed.mesh;
+    found.host = needed.host;
+    found.device = needed.device;
+    found.total = paradesc::total_of(needed, backend);
+    const int64_t allowed = paradesc::allowed_memory(context, needed.mesh);
+    found.allowed = allowed > INT64_MAX - needed.mesh ? INT64_MAX : needed.mesh + allowed;
+    write_struct(found, memory, "pdesc_memory");
   });
 }
 

@@ -41,10 +41,10 @@ static void bake_map(Mesh &mesh, const Frame &frame, const MapValues &values) {
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
 static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                            double to) {
-  constexpr int smallest_tile = 8 * GROUP_SIZE; // enough for every core of a software device
+  const int smallest_tile = mesh.context->smallest_tile; // enough for every core of a software device
   int tile = smallest_tile;
   for (int first = 0; first < count;) {
-    const int last = first + std::min({tile, count - first, settings.largest_tile()});
+    const int last = first + std::min({tile, count - first, settings.largest_tile(), mesh.context->gl->largest_dispatch()});
     Clock clock;
     mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
       mesh.device->evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last);
@@ -133,13 +133,18 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
   const size_t count = frame.centers.size();
   SiteResults results;
   results.values.resize(settings.descriptors.size());
-  size_t refined = 0;
+  size_t refined = 0, unwritten = 0;
   for (size_t i = 0; i < count; ++i) {
+    unwritten += std::isnan(raw[ROW_FLAGS * count + i]);
     results.coverage.push_back(raw[ROW_COVERAGE * count + i]);
     const float flags = raw[ROW_FLAGS * count + i];
     results.boundary.push_back(std::fmod(flags, FLAG_ALL_SAMPLES) >= FLAG_CUT);
     refined += std::fmod(flags, FLAG_NO_DISK) >= FLAG_ALL_SAMPLES;
   }
+  if (unwritten > 0)
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics device left " + std::to_string(unwritten) + " of " +
+                                             std::to_string(count) +
+                                             " places without a result; use another backend, and please report the device.");
   results.refined_share = count ? static_cast<double>(refined) / static_cast<double>(count) : 1.0;
   size_t row = ROW_DESCRIPTORS;
   for (size_t k = 0; k < settings.descriptors.size(); ++k) {

@@ -1,19 +1,16 @@
 // The spine: mesh → half-edges → charts and seams → baked buffers → neighborhood sampler → descriptors → a value at every vertex.
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
-#include <thread>
 
 #include "bake/surface_maps.h"
+#include "context.h"
 #include "descriptor/evaluate.h"
 #include "gather/field.h"
-#include "gpu/gl_thread.h"
 #include "mesh/charts.h"
 #include "mesh/halfedge.h"
 #include "mesh/normals.h"
@@ -22,18 +19,6 @@
 #include "sample/texels.h"
 
 namespace paradesc {
-
-struct Context {
-  int backend = PDESC_BACKEND_REFERENCE; // the one in use
-  int threads = 0;
-  std::unique_ptr<GlThread> gl; // absent in the reference backend
-  std::string device;
-  std::string fallback;
-  std::mutex mutex; // one call at a time
-  std::atomic<std::thread::id> holder; // the thread that has it
-};
-
-std::shared_ptr<Context> make_context(const pdesc_context_options &options);
 
 // What the device keeps of a mesh between frames.
 struct DeviceMesh {
@@ -61,8 +46,9 @@ struct Mesh {
   std::optional<NormalRings> rings;
   SurfaceMaps maps;
   std::unique_ptr<DeviceMesh> device;
-  pdesc_mesh_report found{}; // in the mesh and its UV map as they were given
-  int private_layout = 0;    // as in pdesc_field_report
+  std::shared_ptr<GlThread> gl; // what device was made on: the context may have gone on to another since
+  pdesc_mesh_report found{};    // in the mesh and its UV map as they were given
+  int private_layout = 0;       // as in pdesc_field_report
   int32_t cut_charts = 0;
   bool fill_tried = false;
   bool overlap_free = false; // no place of the layout in use belongs to two triangles, whatever rasterizers round

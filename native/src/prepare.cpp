@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "bake/seam_links.h"
+#include "memory.h"
 #include "mesh/cut.h"
 #include "mesh/layout.h"
 #include "sample/pattern.h"
@@ -204,7 +205,9 @@ Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius
   };
   const SupportSpace space{device.cells,       device.samples, frame.measured,        frame.bare, surface_of(mesh, frame),
                            frame.buffer_frame, positions,      options.adaptive > 0.0};
-  return find_supports(space, centers, reach, threads);
+  // Ranges of samples three times: in parts, as one list, and on the device.
+  const auto most = static_cast<size_t>(allowed_memory(*mesh.context, 0)) / (3 * sizeof(ivec2));
+  return find_supports(space, centers, reach, threads, most);
 }
 
 void set_supports(Mesh &mesh, const Supports &supports, const Frame &frame) {

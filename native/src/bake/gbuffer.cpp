@@ -53,6 +53,7 @@ GeometryBuffer::GeometryBuffer(const Gl &gl, int size, bool half)
   for (unsigned i = 0; i < 3; ++i) gl.NamedFramebufferTexture(framebuffer_, targets[i], colors[i], 0);
   gl.NamedFramebufferTexture(framebuffer_, GL_DEPTH_ATTACHMENT, depth_.id(), 0);
   gl.NamedFramebufferDrawBuffers(framebuffer_, 3, targets);
+  check_gl(gl, "buffers");
   if (gl.CheckNamedFramebufferStatus(framebuffer_, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw Error(PDESC_ERROR_UNSUPPORTED, "This device cannot draw into float buffers of " + std::to_string(size) + " x " +
                                              std::to_string(size) + " texels; use smaller buffers or the reference backend.");

@@ -93,10 +93,19 @@ std::vector<CellData> Evaluator::measure_cells(const Gl &gl, ProgramCache &progr
   gl.BindTextureUnit(UNIT_BOXES, boxes_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, cells_.id());
   gl.Uniform1i(0, buffer.size());
-  gl.Uniform1i(3, cell_count_);
   gl.Uniform1i(8, block_size_);
   gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
-  gl.DispatchCompute(static_cast<GLuint>((cell_count_ + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+  // So many texels at a time that no desktop's driver loses its patience: a cell has up to a block of them.
+  const int64_t texels = int64_t{block_size_} * block_size_;
+  const auto tile =
+      static_cast<int>(std::max<int64_t>(GROUP_SIZE, std::min<int64_t>(65535, (1 << 26) / texels / GROUP_SIZE) * GROUP_SIZE));
+  for (int first = 0; first < cell_count_; first += tile) {
+    const int last = std::min(first + tile, cell_count_);
+    gl.Uniform1i(2, first);
+    gl.Uniform1i(3, last);
+    gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+    if (last < cell_count_) gl.Finish();
+  }
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.GetNamedBufferSubData(cells_.id(), 0, static_cast<GLsizeiptr>(cells.size() * sizeof(CellData)), cells.data());
   check_gl(gl, "cells");

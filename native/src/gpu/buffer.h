@@ -21,7 +21,8 @@ public:
   ~Buffer() {
     if (id_) gl_->DeleteBuffers(1, &id_);
   }
-  // Replaces the content; bytes may be 0, which keeps a valid buffer.
+  // Replaces the content; bytes may be 0, which keeps a valid buffer. Throws Error(OUT_OF_MEMORY) where shaders could not reach
+  // all of it.
   void upload(const Gl &gl, const void *data, size_t bytes, GLenum usage = GL_STATIC_DRAW);
   template <class T> void upload(const Gl &gl, const std::vector<T> &data, GLenum usage = GL_STATIC_DRAW) {
     upload(gl, data.data(), data.size() * sizeof(T), usage);

@@ -2,10 +2,13 @@
 #include "sample/supports.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
+#include <string>
 
 #include "sample/reach.h"
+#include "support/error.h"
 #include "support/parallel.h"
 
 namespace paradesc {
@@ -398,8 +401,17 @@ static void join(std::vector<Part> &parts, const std::vector<std::span<const int
   }
 }
 
-Supports find_supports(const SupportSpace &space, const std::vector<SupportCenter> &centers, float radius, int threads) {
+[[noreturn]] static void refuse_ranges(size_t centers, size_t most) {
+  throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The neighborhoods of " + std::to_string(centers) + " places have more than " +
+                                             std::to_string(most) + " pieces of charts, for which there is no memory; use a "
+                                             "smaller radius, smaller buffers, or a UV map of fewer charts.");
+}
+
+Supports find_supports(const SupportSpace &space, const std::vector<SupportCenter> &centers, float radius, int threads,
+                       size_t most) {
   constexpr int block = 64, alone = 512;
+  most = std::min<size_t>(most, std::numeric_limits<int32_t>::max());
+  std::atomic<size_t> all{0};
   const std::vector<CellData> measured = with_bare_samples(space);
   Groups groups = group(space.cells, measured, centers, radius);
   const auto count = static_cast<int>(groups.begin.size()) - 1;
@@ -417,11 +429,13 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
     Search search(space, measured, radius);
     Part &part = parts[static_cast<size_t>(begin / block)];
     for (int g = begin; g < end; ++g) {
+      const size_t before = part.range.size();
       const std::span<const int32_t> members = members_of(g, g + 1);
       if (g == 0) // they start nowhere
         part.left.assign(members.begin(), members.end());
       else
         search_together(search, centers, groups.start, {members.begin(), members.end()}, radius, supports, part);
+      if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
     }
   });
   join(parts, places, supports);
@@ -448,7 +462,9 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
       bool boundary = false;
       search.run(center, links, positions, boundary);
       search.measure(center.position);
+      const size_t before = part.range.size();
       supports.center[static_cast<size_t>(left[k])] = search.list(boundary, part.range);
+      if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
     }
   });
   join(parts, places, supports);

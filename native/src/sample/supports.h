@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -57,7 +58,9 @@ struct SupportSpace {
   bool halves;                                          // samples in two turns, black squares and white ones
 };
 
-// radius in buffer units.
-Supports find_supports(const SupportSpace &space, const std::vector<SupportCenter> &centers, float radius, int threads);
+// radius in buffer units. Throws Error(OUT_OF_MEMORY) where all neighborhoods together have more ranges than `most`, or than can
+// be counted.
+Supports find_supports(const SupportSpace &space, const std::vector<SupportCenter> &centers, float radius, int threads,
+                       size_t most = std::numeric_limits<int32_t>::max());
 
 } // namespace paradesc
