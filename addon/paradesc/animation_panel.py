@@ -1,11 +1,12 @@
 """The Source and Animation panel: which mesh is measured, and frames baked into a cache while the window lives."""
 
 import threading
+from functools import partial
 from pathlib import Path
 
 import bpy
 
-from . import bridge, cache, frames, operators, properties, surface_maps
+from . import bridge, cache, frames, operators, properties, surface_maps, threads
 from .bridge import ParadescError, abi
 from .mesh_io import refuse
 from .panel import SidebarPanel
@@ -89,8 +90,7 @@ class FrameWorker:
 
     def start(self, task: frames.Task) -> None:
         """Starts with a frame; the one before has to be done."""
-        self._thread = threading.Thread(target=self._run, args=(task,), name="paradesc frames", daemon=True)
-        self._thread.start()
+        self._thread = threads.start("paradesc frames", partial(self._run, task), self.cancel)
 
     @property
     def idle(self) -> bool:

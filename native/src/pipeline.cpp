@@ -7,6 +7,7 @@
 #include "descriptor/registry.h"
 #include "image/passes.h"
 #include "stages.h"
+#include "support/cancel.h"
 #include "support/error.h"
 #include "support/parallel.h"
 
@@ -52,11 +53,17 @@ static void measure(Mesh &mesh) {
 }
 
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
+  const CancelScope cancel([&] {
+    if (input.progress && !input.progress(input.user, "mesh", 0.0))
+      throw Error(PDESC_ERROR_CANCELLED, "Cancelled in stage mesh.");
+  });
   auto mesh = std::make_unique<Mesh>();
   mesh->context = std::move(context);
   mesh->triangles = read_triangles(input);
+  checkpoint();
   mesh->half_edges = build_half_edges(mesh->triangles);
   mesh->charts = build_charts(mesh->triangles, mesh->half_edges, {}, mesh->context->threads);
+  checkpoint();
   measure(*mesh);
   mesh->found = describe(*mesh);
   return mesh;
@@ -197,9 +204,14 @@ Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> ask
   Clock clock;
   Field field;
   const double radius = resolve_radius(mesh, options);
-  check_cancel(progress, "prepare", 0.0);
-  const SiteResults results = reference ? compute_in_object_space(mesh, options, asked, radius, progress, field)
-                                        : compute_in_texture_space(mesh, options, asked, radius, progress, field);
+  const char *stage = "prepare";
+  double reached = 0.0;
+  const Progress told = [&](const char *name, double fraction) { return progress(stage = name, reached = fraction); };
+  const CancelScope cancel([&] { check_cancel(progress, stage, reached); });
+  check_cancel(told, stage, reached);
+  const SiteResults results = reference ? compute_in_object_space(mesh, options, asked, radius, told, field)
+                                        : compute_in_texture_space(mesh, options, asked, radius, told, field);
+  checkpoint();
   for (const int descriptor : asked) field.names.emplace_back(descriptors()[static_cast<size_t>(descriptor)].name);
   gather(mesh.half_edges, results, options.seam_error != 0 && !reference, field);
   field.report.radius = radius;
