@@ -27,6 +27,7 @@
 #define UNIT_MAP 15   // buffer, RGBA32F: gradient of a map, its value
 
 // Uniforms of every program that writes or reads the area element.
+#define LOCATION_FIRST_TRIANGLE 29 // of a part of the mesh that is drawn by itself
 #define LOCATION_AREA_UNIT 30
 #define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
 

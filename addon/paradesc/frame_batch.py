@@ -4,11 +4,12 @@ import threading
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import bpy
 
-from . import cache, frames, handlers, job, looks, painting, pausing, properties, surface_maps, targets
+from . import cache, frames, handlers, job, looks, painting, pausing, properties, surface_maps, targets, threads
 from .batch import key_of
 from .bridge import ParadescError, abi
 from .mesh_io import refuse
@@ -28,8 +29,7 @@ class FrameWorker:
     def start(self, task: frames.Task) -> None:
         """Starts with a frame; the one before has to be done."""
         self.fraction = 0.0
-        self._thread = threading.Thread(target=self._run, args=(task,), name="paradesc frames", daemon=True)
-        self._thread.start()
+        self._thread = threads.start("paradesc frames", partial(self._run, task), self.cancel)
 
     @property
     def idle(self) -> bool:

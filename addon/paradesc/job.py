@@ -3,10 +3,11 @@
 import threading
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
-from . import bridge, contexts
+from . import bridge, contexts, threads
 from .bridge import abi
 from .color_maps import Look
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
@@ -162,7 +163,7 @@ def run(
 ) -> Results:
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
-    with open_context(arrays, settings) as context, context.mesh(arrays) as mesh:
+    with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
         return run_on(context, mesh, arrays, settings, progress, with_buffers)
 
 
@@ -298,16 +299,17 @@ class Worker:
         self._results: Results | None = None
         self._work = work or run
         self._error: Exception | None = None
-        self._thread = threading.Thread(target=self._run, args=(arrays, settings), name="paradesc", daemon=True)
+        self._begin = partial(threads.start, "paradesc", partial(self._run, arrays, settings), self.cancel)
+        self._thread: threading.Thread | None = None
 
     def start(self) -> None:
         """Starts the thread."""
-        self._thread.start()
+        self._thread = self._begin()
 
     @property
     def done(self) -> bool:
         """True once results() will not wait."""
-        return not self._thread.is_alive()
+        return self._thread is not None and not self._thread.is_alive()
 
     def cancel(self) -> None:
         """Asks the native call to stop at its next tile."""

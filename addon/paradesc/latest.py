@@ -6,8 +6,10 @@ Everything but the work itself is called by one thread. Requests begin, and resu
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Generic, TypeVar
 
+from . import threads
 from .bridge import ParadescError, abi
 from .job import ProgressFunction
 
@@ -59,8 +61,7 @@ class Latest(Generic[Request, Result]):
         if self._thread is None and self._waiting is not None:
             request, self._waiting = self._waiting, None
             self._outcome = Outcome(request)
-            self._thread = threading.Thread(target=self._run, args=(self._outcome,), name="paradesc live", daemon=True)
-            self._thread.start()
+            self._thread = threads.start("paradesc live", partial(self._run, self._outcome), self._cancelled.set)
         return ended
 
     def settle(self) -> None:

@@ -70,7 +70,7 @@ class Stream:
         is set; the tangents (corner_count, 4) with a normal map.
         """
         arrays = self.moved(positions, corner_normals, corner_tangents)
-        mesh = self.mesh_at(arrays)
+        mesh = self.mesh_at(arrays, progress)
         try:
             results = job.run_on(self._context, mesh, arrays, self.settings, progress)
         except BaseException as error:
@@ -98,13 +98,13 @@ class Stream:
             maps = replace(maps, corner_tangents=corner_tangents)
         return replace(self.arrays, positions=positions, corner_normals=corner_normals, maps=maps)
 
-    def mesh_at(self, arrays: MeshArrays) -> bridge.Mesh:
+    def mesh_at(self, arrays: MeshArrays, progress: job.ProgressFunction | None = None) -> bridge.Mesh:
         """The native mesh with these positions: the one there is, or a new one."""
         if self._mesh is not None and arrays.corner_normals is None and self._contact.holds(arrays.positions):
             self._mesh.set_positions(arrays.positions)
             return self._mesh
         self.forget()
-        self._mesh = self._context.mesh(arrays)
+        self._mesh = self._context.mesh(arrays, progress)
         self._contact = Contact(arrays)
         self.made += 1
         return self._mesh

@@ -193,6 +193,9 @@ PDESC_API int32_t pdesc_context_backend(const pdesc_context *context);       /* 
 PDESC_API const char *pdesc_context_device(const pdesc_context *context);    /* its name, for people */
 PDESC_API const char *pdesc_context_fallback(const pdesc_context *context);  /* why AUTO did not get a device, or "" */
 
+/* stage: "mesh", "bake", ...; fraction of the whole in [0, 1]. Return 0 to cancel. Called on the calling thread, every few milliseconds. */
+typedef int32_t (*pdesc_progress)(void *user, const char *stage, double fraction);
+
 /* ---- Mesh --------------------------------------------------------------------------------------------------------------- */
 
 /* A corner is a face's use of a vertex (Blender's loop). Triangles refer to corners, corners to vertices. */
@@ -210,6 +213,8 @@ typedef struct pdesc_mesh_input {
   const int32_t *sharp_edges;        /* (sharp_edge_count, 2) vertex pairs marked sharp, or NULL. Between two smooth faces fitted and
                                         Max's normals do not reach across them */
   int32_t sharp_edge_count;
+  pdesc_progress progress;           /* called with stage "mesh" and fraction 0 while the mesh is made, or NULL */
+  void *user;                        /* its first argument */
 } pdesc_mesh_input;
 
 PDESC_API void pdesc_mesh_input_init(pdesc_mesh_input *input);
@@ -295,9 +300,6 @@ typedef struct pdesc_options {
 } pdesc_options;
 
 PDESC_API void pdesc_options_init(pdesc_options *options);
-
-/* stage: "mesh", "bake", ...; fraction of the whole in [0, 1]. Return 0 to cancel. Called on the calling thread. */
-typedef int32_t (*pdesc_progress)(void *user, const char *stage, double fraction);
 
 /* Computes the named descriptors at every vertex from one sampling. descriptor_count >= 1. progress may be NULL. */
 PDESC_API int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,

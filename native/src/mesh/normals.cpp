@@ -402,6 +402,7 @@ NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half
   constexpr int run_length = 8192; // of fans
   NormalRings rings;
   const FanCorners fans = find_fans(triangles, half_edges, rings);
+  checkpoint();
   std::vector<RingRun> runs(static_cast<size_t>((rings.fan_count + run_length - 1) / run_length));
   const auto run_count = static_cast<int>(runs.size());
   // As many shares as threads: each has stamps of its own.
@@ -409,8 +410,10 @@ NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half
   parallel_blocks(shares, threads, 1, [&](int share, int) {
     const auto first_of = [&](int i) { return static_cast<int>(int64_t{run_count} * i / shares); };
     RingWalker walker(half_edges, rings, fans);
-    for (int run = first_of(share); run < first_of(share + 1); ++run)
+    for (int run = first_of(share); run < first_of(share + 1); ++run) {
+      checkpoint();
       runs[static_cast<size_t>(run)] = walk_run(walker, run * run_length, std::min((run + 1) * run_length, rings.fan_count));
+    }
   });
   join_runs(runs, rings);
   return rings;
