@@ -97,7 +97,7 @@ struct SupportData {
   float lost; // area of what exceeds the iterations of a device
 };
 struct alignas(16) CellData {
-  vec4 sphere; // around the points of its texels: middle, radius
+  vec4 sphere; // around the points of its texels: middle, radius; below 0 where it has none
   vec4 cone;   // the normal of one of them, the least cosine between it and the others'
   vec4 area;   // the area element by which it is sampled, and the area of its surface
 };

@@ -97,6 +97,8 @@ static void prepare_centers(const Mesh &mesh, const pdesc_options &options, doub
     frame.sites.push_back(-1);
     frame.points.push_back(static_cast<int32_t>(point));
   }
+  frame.order.resize(frame.centers.size());
+  std::iota(frame.order.begin(), frame.order.end(), 0);
 }
 
 // Maps are applied to buffers of full precision.
@@ -275,6 +277,7 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
   reorder(neighbors, frame.centers);
   reorder(neighbors, frame.sites);
   reorder(neighbors, frame.points);
+  reorder(neighbors, frame.order);
   reorder(neighbors, supports.plain);
   frame.plain = std::move(supports.plain);
   set_supports(mesh, supports, frame);

@@ -96,6 +96,10 @@ static std::vector<CellData> with_bare_samples(const SupportSpace &space) {
     for (int32_t k = space.bare.begin[cell]; k < space.bare.begin[cell + 1]; ++k) {
       const vec4 point = space.bare.point[2 * static_cast<size_t>(k)], normal = space.bare.point[2 * static_cast<size_t>(k) + 1];
       CellData &data = cells[cell];
+      if (data.sphere.w < 0.0f) {
+        data.sphere = vec4(vec3(point), 0.0f);
+        data.cone = vec4(vec3(normal), 1.0f);
+      }
       data.sphere.w = std::max(data.sphere.w, length(vec3(point) - vec3(data.sphere)));
       data.cone.w = std::min(data.cone.w, dot(vec3(data.cone), vec3(normal)));
     }
@@ -125,7 +129,7 @@ public:
         const vec4 sphere = measured_[static_cast<size_t>(other)].sphere;
         const vec3 gap = vec3(sphere) - middle;
         const float limit = radius_ + beyond + around * sphere.w;
-        if (dot(gap, gap) < limit * limit) add(other);
+        if (sphere.w < 0.0f || dot(gap, gap) < limit * limit) add(other); // one that has no place may lead on
       }
     }
     look_at_found(vec3(measured_[static_cast<size_t>(cell)].cone), measured_[static_cast<size_t>(cell)].cone.w);
@@ -239,13 +243,14 @@ private:
     for (std::vector<float> *list : {&x_, &y_, &z_, &outer_}) list->clear();
     for (const int32_t cell : found_) {
       const CellData &data = measured_[static_cast<size_t>(cell)];
+      const bool empty = data.sphere.w < 0.0f;
       const float cosine = dot(normal, vec3(data.cone)), own = std::clamp(data.cone.w, -1.0f, 1.0f);
       const float sine = std::sqrt(std::max(0.0f, (1.0f - cosine * cosine) * (1.0f - own * own)));
       const float outer = radius_ + data.sphere.w, near = near_share * radius_ + data.sphere.w;
       x_.push_back(data.sphere.x);
       y_.push_back(data.sphere.y);
       z_.push_back(data.sphere.z);
-      outer_.push_back(outer * outer);
+      outer_.push_back(empty ? -1.0f : outer * outer);
       seen_.push_back({data.sphere.w, near * near, data.area.y * std::max(cosine, 0.0f),
                        std::min({own, spread, cosine, cosine * own - sine}) > least_cosine});
     }
@@ -328,7 +333,7 @@ struct Groups {
 static Groups group(const Cells &cells, std::span<const CellData> measured, const std::vector<SupportCenter> &centers,
                     float radius) {
   double spheres = 0.0;
-  for (const CellData &cell : measured) spheres += static_cast<double>(cell.sphere.w);
+  for (const CellData &cell : measured) spheres += static_cast<double>(std::max(cell.sphere.w, 0.0f));
   const double radii = static_cast<double>(radius) * static_cast<double>(measured.size()) / std::max(spheres, 1e-30);
   const int width = (radii > 4.4 ? 4 : radii > 2.6 ? 2 : 1) * cells.block_size; // at most about the radius
   int across = 1;
@@ -403,7 +408,8 @@ static void join(std::vector<Part> &parts, const std::vector<std::span<const int
 
 [[noreturn]] static void refuse_ranges(size_t centers, size_t most) {
   throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The neighborhoods of " + std::to_string(centers) + " places have more than " +
-                                             std::to_string(most) + " pieces of charts, for which there is no memory; use a "
+                                             std::to_string(most) +
+                                             " pieces of charts, for which there is no memory; use a "
                                              "smaller radius, smaller buffers, or a UV map of fewer charts.");
 }
 
