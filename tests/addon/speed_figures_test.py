@@ -9,14 +9,20 @@ import pytest
 
 from shapes import ROOT
 
-BENCH = ROOT / "tests" / "bench"
-if str(BENCH) not in sys.path:
-    sys.path.insert(0, str(BENCH))
+for folder in ("accuracy", "bench"):
+    if str(ROOT / "tests" / folder) not in sys.path:
+        sys.path.insert(0, str(ROOT / "tests" / folder))
 
 import figures  # noqa: E402
 import programs  # noqa: E402
 
 from paradesc import bridge  # noqa: E402
+
+IN_PYTHON = pytest.mark.skipif(
+    bool(bpy.app.binary_path), reason="the page is made by a program of Python, not of Blender"
+)
+# Of the times below.
+MISSED = ("bunny_frame_ms", "gather_share_one_chart", "gather_share_many_charts")
 
 
 def frame(seconds, evaluate=0.0):
@@ -89,7 +95,6 @@ def test_a_missing_peer_is_null_with_the_reason_and_costs_no_other_key(measured)
     assert values["over_dirty"] == 40
 
 
-@pytest.mark.skipif(bool(bpy.app.binary_path), reason="the benchmarks are programs of Python, not of Blender")
 def test_a_mesh_is_handed_over_with_a_vertex_and_a_place_for_every_corner(tmp_path):
     corners = np.array([3, 1, 0, 2, 1, 3], np.int32)
     arrays = bridge.MeshArrays(
@@ -117,3 +122,32 @@ def test_a_program_that_cannot_be_built_is_a_sentence(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(programs.MissingError, match="no CMake"):
         programs.program(tmp_path, programs.OBJECT_SPACE)
+
+
+@IN_PYTHON
+def test_the_page_writes_between_the_markers_of_a_manual_and_nowhere_else(tmp_path):
+    import speed_page
+
+    manual = tmp_path / "README.md"
+    manual.write_text(f"before\n{speed_page.START}\nold\n{speed_page.END}\nafter\n")
+    speed_page.fill(manual, ["new", ""])
+    assert manual.read_text() == f"before\n{speed_page.START}\nnew\n{speed_page.END}\nafter\n"
+    manual.write_text("no markers\n")
+    speed_page.fill(manual, ["new"])
+    assert manual.read_text() == "no markers\n"
+    assert (ROOT / "README.md").read_text().count(speed_page.START) == 1
+
+
+@IN_PYTHON
+def test_the_page_says_of_every_key_whether_it_is_met_or_why_it_is_missing(measured):
+    import speed_page
+
+    del measured["memory"]
+    values, reasons = figures.figures(measured, {})
+    stamp = dict.fromkeys(("date", "device", "cpu", "cores", "commit", "load_before", "command"), "x")
+    found = {**stamp, **values, "reasons": reasons, "beside": {}, "measured": measured}
+    rows = [line.split(" | ") for line in speed_page.ratio_lines(found) if line.startswith("| `")]
+    assert {row[0].strip("|` "): row[-1].strip("| ") for row in rows} == {
+        name: "Not measured." if name == "peak_memory_over_input" else "no" if name in MISSED else "yes"
+        for name in figures.FIGURES
+    }
