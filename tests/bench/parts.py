@@ -36,6 +36,7 @@ EIGHT = (
 )
 THREE_RADII = (0.01, 0.02, 0.04)  # the middle one alone is what they are compared with
 FEWEST_IN_COMMON = 50
+AT_TEXELS = {"evaluate": "texel", "texels": 256, "buffer_size": 512}  # the paper's way, for many vertices
 PEER_MESH = 12000  # vertices of the torus on which errors against the closed form are taken
 
 
@@ -118,6 +119,9 @@ def against_baseline(run: Run, arrays: MeshArrays, fraction: float, normals: tup
             result["max_normals"] = timing.with_error(
                 run.bench.frame(mesh, arrays, cheap, repeats=1 if big else 2), truth
             )
+            texels = replace(options, normals="max", **AT_TEXELS)
+            texels = replace(texels, samples=timing.fewest_samples(run.bench, mesh, arrays, texels, truth))
+            result["at_texels"] = timing.with_error(run.bench.frame(mesh, arrays, texels, repeats=3), truth)
     return result
 
 

@@ -134,11 +134,11 @@ def stage_lines(found: dict) -> list[str]:
     """Where the time goes."""
     rows = []
     for part, kinds in (
-        ("detail_100k", ("fewest", "max_normals", "at_256")),
-        ("detail_1m", ("fewest", "max_normals", "at_256")),
-        ("detail_2m", ("fewest", "max_normals", "at_256")),
+        ("detail_100k", ("fewest", "max_normals", "at_texels", "at_256")),
+        ("detail_1m", ("fewest", "max_normals", "at_texels", "at_256")),
+        ("detail_2m", ("fewest", "max_normals", "at_texels", "at_256")),
         ("radius", ("small", "large")),
-        ("bunny", ("fewest", "max_normals", "at_256")),
+        ("bunny", ("fewest", "max_normals", "at_texels", "at_256")),
         ("gather_one_chart", ("evaluate", "affine")),
         ("gather_many_charts", ("evaluate", "affine")),
         ("together", ("one", "eight")),

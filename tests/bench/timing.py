@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from figures import ALLOWED_ERROR
 
 from paradesc import bridge, compare
 from paradesc.bridge import Context, Mesh, MeshArrays, Options
@@ -17,7 +18,6 @@ from paradesc.results import registry_row
 
 NAME = "mean_curvature"
 STAGES = ("prepare", "bake", "evaluate", "total")
-ALLOWED_ERROR = 0.5  # percent, of the mean over vertices
 FEWEST = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
 
 
