@@ -17,7 +17,7 @@ words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 import animated  # noqa: E402
 import paradesc  # noqa: E402
-from paradesc import handlers, live  # noqa: E402
+from paradesc import cache, cache_places, handlers, live, mesh_io, pausing  # noqa: E402
 from scene import attribute_values  # noqa: E402
 from window import PATIENCE, begin, say, view_context, wait_for  # noqa: E402
 
@@ -86,6 +86,56 @@ def play_steps() -> Iterator[None]:
     say("every frame that was played had its own values")
 
 
+def later_steps() -> Iterator[None]:
+    """The same without waiting: values follow, and those of the frame where it stops are right."""
+    scene = bpy.context.scene
+    scene.paradesc_live.wait = False
+    scene.frame_set(1)
+    collected, read = [], []
+    collect, read_object = live.Session.collect, mesh_io.read_object
+
+    def counted(session, *more):
+        collected.append(collect(session, *more))
+        return collected[-1]
+
+    live.Session.collect = counted
+    mesh_io.read_object = lambda *more: (read.append(1), read_object(*more))[1]
+    with bpy.context.temp_override(**view_context()):
+        bpy.ops.screen.animation_play()
+    yield from wait_for(lambda: sum(collected) >= 2)
+    assert not read, "the mesh was read again"
+    with bpy.context.temp_override(**view_context()):
+        bpy.ops.screen.animation_cancel(restore_frame=False)
+    yield from wait_for(lambda: follows(2.0 + 0.2 * (scene.frame_current - 1))() and handlers.STATE.edited_at is None)
+    live.Session.collect, mesh_io.read_object = collect, read_object
+    scene.frame_set(4)
+    assert follows(2.6)(), "a script has to find the values of its frame"
+    scene.paradesc_live.wait = True
+    say("without waiting, values followed")
+
+
+def bake_steps() -> Iterator[None]:
+    """Frames are baked beside the window; live values wait, and are right after."""
+    scene, computed = bpy.context.scene, []
+    group = scene.paradesc_animation
+    group.cache_folder, group.use_scene_range = str(Path(bpy.app.tempdir) / "cache"), False
+    group.frame_start, group.frame_end = 1, 3
+    scene.frame_set(2)
+    compute = live.Session.compute
+    live.Session.compute = lambda *words: (computed.append(1), compute(*words))[1]
+    with bpy.context.temp_override(**view_context()):
+        assert bpy.ops.paradesc.bake_frames("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    folder = cache_places.object_cache(scene, target())
+    yield from wait_for(lambda: len(cache.frames_in(folder)) == 3 and not pausing.is_held())
+    for _ in range(5):
+        yield
+    live.Session.compute = compute
+    assert not computed, "live values did not wait"
+    assert scene.frame_current == 2
+    assert follows(2.2)()
+    say("baked frames beside the window")
+
+
 def prepare_render() -> None:
     """A camera in front, a material that shows the values, and where the handler runs."""
     scene = bpy.context.scene
@@ -144,6 +194,9 @@ def steps() -> Iterator[None]:
     assert follows(2.0)(), radius_now()
     bpy.ops.ed.undo_push(message="live")
     yield from play_steps()
+    if os.environ.get("PARADESC_LONG_TESTS"):  # a window that is drawn in software leaves threads few turns
+        yield from later_steps()
+    yield from bake_steps()
     scene.frame_set(1)
     prepare_render()
     found: dict[tuple[str, int], np.ndarray] = {}
