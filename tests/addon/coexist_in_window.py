@@ -1,6 +1,6 @@
 """Bakes again and again in Blender's window while the viewport redraws, then quits while a bake runs.
 
-Started by run_in_window.sh. A hundred bakes with PARADESC_LONG_TESTS, ten without. Blender draws by OpenGL on the main
+Started by run_in_window.sh. A hundred bakes with PARADESC_LONG_TESTS, three without. Blender draws by OpenGL on the main
 thread, the library on its own; the picture of the viewport has to be the same after all of them.
 """
 
@@ -20,7 +20,7 @@ from paradesc import operators  # noqa: E402
 from scene import add_sphere, attribute_values, small_bake  # noqa: E402
 from window import begin, say, view_context, wait_for  # noqa: E402
 
-BAKES = 100 if os.environ.get("PARADESC_LONG_TESTS") else 10
+BAKES = 100 if os.environ.get("PARADESC_LONG_TESTS") else 3
 STEP = 0.05
 
 
