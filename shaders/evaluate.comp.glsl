@@ -58,6 +58,7 @@ struct Moments {
   vec3 xx;      // sum of w x x^T, x in units of r
   vec3 xy;      // sum of w: x1 y1, x1 y2 + x2 y1, x2 y2
   float yy;     // sum of w |y|^2
+  float squares; // sum of w^2
   float lost;
   float cut;    // samples that met a boundary within the ball
 };
@@ -110,12 +111,18 @@ void find_directions(Sums sums, inout Support support) {
   support.directions = mat2x3(sums.t1 * e.x + sums.t2 * e.y, sums.t2 * e.x - sums.t1 * e.y);
 }
 
+// How far the second moments of a full disk may deviate. Few samples leave noise: of the rim, which 2 sqrt(pi n) of n cut.
+float disk_tolerance(Moments m) {
+  float share = m.squares / max(m.area * m.area, 1e-30); // 1 / n
+  return max(DISK_DEVIATION, 6.0 * pow(share, 0.75) - 0.09);
+}
+
 // scale: of the sums, where only half of the samples were taken.
 Support finish_support(Sums sums, float scale) {
   Moments m = sums.moments;
   const float none = NOT_A_NUMBER;
   Support support =
-      Support(radius, scale * m.area, scale, vec3(0.0), vec2(none), mat2x3(vec3(none), vec3(none)), 1.0, 0.0, none, none, none, none);
+      Support(radius, scale * m.area, scale, vec3(0.0), vec2(none), mat2x3(vec3(none), vec3(none)), 1.0, DISK_DEVIATION, 0.0, none, none, none, none);
   if (fit_shape_operator(m, support.shape)) {
     support.shape /= radius;
     find_directions(sums, support);
@@ -123,7 +130,9 @@ Support finish_support(Sums sums, float scale) {
     float disk = 0.25 * PI * radius * radius;
     vec3 off = abs(scale * m.xx / disk - vec3(1.0, 0.0, 1.0));
     support.deviation = max(max(off.x, off.z), off.y);
-    support.variate = m.cut > 0.0 ? 0.0 : variate_share * (1.0 - smoothstep(0.1, 0.3, support.deviation));
+    support.tolerance = disk_tolerance(m);
+    support.variate =
+        m.cut > 0.0 ? 0.0 : variate_share * (1.0 - smoothstep(support.tolerance, 3.0 * support.tolerance, support.deviation));
   }
 #if INTEGRAL
   if (!(m.area > 0.0)) return support;
@@ -191,6 +200,7 @@ void add_neighbor(inout Sums sums, vec3 position, vec3 normal, int triangle, flo
   vec2 y = vec2(dot(neighbor.normal, sums.t1), dot(neighbor.normal, sums.t2));
   neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12));
   sums.moments.area += neighbor.weight;
+  sums.moments.squares += neighbor.weight * neighbor.weight;
   sums.moments.xx += neighbor.weight * outer(x);
   sums.moments.xy += neighbor.weight * vec3(x.x * y.x, x.x * y.y + x.y * y.x, x.y * y.y);
   sums.moments.yy += neighbor.weight * dot(y, y);
@@ -308,7 +318,7 @@ void main() {
   sums.center.value = map_centers[index].w;
   sums.center.tangents = mat2x3(sums.t1, sums.t2);
 #endif
-  sums.moments = Moments(0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
+  sums.moments = Moments(0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, 0.0);
 #if INTEGRAL
   ball_init(sums.ball);
 #if EXTRAPOLATED
@@ -326,7 +336,8 @@ void main() {
   Support support = finish_support(sums, scale);
   results[ROW_COVERAGE * total + index] = m.area > 0.0 ? m.area / (m.area + m.lost) : 0.0;
   results[ROW_FLAGS * total + index] = (m.cut > 0.0 ? FLAG_CUT : 0.0) + (scale == 1.0 ? FLAG_ALL_SAMPLES : 0.0) +
-                                       (support.deviation > DISK_DEVIATION ? FLAG_NO_DISK : 0.0);
+                                       (support.deviation > support.tolerance ? FLAG_NO_DISK : 0.0) +
+                                       (support.deviation > 2.0 * support.tolerance + 0.1 ? FLAG_FAR_FROM_DISK : 0.0);
   results[ROW_AREA * total + index] = support.area;
   STATES_FINISH
 }

@@ -46,6 +46,7 @@ struct Support {
   vec2 eigenvalues; // of S, the larger first; NaN where it cannot be fitted
   mat2x3 directions; // unit tangents that belong to them
   float deviation; // of the second moments from those of a flat disk, relatively
+  float tolerance; // of that deviation
   float variate;   // how far S may serve as control variate: 1 on a full disk, 0 where the support is cut or folded
   float mean;      // H, K, k1 >= k2 by the estimator asked for
   float gauss;

@@ -17,8 +17,12 @@
 #define UNIT_BORDER_UV 6   // list, RGBA32F: u0, v0, u1, v1 of each border, the chart on its left
 #define UNIT_LINKS 7 // list, RGBA32F, two a border: the matrix of M_e; its image of (u0, v0), twin (or -1 - kind), twin's chart
 
+// Where cells are measured.
 #define UNIT_LABELS 8 // buffer, RG32I: the cell of each texel, or -1; the part of it that its chart covers, of 65536
 #define UNIT_BOXES 9  // list, RGBA32I: low texel, width and height of each cell's box
+// In the connected relocation.
+#define UNIT_SAMPLES 8 // buffer texture, RG32I: texel (x + 65536 y); the bits of the area in (u, v) that it stands for, a float
+#define UNIT_RANGES 9  // buffer texture, RG32I: first and end in UNIT_SAMPLES, or of the samples of BINDING_BARE
 #define UNIT_FACES 14 // list, RGBA32F: unit normal of each triangle
 #define UNIT_MAP 15   // buffer, RGBA32F: gradient of a map, its value
 
@@ -40,16 +44,14 @@
 #define BINDING_PATTERN 1
 #define BINDING_RESULTS 2
 #define BINDING_EDGES 3      // chart-edge lines to rasterize
-#define BINDING_AREAS 4      // the area element by which each cell is sampled
+#define BINDING_CELLS 4      // what was measured of each cell
 #define BINDING_SUPPORTS 5   // what was found of each center's neighborhood before sampling
-#define BINDING_CELLS 6      // cells of all neighborhoods, one after another
-#define BINDING_BARE_BEGIN 7 // (cells + 1) samples of triangles that no texel carries
-#define BINDING_BARE 8       // two vec4 each: position, area; normal and triangle
+#define BINDING_BARE 8       // samples of triangles that no texel carries, two vec4 each: position, area; normal and triangle
 #define BINDING_REACH 9      // of centers computed again: their numbers, where their triangles begin (one more), the triangles
 // In the affine and the paper's relocation, in place of the connected one's.
 #define BINDING_VISITS BINDING_SUPPORTS      // (centers of one dispatch, MAX_VISITS)
-#define BINDING_SEAMS BINDING_CELLS          // the seam of each border
-#define BINDING_STRETCHES BINDING_BARE_BEGIN // (centers, STRETCH_DIRECTIONS)
+#define BINDING_SEAMS 6                      // the seam of each border
+#define BINDING_STRETCHES 7                  // (centers, STRETCH_DIRECTIONS)
 #define BINDING_PROGRESS BINDING_BARE        // (centers of one dispatch)
 #define MAX_VISITS 64                        // charts, by way of a seam each, that one center's pattern is repeated on
 #define STRETCH_DIRECTIONS 16                // of the directional ellipse
@@ -76,6 +78,7 @@
 #define FLAG_CUT 1.0         // the mesh's boundary lies in the neighborhood
 #define FLAG_ALL_SAMPLES 2.0 // adaptive sampling took all samples
 #define FLAG_NO_DISK 4.0     // folded, or thin: something may have come in that is not connected within the ball
+#define FLAG_FAR_FROM_DISK 8.0 // and by far
 
 #ifdef __cplusplus
 namespace paradesc {
@@ -86,10 +89,17 @@ struct alignas(16) CenterData {
   vec4 ellipse;        // columns of the 2x2 map from the unit disk to (u, v) offsets
 };
 struct SupportData {
-  int first; // into the list of cells
-  int count;
-  float cut; // above 0 where the mesh's boundary lies in the ball
-  float unused;
+  int first;  // into the list of ranges: of all samples, or of the first half where sampling is adaptive
+  int middle; // of the other half
+  int last;   // of samples of triangles that no texel carries
+  int end;
+  float cut;  // above 0 where the mesh's boundary lies in the ball
+  float lost; // area of what exceeds the iterations of a device
+};
+struct alignas(16) CellData {
+  vec4 sphere; // around the points of its texels: middle, radius
+  vec4 cone;   // the normal of one of them, the least cosine between it and the others'
+  vec4 area;   // the area element by which it is sampled, and the area of its surface
 };
 struct alignas(16) VisitData {
   vec4 linear; // columns of the linear part of the maps over the seams crossed
@@ -116,9 +126,16 @@ struct CenterData {
 };
 struct SupportData {
   int first;
-  int count;
+  int middle;
+  int last;
+  int end;
   float cut;
-  float unused;
+  float lost;
+};
+struct CellData {
+  vec4 sphere;
+  vec4 cone;
+  vec4 area;
 };
 struct VisitData {
   vec4 linear;

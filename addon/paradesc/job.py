@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from . import bridge, threads
+from . import bridge, contexts, threads
 from .bridge import abi
 from .color_maps import Look
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
@@ -167,15 +167,15 @@ def run(
         return run_on(context, mesh, arrays, settings, progress, with_buffers)
 
 
-def open_context(arrays: bridge.MeshArrays, settings: Settings) -> bridge.Context:
-    """The device that the settings name, if it can compute on these arrays."""
-    context = bridge.Context(settings.backend, settings.device_index)
+def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = False) -> contexts.Lease:
+    """The device that the settings name, if it can compute on these arrays; alone or together with others."""
+    lease = contexts.Lease(settings.backend, settings.device_index, shared)
     try:
-        check_uvs(arrays, context.backend)
+        check_uvs(arrays, lease.context.backend)
     except bridge.ParadescError:
-        context.close()
+        lease.close()
         raise
-    return context
+    return lease
 
 
 def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:

@@ -41,10 +41,10 @@ static void bake_map(Mesh &mesh, const Frame &frame, const MapValues &values) {
 // Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
 static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                            double to) {
-  constexpr int smallest_tile = 8 * GROUP_SIZE; // enough for every core of a software device
+  const int smallest_tile = mesh.context->smallest_tile; // enough for every core of a software device
   int tile = smallest_tile;
   for (int first = 0; first < count;) {
-    const int last = first + std::min({tile, count - first, settings.largest_tile()});
+    const int last = first + std::min({tile, count - first, settings.largest_tile(), mesh.context->gl->largest_dispatch()});
     Clock clock;
     mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
       mesh.device->evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last);
@@ -57,23 +57,26 @@ static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int cou
 }
 
 // Those of the centers that have another area than the triangles which the surface reaches within the ball, with these triangles.
-static Reach reach_of_others(const Mesh &mesh, double radius, const Frame &frame, const std::vector<float> &raw,
+static Reach reach_of_others(const Mesh &mesh, double radius, int samples, const Frame &frame, const std::vector<float> &raw,
                              std::vector<int32_t> &centers) {
-  constexpr double same_area = 0.06; // of a disk; samples of a folded place miss its area by some per cent
+  // Of a disk; samples of a folded place miss its area by some per cent, few samples by more.
+  const double same_area =
+      std::max(0.06, 1.1 * std::pow(samples / static_cast<double>(ellipse_enlargement * ellipse_enlargement), -0.75));
+  const double unit = frame.buffer_frame.scale * frame.buffer_frame.scale;
   std::vector<int32_t> points;
-  for (const int32_t center : centers) points.push_back(frame.points[static_cast<size_t>(center)]);
-  const Reach all = reach_exactly(surface_of(mesh, frame), mesh.half_edges, points, radius, MAX_REACH, mesh.context->threads);
-  const double disk = pi * radius * radius, unit = frame.buffer_frame.scale * frame.buffer_frame.scale;
-  Reach others;
-  others.begin.push_back(0);
+  std::vector<double> areas;
+  for (const int32_t center : centers) {
+    points.push_back(frame.points[static_cast<size_t>(center)]);
+    areas.push_back(static_cast<double>(raw[ROW_AREA * frame.centers.size() + static_cast<size_t>(center)]) / unit);
+  }
+  Reach reach = reach_exactly(surface_of(mesh, frame), mesh.half_edges, points, radius, MAX_REACH, mesh.context->threads,
+                              {areas, same_area * pi * radius * radius});
+  Reach others{{0}, std::move(reach.triangle), {}};
   size_t kept = 0;
   for (size_t i = 0; i < centers.size(); ++i) {
-    const int32_t begin = all.begin[i], end = all.begin[i + 1]; // none where there were too many
-    const size_t row = ROW_AREA * frame.centers.size() + static_cast<size_t>(centers[i]);
-    if (begin == end || std::abs(static_cast<double>(raw[row]) / unit - all.area[i]) < same_area * disk) continue;
+    if (reach.begin[i] == reach.begin[i + 1]) continue;
     centers[kept++] = centers[i];
-    others.triangle.insert(others.triangle.end(), all.triangle.begin() + begin, all.triangle.begin() + end);
-    others.begin.push_back(static_cast<int32_t>(others.triangle.size()));
+    others.begin.push_back(reach.begin[i + 1]);
   }
   centers.resize(kept);
   return others;
@@ -89,11 +92,12 @@ static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius
   std::vector<int32_t> centers;
   const size_t count = frame.centers.size();
   for (size_t i = 0; i < count; ++i) {
-    if (raw[ROW_FLAGS * count + i] >= FLAG_NO_DISK) centers.push_back(static_cast<int32_t>(i));
+    if (raw[ROW_FLAGS * count + i] >= (frame.plain[i] ? FLAG_FAR_FROM_DISK : FLAG_NO_DISK))
+      centers.push_back(static_cast<int32_t>(i));
     if (centers.empty() || (centers.size() < batch && i + 1 < count)) continue;
     const double from = 0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(count);
     check_cancel(progress, "evaluate", from);
-    const Reach reach = reach_of_others(mesh, radius, frame, raw, centers);
+    const Reach reach = reach_of_others(mesh, radius, settings.samples, frame, raw, centers);
     mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { mesh.device->evaluator.set_reach(gl, centers, reach); });
     evaluate_tiles(mesh, settings, static_cast<int>(centers.size()), progress, from, from);
     centers.clear();
@@ -129,13 +133,18 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
   const size_t count = frame.centers.size();
   SiteResults results;
   results.values.resize(settings.descriptors.size());
-  size_t refined = 0;
+  size_t refined = 0, unwritten = 0;
   for (size_t i = 0; i < count; ++i) {
+    unwritten += std::isnan(raw[ROW_FLAGS * count + i]);
     results.coverage.push_back(raw[ROW_COVERAGE * count + i]);
     const float flags = raw[ROW_FLAGS * count + i];
     results.boundary.push_back(std::fmod(flags, FLAG_ALL_SAMPLES) >= FLAG_CUT);
     refined += std::fmod(flags, FLAG_NO_DISK) >= FLAG_ALL_SAMPLES;
   }
+  if (unwritten > 0)
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics device left " + std::to_string(unwritten) + " of " +
+                                             std::to_string(count) +
+                                             " places without a result; use another backend, and please report the device.");
   results.refined_share = count ? static_cast<double>(refined) / static_cast<double>(count) : 1.0;
   size_t row = ROW_DESCRIPTORS;
   for (size_t k = 0; k < settings.descriptors.size(); ++k) {
@@ -206,14 +215,19 @@ static EvaluateSettings settings_of(const Mesh &mesh, const pdesc_options &optio
 SiteResults evaluate_at_vertices(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
                                  Frame &frame, const Progress &progress, Field &field) {
   EvaluateSettings settings = settings_of(mesh, options, radius, frame);
+  std::pair<double, int> searched{0.0, 0}; // for which radius and number of samples
   return run_passes(mesh.half_edges.point_count, asked, find_map(options.map_descriptor),
                     [&](const Pass &pass, const MapValues *map, int number, int count) {
                       const double reach = reach_of(pass, options, radius);
                       if (pass.stage == Stage::windows) {
-                        widen_supports(mesh, options, reach, frame);
+                        widen_centers(mesh, options, reach, frame);
                         settings.radius = static_cast<float>(reach * frame.buffer_frame.scale);
                       }
-                      settings.samples = pattern_samples(options, frame, samples_of(pass, options));
+                      const int samples = pattern_samples(options, frame, samples_of(pass, options));
+                      if (options.relocation == PDESC_RELOCATION_CONNECTED &&
+                          std::exchange(searched, {reach, samples}) != std::pair(reach, samples))
+                        prepare_supports(mesh, options, reach, samples, frame);
+                      settings.samples = samples;
                       if (map) bake_map(mesh, frame, *map);
                       settings.map = map ? mesh.device->map.get() : nullptr;
                       settings.descriptors = pass.rows;
@@ -237,12 +251,13 @@ SiteResults evaluate_at_texels(Mesh &mesh, const pdesc_options &options, std::sp
   EvaluateSettings settings = settings_of(mesh, options, radius, frame);
   settings.descriptors = asked;
   constexpr size_t batch = size_t{1} << 15;
-  const TexelMap map = build_texel_map(mesh.triangles, mesh.charts, options.texels);
-  const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
+  TexelMap &map = mesh.device->texels;
+  if (map.size != options.texels) map = build_texel_map(mesh.triangles, mesh.charts, options.texels);
   std::vector<int32_t> ids;
   mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = mesh.device->buffer->read_ids(); });
   const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED;
-  const std::vector<vec4> positions = connected ? measure_cells(mesh) : std::vector<vec4>();
+  const std::vector<vec4> ellipses = connected ? std::vector<vec4>(mesh.charts.sites.size(), vec4(0.0f))
+                                               : sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
   SiteResults all;
   const size_t count = map.places.size();
   for (size_t first = 0; first < count; first += batch) {
@@ -254,7 +269,8 @@ SiteResults evaluate_at_texels(Mesh &mesh, const pdesc_options &options, std::sp
                                     texel_layout_places(map, mesh.triangles, first, last), mesh.context->threads);
       std::vector<SupportCenter> centers;
       for (size_t i = 0; i < cells.size(); ++i) centers.push_back({vec3(frame.centers[i].position_chart), {}, cells[i]});
-      search_supports(mesh, static_cast<double>(settings.radius) / frame.buffer_frame.scale, frame, positions, centers);
+      const double own_radius = static_cast<double>(settings.radius) / frame.buffer_frame.scale;
+      set_supports(mesh, search_supports(mesh, options, own_radius, settings.samples, frame, centers), frame);
     }
     const double share = 0.7 / static_cast<double>(count);
     evaluate(mesh, settings, frame, progress, 0.3 + share * static_cast<double>(first), 0.3 + share * static_cast<double>(last));
@@ -262,7 +278,7 @@ SiteResults evaluate_at_texels(Mesh &mesh, const pdesc_options &options, std::sp
   }
   field.report.places = static_cast<int32_t>(count);
   keep_map(map, all, field);
-  return look_up(map, all, mesh.charts, options.seam_error != 0);
+  return look_up(map, all, mesh.charts, options.seam_error != 0, mesh.context->threads);
 }
 
 } // namespace paradesc

@@ -84,7 +84,7 @@ ReadBuffer read_buffer(Mesh &mesh, const std::string &name) {
                 "This mesh has no baked buffers; compute on a backend other than the reference first.");
   const DeviceMesh &device = *mesh.device;
   ReadBuffer read;
-  mesh.context->gl->run([&](const Gl &, ProgramCache &programs) {
+  mesh.gl->run([&](const Gl &, ProgramCache &programs) {
     const std::vector<int32_t> ids = device.buffer->read_ids();
     if (name == "position")
       read = vectors(device.buffer->read_position(), ids, device.frame.center, device.frame.scale);

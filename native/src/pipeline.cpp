@@ -6,6 +6,7 @@
 #include "descriptor/reference.h"
 #include "descriptor/registry.h"
 #include "image/passes.h"
+#include "memory.h"
 #include "stages.h"
 #include "support/cancel.h"
 #include "support/error.h"
@@ -13,46 +14,45 @@
 
 namespace paradesc {
 
-std::shared_ptr<Context> make_context(const pdesc_context_options &options) {
-  auto context = std::make_shared<Context>();
-  context->threads = options.threads;
-  const bool automatic = options.backend == PDESC_BACKEND_AUTO;
-  for (const int backend : {PDESC_BACKEND_GPU, PDESC_BACKEND_SOFTWARE}) {
-    if (!automatic && options.backend != backend) continue;
-    try {
-      context->gl = std::make_unique<GlThread>(backend == PDESC_BACKEND_SOFTWARE, options.device_index);
-      context->backend = backend;
-      context->device = context->gl->device();
-      return context;
-    } catch (const Error &error) {
-      if (!automatic) throw;
-      context->fallback = error.what();
-    }
-  }
-  context->backend = PDESC_BACKEND_REFERENCE;
-  context->device = "CPU, " + std::to_string(thread_count(options.threads)) + " threads (object-space reference)";
-  return context;
-}
-
 static void measure(Mesh &mesh) {
+  constexpr int block = 65536;
   const Box box = bounding_box(mesh.triangles, mesh.half_edges);
   mesh.diagonal = length(box.high - box.low);
+  const int half_edges = 3 * mesh.triangles.triangle_count;
+  std::vector<std::pair<double, int>> parts(static_cast<size_t>((half_edges + block - 1) / block)); // sum and count
+  parallel_blocks(half_edges, mesh.context->threads, block, [&](int begin, int end) {
+    auto &[sum, count] = parts[static_cast<size_t>(begin / block)];
+    for (int h = begin; h < end; ++h) {
+      // Each edge once: a pair by its lower half-edge.
+      const int32_t twin = mesh.half_edges.twin[static_cast<size_t>(h)];
+      if (mesh.half_edges.corner_point[static_cast<size_t>(h)] < 0 || (twin >= 0 && twin < h)) continue;
+      auto at = [&](int c) {
+        return dvec3(mesh.triangles.positions[static_cast<size_t>(mesh.triangles.corner_vertex[static_cast<size_t>(c)])]);
+      };
+      sum += length(at(next_corner(h)) - at(h));
+      ++count;
+    }
+  });
   double sum = 0.0;
   int count = 0;
-  for (int h = 0; h < 3 * mesh.triangles.triangle_count; ++h) {
-    // Each edge once: a pair by its lower half-edge.
-    const int32_t twin = mesh.half_edges.twin[static_cast<size_t>(h)];
-    if (mesh.half_edges.corner_point[static_cast<size_t>(h)] < 0 || (twin >= 0 && twin < h)) continue;
-    auto at = [&](int c) {
-      return dvec3(mesh.triangles.positions[static_cast<size_t>(mesh.triangles.corner_vertex[static_cast<size_t>(c)])]);
-    };
-    sum += length(at(next_corner(h)) - at(h));
-    ++count;
+  for (const auto &[part, edges] : parts) {
+    sum += part;
+    count += edges;
   }
   mesh.mean_edge = count ? sum / count : 0.0;
 }
 
+// Triangles that devices tell apart: shaders carry their numbers in floats, too.
+static void check_triangle_count(const Context &context, int32_t triangles) {
+  constexpr int32_t most = 1 << 24;
+  if (context.gl && triangles > most)
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh has " + std::to_string(triangles) + " triangles, and graphics devices take " +
+                                             std::to_string(most) + "; use fewer, or the reference backend.");
+}
+
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
+  check_memory_of_input(*context, input);
+  if (context->asked != PDESC_BACKEND_AUTO) check_triangle_count(*context, input.triangle_count);
   const CancelScope cancel([&] {
     if (input.progress && !input.progress(input.user, "mesh", 0.0))
       throw Error(PDESC_ERROR_CANCELLED, "Cancelled in stage mesh.");
@@ -69,12 +69,15 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
   return mesh;
 }
 
-Mesh::~Mesh() {
-  if (device && context->gl) context->gl->run([&](const Gl &, ProgramCache &) { device.reset(); });
+static void drop_device(Mesh &mesh) {
+  if (mesh.device) mesh.gl->run([&](const Gl &, ProgramCache &) { mesh.device.reset(); });
 }
+
+Mesh::~Mesh() { drop_device(*this); }
 
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   set_positions(mesh.triangles, positions, vertex_count);
+  ++mesh.version;
   weigh_sites(mesh.triangles, mesh.context->threads, mesh.charts);
   measure(mesh);
 }
@@ -97,6 +100,10 @@ static double resolve_radius(const Mesh &mesh, const pdesc_options &options) {
 static void warn(const Mesh &mesh, Field &field) {
   auto add = [&](const std::string &sentence) { field.warnings += (field.warnings.empty() ? "" : "\n") + sentence; };
   const pdesc_field_report &report = field.report;
+  if (mesh.context->given_up)
+    add(std::string("The graphics device failed, and ") + mesh.context->device.load() +
+        " computed instead: " + mesh.context->fallback.load());
+  if (report.backend == PDESC_BACKEND_REFERENCE) return;
   if (report.private_layout == PDESC_LAYOUT_OVERLAPS)
     add("Charts of the UV map share texture space" +
         (report.cut_charts > 0 ? ", " + std::to_string(report.cut_charts) + " of them with themselves and cut for that"
@@ -123,8 +130,7 @@ static void warn(const Mesh &mesh, Field &field) {
 static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
                                             const Progress &progress, Field &field) {
   Clock clock;
-  Frame frame;
-  frame.normals = prepare_normals(mesh, options.normals);
+  Frame &frame = prepare_frame(mesh, options);
   field.report.seconds_prepare = clock.lap();
   check_cancel(progress, "bake", 0.1);
 
@@ -140,7 +146,6 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
 
   const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED, at_texels = options.evaluate == PDESC_EVALUATE_TEXEL;
   if (connected) build_cells_for(mesh, frame);
-  if (connected && !at_texels) prepare_supports(mesh, options, radius, frame);
   field.report.seconds_prepare += clock.lap();
   check_cancel(progress, "evaluate", 0.3);
 
@@ -191,7 +196,7 @@ static SiteResults compute_in_object_space(Mesh &mesh, const pdesc_options &opti
   return results;
 }
 
-Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, const Progress &progress) {
+static Field compute_on_backend(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, const Progress &progress) {
   const bool reference = mesh.context->backend == PDESC_BACKEND_REFERENCE;
   if (!reference && mesh.triangles.corner_uv.empty())
     throw Error(PDESC_ERROR_INVALID_OPERATION,
@@ -201,6 +206,7 @@ Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> ask
         PDESC_ERROR_INVALID_OPERATION,
         "Displacement and normal maps live in texture space, which the reference backend does without; take the maps away, "
         "or use the gpu or software backend.");
+  check_triangle_count(*mesh.context, mesh.triangles.triangle_count);
   Clock clock;
   Field field;
   const double radius = resolve_radius(mesh, options);
@@ -215,9 +221,36 @@ Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> ask
   for (const int descriptor : asked) field.names.emplace_back(descriptors()[static_cast<size_t>(descriptor)].name);
   gather(mesh.half_edges, results, options.seam_error != 0 && !reference, field);
   field.report.radius = radius;
+  field.report.backend = mesh.context->backend;
+  field.report.memory_megabytes =
+      1e-6 * static_cast<double>(total_of(memory_of_compute(mesh, field.report.backend, options, asked), field.report.backend));
   field.report.seconds_total = clock.lap();
-  if (!reference) warn(mesh, field);
+  warn(mesh, field);
   return field;
+}
+
+// The mesh goes where the context computes now.
+static void take_device(Mesh &mesh) {
+  reopen_lost_device(*mesh.context);
+  if (mesh.gl == mesh.context->gl) return;
+  drop_device(mesh);
+  mesh.gl = mesh.context->gl;
+}
+
+// What a device fails to compute is computed on the next one, where AUTO was asked for.
+Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, const Progress &progress) {
+  check_memory_of_compute(mesh, options, asked);
+  while (true) {
+    try {
+      take_device(mesh);
+      return compute_on_backend(mesh, options, asked, progress);
+    } catch (const Error &error) {
+      if (!mesh.gl || !is_of_device(error)) throw;
+      drop_device(mesh); // half of it may be missing
+      if (!fall_back(*mesh.context, error)) throw;
+      if (!mesh.context->gl && mesh.maps.any()) throw; // which only a device can follow
+    }
+  }
 }
 
 } // namespace paradesc

@@ -3,33 +3,22 @@
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 
 #include "bake/surface_maps.h"
+#include "context.h"
 #include "descriptor/evaluate.h"
 #include "gather/field.h"
-#include "gpu/gl_thread.h"
 #include "mesh/charts.h"
 #include "mesh/halfedge.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
 #include "sample/cells.h"
+#include "sample/texels.h"
 
 namespace paradesc {
-
-struct Context {
-  int backend = PDESC_BACKEND_REFERENCE; // the one in use
-  int threads = 0;
-  std::unique_ptr<GlThread> gl; // absent in the reference backend
-  std::string device;
-  std::string fallback;
-  std::mutex mutex; // one call at a time
-};
-
-std::shared_ptr<Context> make_context(const pdesc_context_options &options);
 
 // What the device keeps of a mesh between frames.
 struct DeviceMesh {
@@ -38,8 +27,11 @@ struct DeviceMesh {
   std::unique_ptr<MapBuffer> map; // once an operator was asked for
   BorderGrid grid;
   Cells cells;
+  CellSamples samples; // of the cells, as the last search chose them
   BakeVertices vertices;
-  BufferFrame frame; // of the last bake
+  TexelMap texels;                    // where results go in texel evaluation
+  BufferFrame frame;                  // of the last bake
+  std::shared_ptr<struct Frame> last; // what was made for it, while positions and maps stay
   SurfaceMapper mapper;
   int normals_kind = -1;
   TexelCounts counts;
@@ -54,11 +46,13 @@ struct Mesh {
   std::optional<NormalRings> rings;
   SurfaceMaps maps;
   std::unique_ptr<DeviceMesh> device;
-  pdesc_mesh_report found{}; // in the mesh and its UV map as they were given
-  int private_layout = 0;    // as in pdesc_field_report
+  std::shared_ptr<GlThread> gl; // what device was made on: the context may have gone on to another since
+  pdesc_mesh_report found{};    // in the mesh and its UV map as they were given
+  int private_layout = 0;       // as in pdesc_field_report
   int32_t cut_charts = 0;
   bool fill_tried = false;
   bool overlap_free = false; // no place of the layout in use belongs to two triangles, whatever rasterizers round
+  uint64_t version = 0;      // of positions and maps
   double diagonal = 0.0;
   double mean_edge = 0.0;
 

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "bake/seam_links.h"
+#include "memory.h"
 #include "mesh/cut.h"
 #include "mesh/layout.h"
 #include "sample/pattern.h"
@@ -18,6 +19,18 @@ Normals prepare_normals(Mesh &mesh, int32_t kind) {
   return compute_normals(mesh.triangles, mesh.half_edges, *mesh.rings, kind, mesh.context->threads);
 }
 
+Frame &prepare_frame(Mesh &mesh, const pdesc_options &options) {
+  if (!mesh.device) mesh.device = std::make_unique<DeviceMesh>();
+  std::shared_ptr<Frame> &last = mesh.device->last;
+  if (last && last->version == mesh.version && last->normals_kind == options.normals) return *last;
+  auto frame = std::make_shared<Frame>();
+  frame->version = mesh.version;
+  frame->normals_kind = options.normals;
+  frame->normals = prepare_normals(mesh, options.normals);
+  last = std::move(frame);
+  return *last;
+}
+
 // Marches start a little inside the chart: from a vertex on its border every direction would begin on an edge.
 static vec2 march_start(const Site &site, int size) {
   const vec2 way = site.inside - site.uv;
@@ -25,42 +38,65 @@ static vec2 march_start(const Site &site, int size) {
   return site.uv + way * std::min(0.2f, 0.02f / std::max(texels, 1e-6f));
 }
 
+// The sites that are evaluated at.
+static bool is_center(const Mesh &mesh, const pdesc_options &options, size_t site) {
+  return options.seam_error ||
+         mesh.charts.point_site[static_cast<size_t>(mesh.charts.sites[site].point)] == static_cast<int32_t>(site);
+}
+
+// Of the radius, in texels, over every so many of them; ellipses: of these, for radius 1.
+static double median_radius(const Mesh &mesh, const pdesc_options &options, float radius, const std::vector<vec4> &ellipses,
+                            size_t step) {
+  std::vector<double> sizes;
+  for (size_t i = 0; i < ellipses.size(); ++i) {
+    const vec4 ellipse = ellipses[i] * radius;
+    if (is_center(mesh, options, i * step))
+      sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) *
+                      static_cast<float>(options.buffer_size));
+  }
+  if (sizes.empty()) return 0.0;
+  std::nth_element(sizes.begin(), sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2), sizes.end());
+  return sizes[sizes.size() / 2];
+}
+
 static void prepare_centers(const Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
-  const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
-  const auto reach = static_cast<float>(radius * frame.buffer_frame.scale) * frame.enlargement;
+  // Samples that walk need all ellipses; the median of their sizes does with some.
+  const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED;
+  const size_t step = connected ? std::max<size_t>(1, mesh.charts.sites.size() / 4096) : 1;
+  const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms, step);
+  const auto own_radius = static_cast<float>(radius * frame.buffer_frame.scale);
+  frame.radius_in_texels = median_radius(mesh, options, own_radius, ellipses, step);
+  frame.centers.clear();
+  frame.sites.clear();
+  frame.points.clear();
+  if (options.evaluate == PDESC_EVALUATE_TEXEL) return; // which has centers of its own
   auto place_of = [&](size_t point) {
     if (frame.mapped) return frame.mapped->position[point];
     return frame.buffer_frame.to_buffer(mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])]);
   };
   const std::vector<vec3> &normals = frame.mapped ? frame.mapped->normal : frame.normals.point;
-  frame.centers.clear();
-  frame.sites.clear();
-  frame.points.clear();
-  std::vector<double> sizes;
+  frame.centers.reserve(mesh.charts.sites.size());
+  frame.sites.reserve(mesh.charts.sites.size());
+  frame.points.reserve(mesh.charts.sites.size());
   for (size_t i = 0; i < mesh.charts.sites.size(); ++i) {
     if (i % 4096 == 0) checkpoint();
+    if (!is_center(mesh, options, i)) continue;
     const Site &site = mesh.charts.sites[i];
     const auto point = static_cast<size_t>(site.point);
-    if (!options.seam_error && mesh.charts.point_site[point] != static_cast<int32_t>(i)) continue;
-    const vec4 ellipse = ellipses[i] * reach;
     frame.centers.push_back({vec4(place_of(point), static_cast<float>(site.chart)),
                              vec4(normals[point], pattern_rotation(static_cast<uint32_t>(site.point), options.seed)),
-                             vec4(site.uv, march_start(site, options.buffer_size)), ellipse});
+                             vec4(site.uv, march_start(site, options.buffer_size)),
+                             connected ? vec4(0.0f) : ellipses[i] * (own_radius * frame.enlargement)});
     frame.sites.push_back(static_cast<int32_t>(i));
     frame.points.push_back(site.point);
-    sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) *
-                    static_cast<float>(options.buffer_size) / frame.enlargement);
   }
   // What the UV map leaves out counts as well: cells lead there, samples carried by the map do not.
-  for (size_t point = 0; options.relocation == PDESC_RELOCATION_CONNECTED && point < mesh.charts.point_site.size(); ++point) {
+  for (size_t point = 0; connected && point < mesh.charts.point_site.size(); ++point) {
     if (mesh.charts.point_site[point] >= 0) continue;
     frame.centers.push_back({vec4(place_of(point), -1.0f), vec4(normals[point], 0.0f), vec4(0.0f), vec4(0.0f)});
     frame.sites.push_back(-1);
     frame.points.push_back(static_cast<int32_t>(point));
   }
-  if (sizes.empty()) return;
-  std::nth_element(sizes.begin(), sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2), sizes.end());
-  frame.radius_in_texels = sizes[sizes.size() / 2];
 }
 
 // Maps are applied to buffers of full precision.
@@ -70,7 +106,6 @@ static bool uses_half(const Mesh &mesh, const pdesc_options &options) {
 
 // Makes or keeps the device's buffers; true where the topology's part has to be uploaded.
 static bool prepare_device(Mesh &mesh, const pdesc_options &options) {
-  if (!mesh.device) mesh.device = std::make_unique<DeviceMesh>();
   DeviceMesh &device = *mesh.device;
   bool changed = device.buffer && device.buffer->half() != uses_half(mesh, options);
   if (device.grid.size != options.buffer_size) {
@@ -105,7 +140,8 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
     checkpoint();
     mesh.context->gl->run(work);
   };
-  const BakeInput input{mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.forms, frame.buffer_frame};
+  const BakeInput input{mesh.triangles, mesh.charts,        device.vertices,      frame.normals,
+                        frame.forms,    frame.buffer_frame, mesh.context->threads};
   device.normals_kind = -1;
   step([&](const Gl &gl, ProgramCache &) {
     if (changed) {
@@ -124,7 +160,7 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
   for (int first = 0; first < count; first += drawn_at_once)
     step([&](const Gl &gl, ProgramCache &programs) {
       device.buffer->draw(programs, first, std::min(first + drawn_at_once, count));
-      gl.Finish();
+      gl.Flush(); // the device draws these while the next are on their way
     });
   step([&](const Gl &gl, ProgramCache &programs) {
     device.buffer->draw_borders(programs);
@@ -135,6 +171,8 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
     step([&](const Gl &, ProgramCache &programs) { device.counts = device.buffer->count_owners(programs); });
     step([&](const Gl &, ProgramCache &) { device.bare_triangles = count_bare_triangles(mesh, device.buffer->read_ids()); });
     device.cells.block_size = 0;
+    device.texels = {};
+    device.samples = {};
   }
   device.normals_kind = options.normals;
 }
@@ -146,12 +184,14 @@ static int block_size(double radius_in_texels, int buffer_size) {
   return size;
 }
 
-void build_cells_for(Mesh &mesh, const Frame &frame) {
+void build_cells_for(Mesh &mesh, Frame &frame) {
   DeviceMesh &device = *mesh.device;
   const int size = block_size(frame.radius_in_texels, device.buffer->size());
   if (device.cells.block_size == size) return;
   std::vector<int32_t> ids;
   mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = device.buffer->read_ids(); });
+  frame.measured.clear();
+  device.samples = {};
   device.cells = build_cells(ids, device.grid, mesh.triangles, mesh.half_edges, mesh.charts, size, mesh.context->threads);
   mesh.context->gl->run(
       [&](const Gl &gl, ProgramCache &) { device.evaluator.set_cells(gl, device.cells, device.buffer->size()); });
@@ -162,32 +202,51 @@ const Triangles &surface_of(const Mesh &mesh, const Frame &frame) {
   return frame.mapped ? frame.mapped->triangles : mesh.triangles;
 }
 
-// What the search for neighborhoods reads: the positions of this frame.
-std::vector<vec4> measure_cells(Mesh &mesh) {
-  std::vector<vec4> positions;
-  mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
-    mesh.device->evaluator.measure_cells(gl, programs, *mesh.device->buffer);
-    positions = mesh.device->buffer->read_position();
-  });
-  return positions;
-}
-
-// The neighborhoods of all centers, before any sample is drawn.
-void search_supports(Mesh &mesh, double radius, Frame &frame, const std::vector<vec4> &positions,
-                     const std::vector<SupportCenter> &centers) {
+// The neighborhoods of centers, before any sample is drawn.
+Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame,
+                         const std::vector<SupportCenter> &centers) {
   DeviceMesh &device = *mesh.device;
+  const int threads = mesh.context->threads, size = device.buffer->size();
   const auto reach = static_cast<float>(radius * frame.buffer_frame.scale);
   checkpoint();
+  auto on_device = [&](const auto &body) { mesh.context->gl->run(body); };
+  if (frame.measured.empty())
+    on_device([&](const Gl &gl, ProgramCache &programs) {
+      frame.measured = device.evaluator.measure_cells(gl, programs, *device.buffer);
+    });
+  CellStrides strides = choose_strides(device.cells, frame.measured, size, reach * ellipse_enlargement, samples, options.seed);
+  if (strides != device.samples.strides) {
+    device.samples = {};
+    CellSamples listed = list_samples(device.cells, std::move(strides), size, threads);
+    on_device([&](const Gl &gl, ProgramCache &) { device.evaluator.set_samples(gl, listed); });
+    device.samples = std::move(listed);
+  }
   const MappedSurface surface(mesh.maps, mesh.triangles, frame.normals, frame.buffer_frame);
-  const Supports supports =
-      find_supports(device.cells, positions, surface_of(mesh, frame), frame.buffer_frame, centers, reach, mesh.context->threads);
-  checkpoint();
   frame.bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, reach,
                                      frame.mapped ? &surface : nullptr);
-  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, frame.bare); });
+  auto positions = [&]() -> const std::vector<vec4> & {
+    if (frame.positions.empty()) on_device([&](const Gl &, ProgramCache &) { frame.positions = device.buffer->read_position(); });
+    return frame.positions;
+  };
+  const SupportSpace space{device.cells,       device.samples, frame.measured,        frame.bare, surface_of(mesh, frame),
+                           frame.buffer_frame, positions,      options.adaptive > 0.0};
+  // Ranges of samples three times: in parts, as one list, and on the device.
+  const auto most = static_cast<size_t>(allowed_memory(*mesh.context, 0)) / (3 * sizeof(ivec2));
+  return find_supports(space, centers, reach, threads, most);
 }
 
-void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
+void set_supports(Mesh &mesh, const Supports &supports, const Frame &frame) {
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { mesh.device->evaluator.set_supports(gl, supports, frame.bare); });
+}
+
+template <class Value> static void reorder(const std::vector<int32_t> &order, std::vector<Value> &values) {
+  std::vector<Value> ordered;
+  ordered.reserve(values.size());
+  for (const int32_t i : order) ordered.push_back(values[static_cast<size_t>(i)]);
+  values.swap(ordered);
+}
+
+void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame) {
   // A vertex starts from all its places in the UV map; for seam errors each place has to find the others by itself.
   std::vector<int32_t> order(mesh.charts.sites.size());
   std::iota(order.begin(), order.end(), 0);
@@ -198,6 +257,7 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, F
   for (const Site &site : mesh.charts.sites) ++begin[static_cast<size_t>(site.point) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<SupportCenter> centers;
+  centers.reserve(frame.centers.size());
   for (size_t i = 0; i < frame.centers.size(); ++i) {
     const auto point = static_cast<size_t>(frame.points[i]);
     const bool alone = options.seam_error && frame.sites[i] >= 0;
@@ -208,23 +268,40 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, F
     centers.push_back({vec3(frame.centers[i].position_chart), sites,
                        frame.sites[i] < 0 ? mesh.device->cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
   }
-  search_supports(mesh, radius, frame, measure_cells(mesh), centers);
+  Supports supports = search_supports(mesh, options, radius, samples, frame, centers);
+  // Invocations side by side then have much the same samples, and as many.
+  const std::vector<int32_t> neighbors = std::move(supports.order);
+  reorder(neighbors, supports.center);
+  reorder(neighbors, frame.centers);
+  reorder(neighbors, frame.sites);
+  reorder(neighbors, frame.points);
+  reorder(neighbors, supports.plain);
+  frame.plain = std::move(supports.plain);
+  set_supports(mesh, supports, frame);
 }
 
-void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
-  const bool changed = prepare_device(mesh, options);
+// Metric, displacement and buffers of the frame.
+static void bake_frame(Mesh &mesh, const pdesc_options &options, Frame &frame, bool changed) {
+  frame.baked = false; // until it is done: a run may be cancelled before
+  frame.measured.clear();
+  frame.positions.clear();
   frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
   frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
-  if (options.relocation != PDESC_RELOCATION_CONNECTED) frame.links = seam_links(mesh.triangles, mesh.charts);
-  if (options.relocation == PDESC_RELOCATION_PAPER) frame.seams = number_seams(mesh.charts);
   if (mesh.maps.any())
     frame.mapped =
         map_points(mesh.maps, mesh.triangles, mesh.half_edges, frame.normals, frame.buffer_frame, mesh.context->threads);
   if (frame.mapped) frame.enlargement = ellipse_enlargement * frame.mapped->shrinkage;
   checkpoint();
-  prepare_centers(mesh, options, radius, frame);
-  checkpoint();
   bake(mesh, options, frame, changed);
+  frame.baked = true;
+}
+
+void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
+  const bool changed = prepare_device(mesh, options);
+  if (changed || !frame.baked) bake_frame(mesh, options, frame, changed);
+  if (options.relocation != PDESC_RELOCATION_CONNECTED) frame.links = seam_links(mesh.triangles, mesh.charts);
+  if (options.relocation == PDESC_RELOCATION_PAPER) frame.seams = number_seams(mesh.charts);
+  prepare_centers(mesh, options, radius, frame);
 }
 
 // What overlaps gets a layout of its own, charts that overlap themselves cut into pieces.
@@ -259,10 +336,9 @@ bool lay_out_afresh(Mesh &mesh, double radius_in_texels) {
   return true;
 }
 
-// Neighborhoods of another radius, from the same cells.
-void widen_supports(Mesh &mesh, const pdesc_options &options, double reach, Frame &frame) {
+// Centers of another radius, among the same cells.
+void widen_centers(Mesh &mesh, const pdesc_options &options, double reach, Frame &frame) {
   prepare_centers(mesh, options, reach, frame);
-  if (options.relocation == PDESC_RELOCATION_CONNECTED) prepare_supports(mesh, options, reach, frame);
 }
 
 } // namespace paradesc

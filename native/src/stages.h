@@ -24,12 +24,18 @@ struct Frame {
   std::vector<vec4> forms, links;
   std::vector<int32_t> seams; // (borders) what seam each belongs to, where the paper's relocation asks
   std::vector<CenterData> centers;
-  std::vector<int32_t> sites;  // (centers) -1: the point has no place in the UV map
-  std::vector<int32_t> points; // (centers)
+  std::vector<int32_t> sites;     // (centers) -1: the point has no place in the UV map
+  std::vector<int32_t> points;    // (centers)
+  std::vector<uint8_t> plain;     // (centers) as in Supports
+  std::vector<CellData> measured; // cells, in the buffers of this frame
+  std::vector<vec4> positions;    // (size * size) of the buffers, once a search has asked
   BareSamples bare;
   double radius_in_texels = 0.0;
   std::optional<MappedPoints> mapped; // where maps displace the surface
   float enlargement = ellipse_enlargement;
+  uint64_t version = 0;     // of the mesh
+  int32_t normals_kind = 0; // pdesc_normals
+  bool baked = false;       // it is what the device's buffers hold
 };
 
 class Clock {
@@ -49,19 +55,20 @@ void check_cancel(const Progress &progress, const char *stage, double fraction);
 // ---- Before samples are drawn (prepare.cpp)
 
 Normals prepare_normals(Mesh &mesh, int32_t kind);
+// The frame of the mesh as it is now, with its normals: the last one, while it holds. Kept in mesh.device.
+Frame &prepare_frame(Mesh &mesh, const pdesc_options &options);
 // Centers and metric of the frame, and the geometry buffers on the device.
 void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame);
 // Gives the mesh a layout of its own, which it keeps, where the UV map overlaps or leaves most of the buffers empty.
 bool lay_out_afresh(Mesh &mesh, double radius_in_texels);
-void build_cells_for(Mesh &mesh, const Frame &frame);
-// The neighborhoods of all centers, or of those given, before any sample is drawn.
-void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame);
-void search_supports(Mesh &mesh, double radius, Frame &frame, const std::vector<vec4> &positions,
-                     const std::vector<SupportCenter> &centers);
-// What the search reads: the positions of this frame.
-std::vector<vec4> measure_cells(Mesh &mesh);
-// Neighborhoods of another radius, from the same cells.
-void widen_supports(Mesh &mesh, const pdesc_options &options, double reach, Frame &frame);
+void build_cells_for(Mesh &mesh, Frame &frame);
+// The neighborhoods of all centers of the frame, which this puts into another order, or of those given.
+void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame);
+Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame,
+                         const std::vector<SupportCenter> &centers);
+void set_supports(Mesh &mesh, const Supports &supports, const Frame &frame);
+// Centers of another radius, among the same cells.
+void widen_centers(Mesh &mesh, const pdesc_options &options, double reach, Frame &frame);
 // How far a pass looks around.
 double reach_of(const Pass &pass, const pdesc_options &options, double radius);
 // The triangles as they are measured: displaced where maps say so.

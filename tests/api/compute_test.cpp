@@ -138,6 +138,49 @@ TEST_F(Api, new_positions_give_what_a_new_mesh_gives) {
   EXPECT_FLOAT_EQ(report.diagonal, static_cast<float>(ball.diagonal()));
 }
 
+// What a mesh keeps from one computation to the next: normals and buffers while nothing but the radius changes, and no longer.
+TEST_F(Api, each_computation_gives_what_a_new_mesh_gives_whatever_came_before) {
+  std::string why_not;
+  context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+  if (!context) GTEST_SKIP() << why_not;
+  options.buffer_size = 256;
+  const Mesh kept = make_mesh(context.get(), ball);
+  const std::vector<float> heights(16, 0.1f);
+  bool displaced = false;
+  auto step = [&](const char *what) {
+    const Mesh fresh = make_mesh(context.get(), ball);
+    if (displaced) {
+      ASSERT_EQ(pdesc_mesh_set_displacement(fresh.get(), heights.data(), 4, 4, 0.0, 1.0), PDESC_OK);
+    }
+    SCOPED_TRACE(what);
+    expect_same_bits(mean_curvature(kept.get()), mean_curvature(fresh.get()));
+  };
+  step("at first");
+  options.radius = 0.2;
+  step("another radius");
+  options.samples = 64;
+  step("fewer samples");
+  options.seed = 7;
+  step("another seed");
+  options.normals = PDESC_NORMALS_MAX;
+  step("other normals");
+  options.evaluate = PDESC_EVALUATE_TEXEL;
+  step("at texels");
+  options.evaluate = PDESC_EVALUATE_VERTEX;
+  options.precision = PDESC_PRECISION_HALF;
+  step("half floats");
+  options.buffer_size = 512;
+  step("larger buffers");
+  for (float &position : ball.positions) position *= 1.5f;
+  ASSERT_EQ(pdesc_mesh_set_positions(kept.get(), ball.positions.data(), ball.vertex_count), PDESC_OK);
+  step("new positions");
+  ASSERT_EQ(pdesc_mesh_set_displacement(kept.get(), heights.data(), 4, 4, 0.0, 1.0), PDESC_OK);
+  displaced = true;
+  step("displaced");
+  options.relocation = PDESC_RELOCATION_AFFINE;
+  step("affine");
+}
+
 TEST_F(Api, unusable_new_positions_are_refused_and_the_old_ones_stay) {
   const Mesh mesh = make_mesh(context.get(), ball);
   const std::vector<float> before = mean_curvature(mesh.get());

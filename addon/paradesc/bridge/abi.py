@@ -24,6 +24,7 @@ STATUS_INVALID_OPERATION = 3
 STATUS_OUT_OF_MEMORY = 4
 STATUS_UNSUPPORTED = 5
 STATUS_CANCELLED = 6
+STATUS_DEVICE_LOST = 7
 
 BACKEND_AUTO = 0
 BACKEND_GPU = 1
@@ -109,6 +110,7 @@ class ContextOptions(Structure):
         ("backend", c_int32),
         ("device_index", c_int32),
         ("threads", c_int32),
+        ("memory_limit", c_int64),
     ]
 
 
@@ -212,6 +214,21 @@ class FieldReport(Structure):
         ("refined_share", c_double),
         ("buffer_megabytes", c_double),
         ("cut_charts", c_int32),
+        ("backend", c_int32),
+        ("memory_megabytes", c_double),
+    ]
+
+
+class Memory(Structure):
+    """pdesc_memory"""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("mesh", c_int64),
+        ("host", c_int64),
+        ("device", c_int64),
+        ("total", c_int64),
+        ("allowed", c_int64),
     ]
 
 
@@ -223,6 +240,7 @@ STRUCTS: dict[type[Structure], str] = {
     MeshReport: "pdesc_mesh_report",
     ComputeOptions: "pdesc_options",
     FieldReport: "pdesc_field_report",
+    Memory: "pdesc_memory",
 }
 
 # name: (restype, argtypes), in the header's order
@@ -267,6 +285,12 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
             c_void_p,  # user
             POINTER(FieldPointer),  # field
         ],
+    ),
+    "pdesc_memory_init": (None, [POINTER(Memory)]),  # memory
+    "pdesc_mesh_memory": (
+        c_int32,
+        # mesh, options, descriptors, descriptor_count, backend, memory
+        [MeshPointer, POINTER(ComputeOptions), POINTER(c_char_p), c_int32, c_int32, POINTER(Memory)],
     ),
     "pdesc_mesh_buffer_size": (c_int32, [MeshPointer]),  # mesh
     "pdesc_mesh_read_buffer": (c_int32, [MeshPointer, c_char_p, Float32Pointer, c_int64]),  # mesh, name, values, count

@@ -270,6 +270,20 @@ class Mesh:
         check(self._library, status)
         return Field(self._library, pointer, self.vertex_count)
 
+    def memory(
+        self, descriptors: Sequence[str], options: Options | None = None, backend: str = "auto"
+    ) -> dict[str, int]:
+        """pdesc_memory by member name: bytes that computing would take, on this backend instead of the mesh's own."""
+        names = (ctypes.c_char_p * len(descriptors))(*[name.encode() for name in descriptors])
+        native = native_options(self._library, options or Options())
+        memory = new_struct(self._library, abi.Memory)
+        number = choice(BACKENDS, backend, "backend")
+        status = self._library.pdesc_mesh_memory(
+            self._pointer, byref(native), names, len(descriptors), number, byref(memory)
+        )
+        check(self._library, status)
+        return as_dict(memory)
+
     def read_buffer(self, name: str) -> np.ndarray:
         """(size, size) or (size, size, c) float32 of what the last compute baked, rows from v = 0 up; see BUFFERS."""
         width = BUFFERS.get(name, 1)
@@ -301,12 +315,13 @@ class Mesh:
 class Context:
     """A device and its compiled programs. Closing it closes the meshes made from it."""
 
-    def __init__(self, backend: str = "auto", device_index: int = -1, threads: int = 0) -> None:
+    def __init__(self, backend: str = "auto", device_index: int = -1, threads: int = 0, memory_limit: int = 0) -> None:
         self._library = load_library()
         options = new_struct(self._library, abi.ContextOptions)
         options.backend = choice(BACKENDS, backend, "backend")
         options.device_index = int32(device_index, "device index")
         options.threads = int32(threads, "number of threads")
+        options.memory_limit = memory_limit
         self._pointer = abi.ContextPointer()
         check(self._library, self._library.pdesc_context_create(byref(options), byref(self._pointer)))
         self._meshes: weakref.WeakSet[Mesh] = weakref.WeakSet()

@@ -12,12 +12,15 @@
  *   Operators (gradient_magnitude, laplacian, difference_of_gaussians, harris) work on a map f: the values of a descriptor at the
  *   vertices, linear on triangles. Derivatives are those along the surface, per length. The Harris response is made of r grad f, so
  *   its unit is that of f to the fourth power, and equal shapes of any size have equal responses at equal relative radius.
- *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) is NaN in raw results.
+ *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) or is larger than a float holds is NaN in
+ *   raw results.
  *
  * MEMORY AND THREADS
  *   Inputs are borrowed for the duration of a call; outputs are allocated by the caller, who says their length.
  *   Handles are opaque. Every handle may be used from any thread; calls on one context, on its meshes and on their fields are
- *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh.
+ *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh. A handle that was destroyed, or one of another
+ *   kind, is refused (INVALID_ARGUMENT), as long as no new one has got its address; while one thread destroys a handle, no other may use it.
+ *   A progress callback may not call into the context that it was called from: INVALID_OPERATION.
  *
  * ERRORS
  *   A call that can fail returns a pdesc_status, and on failure leaves one sentence (what was asked, what was found, what to
@@ -56,7 +59,8 @@ typedef enum pdesc_status {
   PDESC_ERROR_INVALID_OPERATION = 3, /* the call does not fit the state of the object */
   PDESC_ERROR_OUT_OF_MEMORY = 4,
   PDESC_ERROR_UNSUPPORTED = 5,       /* no device of the backend asked for, or the device lacks something */
-  PDESC_ERROR_CANCELLED = 6          /* the progress callback returned 0; the mesh stays usable */
+  PDESC_ERROR_CANCELLED = 6,         /* the progress callback returned 0; the mesh stays usable */
+  PDESC_ERROR_DEVICE_LOST = 7        /* the driver gave the device up; the next compute opens it again, or says that it cannot */
 } pdesc_status;
 
 typedef enum pdesc_backend {
@@ -173,14 +177,18 @@ typedef struct pdesc_context_options {
   uint32_t struct_size;
   int32_t backend;      /* pdesc_backend; default AUTO */
   int32_t device_index; /* among the devices of that backend, -1 (default): the first that works */
-  int32_t threads;      /* for work on the CPU, 0 (default): all cores */
+  int32_t threads;      /* for work on the CPU, 0 (default): all cores. Results do not depend on it */
+  int64_t memory_limit; /* bytes that a mesh and its computations may take, 0 (default): half of what is free at the time */
 } pdesc_context_options;
 
 PDESC_API void pdesc_context_options_init(pdesc_context_options *options);
 /* options may be NULL: defaults. AUTO never fails for want of a device: it falls back to REFERENCE and
- * pdesc_context_fallback says why. */
+ * pdesc_context_fallback says why. Nor does it fail where a device fails later (it is lost, out of memory, or its driver refuses a
+ * program): the next backend then computes, for the rest of the context, and every field's warnings say so. Any other backend
+ * gives the error, and the context stays usable. */
 PDESC_API int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context **context);
 PDESC_API void pdesc_context_destroy(pdesc_context *context); /* NULL is allowed */
+/* The strings live as long as the context. */
 PDESC_API int32_t pdesc_context_backend(const pdesc_context *context);       /* the pdesc_backend in use */
 PDESC_API const char *pdesc_context_device(const pdesc_context *context);    /* its name, for people */
 PDESC_API const char *pdesc_context_fallback(const pdesc_context *context);  /* why AUTO did not get a device, or "" */
@@ -297,6 +305,22 @@ PDESC_API void pdesc_options_init(pdesc_options *options);
 PDESC_API int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
                                 int32_t descriptor_count, pdesc_progress progress, void *user, pdesc_field **field);
 
+/* What a computation would take, in bytes, found from counts and options before anything is allocated. A little more than it comes
+ * to, as a rule. pdesc_mesh_create and pdesc_compute refuse (OUT_OF_MEMORY, with these numbers) what is more than allowed; so they do
+ * where a neighborhood turns out to have too many pieces on the way. */
+typedef struct pdesc_memory {
+  uint32_t struct_size;
+  int64_t mesh;    /* held by the mesh, with or without a computation */
+  int64_t host;    /* at the peak of the computation, beside the mesh */
+  int64_t device;  /* of the device at the peak; 0 on REFERENCE */
+  int64_t total;   /* of the host at the peak: mesh, host, and on SOFTWARE device */
+  int64_t allowed; /* of total: pdesc_context_options.memory_limit, else mesh and half of what is free now */
+} pdesc_memory;
+PDESC_API void pdesc_memory_init(pdesc_memory *memory);
+/* backend: a pdesc_backend, AUTO for the one that the mesh's context uses. */
+PDESC_API int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
+                                    int32_t descriptor_count, int32_t backend, pdesc_memory *memory);
+
 /* Why a mesh was given a private layout: its charts moved, turned and scaled, their texel densities brought within a factor of two of
  * the median. The mesh keeps it; the UV map itself is not touched, and pdesc_mesh_report goes on describing that. */
 typedef enum pdesc_layout {
@@ -335,6 +359,8 @@ typedef struct pdesc_field_report {
   double refined_share;         /* of the places of evaluation that took all samples; 1 without adaptive sampling */
   double buffer_megabytes;      /* of the baked buffers on the device, 10^6 bytes */
   int32_t cut_charts;           /* charts that overlapped themselves and were cut into pieces for the private layout */
+  int32_t backend;              /* the pdesc_backend that computed */
+  double memory_megabytes;      /* of the host that the mesh and the computation took at most, as pdesc_mesh_memory expects it */
 } pdesc_field_report;
 
 PDESC_API void pdesc_field_report_init(pdesc_field_report *report);

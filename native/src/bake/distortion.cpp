@@ -56,21 +56,23 @@ static vec4 square_root(dvec3 m) {
   return vec4((m.x + root) / trace, m.y / trace, m.y / trace, (m.z + root) / trace);
 }
 
-std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const std::vector<vec4> &forms) {
-  std::vector<dvec3> inverse(charts.sites.size(), dvec3(0.0));
-  std::vector<double> weight(charts.sites.size(), 0.0);
+std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const std::vector<vec4> &forms,
+                                    size_t step) {
+  const size_t count = (charts.sites.size() + step - 1) / step;
+  std::vector<dvec3> inverse(count, dvec3(0.0));
+  std::vector<double> weight(count, 0.0);
   for (int corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
     const int32_t site = charts.corner_site[static_cast<size_t>(corner)];
-    if (site < 0) continue;
+    if (site < 0 || static_cast<size_t>(site) % step != 0) continue;
     const auto &form = forms[static_cast<size_t>(corner / 3)];
     const double determinant = static_cast<double>(form.w) * form.w;
     if (!(determinant > 0.0)) continue;
     const double angle = corner_angle(triangles, corner);
-    inverse[static_cast<size_t>(site)] += angle / determinant * dvec3(form.z, -form.y, form.x);
-    weight[static_cast<size_t>(site)] += angle;
+    inverse[static_cast<size_t>(site) / step] += angle / determinant * dvec3(form.z, -form.y, form.x);
+    weight[static_cast<size_t>(site) / step] += angle;
   }
-  std::vector<vec4> ellipses(charts.sites.size(), vec4(0.0f));
-  for (size_t i = 0; i < ellipses.size(); ++i)
+  std::vector<vec4> ellipses(count, vec4(0.0f));
+  for (size_t i = 0; i < count; ++i)
     if (weight[i] > 0.0) ellipses[i] = square_root(inverse[i] / weight[i]);
   return ellipses;
 }

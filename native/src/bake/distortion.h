@@ -24,7 +24,8 @@ std::vector<vec4> first_fundamental_forms(const Triangles &triangles, const Char
                                           int threads);
 
 // (sites) columns of the 2x2 map from the unit disk to (u, v) offsets, for support radius 1: the square root of the mean inverse
-// metric over the triangles at the site, weighted by their angle there.
-std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const std::vector<vec4> &forms);
+// metric over the triangles at the site, weighted by their angle there. step: of every so many sites only.
+std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const std::vector<vec4> &forms,
+                                    size_t step = 1);
 
 } // namespace paradesc

@@ -8,6 +8,7 @@
 #include "bake/seam_links.h"
 #include "shared.h"
 #include "support/error.h"
+#include "support/parallel.h"
 
 namespace paradesc {
 
@@ -52,6 +53,7 @@ GeometryBuffer::GeometryBuffer(const Gl &gl, int size, bool half)
   for (unsigned i = 0; i < 3; ++i) gl.NamedFramebufferTexture(framebuffer_, targets[i], colors[i], 0);
   gl.NamedFramebufferTexture(framebuffer_, GL_DEPTH_ATTACHMENT, depth_.id(), 0);
   gl.NamedFramebufferDrawBuffers(framebuffer_, 3, targets);
+  check_gl(gl, "buffers");
   if (gl.CheckNamedFramebufferStatus(framebuffer_, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw Error(PDESC_ERROR_UNSUPPORTED, "This device cannot draw into float buffers of " + std::to_string(size) + " x " +
                                              std::to_string(size) + " texels; use smaller buffers or the reference backend.");
@@ -115,13 +117,14 @@ void GeometryBuffer::upload(const BakeInput &input) {
   struct Moving {
     vec3 position, normal;
   };
-  std::vector<Moving> moving;
-  moving.reserve(input.vertices.corner.size());
-  for (const int32_t corner : input.vertices.corner) {
-    const auto c = static_cast<size_t>(corner);
-    moving.push_back({input.frame.to_buffer(input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[c])]),
-                      input.normals.corner[c]});
-  }
+  std::vector<Moving> moving(input.vertices.corner.size());
+  parallel_blocks(static_cast<int>(moving.size()), input.threads, 8192, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      const auto c = static_cast<size_t>(input.vertices.corner[i]);
+      moving[i] = {input.frame.to_buffer(input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[c])]),
+                   input.normals.corner[c]};
+    }
+  });
   position_normal_.upload(gl_, moving, GL_STREAM_DRAW);
   gl_.VertexArrayVertexBuffer(vertex_array_, 0, position_normal_.id(), 0, sizeof(Moving));
   forms_.upload(gl_, GL_RGBA32F, input.forms.data(), input.forms.size());

@@ -28,6 +28,7 @@ struct BakeInput {
   const Normals &normals;
   const std::vector<vec4> &forms;
   const BufferFrame &frame;
+  int threads = 0;
 };
 
 struct TexelCounts {

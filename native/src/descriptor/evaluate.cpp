@@ -82,25 +82,39 @@ void Evaluator::set_cells(const Gl &gl, const Cells &cells, int buffer_size) {
   check_gl(gl, "cell upload");
 }
 
-void Evaluator::bind(const Gl &gl, const GeometryBuffer &buffer) const {
+std::vector<CellData> Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer) {
+  std::vector<CellData> cells(static_cast<size_t>(cell_count_));
+  if (cells.empty()) return cells;
+  cells_.upload(gl, nullptr, cells.size() * sizeof(CellData), GL_STREAM_READ);
+  gl.UseProgram(programs.get(gl, "cells", {{GL_COMPUTE_SHADER, "cells.comp.glsl"}},
+                             {{"variant.glsl", buffer.half() ? "#define HALF_FLOATS\n" : ""}}));
   buffer.bind();
   gl.BindTextureUnit(UNIT_LABELS, labels_.id());
   gl.BindTextureUnit(UNIT_BOXES, boxes_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_AREAS, areas_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, cells_.id());
   gl.Uniform1i(0, buffer.size());
   gl.Uniform1i(8, block_size_);
   gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
+  // So many texels at a time that no desktop's driver loses its patience: a cell has up to a block of them.
+  const int64_t texels = int64_t{block_size_} * block_size_;
+  const auto tile =
+      static_cast<int>(std::max<int64_t>(GROUP_SIZE, std::min<int64_t>(65535, (1 << 26) / texels / GROUP_SIZE) * GROUP_SIZE));
+  for (int first = 0; first < cell_count_; first += tile) {
+    const int last = std::min(first + tile, cell_count_);
+    gl.Uniform1i(2, first);
+    gl.Uniform1i(3, last);
+    gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+    if (last < cell_count_) gl.Finish();
+  }
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  gl.GetNamedBufferSubData(cells_.id(), 0, static_cast<GLsizeiptr>(cells.size() * sizeof(CellData)), cells.data());
+  check_gl(gl, "cells");
+  return cells;
 }
 
-void Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer) {
-  areas_.upload(gl, nullptr, static_cast<size_t>(cell_count_) * sizeof(float), GL_STREAM_COPY);
-  if (cell_count_ == 0) return;
-  gl.UseProgram(programs.get(gl, "cells", {{GL_COMPUTE_SHADER, "cells.comp.glsl"}}));
-  bind(gl, buffer);
-  gl.Uniform1i(3, cell_count_);
-  gl.DispatchCompute(static_cast<GLuint>((cell_count_ + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
-  gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-  check_gl(gl, "cells");
+void Evaluator::set_samples(const Gl &gl, const CellSamples &samples) {
+  samples_.upload(gl, samples.list);
+  check_gl(gl, "sample upload");
 }
 
 void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams) {
@@ -109,14 +123,10 @@ void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const st
 }
 
 void Evaluator::set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare) {
-  bare_begin_.upload(gl, bare.begin, GL_STREAM_DRAW);
   bare_.upload(gl, bare.point, GL_STREAM_DRAW);
-  std::vector<SupportData> data;
-  data.reserve(supports.range.size());
-  for (size_t i = 0; i < supports.range.size(); ++i)
-    data.push_back({supports.range[i].x, supports.range[i].y, supports.boundary[i] ? 1.0f : 0.0f, 0.0f});
-  supports_.upload(gl, data, GL_STREAM_DRAW);
-  support_cells_.upload(gl, supports.cell, GL_STREAM_DRAW);
+  has_bare_ = !bare.point.empty();
+  supports_.upload(gl, supports.center, GL_STREAM_DRAW);
+  ranges_.upload(gl, supports.range, GL_STREAM_DRAW);
   check_gl(gl, "support upload");
 }
 
@@ -159,7 +169,7 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
 }
 
 // What is decided while compiling: each choice costs nothing where it is not made.
-static std::string variant_of(const EvaluateSettings &settings, bool half) {
+static std::string variant_of(const EvaluateSettings &settings, bool half, bool bare) {
   auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) +
          define("PAPER", settings.relocation == PDESC_RELOCATION_PAPER) +
@@ -168,7 +178,7 @@ static std::string variant_of(const EvaluateSettings &settings, bool half) {
          define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
          define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) + define("FACES", settings.faces()) +
-         (half ? "#define HALF_FLOATS\n" : "");
+         define("BARE", bare) + (half ? "#define HALF_FLOATS\n" : "");
 }
 
 // What samples read that are carried over seams by walks.
@@ -231,23 +241,25 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
                     int first, int last) {
   const bool walks = settings.relocation != PDESC_RELOCATION_CONNECTED;
   if (walks && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, settings, first, last);
-  const std::string variant = variant_of(settings, buffer.half());
+  const std::string variant = variant_of(settings, buffer.half(), has_bare_);
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   const GLuint program =
       programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},
                    {{"variant.glsl", variant}, {"descriptors.glsl", compose_descriptors(settings.descriptors)}});
   gl.UseProgram(program);
-  bind(gl, buffer);
+  buffer.bind();
+  gl.Uniform1i(0, buffer.size());
+  gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
   if (walks) {
     bind_walks(gl, settings, first, last);
   } else {
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SUPPORTS, supports_.id());
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, support_cells_.id());
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE_BEGIN, bare_begin_.id());
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
+    gl.BindTextureUnit(UNIT_SAMPLES, samples_.id());
+    gl.BindTextureUnit(UNIT_RANGES, ranges_.id());
   }
   const GLint integers[] = {first, last, count_, settings.samples};
   for (GLint i = 0; i < 4; ++i) gl.Uniform1i(i + 2, integers[i]);

@@ -9,6 +9,7 @@
 #include "bake/gbuffer.h"
 #include "gpu/program.h"
 #include "image/map_buffer.h"
+#include "sample/cell_samples.h"
 #include "sample/cells.h"
 #include "sample/neighborhood.h"
 #include "sample/reach.h"
@@ -58,8 +59,9 @@ public:
   // Of the layout: once per topology.
   void set_borders(const Gl &gl, const BorderGrid &grid);
   void set_cells(const Gl &gl, const Cells &cells, int buffer_size);
-  // Measures all cells in the geometry buffer as it is now.
-  void measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
+  // (cells) of the geometry buffer as it is now.
+  std::vector<CellData> measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
+  void set_samples(const Gl &gl, const CellSamples &samples);
   // Of a frame.
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
   void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
@@ -76,7 +78,6 @@ public:
   std::vector<float> read(const Gl &gl, const EvaluateSettings &settings) const;
 
 private:
-  void bind(const Gl &gl, const GeometryBuffer &buffer) const;
   void bind_walks(const Gl &gl, const EvaluateSettings &settings, int first, int last) const;
   void dispatch_walks(const Gl &gl, GLuint program, const EvaluateSettings &settings, int count);
   void find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
@@ -84,9 +85,11 @@ private:
 
   Texture border_, labels_;
   ListTexture border_list_, border_uv_, links_, boxes_, faces_;
-  Buffer centers_, pattern_, supports_, support_cells_, areas_, bare_begin_, bare_, reach_, results_, seams_, visits_, stretches_,
-      progress_, map_centers_, map_bare_;
+  BufferTexture samples_, ranges_;
+  Buffer centers_, pattern_, supports_, cells_, bare_, reach_, results_, seams_, visits_, stretches_, progress_, map_centers_,
+      map_bare_;
   size_t progress_bytes_ = 0;
+  bool has_bare_ = false;
   int count_ = 0, cell_count_ = 0, block_size_ = 1, reach_count_ = 0;
 };
 

@@ -16,10 +16,28 @@ void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) 
     gl_ = &gl;
     gl.CreateBuffers(1, &id_);
   }
+  // Shaders would read zeros beyond it, and no error would tell.
+  if (bytes > static_cast<size_t>(gl.limits.storage_bytes))
+    throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The mesh is too large for this device (a list of " + std::to_string(bytes >> 20) +
+                                               " MiB, of which it takes " + std::to_string(gl.limits.storage_bytes >> 20) +
+                                               "); use the software or reference backend.");
   // An empty buffer cannot be bound for storage; one element keeps every binding valid.
   const size_t size = std::max<size_t>(bytes, 16);
   gl.NamedBufferData(id_, static_cast<GLsizeiptr>(size), bytes >= size ? data : nullptr, usage);
   if (data && bytes && bytes < size) gl.NamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(bytes), data);
+}
+
+void BufferTexture::upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage) {
+  GLint limit = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
+  if (pairs.size() > static_cast<size_t>(limit))
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The neighborhoods are too large for this device (" + std::to_string(pairs.size()) +
+                                             " list elements); use smaller buffers or fewer samples, or the reference backend.");
+  buffer_.upload(gl, pairs, usage);
+  if (id_) return;
+  gl_ = &gl;
+  gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &id_);
+  gl.TextureBuffer(id_, GL_RG32I, buffer_.id());
 }
 
 Texture::Texture(const Gl &gl, int width, int height, GLenum format) : gl_(&gl) {
@@ -35,11 +53,9 @@ void ListTexture::upload(const Gl &gl, GLenum format, const void *elements, size
   const GLenum floats = channels == 4 ? GL_RGBA : GL_RED;
   const GLenum integers = channels == 4 ? GL_RGBA_INTEGER : channels == 2 ? GL_RG_INTEGER : GL_RED_INTEGER;
   const size_t rows = std::max<size_t>(1, (count + LIST_ROW - 1) / LIST_ROW);
-  GLint limit = 0;
-  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
-  if (rows > static_cast<size_t>(limit))
-    throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh is too large for this device (" + std::to_string(count) +
-                                             " list elements); use the reference backend.");
+  if (rows > static_cast<size_t>(gl.limits.texture_size))
+    throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The mesh is too large for this device (a list of " + std::to_string(count) +
+                                               " elements); use the reference backend.");
   if (rows != rows_) texture_ = Texture(gl, LIST_ROW, static_cast<int>(rows), format);
   rows_ = rows;
   const size_t element = channels * 4;

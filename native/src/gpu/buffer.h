@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gpu/gl.h"
+#include "support/math.h"
 
 namespace paradesc {
 
@@ -20,7 +21,8 @@ public:
   ~Buffer() {
     if (id_) gl_->DeleteBuffers(1, &id_);
   }
-  // Replaces the content; bytes may be 0, which keeps a valid buffer.
+  // Replaces the content; bytes may be 0, which keeps a valid buffer. Throws Error(OUT_OF_MEMORY) where shaders could not reach
+  // all of it.
   void upload(const Gl &gl, const void *data, size_t bytes, GLenum usage = GL_STATIC_DRAW);
   template <class T> void upload(const Gl &gl, const std::vector<T> &data, GLenum usage = GL_STATIC_DRAW) {
     upload(gl, data.data(), data.size() * sizeof(T), usage);
@@ -34,6 +36,34 @@ private:
   }
   const Gl *gl_ = nullptr;
   GLuint id_ = 0;
+};
+
+// A long list that shaders fetch from as a texture: software devices gather that by vectors, and loads from storage buffers one
+// by one.
+class BufferTexture {
+public:
+  BufferTexture() = default;
+  BufferTexture(BufferTexture &&other) noexcept { swap(other); }
+  BufferTexture &operator=(BufferTexture &&other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~BufferTexture() {
+    if (id_) gl_->DeleteTextures(1, &id_);
+  }
+  // Pairs of integers (GL_RG32I).
+  void upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage = GL_STATIC_DRAW);
+  GLuint id() const { return id_; }
+
+private:
+  void swap(BufferTexture &other) {
+    std::swap(gl_, other.gl_);
+    std::swap(id_, other.id_);
+    std::swap(buffer_, other.buffer_);
+  }
+  const Gl *gl_ = nullptr;
+  GLuint id_ = 0;
+  Buffer buffer_;
 };
 
 // A 2-D texture without mipmaps, fetched nearest.

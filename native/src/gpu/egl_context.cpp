@@ -7,10 +7,14 @@
 #include <EGL/eglext.h>
 #include <dlfcn.h>
 
-#include <cstring>
+#include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "support/error.h"
+#include "support/math.h"
+
+#include "shared.h"
 
 namespace paradesc {
 
@@ -29,14 +33,19 @@ struct EglContext::Egl {
   PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display = nullptr;
   EGLDisplay display = EGL_NO_DISPLAY;
   EGLContext context = EGL_NO_CONTEXT;
+  DriverSubstitute substitute;
+
+  // What the driver offers by that name, or what a test puts in its place.
+  void *chosen(const char *name, void *found) const { return substitute ? substitute(name, found) : found; }
+  template <class Function> bool load(const char *name, Function &function) const {
+    void *found =
+        get_proc_address && !dlsym(library, name) ? reinterpret_cast<void *>(get_proc_address(name)) : dlsym(library, name);
+    function = reinterpret_cast<Function>(chosen(name, found));
+    return function != nullptr;
+  }
 };
 
 namespace {
-
-template <class Function> void load(void *library, const char *name, Function &function) {
-  function = reinterpret_cast<Function>(dlsym(library, name));
-  if (!function) throw Error(PDESC_ERROR_UNSUPPORTED, std::string("libEGL.so.1 has no ") + name + "; install a complete EGL.");
-}
 
 bool has_extension(const char *list, const char *name) {
   const std::string padded = std::string(" ") + (list ? list : "") + " ";
@@ -52,27 +61,28 @@ struct Candidate {
 
 // The entry points are looked up by name, so that nothing links libEGL and the library loads where there is none.
 static void open_library(auto &egl) {
-  egl.library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+  egl.library = egl.chosen("libEGL.so.1", dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL));
   if (!egl.library)
     throw Error(
         PDESC_ERROR_UNSUPPORTED,
         "No EGL on this machine (libEGL.so.1 was not found); install it (Debian: libegl1 and libgl1-mesa-dri), or use the "
         "reference backend.");
-  load(egl.library, "eglGetProcAddress", egl.get_proc_address);
-  load(egl.library, "eglQueryString", egl.query_string);
-  load(egl.library, "eglInitialize", egl.initialize);
-  load(egl.library, "eglBindAPI", egl.bind_api);
-  load(egl.library, "eglCreateContext", egl.create_context);
-  load(egl.library, "eglDestroyContext", egl.destroy_context);
-  load(egl.library, "eglMakeCurrent", egl.make_current);
-  load(egl.library, "eglReleaseThread", egl.release_thread);
-  auto optional = [&](const char *name, auto &function) {
-    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(egl.get_proc_address(name));
+  auto need = [&](const char *name, auto &function) {
+    if (!egl.load(name, function))
+      throw Error(PDESC_ERROR_UNSUPPORTED,
+                  std::string("libEGL.so.1 has no ") + name + "; install a complete EGL, or use the reference backend.");
   };
-  optional("eglQueryDevicesEXT", egl.query_devices);
-  optional("eglQueryDeviceStringEXT", egl.query_device_string);
-  optional("eglGetPlatformDisplayEXT", egl.get_platform_display);
-  if (!egl.get_platform_display)
+  need("eglGetProcAddress", egl.get_proc_address);
+  need("eglQueryString", egl.query_string);
+  need("eglInitialize", egl.initialize);
+  need("eglBindAPI", egl.bind_api);
+  need("eglCreateContext", egl.create_context);
+  need("eglDestroyContext", egl.destroy_context);
+  need("eglMakeCurrent", egl.make_current);
+  need("eglReleaseThread", egl.release_thread);
+  egl.load("eglQueryDevicesEXT", egl.query_devices);
+  egl.load("eglQueryDeviceStringEXT", egl.query_device_string);
+  if (!egl.load("eglGetPlatformDisplayEXT", egl.get_platform_display))
     throw Error(PDESC_ERROR_UNSUPPORTED,
                 "This EGL cannot run without a window (no EGL_EXT_platform_base); use the reference backend.");
 }
@@ -100,7 +110,8 @@ static std::vector<Candidate> list_candidates(const auto &egl, bool software, in
 }
 
 // Makes a context on this display current; false leaves nothing behind. eglTerminate is never called: displays belong to the
-// whole process, and the host's may be the same one.
+// whole process, and the host's may be the same one. A context that bounds what shaders reach and says when the device was
+// reset is taken where it is offered.
 static bool make_context(auto &egl, const Candidate &candidate) {
   egl.display = egl.get_platform_display(candidate.platform, candidate.native, nullptr);
   EGLint major = 0, minor = 0;
@@ -109,15 +120,27 @@ static bool make_context(auto &egl, const Candidate &candidate) {
   if (!has_extension(extensions, "EGL_KHR_surfaceless_context") || !has_extension(extensions, "EGL_KHR_no_config_context"))
     return false;
   if (!egl.bind_api(EGL_OPENGL_API)) return false;
-  const EGLint attributes[] = {
+  const std::vector<EGLint> version = {
       EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
-  egl.context = egl.create_context(egl.display, nullptr, EGL_NO_CONTEXT, attributes);
+  std::vector<EGLint> robust(version.begin(), version.end() - 1);
+  robust.insert(robust.end(), {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET,
+                               EGL_CONTEXT_OPENGL_ROBUST_ACCESS, EGL_TRUE, EGL_NONE});
+  if (10 * major + minor < 15) robust = version;
+  // The last is for the sentence that says what an older device offers.
+  for (const std::vector<EGLint> &attributes : {robust, version, std::vector<EGLint>{EGL_NONE}})
+    if (egl.context == EGL_NO_CONTEXT) egl.context = egl.create_context(egl.display, nullptr, EGL_NO_CONTEXT, attributes.data());
   if (egl.context == EGL_NO_CONTEXT) return false;
   if (egl.make_current(egl.display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl.context)) return true;
   egl.destroy_context(egl.display, egl.context);
   egl.context = EGL_NO_CONTEXT;
   return false;
+}
+
+static void drop_context(auto &egl) {
+  egl.make_current(egl.display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  egl.destroy_context(egl.display, egl.context);
+  egl.context = EGL_NO_CONTEXT;
 }
 
 static bool is_software_renderer(const std::string &name) {
@@ -126,40 +149,94 @@ static bool is_software_renderer(const std::string &name) {
   return false;
 }
 
-EglContext::EglContext(bool software, int device_index) : egl_(std::make_unique<Egl>()) {
+// Drivers that say less than OpenGL 4.5 promises are not believed to be one; what they say beyond is believed until it fails.
+static std::string read_limits(Gl &gl) {
+  struct Promise {
+    const char *name;
+    GLint64 found, least;
+  };
+  GlLimits &limits = gl.limits;
+  GLint bindings = 0, images = 0;
+  limits = {0, 0, 0};
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &limits.texture_size);
+  gl.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &limits.work_groups);
+  gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limits.storage_bytes);
+  gl.GetIntegerv(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &bindings);
+  gl.GetIntegerv(GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, &images);
+  const Promise promises[] = {{"texels along a side of a texture", limits.texture_size, 16384},
+                              {"work groups", limits.work_groups, 65535},
+                              {"bytes of a storage buffer", limits.storage_bytes, 1 << 27},
+                              {"storage buffers", bindings, BINDING_MAP_EDGES + 1},
+                              {"textures", images, UNIT_MAP + 1}};
+  for (const Promise &promise : promises)
+    if (promise.found < promise.least)
+      return "it takes " + std::to_string(promise.found) + " " + promise.name + ", and " + std::to_string(promise.least) +
+             " are needed";
+  return "";
+}
+
+std::string EglContext::look_at_context(bool software) {
+  std::string missing;
+  auto load = [&](const char *name, auto &function) {
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(
+        egl_->chosen(name, reinterpret_cast<void *>(egl_->get_proc_address(name))));
+    if (!function && missing.empty()) missing = name;
+  };
+#define PARADESC_LOAD(type, name) load("gl" #name, gl_.name);
+  PARADESC_GL_FUNCTIONS(PARADESC_LOAD)
+#undef PARADESC_LOAD
+  if (!gl_.GetString || !gl_.GetIntegerv) return "its driver has no glGetString";
+  const auto *name = reinterpret_cast<const char *>(gl_.GetString(GL_RENDERER));
+  device_ = name ? name : "a device without a name";
+  if (is_software_renderer(device_) != software) return software ? "it is hardware" : "it is a software rasterizer";
+  GLint major = 0, minor = 0;
+  gl_.GetIntegerv(GL_MAJOR_VERSION, &major);
+  gl_.GetIntegerv(GL_MINOR_VERSION, &minor);
+  if (10 * major + minor < 45) return "it offers OpenGL " + std::to_string(major) + "." + std::to_string(minor);
+  if (!missing.empty()) return "its driver has no " + missing;
+  const std::string flaw = read_limits(gl_);
+  // llvmpipe says 2^27 bytes and takes more; a test has it reach the end of a longer one.
+  if (software) gl_.limits.storage_bytes = std::numeric_limits<GLint64>::max();
+  return flaw;
+}
+
+EglContext::EglContext(bool software, int device_index, const DriverSubstitute &substitute) : egl_(std::make_unique<Egl>()) {
   Egl &egl = *egl_;
+  egl.substitute = substitute;
   open_library(egl);
+  std::string refused; // the last one of the kind asked for
   for (const Candidate &candidate : list_candidates(egl, software, device_index)) {
     if (!make_context(egl, candidate)) continue;
-#define PARADESC_LOAD(type, name) gl_.name = reinterpret_cast<type>(egl.get_proc_address("gl" #name));
-    PARADESC_GL_FUNCTIONS(PARADESC_LOAD)
-#undef PARADESC_LOAD
-    device_ = reinterpret_cast<const char *>(gl_.GetString(GL_RENDERER));
-    if (is_software_renderer(device_) == software) return;
-    egl.make_current(egl.display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    egl.destroy_context(egl.display, egl.context);
-    egl.context = EGL_NO_CONTEXT;
+    const std::string flaw = look_at_context(software);
+    if (flaw.empty()) return;
+    if (!flaw.starts_with("it is ")) refused = " (" + (device_.empty() ? "a device" : device_) + " was left out: " + flaw + ")";
+    drop_context(egl);
   }
-  throw Error(
-      PDESC_ERROR_UNSUPPORTED,
-      software ? "No software OpenGL 4.5 device was found by EGL; install Mesa (Debian: libgl1-mesa-dri), or use the reference "
-                 "backend."
-               : "No hardware OpenGL 4.5 device was found by EGL; install its driver, or use the software or reference backend.");
+  throw Error(PDESC_ERROR_UNSUPPORTED, software ? "No software OpenGL 4.5 device was found by EGL" + refused +
+                                                      "; install Mesa (Debian: libgl1-mesa-dri), or use the reference backend."
+                                                : "No hardware OpenGL 4.5 device was found by EGL" + refused +
+                                                      "; install its driver, or use the software or reference backend.");
 }
 
 EglContext::~EglContext() {
   if (egl_->context == EGL_NO_CONTEXT) return;
-  egl_->make_current(egl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-  egl_->destroy_context(egl_->display, egl_->context);
+  drop_context(*egl_);
   egl_->release_thread();
 }
 
 void check_gl(const Gl &gl, const char *stage) {
-  const GLenum code = gl.GetError();
+  const bool reset = gl.GetGraphicsResetStatus() != GL_NO_ERROR;
+  const GLenum code = reset ? GL_CONTEXT_LOST : gl.GetError();
   if (code == GL_NO_ERROR) return;
+  for (int i = 0; i < 64 && gl.GetError() != GL_NO_ERROR; ++i) // a lost context may repeat its error for ever
+    ;
+  if (code == GL_CONTEXT_LOST)
+    throw Error(PDESC_ERROR_DEVICE_LOST, std::string("The graphics device was lost in stage ") + stage +
+                                             ", because its driver had to be started again; try again with smaller buffers, or "
+                                             "use another backend.");
   if (code == GL_OUT_OF_MEMORY)
-    throw Error(PDESC_ERROR_OUT_OF_MEMORY,
-                std::string("The graphics device ran out of memory in stage ") + stage + "; use smaller buffers.");
+    throw Error(PDESC_ERROR_OUT_OF_MEMORY, std::string("The graphics device ran out of memory in stage ") + stage +
+                                               "; use smaller buffers, or another backend.");
   throw Error(PDESC_ERROR_UNKNOWN, std::string("OpenGL error ") + std::to_string(code) + " in stage " + stage +
                                        "; please report it with the device's name, and use the reference backend meanwhile.");
 }

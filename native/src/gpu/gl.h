@@ -6,7 +6,10 @@
 #define PARADESC_GL_FUNCTIONS(F)                                                                                                 \
   F(PFNGLGETERRORPROC, GetError)                                                                                                 \
   F(PFNGLGETSTRINGPROC, GetString)                                                                                               \
+  F(PFNGLGETGRAPHICSRESETSTATUSPROC, GetGraphicsResetStatus)                                                                     \
   F(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                                           \
+  F(PFNGLGETINTEGERI_VPROC, GetIntegeri_v)                                                                                       \
+  F(PFNGLGETINTEGER64VPROC, GetInteger64v)                                                                                       \
   F(PFNGLENABLEPROC, Enable)                                                                                                     \
   F(PFNGLDISABLEPROC, Disable)                                                                                                   \
   F(PFNGLVIEWPORTPROC, Viewport)                                                                                                 \
@@ -14,6 +17,7 @@
   F(PFNGLDEPTHMASKPROC, DepthMask)                                                                                               \
   F(PFNGLBLENDFUNCPROC, BlendFunc)                                                                                               \
   F(PFNGLFINISHPROC, Finish)                                                                                                     \
+  F(PFNGLFLUSHPROC, Flush)                                                                                                       \
   F(PFNGLDRAWELEMENTSPROC, DrawElements)                                                                                         \
   F(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                             \
   F(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                                       \
@@ -29,6 +33,7 @@
   F(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                                                                                 \
   F(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                                                                               \
   F(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                                                               \
+  F(PFNGLTEXTUREBUFFERPROC, TextureBuffer)                                                                                       \
   F(PFNGLGETTEXTUREIMAGEPROC, GetTextureImage)                                                                                   \
   F(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                                                   \
   F(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)                                                                                 \
@@ -69,13 +74,22 @@
 
 namespace paradesc {
 
+// What the device says it can take; never less than OpenGL 4.5 promises, see EglContext.
+struct GlLimits {
+  GLint texture_size = 16384;
+  GLint work_groups = 65535;       // along x
+  GLint64 storage_bytes = 1 << 27; // of one storage buffer
+};
+
 struct Gl {
 #define PARADESC_MEMBER(type, name) type name = nullptr;
   PARADESC_GL_FUNCTIONS(PARADESC_MEMBER)
 #undef PARADESC_MEMBER
+  GlLimits limits;
 };
 
-// Throws Error with the stage's name where OpenGL has recorded an error.
+// Throws Error with the stage's name where OpenGL has recorded an error: DEVICE_LOST, OUT_OF_MEMORY, else UNKNOWN. None is left
+// for the next call.
 void check_gl(const Gl &gl, const char *stage);
 
 } // namespace paradesc

@@ -1,11 +1,18 @@
 // Posted functions → calls on the one thread where the OpenGL context is current.
 #include "gpu/gl_thread.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "support/error.h"
+#include "support/math.h"
+
+#include "shared.h"
 
 namespace paradesc {
 
-GlThread::GlThread(bool software, int device_index) : thread_([=, this] { loop(software, device_index); }) {
+GlThread::GlThread(bool software, int device_index, const DriverSubstitute &substitute)
+    : thread_([=, this] { loop(software, device_index, substitute); }) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return ready_; });
   if (!error_) return;
@@ -33,12 +40,13 @@ void GlThread::run(const std::function<void(const Gl &, ProgramCache &)> &work) 
   if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
 }
 
-void GlThread::loop(bool software, int device_index) {
+void GlThread::loop(bool software, int device_index, const DriverSubstitute &substitute) {
   std::unique_ptr<EglContext> context;
   std::unique_lock lock(mutex_);
   try {
-    context = std::make_unique<EglContext>(software, device_index);
+    context = std::make_unique<EglContext>(software, device_index, substitute);
     device_ = context->device();
+    largest_dispatch_ = std::min(context->gl().limits.work_groups, 1 << 26) * GROUP_SIZE;
   } catch (...) {
     error_ = std::current_exception();
   }
@@ -54,6 +62,9 @@ void GlThread::loop(bool software, int device_index) {
     std::exception_ptr error;
     try {
       (*work_)(context->gl(), programs);
+    } catch (const Error &failure) {
+      lost_ = lost_ || failure.status() == PDESC_ERROR_DEVICE_LOST;
+      error = std::current_exception();
     } catch (...) {
       error = std::current_exception();
     }

@@ -1,6 +1,7 @@
 // The private thread that owns the EGL context and makes every OpenGL call; others post work to it and wait.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -15,7 +16,7 @@ namespace paradesc {
 
 class GlThread {
 public:
-  GlThread(bool software, int device_index); // throws as EglContext does
+  GlThread(bool software, int device_index, const DriverSubstitute &substitute = {}); // throws as EglContext does
   ~GlThread();
   GlThread(const GlThread &) = delete;
   GlThread &operator=(const GlThread &) = delete;
@@ -23,9 +24,11 @@ public:
   // Runs work on the thread, waits for it, and throws on what it throws. One caller at a time.
   void run(const std::function<void(const Gl &, ProgramCache &)> &work);
   const std::string &device() const { return device_; }
+  int largest_dispatch() const { return largest_dispatch_; } // invocations of a list that one call may start
+  bool lost() const { return lost_; } // some work ended with DEVICE_LOST: nothing more can be computed here
 
 private:
-  void loop(bool software, int device_index);
+  void loop(bool software, int device_index, const DriverSubstitute &substitute);
 
   std::mutex calls_;
   std::mutex mutex_;
@@ -33,8 +36,10 @@ private:
   const std::function<void(const Gl &, ProgramCache &)> *work_ = nullptr;
   bool ready_ = false;
   bool stop_ = false;
+  std::atomic<bool> lost_ = false;
   std::exception_ptr error_;
   std::string device_;
+  int largest_dispatch_ = 0;
   std::thread thread_;
 };
 

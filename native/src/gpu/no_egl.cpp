@@ -7,7 +7,7 @@ namespace paradesc {
 
 struct EglContext::Egl {};
 
-EglContext::EglContext(bool, int) {
+EglContext::EglContext(bool, int, const DriverSubstitute &) {
   throw Error(PDESC_ERROR_UNSUPPORTED,
               "Graphics devices are used on Linux only, through EGL; use the reference backend, which computes the same slower.");
 }

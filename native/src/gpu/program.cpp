@@ -53,6 +53,20 @@ static std::string file_list(const std::string &source) {
   return list;
 }
 
+// A driver's log as the end of one sentence: its lines joined, and cut where it runs long.
+static std::string one_line(const char *log) {
+  constexpr size_t most = 600;
+  std::string text;
+  for (const char *c = log; *c && text.size() < most; ++c) {
+    if (*c != '\n')
+      text += *c;
+    else if (!text.empty() && !text.ends_with("; "))
+      text += "; ";
+  }
+  while (text.ends_with(' ') || text.ends_with(';')) text.pop_back();
+  return text.empty() ? "it does not say why" : text;
+}
+
 static GLuint compile(const Gl &gl, const ShaderStage &stage, const std::map<std::string, std::string> &generated) {
   const std::string source = shader_source(stage.path, generated);
   const char *text = source.c_str();
@@ -63,19 +77,23 @@ static GLuint compile(const Gl &gl, const ShaderStage &stage, const std::map<std
   gl.GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
   if (compiled) return shader;
   std::string log(2000, '\0');
-  GLsizei length = 0;
-  gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), &length, log.data());
-  log.resize(static_cast<size_t>(length));
+  gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()) - 1, nullptr, log.data());
   gl.DeleteShader(shader);
-  throw Error(PDESC_ERROR_UNSUPPORTED,
-              "The graphics driver did not compile " + stage.path + " (files " + file_list(source) + "): " + log);
+  throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics driver did not compile " + stage.path +
+                                           ", use another backend and please report it (files " + file_list(source) +
+                                           "): " + one_line(log.c_str()));
 }
 
 GLuint ProgramCache::get(const Gl &gl, const std::string &name, const std::vector<ShaderStage> &stages,
                          const std::map<std::string, std::string> &generated) {
   if (const auto found = programs_.find(name); found != programs_.end()) return found->second;
   std::vector<GLuint> shaders;
-  for (const ShaderStage &stage : stages) shaders.push_back(compile(gl, stage, generated));
+  try {
+    for (const ShaderStage &stage : stages) shaders.push_back(compile(gl, stage, generated));
+  } catch (...) {
+    for (const GLuint shader : shaders) gl.DeleteShader(shader);
+    throw;
+  }
   const GLuint program = gl.CreateProgram();
   for (const GLuint shader : shaders) gl.AttachShader(program, shader);
   gl.LinkProgram(program);
@@ -84,9 +102,10 @@ GLuint ProgramCache::get(const Gl &gl, const std::string &name, const std::vecto
   gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
   if (!linked) {
     std::string log(2000, '\0');
-    gl.GetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
+    gl.GetProgramInfoLog(program, static_cast<GLsizei>(log.size()) - 1, nullptr, log.data());
     gl.DeleteProgram(program);
-    throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics driver did not link " + name + ": " + log.c_str());
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics driver did not link " + stages.back().path +
+                                             ", use another backend and please report it: " + one_line(log.c_str()));
   }
   return programs_[name] = program;
 }

@@ -136,6 +136,11 @@ void place_points(const Triangles &triangles, const HalfEdges &half_edges, const
     widest[at(index)] = angle;
     site.inside = uv_centroid(triangles, corner / 3);
   });
+  std::vector<int32_t> sites_of(at(half_edges.point_count), 0);
+  for (const Site &site : charts.sites) ++sites_of[at(site.point)];
+  for (size_t corner = 0; corner < charts.corner_site.size(); ++corner)
+    if (const int32_t site = charts.corner_site[corner]; site >= 0 && sites_of[at(charts.sites[at(site)].point)] > 1)
+      charts.shared_corners.push_back(static_cast<int32_t>(corner));
   weigh_sites(triangles, threads, charts);
 }
 
@@ -165,8 +170,12 @@ void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link,
 
 void weigh_sites(const Triangles &triangles, int threads, Charts &charts) {
   for (Site &site : charts.sites) site.angle = 0.0;
-  for_each_corner(triangles, charts.corner_site, threads, surface_angle,
-                  [&](int corner, double angle) { charts.sites[at(charts.corner_site[at(corner)])].angle += angle; });
+  std::vector<double> angles(charts.shared_corners.size());
+  parallel_blocks(static_cast<int>(angles.size()), threads, block, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) angles[at(i)] = surface_angle(triangles, charts.shared_corners[at(i)]);
+  });
+  for (size_t i = 0; i < angles.size(); ++i)
+    charts.sites[at(charts.corner_site[at(charts.shared_corners[i])])].angle += angles[i];
   std::fill(charts.point_site.begin(), charts.point_site.end(), -1);
   for (size_t index = 0; index < charts.sites.size(); ++index) {
     int32_t &chosen = charts.point_site[at(charts.sites[index].point)];

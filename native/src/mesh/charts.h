@@ -29,7 +29,7 @@ struct Site {
   int32_t chart;
   vec2 uv;
   vec2 inside;  // (u, v) of the centroid of the incident triangle that is widest there: a direction into the chart
-  double angle; // of the surface around the point that this site sees, in radians
+  double angle; // of the surface around the point that this site sees, in radians; 0 where it is the point's only one
 };
 
 struct Charts {
@@ -38,7 +38,8 @@ struct Charts {
   std::vector<int32_t> corner_site;      // (3 * triangle_count) -1 where triangle_chart is -1
   std::vector<int32_t> half_edge_border; // (3 * triangle_count) index into borders, or -1
   std::vector<Site> sites;
-  std::vector<int32_t> point_site; // (point_count) the site with the largest angle; -1: no place in the UV map
+  std::vector<int32_t> point_site;     // (point_count) the site with the largest angle; -1: no place in the UV map
+  std::vector<int32_t> shared_corners; // of sites that share a point with another: these angles decide
   std::vector<Border> borders;
 
   int zero_uv_area_triangles = 0;

@@ -1,10 +1,14 @@
-// Cells and their links → the cells of each center's neighborhood, by a search over links that lie in the ball.
+// Cells and their links → the ranges of samples of each center's neighborhood.
 #include "sample/supports.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <numeric>
+#include <string>
 
 #include "sample/reach.h"
+#include "support/error.h"
 #include "support/parallel.h"
 
 namespace paradesc {
@@ -55,6 +59,12 @@ struct Bounds {
   vec3 low, high;
 };
 
+// The ranges of some centers, before they are joined to one list.
+struct Part {
+  std::vector<ivec2> range;
+  std::vector<int32_t> left; // centers that have to search by themselves
+};
+
 } // namespace
 
 static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec4> &positions, int threads) {
@@ -79,105 +89,386 @@ static float box_distance(const Bounds &box, vec3 p) {
   return dot(gap, gap);
 }
 
+// Cells that hold samples of bare triangles reach around these too, and face their way.
+static std::vector<CellData> with_bare_samples(const SupportSpace &space) {
+  std::vector<CellData> cells(space.measured.begin(), space.measured.end());
+  for (size_t cell = 0; cell + 1 < space.bare.begin.size(); ++cell)
+    for (int32_t k = space.bare.begin[cell]; k < space.bare.begin[cell + 1]; ++k) {
+      const vec4 point = space.bare.point[2 * static_cast<size_t>(k)], normal = space.bare.point[2 * static_cast<size_t>(k) + 1];
+      CellData &data = cells[cell];
+      data.sphere.w = std::max(data.sphere.w, length(vec3(point) - vec3(data.sphere)));
+      data.cone.w = std::min(data.cone.w, dot(vec3(data.cone), vec3(normal)));
+    }
+  return cells;
+}
+
 namespace {
 
-// The search for one center after another, with its visited marks.
+// What one thread keeps from center to center.
 class Search {
 public:
-  Search(const Cells &cells, const std::vector<Bounds> &links, const std::vector<vec4> &positions, const Triangles &triangles,
-         const BufferFrame &frame, float radius)
-      : cells_(cells), links_(links), positions_(positions), triangles_(triangles), frame_(frame), radius_(radius),
-        visited_(static_cast<size_t>(cells.count), 0), near_(static_cast<size_t>(cells.count), 0) {}
+  Search(const SupportSpace &space, std::span<const CellData> measured, float radius)
+      : space_(space), cells_(space.cells), measured_(measured), radius_(radius),
+        visited_(static_cast<size_t>(space.cells.count), 0) {}
 
-  // Appends the cells of the connected part of the ball.
-  void run(const SupportCenter &center, std::vector<int32_t> &found, uint8_t &boundary) {
+  // All cells that lie in the ball of any center nearer than `beyond` to the middle of the cell, and others: nothing that is
+  // connected to it within such a ball is missing.
+  void reach_from(int32_t cell, vec3 middle, float beyond) {
     ++mark_;
-    const size_t begin = found.size();
-    add(center.cell, found);
-    for (const int32_t site : center.sites) add(cells_.site_cell[static_cast<size_t>(site)], found);
-    const size_t starts = found.size() - begin;
-    // Finer detail than the radius counts through what lies near: cells there are marked, and sampled four times as finely each
-    // way.
-    const float near = 0.25f * radius_;
-    for (size_t i = begin; i < found.size(); ++i) {
-      const auto cell = static_cast<size_t>(found[i]);
-      for (int32_t k = cells_.side_begin[cell]; k < cells_.side_begin[cell + 1]; ++k) {
-        const ivec2 side = cells_.side[static_cast<size_t>(k)];
-        const float distance = box_distance(links_[static_cast<size_t>(side.y)], center.position);
-        if (distance < near * near) near_[cell] = mark_;
-        if (visited_[static_cast<size_t>(side.x)] != mark_ && distance < radius_ * radius_ && in_ball(side.y, center))
-          add(side.x, found);
-      }
-      for (int32_t k = cells_.boundary_begin[cell]; !boundary && k < cells_.boundary_begin[cell + 1]; ++k) {
-        const int half_edge = cells_.boundary[static_cast<size_t>(k)];
-        boundary = segment_in_ball(position(half_edge), position(next_corner(half_edge)), center.position, radius_);
+    found_.clear();
+    add(cell);
+    for (size_t i = 0; i < found_.size(); ++i) {
+      const auto from = static_cast<size_t>(found_[i]);
+      for (int32_t k = cells_.side_begin[from]; k < cells_.side_begin[from + 1]; ++k) {
+        const int32_t other = cells_.side[static_cast<size_t>(k)].x;
+        if (visited_[static_cast<size_t>(other)] == mark_) continue;
+        const vec4 sphere = measured_[static_cast<size_t>(other)].sphere;
+        const vec3 gap = vec3(sphere) - middle;
+        const float limit = radius_ + beyond + around * sphere.w;
+        if (dot(gap, gap) < limit * limit) add(other);
       }
     }
-    for (size_t i = begin; i < std::min(found.size(), begin + starts); ++i) near_[static_cast<size_t>(found[i])] = mark_;
-    std::sort(found.begin() + static_cast<ptrdiff_t>(begin),
-              found.end()); // one order of summation, whichever place the search began at
-    for (size_t i = begin; i < found.size(); ++i)
-      if (near_[static_cast<size_t>(found[i])] == mark_) found[i] = -1 - found[i];
+    look_at_found(vec3(measured_[static_cast<size_t>(cell)].cone), measured_[static_cast<size_t>(cell)].cone.w);
+  }
+
+  bool was_found(int32_t cell) const { return visited_[static_cast<size_t>(cell)] == mark_; }
+
+  // Whether all that was found within the center's ball faces its way and covers its tangent plane once: then it is connected
+  // there. measure() comes before.
+  bool is_plain(vec3 center) const {
+    float flat = 0.0f;
+    for (const int32_t k : inside_) {
+      const Seen &seen = seen_[static_cast<size_t>(k)];
+      if (!seen.plain || meets_boundary(found_[static_cast<size_t>(k)], center)) return false;
+      const float away = std::sqrt(distance_[static_cast<size_t>(k)]), sphere = seen.sphere;
+      flat += seen.area * std::min(1.0f, (radius_ + sphere - away) / std::max(2.0f * sphere, 1e-20f));
+    }
+    return flat < 1.25f * static_cast<float>(pi) * radius_ * radius_;
+  }
+
+  // Which of those found lie in the center's ball.
+  void measure(vec3 center) {
+    const size_t count = seen_.size();
+    distance_.resize(count);
+    const float *x = x_.data(), *y = y_.data(), *z = z_.data(), *outer = outer_.data();
+    float *distance = distance_.data();
+    for (size_t k = 0; k < count; ++k) { // by vectors
+      const float dx = x[k] - center.x, dy = y[k] - center.y, dz = z[k] - center.z;
+      distance[k] = dx * dx + dy * dy + dz * dz;
+    }
+    inside_.resize(count);
+    size_t inside = 0;
+    for (size_t k = 0; k < count; ++k) { // without a branch
+      inside_[inside] = static_cast<int32_t>(k);
+      inside += distance[k] < outer[k];
+    }
+    inside_.resize(inside);
+  }
+
+  // The cells of the connected part of the center's ball.
+  void run(const SupportCenter &center, const std::vector<Bounds> &links, const std::vector<vec4> &positions, bool &boundary) {
+    ++mark_;
+    found_.clear();
+    add(center.cell);
+    for (const int32_t site : center.sites) add(cells_.site_cell[static_cast<size_t>(site)]);
+    for (size_t i = 0; i < found_.size(); ++i) {
+      const auto cell = static_cast<size_t>(found_[i]);
+      for (int32_t k = cells_.side_begin[cell]; k < cells_.side_begin[cell + 1]; ++k) {
+        const ivec2 side = cells_.side[static_cast<size_t>(k)];
+        if (visited_[static_cast<size_t>(side.x)] != mark_ &&
+            box_distance(links[static_cast<size_t>(side.y)], center.position) < radius_ * radius_ &&
+            in_ball(side.y, positions, center.position))
+          add(side.x);
+      }
+      boundary = boundary || meets_boundary(found_[i], center.position);
+    }
+    look_at_found(vec3(0.0f), 1.0f);
+  }
+
+  // Appends the ranges of what was found and lies in the center's ball; after measure().
+  SupportData list(bool boundary, std::vector<ivec2> &ranges) {
+    SupportData data{};
+    data.cut = boundary ? 1.0f : 0.0f;
+    data.first = static_cast<int32_t>(ranges.size());
+    near_.clear();
+    int total = 0;
+    for (const int32_t k : inside_) {
+      const int32_t cell = found_[static_cast<size_t>(k)];
+      // Finer detail than the radius counts through what lies near: cells there are sampled four times as finely each way.
+      const bool fine = distance_[static_cast<size_t>(k)] < seen_[static_cast<size_t>(k)].near;
+      const ivec2 black = space_.samples.of(fine, cell, 0), white = space_.samples.of(fine, cell, 1);
+      const int32_t bare = space_.bare.begin[static_cast<size_t>(cell) + 1] - space_.bare.begin[static_cast<size_t>(cell)];
+      total += 1 + white.y - black.x + bare;
+      if (total > MAX_ITERATIONS) {
+        data.lost += measured_[static_cast<size_t>(cell)].area.y;
+        continue;
+      }
+      near_.push_back(fine ? -1 - cell : cell);
+      append(space_.halves ? black : ivec2(black.x, white.y), data.first, ranges);
+    }
+    data.middle = data.last = static_cast<int32_t>(ranges.size());
+    for (const int32_t entry : near_)
+      if (space_.halves) append(space_.samples.of(entry < 0, entry < 0 ? -1 - entry : entry, 1), data.middle, ranges);
+    data.last = static_cast<int32_t>(ranges.size());
+    for (const int32_t entry : near_) {
+      const auto cell = static_cast<size_t>(entry < 0 ? -1 - entry : entry);
+      append({space_.bare.begin[cell], space_.bare.begin[cell + 1]}, data.last, ranges);
+    }
+    data.end = static_cast<int32_t>(ranges.size());
+    return data;
   }
 
 private:
-  void add(int32_t cell, std::vector<int32_t> &found) {
+  static constexpr float around = 1.25f; // a link may lie a texel beyond the points of a cell
+  static constexpr float least_cosine =
+      0.25f; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
+  static constexpr float near_share = 0.25f;
+
+  // What centers ask of a cell that was found.
+  struct Seen {
+    float sphere; // radius
+    float near;   // squared distance from its middle below which it is sampled finely
+    float area;   // projected to the tangent plane of the first cell
+    bool plain;   // faces its way
+  };
+
+  // cone: of the first cell.
+  void look_at_found(vec3 normal, float spread) {
+    std::sort(found_.begin(), found_.end()); // one order of summation, wherever the search began
+    seen_.clear();
+    for (std::vector<float> *list : {&x_, &y_, &z_, &outer_}) list->clear();
+    for (const int32_t cell : found_) {
+      const CellData &data = measured_[static_cast<size_t>(cell)];
+      const float cosine = dot(normal, vec3(data.cone)), own = std::clamp(data.cone.w, -1.0f, 1.0f);
+      const float sine = std::sqrt(std::max(0.0f, (1.0f - cosine * cosine) * (1.0f - own * own)));
+      const float outer = radius_ + data.sphere.w, near = near_share * radius_ + data.sphere.w;
+      x_.push_back(data.sphere.x);
+      y_.push_back(data.sphere.y);
+      z_.push_back(data.sphere.z);
+      outer_.push_back(outer * outer);
+      seen_.push_back({data.sphere.w, near * near, data.area.y * std::max(cosine, 0.0f),
+                       std::min({own, spread, cosine, cosine * own - sine}) > least_cosine});
+    }
+  }
+
+  void add(int32_t cell) {
     if (cell < 0 || visited_[static_cast<size_t>(cell)] == mark_) return;
     visited_[static_cast<size_t>(cell)] = mark_;
-    found.push_back(cell);
+    found_.push_back(cell);
+  }
+
+  // first: the list's own, which another list's end must not be joined to.
+  static void append(ivec2 range, int32_t first, std::vector<ivec2> &ranges) {
+    if (range.x >= range.y) return;
+    if (static_cast<int32_t>(ranges.size()) > first && ranges.back().y == range.x)
+      ranges.back().y = range.y;
+    else
+      ranges.push_back(range);
+  }
+
+  bool meets_boundary(int32_t cell, vec3 center) const {
+    for (int32_t k = cells_.boundary_begin[static_cast<size_t>(cell)]; k < cells_.boundary_begin[static_cast<size_t>(cell) + 1];
+         ++k) {
+      const int half_edge = cells_.boundary[static_cast<size_t>(k)];
+      if (segment_in_ball(position(half_edge), position(next_corner(half_edge)), center, radius_)) return true;
+    }
+    return false;
   }
 
   // The surface goes over beside one of the link's texels. No margin: it would let in a neighboring finger as often as it keeps a
   // place that belongs.
-  bool in_ball(int32_t link, const SupportCenter &center) const {
+  bool in_ball(int32_t link, const std::vector<vec4> &positions, vec3 center) const {
     for (int32_t k = cells_.link_begin[static_cast<size_t>(link)]; k < cells_.link_begin[static_cast<size_t>(link) + 1]; ++k) {
-      const vec3 gap = vec3(positions_[static_cast<size_t>(cells_.link_texel[static_cast<size_t>(k)])]) - center.position;
+      const vec3 gap = vec3(positions[static_cast<size_t>(cells_.link_texel[static_cast<size_t>(k)])]) - center;
       if (dot(gap, gap) < radius_ * radius_) return true;
     }
     return false;
   }
 
   dvec3 position(int corner) const {
-    return dvec3(
-        frame_.to_buffer(triangles_.positions[static_cast<size_t>(triangles_.corner_vertex[static_cast<size_t>(corner)])]));
+    return dvec3(space_.frame.to_buffer(
+        space_.triangles.positions[static_cast<size_t>(space_.triangles.corner_vertex[static_cast<size_t>(corner)])]));
   }
 
+  const SupportSpace &space_;
   const Cells &cells_;
-  const std::vector<Bounds> &links_;
-  const std::vector<vec4> &positions_;
-  const Triangles &triangles_;
-  const BufferFrame &frame_;
+  std::span<const CellData> measured_;
   float radius_;
-  std::vector<uint32_t> visited_, near_;
+  std::vector<uint32_t> visited_;
+  std::vector<int32_t> found_, near_; // near_: -1 - cell where it is sampled finely
+  std::vector<Seen> seen_;            // (found)
+  std::vector<float> x_, y_, z_;      // (found) middle
+  std::vector<float> outer_;          // (found) squared distance from there from which on it lies outside the ball
+  std::vector<float> distance_;       // (found) squared, from the center
+  std::vector<int32_t> inside_;       // places in found_
   uint32_t mark_ = 0;
 };
 
 } // namespace
 
-Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles,
-                       const BufferFrame &frame, const std::vector<SupportCenter> &centers, float radius, int threads) {
-  constexpr int block = 512;
-  const std::vector<Bounds> links = link_bounds(cells, positions, threads);
-  const auto count = static_cast<int>(centers.size());
+// The cell from which a center's group searches, or -1.
+static int32_t start_of(const Cells &cells, const SupportCenter &center) {
+  if (center.cell >= 0) return center.cell;
+  for (const int32_t site : center.sites)
+    if (const int32_t cell = cells.site_cell[static_cast<size_t>(site)]; cell >= 0) return cell;
+  return -1;
+}
+
+namespace {
+
+// Centers by the square that they start in: a block, or two by two or four by four where these are small against the radius.
+struct Groups {
+  std::vector<int32_t> start; // (centers) cell, or -1
+  std::vector<int32_t> order; // centers
+  std::vector<int32_t> begin; // (groups + 1) into order; the first: those that start nowhere
+};
+
+} // namespace
+
+static Groups group(const Cells &cells, std::span<const CellData> measured, const std::vector<SupportCenter> &centers,
+                    float radius) {
+  double spheres = 0.0;
+  for (const CellData &cell : measured) spheres += static_cast<double>(cell.sphere.w);
+  const double radii = static_cast<double>(radius) * static_cast<double>(measured.size()) / std::max(spheres, 1e-30);
+  const int width = (radii > 4.4 ? 4 : radii > 2.6 ? 2 : 1) * cells.block_size; // at most about the radius
+  int across = 1;
+  for (const ivec4 box : cells.box) across = std::max({across, box.x / width + 1, box.y / width + 1});
+  auto square_of = [&](int32_t cell) {
+    if (cell < 0) return 0;
+    const ivec4 box = cells.box[static_cast<size_t>(cell)];
+    return 1 + box.y / width * across + box.x / width;
+  };
+  Groups groups;
+  groups.start.resize(centers.size());
+  std::vector<int32_t> begin(static_cast<size_t>(across) * static_cast<size_t>(across) + 2, 0);
+  for (size_t i = 0; i < centers.size(); ++i) {
+    groups.start[i] = start_of(cells, centers[i]);
+    ++begin[static_cast<size_t>(square_of(groups.start[i])) + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  groups.begin.push_back(0);
+  for (size_t square = 0; square + 1 < begin.size(); ++square)
+    if (square == 0 || begin[square + 1] > begin[square]) groups.begin.push_back(begin[square + 1]);
+  groups.order.resize(centers.size());
+  for (size_t i = 0; i < centers.size(); ++i)
+    groups.order[static_cast<size_t>(begin[static_cast<size_t>(square_of(groups.start[i]))]++)] = static_cast<int32_t>(i);
+  return groups;
+}
+
+// The members of one group: first those that are connected to the first member's cell, then those connected to the first of the
+// others…
+static void search_together(Search &search, const std::vector<SupportCenter> &centers, const std::vector<int32_t> &start,
+                            std::vector<int32_t> members, float radius, Supports &supports, Part &part) {
+  std::vector<int32_t> others;
+  while (!members.empty()) {
+    auto at = [&](int32_t i) { return centers[static_cast<size_t>(i)].position; };
+    vec3 low = at(members[0]), high = low;
+    for (const int32_t i : members) {
+      low = glm::min(low, at(i));
+      high = glm::max(high, at(i));
+    }
+    const vec3 middle = 0.5f * (low + high);
+    const float beyond = 0.5f * length(high - low);
+    const bool together = beyond < radius;
+    if (together) search.reach_from(start[static_cast<size_t>(members[0])], middle, beyond);
+    others.clear();
+    for (const int32_t i : members) {
+      if (together && !search.was_found(start[static_cast<size_t>(i)])) {
+        others.push_back(i);
+        continue;
+      }
+      if (together) search.measure(at(i));
+      if (together && search.is_plain(at(i))) {
+        supports.center[static_cast<size_t>(i)] = search.list(false, part.range);
+        supports.plain[static_cast<size_t>(i)] = 1;
+      } else {
+        part.left.push_back(i);
+      }
+    }
+    members.swap(others);
+  }
+}
+
+// The parts' ranges one after another; places[i]: the centers of part i.
+static void join(std::vector<Part> &parts, const std::vector<std::span<const int32_t>> &places, Supports &supports) {
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const auto offset = static_cast<int32_t>(supports.range.size());
+    for (const int32_t center : places[i]) {
+      SupportData &data = supports.center[static_cast<size_t>(center)];
+      for (int32_t *at : {&data.first, &data.middle, &data.last, &data.end}) *at += offset;
+    }
+    supports.range.insert(supports.range.end(), parts[i].range.begin(), parts[i].range.end());
+  }
+}
+
+[[noreturn]] static void refuse_ranges(size_t centers, size_t most) {
+  throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The neighborhoods of " + std::to_string(centers) + " places have more than " +
+                                             std::to_string(most) + " pieces of charts, for which there is no memory; use a "
+                                             "smaller radius, smaller buffers, or a UV map of fewer charts.");
+}
+
+Supports find_supports(const SupportSpace &space, const std::vector<SupportCenter> &centers, float radius, int threads,
+                       size_t most) {
+  constexpr int block = 64, alone = 512;
+  most = std::min<size_t>(most, std::numeric_limits<int32_t>::max());
+  std::atomic<size_t> all{0};
+  const std::vector<CellData> measured = with_bare_samples(space);
+  Groups groups = group(space.cells, measured, centers, radius);
+  const auto count = static_cast<int>(groups.begin.size()) - 1;
+  auto members_of = [&](int first, int last) {
+    const auto begin = static_cast<size_t>(groups.begin[static_cast<size_t>(first)]);
+    return std::span(groups.order).subspan(begin, static_cast<size_t>(groups.begin[static_cast<size_t>(last)]) - begin);
+  };
   Supports supports;
-  supports.range.resize(centers.size());
-  supports.boundary.assign(centers.size(), 0);
-  std::vector<std::vector<int32_t>> found(static_cast<size_t>((count + block - 1) / block));
+  supports.center.resize(centers.size());
+  supports.plain.resize(centers.size(), 0);
+  std::vector<Part> parts(static_cast<size_t>((count + block - 1) / block));
+  std::vector<std::span<const int32_t>> places;
+  for (int begin = 0; begin < count; begin += block) places.push_back(members_of(begin, std::min(begin + block, count)));
   parallel_blocks(count, threads, block, [&](int begin, int end) {
-    Search search(cells, links, positions, triangles, frame, radius);
-    auto &list = found[static_cast<size_t>(begin / block)];
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      const auto first = static_cast<int32_t>(list.size());
-      search.run(centers[i], list, supports.boundary[i]);
-      supports.range[i] = ivec2(first, static_cast<int32_t>(list.size()) - first);
+    Search search(space, measured, radius);
+    Part &part = parts[static_cast<size_t>(begin / block)];
+    for (int g = begin; g < end; ++g) {
+      const size_t before = part.range.size();
+      const std::span<const int32_t> members = members_of(g, g + 1);
+      if (g == 0) // they start nowhere
+        part.left.assign(members.begin(), members.end());
+      else
+        search_together(search, centers, groups.start, {members.begin(), members.end()}, radius, supports, part);
+      if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
     }
   });
-  for (size_t i = 0; i < found.size(); ++i) {
-    const auto offset = static_cast<int32_t>(supports.cell.size());
-    const size_t last = std::min(centers.size(), (i + 1) * block);
-    for (size_t k = i * block; k < last; ++k) supports.range[k].x += offset;
-    supports.cell.insert(supports.cell.end(), found[i].begin(), found[i].end());
+  join(parts, places, supports);
+
+  std::vector<int32_t> left;
+  for (const Part &part : parts) left.insert(left.end(), part.left.begin(), part.left.end());
+
+  if (left.empty()) {
+    supports.order = std::move(groups.order);
+    return supports;
   }
+  const std::vector<vec4> &positions = space.positions();
+  const std::vector<Bounds> links = link_bounds(space.cells, positions, threads);
+  const auto rest = static_cast<int>(left.size());
+  parts.assign(static_cast<size_t>((rest + alone - 1) / alone), {});
+  places.clear();
+  for (size_t first = 0; first < left.size(); first += alone)
+    places.push_back(std::span<const int32_t>(left).subspan(first, std::min<size_t>(alone, left.size() - first)));
+  parallel_blocks(rest, threads, alone, [&](int begin, int end) {
+    Search search(space, measured, radius);
+    Part &part = parts[static_cast<size_t>(begin / alone)];
+    for (auto k = static_cast<size_t>(begin); k < static_cast<size_t>(end); ++k) {
+      const SupportCenter &center = centers[static_cast<size_t>(left[k])];
+      bool boundary = false;
+      search.run(center, links, positions, boundary);
+      search.measure(center.position);
+      const size_t before = part.range.size();
+      supports.center[static_cast<size_t>(left[k])] = search.list(boundary, part.range);
+      if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
+    }
+  });
+  join(parts, places, supports);
+  supports.order = std::move(groups.order);
   return supports;
 }
 

@@ -1,23 +1,32 @@
-// Cells + positions of a frame → the neighborhood of each center: the cells of the surface connected to it within the ball, and
-// samples of the triangles that no texel carries.
+// Cells + positions of a frame → the neighborhood of each center: the samples of the surface connected to it within the ball.
+//
+// What the cells near a center reach over links is found once for all centers of a cell. Where all of that within a center's ball
+// faces its way, it is connected there: nothing folds back. Elsewhere, and at the mesh's boundary, each center searches by
+// itself, over links that lie in its own ball.
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "bake/distortion.h"
 #include "bake/surface_maps.h"
 #include "mesh/normals.h"
+#include "sample/cell_samples.h"
 #include "sample/cells.h"
+
+#include "shared.h"
 
 namespace paradesc {
 
-// The cells of each center's neighborhood.
+// The samples of each center's neighborhood.
 struct Supports {
-  std::vector<ivec2> range;      // (centers) first and count, into cell
-  std::vector<int32_t> cell;     // -1 - cell: near the center, to be sampled more finely
-  std::vector<uint8_t> boundary; // (centers) 1: the mesh's boundary lies in the ball
+  std::vector<SupportData> center; // (centers)
+  std::vector<ivec2> range;        // first and end of samples, see SupportData
+  std::vector<uint8_t> plain;      // (centers) the surface in the ball faces one way; others searched by themselves
+  std::vector<int32_t> order;      // centers, so that those with common samples follow each other
 };
 
 struct SupportCenter {
@@ -33,12 +42,25 @@ struct BareSamples {
   std::vector<vec2> weights;  // (samples) of the triangle's corners 1 and 2: where the sample lies
 };
 
-// mapped: the surface over the triangles where maps displace it, else NULL.
+// mapped: the surface over the triangles where maps displace it, else NULL. radius in buffer units.
 BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
                                   const BufferFrame &frame, float radius, const MappedSurface *mapped = nullptr);
 
-// positions: (size * size) as GeometryBuffer::read_position. radius in buffer units.
-Supports find_supports(const Cells &cells, const std::vector<vec4> &positions, const Triangles &triangles,
-                       const BufferFrame &frame, const std::vector<SupportCenter> &centers, float radius, int threads);
+// What the search reads of a frame.
+struct SupportSpace {
+  const Cells &cells;
+  const CellSamples &samples;
+  std::span<const CellData> measured;
+  const BareSamples &bare;
+  const Triangles &triangles;
+  const BufferFrame &frame;
+  std::function<const std::vector<vec4> &()> positions; // (size * size) as GeometryBuffer::read_position, where it is asked for
+  bool halves;                                          // samples in two turns, black squares and white ones
+};
+
+// radius in buffer units. Throws Error(OUT_OF_MEMORY) where all neighborhoods together have more ranges than `most`, or than can
+// be counted.
+Supports find_supports(const SupportSpace &space, const std::vector<SupportCenter> &centers, float radius, int threads,
+                       size_t most = std::numeric_limits<int32_t>::max());
 
 } // namespace paradesc

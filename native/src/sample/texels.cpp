@@ -7,6 +7,7 @@
 
 #include "bake/seam_links.h"
 #include "sample/pattern.h"
+#include "support/parallel.h"
 
 namespace paradesc {
 
@@ -195,10 +196,10 @@ public:
   Lookup(const TexelMap &map, const Charts &charts) : map_(map), charts_(charts) {}
 
   // The places that a site's values are taken from; none where no texel of its chart is near.
-  std::vector<Weighted> near(const Site &site) const {
+  void near(const Site &site, std::vector<Weighted> &found) const {
     const vec2 texel = site.uv * static_cast<float>(map_.size) - 0.5f;
     const vec2 low = glm::floor(texel), share = texel - low;
-    std::vector<Weighted> found;
+    found.clear();
     bool regular = true;
     for (int i = 0; i < 4; ++i) {
       const float weight = (i % 2 ? share.x : 1.0f - share.x) * (i / 2 ? share.y : 1.0f - share.y);
@@ -208,7 +209,6 @@ public:
     }
     if (!regular) found = beside_border(site);
     if (found.empty()) add_nearest(texel, site.chart, found);
-    return found;
   }
 
 private:
@@ -290,16 +290,18 @@ static void mix_value(const std::vector<Weighted> &from, const std::vector<float
   for (size_t k = 0; k < width; ++k) out.push_back(total > 0.0f ? sum[static_cast<int>(k)] : nan);
 }
 
-SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites) {
-  const Lookup lookup(map, charts);
+// Of sites [first, last).
+static SiteResults look_up_some(const Lookup &lookup, const TexelMap &map, const SiteResults &results, const Charts &charts,
+                                bool all_sites, size_t first, size_t last) {
   SiteResults found;
   found.refined_share = results.refined_share;
   found.values.resize(results.values.size());
-  for (size_t i = 0; i < charts.sites.size(); ++i) {
+  std::vector<Weighted> from;
+  for (size_t i = first; i < last; ++i) {
     const Site &site = charts.sites[i];
     const bool primary = charts.point_site[static_cast<size_t>(site.point)] == static_cast<int32_t>(i);
     if (!primary && !all_sites) continue;
-    const std::vector<Weighted> from = lookup.near(site);
+    lookup.near(site, from);
     if (from.empty()) continue;
     found.point.push_back(site.point);
     found.primary.push_back(primary);
@@ -311,6 +313,22 @@ SiteResults look_up(const TexelMap &map, const SiteResults &results, const Chart
     for (const Weighted &one : from) boundary |= results.boundary[static_cast<size_t>(one.place)];
     found.boundary.push_back(boundary);
   }
+  return found;
+}
+
+SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites, int threads) {
+  constexpr int block = 16384;
+  const Lookup lookup(map, charts);
+  const auto count = static_cast<int>(charts.sites.size());
+  std::vector<SiteResults> parts(static_cast<size_t>((count + block - 1) / block));
+  parallel_blocks(count, threads, block, [&](int begin, int end) {
+    parts[static_cast<size_t>(begin / block)] =
+        look_up_some(lookup, map, results, charts, all_sites, static_cast<size_t>(begin), static_cast<size_t>(end));
+  });
+  SiteResults found;
+  found.values.resize(results.values.size());
+  for (SiteResults &part : parts) append(found, std::move(part));
+  found.refined_share = results.refined_share;
   return found;
 }
 

@@ -45,7 +45,7 @@ std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Triangle
 // results: at all places of the map → at the places of points in the UV map; each point's primary one only, unless all_sites.
 // Bilinear between texels of the site's own chart; beside its border, where some are missing or not at their centers, by a plane
 // fitted to those around. No row for a site with no texel of its chart near.
-SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites);
+SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites, int threads = 0);
 
 // Adds the map to the field: NaN where there is no surface. names: of results.values.
 void keep_map(const TexelMap &map, const SiteResults &results, Field &field);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -37,7 +38,11 @@ template <class Body> void parallel_blocks(int count, int threads, int block, co
   };
   std::vector<std::jthread> team;
   const int helpers = std::min(thread_count(threads), (count + block - 1) / std::max(block, 1)) - 1;
-  for (int i = 0; i < helpers; ++i) team.emplace_back(work);
+  try {
+    for (int i = 0; i < helpers; ++i) team.emplace_back(work);
+  } catch (const std::system_error &) {
+    // The system gives no more threads: those that there are do the work.
+  }
   work();
   team.clear();
   if (error) std::rethrow_exception(error);

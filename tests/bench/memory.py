@@ -1,0 +1,168 @@
+"""Peak memory of a mesh and its computations, each in a process of its own, beside what the library expects.
+
+    PYTHONPATH=addon python tests/bench/memory.py
+    PYTHONPATH=addon python tests/bench/memory.py --triangles 1000000 --buffers 1024 --backend reference
+
+Bytes are those over what the process had with a context, its programs and the mesh's own arrays. "of expected" has to
+stay at or below 1, lest the limit lets through what does not fit; native/src/memory.cpp has the constants.
+"""
+
+import argparse
+import ctypes
+import json
+import platform
+import subprocess
+import sys
+from contextlib import suppress
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+
+from paradesc.bridge.session import Context, MeshArrays, Options
+
+DESCRIPTORS = ["mean_curvature"]
+
+
+def torus(triangles: int, across: int = 10, around: int = 6) -> MeshArrays:
+    """A torus of across x around charts with gutters, of about as many triangles."""
+    columns, rows = (
+        max(int(np.sqrt(triangles / 2 * ratio)) // part, 1) * part for ratio, part in ((5 / 3, across), (0.6, around))
+    )
+    u, v = (grid.ravel() for grid in np.meshgrid(np.arange(columns), np.arange(rows)))
+    angle, tube = 2 * np.pi * u / columns, 2 * np.pi * v / rows
+    width = 1 + 0.4 * np.cos(tube)
+    positions = np.stack([width * np.cos(angle), width * np.sin(angle), 0.4 * np.sin(tube)], axis=1)
+    steps = np.array([[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1]], np.int32)
+    cells = np.stack([u, v], axis=1).astype(np.int32)
+    size = np.array([columns, rows], np.int32)
+    part = size // (across, around)
+    places = cells[:, None] + steps
+    chart = cells // part
+    uvs = (chart[:, None] + 0.04 + 0.92 * (places - (chart * part)[:, None]) / part) / (across, around)
+    wrapped = places % size
+    corners = (wrapped[..., 1] * columns + wrapped[..., 0]).ravel().astype(np.int32)
+    faces = np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
+    return MeshArrays(positions.astype(np.float32), corners, faces, uvs.reshape(-1, 2).astype(np.float32))
+
+
+def status(name: str) -> int:
+    """Bytes of one line of the process' status."""
+    line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith(name))
+    return int(line.split()[1]) * 1024
+
+
+def trim() -> None:
+    """Gives back what was freed, lest it is taken for memory that nothing needs."""
+    ctypes.CDLL(None).malloc_trim(0)
+
+
+def resident() -> int:
+    """Bytes held now, which are the peak from now on."""
+    trim()
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+    return status("VmRSS")
+
+
+def measure(case: dict[str, object]) -> dict[str, float]:
+    """One mesh, one computation."""
+    options = Options(**case["options"])
+    descriptors = case["descriptors"]
+    mesh = torus(case["triangles"])
+    with Context(case["backend"]) as context:
+        context.mesh(torus(2000)).compute(descriptors, options).close()
+        before = resident()
+        native = context.mesh(mesh)
+        created = status("VmHWM") - before
+        trim()
+        kept = status("VmRSS") - before
+        expected = native.memory(descriptors, options)
+        resident()
+        with native.compute(descriptors, options) as field:
+            computed = status("VmHWM") - before
+            report = field.report()
+    given = (mesh.positions, mesh.corner_vertices, mesh.triangle_corners, mesh.corner_uvs)
+    return {
+        "triangles": len(mesh.triangle_corners),
+        "vertices": len(mesh.positions),
+        "input": sum(array.nbytes for array in given),
+        "create": created,
+        "kept": kept,
+        "compute": computed,
+        "device": 1e6 * report["buffer_megabytes"],
+        **expected,
+    }
+
+
+def cases(arguments: argparse.Namespace) -> list[dict[str, object]]:
+    """Every number of triangles with every buffer, and the choices that take memory of their own."""
+    plain = [
+        {"triangles": count, "backend": arguments.backend, "descriptors": DESCRIPTORS, "options": {"buffer_size": size}}
+        for count in arguments.triangles
+        for size in arguments.buffers
+    ]
+    if arguments.backend == "reference":
+        return plain[:: len(arguments.buffers)]
+    return plain + [
+        {
+            "triangles": min(arguments.triangles),
+            "backend": arguments.backend,
+            "descriptors": descriptors,
+            "options": {"buffer_size": min(arguments.buffers), **options},
+        }
+        for descriptors, options in (
+            (DESCRIPTORS, {"precision": "half"}),
+            (DESCRIPTORS, {"radius": 0.1}),
+            (DESCRIPTORS, {"evaluate": "texel", "texels": 1024, "samples": 8}),
+            (DESCRIPTORS, {"relocation": "paper", "samples": 8, "max_jumps": 1}),
+            (["harris"], {"samples": 8}),
+            (["geodesic_area", "principal_direction_max", "shape_index", "curvedness", "sphere_volume"], {}),
+        )
+    ]
+
+
+def processor() -> str:
+    """Its name."""
+    with suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.split(":")[1].strip()
+    return platform.machine()
+
+
+def say(line: str) -> None:
+    """One line, at once."""
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
+def main() -> None:
+    """Prints a table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--triangles", type=int, nargs="+", default=[100_000, 1_000_000])
+    parser.add_argument("--buffers", type=int, nargs="+", default=[512, 1024, 4096])
+    parser.add_argument("--backend", default="software", choices=["software", "gpu", "reference"])
+    parser.add_argument("--case", help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.case:
+        say(json.dumps(measure(json.loads(arguments.case))))
+        return
+    say(f"{processor()}, {date.today()}; MB of 10^6 bytes\n")
+    say("| triangles | buffer | options | input | mesh: peak | kept | compute: peak | expected | of expected |")
+    say("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    for case in cases(arguments):
+        command = [sys.executable, __file__, "--case", json.dumps(case)]
+        done = subprocess.run(command, check=True, capture_output=True, text=True)
+        row = json.loads(done.stdout.splitlines()[-1])
+        options = dict(case["options"])
+        size = options.pop("buffer_size")
+        said = ", ".join([*(f"{key} {value}" for key, value in options.items()), *case["descriptors"][:1]])
+        expected = row["total"]
+        sizes = " | ".join(f"{row[name] / 1e6:.0f}" for name in ("input", "create", "kept", "compute"))
+        share = row["compute"] / expected
+        say(f"| {row['triangles']:,} | {size} | {said} | {sizes} | {expected / 1e6:.0f} | {share:.2f} |")
+
+
+if __name__ == "__main__":
+    main()
