@@ -1,6 +1,6 @@
 """Bakes again and again in Blender's window while the viewport redraws, then quits while a bake runs.
 
-Started by run_in_window.sh. A hundred bakes with PARADESC_LONG_TESTS, three without. Blender draws by OpenGL on the main
+Started by run_in_window.sh. With PARADESC_LONG_TESTS a hundred bakes, else three. Blender draws by OpenGL on the main
 thread, the library on its own; the picture of the viewport has to be the same after all of them.
 """
 

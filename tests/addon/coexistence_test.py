@@ -15,6 +15,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 def test_a_frame_looks_the_same_before_and_after_bakes(engine, tmp_path):
     target = add_sphere(steps=8)
     look_at(bpy.context.scene, engine)
+    bpy.context.collection.objects.link(bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN")))
     try:
         render_still(tmp_path / "before.png")
     except RuntimeError as error:
