@@ -272,7 +272,7 @@ class Sample:
 
     bakes: int
     seconds: float
-    resident: float  # megabytes
+    resident: float  # megabytes that are this process' own: pages of libraries come and go with what others need
     heap: float  # megabytes in use
     files: int
     threads: int
@@ -291,7 +291,7 @@ def holdings(bakes: int, seconds: float) -> Sample:
     return Sample(
         bakes,
         seconds,
-        int(status.split("VmRSS:")[1].split()[0]) / 1024,
+        int(status.split("RssAnon:")[1].split()[0]) / 1024,
         (info.uordblks + info.hblkhd) / 2**20,
         len(list(Path("/proc/self/fd").iterdir())),
         len(threads() - drivers_own()),
