@@ -27,6 +27,7 @@ from paradesc.stream import Stream  # noqa: E402
 from shapes import as_arrays, cube_sphere  # noqa: E402
 
 BACKENDS = ("software", "reference")
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of glibc's malloc.h
 # Most steps along the side of a chart: 26 to 488 vertices.
 FINEST = 9
 # Growth that one bake may leave behind. A lost field of these meshes is some 10 kB, a lost mesh 100 kB, a lost context
@@ -278,6 +279,13 @@ class Sample:
     threads: int
 
 
+def give_back_at_once() -> None:
+    """Has malloc return large blocks when they are freed; it would keep more of them, the larger they have been."""
+    library = ctypes.CDLL(None)
+    for option in (M_MMAP_THRESHOLD, M_TRIM_THRESHOLD):
+        library.mallopt(option, 2**17)
+
+
 def holdings(bakes: int, seconds: float) -> Sample:
     """What this process holds now, without what merely waits to be given back."""
     gc.collect()
@@ -321,6 +329,7 @@ def soak(
     tell: Callable[[Sample], None] | None = None,
 ) -> tuple[list[Sample], Counter]:
     """Bakes so often; what was held on the way, and how often bakes ended in which way."""
+    give_back_at_once()
     chance = np.random.default_rng(seed)
     ends: Counter = Counter()
     samples = []
