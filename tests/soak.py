@@ -12,6 +12,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -26,6 +27,7 @@ from paradesc.stream import Stream  # noqa: E402
 from shapes import as_arrays, cube_sphere  # noqa: E402
 
 BACKENDS = ("software", "reference")
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of glibc's malloc.h
 # Most steps along the side of a chart: 26 to 488 vertices.
 FINEST = 9
 # Growth that one bake may leave behind. A lost field of these meshes is some 10 kB, a lost mesh 100 kB, a lost context
@@ -271,10 +273,17 @@ class Sample:
 
     bakes: int
     seconds: float
-    resident: float  # megabytes
+    resident: float  # megabytes that are this process' own: pages of libraries come and go with what others need
     heap: float  # megabytes in use
     files: int
     threads: int
+
+
+def give_back_at_once() -> None:
+    """Has malloc return large blocks when they are freed; it would keep more of them, the larger they have been."""
+    library = ctypes.CDLL(None)
+    for option in (M_MMAP_THRESHOLD, M_TRIM_THRESHOLD):
+        library.mallopt(option, 2**17)
 
 
 def holdings(bakes: int, seconds: float) -> Sample:
@@ -290,11 +299,26 @@ def holdings(bakes: int, seconds: float) -> Sample:
     return Sample(
         bakes,
         seconds,
-        int(status.split("VmRSS:")[1].split()[0]) / 1024,
+        int(status.split("RssAnon:")[1].split()[0]) / 1024,
         (info.uordblks + info.hblkhd) / 2**20,
         len(list(Path("/proc/self/fd").iterdir())),
-        len(list(Path("/proc/self/task").iterdir())),
+        len(threads() - drivers_own()),
     )
+
+
+def threads() -> set[str]:
+    """The threads of this process."""
+    return {path.name for path in Path("/proc/self/task").iterdir()}
+
+
+def drivers_own() -> set[str]:
+    """Threads that write Mesa's shader cache: it starts up to four as it has more to write, for the whole process."""
+    own = set()
+    for path in Path("/proc/self/task").iterdir():
+        with suppress(OSError):  # it has just ended
+            if ":disk$" in (path / "comm").read_text():
+                own.add(path.name)
+    return own
 
 
 def soak(
@@ -305,6 +329,7 @@ def soak(
     tell: Callable[[Sample], None] | None = None,
 ) -> tuple[list[Sample], Counter]:
     """Bakes so often; what was held on the way, and how often bakes ended in which way."""
+    give_back_at_once()
     chance = np.random.default_rng(seed)
     ends: Counter = Counter()
     samples = []

@@ -1,6 +1,7 @@
 """Threads that compute beside Blender; when Python ends they are stopped first.
 
-A native call that is still under way then would call back into an interpreter that is gone, which aborts or hangs the process.
+A native call that is still under way then would call back into an interpreter that is gone, which aborts or hangs the
+process.
 """
 
 import atexit

@@ -143,6 +143,9 @@ def pytest_unconfigure(config):
     """
     bpy = sys.modules.get("bpy")
     if bpy is not None and not bpy.app.binary_path and hasattr(config, "ended"):
+        if "coverage" in sys.modules and (counts := sys.modules["coverage"].Coverage.current()) is not None:
+            counts.stop()
+            counts.save()
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(config.ended)

@@ -3,9 +3,11 @@
 # beside it that the second word names. With a file name as the first word it also leaves a screenshot of the panel there.
 set -uo pipefail
 folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-# Blender ends with 0 after a Python error: the script's last words count.
+# Blender ends with 0 after a Python error: the script's last words count, and that it ends at all.
 output=$(timeout 300 xvfb-run -a -s "-screen 0 1400x1000x24" env LIBGL_ALWAYS_SOFTWARE=1 \
   blender --factory-startup --enable-event-simulate --no-window-focus --window-geometry 0 0 1400 1000 \
   -P "$folder/${2:-window_in_blender.py}" -- "$folder" "${1:-}" 2>&1)
+code=$?
 printf '%s\n' "$output" | grep -E '^(window: |Traceback|[A-Za-z]*Error)' || printf '%s\n' "$output" | tail -n 30
-grep -qx 'window: all steps passed' <<<"$output"
+[ $code -eq 0 ] || echo "window: Blender ended with $code"
+[ $code -eq 0 ] && grep -qx 'window: all steps passed' <<<"$output"

@@ -45,6 +45,10 @@ def test_level_is_level():
 
 
 def test_a_field_that_stays_is_noticed(monkeypatch):
+    before, large = soak.holdings(0, 0.0).heap, bytearray(8 * 2**20)
+    if soak.holdings(0, 0.0).heap - before < 7:
+        pytest.skip("this program has an allocator of its own, whose memory nobody tells")
+    del large
     kept = []
     close = soak.bridge.Field.close
     monkeypatch.setattr(soak.bridge.Field, "close", lambda field: kept.append((field, bytearray(200_000))))

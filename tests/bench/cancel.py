@@ -1,11 +1,11 @@
 """How long a bake goes on after it was cancelled, at any time from start to end, on a mesh of a million triangles.
 
-    PYTHONPATH=addon python tests/bench/cancel.py [--triangles 1000000] [--mesh FILE.obj] [--backend software] [--json FILE]
+    PYTHONPATH=addon python tests/bench/cancel.py [--triangles 1000000] [--mesh FILE.obj] [--json FILE]
     PYTHONPATH=addon python tests/bench/cancel.py --descriptors harris --cancels 40
 
-A cancel is heard at the next call of the progress callback, so the longest time between two calls bounds the wait: that is the first
-table, of a whole bake, by stage. The second cancels a worker (addon/paradesc/job.py) at so many moments spread over the
-bake, as Esc does, and measures until its thread has ended. Numbers of a quiet machine only.
+A cancel is heard at the next call of the progress callback, so the longest time between two calls bounds the wait:
+that is the first table, of a whole bake, by stage. The second cancels a worker (addon/paradesc/job.py) at so many
+moments spread over the bake, as Esc does, and measures until its thread has ended. Numbers of a quiet machine only.
 """
 
 import argparse
@@ -15,6 +15,7 @@ import sys
 import time
 from dataclasses import asdict, dataclass
 from datetime import date
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -57,7 +58,7 @@ def gaps(arrays: bridge.MeshArrays, settings: job.Settings) -> tuple[list[Gap], 
     job.run(arrays, settings, tell)
     seen.append(("end", 1.0, time.perf_counter()))
     longest: dict[str, Gap] = {}
-    for (stage, fraction, begin), (*_, end) in zip(seen, seen[1:], strict=False):
+    for (stage, fraction, begin), (*_, end) in pairwise(seen):
         if end - begin > longest.get(stage, Gap(stage, 0, 0)).seconds:
             longest[stage] = Gap(stage, fraction, end - begin)
     return list(longest.values()), seen[-1][2] - seen[0][2]

@@ -194,6 +194,7 @@ void GeometryBuffer::begin_drawing() const {
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_BLEND);
+  gl_.BindVertexArray(vertex_array_); // also where nothing is drawn from it: without one there is no drawing at all
 }
 
 void GeometryBuffer::draw(ProgramCache &programs, int first_triangle, int last_triangle) {

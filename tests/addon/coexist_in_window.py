@@ -1,0 +1,96 @@
+"""Bakes again and again in Blender's window while the viewport redraws, then quits while a bake runs.
+
+Started by run_in_window.sh. With PARADESC_LONG_TESTS a hundred bakes, else three. Blender draws by OpenGL on the main
+thread, the library on its own; the picture of the viewport has to be the same after all of them.
+"""
+
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+words = sys.argv[sys.argv.index("--") + 1 :]
+sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
+import paradesc  # noqa: E402
+from paradesc import operators  # noqa: E402
+from scene import add_sphere, attribute_values, small_bake  # noqa: E402
+from window import begin, say, view_context, wait_for  # noqa: E402
+
+BAKES = 100 if os.environ.get("PARADESC_LONG_TESTS") else 3
+STEP = 0.05
+
+
+def start_bake() -> None:
+    """Presses the button."""
+    with bpy.context.temp_override(**view_context()):
+        assert bpy.ops.paradesc.bake("INVOKE_DEFAULT", True) == {"RUNNING_MODAL"}
+
+
+def baking() -> bool:
+    """The operator has not ended."""
+    return operators.PARADESC_OT_bake.running is not None
+
+
+def picture() -> np.ndarray:
+    """(height, width, 3) the viewport's middle on the screen."""
+    area = view_context()["area"]
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder) / "screen.png")
+        bpy.ops.screen.screenshot(filepath=path)
+        image = bpy.data.images.load(path)
+        width, height = image.size
+        pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[..., :3]
+        bpy.data.images.remove(image)
+    x, y = area.x + area.width // 2, area.y + area.height // 2
+    return pixels[y - 100 : y + 100, x - 100 : x + 100]
+
+
+def redraws(count: int) -> Iterator[None]:
+    """The viewport is drawn anew in every turn."""
+    for _ in range(count):
+        view_context()["area"].tag_redraw()
+        yield
+
+
+def steps(name: str) -> Iterator[None]:
+    """What the person does; every yield is a turn of the event loop."""
+    view_context()["area"].spaces[0].shading.type = "SOLID"
+    bpy.context.scene.paradesc_looks.show_legend = False
+    settings = small_bake()
+    start_bake()
+    yield from wait_for(lambda: not baking())
+    yield from redraws(5)
+    expected, before = attribute_values(bpy.data.meshes[name], "mean_curvature"), picture()
+    assert np.ptp(before) > 0.1, "an empty picture shows nothing"
+    for _ in range(BAKES):
+        start_bake()
+        while baking():
+            yield from redraws(1)
+        assert np.array_equal(attribute_values(bpy.data.meshes[name], "mean_curvature"), expected)
+    yield from redraws(5)
+    assert np.abs(picture() - before).max() < 0.02, "the viewport looks different"
+    say(f"baked {BAKES} times while the viewport was drawn, all alike")
+    settings.samples, settings.radius_percent, settings.buffer_size = 4096, 15.0, 1024
+    start_bake()
+    yield from redraws(6)
+    assert baking(), "ended before Blender could be quit"
+    say("quits while a bake runs")
+    say("all steps passed")
+
+
+def main() -> None:
+    """Prepares the scene and lets the event loop do the rest."""
+    bpy.context.preferences.view.show_splash = False
+    paradesc.register()
+    for item in list(bpy.data.objects):
+        bpy.data.objects.remove(item)
+    made = add_sphere(steps=24)
+    bpy.ops.ed.undo_push(message="start")
+    begin(steps(made.data.name), STEP)
+
+
+main()

@@ -1,0 +1,174 @@
+"""What the add-on may do to a computer: no network, its own library and no other, files only where the user says."""
+
+import ast
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from paradesc.bridge import library
+from shapes import ADDON, ROOT, cube_sphere, write_obj
+
+SOURCES = sorted((ADDON / "paradesc").rglob("*.py"))
+NETWORK = {"asyncio", "ftplib", "http", "imaplib", "nntplib", "poplib", "requests", "smtplib", "socket", "socketserver"}
+NETWORK |= {"ssl", "telnetlib", "urllib", "urllib3", "webbrowser", "websockets", "xmlrpc"}
+# Other programs, and files that run code when they are read.
+CODE = {"code", "codeop", "dill", "marshal", "multiprocessing", "pickle", "pip", "runpy", "shelve", "subprocess"}
+CALLS = {"compile", "eval", "exec", "__import__"}
+
+# What a bake with all of its files opens, makes and loads is written to watched.json.
+WATCH = """
+import json, sys
+written, loaded, other = [], [], []
+def watch(event, arguments):
+    if event == "open" and isinstance(arguments[0], (str, bytes)):
+        if isinstance(arguments[1], str) and set(arguments[1]) & set("wax+") or arguments[2] & 0o1103:
+            written.append(str(arguments[0]))
+    elif event in ("os.mkdir", "os.remove", "os.rmdir", "os.link", "os.symlink", "os.truncate", "tempfile.mkstemp"):
+        written.append(str(arguments[0]))
+    elif event in ("os.rename", "shutil.move", "shutil.copyfile"):
+        written.extend(map(str, arguments[:2]))
+    elif event == "ctypes.dlopen":
+        loaded.append(str(arguments[0]))
+    elif event.startswith(("socket.", "subprocess.", "os.system", "os.exec", "os.posix_spawn", "urllib.", "http.")):
+        other.append(event)
+sys.path[:0] = [{addon!r}, {numpy!r}, {tests!r}]
+sys.dont_write_bytecode = True
+import bpy
+import numpy
+from scene import add_sphere, small_bake, empty_scene
+import paradesc
+sys.addaudithook(watch)
+empty_scene()
+paradesc.register()
+target = add_sphere(steps=4)
+settings = small_bake()
+settings.descriptors = {{"mean_curvature", "harris"}}
+settings.write_image = settings.write_buffers = True
+settings.image_path, settings.buffers_path = {image!r}, {buffers!r}
+assert bpy.ops.paradesc.bake() == {{"FINISHED"}}
+bpy.context.scene.paradesc_animation.cache_folder = {cache!r}
+bpy.context.scene.frame_end = 2
+assert bpy.ops.paradesc.bake_frames() == {{"FINISHED"}}
+paradesc.unregister()
+libraries = sorted({{line.split(maxsplit=5)[-1].strip() for line in open("/proc/self/maps") if ".so" in line}})
+content = {{"written": written[:], "loaded": loaded, "other": other, "libraries": libraries}}
+open({report!r}, "w").write(json.dumps(content))
+"""
+
+
+def imported(path):
+    """The first words of the modules that a file imports from outside the add-on."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (name.name.partition(".")[0] for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            yield node.module.partition(".")[0]
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ADDON / "paradesc")))
+def test_no_module_reaches_the_network_or_runs_code_of_others(path):
+    assert not set(imported(path)) & (NETWORK | CODE)
+    calls = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)]
+    assert not {node.func.id for node in calls if isinstance(node.func, ast.Name)} & CALLS
+    loads = [node for node in calls if ast.unparse(node.func) in ("np.load", "numpy.load")]
+    assert all("allow_pickle=True" not in ast.unparse(node) for node in loads)
+
+
+def test_no_environment_variable_changes_what_is_loaded_or_computed():
+    native = [path for folder in ("native/src", "shaders") for path in (ROOT / folder).rglob("*") if path.is_file()]
+    if not native:
+        pytest.skip("the native sources are not here")
+    for path in [*SOURCES, *native]:
+        assert not re.search(r"\b(environ|getenv)\b", path.read_text()), path
+
+
+def test_only_the_bridge_loads_libraries_and_by_absolute_path():
+    opened = {
+        path.name
+        for path in SOURCES
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Call) and re.search(r"CDLL$|LoadLibrary$|find_library$|dlopen$", ast.unparse(node.func))
+        if [ast.unparse(word) for word in node.args] != ["None"]  # the process itself
+    }
+    assert opened == {"library.py"}
+    assert library.library_path().is_absolute()
+    assert library.library_path().parent == (ADDON / "paradesc" / "lib").resolve()
+
+
+@pytest.fixture(scope="module")
+def watched(tmp_path_factory):
+    """What a bake with an image, buffers and frames did, in a process with a home of its own and decoys around it."""
+    pytest.importorskip("bpy", reason="needs Blender")
+    import bpy
+
+    if not sys.platform.startswith("linux"):
+        pytest.skip("reads /proc")
+    folder = tmp_path_factory.mktemp("watched")
+    for name in ("home", "asked", "user", "decoy"):
+        (folder / name).mkdir()
+    (folder / "decoy" / "libparadesc.so").write_bytes(b"not a library")
+    (folder / "decoy" / "libOpenMeshCore.so.9.0").write_bytes(b"not a library")
+    words = {"addon": str(ADDON), "numpy": str(Path(np.__file__).parents[1]), "tests": str(Path(__file__).parent)}
+    words.update(image=str(folder / "asked" / "image.exr"), buffers=str(folder / "asked" / "buffers"))
+    words.update(cache=str(folder / "asked" / "frames"), report=str(folder / "watched.json"))
+    script = folder / "watch.py"
+    script.write_text(WATCH.format(**words))
+    start = [sys.executable, str(script)]
+    if bpy.app.binary_path:
+        start = [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1", "-P", str(script)]
+    user = {f"BLENDER_USER_{name}": str(folder / "user") for name in ("CONFIG", "SCRIPTS", "DATAFILES", "EXTENSIONS")}
+    home = {"HOME": str(folder / "home"), "XDG_CACHE_HOME": str(folder / "home" / ".cache")}
+    search = {"LD_LIBRARY_PATH": str(folder / "decoy"), "TMPDIR": str(folder / "user")}
+    done = subprocess.run(
+        start,
+        cwd=folder / "decoy",
+        env={**os.environ, **user, **home, **search},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder, json.loads((folder / "watched.json").read_text())
+
+
+def test_a_bake_writes_only_where_the_user_said(watched):
+    folder, seen = watched
+    allowed = (str(folder / "asked"), str(folder / "user"), "/dev/null")
+    assert seen["written"], "nothing was watched"
+    assert not [path for path in seen["written"] if not path.startswith(allowed)]
+    assert (folder / "asked" / "image.exr").is_file()
+    assert {path.name for path in (folder / "decoy").iterdir()} == {"libparadesc.so", "libOpenMeshCore.so.9.0"}
+
+
+def test_a_bake_leaves_nothing_in_the_home_but_the_drivers_own_cache(watched):
+    folder, _ = watched
+    found = {path.relative_to(folder / "home") for path in (folder / "home").rglob("*") if path.is_file()}
+    assert all("mesa_shader_cache" in str(path) for path in found), found
+
+
+def test_a_bake_starts_no_program_and_opens_no_connection(watched):
+    assert watched[1]["other"] == []
+
+
+def test_the_library_comes_from_the_addons_own_folder_whatever_the_search_path(watched):
+    _, seen = watched
+    own = str((ADDON / "paradesc" / "lib").resolve())
+    ours = [path for path in seen["libraries"] if "paradesc" in Path(path).name or "OpenMesh" in Path(path).name]
+    assert ours
+    assert all(path.startswith(own) for path in ours), ours
+    assert all(path.startswith(own) or path == "None" for path in seen["loaded"]), seen["loaded"]
+
+
+def test_the_command_line_writes_only_its_outputs(tmp_path, paradesc):
+    mesh = write_obj(tmp_path / "sphere.obj", *cube_sphere(4))
+    (tmp_path / "empty").mkdir()
+    done = paradesc("bake", mesh, "--buffer", 128, "--radius", 0.1, "--output", "out.npz", cwd=tmp_path / "empty")
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in (tmp_path / "empty").iterdir()] == ["out.npz"]
