@@ -189,7 +189,6 @@ void GeometryBuffer::clear() {
 
 void GeometryBuffer::begin_drawing() const {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  gl_.BindVertexArray(vertex_array_); // nothing is drawn without one, not even what has no vertex of its own
   gl_.Viewport(0, 0, size_, size_);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthMask(GL_TRUE);
