@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The second command: installs what is needed, builds everything, and runs all tests: the native ones, the add-on's in
-# Blender's Python module, then the same in Blender's own executable, without and with a window.
+# The second command: installs what is needed, builds everything, and runs all tests: the native ones, 100,000 fuzzed inputs, the
+# add-on's in Blender's Python module, then the same in Blender's own executable, without and with a window.
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
 
@@ -25,6 +25,7 @@ step() {
 }
 
 step "native tests" ctest --test-dir "$root/build" --output-on-failure --no-tests=error -j "$(nproc)"
+step "fuzzing" bash "$root/tests/fuzz.sh"
 step "add-on in the Python module" "$python" -m pytest -q --rootdir "$root" "$root/tests/addon"
 if command -v blender >/dev/null; then
   step "add-on in $(blender --version 2>/dev/null | head -n 1)" \

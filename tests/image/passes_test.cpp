@@ -57,5 +57,23 @@ TEST(Passes, harris_is_given_the_map_and_its_gradient_and_values_come_back_in_or
   for (size_t i = 0; i < 4; ++i) EXPECT_EQ(results.values[i][3], expected[i]) << i;
 }
 
+// Found by fuzzing: the gradient of a map that was evaluated nowhere was read past its end.
+TEST(Passes, a_map_without_a_place_of_evaluation_is_undefined_at_every_point) {
+  const std::vector<int> asked{row("harris")};
+  int with_map = 0;
+  const auto run = [&](const Pass &pass, const MapValues *map, int, int) {
+    if (pass.stage == Stage::windows) {
+      for (const vec4 &value : *map)
+        for (int k = 0; k < 4; ++k) EXPECT_TRUE(std::isnan(value[k])) << value[k];
+      with_map += static_cast<int>(map->size());
+    }
+    SiteResults results;
+    results.values.resize(pass.rows.size());
+    return results;
+  };
+  run_passes(8, asked, row("sphere_volume"), run);
+  EXPECT_EQ(with_map, 8);
+}
+
 } // namespace
 } // namespace paradesc::test

@@ -32,11 +32,9 @@ std::vector<Pass> plan_passes(std::span<const int> asked, int map_row) {
 }
 
 // Values of one row at the place that answers for each point; NaN where there is none.
-static std::vector<float> at_points(const SiteResults &results, const std::vector<float> &row, size_t point_count) {
-  const size_t places = results.point.size();
-  const size_t width = places ? row.size() / places : 1;
+static std::vector<float> at_points(const SiteResults &results, const std::vector<float> &row, size_t width, size_t point_count) {
   std::vector<float> values(point_count * width, std::numeric_limits<float>::quiet_NaN());
-  for (size_t i = 0; i < places; ++i) {
+  for (size_t i = 0; i < results.point.size(); ++i) {
     if (!results.primary[i]) continue;
     std::copy_n(&row[i * width], width, &values[static_cast<size_t>(results.point[i]) * width]);
   }
@@ -59,9 +57,9 @@ struct Done {
 // What a pass computed of the map itself goes into it.
 static void update_map(const Done &done, int map_row, size_t points, MapValues &map) {
   if (done.pass.stage == Stage::source) {
-    for (const float f : at_points(done.results, *done.find(map_row), points)) map.emplace_back(0.0f, 0.0f, 0.0f, f);
+    for (const float f : at_points(done.results, *done.find(map_row), 1, points)) map.emplace_back(0.0f, 0.0f, 0.0f, f);
   } else if (const std::vector<float> *found = done.pass.stage == Stage::map ? done.find(gradient_row()) : nullptr) {
-    const std::vector<float> gradient = at_points(done.results, *found, points);
+    const std::vector<float> gradient = at_points(done.results, *found, 3, points);
     for (size_t k = 0; k < points; ++k) map[k] = vec4(gradient[3 * k], gradient[3 * k + 1], gradient[3 * k + 2], map[k].w);
   }
 }
