@@ -74,7 +74,7 @@ MemoryOfCompute memory_of_compute(const Mesh &mesh, int backend, const pdesc_opt
   memory.device = bytes_of_device(mesh, options, descriptors);
   const int64_t triangles = mesh.triangles.triangle_count, borders = static_cast<int64_t>(mesh.charts.borders.size());
   const auto places = static_cast<int64_t>(mesh.charts.sites.size());
-  memory.host += int64_t{options.buffer_size} * options.buffer_size * 32 + triangles * 100 + places * 160 + borders * 150;
+  memory.host += int64_t{options.buffer_size} * options.buffer_size * 32 + triangles * 100 + places * 160 + borders * 300;
   if (options.evaluate == PDESC_EVALUATE_TEXEL)
     memory.host += int64_t{options.texels} * options.texels * (60 + 16 * rows_of(descriptors));
   return memory;
