@@ -390,7 +390,8 @@ static void join(std::vector<Part> &parts, const std::vector<std::span<const int
 
 [[noreturn]] static void refuse_ranges(size_t centers, size_t most) {
   throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The neighborhoods of " + std::to_string(centers) + " places have more than " +
-                                             std::to_string(most) + " pieces of charts, for which there is no memory; use a "
+                                             std::to_string(most) +
+                                             " pieces of charts, for which there is no memory; use a "
                                              "smaller radius, smaller buffers, or a UV map of fewer charts.");
 }
 
