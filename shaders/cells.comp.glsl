@@ -33,6 +33,7 @@ void main() {
     }
   bool whole = inside > float(block_size * block_size) - 0.5;
   float size = float(buffer_size);
-  cells[cell] = CellData(vec4(0.5 * (low + high), 0.5 * length(high - low)), vec4(face, cosine),
+  vec4 sphere = largest > 0.0 ? vec4(0.5 * (low + high), 0.5 * length(high - low)) : vec4(0.0, 0.0, 0.0, -1.0);
+  cells[cell] = CellData(sphere, vec4(face, cosine),
                          vec4(whole ? largest : 4.0 * largest, area / (size * size), 0.0, 0.0));
 }

@@ -27,6 +27,7 @@
 #define UNIT_MAP 15   // buffer, RGBA32F: gradient of a map, its value
 
 // Uniforms of every program that writes or reads the area element.
+#define LOCATION_FIRST_TRIANGLE 29 // of a part of the mesh that is drawn by itself
 #define LOCATION_AREA_UNIT 30
 #define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
 
@@ -96,7 +97,7 @@ struct SupportData {
   float lost; // area of what exceeds the iterations of a device
 };
 struct alignas(16) CellData {
-  vec4 sphere; // around the points of its texels: middle, radius
+  vec4 sphere; // around the points of its texels: middle, radius; below 0 where it has none
   vec4 cone;   // the normal of one of them, the least cosine between it and the others'
   vec4 area;   // the area element by which it is sampled, and the area of its surface
 };

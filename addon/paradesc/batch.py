@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from . import job, mesh_io, outputs, properties, sources, targets
+from . import job, mesh_io, modes, outputs, properties, sources, surface_maps, targets
 from .bridge import ParadescError, abi
 
 IMAGE_STEM, BUFFERS_NAME = "paradesc", "paradesc_buffers"
@@ -47,7 +47,10 @@ class Batch:
         """Takes the settings as they are now, and the chosen objects; raises where nothing can be computed."""
         group = context.scene.paradesc
         self.request = targets.Request(
-            group.shape_key, group.material_maps, group.write_attributes, context.scene.paradesc_animation.source
+            group.shape_key,
+            surface_maps.Sources(material=group.material_maps),
+            group.write_attributes,
+            context.scene.paradesc_animation.source,
         )
         self.settings = properties.job_settings(group)
         job.check_descriptors(self.settings.descriptors)
@@ -107,8 +110,8 @@ class Batch:
         target = piece.target()
         if self.request.write_attributes:
             mesh_io.check_writable(target)
-        piece.reading, piece.notes = targets.read(target, self.settings, self.request)
-        arrays = piece.reading.arrays
+        read = targets.read(target, self.settings, self.request)
+        piece.reading, piece.notes, arrays = read.reading, read.notes, read.measured
         sharing = [item for item in map(bpy.data.objects.get, piece.sharing) if item]
         piece.notes += targets.shared_note(sharing, self.settings.space, self.request.source)
         image, buffers = self.places[self.current]
@@ -139,7 +142,7 @@ class Batch:
 
     def finish(self, context: bpy.types.Context) -> None:
         """Writes every mesh' results, in object mode for that long."""
-        with targets.object_mode(context):
+        with modes.object_mode():
             for piece in self.pieces:
                 if piece.results is not None:
                     self.attempt(piece, self.write)

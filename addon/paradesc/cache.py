@@ -18,8 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
-from . import color_maps, job, results
+from . import color_maps, job, results, stored
 from .bridge import MeshArrays, ParadescError, abi
+from .digests import digest
 
 MAGIC = b"PDFRAME\n"
 VERSION = 1
@@ -35,6 +36,8 @@ QUANTILES = 257
 FRAMES = re.compile(r"(-?\d+)(?::(-?\d+))?(?::(\d+))?")
 MOST_FRAMES = 1_000_000
 RANGE_FILE = "range.json"
+# Beside the .blend, where nothing else is said.
+DEFAULT_FOLDER = "paradesc_cache"
 
 
 @dataclass
@@ -126,18 +129,6 @@ def key_of(arrays: MeshArrays, settings: job.Settings, **more: object) -> str:
     )
 
 
-def digest(*arrays: np.ndarray | None) -> str:
-    """A name for the arrays' contents; None counts."""
-    found = hashlib.sha256()
-    for array in arrays:
-        if array is None:
-            found.update(b"none;")
-            continue
-        found.update(f"{array.dtype.str}{array.shape};".encode())
-        found.update(np.ascontiguousarray(array).data)
-    return found.hexdigest()
-
-
 # ---- Writing
 
 
@@ -213,8 +204,8 @@ def read_frame(path: Path) -> Frame:
         raise refused(f'The frame file "{path}" cannot be read: {error}.') from error
     try:
         return decode(content, path)
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-        raise refused(f'The frame file "{path}" is damaged ({error}); bake this frame again.') from error
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, MemoryError) as error:
+        raise refused(f'The frame file "{path}" is damaged ({reason(error)}); bake this frame again.') from error
 
 
 def decode(content: bytes, path: Path) -> Frame:
@@ -254,7 +245,7 @@ def check_header(header: object, path: Path) -> None:
     """Raises where a header is not one of ours, or of another frame than the file's name says."""
     if not isinstance(header, dict) or not isinstance(header.get("info"), dict):
         raise ValueError("its header is none")
-    if header["version"] != VERSION:
+    if type(header["version"]) is not int or header["version"] != VERSION:
         raise ValueError(f"it has version {header['version']}, and this Paradesc reads {VERSION}")
     if not all(isinstance(header[name], str) and len(header[name]) <= 128 for name in ("key", "input")):
         raise ValueError("its key is none")
@@ -309,7 +300,7 @@ def ranges(frames: Iterable[Frame], look: color_maps.Look | None = None) -> dict
             pooled.setdefault(name, []).append((quantiles, frame.counts.get(name, 0)))
             given = frame.info.get("radius")
             radius = given.get(name) if isinstance(given, dict) else None
-            radii[name] = float(radius) if isinstance(radius, (int, float)) else 0.0
+            radii[name] = float(radius) if stored.is_number(radius) and 1e-30 < radius < 1e30 else 0.0
     found = {}
     for name, parts in pooled.items():
         try:
@@ -328,8 +319,8 @@ def read_fixed(folder: Path) -> dict[str, tuple[float, float]]:
         found = {str(name): (float(low), float(high)) for name, (low, high) in content.items()}
         if not all(np.isfinite(pair).all() and pair[0] < pair[1] for pair in found.values()):
             raise ValueError("a range is empty")
-    except (OSError, ValueError, TypeError, AttributeError, RecursionError) as error:
-        raise refused(f'The file "{path}" is damaged ({error}); give the range again.') from error
+    except (OSError, ValueError, TypeError, AttributeError, OverflowError, RecursionError, MemoryError) as error:
+        raise refused(f'The file "{path}" is damaged ({reason(error)}); give the range again.') from error
     return found
 
 
@@ -342,9 +333,16 @@ def locked_ranges(
     folders: Iterable[Path], key: str = "", look: color_maps.Look | None = None
 ) -> dict[str, color_maps.ValueRange]:
     """The one range for each name over all sound frames in these folders, of this key where one is given."""
-    folders = list(folders)
+    return ranges_over([(folder, key) for folder in folders], look)
+
+
+def ranges_over(
+    places: Iterable[tuple[Path, str]], look: color_maps.Look | None = None
+) -> dict[str, color_maps.ValueRange]:
+    """The one range for each name over all sound frames in folders, in each of a key of its own; "": of any."""
+    places = list(places)
     frames = []
-    for folder in folders:
+    for folder, key in places:
         for path in frames_in(folder).values():
             try:
                 frame = read_frame(path)
@@ -353,7 +351,7 @@ def locked_ranges(
             if key in ("", frame.key):
                 frames.append(replace(frame, values={}))
     found = ranges(frames, look)
-    for folder in folders:
+    for folder, _ in places:
         fixed = read_fixed(folder)
         for name, shown in found.items():
             if name in fixed or "" in fixed:
@@ -372,6 +370,11 @@ def pool(parts: list[tuple[np.ndarray, int]]) -> np.ndarray:
             middle = (np.arange(points) + 0.5) / points * (len(quantiles) - 1)
             chosen.append(quantiles[np.round(middle).astype(np.int64)])
     return np.sort(np.concatenate(chosen))
+
+
+def reason(error: Exception) -> str:
+    """What an error says, as a part of one line: it may quote the file."""
+    return " ".join(str(error).split())[:200]
 
 
 def refused(sentence: str) -> ParadescError:

@@ -20,8 +20,9 @@ EXPORT_PREFIX = "_"
 
 def own_names(mesh: bpy.types.Mesh, kind: str) -> list[str]:
     """What was made here: kind is "attributes" or "groups"."""
-    stored = mesh.get(OWN)
-    return list(stored.to_dict().get(kind, [])) if hasattr(stored, "to_dict") else []
+    content = mesh.get(OWN)
+    names = content.to_dict().get(kind) if hasattr(content, "to_dict") else None
+    return [name for name in names if isinstance(name, str)] if isinstance(names, list) else []
 
 
 def remember(mesh: bpy.types.Mesh, kind: str, name: str) -> None:

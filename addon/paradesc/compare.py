@@ -1,7 +1,11 @@
 """Compares the results of a device with those of the reference: the one definition of error, in percent.
 
 %AE = 100 |x - reference| / (P97.5(reference) - P2.5(reference)), over the vertices with a face. A value undefined on
-both sides is left out; undefined on one side only counts 100. Never imports bpy.
+both sides is left out; undefined on one side only counts 100.
+
+Where the reference has one value everywhere, its size stands in for that range. Between the two lie surfaces whose
+values hardly differ, such as the vertices of a fine sphere: a small error is a large share of their range, which is
+what this measures; their rows say so by their spread. Never imports bpy.
 """
 
 from dataclasses import dataclass, replace
@@ -16,6 +20,8 @@ CONSTANT_SHARE = 1e-3
 # Curvature times radius (to the unit's power) that a plane's rounding stays below.
 PLANE_SHARE = 1e-4
 UNDEFINED_ERROR = 100.0
+# Values that differ by a smaller share of the largest one hardly differ.
+SMALL_SPREAD = 0.05
 
 
 @dataclass
@@ -24,6 +30,7 @@ class Errors:
 
     percent: np.ndarray  # (vertex_count,) NaN where left out
     denominator: float
+    spread: float = float("nan")  # the denominator as a share of the reference's largest value
 
 
 def denominator(reference: np.ndarray, descriptor: Descriptor, radius: float) -> float:
@@ -46,13 +53,15 @@ def percent_errors(
     """Error at each vertex; all arrays (vertex_count,), radius in units of the positions."""
     values, reference = values.astype(np.float64), reference.astype(np.float64)
     here, there = np.isfinite(values), np.isfinite(reference)
-    scale = denominator(reference[there & with_face], descriptor, radius)
+    counted = reference[there & with_face]
+    scale = denominator(counted, descriptor, radius)
+    largest = float(np.abs(counted).max()) if counted.size else 0.0
     percent = np.full(len(values), np.nan)
     both = here & there
     percent[both] = 100.0 * np.abs(values[both] - reference[both]) / scale
     percent[here != there] = UNDEFINED_ERROR
     percent[~with_face] = np.nan
-    return Errors(percent, scale)
+    return Errors(percent, scale, scale / largest if largest > 0 else float("nan"))
 
 
 def angle_errors(values: np.ndarray, reference: job.Results, with_face: np.ndarray, name: str) -> Errors:
@@ -103,9 +112,17 @@ def row(name: str, device: job.Results, reference: job.Results) -> dict[str, obj
         "seam_mean_percent_ae": statistic(percent[near_seam], np.mean),
         "seam_error_mean": statistic(seam_error, np.mean),
         "seam_error_p99": statistic(seam_error, np.percentile, 99),
+        "spread": errors.spread,
         "coverage_mean": device.report_of(name)["coverage_mean"],
         "undefined": int(undefined.sum()),
     }
+
+
+def spread_note(row: dict[str, object]) -> str:
+    """Says that the values of a row hardly differ, or ""."""
+    if not row["spread"] < SMALL_SPREAD:
+        return ""
+    return f"the values of {row['descriptor']} differ by {100 * row['spread']:.2g} % only, which errors count against"
 
 
 def compare(

@@ -8,6 +8,7 @@ from .bridge import ParadescError
 
 # More graphics cards than this are not listed.
 MOST = 16
+TITLES = {"auto": "Automatic", "gpu": "Graphics card", "software": "Software", "reference": "Reference"}
 ABOUT = {
     "auto": "A graphics card where there is one, else the software rasterizer, else the reference",
     "gpu": "A graphics card with OpenGL 4.5",
@@ -28,8 +29,7 @@ class Device:
     @property
     def label(self) -> str:
         """What a menu shows."""
-        titles = {"gpu": "Graphics card", "software": "Software", "reference": "Reference"}
-        return f"{titles[self.backend]}: {self.name.split(' (')[0] if self.name else 'none'}"
+        return f"{TITLES[self.backend]}: {self.name.split(' (')[0] if self.name else 'none'}"
 
 
 @lru_cache(maxsize=1)
@@ -68,11 +68,10 @@ def about(backend: str) -> str:
 def label_of(backend: str, index: int) -> str:
     """What the panel shows of a choice, without asking the devices."""
     if backend == "auto":
-        return "Automatic"
+        return TITLES[backend]
     if found.cache_info().currsize:
         rows = [row for row in found() if row.backend == backend]
         row = next((row for row in rows if row.index == index), rows[0] if index < 0 else None)
         if row is not None:
             return row.label
-    title = {"gpu": "Graphics card", "software": "Software", "reference": "Reference"}[backend]
-    return title if index < 0 else f"{title} {index}"
+    return TITLES[backend] if index < 0 else f"{TITLES[backend]} {index}"

@@ -6,15 +6,16 @@ frame can be compared with those of another.
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
 import numpy as np
 
-from . import __version__, cache, job, mesh_io, sources, surface_maps
+from . import __version__, cache, job, mesh_io, pausing, sources, surface_maps
 from .bridge import InputError, MeshArrays, ParadescError, abi
+from .digests import digest
 from .mesh_io import refuse
 from .stream import Stream
 
@@ -63,6 +64,7 @@ class FrameBaker:
     def __init__(self, scene: bpy.types.Scene, target: bpy.types.Object, request: Request) -> None:
         sources.check_source(request.source)
         self.scene, self.target, self.request = scene, target, request
+        self.object_name, self.mesh_name = target.name, target.data.name  # for run(), which may not ask Blender
         settings = request.settings
         if settings.space != "object":
             raise refuse("Frames are measured in object space; choose that, and apply the scale where it matters.")
@@ -86,8 +88,8 @@ class FrameBaker:
     def make_key(self) -> str:
         """Of everything that the frames have in common."""
         maps = self.base.maps
-        rest = cache.digest(self.base.positions) if self.request.relative else ""
-        images = cache.digest(maps.heights) + f"{maps.midlevel!r} {maps.scale!r}" if maps is not None else ""
+        rest = digest(self.base.positions) if self.request.relative else ""
+        images = digest(maps.heights) + f"{maps.midlevel!r} {maps.scale!r}" if maps is not None else ""
         more = {"source": self.request.source, "rest": rest, "maps": images, "paradesc": __version__}
         return cache.key_of(self.base, self.stream.settings, names=self.names(), **more)
 
@@ -118,9 +120,9 @@ class FrameBaker:
                 raise at_frame(frame, error) from error
         self.take(reading)
         arrays = reading.arrays
-        content = cache.digest(arrays.positions, arrays.corner_normals, reading.vertices)
+        content = digest(arrays.positions, arrays.corner_normals, reading.vertices)
         if arrays.corner_vertices is not self.base.corner_vertices:
-            content = cache.digest(np.frombuffer(content.encode(), np.uint8), arrays.corner_vertices, arrays.corner_uvs)
+            content = digest(np.frombuffer(content.encode(), np.uint8), arrays.corner_vertices, arrays.corner_uvs)
         read = time.perf_counter()
         if not self.request.force and cache.kept(self.request.folder, frame, self.key, content):
             return None
@@ -129,14 +131,15 @@ class FrameBaker:
     @contextmanager
     def evaluating(self) -> Iterator[None]:
         """What counts while frames are evaluated: for a run without a window, hold it over all frames."""
-        if self.request.source != "deformed":
-            yield
-            return
-        with sources.only_deforming(self.target) as hidden:
+        with pausing.held(), self.hiding() as hidden:
             if hidden:
                 sentence = "Measured without the modifiers that change the vertices: " + sources.quoted(hidden) + "."
                 self.notes += [sentence] if sentence not in self.notes else []
             yield
+
+    def hiding(self) -> AbstractContextManager[list[str]]:
+        """Hides the modifiers that are not measured; gives their names."""
+        return sources.only_deforming(self.target) if self.request.source == "deformed" else nullcontext([])
 
     def take(self, reading: sources.Reading) -> None:
         """Keeps a frame's reading for the next one, and what it has to say."""
@@ -201,8 +204,8 @@ class FrameBaker:
         for own in ("backend", "device_index"):
             del settings[own]
         info = {
-            "object": self.target.name,
-            "mesh": self.target.data.name,
+            "object": self.object_name,
+            "mesh": self.mesh_name,
             "source": self.request.source,
             "vertices": "original" if task.reading.own else "evaluated",
             "settings": settings,

@@ -8,17 +8,19 @@ be locked.
 import logging
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import bpy
 from bpy.app.handlers import persistent
 
-from . import live, playback
+from . import contexts, live, looks, painting, pausing, playback
 from .bridge import ParadescError
 
 # Seconds without another edit after which live values follow.
 EDIT_DELAY = 0.2
+# Seconds between two looks at what is computed beside the window.
+COLLECT_STEP = 0.01
 KINDS = {"LIVE": live.Session, "CACHE": playback.Player}
 LOG = logging.getLogger("paradesc")
 
@@ -27,9 +29,9 @@ class State:
     """What lasts between two events. Cleared when a file is loaded."""
 
     def __init__(self) -> None:
-        self.sessions: dict[str, live.Session | playback.Player] = {}  # by the object's name
-        self.names: list[str] = []  # of live objects
-        self.object_count = -1  # in the file, when names were listed
+        self.sessions: dict[object, live.Session | playback.Player] = {}  # by the object's identity
+        self.listed: list[tuple[str, object]] = []  # names and identities of live objects
+        self.object_count = -1  # in the file, when they were listed
         self.edited_at: float | None = None
         self.render_time: float | None = None  # the frame that is being rendered, with its subframe
         self.rendering = False
@@ -41,22 +43,27 @@ STATE = State()
 
 
 def forget_all() -> None:
-    """Frees every session."""
+    """Frees every session, and the devices that nobody uses."""
     for session in STATE.sessions.values():
         session.close()
     STATE.sessions.clear()
     STATE.object_count = -1
+    contexts.close_idle()
 
 
 def live_objects() -> list[bpy.types.Object]:
     """The objects that have live values switched on; listed afresh when objects came, went or were renamed."""
     objects = bpy.data.objects
-    found = [objects.get(name) for name in STATE.names]
-    if len(objects) != STATE.object_count or not all(item and is_live(item) for item in found):
+    found = [objects.get((name, None)) for name, _ in STATE.listed]
+    same = all(
+        item is not None and live.identity(item) == known and is_live(item)
+        for item, (_, known) in zip(found, STATE.listed, strict=True)
+    )
+    if len(objects) != STATE.object_count or not same:
         found = [item for item in objects if is_live(item)]
-        STATE.names, STATE.object_count = [item.name for item in found], len(objects)
-        for name in set(STATE.sessions) - set(STATE.names):
-            STATE.sessions.pop(name).close()
+        STATE.listed, STATE.object_count = [(item.name, live.identity(item)) for item in found], len(objects)
+        for known in set(STATE.sessions) - {known for _, known in STATE.listed}:
+            STATE.sessions.pop(known).close()
     return found
 
 
@@ -71,11 +78,10 @@ def is_live(target: bpy.types.Object) -> bool:
 @contextmanager
 def our_turn(wait: bool) -> Iterator[bool]:
     """Gives True to one thread at a time, and False to what it calls itself by what it writes."""
-    me = threading.get_ident()
-    if STATE.owner == me or not STATE.turn.acquire(blocking=wait):
+    if is_ours() or not STATE.turn.acquire(blocking=wait):
         yield False
         return
-    STATE.owner = me
+    STATE.owner = threading.get_ident()
     try:
         yield True
     finally:
@@ -83,50 +89,136 @@ def our_turn(wait: bool) -> Iterator[bool]:
         STATE.turn.release()
 
 
-def refresh(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, targets: list[bpy.types.Object]) -> None:
-    """Brings the values of these objects up to date. Renders wait for their turn, other events do without."""
+def is_ours() -> bool:
+    """Whether this thread is the one that writes."""
+    return STATE.owner == threading.get_ident()
+
+
+def refresh(
+    scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, targets: list[bpy.types.Object], watched: bool = False
+) -> None:
+    """Brings the values of these objects up to date. Renders wait for their turn, other events do without.
+
+    watched: somebody looks on, and may see values a moment later where the scene does not wait for them.
+    """
+    wait = not watched or waits(scene, depsgraph)
     with our_turn(wait=depsgraph.mode == "RENDER") as ours:
         for target in targets if ours else ():
-            refresh_one(scene, depsgraph, target)
+            refresh_one(scene, depsgraph, target, wait)
+    if not wait and any(session.busy for session in STATE.sessions.values()):
+        start_timer(collect, COLLECT_STEP)
 
 
-def refresh_one(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, target: bpy.types.Object) -> None:
+def waits(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether values have to be there at once: wherever something else than a person at a window asks."""
+    return bpy.app.background or depsgraph.mode == "RENDER" or STATE.rendering or scene.paradesc_live.wait
+
+
+def is_watched() -> bool:
+    """Whether frames change because somebody plays the animation or drags the current frame, and nothing is written."""
+    screens = [window.screen for window in bpy.context.window_manager.windows]
+    return any(screen.is_animation_playing or screen.is_scrubbing for screen in screens)
+
+
+def refresh_one(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, target: bpy.types.Object, wait: bool) -> None:
     """One object; what goes wrong switches it off and is said in the panel, and in a farm's log."""
+    with switching_off(target):
+        session_of(target).refresh(target, depsgraph, scene, wait)
+
+
+@contextmanager
+def switching_off(target: bpy.types.Object) -> Iterator[None]:
+    """What goes wrong in it with an object ends its live values; an object that is gone is forgotten."""
     try:
-        session_of(target).refresh(target, depsgraph, scene)
+        yield
     except ParadescError as error:
         switch_off(target, error.sentence)
+    except ReferenceError:
+        STATE.object_count = -1
     except Exception as error:  # noqa: BLE001 (whatever it is, an exception would stop nothing but the sentence)
         switch_off(target, f"Live values stopped: {type(error).__name__}: {error}")
 
 
+def collect(wait: bool = False) -> float | None:
+    """A timer: shows what has been computed beside the window; seconds until the next look, or None at the end."""
+    if STATE.rendering:
+        return EDIT_DELAY
+    with our_turn(wait=False) as ours:
+        for target in live_objects() if ours else ():
+            session = session_at(target)
+            if session is not None and session.busy:
+                with switching_off(target):
+                    session.collect(target, wait)
+    return COLLECT_STEP if any(session.busy for session in STATE.sessions.values()) else None
+
+
+def start_timer(function: Callable[[], float | None], seconds: float) -> None:
+    """Has Blender's window call it, unless it does so already."""
+    if not bpy.app.background and not bpy.app.timers.is_registered(function):
+        bpy.app.timers.register(function, first_interval=seconds)
+
+
+def session_at(target: bpy.types.Object) -> live.Session | playback.Player | None:
+    """What the object keeps so far."""
+    return STATE.sessions.get(live.identity(target))
+
+
 def session_of(target: bpy.types.Object) -> live.Session | playback.Player:
     """What the object keeps, by its mode."""
-    wanted = KINDS[target.paradesc_live.mode]
-    found = STATE.sessions.get(target.name)
+    wanted, found = KINDS[target.paradesc_live.mode], session_at(target)
     if not isinstance(found, wanted):
         if found is not None:
             found.close()
-        found = STATE.sessions[target.name] = wanted()
+        found = STATE.sessions[live.identity(target)] = wanted()
     return found
 
 
 def switch_off(target: bpy.types.Object, sentence: str) -> None:
-    """Ends the live values of an object and says why."""
-    LOG.error('%s: live values of "%s" are switched off. %s', "Paradesc", target.name, sentence)
-    target.paradesc_live.mode = "OFF"
-    target.paradesc_live.sentence = sentence
+    """Ends the live values of an object and says why; nothing where it is gone."""
+    try:
+        LOG.error('%s: live values of "%s" are switched off. %s', "Paradesc", target.name, sentence)
+        target.paradesc_live.mode = "OFF"
+        target.paradesc_live.sentence = sentence
+    except ReferenceError:
+        STATE.object_count = -1
 
 
-def refresh_window(targets: list[bpy.types.Object]) -> None:
+def refresh_window(targets: list[bpy.types.Object], watched: bool = False) -> None:
     """Brings objects up to date in what the windows show, or, without one, in the current view layer."""
-    if STATE.owner == threading.get_ident() or STATE.rendering:
+    if is_ours() or STATE.rendering:
         return
     windows = bpy.context.window_manager.windows
     shown = [(window.scene, window.view_layer) for window in windows] or [(bpy.context.scene, bpy.context.view_layer)]
     for scene, layer in shown:
         layer.update()
-        refresh(scene, layer.depsgraph, targets)
+        refresh(scene, layer.depsgraph, targets, watched)
+
+
+def take_ranges(scene: bpy.types.Scene) -> None:
+    """Has the colors of all live objects span the values that are there now, those of played ones all frames."""
+    forget_ranges()
+    refresh_window(live_objects())
+    look = looks.scene_look(scene)
+    with our_turn(wait=True):
+        found = [session_at(target).found_ranges(look) for target in live_objects() if session_at(target)]
+        painting.take_ranges(scene.paradesc_live, found)
+    refresh_window(live_objects())
+
+
+def forget_ranges() -> None:
+    """Has the ranges of caches read again."""
+    for session in STATE.sessions.values():
+        session.forget_ranges()
+
+
+def look_changed(scene: bpy.types.Scene) -> None:
+    """The settings of the colors were changed: they hold for live objects at once."""
+    if not live_objects():
+        return
+    if painting.keeps_ranges(scene.paradesc_live, looks.scene_look(scene)):
+        refresh_window(live_objects())
+    else:
+        take_ranges(scene)
 
 
 # ---- Switching
@@ -164,29 +256,30 @@ def lock_interface(scene: bpy.types.Scene, needed: bool) -> None:
 def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Another frame was evaluated. Between the frames of a render, motion blur asks for shapes only."""
     targets = live_objects()
-    if not targets or depsgraph is None:
+    if not targets or depsgraph is None or (pausing.is_held() and depsgraph.mode != "RENDER"):
         return
     between = STATE.render_time is not None and scene.frame_current_final != STATE.render_time
     if depsgraph.mode == "RENDER" and between:
         return
-    refresh(scene, depsgraph, targets)
+    refresh(scene, depsgraph, targets, depsgraph.mode != "RENDER" and is_watched())
 
 
 @persistent
 def on_edit(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Something was edited: if it was the shape of a live object, its values follow when the hand rests."""
     targets = live_objects()
-    if not targets or depsgraph is None or STATE.owner == threading.get_ident():
+    if not targets or depsgraph is None or is_ours():
         return
     hit = list(edited_objects(targets, depsgraph))
     if not hit:
         return
-    for target in hit:
-        if target.name in STATE.sessions:
-            STATE.sessions[target.name].edited = True
+    for session in filter(None, map(session_at, hit)):
+        if session.wrote:  # most likely it is that; and if not, a comparison at rest will tell
+            session.wrote, session.unsure = False, True
+        else:
+            session.edited = True
     STATE.edited_at = time.monotonic()
-    if not bpy.app.background and not bpy.app.timers.is_registered(follow_edits):
-        bpy.app.timers.register(follow_edits, first_interval=EDIT_DELAY)
+    start_timer(follow_edits, EDIT_DELAY)
 
 
 def edited_objects(targets: list[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
@@ -204,10 +297,14 @@ def follow_edits() -> float | None:
     left = STATE.edited_at + EDIT_DELAY - time.monotonic()
     if left > 0:
         return left
-    if STATE.rendering or any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows):
+    playing = any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
+    busy = any(session.busy for session in STATE.sessions.values())
+    if STATE.rendering or pausing.is_held() or playing or busy:
         return EDIT_DELAY
     STATE.edited_at = None
-    refresh_window(live_objects())
+    for session in STATE.sessions.values():
+        session.edited = session.edited or session.unsure
+    refresh_window(live_objects(), watched=True)
     return None
 
 
@@ -239,6 +336,15 @@ def on_load_start(*_ignored: object) -> None:
 
 
 @persistent
+def on_save(*_ignored: object) -> None:
+    """The file is saved: with the values that belong to its frame."""
+    for _ in range(3):  # what is computed, what waits, and that nothing is left
+        if not any(session.busy for session in STATE.sessions.values()):
+            break
+        collect(wait=True)
+
+
+@persistent
 def on_undo(*_ignored: object) -> None:
     """Names, topology and values may be others now."""
     STATE.object_count = -1
@@ -254,6 +360,7 @@ HANDLERS = {
     "render_complete": on_render_end,
     "render_cancel": on_render_end,
     "load_pre": on_load_start,
+    "save_pre": on_save,
     "undo_post": on_undo,
     "redo_post": on_undo,
 }
@@ -276,8 +383,9 @@ def unregister() -> None:
         hooks = getattr(bpy.app.handlers, name)
         if function in hooks:
             hooks.remove(function)
-    if bpy.app.timers.is_registered(follow_edits):
-        bpy.app.timers.unregister(follow_edits)
+    for function in (follow_edits, collect):
+        if bpy.app.timers.is_registered(function):
+            bpy.app.timers.unregister(function)
     forget_all()
 
 

@@ -3,10 +3,11 @@
 import threading
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
-from . import bridge
+from . import bridge, contexts, threads
 from .bridge import abi
 from .color_maps import Look
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
@@ -162,19 +163,19 @@ def run(
 ) -> Results:
     """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
     check_descriptors(settings.descriptors)
-    with open_context(arrays, settings) as context, context.mesh(arrays) as mesh:
+    with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
         return run_on(context, mesh, arrays, settings, progress, with_buffers)
 
 
-def open_context(arrays: bridge.MeshArrays, settings: Settings) -> bridge.Context:
-    """The device that the settings name, if it can compute on these arrays."""
-    context = bridge.Context(settings.backend, settings.device_index)
+def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = False) -> contexts.Lease:
+    """The device that the settings name, if it can compute on these arrays; alone or together with others."""
+    lease = contexts.Lease(settings.backend, settings.device_index, shared)
     try:
-        check_uvs(arrays, context.backend)
+        check_uvs(arrays, lease.context.backend)
     except bridge.ParadescError:
-        context.close()
+        lease.close()
         raise
-    return context
+    return lease
 
 
 def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:
@@ -298,16 +299,17 @@ class Worker:
         self._results: Results | None = None
         self._work = work or run
         self._error: Exception | None = None
-        self._thread = threading.Thread(target=self._run, args=(arrays, settings), name="paradesc", daemon=True)
+        self._begin = partial(threads.start, "paradesc", partial(self._run, arrays, settings), self.cancel)
+        self._thread: threading.Thread | None = None
 
     def start(self) -> None:
         """Starts the thread."""
-        self._thread.start()
+        self._thread = self._begin()
 
     @property
     def done(self) -> bool:
         """True once results() will not wait."""
-        return not self._thread.is_alive()
+        return self._thread is not None and not self._thread.is_alive()
 
     def cancel(self) -> None:
         """Asks the native call to stop at its next tile."""

@@ -5,15 +5,16 @@ handlers turn into a sentence in the panel.
 """
 
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
 
-from . import frames, looks, mesh_io, painting, properties, sources, surface_maps
+from . import color_maps, frames, looks, mesh_io, painting, properties, sources, surface_maps
 from .bridge import MeshArrays, Options
-from .color_maps import ValueRange
-from .job import Results, Settings
+from .color_maps import Look, ValueRange
+from .job import ProgressFunction, Results, Settings, registry_row
+from .latest import Latest, is_cancelled
 from .mesh_io import refuse
 from .stream import Stream
 
@@ -21,109 +22,206 @@ from .stream import Stream
 WAITING_MODES = {"EDIT", "SCULPT", "VERTEX_PAINT"}
 # Smaller buffers save nothing more, and a radius of fewer texels costs accuracy.
 SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
-STAGES = ("read", "compute", "write")
 # Modifiers that only append vertices: the original ones come first, in their order (tested).
 APPENDING = {"SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY", "ARRAY"}
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What one computation is of."""
+
+    arrays: MeshArrays  # of the undeformed mesh
+    positions: np.ndarray  # (vertex_count, 3) float32
+    corner_normals: np.ndarray | None  # (corner_count, 3) float32, where they are asked for
+    settings: Settings
+    quick: bool  # with buffers as small as the radius allows
+
+    def same(self, other: "Request | None") -> bool:
+        """True where the results are the same."""
+        return (
+            other is not None
+            and self.arrays is other.arrays
+            and self.settings == other.settings
+            and np.array_equal(self.positions, other.positions)
+        )
 
 
 class Session:
     """What one live object keeps from frame to frame. It holds arrays only: Blender's own data moves with undo."""
 
     def __init__(self) -> None:
-        self.stream: Stream | None = None
+        self.stream: Stream | None = None  # with prepared, the thread's while one computes
+        self.prepared: Request | None = None  # whose settings the stream has
         self.topology: tuple[object, ...] = ()
         self.arrays: MeshArrays | None = None  # of the undeformed mesh
-        self.positions: np.ndarray | None = None  # what the results are of
-        self.asked: Settings | None = None
+        self.done: Request | None = None  # what the results are of
         self.results: Results | None = None
+        self.latest: Latest[Request, Results] = Latest(self.compute)
+        self.scene_name = ""  # whose settings the newest request has
         self.painter = painting.Painter()
-        self.seconds: dict[str, float] = {}  # of the last frame that was computed, by stage
+        self.seconds: dict[str, float] = {}  # of the last frame that was computed: read, compute, write
+        self.read_seconds = self.compute_seconds = 0.0
         self.note = ""  # for the panel
         self.edited = False  # the mesh has to be compared as a whole
+        self.unsure = False  # the same once the hand rests: most likely it was our own writing
+        self.wrote = False  # since Blender last told of an edit
+        self.unpainted = False  # the results are not on the mesh yet
 
     def close(self) -> None:
         """Frees the native mesh and its device."""
+        self.latest.settle()
+        self.close_stream()
+        self.results = self.done = None
+
+    def close_stream(self) -> None:
+        """The same while nothing else computes."""
         if self.stream is not None:
             self.stream.close()
-        self.stream = self.results = None
+        self.stream = self.prepared = None
 
-    def refresh(self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene) -> bool:
-        """Leaves on the object's mesh the values of its shape in the depsgraph; False where nothing had to change."""
+    @property
+    def busy(self) -> bool:
+        """True while collect() may still bring results."""
+        return self.latest.busy
+
+    def refresh(
+        self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, wait: bool = True
+    ) -> bool:
+        """Leaves on the object's mesh the values of its shape in the depsgraph; False where nothing had to change.
+
+        Without wait, collect() leaves them there when they have been computed; what was never computed is waited for.
+        """
         start = time.perf_counter()
+        rendering = depsgraph.mode == "RENDER"
         evaluated = evaluated_object(target, depsgraph)
         if evaluated is None:
             return False
-        settings = settings_for(scene, depsgraph.mode == "RENDER")
-        self.follow_mesh(target, settings)
-        positions = deformed_positions(target, evaluated, depsgraph.mode == "RENDER")
-        read = time.perf_counter()
-        fresh = self.results is None or settings != self.asked or not np.array_equal(positions, self.positions)
-        if fresh:
-            self.compute(positions, evaluated, settings, is_quick(scene, depsgraph.mode == "RENDER"))
-        computed = time.perf_counter()
-        self.results.look = looks.scene_look(scene)
-        ranges = painting.locked_ranges(scene.paradesc_live, self.found_ranges())
-        changed = self.painter.paint(target.data, self.values(target.data), ranges, fresh)
+        request = self.request(target, evaluated, scene, rendering)
+        self.read_seconds, self.scene_name = time.perf_counter() - start, scene.name
+        fresh = False
+        if wait or self.results is None:
+            self.latest.settle()
+            fresh = not request.same(self.done)
+            if fresh:
+                self.results, self.done = self.compute(request), request
+        elif not request.same(self.latest.newest or self.done):
+            self.latest.ask(request)
+            self.latest.step()
+        return self.show(target, scene, rendering, fresh)
+
+    def collect(self, target: bpy.types.Object, wait: bool = False) -> bool:
+        """Leaves on the mesh what has been computed meanwhile; False where nothing had to change."""
+        outcome, scene = self.latest.step(wait), bpy.data.scenes.get(self.scene_name)
+        if outcome is None or scene is None or outcome.request.arrays is not self.arrays:
+            return False
+        if outcome.error is not None:
+            if is_cancelled(outcome.error):
+                return False
+            raise outcome.error
+        self.results, self.done = outcome.result, outcome.request
+        if target.mode in WAITING_MODES or len(target.data.vertices) != len(self.results.coverage):
+            self.unpainted = True
+            return False
+        self.wrote = self.show(target, scene, False, True)
+        return self.wrote
+
+    def show(self, target: bpy.types.Object, scene: bpy.types.Scene, rendering: bool, fresh: bool) -> bool:
+        """Leaves the results on the mesh; False where they are there already."""
+        start = time.perf_counter()
+        look = looks.scene_look(scene)
+        self.results.look = look
+        ranges = painting.locked_ranges(scene.paradesc_live, look, self.asked_names(), self.found_range)
+        changed = self.painter.paint(target.data, self.values(target.data), ranges, fresh or self.unpainted)
+        self.unpainted = False
         if changed:
-            painting.tag_written(target.data, depsgraph)
+            painting.tag_written(target.data, rendering)
         if fresh:
-            ends = (start, read, computed, time.perf_counter())
-            self.seconds = {name: ends[k + 1] - ends[k] for k, name in enumerate(STAGES)}
+            write = time.perf_counter() - start
+            self.seconds = {"read": self.read_seconds, "compute": self.compute_seconds, "write": write}
         return changed
+
+    def request(
+        self, target: bpy.types.Object, evaluated: bpy.types.Object, scene: bpy.types.Scene, rendering: bool
+    ) -> Request:
+        """What has to be computed of the object now."""
+        settings = settings_for(scene, rendering)
+        self.follow_mesh(target, settings)
+        positions = deformed_positions(target, evaluated, rendering)
+        normals = mesh_io.read_corner_normals(evaluated.data) if settings.options.normals == "mesh" else None
+        return Request(self.arrays, positions, normals, settings, is_quick(scene, rendering))
 
     def follow_mesh(self, target: bpy.types.Object, settings: Settings) -> None:
         """Begins again where anything but positions has changed; after edits everything is compared, else counts."""
         topology = topology_of(target, settings)
-        if topology == self.topology and self.arrays is not None and not self.edited:
+        known = self.arrays is not None and topology == self.topology
+        if known and not self.edited and (self.results is None or self.painter.is_there(target.data)):
             return
         mesh_io.check_writable(target)
         arrays = mesh_io.read_object(target, settings.options.normals == "mesh", settings.backend != "reference")
         surface_maps.add_maps(target, arrays, surface_maps.Sources(material=measures_maps(target)))
         if arrays.maps is not None and arrays.maps.normals is not None:
             raise refuse("Live mode does not follow normal maps; switch Material maps off.")
-        self.edited = False
+        self.edited = self.unsure = False
         if self.stream is not None and not (topology == self.topology and self.stream.matches(arrays)):
             self.close()
         elif self.arrays is not None and np.array_equal(arrays.positions, self.arrays.positions):
             return
-        self.topology, self.arrays, self.asked = topology, arrays, None  # and the radius follows the new rest pose
+        self.topology, self.arrays = topology, arrays  # and the radius follows the new rest pose
 
-    def compute(
-        self, positions: np.ndarray, evaluated: bpy.types.Object, settings: Settings, quick: bool = False
-    ) -> None:
-        """The results of these positions, at the radius of the undeformed mesh: it does not change with the pose."""
+    def compute(self, request: Request, progress: ProgressFunction | None = None) -> Results:
+        """The results at the radius of the undeformed mesh, which does not change with the pose. On any thread."""
+        start = time.perf_counter()
+        settings, prepared = request.settings, self.prepared
         if self.stream is None or device_of(self.stream.settings) != device_of(settings):
-            self.close()
-            self.stream = Stream(self.arrays, settings)
-        if settings != self.asked:
+            self.close_stream()
+            self.stream = Stream(request.arrays, settings, shared=True)
+            prepared = None
+        new = prepared is None or prepared.arrays is not request.arrays or prepared.settings != settings
+        if new:
+            self.prepared = None
             self.stream.settings = settings
-            self.stream.settings = frames.at_fixed_radii(settings, self.stream.mesh_at(self.arrays).report())
-        normals = mesh_io.read_corner_normals(evaluated.data) if settings.options.normals == "mesh" else None
-        self.results = self.stream.compute(positions, corner_normals=normals)
-        if quick and settings != self.asked:
-            options = with_fewer_texels(self.stream.settings.options, self.results.field_report["radius_in_texels"])
+            self.stream.settings = frames.at_fixed_radii(settings, self.stream.mesh_at(request.arrays).report())
+        results = self.stream.compute(request.positions, progress, request.corner_normals)
+        if new and request.quick:
+            options = with_fewer_texels(self.stream.settings.options, results.field_report["radius_in_texels"])
             if options != self.stream.settings.options:
                 self.stream.settings = replace(self.stream.settings, options=options)
-                self.results = self.stream.compute(positions, corner_normals=normals)
-        self.positions, self.asked = positions, settings
+                results = self.stream.compute(request.positions, progress, request.corner_normals)
+        self.prepared = request
+        self.compute_seconds = time.perf_counter() - start
+        return results
 
     def forget_ranges(self) -> None:
         """Nothing is kept of them."""
 
-    def found_ranges(self) -> dict[str, ValueRange]:
+    def found_ranges(self, look: Look) -> dict[str, ValueRange]:
         """The range of each descriptor in these results."""
-        if self.results is None:
-            return {}
-        return {name: mesh_io.shown_range(self.results, computed) for name, computed in self.names()}
+        return {} if self.results is None else {name: self.found_range(name, look) for name in self.asked_names()}
 
-    def names(self) -> list[tuple[str, str]]:
-        """What each value is called by the radius that was asked for, and by the one that was computed with."""
-        return list(zip(self.asked.value_names(), self.results.settings.value_names(), strict=True))
+    def found_range(self, name: str, look: Look) -> ValueRange:
+        """The range of one descriptor in these results."""
+        results, computed = self.results, self.computed_names()[name]
+        return color_maps.value_range(
+            results.values[computed], registry_row(computed), results.radius_of(computed), look
+        )
+
+    def asked_names(self) -> list[str]:
+        """What each value is called, by the radius that was asked for."""
+        return self.done.settings.value_names()
+
+    def computed_names(self) -> dict[str, str]:
+        """What each value is called by the radius that was computed with, by what it is called."""
+        return dict(zip(self.asked_names(), self.results.settings.value_names(), strict=True))
 
     def values(self, mesh: bpy.types.Mesh) -> painting.Values:
         """The results as they are written."""
-        shown = {name: self.results.values[computed] for name, computed in self.names()}
-        return painting.Values(shown, self.results.extras, lambda: mesh_io.summary(mesh, self.results))
+        results, names = self.results, self.computed_names()
+        return painting.Values(
+            {name: results.values[computed] for name, computed in names.items()},
+            results.extras,
+            lambda ranges: mesh_io.summary(mesh, results, {names[name]: shown for name, shown in ranges.items()}),
+            lambda name, shown: mesh_io.drawing_of(shown, results, names[name]),
+        )
 
 
 # ---- What is asked
@@ -177,8 +275,15 @@ def topology_of(target: bpy.types.Object, settings: Settings) -> tuple[object, .
     mesh = target.data
     layer = mesh.uv_layers.active
     counts = (len(mesh.vertices), len(mesh.edges), len(mesh.loops), len(mesh.polygons))
-    maps = measures_maps(target)
-    return (mesh.name, *counts, "" if layer is None else layer.name, settings.options.normals, settings.backend, maps)
+    maps, layer_name = measures_maps(target), "" if layer is None else layer.name
+    return (identity(mesh), *counts, layer_name, settings.options.normals, settings.backend, maps)
+
+
+def identity(datablock: bpy.types.ID) -> object:
+    """What only this one has in this session, whatever it is called; before Blender 4.2 also its name has to stay."""
+    if hasattr(datablock, "session_uid"):
+        return datablock.session_uid
+    return (datablock.name, datablock.as_pointer())
 
 
 def evaluated_object(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Object | None:

@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import handlers, live, painting
+from . import handlers, live, looks
 from .panel import SidebarPanel, sentence_lines
 
 MODES = [
@@ -23,7 +23,14 @@ def mode_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) ->
 
 def settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """Brings all live objects up to date with the settings."""
-    handlers.refresh_window(handlers.live_objects())
+    handlers.refresh_window(handlers.live_objects(), watched=True)
+
+
+def range_changed(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """The same where somebody has set a range, which then stays."""
+    if not handlers.is_ours():
+        group.typed = True
+        settings_changed(group, context)
 
 
 class PARADESC_PG_live_range(bpy.types.PropertyGroup):
@@ -31,11 +38,12 @@ class PARADESC_PG_live_range(bpy.types.PropertyGroup):
 
     name: bpy.props.StringProperty(name="Descriptor")
     minimum: bpy.props.FloatProperty(
-        name="From", description="Value at the lower end of the colors", precision=4, update=settings_changed
+        name="From", description="Value at the lower end of the colors", precision=4, update=range_changed
     )
     maximum: bpy.props.FloatProperty(
-        name="To", description="Value at the upper end of the colors", precision=4, update=settings_changed
+        name="To", description="Value at the upper end of the colors", precision=4, update=range_changed
     )
+    typed: bpy.props.BoolProperty(name="Typed", description="Whether somebody has set this range", options={"HIDDEN"})
 
 
 class PARADESC_PG_live(bpy.types.PropertyGroup):
@@ -69,6 +77,12 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         description="Render with the settings of Quality and Method instead of these",
         default=True,
     )
+    wait: bpy.props.BoolProperty(
+        name="Wait for values",
+        description="Show every frame with its own values, as slowly as they are computed. Without it, values follow "
+        "a moment later while you play, drag the current frame or edit. Renders always wait",
+        default=True,
+    )
     missing: bpy.props.EnumProperty(
         name="Missing frames",
         description="What is shown at frames that the cache lacks",
@@ -77,6 +91,9 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         update=settings_changed,
     )
     ranges: bpy.props.CollectionProperty(type=PARADESC_PG_live_range)
+    ranges_look: bpy.props.StringProperty(
+        name="Ranges of", description="The settings of Colors that the ranges follow from", options={"HIDDEN"}
+    )
     lock_taken: bpy.props.BoolProperty(
         name="Interface locked", description="Live mode has switched on Render > Lock Interface", options={"HIDDEN"}
     )
@@ -112,15 +129,7 @@ class PARADESC_OT_live_range(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Takes the ranges anew from what is there."""
-        targets = handlers.live_objects()
-        for session in handlers.STATE.sessions.values():
-            session.forget_ranges()
-        handlers.refresh_window(targets)
-        sessions = [handlers.STATE.sessions.get(target.name) for target in handlers.live_objects()]
-        with handlers.our_turn(wait=True):
-            found = [session.found_ranges() for session in sessions if session]
-            painting.take_ranges(context.scene.paradesc_live, found)
-        handlers.refresh_window(handlers.live_objects())
+        handlers.take_ranges(context.scene)
         return {"FINISHED"}
 
 
@@ -155,10 +164,10 @@ class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
         if mode != "CACHE" or group.missing == "COMPUTE":
             for name in ("samples", "buffer_size"):
                 column.prop(group, name)
-            for name in ("fast_seams", "full_render"):
+            for name in ("fast_seams", "full_render", *(("wait",) if mode != "CACHE" else ())):
                 layout.prop(group, name)
         if target.paradesc_live.mode != "OFF":
-            draw_ranges(layout, group)
+            draw_ranges(layout, context.scene)
             draw_time(layout, target)
             draw_lock(layout, context.scene)
 
@@ -169,7 +178,7 @@ def live_sentence(target: bpy.types.Object) -> str:
         return target.paradesc_live.sentence
     if target.paradesc_live.mode != "OFF" and target.mode in live.WAITING_MODES:
         return "Values follow when this mode is left."
-    session = handlers.STATE.sessions.get(target.name)
+    session = handlers.session_at(target)
     if target.paradesc_live.mode != "OFF" and session is not None and session.note:
         return session.note
     if target.library is not None or target.data.library is not None:
@@ -177,11 +186,17 @@ def live_sentence(target: bpy.types.Object) -> str:
     return ""
 
 
-def draw_ranges(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup) -> None:
+def draw_ranges(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     """What the colors span."""
+    group, look = scene.paradesc_live, looks.scene_look(scene)
     column = layout.column(align=True)
+    if look.ranges:
+        low, high = look.ranges[""]
+        column.label(text=f"Colors at every frame: {low:g} to {high:g}")
+        column.label(text="(Fixed, under Colors)")
+        return
     for item in group.ranges:
-        column.label(text=item.name.replace("_", " ").capitalize())
+        column.label(text=f"{item.name.replace('_', ' ').capitalize()}, colors at every frame")
         row = column.row(align=True)
         row.prop(item, "minimum", text="")
         row.prop(item, "maximum", text="")
@@ -190,7 +205,7 @@ def draw_ranges(layout: bpy.types.UILayout, group: bpy.types.PropertyGroup) -> N
 
 def draw_time(layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
     """What the last frame took."""
-    session = handlers.STATE.sessions.get(target.name)
+    session = handlers.session_at(target)
     if session is None or not session.seconds:
         return
     total, computing = sum(session.seconds.values()), session.seconds.get("compute", 0.0)

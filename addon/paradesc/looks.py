@@ -31,14 +31,22 @@ def redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
             area.tag_redraw()
 
 
+def changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """Live values are shown so at once; what was baked, by Recolor."""
+    from . import handlers
+
+    if hasattr(bpy.types.Object, "paradesc_live"):
+        handlers.look_changed(group.id_data)
+
+
 class PARADESC_PG_looks(bpy.types.PropertyGroup):
     """How values are shown in one scene."""
 
     color_map: bpy.props.EnumProperty(
-        name="Color map", description="The colors that values get", items=COLOR_MAPS, default=AUTOMATIC
+        name="Color map", description="The colors that values get", items=COLOR_MAPS, default=AUTOMATIC, update=changed
     )
     span: bpy.props.EnumProperty(
-        name="Range", description="The values at the ends of the color map", items=SPANS, default="auto"
+        name="Range", description="The values at the ends of the color map", items=SPANS, default="auto", update=changed
     )
     percentile: bpy.props.FloatProperty(
         name="Left out",
@@ -48,25 +56,40 @@ class PARADESC_PG_looks(bpy.types.PropertyGroup):
         max=49.0,
         precision=1,
         subtype="PERCENTAGE",
+        update=changed,
     )
     symmetric: bpy.props.BoolProperty(
         name="Symmetric",
         description="Of values with a sign: the same range on both sides of the neutral value",
         default=True,
+        update=changed,
     )
     minimum: bpy.props.FloatProperty(
-        name="Minimum", description="The value at the lower end, in the descriptor's unit", default=-1.0, precision=4
+        name="Minimum",
+        description="The value at the lower end, in the descriptor's unit",
+        default=-1.0,
+        precision=4,
+        update=changed,
     )
     maximum: bpy.props.FloatProperty(
-        name="Maximum", description="The value at the upper end, in the descriptor's unit", default=1.0, precision=4
+        name="Maximum",
+        description="The value at the upper end, in the descriptor's unit",
+        default=1.0,
+        precision=4,
+        update=changed,
     )
     use_neutral: bpy.props.BoolProperty(
         name="Own neutral value",
         description="Choose the value in the middle of maps with two sides, instead of the descriptor's own",
         default=False,
+        update=changed,
     )
     neutral: bpy.props.FloatProperty(
-        name="Neutral", description="The value in the middle of maps with two sides", default=0.0, precision=4
+        name="Neutral",
+        description="The value in the middle of maps with two sides",
+        default=0.0,
+        precision=4,
+        update=changed,
     )
     show_legend: bpy.props.BoolProperty(
         name="Legend",

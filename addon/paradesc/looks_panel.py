@@ -35,6 +35,8 @@ class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
             column.prop(group, "percentile")
         if group.span != "fixed":
             column.prop(group, "symmetric")
+        if follows_frames(context.active_object) and group.span != "fixed":
+            layout.operator("paradesc.live_range", icon="LOCKED")
         row = layout.row(heading="Neutral")
         row.prop(group, "use_neutral", text="")
         value = row.row()
@@ -47,6 +49,11 @@ class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
         shading = context.space_data.shading
         if shading.type == "SOLID" and shading.color_type != "VERTEX":
             layout.operator("paradesc.view_colors", icon="SHADING_SOLID")
+
+
+def follows_frames(target: bpy.types.Object | None) -> bool:
+    """Whether an object's values are live or played, so that their range is held at all frames."""
+    return target is not None and target.type == "MESH" and target.paradesc_live.mode != "OFF"
 
 
 class PARADESC_PT_materials(SidebarPanel, bpy.types.Panel):

@@ -146,8 +146,12 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
     names = recolor.baked_names(mesh)
     concave, convex, mean = (first_of(names, word) for word in ("cavity", "convexity", "mean_curvature"))
     if mean and not (concave and convex):
-        drawn = mesh_io.stored_summary(mesh).get("drawn", {}).get(mean, {})
-        radius = drawn.get("radius", mesh_io.stored_summary(mesh)["field_report"]["radius"])
+        stored = mesh_io.stored_summary(mesh)
+        radius = stored.get("drawn", {}).get(mean, {}).get("radius", stored.get("field_report", {}).get("radius"))
+        if radius is None:
+            raise mesh_io.refuse(
+                f'The mesh "{mesh.name}" does not say any more which radius "{mean}" has; bake it again.'
+            )
         attributes, title, settings = (mean, ""), f"{CAVITY_GROUP} of {mean}", {"Radius": radius}
     elif concave or convex:
         suffix = concave.removeprefix("cavity") or convex.removeprefix("convexity")

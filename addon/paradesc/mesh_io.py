@@ -1,12 +1,9 @@
 """Blender's mesh to arrays, and results to Blender's attributes: float32 numpy through foreach_get and foreach_set."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import bpy
 import numpy as np
 
-from . import color_maps, legend, looks, unwrap
+from . import color_maps, legend, looks, modes, stored, unwrap
 from .bridge import InputError, MeshArrays, ParadescError, components
 from .job import Results, registry_name, registry_row
 
@@ -40,16 +37,13 @@ def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name:
     if len(mesh.polygons) == 0:
         raise refuse(f'The mesh "{name}" has no faces; there is no surface to measure.')
     mesh.calc_loop_triangles()
-    triangle_count = len(mesh.loop_triangles)
-    triangle_corners = np.empty(3 * triangle_count, np.int32)
-    mesh.loop_triangles.foreach_get("loops", triangle_corners)
     arrays = MeshArrays(
         positions=read_positions(mesh),
         corner_vertices=read_corner_vertices(mesh),
-        triangle_corners=triangle_corners.reshape(-1, 3),
+        triangle_corners=read_array(mesh.loop_triangles, "loops", np.int32, 3),
         corner_uvs=read_uvs(mesh),
         corner_normals=read_corner_normals(mesh) if corner_normals else None,
-        triangle_smooth=read_smooth(mesh, triangle_count),
+        triangle_smooth=read_smooth(mesh),
         sharp_edges=read_sharp_edges(mesh),
     )
     reason = unwrap.fault(arrays.corner_uvs, arrays.triangle_corners)
@@ -99,7 +93,7 @@ def read_corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
         mesh.free_normals_split()
 
 
-def read_smooth(mesh: bpy.types.Mesh, triangle_count: int) -> np.ndarray | None:
+def read_smooth(mesh: bpy.types.Mesh) -> np.ndarray | None:
     """(triangle_count,) uint8, 0 where flat shaded; None where everything is smooth."""
     attribute = mesh.attributes.get("sharp_face")
     if attribute is not None:
@@ -108,9 +102,14 @@ def read_smooth(mesh: bpy.types.Mesh, triangle_count: int) -> np.ndarray | None:
         return None
     else:
         face_smooth = read_array(mesh.polygons, "use_smooth", bool)
-    triangle_faces = np.empty(triangle_count, np.int32)
-    mesh.loop_triangles.foreach_get("polygon_index", triangle_faces)
-    return face_smooth[triangle_faces].astype(np.uint8)
+    return face_smooth[read_triangle_faces(mesh)].astype(np.uint8)
+
+
+def read_triangle_faces(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(triangle_count,) int32 faces that the triangles are parts of; before Blender 3.6 by the slower way."""
+    if hasattr(mesh, "loop_triangle_polygons"):
+        return read_array(mesh.loop_triangle_polygons, "value", np.int32)
+    return read_array(mesh.loop_triangles, "polygon_index", np.int32)
 
 
 def read_sharp_edges(mesh: bpy.types.Mesh) -> np.ndarray | None:
@@ -151,15 +150,13 @@ def check_writable(target: bpy.types.Object) -> None:
 
 def stored_summary(mesh: bpy.types.Mesh) -> dict[str, object]:
     """What summary() left on this mesh with the last bake; empty without one."""
-    stored = mesh.get(PROPERTY)
-    content = stored.to_dict() if hasattr(stored, "to_dict") else {}
-    return content if "attributes" in content else {}
+    content = mesh.get(PROPERTY)
+    return stored.checked(content.to_dict() if hasattr(content, "to_dict") else None)
 
 
 def stored_layout(mesh: bpy.types.Mesh) -> dict[str, str]:
     """What a bake stored about the layout that it left on this mesh; empty without one."""
-    found = stored_summary(mesh).get("layout", {})
-    return found if isinstance(found, dict) else {}
+    return stored_summary(mesh).get("layout", {})
 
 
 def written_attributes(mesh: bpy.types.Mesh) -> list[str]:
@@ -203,14 +200,15 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
     """Leaves the results on the object's mesh; gives sentences about what was replaced. On failure nothing changes."""
     check_writable(target)
     mesh = target.data
-    with object_mode(target):
+    with modes.object_mode(target):
         if len(mesh.vertices) != len(results.coverage):
             raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
         replaced = check_names(mesh, wanted_names(results))
         make_attributes(mesh, wanted_names(results), replaced)
         layout = stored_layout(mesh) if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
-        write_values(mesh, results)
-        mesh[PROPERTY] = {**summary(mesh, results), "layout": layout}
+        shown = {name: shown_range(results, name) for name in results.values}
+        write_values(mesh, results, shown)
+        mesh[PROPERTY] = {**summary(mesh, results, shown), "layout": layout}
         mesh.update()
     return [f'The attribute "{name}" had another type or domain and was replaced.' for name in replaced]
 
@@ -246,12 +244,12 @@ def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
     return attribute.name
 
 
-def write_values(mesh: bpy.types.Mesh, results: Results) -> None:
+def write_values(mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.ValueRange]) -> None:
     """Fills the attributes, which exist; making one moves the others' values, so nothing is held across."""
     for name, values in results.values.items():
         member = "value" if values.ndim == 1 else "vector"
         mesh.attributes[name].data.foreach_set(member, np.ascontiguousarray(values, np.float32).ravel())
-        write_colors(mesh, name, values, shown_range(results, name))
+        write_colors(mesh, name, values, shown[name])
     for name, values in results.extras.items():
         mesh.attributes[name].data.foreach_set("value", np.ascontiguousarray(values, np.float32))
     first = next(iter(results.values)) + "_color"
@@ -290,11 +288,10 @@ def drawing_of(shown: color_maps.ValueRange, results: Results, name: str) -> dic
     }
 
 
-def summary(mesh: bpy.types.Mesh, results: Results) -> dict[str, object]:
-    """What the custom property holds: plain numbers, strings and lists."""
+def summary(mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.ValueRange]) -> dict[str, object]:
+    """What the custom property holds, with the ranges of the colors: plain numbers, strings and lists."""
     names = sorted(set(written_attributes(mesh)) | set(wanted_names(results)))
     earlier = stored_summary(mesh)
-    shown = {name: shown_range(results, name) for name in results.values}
     drawn = {name: drawing_of(shown[name], results, name) for name in shown}
     return {
         "settings": {name: storable(value) for name, value in results.settings.as_dict().items()},
@@ -313,21 +310,3 @@ def summary(mesh: bpy.types.Mesh, results: Results) -> dict[str, object]:
 def storable(value: object) -> object:
     """The value, as a float where Blender's 32-bit custom properties cannot hold the integer."""
     return float(value) if isinstance(value, int) and abs(value) >= 2**31 else value
-
-
-@contextmanager
-def object_mode(target: bpy.types.Object) -> Iterator[None]:
-    """Leaves edit or paint mode for a while: attributes can be written in object mode only."""
-    mode = target.mode
-    if mode == "OBJECT":
-        yield
-        return
-    objects = bpy.context.view_layer.objects
-    active = objects.active
-    objects.active = target
-    bpy.ops.object.mode_set(mode="OBJECT")
-    try:
-        yield
-    finally:
-        bpy.ops.object.mode_set(mode=mode)
-        objects.active = active

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import bridge, job, maps
 from .bridge import ParadescError, abi
-from .results import Baked
+from .results import Baked, file_fault, folder_fault, part_path
 
 # Share of the progress that the computation itself has where files follow.
 COMPUTING = 0.8
@@ -31,7 +31,7 @@ class Files:
 
     def part(self, path: Path) -> Path:
         """Where a file or folder is written first, beside its place."""
-        place = path.with_name(f".{path.name}.part")
+        place = part_path(path)
         self.aside.append((place, path))
         return place
 
@@ -66,13 +66,9 @@ def check(files: Files, arrays: bridge.MeshArrays, backend: str) -> None:
         raise refuse("The mesh has no usable UV map to make an image in; unwrap it, or switch the image off.")
     if files.buffers is not None and backend == "reference":
         raise refuse("The reference bakes no buffers to write; choose another device, or switch them off.")
-    for path in (files.image, files.buffers):
-        if path is not None and not path.parent.is_dir():
-            raise refuse(f'There is no folder "{path.parent}" to write "{path.name}" into.')
-    if files.image is not None and files.image.is_dir():
-        raise refuse(f'"{files.image}" is a folder; give the image a name.')
-    if files.buffers is not None and files.buffers.is_file():
-        raise refuse(f'"{files.buffers}" is a file; the buffers need a folder.')
+    faults = [file_fault(files.image) if files.image else "", folder_fault(files.buffers) if files.buffers else ""]
+    for fault in filter(None, faults):
+        raise refuse(fault)
 
 
 def refuse(sentence: str) -> ParadescError:

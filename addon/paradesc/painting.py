@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from . import color_maps, mesh_io
-from .color_maps import ValueRange
+from .color_maps import Look, ValueRange
 
 # Steps of a color table, far below what 8 bits can show.
 TABLE_STEPS = 4096
@@ -19,7 +19,8 @@ class Values:
 
     shown: dict[str, np.ndarray]  # each (vertex_count,) or (vertex_count, 3) float32, with colors beside them
     extras: dict[str, np.ndarray]  # each (vertex_count,) float32, without
-    summary: Callable[[], dict[str, object]]  # gives what mesh_io.summary() has
+    summary: Callable[[dict[str, ValueRange]], dict[str, object]]  # gives what mesh_io.summary() has
+    drawn: Callable[[str, ValueRange], dict[str, object]]  # gives what mesh_io.drawing_of() has
 
     @property
     def names(self) -> list[str]:
@@ -37,7 +38,7 @@ class Painter:
 
     def paint(self, mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
         """Fills the attributes, made where they are missing; False where they hold all of it already."""
-        complete = all(mesh.attributes.get(name) is not None for name in values.names)
+        complete = has_all(mesh, values.names)
         if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
             return False
         if not complete or ranges != self.ranges:
@@ -50,6 +51,10 @@ class Painter:
             attribute = mesh.attributes[name]
             attribute.data.foreach_set(member_of(attribute), array)
         return True
+
+    def is_there(self, mesh: bpy.types.Mesh) -> bool:
+        """True where the mesh has all attributes that were left on it."""
+        return has_all(mesh, self.written)
 
     def is_written(self, mesh: bpy.types.Mesh) -> bool:
         """True where the attributes are as they were left: neither undone nor written by anything else."""
@@ -71,6 +76,11 @@ class Painter:
             yield name, np.ascontiguousarray(array, np.float32)
 
 
+def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:
+    """True where the mesh has attributes of all these names."""
+    return all(mesh.attributes.get(name) is not None for name in names)
+
+
 def member_of(attribute: bpy.types.Attribute) -> str:
     """The member that foreach_get and foreach_set take of an attribute of ours."""
     return {"FLOAT_COLOR": "color", "FLOAT_VECTOR": "vector"}.get(attribute.data_type, "value")
@@ -79,12 +89,11 @@ def member_of(attribute: bpy.types.Attribute) -> str:
 def store_summary(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange]) -> None:
     """Says on the mesh what is written there, so that the attributes are known as ours."""
     former = mesh_io.stored_summary(mesh)
-    drawn = former.get("drawn", {})
-    drawn = {**drawn, **{name: {**drawn.get(name, {}), **mesh_io.drawing(shown)} for name, shown in ranges.items()}}
+    drawn = {**former.get("drawn", {}), **{name: values.drawn(name, shown) for name, shown in ranges.items()}}
     names = sorted({*mesh_io.written_attributes(mesh), *values.names})
     mesh[mesh_io.PROPERTY] = {
         **former,
-        **values.summary(),
+        **values.summary(ranges),
         "layout": mesh_io.stored_layout(mesh),
         "ranges": {name: [shown.minimum, shown.maximum] for name, shown in ranges.items()},
         "drawn": drawn,
@@ -94,14 +103,14 @@ def store_summary(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueR
         mesh.color_attributes.active_color = mesh.color_attributes.get(next(iter(values.shown)) + "_color")
 
 
-def tag_written(mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph) -> None:
+def tag_written(mesh: bpy.types.Mesh, rendering: bool) -> None:
     """Has Blender evaluate the mesh again with its new attributes.
 
     A render's copies of the mesh and its shape keys are then made afresh from the originals, whose animated values are
     those of the window's frame, and Blender does not animate a frame twice: touching the animation makes it.
     """
     mesh.update()
-    for datablock in (mesh, mesh.shape_keys) if depsgraph.mode == "RENDER" else ():
+    for datablock in (mesh, mesh.shape_keys) if rendering else ():
         if datablock is not None and datablock.animation_data is not None:
             datablock.animation_data.action_influence = datablock.animation_data.action_influence
 
@@ -109,14 +118,57 @@ def tag_written(mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph) -> None:
 # ---- Colors
 
 
-def locked_ranges(group: bpy.types.PropertyGroup, found: dict[str, ValueRange]) -> dict[str, ValueRange]:
-    """The ranges that the scene has stored under these names; those it lacks are stored as they were found."""
-    stored = {item.name: item for item in group.ranges}
+def locked_ranges(
+    group: bpy.types.PropertyGroup, look: Look, names: Iterable[str], found: Callable[[str, Look], ValueRange]
+) -> dict[str, ValueRange]:
+    """The ranges that hold at every frame, by name.
+
+    Those that the look fixes; else those that the scene has stored, and what is found where it has none. What was
+    stored of values that the look saw otherwise is forgotten.
+    """
+    if look.ranges:
+        return {name: found(name, look) for name in names}
+    follow_look(group, look)
+    stored = {item.name: (item.minimum, item.maximum) for item in group.ranges}
     ranges = {}
-    for name, shown in found.items():
-        item = stored.get(name) or add_range(group, name, shown.minimum, shown.maximum)
-        ranges[name] = replace(shown, minimum=item.minimum, maximum=max(item.maximum, above(item.minimum)))
+    for name in names:
+        if name not in stored:
+            shown = found(name, look)
+            item = add_range(group, name, shown.minimum, shown.maximum)
+            stored[name] = (item.minimum, item.maximum)
+        low, high = stored[name]
+        ranges[name] = found(name, replace(look, ranges={"": (low, max(high, above(low)))}))
     return ranges
+
+
+def follow_look(group: bpy.types.PropertyGroup, look: Look) -> None:
+    """Forgets the stored ranges where they are none for this look."""
+    if not keeps_ranges(group, look):
+        group.ranges.clear()
+    if group.ranges_look != look_key(look):
+        group.ranges_look = look_key(look)
+
+
+def keeps_ranges(group: bpy.types.PropertyGroup, look: Look) -> bool:
+    """Whether the stored ranges go on with this look: nothing but the color map is another, or it fixes its own."""
+    return bool(look.ranges) or group.ranges_look in ("", look_key(look))
+
+
+def look_key(look: Look) -> str:
+    """What ranges follow from."""
+    return repr((look.percentile, look.symmetric, look.neutral))
+
+
+def hold_ranges(group: bpy.types.PropertyGroup, look: Look, found: dict[str, ValueRange]) -> None:
+    """Stores these ranges, but for those that somebody has typed."""
+    follow_look(group, look)
+    stored = {item.name: item for item in group.ranges}
+    for name, shown in found.items():
+        item = stored.get(name)
+        if item is None:
+            add_range(group, name, shown.minimum, shown.maximum)
+        elif not item.typed:
+            item.minimum, item.maximum = shown.minimum, shown.maximum
 
 
 def take_ranges(group: bpy.types.PropertyGroup, found: Iterable[dict[str, ValueRange]]) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from . import animation_panel, cache, live, looks, mesh_io, painting
+from . import cache, cache_places, legend, live, looks, mesh_io, painting
 from .bridge import ParadescError
 from .color_maps import AUTOMATIC, Look, ValueRange
 from .corners import ATTRIBUTE
@@ -23,6 +23,8 @@ EXTRAS = ("coverage", ATTRIBUTE, UNDEFINED_MASK)
 class Player:
     """What one object keeps while its frames are played."""
 
+    busy = False  # nothing is computed beside the window
+
     def __init__(self) -> None:
         self.painter = painting.Painter()
         self.frame: cache.Frame | None = None
@@ -31,7 +33,7 @@ class Player:
         self.ranged: tuple[Path, Look] | None = None  # what whole follows from, whatever the color map
         self.seconds: dict[str, float] = {}
         self.note = ""  # for the panel
-        self.edited = False
+        self.edited = self.unsure = self.wrote = False  # as live sessions have them
         self.session: live.Session | None = None  # for frames that are not there
 
     def close(self) -> None:
@@ -40,26 +42,27 @@ class Player:
             self.session.close()
         self.session = self.frame = self.shown = None
 
-    def refresh(self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene) -> bool:
-        """Leaves on the object's mesh the values of the scene's frame; False where nothing had to change."""
+    def refresh(
+        self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, wait: bool = True
+    ) -> bool:
+        """Leaves on the object's mesh the values of the scene's frame, at once; False where nothing had to change."""
         if target.mode in live.WAITING_MODES:
             return False
         start = time.perf_counter()
-        folder = animation_panel.object_cache(scene, target)
+        folder = cache_places.object_cache(scene, target)
         path = self.find(folder, scene.frame_current)
         if path is None or (self.note and scene.paradesc_live.missing == "COMPUTE"):
             return self.compute(target, depsgraph, scene)
         fresh = self.read(path, target)
         read = time.perf_counter()
         look = looks.scene_look(scene)
-        wanted = (folder, replace(look, color_map=AUTOMATIC))
+        wanted = (folder, replace(look, color_map=AUTOMATIC, ranges={}))
         if wanted != self.ranged:
-            self.ranged, self.whole = wanted, cache.locked_ranges([folder], self.frame.key, look)
-        found = {name: replace(shown, map_name=look.color_map) for name, shown in self.found_ranges().items()}
-        ranges = painting.locked_ranges(scene.paradesc_live, found)
+            self.ranged, self.whole = wanted, cache.locked_ranges([folder], self.frame.key, wanted[1])
+        ranges = painting.locked_ranges(scene.paradesc_live, look, self.shown_names(), self.found_range)
         changed = self.painter.paint(target.data, self.values(), ranges, fresh)
         if changed:
-            painting.tag_written(target.data, depsgraph)
+            painting.tag_written(target.data, depsgraph.mode == "RENDER")
         if fresh:
             self.seconds = {"read": read - start, "write": time.perf_counter() - read}
         return changed
@@ -110,15 +113,33 @@ class Player:
         """Has the ranges over all frames read again."""
         self.ranged = None
 
-    def found_ranges(self) -> dict[str, ValueRange]:
+    def found_ranges(self, look: Look) -> dict[str, ValueRange]:
         """The range of each descriptor over all frames."""
         if self.frame is None:
-            return {} if self.session is None else self.session.found_ranges()
-        spans = {name: ValueRange(0.0, 1.0, False) for name in self.frame.values if name not in EXTRAS}
-        return {**spans, **{name: shown for name, shown in self.whole.items() if name in spans}}
+            return {} if self.session is None else self.session.found_ranges(look)
+        return {name: self.found_range(name, look) for name in self.shown_names()}
+
+    def found_range(self, name: str, look: Look) -> ValueRange:
+        """The range of one descriptor over all frames, or the one that the look fixes."""
+        shown = replace(self.whole.get(name, ValueRange(0.0, 1.0, False)), map_name=look.color_map)
+        low, high = look.ranges.get("", (shown.minimum, shown.maximum))
+        return replace(shown, minimum=low, maximum=high)
+
+    def shown_names(self) -> list[str]:
+        """Of the values that have colors."""
+        return [name for name in self.frame.values if name not in EXTRAS]
 
     def values(self) -> painting.Values:
         """The frame as it is written."""
-        shown = {name: values for name, values in self.frame.values.items() if name not in EXTRAS}
+        shown = {name: self.frame.values[name] for name in self.shown_names()}
         extras = {name: values for name, values in self.frame.values.items() if name in EXTRAS}
-        return painting.Values(shown, extras, dict)
+        return painting.Values(shown, extras, lambda _ranges: {}, self.drawing)
+
+    def drawing(self, name: str, shown: ValueRange) -> dict[str, object]:
+        """What a legend needs to know, as far as the frame's file says so."""
+        info = self.frame.info
+        settings, radii = info.get("settings"), info.get("radius")
+        on = settings.get("map_descriptor", "") if isinstance(settings, dict) else ""
+        radius = radii.get(name) if isinstance(radii, dict) else None
+        known = {"radius": float(radius)} if isinstance(radius, (int, float)) else {}
+        return {**mesh_io.drawing(shown), **known, "unit": legend.unit_of(name, str(on))}

@@ -4,7 +4,7 @@ import math
 
 import bpy
 
-from . import bridge
+from . import bridge, devices
 from .bridge import ParadescError, abi
 from .corners import THRESHOLD
 from .job import Settings
@@ -73,21 +73,25 @@ PRECISIONS = [
     ("full", "Full", "32-bit buffers"),
     ("half", "Half", "16-bit buffers: half the memory"),
 ]
-BACKENDS = [
-    ("auto", "Automatic", "A graphics card, else the software rasterizer, else the reference"),
-    ("gpu", "Graphics card", "A hardware device with OpenGL 4.5"),
-    ("software", "Software", "A software rasterizer on the CPU"),
-    ("reference", "Reference", "Exact quadrature in object space on the CPU; slow, needs no UV map"),
-]
+BACKENDS = [(name, devices.TITLES[name], devices.ABOUT[name]) for name in bridge.BACKENDS]
 DEFAULT_DESCRIPTOR = "mean_curvature"
+HIGHEST_BIT = 30  # of the positive numbers that Blender keeps
 NO_DESCRIPTOR = ("missing", "None", "The native library is missing", 1)
 
 
 def descriptor_items() -> list[tuple[str, str, str, int]]:
-    """Menu items (name, label, description, bit) of the native registry."""
+    """Menu items (name, label, description, bit) of the native registry.
+
+    Files keep the bits: those of operators on maps count down from the highest, so that a row more in either table of
+    the registry moves none.
+    """
     if bridge.missing_sentence():
         return [NO_DESCRIPTOR]
-    return [(row.name, row.label, with_unit(row), 1 << index) for index, row in enumerate(bridge.descriptors())]
+    rising, falling = iter(range(HIGHEST_BIT + 1)), iter(range(HIGHEST_BIT, -1, -1))
+    return [
+        (row.name, row.label, with_unit(row), 1 << next(falling if row.map_degree else rising))
+        for row in bridge.descriptors()
+    ]
 
 
 def map_items() -> list[tuple[str, str, str]]:

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from . import bridge, color_maps, legend, looks, mesh_io, targets
+from . import bridge, color_maps, legend, looks, mesh_io, modes
 from .bridge import ParadescError
 from .job import registry_name, registry_row
 
@@ -33,6 +33,8 @@ def shown_name(mesh: bpy.types.Mesh) -> str:
 def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
     """The range and map in which a descriptor's colors on this mesh were made."""
     stored = mesh_io.stored_summary(mesh)
+    if name not in stored.get("ranges", {}):
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" does not say any more which range "{name}" has; bake it again.')
     minimum, maximum = stored["ranges"][name]
     drawn = stored.get("drawn", {}).get(name, {})
     signed = bool(drawn.get("diverging", registry_row(name).is_signed))
@@ -109,11 +111,11 @@ class NeedsBake:
         """Runs in object mode for a while, in which attributes can be read and written."""
         found = baked_targets(context) if self.whole_selection else [context.active_object]
         failures = 0
-        with targets.object_mode(context):
+        with modes.object_mode():
             for target in found:
                 try:
                     mesh_io.check_writable(target)
-                    with mesh_io.object_mode(target):
+                    with modes.object_mode(target):
                         self.run(context, target)
                 except ParadescError as error:
                     self.report({"ERROR"}, error.sentence)

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import secrets
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -177,9 +178,32 @@ def json_text(content: object) -> str:
     return json.dumps(finite_only(content), indent=2, ensure_ascii=False) + "\n"
 
 
+def part_path(path: Path) -> Path:
+    """Where a file or folder is written first, beside its place; another one for everybody who writes it."""
+    return path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+
+
+def file_fault(path: Path) -> str:
+    """Why no file can be written there, as one sentence, or ""."""
+    folder = path.absolute().parent
+    if not folder.is_dir():
+        return f'There is no folder "{folder}" to write "{path.name}" into.'
+    if path.is_dir():
+        return f'"{path}" is a folder, and cannot be written as a file; give it a name.'
+    return "" if os.access(folder, os.W_OK) else f'"{path}" cannot be written.'
+
+
+def folder_fault(path: Path) -> str:
+    """Why no folder of files can be made there, as one sentence, or ""."""
+    folder = path.absolute().parent
+    if not folder.is_dir():
+        return f'There is no folder "{folder}" to write "{path.name}" into.'
+    return f'"{path}" is a file; it has to be a folder.' if path.exists() and not path.is_dir() else ""
+
+
 def write_whole(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
     """Writes beside the path first: a failure leaves no half file, and an old one as it was."""
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    temporary = part_path(path)
     try:
         writer(temporary, content)
         temporary.replace(path)

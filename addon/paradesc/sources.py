@@ -16,8 +16,8 @@ from . import mesh_io
 from .bridge import MeshArrays
 from .job import Results
 from .mesh_io import refuse
+from .source_kinds import NAMES
 
-SOURCES = ("original", "deformed", "evaluated")
 # Modifiers that make or take vertices or faces. Geometry Nodes may do either, which is tried.
 GENERATING = {
     "ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "FLUID", "MASK", "MESH_TO_VOLUME",
@@ -43,8 +43,8 @@ class Reading:
 
 def check_source(source: str) -> None:
     """Refuses a source that there is not."""
-    if source not in SOURCES:
-        raise refuse(f'There is no source "{source}"; choose from {", ".join(SOURCES)}.')
+    if source not in NAMES:
+        raise refuse(f'There is no source "{source}"; choose from {", ".join(NAMES)}.')
 
 
 def read(

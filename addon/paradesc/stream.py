@@ -17,6 +17,8 @@ from .bridge import MeshArrays, ParadescError, abi
 NO_AREA = 1e-12
 # Below this, floats of 32 bits cannot tell, and doubles are asked.
 SMALL_AREA = 1e-3
+# Triangles that are looked at together: their numbers stay in the processor's cache.
+BLOCK = 16384
 # As native/src/prepare.cpp has them: buffers are laid out afresh below this share of texels and these texels a radius.
 SPARSE_SHARE, SPARSE_TEXELS = 0.15, 4.0
 # Everything but positions that a mesh is made of.
@@ -24,16 +26,17 @@ TOPOLOGY = ("corner_vertices", "triangle_corners", "corner_uvs", "triangle_smoot
 
 
 class Stream:
-    """A native context and mesh for the positions of one object, frame after frame."""
+    """A native mesh for the positions of one object, frame after frame; shared: on the device that others share."""
 
-    def __init__(self, arrays: MeshArrays, settings: job.Settings) -> None:
+    def __init__(self, arrays: MeshArrays, settings: job.Settings, shared: bool = False) -> None:
         job.check_descriptors(settings.descriptors)
         self.settings = settings
         self.arrays = arrays
         self.made = 0  # how often the native mesh was made: once, where nothing but positions changes
         self._mesh: bridge.Mesh | None = None
         self._contact: Contact | None = None
-        self._context = job.open_context(arrays, settings)
+        self._lease = job.open_context(arrays, settings, shared)
+        self._context = self._lease.context
 
     @property
     def backend(self) -> str:
@@ -67,11 +70,12 @@ class Stream:
         is set; the tangents (corner_count, 4) with a normal map.
         """
         arrays = self.moved(positions, corner_normals, corner_tangents)
-        mesh = self.mesh_at(arrays)
+        mesh = self.mesh_at(arrays, progress)
         try:
             results = job.run_on(self._context, mesh, arrays, self.settings, progress)
-        except BaseException:
+        except BaseException as error:
             self.forget()  # a layout may have been made whose report is lost
+            self._lease.failed(error)
             raise
         if not goes_on(results):
             self.forget()
@@ -94,13 +98,13 @@ class Stream:
             maps = replace(maps, corner_tangents=corner_tangents)
         return replace(self.arrays, positions=positions, corner_normals=corner_normals, maps=maps)
 
-    def mesh_at(self, arrays: MeshArrays) -> bridge.Mesh:
+    def mesh_at(self, arrays: MeshArrays, progress: job.ProgressFunction | None = None) -> bridge.Mesh:
         """The native mesh with these positions: the one there is, or a new one."""
         if self._mesh is not None and arrays.corner_normals is None and self._contact.holds(arrays.positions):
             self._mesh.set_positions(arrays.positions)
             return self._mesh
         self.forget()
-        self._mesh = self._context.mesh(arrays)
+        self._mesh = self._context.mesh(arrays, progress)
         self._contact = Contact(arrays)
         self.made += 1
         return self._mesh
@@ -112,9 +116,9 @@ class Stream:
             self._mesh = None
 
     def close(self) -> None:
-        """Frees the mesh and the device."""
+        """Frees the mesh and gives the device back."""
         self.forget()
-        self._context.close()
+        self._lease.close()
 
     def __enter__(self) -> "Stream":
         return self
@@ -127,47 +131,68 @@ class Contact:
     """Which vertices coincide and which triangles have no area: what adjacency takes from positions."""
 
     def __init__(self, arrays: MeshArrays) -> None:
-        self.triangles = np.ascontiguousarray(arrays.triangle_vertices.T)
+        triangles = arrays.triangle_vertices.T.astype(np.intp)
+        self.blocks = [np.ascontiguousarray(triangles[:, start : start + BLOCK]) for start in starts(triangles)]
+        columns = columns_of(arrays.positions)
         _, first, group, count = np.unique(
-            place_keys(arrays.positions), return_index=True, return_inverse=True, return_counts=True
+            place_keys(columns), return_index=True, return_inverse=True, return_counts=True
         )
         self.group_count = len(first)
         shared = count[group] > 1
         self.later = np.flatnonzero(shared)  # vertices at the place of another one
         self.earlier = first[group[shared]]
-        self.flat = self.without_area(arrays.positions)
+        self.flat = self.without_area(columns)
 
     def holds(self, positions: np.ndarray) -> bool:
         """True where the same vertices coincide at these (vertex_count, 3) positions and no other triangle is flat."""
-        together = np.array_equal(positions[self.later], positions[self.earlier])
-        apart = distinct(place_keys(positions)) == self.group_count
-        return together and apart and np.array_equal(self.flat, self.without_area(positions))
+        columns = columns_of(positions)
+        together = np.array_equal(columns[:, self.later], columns[:, self.earlier])
+        apart = distinct(place_keys(columns)) == self.group_count
+        return together and apart and np.array_equal(self.flat, self.without_area(columns))
 
-    def without_area(self, positions: np.ndarray) -> np.ndarray:
-        """(k,) int64 triangles without area."""
-        area, longest = area_and_edge(positions, self.triangles)
-        small = np.flatnonzero(~(area > SMALL_AREA * longest))
-        area, longest = area_and_edge(positions.astype(np.float64), self.triangles[:, small])
-        return small[area <= NO_AREA * longest]
+    def without_area(self, columns: np.ndarray) -> np.ndarray:
+        """(k,) int64 triangles without area at (3, vertex_count) positions."""
+        found = [np.empty(0, np.int64)]
+        for index, triangles in enumerate(self.blocks):
+            square, longest = area_and_edge(columns, triangles)
+            small = np.flatnonzero(~(square > (SMALL_AREA * longest) ** 2))
+            if small.size:
+                square, longest = area_and_edge(columns.astype(np.float64), triangles[:, small])
+                found.append(index * BLOCK + small[np.sqrt(square) <= NO_AREA * longest])
+        return np.concatenate(found)
 
 
-def area_and_edge(positions: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(k,) twice the area and the square of the longest edge of (3, k) triangles, in the precision of the positions."""
-    first = [positions[:, axis].take(triangles[0]) for axis in range(3)]
-    ab = [positions[:, axis].take(triangles[1]) - first[axis] for axis in range(3)]
-    ac = [positions[:, axis].take(triangles[2]) - first[axis] for axis in range(3)]
+def starts(triangles: np.ndarray) -> range:
+    """Where blocks of the (3, k) triangles begin."""
+    return range(0, triangles.shape[1], BLOCK)
+
+
+def columns_of(positions: np.ndarray) -> np.ndarray:
+    """(3, n) of (n, 3), each coordinate in a row."""
+    return np.ascontiguousarray(positions.T)
+
+
+def area_and_edge(columns: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(k,) squares of twice the area, and of the longest edge, of (3, k) triangles at (3, n) positions, as precise."""
+    corners = [[column.take(vertices) for vertices in triangles] for column in columns]
+    ab = [second - first for first, second, _ in corners]
+    ac = [third - first for first, _, third in corners]
+    bc = [along - other for along, other in zip(ac, ab, strict=True)]
     normal = [ab[(k + 1) % 3] * ac[(k + 2) % 3] - ab[(k + 2) % 3] * ac[(k + 1) % 3] for k in range(3)]
-    squares = [sum(edge[k] * edge[k] for k in range(3)) for edge in (ab, ac, [ac[k] - ab[k] for k in range(3)])]
-    longest = np.maximum(np.maximum(squares[0], squares[1]), squares[2])
-    return np.sqrt(sum(part * part for part in normal)), longest
+    return square_of(normal), np.maximum(np.maximum(square_of(ab), square_of(ac)), square_of(bc))
 
 
-def place_keys(positions: np.ndarray) -> np.ndarray:
-    """(n,) uint64 equal where positions are; elsewhere equal by chance, once in 2^64."""
-    bits = (positions + np.float32(0)).view(np.uint32).astype(np.uint64)  # adding zero makes -0 and 0 one
-    keys = np.zeros(len(bits), np.uint64)
-    for axis in range(3):
-        keys = (keys ^ bits[:, axis]) * np.uint64(0x9E3779B97F4A7C15)
+def square_of(vectors: list[np.ndarray]) -> np.ndarray:
+    """(k,) squares of the lengths of vectors whose three coordinates are (k,) each."""
+    return vectors[0] * vectors[0] + vectors[1] * vectors[1] + vectors[2] * vectors[2]
+
+
+def place_keys(columns: np.ndarray) -> np.ndarray:
+    """(n,) uint64 equal where (3, n) positions are; elsewhere equal by chance, once in 2^64."""
+    bits = (columns + np.float32(0)).view(np.uint32)  # adding zero makes -0 and 0 one
+    keys = np.zeros(bits.shape[1], np.uint64)
+    for axis in bits:
+        keys = (keys ^ axis) * np.uint64(0x9E3779B97F4A7C15)
         keys ^= keys >> np.uint64(29)
     return keys
 

@@ -1,8 +1,6 @@
-"""The selection to the meshes that are baked, each once; what stands in the way; reading them; modes and back."""
+"""The selection to the meshes that are baked, each once; what stands in the way; reading them."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import bpy
 import numpy as np
@@ -77,29 +75,43 @@ class Request:
     """What else is asked of a bake than the computation's own settings; plain values, since it outlasts an undo."""
 
     shape_key: str = "basis"  # or "active"
-    material_maps: bool = False
+    maps: surface_maps.Sources = field(default_factory=surface_maps.Sources)
     write_attributes: bool = True
     source: str = "original"
+    remedy: str = "measure in World"  # where an object's scale does not count
 
 
-def read(target: bpy.types.Object, settings: job.Settings, request: Request) -> tuple[sources.Reading, list[str]]:
-    """The object's mesh in the space that is measured, and sentences about what was measured."""
+@dataclass
+class Read:
+    """One object's mesh."""
+
+    arrays: bridge.MeshArrays  # in object space, as files hold it
+    measured: bridge.MeshArrays  # the same in the space that is measured
+    reading: sources.Reading  # where its results belong
+    notes: list[str]  # sentences about what was measured
+    map_notes: list[str]  # and about each image
+
+
+def read(target: bpy.types.Object, settings: job.Settings, request: Request) -> Read:
+    """The object's mesh by its source, before or after modifiers; the mesh stays as it is."""
     needs_uvs = settings.backend != "reference"
     reading = sources.read(target, request.source, settings.options.normals == "mesh", needs_uvs)
     arrays, notes = reading.arrays, list(reading.notes)
     if reading.source == "original":
         notes += take_shape(target, arrays, request.shape_key)
-    surface_maps.add_maps(target, arrays, surface_maps.Sources(material=request.material_maps))
+    map_notes = surface_maps.add_maps(target, arrays, request.maps)
     sources.check_maps(reading)
-    matrix = mesh_io.world_matrix(target)
+    measured, matrix = replace(arrays), mesh_io.world_matrix(target)
     if settings.space == "world":
-        spaces.to_world(arrays, matrix, target.name)
+        if arrays.maps is not None:
+            measured.maps = replace(arrays.maps)
+        spaces.to_world(measured, matrix, target.name)
     elif not spaces.is_even(matrix):
         notes.append(
             f'The object "{target.name}" is scaled differently along its axes, but was measured without its scale; '
-            "measure in World, or apply the scale."
+            f"{request.remedy}, or apply the scale."
         )
-    return reading, notes
+    return Read(arrays, measured, reading, notes, map_notes)
 
 
 def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) -> list[str]:
@@ -134,35 +146,3 @@ def shared_note(sharing: list[bpy.types.Object], space: str = "world", source: s
         f'{len(sharing)} objects share the mesh "{first.data.name}" at different scales; it was measured as '
         f'"{first.name}" stands in the world.'
     ]
-
-
-# ---- Modes
-
-
-@contextmanager
-def object_mode(context: bpy.types.Context) -> Iterator[None]:
-    """Object mode for a while: the mode, which objects are in it, the selection and the active object come back."""
-    objects = context.view_layer.objects
-    active = objects.active
-    mode = "OBJECT" if active is None else active.mode
-    if mode == "OBJECT":
-        yield
-        return
-    inside = [item for item in objects if item.mode == mode]
-    selected = list(objects.selected)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    try:
-        yield
-    finally:
-        objects.active = active
-        select_only(objects, inside)  # edit mode takes all that are selected
-        bpy.ops.object.mode_set(mode=mode)
-        select_only(objects, selected)
-
-
-def select_only(objects: bpy.types.LayerObjects, wanted: list[bpy.types.Object]) -> None:
-    """Selects these objects and no others."""
-    for item in objects:
-        if item.select_get() != (item in wanted):
-            with suppress(RuntimeError):  # hidden ones cannot be selected
-                item.select_set(item in wanted)

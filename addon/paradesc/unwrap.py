@@ -1,6 +1,5 @@
 """A mesh without a usable UV map to a layout for the computation: Blender's unwrap of a copy, kept out of sight."""
 
-import hashlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import radians
@@ -10,6 +9,7 @@ import numpy as np
 
 from . import packing
 from .bridge import InputError, Layout, MeshArrays, ParadescError, abi
+from .digests import digest
 
 # Three floats a corner (u, v, 0): two would be one more UV map since Blender 3.5. Names that begin with ".hide" stay
 # out of Blender's own lists of attributes.
@@ -28,9 +28,16 @@ def fault(uvs: np.ndarray | None, triangle_corners: np.ndarray) -> str:
         return "has no UV map"
     if not np.isfinite(uvs).all():
         return "has a UV map with coordinates that are not finite"
-    if len(triangle_corners) and np.mean(uv_areas(uvs, triangle_corners) != 0) < LEAST_SHARE_WITH_AREA:
+    if len(triangle_corners) and not has_uv_area(uvs, triangle_corners):
         return "has a UV map without area"
     return ""
+
+
+def has_uv_area(uvs: np.ndarray, triangle_corners: np.ndarray) -> bool:
+    """Whether triangles enough have an area in the UV map: most often a part of them says so."""
+    needed = LEAST_SHARE_WITH_AREA * len(triangle_corners)
+    parts = (triangle_corners[::16], triangle_corners)
+    return any(np.count_nonzero(uv_areas(uvs, part)) >= needed for part in parts)
 
 
 def uv_areas(uvs: np.ndarray, triangle_corners: np.ndarray) -> np.ndarray:
@@ -57,15 +64,6 @@ def layout(mesh: bpy.types.Mesh, stored: dict[str, str], arrays: MeshArrays, rea
 def topology(corner_vertices: np.ndarray, starts: np.ndarray) -> str:
     """A name for the way faces hang together: the (corner_count,) vertices and the (face_count,) first corners."""
     return digest(corner_vertices, starts)
-
-
-def digest(*arrays: np.ndarray) -> str:
-    """A name for the arrays' contents."""
-    found = hashlib.sha256()
-    for array in arrays:
-        found.update(f"{array.dtype.str}{array.shape}".encode())
-        found.update(np.ascontiguousarray(array).data)
-    return found.hexdigest()
 
 
 # ---- Keeping

@@ -27,9 +27,11 @@ endif()
 
 # The add-on finds the library in its own lib folder and nowhere else.
 set(library_files $<TARGET_FILE:paradesc> ${OPENMESH_CORE_FILE})
-add_custom_command(TARGET paradesc POST_BUILD
-  COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_SOURCE_DIR}/addon/paradesc/lib
-  COMMAND ${CMAKE_COMMAND} -E copy_if_different ${library_files} ${PROJECT_SOURCE_DIR}/addon/paradesc/lib/)
+if(NOT PARADESC_SANITIZE)
+  add_custom_command(TARGET paradesc POST_BUILD
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_SOURCE_DIR}/addon/paradesc/lib
+    COMMAND ${CMAKE_COMMAND} -E copy_if_different ${library_files} ${PROJECT_SOURCE_DIR}/addon/paradesc/lib/)
+endif()
 
 set(arguments "")
 if(PARADESC_ZIG)

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <new>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "descriptor/registry.h"
@@ -11,6 +12,7 @@
 #include "mesh/near_seam.h"
 #include "pipeline.h"
 #include "support/error.h"
+#include "support/live.h"
 
 struct pdesc_context {
   std::shared_ptr<paradesc::Context> context;
@@ -33,6 +35,7 @@ template <class Body> int32_t guarded(const Body &body) noexcept {
   try {
     last_error.clear();
     body();
+    last_error.clear(); // of calls from the progress callback
     return PDESC_OK;
   } catch (const Error &error) {
     last_error = error.what();
@@ -55,12 +58,45 @@ void need(const void *pointer, const char *name) {
   if (!pointer) refuse(std::string("The argument '") + name + "' is NULL; pass a valid pointer.");
 }
 
+// Never destroyed: other threads may still call while the process ends.
+paradesc::LiveHandles &live() {
+  static auto *handles = new paradesc::LiveHandles;
+  return *handles;
+}
+
+template <class Handle> void need_live(const Handle *handle, const char *name) {
+  need(handle, name);
+  if (!live().contains(handle))
+    refuse(std::string("The argument '") + name + "' is no " + name + ", or one that was destroyed; pass one that is alive.");
+}
+
+// One call at a time on a context; a call from inside the progress callback of another would wait for itself.
+class Turn {
+public:
+  explicit Turn(paradesc::Context &context) : context_(context) {
+    if (context_.holder == std::this_thread::get_id())
+      throw Error(PDESC_ERROR_INVALID_OPERATION,
+                  "This call comes from the progress callback of another on the same context; return from the callback first.");
+    context_.mutex.lock();
+    context_.holder = std::this_thread::get_id();
+  }
+  ~Turn() {
+    context_.holder = std::thread::id();
+    context_.mutex.unlock();
+  }
+  Turn(const Turn &) = delete;
+  Turn &operator=(const Turn &) = delete;
+
+private:
+  paradesc::Context &context_;
+};
+
 // A caller may be older or newer than the library: what it did not pass keeps its default, what we do not know is left alone.
 template <class Struct> Struct read_struct(const Struct *given, void (*init)(Struct *), const char *name) {
   Struct ours;
   init(&ours);
   if (!given) return ours;
-  if (given->struct_size < 2 * sizeof(uint32_t) || given->struct_size > 4096)
+  if (given->struct_size < 2 * sizeof(uint32_t) || given->struct_size > 4096 || given->struct_size % alignof(Struct) != 0)
     refuse(std::string(name) + ".struct_size is " + std::to_string(given->struct_size) + "; call " + name +
            "_init before filling it.");
   std::memcpy(static_cast<void *>(&ours), given, std::min<size_t>(given->struct_size, sizeof(Struct)));
@@ -70,7 +106,7 @@ template <class Struct> Struct read_struct(const Struct *given, void (*init)(Str
 template <class Struct> void write_struct(Struct ours, Struct *out, const char *name) {
   need(out, name);
   const uint32_t size = out->struct_size;
-  if (size < sizeof(uint32_t) || size > 4096)
+  if (size < sizeof(uint32_t) || size > 4096 || size % alignof(Struct) != 0) // half a member
     refuse(std::string(name) + ".struct_size is " + std::to_string(size) + "; call " + name + "_init first.");
   ours.struct_size = size;
   std::memcpy(static_cast<void *>(out), &ours, std::min<size_t>(size, sizeof(Struct)));
@@ -190,35 +226,41 @@ int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context
     check_range("device_index", ours.device_index, -1, 1023);
     check_range("threads", ours.threads, 0, 4096);
     check_range("memory_limit", ours.memory_limit, 0, INT64_MAX);
-    *context = new pdesc_context{paradesc::make_context(ours)};
+    *context = live().add(std::unique_ptr<pdesc_context>(new pdesc_context{paradesc::make_context(ours)}));
   });
 }
 
-void pdesc_context_destroy(pdesc_context *context) { delete context; }
-int32_t pdesc_context_backend(const pdesc_context *context) {
-  return context ? context->context->backend.load() : PDESC_BACKEND_AUTO;
+void pdesc_context_destroy(pdesc_context *context) {
+  if (live().remove(context)) delete context;
 }
-const char *pdesc_context_device(const pdesc_context *context) { return context ? context->context->device.load() : ""; }
-const char *pdesc_context_fallback(const pdesc_context *context) { return context ? context->context->fallback.load() : ""; }
+int32_t pdesc_context_backend(const pdesc_context *context) {
+  return live().contains(context) ? context->context->backend.load() : PDESC_BACKEND_AUTO;
+}
+const char *pdesc_context_device(const pdesc_context *context) {
+  return live().contains(context) ? context->context->device.load() : "";
+}
+const char *pdesc_context_fallback(const pdesc_context *context) {
+  return live().contains(context) ? context->context->fallback.load() : "";
+}
 
 void pdesc_mesh_input_init(pdesc_mesh_input *input) { zero_init(input); }
 void pdesc_mesh_report_init(pdesc_mesh_report *report) { zero_init(report); }
 
 int32_t pdesc_mesh_create(pdesc_context *context, const pdesc_mesh_input *input, pdesc_mesh **mesh) {
   return guarded([&] {
-    need(context, "context");
+    need_live(context, "context");
     need(input, "input");
     need(mesh, "mesh");
     const auto ours = read_struct(input, pdesc_mesh_input_init, "pdesc_mesh_input");
-    *mesh = new pdesc_mesh{paradesc::make_mesh(context->context, ours)};
+    *mesh = live().add(std::unique_ptr<pdesc_mesh>(new pdesc_mesh{paradesc::make_mesh(context->context, ours)}));
   });
 }
 
 int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32_t vertex_count) {
   return guarded([&] {
-    need(mesh, "mesh");
+    need_live(mesh, "mesh");
     need(positions, "positions");
-    std::lock_guard lock(mesh->mesh->context->mutex);
+    const Turn turn(*mesh->mesh->context);
     paradesc::move_mesh(*mesh->mesh, positions, vertex_count);
   });
 }
@@ -226,8 +268,8 @@ int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32
 int32_t pdesc_mesh_set_displacement(pdesc_mesh *mesh, const float *heights, int32_t width, int32_t height, double midlevel,
                                     double scale) {
   return guarded([&] {
-    need(mesh, "mesh");
-    std::lock_guard lock(mesh->mesh->context->mutex);
+    need_live(mesh, "mesh");
+    const Turn turn(*mesh->mesh->context);
     ++mesh->mesh->version;
     paradesc::set_displacement(mesh->mesh->maps, mesh->mesh->triangles, heights, width, height, midlevel, scale);
   });
@@ -236,8 +278,8 @@ int32_t pdesc_mesh_set_displacement(pdesc_mesh *mesh, const float *heights, int3
 int32_t pdesc_mesh_set_normal_map(pdesc_mesh *mesh, const float *rgb, int32_t width, int32_t height, const float *corner_tangents,
                                   int32_t corner_count) {
   return guarded([&] {
-    need(mesh, "mesh");
-    std::lock_guard lock(mesh->mesh->context->mutex);
+    need_live(mesh, "mesh");
+    const Turn turn(*mesh->mesh->context);
     ++mesh->mesh->version;
     paradesc::set_normal_map(mesh->mesh->maps, mesh->mesh->triangles, rgb, width, height, corner_tangents, corner_count);
   });
@@ -245,19 +287,19 @@ int32_t pdesc_mesh_set_normal_map(pdesc_mesh *mesh, const float *rgb, int32_t wi
 
 int32_t pdesc_mesh_get_report(const pdesc_mesh *mesh, pdesc_mesh_report *report) {
   return guarded([&] {
-    need(mesh, "mesh");
-    std::lock_guard lock(mesh->mesh->context->mutex);
+    need_live(mesh, "mesh");
+    const Turn turn(*mesh->mesh->context);
     write_struct(paradesc::report_of(*mesh->mesh), report, "pdesc_mesh_report");
   });
 }
 
 int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *near_seam, int32_t vertex_count) {
   return guarded([&] {
-    need(mesh, "mesh");
+    need_live(mesh, "mesh");
     need(near_seam, "near_seam");
     if (!std::isfinite(radius) || radius < 0.0)
       refuse("The radius is " + std::to_string(radius) + "; it must be a finite number from 0 on.");
-    std::lock_guard lock(mesh->mesh->context->mutex);
+    const Turn turn(*mesh->mesh->context);
     const paradesc::Mesh &ours = *mesh->mesh;
     check_length(vertex_count, static_cast<size_t>(ours.triangles.vertex_count));
     const auto near = paradesc::vertices_near_seams(ours.triangles, ours.half_edges, ours.charts, radius);
@@ -268,9 +310,10 @@ int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *nea
 void pdesc_mesh_destroy(pdesc_mesh *mesh) {
   if (!mesh) return;
   guarded([&] {
-    const auto context = mesh->mesh->context; // the lock must outlive the mesh
-    std::lock_guard lock(context->mutex);
-    delete mesh;
+    need_live(mesh, "mesh");
+    const auto context = mesh->mesh->context; // the turn must outlive the mesh
+    const Turn turn(*context);
+    if (live().remove(mesh)) delete mesh;
   });
 }
 
@@ -289,17 +332,17 @@ void pdesc_options_init(pdesc_options *options) {
 int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *names, int32_t count,
                       pdesc_progress progress, void *user, pdesc_field **field) {
   return guarded([&] {
-    need(mesh, "mesh");
+    need_live(mesh, "mesh");
     need(field, "field");
     const auto ours = read_struct(options, pdesc_options_init, "pdesc_options");
     check_options(ours);
     const std::vector<int> asked = rows_of(names, count);
-    std::lock_guard lock(mesh->mesh->context->mutex);
+    const Turn turn(*mesh->mesh->context);
     auto result = std::make_unique<pdesc_field>();
     result->field = paradesc::compute(*mesh->mesh, ours, asked, [&](const char *stage, double fraction) {
       return !progress || progress(user, stage, fraction) != 0;
     });
-    *field = result.release();
+    *field = live().add(std::move(result));
   });
 }
 
@@ -308,12 +351,12 @@ void pdesc_memory_init(pdesc_memory *memory) { zero_init(memory); }
 int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, const char *const *names, int32_t count,
                           int32_t backend, pdesc_memory *memory) {
   return guarded([&] {
-    need(mesh, "mesh");
+    need_live(mesh, "mesh");
     check_range("backend", backend, PDESC_BACKEND_AUTO, PDESC_BACKEND_REFERENCE);
     const auto ours = read_struct(options, pdesc_options_init, "pdesc_options");
     check_options(ours);
     const std::vector<int> asked = rows_of(names, count);
-    std::lock_guard lock(mesh->mesh->context->mutex);
+    const Turn turn(*mesh->mesh->context);
     const paradesc::Context &context = *mesh->mesh->context;
     if (backend == PDESC_BACKEND_AUTO) backend = context.backend;
     const paradesc::MemoryOfCompute needed = paradesc::memory_of_compute(*mesh->mesh, backend, ours, asked);
@@ -329,24 +372,30 @@ int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, 
 }
 
 int32_t pdesc_mesh_buffer_size(const pdesc_mesh *mesh) {
-  return mesh && mesh->mesh->device && mesh->mesh->device->buffer ? mesh->mesh->device->buffer->size() : 0;
+  int32_t size = 0;
+  guarded([&] {
+    need_live(mesh, "mesh");
+    const Turn turn(*mesh->mesh->context);
+    if (mesh->mesh->device && mesh->mesh->device->buffer) size = mesh->mesh->device->buffer->size();
+  });
+  return size;
 }
 
 int32_t pdesc_mesh_read_buffer(pdesc_mesh *mesh, const char *name, float *values, int64_t count) {
   return guarded([&] {
-    need(mesh, "mesh");
+    need_live(mesh, "mesh");
     need(name, "name");
     need(values, "values");
-    std::lock_guard lock(mesh->mesh->context->mutex);
+    const Turn turn(*mesh->mesh->context);
     copy_texels(paradesc::read_buffer(*mesh->mesh, name).values, values, count);
   });
 }
 
 int32_t pdesc_mesh_layout(const pdesc_mesh *mesh, float *uvs, int32_t triangle_count) {
   return guarded([&] {
-    need(mesh, "mesh");
+    need_live(mesh, "mesh");
     need(uvs, "uvs");
-    std::lock_guard lock(mesh->mesh->context->mutex);
+    const Turn turn(*mesh->mesh->context);
     const auto &corners = mesh->mesh->triangles.corner_uv;
     if (corners.empty()) throw Error(PDESC_ERROR_INVALID_OPERATION, "The mesh has no UV map, and so no layout.");
     if (triangle_count != mesh->mesh->triangles.triangle_count)
@@ -363,16 +412,16 @@ void pdesc_field_report_init(pdesc_field_report *report) { zero_init(report); }
 
 int32_t pdesc_field_get_report(const pdesc_field *field, pdesc_field_report *report) {
   return guarded([&] {
-    need(field, "field");
+    need_live(field, "field");
     write_struct(field->field.report, report, "pdesc_field_report");
   });
 }
 
-const char *pdesc_field_warnings(const pdesc_field *field) { return field ? field->field.warnings.c_str() : ""; }
+const char *pdesc_field_warnings(const pdesc_field *field) { return live().contains(field) ? field->field.warnings.c_str() : ""; }
 
 int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *values, int32_t vertex_count) {
   return guarded([&] {
-    need(field, "field");
+    need_live(field, "field");
     need(values, "values");
     const auto &ours = column(field->field, field->field.values, name);
     check_length(vertex_count, field->field.mask.size());
@@ -382,7 +431,7 @@ int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *va
 
 int32_t pdesc_field_seam_error(const pdesc_field *field, const char *name, float *values, int32_t vertex_count) {
   return guarded([&] {
-    need(field, "field");
+    need_live(field, "field");
     need(values, "values");
     if (field->field.seam_error.empty())
       throw Error(PDESC_ERROR_INVALID_OPERATION,
@@ -395,18 +444,18 @@ int32_t pdesc_field_seam_error(const pdesc_field *field, const char *name, float
 
 int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int32_t vertex_count) {
   return guarded([&] {
-    need(field, "field");
+    need_live(field, "field");
     need(mask, "mask");
     check_length(vertex_count, field->field.mask.size());
     std::copy(field->field.mask.begin(), field->field.mask.end(), mask);
   });
 }
 
-int32_t pdesc_field_map_size(const pdesc_field *field) { return field ? field->field.map_size : 0; }
+int32_t pdesc_field_map_size(const pdesc_field *field) { return live().contains(field) ? field->field.map_size : 0; }
 
 int32_t pdesc_field_map(const pdesc_field *field, const char *name, float *values, int64_t count) {
   return guarded([&] {
-    need(field, "field");
+    need_live(field, "field");
     need(values, "values");
     if (field->field.maps.empty())
       throw Error(PDESC_ERROR_INVALID_OPERATION,
@@ -415,4 +464,6 @@ int32_t pdesc_field_map(const pdesc_field *field, const char *name, float *value
   });
 }
 
-void pdesc_field_destroy(pdesc_field *field) { delete field; }
+void pdesc_field_destroy(pdesc_field *field) {
+  if (live().remove(field)) delete field;
+}

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 
 #include "gpu/gl_thread.h"
 #include "paradesc/paradesc.h"
@@ -26,7 +27,8 @@ struct Context {
   std::list<std::string> texts; // what those two point to, and have pointed to: callers may hold them still
   int smallest_tile = 128;      // centers of the first dispatch, which no result may depend on
   DriverSubstitute substitute;
-  std::mutex mutex; // one call at a time
+  std::mutex mutex;                    // one call at a time
+  std::atomic<std::thread::id> holder; // the thread that has it
 };
 
 // substitute: what tests make of the driver.

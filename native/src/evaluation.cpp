@@ -158,6 +158,22 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
   return results;
 }
 
+// (places, width) by the numbers that they had.
+template <class Value> static void put_back(const std::vector<int32_t> &order, std::vector<Value> &values) {
+  std::vector<Value> ordered(values.size());
+  const size_t width = order.empty() ? 1 : values.size() / order.size();
+  for (size_t i = 0; i < values.size(); ++i) ordered[static_cast<size_t>(order[i / width]) * width + i % width] = values[i];
+  values.swap(ordered);
+}
+
+static void put_back(const std::vector<int32_t> &order, SiteResults &results) {
+  for (std::vector<float> &values : results.values) put_back(order, values);
+  put_back(order, results.coverage);
+  put_back(order, results.boundary);
+  put_back(order, results.point);
+  put_back(order, results.primary);
+}
+
 static SiteResults evaluate_vertices(Mesh &mesh, const EvaluateSettings &settings, double radius, const Frame &frame,
                                      const Progress &progress, Field &field) {
   evaluate(mesh, settings, frame, progress, 0.3, 0.8);
@@ -167,6 +183,7 @@ static SiteResults evaluate_vertices(Mesh &mesh, const EvaluateSettings &setting
   for (size_t i = 0; i < frame.points.size(); ++i)
     results.primary.push_back(mesh.charts.point_site[static_cast<size_t>(frame.points[i])] == frame.sites[i]);
   field.report.places = static_cast<int32_t>(frame.centers.size());
+  put_back(frame.order, results); // passes are read together, each may have had an order of its own
   return results;
 }
 

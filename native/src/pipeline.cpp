@@ -8,6 +8,7 @@
 #include "image/passes.h"
 #include "memory.h"
 #include "stages.h"
+#include "support/cancel.h"
 #include "support/error.h"
 #include "support/parallel.h"
 
@@ -52,11 +53,17 @@ static void check_triangle_count(const Context &context, int32_t triangles) {
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
   check_memory_of_input(*context, input);
   if (context->asked != PDESC_BACKEND_AUTO) check_triangle_count(*context, input.triangle_count);
+  const CancelScope cancel([&] {
+    if (input.progress && !input.progress(input.user, "mesh", 0.0))
+      throw Error(PDESC_ERROR_CANCELLED, "Cancelled in stage mesh.");
+  });
   auto mesh = std::make_unique<Mesh>();
   mesh->context = std::move(context);
   mesh->triangles = read_triangles(input);
+  checkpoint();
   mesh->half_edges = build_half_edges(mesh->triangles);
   mesh->charts = build_charts(mesh->triangles, mesh->half_edges, {}, mesh->context->threads);
+  checkpoint();
   measure(*mesh);
   mesh->found = describe(*mesh);
   return mesh;
@@ -203,9 +210,14 @@ static Field compute_on_backend(Mesh &mesh, const pdesc_options &options, std::s
   Clock clock;
   Field field;
   const double radius = resolve_radius(mesh, options);
-  check_cancel(progress, "prepare", 0.0);
-  const SiteResults results = reference ? compute_in_object_space(mesh, options, asked, radius, progress, field)
-                                        : compute_in_texture_space(mesh, options, asked, radius, progress, field);
+  const char *stage = "prepare";
+  double reached = 0.0;
+  const Progress told = [&](const char *name, double fraction) { return progress(stage = name, reached = fraction); };
+  const CancelScope cancel([&] { check_cancel(progress, stage, reached); });
+  check_cancel(told, stage, reached);
+  const SiteResults results = reference ? compute_in_object_space(mesh, options, asked, radius, told, field)
+                                        : compute_in_texture_space(mesh, options, asked, radius, told, field);
+  checkpoint();
   for (const int descriptor : asked) field.names.emplace_back(descriptors()[static_cast<size_t>(descriptor)].name);
   gather(mesh.half_edges, results, options.seam_error != 0 && !reference, field);
   field.report.radius = radius;

@@ -9,6 +9,7 @@
 #include "mesh/layout.h"
 #include "sample/pattern.h"
 #include "stages.h"
+#include "support/cancel.h"
 #include "support/error.h"
 
 namespace paradesc {
@@ -78,6 +79,7 @@ static void prepare_centers(const Mesh &mesh, const pdesc_options &options, doub
   frame.sites.reserve(mesh.charts.sites.size());
   frame.points.reserve(mesh.charts.sites.size());
   for (size_t i = 0; i < mesh.charts.sites.size(); ++i) {
+    if (i % 4096 == 0) checkpoint();
     if (!is_center(mesh, options, i)) continue;
     const Site &site = mesh.charts.sites[i];
     const auto point = static_cast<size_t>(site.point);
@@ -95,6 +97,8 @@ static void prepare_centers(const Mesh &mesh, const pdesc_options &options, doub
     frame.sites.push_back(-1);
     frame.points.push_back(static_cast<int32_t>(point));
   }
+  frame.order.resize(frame.centers.size());
+  std::iota(frame.order.begin(), frame.order.end(), 0);
 }
 
 // Maps are applied to buffers of full precision.
@@ -107,6 +111,7 @@ static bool prepare_device(Mesh &mesh, const pdesc_options &options) {
   DeviceMesh &device = *mesh.device;
   bool changed = device.buffer && device.buffer->half() != uses_half(mesh, options);
   if (device.grid.size != options.buffer_size) {
+    device.normals_kind = -1; // until bake() has brought it to the device: a run may be cancelled before
     device.grid = build_border_grid(mesh.triangles, mesh.charts, options.buffer_size);
     changed = true;
   }
@@ -116,7 +121,7 @@ static bool prepare_device(Mesh &mesh, const pdesc_options &options) {
     device.vertices = build_bake_vertices(mesh.triangles, mesh.charts, own ? std::vector<int32_t>() : mesh.rings->corner_fan);
     changed = true;
   }
-  if (changed) device.normals_kind = -1; // until bake() has brought it to the device: a run may be cancelled before
+  if (changed) device.normals_kind = -1;
   return changed;
 }
 
@@ -129,28 +134,49 @@ static int count_bare_triangles(const Mesh &mesh, const std::vector<int32_t> &id
   return bare;
 }
 
+// In steps on the device, between which a run may be cancelled; what is half done then is done again by the next run.
 static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, bool changed) {
-  mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
-    DeviceMesh &device = *mesh.device;
+  constexpr int drawn_at_once = 1 << 17; // triangles
+  DeviceMesh &device = *mesh.device;
+  const auto step = [&](const std::function<void(const Gl &, ProgramCache &)> &work) {
+    checkpoint();
+    mesh.context->gl->run(work);
+  };
+  const BakeInput input{mesh.triangles, mesh.charts,        device.vertices,      frame.normals,
+                        frame.forms,    frame.buffer_frame, mesh.context->threads};
+  device.normals_kind = -1;
+  step([&](const Gl &gl, ProgramCache &) {
     if (changed) {
       const bool half = uses_half(mesh, options);
       if (!device.buffer || device.buffer->size() != options.buffer_size || device.buffer->half() != half)
         device.buffer = std::make_unique<GeometryBuffer>(gl, options.buffer_size, half);
       device.evaluator.set_borders(gl, device.grid);
+      device.buffer->upload_topology(input);
     }
-    const BakeInput input{mesh.triangles, mesh.charts,        device.vertices,      frame.normals,
-                          frame.forms,    frame.buffer_frame, mesh.context->threads};
-    device.buffer->bake(programs, input, changed);
+  });
+  step([&](const Gl &, ProgramCache &) {
+    device.buffer->upload(input);
+    device.buffer->clear();
+  });
+  const int count = device.buffer->triangle_count();
+  for (int first = 0; first < count; first += drawn_at_once)
+    step([&](const Gl &gl, ProgramCache &programs) {
+      device.buffer->draw(programs, first, std::min(first + drawn_at_once, count));
+      gl.Flush(); // the device draws these while the next are on their way
+    });
+  step([&](const Gl &gl, ProgramCache &programs) {
+    device.buffer->draw_borders(programs);
     if (frame.mapped) device.mapper.run(gl, programs, *device.buffer, input, mesh.maps);
     device.frame = frame.buffer_frame;
-    if (!changed) return;
-    device.counts = device.buffer->count_owners(programs);
-    device.bare_triangles = count_bare_triangles(mesh, device.buffer->read_ids());
+  });
+  if (changed) {
+    step([&](const Gl &, ProgramCache &programs) { device.counts = device.buffer->count_owners(programs); });
+    step([&](const Gl &, ProgramCache &) { device.bare_triangles = count_bare_triangles(mesh, device.buffer->read_ids()); });
     device.cells.block_size = 0;
     device.texels = {};
     device.samples = {};
-    device.normals_kind = options.normals;
-  });
+  }
+  device.normals_kind = options.normals;
 }
 
 // About half the radius: a support then meets a few dozen cells, at every radius.
@@ -184,6 +210,7 @@ Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius
   DeviceMesh &device = *mesh.device;
   const int threads = mesh.context->threads, size = device.buffer->size();
   const auto reach = static_cast<float>(radius * frame.buffer_frame.scale);
+  checkpoint();
   auto on_device = [&](const auto &body) { mesh.context->gl->run(body); };
   if (frame.measured.empty())
     on_device([&](const Gl &gl, ProgramCache &programs) {
@@ -250,6 +277,7 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
   reorder(neighbors, frame.centers);
   reorder(neighbors, frame.sites);
   reorder(neighbors, frame.points);
+  reorder(neighbors, frame.order);
   reorder(neighbors, supports.plain);
   frame.plain = std::move(supports.plain);
   set_supports(mesh, supports, frame);
@@ -266,6 +294,7 @@ static void bake_frame(Mesh &mesh, const pdesc_options &options, Frame &frame, b
     frame.mapped =
         map_points(mesh.maps, mesh.triangles, mesh.half_edges, frame.normals, frame.buffer_frame, mesh.context->threads);
   if (frame.mapped) frame.enlargement = ellipse_enlargement * frame.mapped->shrinkage;
+  checkpoint();
   bake(mesh, options, frame, changed);
   frame.baked = true;
 }
@@ -302,8 +331,10 @@ bool lay_out_afresh(Mesh &mesh, double radius_in_texels) {
   const double size = mesh.device->buffer->size();
   const bool sparse = counts.covered < 0.15 * size * size || radius_in_texels < 4.0;
   if (!mesh.overlap_free && (counts.overlapping > 0 || sparse) && part_overlaps(mesh)) return true;
-  if (!sparse || std::exchange(mesh.fill_tried, true)) return false; // it helps at every size and radius, or at none
-  if (!repack_charts(mesh.triangles, mesh.charts, 1.5, mesh.context->threads)) return false;
+  if (!sparse || mesh.fill_tried) return false; // it helps at every size and radius, or at none
+  const bool filled = repack_charts(mesh.triangles, mesh.charts, 1.5, mesh.context->threads);
+  mesh.fill_tried = true;
+  if (!filled) return false;
   mesh.private_layout = PDESC_LAYOUT_SPARSE;
   return true;
 }

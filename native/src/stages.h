@@ -26,6 +26,7 @@ struct Frame {
   std::vector<CenterData> centers;
   std::vector<int32_t> sites;     // (centers) -1: the point has no place in the UV map
   std::vector<int32_t> points;    // (centers)
+  std::vector<int32_t> order;     // (centers) what number each had before they were put side by side
   std::vector<uint8_t> plain;     // (centers) as in Supports
   std::vector<CellData> measured; // cells, in the buffers of this frame
   std::vector<vec4> positions;    // (size * size) of the buffers, once a search has asked

@@ -244,3 +244,33 @@ def test_no_value_at_all_has_a_range_too(tmp_path):
     cache.write_frame(tmp_path, cache.Frame(1, "k", "p", {"mean_curvature": nothing}, {}))
     shown = cache.locked_ranges([tmp_path])["mean_curvature"]
     assert shown.minimum < shown.maximum
+
+
+# ---- Found by fuzzing (tests/fuzz/readers.py)
+
+
+def test_a_header_that_quotes_lines_is_refused_in_one_line(tmp_path):
+    path = cache.write_frame(tmp_path, a_frame())
+    for header in ({"version": "1\n2"}, {"counts": {"two\nlines": -1}}):
+        path.write_bytes(rewritten(cache.encode(a_frame()), header))
+        refused(path)
+
+
+def test_a_version_that_only_equals_ours_is_refused(tmp_path):
+    path = cache.write_frame(tmp_path, a_frame())
+    path.write_bytes(rewritten(cache.encode(a_frame()), {"version": True}))
+    assert "version" in refused(path)
+
+
+@pytest.mark.parametrize("radius", [10**400, 5e-324, float("inf"), float("nan"), -1.0, "0.1"])
+def test_a_radius_that_is_none_still_gives_a_range(tmp_path, radius):
+    path = cache.write_frame(tmp_path, a_frame())
+    path.write_bytes(rewritten(cache.encode(a_frame()), {"info": {"radius": {"mean_curvature": radius}}}))
+    shown = cache.ranges([cache.read_frame(path)])["mean_curvature"]
+    assert -np.inf < shown.minimum < shown.maximum < np.inf
+
+
+def test_a_fixed_range_beyond_all_floats_is_refused(tmp_path):
+    (tmp_path / cache.RANGE_FILE).write_text(json.dumps({"mean_curvature": [0, 10**400]}))
+    with pytest.raises(bridge.ParadescError, match="damaged"):
+        cache.read_fixed(tmp_path)

@@ -80,6 +80,19 @@ def test_constant_without_inverse_length_is_measured_against_its_size(row):
     np.testing.assert_allclose(errors(reference + 0.005, reference, row=row), 1.0)
 
 
+def test_values_that_hardly_differ_are_measured_by_their_range_and_said_to():
+    reference = np.linspace(1.0, 1.01, 1001, dtype=np.float32)
+    faces = np.ones(1001, bool)
+    found = compare.percent_errors(reference + np.float32(1e-3), reference, faces, CURVATURE, 0.1)
+    assert found.percent == pytest.approx(np.full(1001, 100 * 1e-3 / 0.0095), rel=1e-2)
+    assert found.spread == pytest.approx(0.0095 / 1.01, rel=1e-3)
+    note = compare.spread_note({"descriptor": "mean_curvature", "spread": found.spread})
+    assert "mean_curvature differ by 0.94 % only" in note
+    wide = compare.percent_errors(reference, np.linspace(0, 1, 1001), faces, CURVATURE, 0.1)
+    assert compare.spread_note({"descriptor": "mean_curvature", "spread": wide.spread}) == ""
+    assert compare.spread_note({"descriptor": "mean_curvature", "spread": float("nan")}) == ""
+
+
 def test_nothing_defined_gives_no_statistic():
     found = errors(np.full(4, np.nan), np.full(4, np.nan))
     assert math.isnan(compare.statistic(found, np.mean))

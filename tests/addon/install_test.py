@@ -7,7 +7,10 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from threading import Thread
 
 import pytest
 
@@ -15,41 +18,25 @@ from paradesc.bridge import library
 from shapes import ADDON, ROOT
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
+from processes import run_blender, script_words  # noqa: E402
 
+DROPPED = "NOTICE.txt"
 SCRIPT = Path(__file__).with_name("install_in_blender.py")
 LIBRARIES = sorted((ADDON / "paradesc" / "lib").glob("*.so*"))
 EXTENSIONS = pytest.mark.skipif(bpy.app.version < (4, 2, 0), reason="extensions came with Blender 4.2")
 
 
 def in_blender(tmp_path, *words):
-    """Runs one action of install_in_blender.py in a Blender with empty user folders."""
-    if bpy.app.binary_path:
-        start = [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1", "-P", SCRIPT, "--"]
-    else:
-        start = [sys.executable, SCRIPT, "--"]
-    user = tmp_path / "user"
-    folders = {f"BLENDER_USER_{name}": str(user / name) for name in ("CONFIG", "SCRIPTS", "EXTENSIONS", "DATAFILES")}
-    environment = {**os.environ, **folders, "PARADESC_TEST_USER": str(user)}
-    environment.pop("PYTHONPATH", None)
-    process = subprocess.run(
-        [str(word) for word in (*start, *words)],
-        env=environment,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
-    said = process.stdout + process.stderr
-    assert process.returncode == 0, said
-    assert f"{words[0]} done" in process.stdout, said
-    assert "Traceback" not in said
-    return process.stdout
+    """Runs one action of install_in_blender.py in a Blender whose user folders are those of tmp_path."""
+    said = run_blender([*script_words(SCRIPT), *words], tmp_path / "user")
+    assert f"{words[0]} done" in said, said
+    return said
 
 
-def pack(root, output):
-    """Packs the sources below root with the library that is tested here, which says where the zips are."""
-    words = [sys.executable, root / "native" / "cmake" / "package.py", "--output", output, "--files", *LIBRARIES]
+def pack(root, output, *words):
+    """Packs the sources below root, with the library that is tested here if no words name another."""
+    given = words or ("--files", *LIBRARIES)
+    words = [sys.executable, root / "native" / "cmake" / "package.py", "--output", output, *given]
     # The tool comes with the Python module bpy, which lies beside pytest also where Blender itself runs the tests.
     environment = {**os.environ, "PYTHONPATH": str(Path(pytest.__file__).parents[1])}
     done = subprocess.run(list(map(str, words)), env=environment, capture_output=True, text=True, check=False)
@@ -58,9 +45,10 @@ def pack(root, output):
 
 
 def zips_of(output):
-    """What package.py wrote for this system."""
+    """What package.py wrote for this system, or for the only one."""
     (legacy,) = output.glob("*-legacy.zip")
-    (extension,) = (output / "repository").glob("*-linux-x64.zip")
+    extensions = sorted((output / "repository").glob("*.zip"))
+    extension = next((path for path in extensions if path.stem.endswith("-linux-x64")), extensions[0])
     return {"legacy": legacy, "extension": extension, "index": output / "repository" / "index.json"}
 
 
@@ -96,7 +84,7 @@ def packages(request):
 
 @pytest.fixture(scope="module")
 def newer_packages(tmp_path_factory):
-    """Zips of a version 9.9.9, which has one name more in a module behind the first."""
+    """Zips of a version 9.9.9, library included, with one name more in a module behind the first and a file less."""
     root = tmp_path_factory.mktemp("newer")
     copy_sources(root)
     addon = root / "addon" / "paradesc"
@@ -105,16 +93,70 @@ def newer_packages(tmp_path_factory):
     replace(addon / "__init__.py", r'"version": \(.*\)', '"version": (9, 9, 9)')
     with (addon / "bridge" / "__init__.py").open("a") as module:
         module.write('\nFRESH = "9.9.9"\n')
-    return pack(root, tmp_path_factory.mktemp("newer_packages"))
+    (addon / DROPPED).unlink()
+    return pack(root, tmp_path_factory.mktemp("newer_packages"), "--files", *newer_libraries(root / "lib"))
+
+
+def newer_libraries(folder):
+    """Copies of the libraries in which ours calls itself 9.9.9."""
+    folder.mkdir()
+    old, new = (b"\0" + word.encode() + b"\0" for word in (manifest("version"), "9.9.9"))
+    for path in LIBRARIES:
+        content = path.read_bytes()
+        if path.name == "libparadesc.so":
+            assert content.count(old) == 1
+            assert len(old) == len(new)
+            content = content.replace(old, new)
+        (folder / path.name).write_bytes(content)
+    return sorted(folder.iterdir())
+
+
+@pytest.fixture
+def served(monkeypatch):
+    """Gives the address of an index.json on a web server that has its folder."""
+    servers = []
+
+    def serve(index):
+        handler = partial(QuietHandler, directory=str(index.parent))
+        servers.append(ThreadingHTTPServer(("127.0.0.1", 0), handler))
+        Thread(target=servers[-1].serve_forever, daemon=True).start()
+        return f"http://127.0.0.1:{servers[-1].server_port}/{index.name}"
+
+    monkeypatch.setenv("no_proxy", "127.0.0.1")
+    yield serve
+    for server in servers:
+        server.shutdown()
+        server.server_close()
+
+
+class QuietHandler(SimpleHTTPRequestHandler):
+    """Serves files and writes no log."""
+
+    def log_message(self, *_words):
+        """Nothing."""
+
+
+def installed(tmp_path, module):
+    """Names of the files of an installed add-on, but for what Python has compiled."""
+    folder = tmp_path / "user" / module
+    files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    return {name for name in files if "__pycache__" not in name}
+
+
+def names_in(package):
+    """Names of the files in a zip, but for the folder that a legacy zip has around them."""
+    return {re.sub("^paradesc/", "", name) for name in zipfile.ZipFile(package).namelist() if not name.endswith("/")}
 
 
 def test_legacy_zip_installs_and_bakes(packages, tmp_path):
     in_blender(tmp_path, "legacy", packages["legacy"])
+    assert installed(tmp_path, "scripts/addons/paradesc") == names_in(packages["legacy"])
 
 
 @EXTENSIONS
 def test_extension_zip_installs_and_bakes(packages, tmp_path):
     in_blender(tmp_path, "extension", packages["extension"])
+    assert installed(tmp_path, "extensions/user_default/paradesc") == names_in(packages["extension"])
 
 
 @EXTENSIONS
@@ -122,13 +164,68 @@ def test_legacy_zip_installs_as_an_extension_too(packages, tmp_path):
     in_blender(tmp_path, "extension", packages["legacy"])
 
 
-def test_update_in_a_session_gives_new_code_and_asks_for_a_restart(packages, newer_packages, tmp_path):
-    in_blender(tmp_path, "upgrade_legacy", packages["legacy"], newer_packages["legacy"])
+@EXTENSIONS
+def test_extension_zip_of_another_system_is_refused_by_blender(tmp_path):
+    library_file = tmp_path / "libparadesc-arm64.dylib"
+    library_file.write_bytes(b"of a Mac")
+    other = pack(ROOT, tmp_path / "output", "--folder", f"macos-arm64={tmp_path}")
+    said = in_blender(tmp_path, "refused", other["extension"])
+    assert "This platform (linux-x64) isn't one of (macos-arm64)" in said, said
+    assert not installed(tmp_path, "extensions/user_default/paradesc")
+
+
+# Each also starts Blender again. In all of them the older version's library has been in use when the newer one comes.
+UPDATES = {
+    "legacy": ("scripts/addons/paradesc", "paradesc"),
+    "extension": ("extensions/user_default/paradesc", "bl_ext.user_default.paradesc"),
+    "index": ("extensions/paradesc_releases/paradesc", "bl_ext.paradesc_releases.paradesc"),
+}
+
+
+@pytest.mark.parametrize("kind", ["legacy", *(pytest.param(kind, marks=EXTENSIONS) for kind in ("extension", "index"))])
+def test_update_keeps_settings_and_presets_and_leaves_no_old_file(kind, packages, newer_packages, served, tmp_path):
+    folder, module = UPDATES[kind]
+    zips = packages["legacy" if kind == "legacy" else "extension"], newer_packages["legacy"]
+    assert DROPPED in names_in(zips[0]) - names_in(zips[1])
+    if kind == "index":
+        in_blender(tmp_path, "upgrade_remote", served(packages["index"]), served(newer_packages["index"]))
+    else:
+        in_blender(tmp_path, f"upgrade_{kind}", packages[kind], newer_packages[kind])
+    assert installed(tmp_path, folder) == names_in(zips[1])
+    restarted(tmp_path, module)
+
+
+def restarted(tmp_path, module):
+    """The next start, with the preferences that the first one saved."""
+    words = [word for word in script_words(SCRIPT) if word != "--factory-startup"]
+    said = run_blender([*words, "after_restart", module], tmp_path / "user")
+    assert "after_restart done" in said, said
 
 
 @EXTENSIONS
-def test_repository_installs_and_updates(packages, newer_packages, tmp_path):
-    in_blender(tmp_path, "remote", packages["index"], newer_packages["index"])
+def test_repository_in_a_folder_installs_too(packages, tmp_path):
+    in_blender(tmp_path, "remote", packages["index"].as_uri())
+
+
+@EXTENSIONS
+def test_blenders_extension_command_lists_and_installs_from_the_repository(packages, served, tmp_path):
+    folder, address = tmp_path / "local", served(packages["index"])
+    said = extension_command("list", "--remote-url", address, "--local-dir", folder)
+    assert f"paradesc({manifest('version')})" in said, said
+    place = ["--remote-url", address, "--local-dir", folder]
+    extension_command("sync", *place)
+    extension_command("install", *place, "--blender-version", "{}.{}.{}".format(*bpy.app.version), "paradesc")
+    names = {str(path.relative_to(folder / "paradesc")) for path in (folder / "paradesc").rglob("*") if path.is_file()}
+    assert names == names_in(packages["extension"])
+
+
+def extension_command(*words):
+    """What `blender -c extension` runs, which exists in the program alone; gives what it said."""
+    script = Path(bpy.utils.system_resource("SCRIPTS")) / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py"
+    words = [sys.executable, script, *words]
+    done = subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
 
 
 def test_enabling_and_disabling_twenty_times_leaks_nothing(packages, tmp_path):
@@ -195,10 +292,25 @@ def test_system_without_a_release_is_named(tmp_path, monkeypatch):
         library.open_library(tmp_path / "libparadesc.so")
 
 
-def test_windows_loads_a_copy_that_does_not_lock_the_addon(tmp_path, monkeypatch):
+@pytest.fixture
+def windows(tmp_path, monkeypatch):
+    """Windows with a folder for temporary files, which can be neither renamed nor removed while they are open."""
+    (tmp_path / "temporary").mkdir()
     monkeypatch.setattr(library.sys, "platform", "win32")
     monkeypatch.setattr(library.tempfile, "gettempdir", lambda: str(tmp_path / "temporary"))
-    (tmp_path / "temporary").mkdir()
+    move = Path.replace
+
+    def replace_closed(path, target):
+        opened = {os.path.realpath(entry.path) for entry in os.scandir("/proc/self/fd")}
+        if {os.path.realpath(path), os.path.realpath(target)} & opened:
+            raise PermissionError(13, "The process cannot access the file because it is being used by another process")
+        return move(path, target)
+
+    monkeypatch.setattr(Path, "replace", replace_closed)
+
+
+@pytest.mark.usefixtures("windows")
+def test_windows_loads_a_copy_that_does_not_lock_the_addon(tmp_path):
     original = tmp_path / "paradesc.dll"
     original.write_bytes(b"first")
     first = library.unlocked(original)
@@ -207,7 +319,32 @@ def test_windows_loads_a_copy_that_does_not_lock_the_addon(tmp_path, monkeypatch
     assert library.unlocked(original) == first
     original.write_bytes(b"second")
     assert library.unlocked(original) != first
-    assert not list(first.parent.glob("tmp*"))
+    assert [path.name for path in first.parent.iterdir()] == ["paradesc.dll"]
+
+
+@pytest.mark.usefixtures("windows")
+def test_windows_takes_the_copy_that_another_blender_has_just_made(tmp_path, monkeypatch):
+    original = tmp_path / "paradesc.dll"
+    original.write_bytes(b"first")
+    replace_closed = Path.replace
+
+    def other_is_faster(path, target):
+        target.write_bytes(b"first")
+        with target.open():
+            return replace_closed(path, target)
+
+    monkeypatch.setattr(Path, "replace", other_is_faster)
+    copy = library.unlocked(original)
+    assert copy.read_bytes() == b"first"
+    assert [path.name for path in copy.parent.iterdir()] == ["paradesc.dll"]
+
+
+@pytest.mark.usefixtures("windows")
+def test_windows_without_room_for_the_copy_says_so_in_one_sentence(tmp_path, monkeypatch):
+    (tmp_path / "paradesc.dll").write_bytes(b"first")
+    monkeypatch.setattr(library.tempfile, "gettempdir", lambda: str(tmp_path / "nowhere"))
+    with pytest.raises(library.ParadescError, match=r"native library cannot be loaded – .*nowhere"):
+        library.open_library(tmp_path / "paradesc.dll")
 
 
 @pytest.mark.parametrize(("system", "says"), [("linux", False), ("win32", True), ("darwin", True)])

@@ -46,14 +46,14 @@ def edit_steps() -> Iterator[None]:
     key.value = 0.5
     yield from wait_for(follows(3.0))
     say("followed an edit")
-    before = handlers.STATE.sessions["sphere"].results
+    before = handlers.session_at(target()).results
     with bpy.context.temp_override(**view_context()):
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_all(action="SELECT")
         bpy.ops.transform.resize(value=(1.5, 1.5, 1.5))
     for _ in range(8):
         yield
-    assert handlers.STATE.sessions["sphere"].results is before, "computed while the mesh was being edited"
+    assert handlers.session_at(target()).results is before, "computed while the mesh was being edited"
     with bpy.context.temp_override(**view_context()):
         bpy.ops.object.mode_set(mode="OBJECT")
     yield from wait_for(lambda: not follows(3.0)())
@@ -107,11 +107,11 @@ def prepare_render() -> None:
     scene.cycles.samples, scene.cycles.use_denoising, scene.eevee.taa_render_samples = 2, False, 2
     refresh = live.Session.refresh
 
-    def watched(session, item, depsgraph, of_scene):
+    def watched(session, item, depsgraph, of_scene, *more):
         if depsgraph.mode == "RENDER":
             RENDERED_BY.append(threading.current_thread().name)
             assert bpy.data.scenes[of_scene.name].render.use_lock_interface
-        return refresh(session, item, depsgraph, of_scene)
+        return refresh(session, item, depsgraph, of_scene, *more)
 
     live.Session.refresh = watched
 

@@ -7,7 +7,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc import bridge, color_maps, frames, handlers, job, live, mesh_io, painting, properties, sources  # noqa: E402
+from live_values import baked_shape, count_computations, live_settings, stretching_sphere, switch, values  # noqa: E402
+from paradesc import color_maps, handlers, job, live, mesh_io, painting, properties, sources  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
 
 NAME = "mean_curvature"
@@ -19,54 +20,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 @pytest.fixture
 def stretching():
     """A sphere that a shape key makes an ellipsoid, from frame 1 to frame 3."""
-    settings = bpy.context.scene.paradesc
-    settings.radius_percent, settings.samples, settings.buffer_size = 8.0, 64, 256
-    settings.backend = "software"
-    made = add_sphere()
-    made.shape_key_add(name="Basis")
-    key = made.shape_key_add(name="long")
-    points = np.empty(3 * len(made.data.vertices), np.float32)
-    made.data.vertices.foreach_get("co", points)
-    key.data.foreach_set("co", (points.reshape(-1, 3) * np.float32([1, 1, 2])).ravel())
-    for frame, value in ((1, 0.0), (3, 1.0)):
-        key.value = value
-        key.keyframe_insert("value", frame=frame)
-    bpy.context.scene.frame_set(1)
-    return made
-
-
-def switch(target, mode="LIVE"):
-    """Switches live mode and gives the sentence that came of it."""
-    target.paradesc_live.mode = mode
-    return target.paradesc_live.sentence
-
-
-def values(target, name=NAME):
-    """The values on the mesh."""
-    return attribute_values(bpy.data.objects[target.name].data, name)
-
-
-def baked_shape(target, settings):
-    """What a bake of the object's present shape computes."""
-    evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    arrays = mesh_io.read_object(target, corner_normals=False)
-    return job.run(dataclasses.replace(arrays, positions=mesh_io.read_positions(evaluated.data)), settings)
-
-
-def live_settings(target):
-    """The settings that live mode computes with, in the window."""
-    settings = live.settings_for(bpy.context.scene, rendering=False)
-    with bridge.Context(settings.backend) as context:
-        rest = context.mesh(mesh_io.read_object(target, corner_normals=False)).report()
-    return frames.at_fixed_radii(settings, rest)
-
-
-def count_computations(monkeypatch):
-    """A list that grows with every computation."""
-    done = []
-    compute = live.Session.compute
-    monkeypatch.setattr(live.Session, "compute", lambda *words: (done.append(1), compute(*words)))
-    return done
+    return stretching_sphere()
 
 
 def edit_and_rest():
@@ -85,37 +39,6 @@ def test_every_frame_has_the_values_of_a_bake_of_its_shape(stretching, frame):
     assert np.array_equal(values(stretching), expected.values[NAME])
     assert np.array_equal(values(stretching, "coverage"), expected.coverage)
     assert np.abs(values(stretching) - at_first).max() > 0.05
-
-
-def test_colors_of_all_frames_are_by_the_first_frames_range(stretching):
-    switch(stretching)
-    shown = mesh_io.shown_range(handlers.STATE.sessions["sphere"].results, NAME)
-    bpy.context.scene.frame_set(3)
-    expected = color_maps.linear_rgba(color_maps.colors(values(stretching), shown))
-    np.testing.assert_allclose(values(stretching, f"{NAME}_color"), expected, atol=1e-3)
-    own = mesh_io.shown_range(handlers.STATE.sessions["sphere"].results, NAME)
-    assert own.maximum > 1.2 * shown.maximum
-
-
-def test_a_changed_range_recolors_without_computing(stretching, monkeypatch):
-    switch(stretching)
-    before = values(stretching)
-    done = count_computations(monkeypatch)
-    item = bpy.context.scene.paradesc_live.ranges[NAME]
-    item.minimum, item.maximum = 0.0, 10.0
-    expected = color_maps.linear_rgba(color_maps.colors(before, color_maps.ValueRange(0.0, 10.0, True, 0.0)))
-    np.testing.assert_allclose(values(stretching, f"{NAME}_color"), expected, atol=1e-3)
-    assert not done
-
-
-def test_range_of_this_frame_holds_all_live_objects(stretching):
-    switch(stretching)
-    small = add_sphere("small", steps=6)
-    small.data.transform([[0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 0.5, 0], [0, 0, 0, 1]])
-    assert switch(small) == ""
-    assert bpy.context.scene.paradesc_live.ranges[NAME].maximum < 0.7
-    assert bpy.ops.paradesc.live_range() == {"FINISHED"}
-    assert bpy.context.scene.paradesc_live.ranges[NAME].maximum > 0.9
 
 
 def test_undefined_values_are_grey():
@@ -155,14 +78,14 @@ def test_the_radius_does_not_change_with_the_pose(stretching):
         mesh_io.read_object(stretching, corner_normals=False), properties.job_settings(bpy.context.scene.paradesc)
     )
     bpy.context.scene.frame_set(3)
-    assert handlers.STATE.sessions["sphere"].results.radius == pytest.approx(rest.radius, rel=1e-6)
+    assert handlers.session_at(stretching).results.radius == pytest.approx(rest.radius, rel=1e-6)
 
 
 def test_the_viewport_takes_smaller_buffers_where_the_radius_spans_texels_enough(stretching):
     settings, group = bpy.context.scene.paradesc, bpy.context.scene.paradesc_live
     settings.buffer_size = group.buffer_size = 1024
     switch(stretching)
-    session = handlers.STATE.sessions["sphere"]
+    session = handlers.session_at(stretching)
     size = session.stream.settings.options.buffer_size
     assert size < 1024
     assert session.results.field_report["radius_in_texels"] >= 5.4
@@ -232,7 +155,7 @@ def test_a_renamed_object_goes_on(stretching):
     switch(stretching)
     stretching.name = "ball"
     bpy.context.scene.frame_set(3)
-    assert list(handlers.STATE.sessions) == ["ball"]
+    assert len(handlers.STATE.sessions) == 1
     assert np.array_equal(values(stretching), baked_shape(stretching, live_settings(stretching)).values[NAME])
 
 
@@ -413,3 +336,79 @@ def test_colors_are_those_of_the_scene_that_is_evaluated(stretching):
     assert session.refresh(stretching, layer.depsgraph, other)
     session.close()
     assert np.ptp(attribute_values(stretching.data, f"{NAME}_color")[:, :3], axis=1).max() < 1e-3
+
+
+# ---- Who is who
+
+
+def other_shape(name, size):
+    """A second live sphere, with a range of its own."""
+    made = add_sphere(name, steps=8)
+    made.data.transform([[size, 0, 0, 0], [0, size, 0, 0], [0, 0, size, 0], [0, 0, 0, 1]])
+    assert switch(made) == ""
+    return made
+
+
+def test_objects_that_change_names_keep_their_sessions_and_values(stretching, monkeypatch):
+    switch(stretching)
+    other = other_shape("other", 2.0)
+    sessions = [handlers.session_at(item) for item in (stretching, other)]
+    stretching.name, other.name = "aside", "sphere"
+    stretching.name = "other"
+    bpy.context.scene.frame_set(2)
+    if hasattr(stretching, "session_uid"):
+        assert [handlers.session_at(item) for item in (stretching, other)] == sessions
+    for item in (stretching, other):
+        assert np.array_equal(values(item), baked_shape(item, live_settings(item)).values[NAME])
+
+
+def test_an_object_made_anew_under_the_same_names_begins_anew(stretching):
+    switch(stretching)
+    former = handlers.session_at(stretching)
+    names = stretching.name, stretching.data.name
+    mesh = stretching.data
+    bpy.data.objects.remove(stretching)
+    bpy.data.meshes.remove(mesh)
+    made = add_sphere(names[0], steps=8)
+    assert (made.name, made.data.name) == names
+    for item in made.data.uv_layers.active.data:
+        item.uv *= 0.7
+    made.paradesc_live.mode = "LIVE"
+    bpy.context.scene.frame_set(2)
+    assert handlers.session_at(made) is not former
+    assert len(handlers.STATE.sessions) == 1
+    assert np.array_equal(values(made), baked_shape(made, live_settings(made)).values[NAME])
+
+
+def test_another_mesh_of_the_same_name_is_read_whatever_handlers_saw(stretching):
+    switch(stretching)
+    former = stretching.data
+    name = former.name
+    mesh = former.copy()
+    for item in mesh.uv_layers.active.data:
+        item.uv *= 0.7
+    former.name, mesh.name = "former", name
+    stretching.data = mesh
+    bpy.data.meshes.remove(former)
+    bpy.context.scene.frame_set(2)
+    assert np.array_equal(values(stretching), baked_shape(stretching, live_settings(stretching)).values[NAME])
+
+
+def test_an_object_that_is_removed_while_it_is_refreshed_is_forgotten(stretching, monkeypatch):
+    switch(stretching)
+
+    def remove(target, *_words):
+        bpy.data.objects.remove(target)
+        return target.name  # raises ReferenceError
+
+    monkeypatch.setattr(live, "deformed_positions", remove)
+    bpy.context.scene.frame_set(2)
+    assert handlers.live_objects() == []
+    assert handlers.STATE.sessions == {}
+
+
+def test_switching_off_an_object_that_is_gone_is_no_error(stretching):
+    switch(stretching)
+    bpy.data.objects.remove(stretching)
+    handlers.switch_off(stretching, "whatever it was")
+    assert handlers.live_objects() == []

@@ -7,7 +7,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
 import paradesc  # noqa: E402
-from paradesc import animation_panel, bridge, cache, color_maps, frames, handlers, job, mesh_io, panel  # noqa: E402
+from paradesc import bridge, cache, cache_places, color_maps, frames, handlers, job, mesh_io, panel  # noqa: E402
 from scene import attribute_values  # noqa: E402
 
 NAME = "mean_curvature"
@@ -23,7 +23,7 @@ def swelling(tmp_path):
     scene.paradesc_animation.cache_folder = str(tmp_path)
     group = scene.paradesc
     group.radius_percent, group.samples, group.buffer_size, group.backend = 10.0, 64, 256, "software"
-    request = frames.Request(SETTINGS, animation_panel.object_cache(scene, target))
+    request = frames.Request(SETTINGS, cache_places.object_cache(scene, target))
     with frames.FrameBaker(scene, target, request) as baker, frames.frame_kept(scene):
         for frame in (1, 6, 11):
             baker.run(baker.prepare(frame))
@@ -44,7 +44,7 @@ def radius_now(target):
 
 def note(target):
     """What the panel says."""
-    return handlers.STATE.sessions[target.name].note
+    return handlers.session_at(target).note
 
 
 def test_frames_of_the_cache_are_played_and_nothing_is_computed(swelling, monkeypatch):
@@ -53,7 +53,7 @@ def test_frames_of_the_cache_are_played_and_nothing_is_computed(swelling, monkey
     for frame, radius in ((6, 3.0), (11, 4.0), (1, 2.0)):
         bpy.context.scene.frame_set(frame)
         assert radius_now(swelling) == pytest.approx(radius, rel=0.02)
-        path = cache.frame_path(animation_panel.object_cache(bpy.context.scene, swelling), frame)
+        path = cache.frame_path(cache_places.object_cache(bpy.context.scene, swelling), frame)
         assert np.array_equal(attribute_values(swelling.data, NAME), cache.read_frame(path).values[NAME])
         assert np.isfinite(attribute_values(swelling.data, "coverage")).all()
         assert note(swelling) == ""
@@ -62,7 +62,7 @@ def test_frames_of_the_cache_are_played_and_nothing_is_computed(swelling, monkey
 def test_colors_are_by_the_range_over_all_frames(swelling):
     bpy.context.scene.frame_set(11)
     play(swelling)
-    folder = animation_panel.object_cache(bpy.context.scene, swelling)
+    folder = cache_places.object_cache(bpy.context.scene, swelling)
     shown = cache.locked_ranges([folder])[NAME]
     assert shown.maximum == pytest.approx(0.5, rel=0.02)
     expected = color_maps.linear_rgba(color_maps.colors(attribute_values(swelling.data, NAME), shown))
@@ -99,7 +99,7 @@ def test_missing_frames_are_computed_on_request_and_said(swelling):
 
 def test_a_frame_that_was_baked_again_is_read_again(swelling):
     play(swelling)
-    folder = animation_panel.object_cache(bpy.context.scene, swelling)
+    folder = cache_places.object_cache(bpy.context.scene, swelling)
     frame = cache.read_frame(cache.frame_path(folder, 1))
     frame.values[NAME][:] = 7.0
     cache.write_frame(folder, frame)
@@ -109,7 +109,7 @@ def test_a_frame_that_was_baked_again_is_read_again(swelling):
 
 def test_a_damaged_frame_is_one_sentence(swelling):
     play(swelling)
-    path = cache.frame_path(animation_panel.object_cache(bpy.context.scene, swelling), 6)
+    path = cache.frame_path(cache_places.object_cache(bpy.context.scene, swelling), 6)
     path.write_bytes(path.read_bytes()[:-9])
     bpy.context.scene.frame_set(6)
     assert swelling.paradesc_live.mode == "OFF"

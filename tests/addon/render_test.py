@@ -4,7 +4,6 @@ The shape index is shown, whose colors always span -1 to 1.
 """
 
 import os
-import subprocess
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
 from paradesc import handlers, live, mesh_io  # noqa: E402
+from processes import run_blender  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
 NAME = "shape_index"
@@ -226,7 +226,7 @@ def test_motion_blur_asks_for_shapes_between_frames_not_for_values(tmp_path, mon
     on_frame, compute = handlers.live_objects, live.Session.compute
     monkeypatch.setattr(handlers, "live_objects", lambda: (asked.append(scene.frame_current_final), on_frame())[1])
     monkeypatch.setattr(
-        live.Session, "compute", lambda *words: (computed.append(scene.frame_current_final), compute(*words))
+        live.Session, "compute", lambda *words: (computed.append(scene.frame_current_final), compute(*words))[1]
     )
     scene.paradesc.samples = 128  # the render is not what the window has
     render_still(tmp_path / "blurred.png")
@@ -259,32 +259,12 @@ paradesc.register()
 """
 
 
-def run_blender(*words, folder):
-    """One process without a window, with user folders of its own; gives what it said."""
-    environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(folder / "scripts")}
-    environment["BLENDER_USER_CONFIG"] = str(folder / "config")
-    process = subprocess.run(
-        [bpy.app.binary_path, "-b", *map(str, words)],
-        env=environment,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
-    said = process.stdout + process.stderr
-    assert process.returncode == 0, said
-    assert "Traceback" not in said, said
-    return said
-
-
 def enabled_by_preferences(folder):
     """The add-on where users put it; no words are needed."""
     (folder / "scripts" / "addons").mkdir(parents=True)
-    (folder / "config").mkdir()
     (folder / "scripts" / "addons" / "paradesc").symlink_to(ADDON / "paradesc")
     (folder / "enable.py").write_text(ENABLE)
-    run_blender("--factory-startup", "-P", folder / "enable.py", folder=folder)
+    run_blender([bpy.app.binary_path, "-b", "--factory-startup", "-P", folder / "enable.py"], folder)
     return []
 
 
@@ -303,7 +283,7 @@ def test_a_farm_renders_each_frames_values(enable, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     words = enable(tmp_path)
     words = ["--factory-startup", tmp_path / "shot.blend", *words] if words else [tmp_path / "shot.blend"]
-    run_blender(*words, "-o", tmp_path / "farm####", "-a", folder=tmp_path)
+    run_blender([bpy.app.binary_path, "-b", *words, "-o", tmp_path / "farm####", "-a"], tmp_path)
     for frame, wanted in zip(FRAMES, expected, strict=True):
         assert same(pixels(tmp_path / f"farm{frame:04}.png"), wanted)
 
@@ -315,6 +295,6 @@ def test_a_farm_is_told_what_goes_wrong(tmp_path):
     target.modifiers["fewer"].show_viewport = False
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     words = ["--factory-startup", tmp_path / "shot.blend", *enabled_by_script(tmp_path)]
-    said = run_blender(*words, "-o", tmp_path / "farm####", "-f", FRAMES[1], folder=tmp_path)
+    said = run_blender([bpy.app.binary_path, "-b", *words, "-o", tmp_path / "farm####", "-f", FRAMES[1]], tmp_path)
     assert "switched off" in said
     assert "vertices of" in said

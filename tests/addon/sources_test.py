@@ -37,7 +37,7 @@ SUBSURF = ("SUBSURF", {"levels": 1})
 
 def test_without_modifiers_all_sources_are_the_same():
     target = with_modifiers()
-    first, *others = (sources.read(target, source).arrays for source in sources.SOURCES)
+    first, *others = (sources.read(target, source).arrays for source in sources.NAMES)
     assert all(np.array_equal(first.positions, arrays.positions) for arrays in others)
     assert all(np.array_equal(first.triangle_corners, arrays.triangle_corners) for arrays in others)
 
@@ -60,7 +60,7 @@ def test_deformed_follows_a_shape_key():
     np.testing.assert_allclose(lengths, 3, rtol=1e-4)
 
 
-@pytest.mark.parametrize("source", sources.SOURCES)
+@pytest.mark.parametrize("source", sources.NAMES)
 @pytest.mark.parametrize("modifiers", [(), (BEND,), (BEND, SUBSURF), (("REMESH", {"voxel_size": 0.5}), BEND)], ids=len)
 def test_reading_changes_nothing(source, modifiers):
     target = with_modifiers(*modifiers)

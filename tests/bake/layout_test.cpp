@@ -169,6 +169,13 @@ TEST(Layout, a_map_that_fills_the_square_is_left_as_it_is_where_a_gain_is_asked_
   EXPECT_GT(boxes(small)[0].high.x - boxes(small)[0].low.x, 0.95);
 }
 
+// Found by fuzzing.
+TEST(Layout, a_mesh_without_charts_is_left_as_it_is) {
+  Triangles triangles;
+  Charts charts;
+  EXPECT_FALSE(repack_charts(triangles, charts, 1.5, 1));
+}
+
 TEST(Layout, tens_of_thousands_of_charts_fit) {
   const Built built = repacked(build(grid(200, 150, [](dvec2 place, int x, int y) { return place - dvec2(x, y); })));
   ASSERT_EQ(built.charts.chart_count, 30000);

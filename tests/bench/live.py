@@ -101,7 +101,7 @@ def cpu_seconds(frame: int) -> float:
 
 def reference_values(target: bpy.types.Object) -> np.ndarray:
     """(vertex_count,) what the oracle computes of the present shape."""
-    settings = handlers.STATE.sessions[target.name].stream.settings
+    settings = handlers.session_at(target).stream.settings
     arrays = mesh_io.read_object(target, corner_normals=False)
     evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get())
     arrays = replace(arrays, positions=mesh_io.read_positions(evaluated.data))
@@ -113,7 +113,7 @@ def measure(target: bpy.types.Object, samples: int, buffer_size: int, expected: 
     scene = bpy.context.scene
     scene.paradesc_live.samples, scene.paradesc_live.buffer_size = samples, buffer_size
     scene.frame_set(FRAMES)
-    session = handlers.STATE.sessions[target.name]
+    session = handlers.session_at(target)
     error = np.abs(session.results.values[NAME] - expected) / np.ptp(np.nanpercentile(expected, [2.5, 97.5]))
     times: dict[str, list[float]] = {}
     for frame in [*range(1, FRAMES + 1)] * rounds:
@@ -172,7 +172,7 @@ def main() -> int:
         )
     if words.json:
         about = {"blender": bpy.app.version_string, "python": platform.python_version(), "bare_frame": round(bare, 2)}
-        about["device"] = handlers.STATE.sessions[target.name].results.device
+        about["device"] = handlers.session_at(target).results.device
         words.json.write_text(json.dumps({**about, "rows": [asdict(row) for row in rows]}, indent=1) + "\n")
     paradesc.unregister()
     return 0

@@ -1,14 +1,11 @@
 // A million triangles → seconds of every step that depends on topology and UV map, and of normals beside them.
 //
-// PARADESC_BENCH_MESH names a mesh to take instead of the torus: int32 vertex count and corner count (three a triangle), then
-// float positions, int32 vertices of the corners, float (u, v) of the corners. preprocessing_cache.py writes such files.
+// PARADESC_BENCH_MESH names a mesh to take instead of the torus, in the format of mesh_file.h.
 // PARADESC_BENCH_DUMP names a folder for the arrays that a file could keep; nothing is timed then.
 #include <cstdlib>
 #include <fstream>
 #include <memory>
-#include <numeric>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,6 +13,7 @@
 
 #include "bake/distortion.h"
 #include "bake/gbuffer.h"
+#include "bench/mesh_file.h"
 #include "gpu/gl_thread.h"
 #include "mesh/cut.h"
 #include "mesh/halfedge.h"
@@ -29,27 +27,6 @@ namespace paradesc::test {
 namespace {
 
 constexpr int buffer_size = 1024, cell_block = 4;
-
-template <class Value> std::vector<Value> read_values(std::ifstream &file, size_t count) {
-  std::vector<Value> values(count);
-  file.read(reinterpret_cast<char *>(values.data()), static_cast<std::streamsize>(count * sizeof(Value)));
-  if (!file) throw std::runtime_error("PARADESC_BENCH_MESH names a file that is not there or too short.");
-  return values;
-}
-
-TestMesh read_mesh(const char *path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::vector<int32_t> counts = read_values<int32_t>(file, 2);
-  const auto corners = static_cast<size_t>(counts[1]);
-  TestMesh mesh;
-  mesh.vertex_count = counts[0];
-  mesh.positions = read_values<float>(file, 3 * static_cast<size_t>(counts[0]));
-  mesh.corner_vertices = read_values<int32_t>(file, corners);
-  mesh.corner_uvs = read_values<float>(file, 2 * corners);
-  mesh.triangle_corners.resize(corners);
-  std::iota(mesh.triangle_corners.begin(), mesh.triangle_corners.end(), 0);
-  return mesh;
-}
 
 TestMesh torus_of_60_charts() {
   TestMesh mesh = torus(1.0, 0.4, {.vertices = 500000, .irregular = false});
@@ -87,7 +64,7 @@ const Made &made() {
   static const Made once = [] {
     Made result;
     const char *path = std::getenv("PARADESC_BENCH_MESH");
-    result.mesh = path ? read_mesh(path) : torus_of_60_charts();
+    result.mesh = path ? bench::read_mesh(path) : torus_of_60_charts();
     result.triangles = read_triangles(input_of(result.mesh));
     result.half_edges = build_half_edges(result.triangles);
     result.charts = build_charts(result.triangles, result.half_edges);

@@ -130,6 +130,8 @@ class MeshInput(Structure):
         ("triangle_smooth", Uint8Pointer),
         ("sharp_edges", Int32Pointer),
         ("sharp_edge_count", c_int32),
+        ("progress", Progress),
+        ("user", c_void_p),
     ]
 
 

@@ -3,7 +3,6 @@
 import ctypes
 import hashlib
 import platform
-import shutil
 import sys
 import tempfile
 from ctypes import byref, sizeof
@@ -115,8 +114,8 @@ def open_library(path: Path) -> ctypes.CDLL:
     """Loads the library at an absolute path; ParadescError says in one sentence what is wrong with it."""
     if not path.is_file():
         raise ParadescError(abi.STATUS_UNSUPPORTED, absent_sentence(path))
-    path = unlocked(path)
     try:
+        path = unlocked(path)
         for name in COMPANION_NAMES:
             if (path.parent / name).is_file():
                 ctypes.CDLL(str(path.parent / name), mode=ctypes.RTLD_LOCAL)
@@ -151,13 +150,19 @@ def unlocked(path: Path) -> Path:
     """The file to load. Windows locks it, so it loads a copy, lest the add-on could be neither updated nor removed."""
     if sys.platform != "win32":
         return path
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    content = path.read_bytes()
+    digest = hashlib.sha256(content).hexdigest()[:16]
     copy = Path(tempfile.gettempdir()) / f"paradesc-{digest}" / path.name
     if not copy.is_file():
         copy.parent.mkdir(exist_ok=True)
-        part = Path(tempfile.mkstemp(dir=copy.parent)[1])
-        shutil.copyfile(path, part)
-        part.replace(copy)
+        with tempfile.NamedTemporaryFile(dir=copy.parent, delete=False) as part:
+            part.write(content)
+        try:
+            Path(part.name).replace(copy)  # closed before, or Windows refuses
+        except OSError:
+            Path(part.name).unlink()
+            if not copy.is_file():  # else another Blender has just made it and uses it
+                raise
     return copy
 
 

@@ -148,6 +148,7 @@ class Field:
         self._pointer = pointer
         self._vertex_count = vertex_count
         self._finalizer = weakref.finalize(self, library.pdesc_field_destroy, pointer)
+        self._finalizer.atexit = False  # a thread may still use it then (threads.py)
 
     def report(self) -> dict[str, float | int]:
         """pdesc_field_report by member name."""
@@ -208,6 +209,7 @@ class Mesh:
         self._pointer = pointer
         self.vertex_count = vertex_count
         self._finalizer = weakref.finalize(self, library.pdesc_mesh_destroy, pointer)
+        self._finalizer.atexit = False  # a thread may still use it then (threads.py)
 
     def report(self) -> dict[str, float | int]:
         """pdesc_mesh_report by member name."""
@@ -340,12 +342,18 @@ class Context:
         """Why "auto" did not get a device, or ""."""
         return text(self._library.pdesc_context_fallback(self._pointer))
 
-    def mesh(self, arrays: MeshArrays) -> Mesh:
+    def mesh(self, arrays: MeshArrays, progress: ProgressFunction | None = None) -> Mesh:
         """Validates and copies a mesh, and builds its adjacency, charts and seams."""
         native, kept = native_mesh(self._library, arrays)
+        caught: list[BaseException] = []
+        if progress is not None:
+            native.progress = progress_callback(progress, caught)
         pointer = abi.MeshPointer()
         status = self._library.pdesc_mesh_create(self._pointer, byref(native), byref(pointer))
         del kept
+        if caught:
+            self._library.pdesc_mesh_destroy(pointer)
+            raise caught[0]
         if status == abi.STATUS_INVALID_ARGUMENT:
             raise InputError(text(self._library.pdesc_last_error()))
         check(self._library, status)

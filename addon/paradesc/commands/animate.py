@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import cache, job, legend
+from ..look_options import fixed_range
 from ..streams import quiet
 from .common import (
     Parser,
@@ -19,6 +20,7 @@ from .common import (
     print_notes,
 )
 from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
+from .reading import map_sources
 
 if TYPE_CHECKING:
     import bpy
@@ -26,7 +28,6 @@ if TYPE_CHECKING:
     from ..frames import Done, FrameBaker
 
 STAGES = ("depsgraph", "read", "upload", "prepare", "bake", "evaluate", "write")
-DEFAULT_FOLDER = "paradesc_cache"
 
 
 def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
@@ -42,7 +43,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add("--cache", metavar="FOLDER", type=Path,
         help="where frames are kept, in a folder for each object (default: paradesc_cache by the .blend)")  # fmt: skip
     add("--relative-to-rest", action="store_true", help="also the change against the rest pose, as NAME_change")
-    add("--range", metavar="LOW:HIGH", dest="value_range",
+    add("--range", action="append", type=fixed_range, default=[], metavar="[NAME=]A:B",
         help="colors span these values in all frames (default: what follows from all frames together)")  # fmt: skip
     add("--force", action="store_true", help="compute frames again that are there already")
     add_output_options(animate)
@@ -52,7 +53,6 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Bakes the frames that are missing; gives the report of what there is then."""
     settings_of(arguments)
-    fixed = parse_range(arguments.value_range)
     chosen = parse_frames(arguments.frames)
     if arguments.all and arguments.object:
         raise UsageError("Give --object or --all, not both.")
@@ -71,8 +71,8 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
             make_folder(folder)
             part = job.part_of(progress, index, len(opened.objects))
             reports.append(bake_object(target, settings, arguments, folder, wanted, part))
-            if fixed:
-                cache.write_fixed(folder, {"": fixed})
+            if arguments.range:
+                cache.write_fixed(folder, dict(arguments.range))
     shared = cache.locked_ranges(sorted(path for path in root.iterdir() if path.is_dir()))
     for report in reports:
         report["ranges"] = cache.locked_ranges([Path(report["folder"])], report["key"])
@@ -102,15 +102,9 @@ def bake_object(
     """Bakes one object's frames; gives what there is to say about it."""
     import bpy
 
-    from .. import frames, surface_maps
+    from .. import frames
 
-    maps = surface_maps.Sources(
-        arguments.displacement,
-        arguments.midlevel,
-        arguments.displacement_scale,
-        arguments.normal_map,
-        arguments.material_maps,
-    )
+    maps = map_sources(arguments)
     request = frames.Request(
         settings, folder, arguments.source, arguments.relative_to_rest, arguments.force, maps if maps.any else None
     )
@@ -141,19 +135,6 @@ def part_of(progress: job.ProgressFunction, frame: int, index: int, count: int) 
     return lambda stage, fraction: progress(f"frame {frame}: {stage}", (index + fraction) / count)
 
 
-def parse_range(text: str | None) -> tuple[float, float] | None:
-    """The two numbers of LOW:HIGH."""
-    if text is None:
-        return None
-    try:
-        low, high = (float(word) for word in text.split(":"))
-    except ValueError:
-        low = high = 0.0
-    if not (low < high and abs(low) < float("inf") and abs(high) < float("inf")):
-        raise UsageError(f'"{text}" is no range of values; give LOW:HIGH, for example --range=-5:5.')
-    return low, high
-
-
 def parse_frames(text: str | None) -> range | None:
     """The frames asked for, or None for the scene's."""
     try:
@@ -170,7 +151,7 @@ def cache_folder(arguments: argparse.Namespace) -> Path:
         return arguments.cache
     if not bpy.data.filepath:
         raise UsageError("There is no .blend to keep the frames beside; give --cache FOLDER.")
-    return Path(bpy.data.filepath).parent / DEFAULT_FOLDER
+    return Path(bpy.data.filepath).parent / cache.DEFAULT_FOLDER
 
 
 def make_folder(folder: Path) -> None:

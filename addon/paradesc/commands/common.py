@@ -1,7 +1,6 @@
 """What the commands share: errors and exit codes, opening the input, checks of outputs, progress, notes."""
 
 import argparse
-import os
 import sys
 import time
 from dataclasses import dataclass, field
@@ -9,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from ..bridge import InputError, ParadescError, abi
+from ..results import file_fault
 from ..streams import quiet
 from .signals import Signals, Terminated
 
@@ -66,13 +66,9 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
 
 def check_outputs(paths: list[Path]) -> None:
     """Refuses what cannot be written before anything is computed; "-" is the standard output."""
-    for path in paths:
-        if str(path) == "-":
-            continue
-        if not path.absolute().parent.is_dir():
-            raise UsageError(f'There is no folder "{path.absolute().parent}" to write "{path.name}" into.')
-        if path.is_dir() or not os.access(path.absolute().parent, os.W_OK):
-            raise UsageError(f'"{path}" cannot be written.')
+    for fault in [file_fault(path) for path in paths if str(path) != "-"]:
+        if fault:
+            raise UsageError(fault)
 
 
 def check_overwriting(paths: list[Path], given: Path | None, force: bool) -> None:

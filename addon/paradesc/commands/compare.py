@@ -58,7 +58,8 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     print(f"{device.backend}: {device.device}, {device.field_report['seconds_total']:.2f} s")
     print(f"reference: {reference.device}, {reference.field_report['seconds_total']:.2f} s")
     print_table(rows)
-    print_notes([*read.notes, fallback_note(device.fallback, device.backend), *device.warnings])
+    spreads = [f"{note[0].upper()}{note[1:]}." for note in filter(None, map(compare.spread_note, rows))]
+    print_notes([*read.notes, *spreads, fallback_note(device.fallback, device.backend), *device.warnings])
     return {
         "object": target.name,
         "settings": settings.as_dict(),
@@ -77,7 +78,9 @@ def failed_checks(rows: list[dict[str, object]], largest: float | None) -> list[
     if largest is None:
         return []
     return [
-        f"The mean error of {row['descriptor']} is {row['mean_percent_ae']:.4g} %, above the {largest:g} % allowed."
+        f"The mean error of {row['descriptor']} is {row['mean_percent_ae']:.4g} %, above the {largest:g} % allowed"
+        + "".join(f" ({note})" for note in filter(None, [compare.spread_note(row)]))
+        + "."
         for row in rows
         if not row["mean_percent_ae"] <= largest
     ]

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from .. import __version__, results
+from .. import __version__, contexts, results
 from ..bridge import ParadescError
 from . import COMMANDS, modules
 from .common import EXIT_CHECK, EXIT_FAILED, EXIT_OK, EXIT_USAGE, Parser, UsageError, exit_code
@@ -55,6 +55,8 @@ def main(words: list[str]) -> int:
         if getattr(arguments, "verbose", False):
             raise
         return fail(arguments, f"Unexpected {type(error).__name__}: {error} (--verbose says where).", EXIT_FAILED)
+    finally:
+        contexts.close_idle()
     return say(sentence, code) if sentence else code
 
 

@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .. import bridge, job
+from .. import bridge, job, source_kinds
 from ..corners import THRESHOLD
 from .common import PROGRESS, UsageError
 
@@ -27,7 +27,7 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
 def add_source(parser: argparse.ArgumentParser, default: str) -> None:
     """Which mesh of an object is measured; opened_settings() takes it from elsewhere where it is not given."""
     parser.add_argument(
-        "--source", choices=("original", "deformed", "evaluated"),
+        "--source", choices=source_kinds.NAMES,
         help="the object's own mesh, as deforming modifiers and shape keys move it, or after all modifiers "
         f"(default: {default})",
     )  # fmt: skip

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from .. import maps, results
-from ..results import Baked, write_whole
+from ..results import Baked, folder_fault, write_whole
 from .common import UsageError, check_outputs, check_overwriting
 
 # Of one object, or of several as one in world space.
@@ -40,8 +40,8 @@ def check_files(arguments: argparse.Namespace) -> None:
         raise UsageError("There is nothing to write; give --output, --map, --dump-buffers or --json.")
     if folder is not None and arguments.backend == "reference":
         raise UsageError("The reference bakes no buffers to dump; choose another backend.")
-    if folder is not None and not (folder.is_dir() or (folder.absolute().parent.is_dir() and not folder.exists())):
-        raise UsageError(f'"{folder}" is no folder and cannot become one.')
+    if folder is not None and folder_fault(folder):
+        raise UsageError(folder_fault(folder))
 
 
 def files_of(arguments: argparse.Namespace) -> list[Path]:

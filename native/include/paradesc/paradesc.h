@@ -12,12 +12,15 @@
  *   Operators (gradient_magnitude, laplacian, difference_of_gaussians, harris) work on a map f: the values of a descriptor at the
  *   vertices, linear on triangles. Derivatives are those along the surface, per length. The Harris response is made of r grad f, so
  *   its unit is that of f to the fourth power, and equal shapes of any size have equal responses at equal relative radius.
- *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) is NaN in raw results.
+ *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) or is larger than a float holds is NaN in
+ *   raw results.
  *
  * MEMORY AND THREADS
  *   Inputs are borrowed for the duration of a call; outputs are allocated by the caller, who says their length.
  *   Handles are opaque. Every handle may be used from any thread; calls on one context, on its meshes and on their fields are
- *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh.
+ *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh. A handle that was destroyed, or one of another
+ *   kind, is refused (INVALID_ARGUMENT), as long as no new one has got its address; while one thread destroys a handle, no other may use it.
+ *   A progress callback may not call into the context that it was called from: INVALID_OPERATION.
  *
  * ERRORS
  *   A call that can fail returns a pdesc_status, and on failure leaves one sentence (what was asked, what was found, what to
@@ -200,6 +203,9 @@ PDESC_API int32_t pdesc_context_backend(const pdesc_context *context);       /* 
 PDESC_API const char *pdesc_context_device(const pdesc_context *context);    /* its name, for people */
 PDESC_API const char *pdesc_context_fallback(const pdesc_context *context);  /* why AUTO did not get a device, or "" */
 
+/* stage: "mesh", "bake", ...; fraction of the whole in [0, 1]. Return 0 to cancel. Called on the calling thread, every few milliseconds. */
+typedef int32_t (*pdesc_progress)(void *user, const char *stage, double fraction);
+
 /* ---- Mesh --------------------------------------------------------------------------------------------------------------- */
 
 /* A corner is a face's use of a vertex (Blender's loop). Triangles refer to corners, corners to vertices. */
@@ -217,6 +223,8 @@ typedef struct pdesc_mesh_input {
   const int32_t *sharp_edges;        /* (sharp_edge_count, 2) vertex pairs marked sharp, or NULL. Between two smooth faces fitted and
                                         Max's normals do not reach across them */
   int32_t sharp_edge_count;
+  pdesc_progress progress;           /* called with stage "mesh" and fraction 0 while the mesh is made, or NULL */
+  void *user;                        /* its first argument */
 } pdesc_mesh_input;
 
 PDESC_API void pdesc_mesh_input_init(pdesc_mesh_input *input);
@@ -302,9 +310,6 @@ typedef struct pdesc_options {
 } pdesc_options;
 
 PDESC_API void pdesc_options_init(pdesc_options *options);
-
-/* stage: "mesh", "bake", ...; fraction of the whole in [0, 1]. Return 0 to cancel. Called on the calling thread. */
-typedef int32_t (*pdesc_progress)(void *user, const char *stage, double fraction);
 
 /* Computes the named descriptors at every vertex from one sampling. descriptor_count >= 1. progress may be NULL. */
 PDESC_API int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,

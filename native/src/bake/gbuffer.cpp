@@ -95,13 +95,27 @@ static std::vector<EdgeData> edge_data(const BakeInput &input) {
   return edges;
 }
 
-void GeometryBuffer::upload(const BakeInput &input, bool topology_changed) {
-  struct Moving {
-    vec3 position, normal;
-  };
+void GeometryBuffer::upload_topology(const BakeInput &input) {
   struct Fixed {
     vec2 uv;
     int32_t chart;
+  };
+  std::vector<Fixed> fixed;
+  fixed.reserve(input.vertices.corner.size());
+  for (const int32_t corner : input.vertices.corner)
+    fixed.push_back(
+        {input.triangles.corner_uv[static_cast<size_t>(corner)], input.charts.triangle_chart[static_cast<size_t>(corner / 3)]});
+  uv_chart_.upload(gl_, fixed);
+  index_.upload(gl_, input.vertices.index);
+  index_count_ = input.vertices.corner.empty() ? 0 : static_cast<GLsizei>(input.vertices.index.size());
+  gl_.VertexArrayVertexBuffer(vertex_array_, 1, uv_chart_.id(), 0, sizeof(Fixed));
+  gl_.VertexArrayElementBuffer(vertex_array_, index_.id());
+  check_gl(gl_, "upload");
+}
+
+void GeometryBuffer::upload(const BakeInput &input) {
+  struct Moving {
+    vec3 position, normal;
   };
   std::vector<Moving> moving(input.vertices.corner.size());
   parallel_blocks(static_cast<int>(moving.size()), input.threads, 8192, [&](int begin, int end) {
@@ -112,23 +126,12 @@ void GeometryBuffer::upload(const BakeInput &input, bool topology_changed) {
     }
   });
   position_normal_.upload(gl_, moving, GL_STREAM_DRAW);
+  gl_.VertexArrayVertexBuffer(vertex_array_, 0, position_normal_.id(), 0, sizeof(Moving));
   forms_.upload(gl_, GL_RGBA32F, input.forms.data(), input.forms.size());
   const std::vector<EdgeData> edges = edge_data(input);
   edges_.upload(gl_, edges, GL_STREAM_DRAW);
   edge_count_ = static_cast<GLsizei>(edges.size());
-  if (topology_changed) {
-    std::vector<Fixed> fixed;
-    fixed.reserve(input.vertices.corner.size());
-    for (const int32_t corner : input.vertices.corner)
-      fixed.push_back(
-          {input.triangles.corner_uv[static_cast<size_t>(corner)], input.charts.triangle_chart[static_cast<size_t>(corner / 3)]});
-    uv_chart_.upload(gl_, fixed);
-    index_.upload(gl_, input.vertices.index);
-    index_count_ = input.vertices.corner.empty() ? 0 : static_cast<GLsizei>(input.vertices.index.size());
-  }
-  gl_.VertexArrayVertexBuffer(vertex_array_, 0, position_normal_.id(), 0, sizeof(Moving));
-  gl_.VertexArrayVertexBuffer(vertex_array_, 1, uv_chart_.id(), 0, sizeof(Fixed));
-  gl_.VertexArrayElementBuffer(vertex_array_, index_.id());
+  set_area_unit(input);
   check_gl(gl_, "upload");
 }
 
@@ -160,29 +163,50 @@ void GeometryBuffer::use(GLuint program) const {
   gl_.Uniform1i(LOCATION_HALF_FLOATS, half_);
 }
 
-void GeometryBuffer::draw_triangles() const {
+void GeometryBuffer::draw_triangles(int first, int last) const {
   gl_.BindTextureUnit(UNIT_TRIANGLES, forms_.id());
   gl_.BindVertexArray(vertex_array_);
-  gl_.DrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+  const auto offset = 3 * static_cast<uintptr_t>(first) * sizeof(GLuint); // into the buffer of indices
+  gl_.DrawElements(GL_TRIANGLES, 3 * (last - first), GL_UNSIGNED_INT, reinterpret_cast<const void *>(offset));
 }
 
 void GeometryBuffer::bake(ProgramCache &programs, const BakeInput &input, bool topology_changed) {
-  upload(input, topology_changed);
-  set_area_unit(input);
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  gl_.Viewport(0, 0, size_, size_);
+  if (topology_changed) upload_topology(input);
+  upload(input);
+  clear();
+  draw(programs, 0, triangle_count());
+  draw_borders(programs);
+}
+
+void GeometryBuffer::clear() {
   const float zero[4] = {0, 0, 0, 0}, far_depth = 1.0f;
   const GLint none[4] = {-1, -1, 0, 0};
   gl_.ClearNamedFramebufferfv(framebuffer_, GL_COLOR, 0, zero);
   gl_.ClearNamedFramebufferfv(framebuffer_, GL_COLOR, 1, zero);
   gl_.ClearNamedFramebufferiv(framebuffer_, GL_COLOR, 2, none);
   gl_.ClearNamedFramebufferfv(framebuffer_, GL_DEPTH, 0, &far_depth);
+}
+
+void GeometryBuffer::begin_drawing() const {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  gl_.BindVertexArray(vertex_array_); // nothing is drawn without one, not even what has no vertex of its own
+  gl_.Viewport(0, 0, size_, size_);
   gl_.Enable(GL_DEPTH_TEST);
-  gl_.DepthFunc(GL_LEQUAL);
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_BLEND);
+}
+
+void GeometryBuffer::draw(ProgramCache &programs, int first_triangle, int last_triangle) {
+  begin_drawing();
+  gl_.DepthFunc(GL_LEQUAL);
   use(programs.get(gl_, "bake", {{GL_VERTEX_SHADER, "bake.vert.glsl"}, {GL_FRAGMENT_SHADER, "bake.frag.glsl"}}));
-  draw_triangles();
+  gl_.Uniform1i(LOCATION_FIRST_TRIANGLE, first_triangle);
+  draw_triangles(first_triangle, last_triangle);
+  check_gl(gl_, "bake");
+}
+
+void GeometryBuffer::draw_borders(ProgramCache &programs) {
+  begin_drawing();
   gl_.DepthFunc(GL_LESS);
   use(programs.get(gl_, "edge", {{GL_VERTEX_SHADER, "edge.vert.glsl"}, {GL_FRAGMENT_SHADER, "edge.frag.glsl"}}));
   gl_.Uniform1i(0, size_);
@@ -206,7 +230,7 @@ TexelCounts GeometryBuffer::count_owners(ProgramCache &programs) {
   gl_.Enable(GL_BLEND);
   gl_.BlendFunc(GL_ONE, GL_ONE);
   gl_.UseProgram(programs.get(gl_, "count", {{GL_VERTEX_SHADER, "bake.vert.glsl"}, {GL_FRAGMENT_SHADER, "count.frag.glsl"}}));
-  draw_triangles();
+  draw_triangles(0, triangle_count());
   gl_.Disable(GL_BLEND);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
   gl_.DeleteFramebuffers(1, &framebuffer);

@@ -45,6 +45,13 @@ public:
   GeometryBuffer &operator=(const GeometryBuffer &) = delete;
 
   void bake(ProgramCache &programs, const BakeInput &input, bool topology_changed);
+  // The same in steps, so that a run can be cancelled between: uploads, clear, triangles so many at a time, borders.
+  void upload_topology(const BakeInput &input); // where it changed, first
+  void upload(const BakeInput &input);
+  void clear();
+  int triangle_count() const { return index_count_ / 3; }
+  void draw(ProgramCache &programs, int first_triangle, int last_triangle);
+  void draw_borders(ProgramCache &programs);
   // Counts the triangles that own each texel; after bake.
   TexelCounts count_owners(ProgramCache &programs);
   // Binds what samples read.
@@ -63,8 +70,8 @@ public:
   float area_unit() const { return area_unit_; }
 
 private:
-  void upload(const BakeInput &input, bool topology_changed);
-  void draw_triangles() const;
+  void begin_drawing() const;
+  void draw_triangles(int first, int last) const;
   void set_area_unit(const BakeInput &input);
   void use(GLuint program) const;
 

@@ -405,17 +405,21 @@ ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &ha
   const Surface surface{triangles, half_edges, normals, settings.map};
   const auto count = static_cast<size_t>(half_edges.point_count);
   ReferenceField field;
-  for (const int descriptor : descriptors) field.values.emplace_back(count * rows[descriptor].components);
+  for (const int descriptor : descriptors)
+    field.values.emplace_back(count * rows[descriptor].components, std::numeric_limits<float>::quiet_NaN());
   field.boundary.resize(count);
   FloodPool pool(surface);
-  Ticker ticker(half_edges.point_count, progress);
-  parallel_blocks(half_edges.point_count, threads, block_size, [&](int begin, int end) {
+  const bool all = settings.points.empty();
+  const int asked = all ? half_edges.point_count : static_cast<int>(settings.points.size());
+  Ticker ticker(asked, progress);
+  parallel_blocks(asked, threads, block_size, [&](int begin, int end) {
     std::unique_ptr<Flood> flood = pool.take();
-    for (int point = begin; point < end; ++point) {
+    for (int i = begin; i < end; ++i) {
+      const int point = all ? i : settings.points[static_cast<size_t>(i)];
       const ReferenceNeighborhood neighborhood = flood->measure(point, settings);
-      for (size_t i = 0; i < descriptors.size(); ++i) {
-        const Row &row = rows[descriptors[i]];
-        row.write(neighborhood, &field.values[i][static_cast<size_t>(point) * row.components]);
+      for (size_t k = 0; k < descriptors.size(); ++k) {
+        const Row &row = rows[descriptors[k]];
+        row.write(neighborhood, &field.values[k][static_cast<size_t>(point) * row.components]);
       }
       field.boundary[static_cast<size_t>(point)] = neighborhood.boundary;
       ticker.step();

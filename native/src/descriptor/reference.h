@@ -53,6 +53,7 @@ struct ReferenceSettings {
   double map_radius = 0;                  // at which it was computed
   double map_sigma = 0;                   // of their Gaussian windows; 0: they fit quadratics
   double harris_k = 0;
+  std::span<const int32_t> points = {}; // to compute at; empty: at all. Values elsewhere are NaN
 };
 
 // descriptors: indices into the registry. progress(fraction) returns false to cancel: then Error(CANCELLED) is thrown.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "descriptor/registry.h"
+
 namespace paradesc {
 
 static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
@@ -111,18 +113,23 @@ void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_s
   std::vector<int32_t> primary(points, -1);
   for (size_t i = 0; i < results.point.size(); ++i)
     if (results.primary[i]) primary[static_cast<size_t>(results.point[i])] = static_cast<int32_t>(i);
-  auto add = [&](const std::vector<float> &values) {
-    const size_t width = results.point.empty() ? 1 : values.size() / results.point.size();
+  auto add = [&](const std::vector<float> &values, size_t width) {
     std::vector<float> at_points(points * width, nan);
-    for (size_t i = 0; i < at_points.size(); ++i)
-      if (primary[i / width] >= 0) at_points[i] = values[static_cast<size_t>(primary[i / width]) * width + i % width];
+    for (size_t i = 0; i < at_points.size(); ++i) {
+      if (primary[i / width] < 0) continue;
+      const float value = values[static_cast<size_t>(primary[i / width]) * width + i % width];
+      if (std::isfinite(value)) at_points[i] = value; // else more than a float holds, as the volume of a huge sphere
+    }
     field.values.push_back(to_vertices(half_edges, at_points, width));
     if (!with_seam_error) return;
     const auto differences = spread(results, width == 3 ? angles(results, values, points) : values, points);
     field.seam_error.push_back(to_vertices(half_edges, differences, 1));
   };
-  for (const auto &values : results.values) add(values);
-  add(results.coverage);
+  for (size_t i = 0; i < field.names.size(); ++i) {
+    const DescriptorRow &row = descriptor_row(find_descriptor(field.names[i].c_str()));
+    add(results.values.empty() ? std::vector<float>() : results.values[i], static_cast<size_t>(row.components));
+  }
+  add(results.coverage, 1);
   field.names.emplace_back("coverage");
   fill_mask(half_edges, primary, results, field);
   count(half_edges, field);

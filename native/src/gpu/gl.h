@@ -17,6 +17,7 @@
   F(PFNGLDEPTHMASKPROC, DepthMask)                                                                                               \
   F(PFNGLBLENDFUNCPROC, BlendFunc)                                                                                               \
   F(PFNGLFINISHPROC, Finish)                                                                                                     \
+  F(PFNGLFLUSHPROC, Flush)                                                                                                       \
   F(PFNGLDRAWELEMENTSPROC, DrawElements)                                                                                         \
   F(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                             \
   F(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                                       \

@@ -1,6 +1,7 @@
 // Shader texts with #include → linked OpenGL programs; driver messages name our files.
 #include "gpu/program.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "support/error.h"
@@ -86,7 +87,11 @@ static GLuint compile(const Gl &gl, const ShaderStage &stage, const std::map<std
 
 GLuint ProgramCache::get(const Gl &gl, const std::string &name, const std::vector<ShaderStage> &stages,
                          const std::map<std::string, std::string> &generated) {
-  if (const auto found = programs_.find(name); found != programs_.end()) return found->second;
+  ++calls_;
+  if (const auto found = programs_.find(name); found != programs_.end()) {
+    found->second.asked = calls_;
+    return found->second.id;
+  }
   std::vector<GLuint> shaders;
   try {
     for (const ShaderStage &stage : stages) shaders.push_back(compile(gl, stage, generated));
@@ -107,7 +112,13 @@ GLuint ProgramCache::get(const Gl &gl, const std::string &name, const std::vecto
     throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics driver did not link " + stages.back().path +
                                              ", use another backend and please report it: " + one_line(log.c_str()));
   }
-  return programs_[name] = program;
+  if (programs_.size() >= most_) {
+    const auto oldest = std::ranges::min_element(programs_, {}, [](const auto &entry) { return entry.second.asked; });
+    gl.DeleteProgram(oldest->second.id);
+    programs_.erase(oldest);
+  }
+  programs_[name] = {program, calls_};
+  return program;
 }
 
 } // namespace paradesc

@@ -194,7 +194,9 @@ Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std
 
   const UvAreas areas = measure(triangles, half_edges, threads, charts);
   const std::vector<int32_t> link = link_within_charts(triangles, half_edges, areas, triangle_piece, threads);
+  checkpoint();
   Pieces pieces = trace_pieces(link, areas.left_out);
+  checkpoint();
   charts.chart_count = pieces.count;
   charts.triangle_chart = std::move(pieces.triangle_piece);
   place_points(triangles, half_edges, trace_fans(link, areas.left_out), threads, charts);

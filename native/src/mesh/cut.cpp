@@ -270,6 +270,7 @@ std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
   cutting.queue.assign(1, seed);
   cutting.asked[at(seed)] = piece;
   for (size_t i = 0; i < cutting.queue.size(); ++i) {
+    if (i % 1024 == 0) checkpoint();
     const int32_t triangle = cutting.queue[i];
     if (cutting.occupancy.overlaps(triangle)) {
       refused.push_back(triangle);
@@ -305,6 +306,7 @@ bool charts_overlap(const Triangles &triangles, const Charts &charts, Occupancy 
   occupancy.set_range(range.low, range.high);
   occupancy.clear();
   for (int32_t triangle = 0; triangle < static_cast<int32_t>(charts.triangle_chart.size()); ++triangle) {
+    if (triangle % 1024 == 0) checkpoint();
     if (charts.triangle_chart[at(triangle)] < 0) continue;
     if (occupancy.overlaps(triangle)) return true;
     occupancy.insert(triangle);

@@ -16,6 +16,8 @@
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
+#include "support/cancel.h"
+
 namespace paradesc {
 namespace {
 
@@ -161,6 +163,7 @@ std::vector<int32_t> add_faces(const Triangles &triangles, const std::vector<uin
   std::vector<int32_t> face_triangle;
   face_triangle.reserve(left_out.size());
   for (int triangle = 0; triangle < triangles.triangle_count; ++triangle) {
+    if (triangle % 4096 == 0) checkpoint();
     if (left_out[at(triangle)]) continue;
     if (!add_face(triangle).is_valid()) {
       for (int corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) corner_vertex[at(corner)] = add_vertex(corner);
@@ -348,16 +351,21 @@ HalfEdges build_half_edges(const Triangles &triangles) {
     result.degenerate_triangles += left_out[at(triangle)];
   }
   const std::vector<int32_t> welded = weld(triangles.positions);
+  checkpoint();
   const Pairing pairing = pair_half_edges(triangles, welded, left_out);
+  checkpoint();
   Fans fans = trace_fans(pairing.twin, left_out);
+  checkpoint();
   if (is_in_doubt(triangles, left_out, pairing, fans)) {
     result.twin = connect(triangles, left_out, fans);
     fans = trace_fans(result.twin, left_out); // again: a refused face may have split a fan
   } else {
     result.twin = pairing.twin;
   }
+  checkpoint();
   describe_points(triangles, fans, result);
   count_edges(pairing, result);
+  checkpoint();
   answer_vertices(triangles, welded, result);
   result.parts = trace_pieces(result.twin, left_out).count;
   return result;

@@ -120,7 +120,7 @@ static bool pack(std::vector<Move> &moves, double units, Spacing spacing) {
     const double longer = std::max({move.size.x, move.size.y, 1e-12});
     move.scale = std::max(units * move.evening, spacing.smallest / longer);
     const dvec2 box = move.size * move.scale + 2.0 * spacing.gutter;
-    if (box.x > grid || box.y > grid) return false;
+    if (!(box.x <= grid) || !(box.y <= grid)) return false; // NaN neither
     rects.push_back(
         {static_cast<int>(i), static_cast<stbrp_coord>(std::ceil(box.x)), static_cast<stbrp_coord>(std::ceil(box.y)), 0, 0, 0});
   }
@@ -168,6 +168,7 @@ static std::vector<Move> plan(const Triangles &triangles, const std::vector<std:
 
 bool repack_charts(Triangles &triangles, Charts &charts, double least_gain, int threads) {
   const auto corners = corners_by_chart(triangles, charts);
+  if (corners.empty()) return false;
   std::vector<Density> densities = chart_densities(triangles, charts);
   const double before = median_density(densities);
   std::vector<Move> moves = plan(triangles, corners, densities, threads);

@@ -188,17 +188,41 @@ struct Heights {
 constexpr size_t cubic_terms = 4, columns = 9; // of the full problem; without its first four columns it is the quadratic one
 using Gram = std::array<std::array<double, columns + 1>, columns + 1>;
 
+// Sums of u^(degree - k) v^k over the neighbors, and of the same times w: all that the normal equations are made of.
+struct JetMoments {
+  static constexpr size_t most = 6;
+  std::array<std::array<double, most + 1>, most + 1> sum{}; // (degree, k)
+  std::array<std::array<double, 4>, 4> sum_w{};
+  double sum_ww = 0;
+
+  void add(double u, double v, double w) {
+    std::array<double, most + 1> power{1}; // of one degree
+    for (size_t degree = 1; degree <= most; ++degree) {
+      power[degree] = power[degree - 1] * v;
+      for (size_t k = 0; k < degree; ++k) power[k] *= u;
+      for (size_t k = 0; k <= degree; ++k) sum[degree][k] += power[k];
+      if (degree > 3) continue;
+      for (size_t k = 0; k <= degree; ++k) sum_w[degree][k] += power[k] * w;
+    }
+    sum_ww += w * w;
+  }
+};
+
 // Normal equations of w = a jet without constant term, gradient last, then the heights themselves. Columns are scaled to unit
 // length; scale keeps the factors. False where a column vanishes.
 bool make_gram(const Heights &heights, Gram &gram, std::array<double, columns + 1> &scale) {
-  for (auto &row : gram) row.fill(0);
-  for (size_t i = 0; i < static_cast<size_t>(heights.count); ++i) {
-    const double u = heights.u[i], v = heights.v[i];
-    const std::array<double, columns + 1> row{u * u * u, u * u * v, u * v * v, v * v * v, u * u,
-                                              u * v,     v * v,     u,         v,         heights.w[i]};
-    for (size_t a = 0; a <= columns; ++a)
-      for (size_t b = 0; b <= columns; ++b) gram[a][b] += row[a] * row[b];
+  struct Monomial {
+    size_t degree, k;
+  };
+  constexpr std::array<Monomial, columns> monomials{{{3, 0}, {3, 1}, {3, 2}, {3, 3}, {2, 0}, {2, 1}, {2, 2}, {1, 0}, {1, 1}}};
+  JetMoments moments;
+  for (size_t i = 0; i < static_cast<size_t>(heights.count); ++i) moments.add(heights.u[i], heights.v[i], heights.w[i]);
+  for (size_t a = 0; a < columns; ++a) {
+    const Monomial own = monomials[a];
+    for (size_t b = 0; b < columns; ++b) gram[a][b] = moments.sum[own.degree + monomials[b].degree][own.k + monomials[b].k];
+    gram[a][columns] = gram[columns][a] = moments.sum_w[own.degree][own.k];
   }
+  gram[columns][columns] = moments.sum_ww;
   for (size_t a = 0; a <= columns; ++a) {
     if (a < columns && !(gram[a][a] > 0)) return false;
     scale[a] = a < columns ? 1 / std::sqrt(gram[a][a]) : 1;
@@ -402,6 +426,7 @@ NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half
   constexpr int run_length = 8192; // of fans
   NormalRings rings;
   const FanCorners fans = find_fans(triangles, half_edges, rings);
+  checkpoint();
   std::vector<RingRun> runs(static_cast<size_t>((rings.fan_count + run_length - 1) / run_length));
   const auto run_count = static_cast<int>(runs.size());
   // As many shares as threads: each has stamps of its own.
@@ -409,8 +434,10 @@ NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half
   parallel_blocks(shares, threads, 1, [&](int share, int) {
     const auto first_of = [&](int i) { return static_cast<int>(int64_t{run_count} * i / shares); };
     RingWalker walker(half_edges, rings, fans);
-    for (int run = first_of(share); run < first_of(share + 1); ++run)
+    for (int run = first_of(share); run < first_of(share + 1); ++run) {
+      checkpoint();
       runs[static_cast<size_t>(run)] = walk_run(walker, run * run_length, std::min((run + 1) * run_length, rings.fan_count));
+    }
   });
   join_runs(runs, rings);
   return rings;

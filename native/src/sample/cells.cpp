@@ -71,7 +71,9 @@ public:
     label_texels();
     link_along_edges();
     attach_bare_triangles();
+    checkpoint();
     list_links();
+    checkpoint();
     to_lists(boundaries_, cells_.count, cells_.boundary_begin, cells_.boundary);
     cells_.site_cell.resize(charts_.sites.size());
     parallel_blocks(static_cast<int>(charts_.sites.size()), threads_, one_block, [&](int begin, int end) {
@@ -93,7 +95,8 @@ public:
 private:
   // Calls visit(texel, other) for texels side by side or at a corner that are joined.
   template <class Visit> void each_joined_pair(const Visit &visit) const {
-    for (int y = 0; y < size_; ++y)
+    for (int y = 0; y < size_; ++y) {
+      checkpoint();
       for (int x = 0; x < size_; ++x) {
         const int32_t chart = map_.chart(x, y);
         if (chart < 0) continue;
@@ -103,6 +106,7 @@ private:
             visit(x, y, x + dx, y + dy);
         }
       }
+    }
   }
 
   void label_texels() {

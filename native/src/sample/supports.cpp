@@ -96,6 +96,10 @@ static std::vector<CellData> with_bare_samples(const SupportSpace &space) {
     for (int32_t k = space.bare.begin[cell]; k < space.bare.begin[cell + 1]; ++k) {
       const vec4 point = space.bare.point[2 * static_cast<size_t>(k)], normal = space.bare.point[2 * static_cast<size_t>(k) + 1];
       CellData &data = cells[cell];
+      if (data.sphere.w < 0.0f) {
+        data.sphere = vec4(vec3(point), 0.0f);
+        data.cone = vec4(vec3(normal), 1.0f);
+      }
       data.sphere.w = std::max(data.sphere.w, length(vec3(point) - vec3(data.sphere)));
       data.cone.w = std::min(data.cone.w, dot(vec3(data.cone), vec3(normal)));
     }
@@ -125,7 +129,7 @@ public:
         const vec4 sphere = measured_[static_cast<size_t>(other)].sphere;
         const vec3 gap = vec3(sphere) - middle;
         const float limit = radius_ + beyond + around * sphere.w;
-        if (dot(gap, gap) < limit * limit) add(other);
+        if (sphere.w < 0.0f || dot(gap, gap) < limit * limit) add(other); // one that has no place may lead on
       }
     }
     look_at_found(vec3(measured_[static_cast<size_t>(cell)].cone), measured_[static_cast<size_t>(cell)].cone.w);
@@ -140,7 +144,7 @@ public:
     for (const int32_t k : inside_) {
       const Seen &seen = seen_[static_cast<size_t>(k)];
       if (!seen.plain || meets_boundary(found_[static_cast<size_t>(k)], center)) return false;
-      const float away = std::sqrt(distance_[static_cast<size_t>(k)]), sphere = seen.sphere.w;
+      const float away = std::sqrt(distance_[static_cast<size_t>(k)]), sphere = seen.sphere;
       flat += seen.area * std::min(1.0f, (radius_ + sphere - away) / std::max(2.0f * sphere, 1e-20f));
     }
     return flat < 1.25f * static_cast<float>(pi) * radius_ * radius_;
@@ -148,14 +152,21 @@ public:
 
   // Which of those found lie in the center's ball.
   void measure(vec3 center) {
-    distance_.resize(seen_.size());
-    for (size_t k = 0; k < seen_.size(); ++k) {
-      const vec3 gap = vec3(seen_[k].sphere) - center;
-      distance_[k] = dot(gap, gap);
+    const size_t count = seen_.size();
+    distance_.resize(count);
+    const float *x = x_.data(), *y = y_.data(), *z = z_.data(), *outer = outer_.data();
+    float *distance = distance_.data();
+    for (size_t k = 0; k < count; ++k) { // by vectors
+      const float dx = x[k] - center.x, dy = y[k] - center.y, dz = z[k] - center.z;
+      distance[k] = dx * dx + dy * dy + dz * dz;
     }
-    inside_.clear();
-    for (size_t k = 0; k < seen_.size(); ++k)
-      if (distance_[k] < seen_[k].outer) inside_.push_back(static_cast<int32_t>(k));
+    inside_.resize(count);
+    size_t inside = 0;
+    for (size_t k = 0; k < count; ++k) { // without a branch
+      inside_[inside] = static_cast<int32_t>(k);
+      inside += distance[k] < outer[k];
+    }
+    inside_.resize(inside);
   }
 
   // The cells of the connected part of the center's ball.
@@ -215,27 +226,32 @@ private:
   static constexpr float around = 1.25f; // a link may lie a texel beyond the points of a cell
   static constexpr float least_cosine =
       0.25f; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
-  static constexpr float near_share = 0.3f;
+  static constexpr float near_share = 0.25f;
 
   // What centers ask of a cell that was found.
   struct Seen {
-    vec4 sphere;
-    float outer; // squared distance from its middle from which on it lies outside the ball
-    float near;  // … and below which it is sampled finely
-    float area;  // projected to the tangent plane of the first cell
-    bool plain;  // faces its way
+    float sphere; // radius
+    float near;   // squared distance from its middle below which it is sampled finely
+    float area;   // projected to the tangent plane of the first cell
+    bool plain;   // faces its way
   };
 
   // cone: of the first cell.
   void look_at_found(vec3 normal, float spread) {
     std::sort(found_.begin(), found_.end()); // one order of summation, wherever the search began
     seen_.clear();
+    for (std::vector<float> *list : {&x_, &y_, &z_, &outer_}) list->clear();
     for (const int32_t cell : found_) {
       const CellData &data = measured_[static_cast<size_t>(cell)];
+      const bool empty = data.sphere.w < 0.0f;
       const float cosine = dot(normal, vec3(data.cone)), own = std::clamp(data.cone.w, -1.0f, 1.0f);
       const float sine = std::sqrt(std::max(0.0f, (1.0f - cosine * cosine) * (1.0f - own * own)));
       const float outer = radius_ + data.sphere.w, near = near_share * radius_ + data.sphere.w;
-      seen_.push_back({data.sphere, outer * outer, near * near, data.area.y * std::max(cosine, 0.0f),
+      x_.push_back(data.sphere.x);
+      y_.push_back(data.sphere.y);
+      z_.push_back(data.sphere.z);
+      outer_.push_back(empty ? -1.0f : outer * outer);
+      seen_.push_back({data.sphere.w, near * near, data.area.y * std::max(cosine, 0.0f),
                        std::min({own, spread, cosine, cosine * own - sine}) > least_cosine});
     }
   }
@@ -286,7 +302,9 @@ private:
   std::vector<uint32_t> visited_;
   std::vector<int32_t> found_, near_; // near_: -1 - cell where it is sampled finely
   std::vector<Seen> seen_;            // (found)
-  std::vector<float> distance_;       // (found) squared, from the center to the middle
+  std::vector<float> x_, y_, z_;      // (found) middle
+  std::vector<float> outer_;          // (found) squared distance from there from which on it lies outside the ball
+  std::vector<float> distance_;       // (found) squared, from the center
   std::vector<int32_t> inside_;       // places in found_
   uint32_t mark_ = 0;
 };
@@ -303,7 +321,7 @@ static int32_t start_of(const Cells &cells, const SupportCenter &center) {
 
 namespace {
 
-// Centers by the square that they start in: a block, or two by two where these are small against the radius.
+// Centers by the square that they start in: a block, or two by two or four by four where these are small against the radius.
 struct Groups {
   std::vector<int32_t> start; // (centers) cell, or -1
   std::vector<int32_t> order; // centers
@@ -315,9 +333,9 @@ struct Groups {
 static Groups group(const Cells &cells, std::span<const CellData> measured, const std::vector<SupportCenter> &centers,
                     float radius) {
   double spheres = 0.0;
-  for (const CellData &cell : measured) spheres += static_cast<double>(cell.sphere.w);
-  const bool small = 2.6 * spheres < static_cast<double>(radius) * static_cast<double>(measured.size());
-  const int width = (small ? 2 : 1) * cells.block_size;
+  for (const CellData &cell : measured) spheres += static_cast<double>(std::max(cell.sphere.w, 0.0f));
+  const double radii = static_cast<double>(radius) * static_cast<double>(measured.size()) / std::max(spheres, 1e-30);
+  const int width = (radii > 4.4 ? 4 : radii > 2.6 ? 2 : 1) * cells.block_size; // at most about the radius
   int across = 1;
   for (const ivec4 box : cells.box) across = std::max({across, box.x / width + 1, box.y / width + 1});
   auto square_of = [&](int32_t cell) {

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "support/cancel.h"
+
 namespace paradesc {
 
 inline int thread_count(int asked) {
@@ -15,16 +17,19 @@ inline int thread_count(int asked) {
 }
 
 // body(begin, end) for blocks of [0, count); the calling thread takes part. The first exception is thrown on after all have
-// stopped.
+// stopped. Between blocks the caller may cancel.
 template <class Body> void parallel_blocks(int count, int threads, int block, const Body &body) {
   std::atomic<int> next{0};
   std::atomic<bool> failed{false};
   std::exception_ptr error;
+  CancelScope *const scope = CancelScope::current();
   auto work = [&] {
+    const CancelScope::Member member(scope);
     while (!failed) {
       const int begin = next.fetch_add(block);
       if (begin >= count || begin < 0) return;
       try {
+        checkpoint();
         body(begin, std::min(begin + block, count));
       } catch (...) {
         if (!failed.exchange(true)) error = std::current_exception();

@@ -1,0 +1,41 @@
+"""Object mode for a while, and back: attributes can be read and written there only."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+import bpy
+
+
+@contextmanager
+def object_mode(target: bpy.types.Object | None = None) -> Iterator[None]:
+    """Object mode for an object, or the active one, and all that share its mode.
+
+    The mode, which objects are in it, the selection and the active object come back.
+    """
+    objects = bpy.context.view_layer.objects
+    active = objects.active
+    leader = target or active
+    mode = "OBJECT" if leader is None else leader.mode
+    if mode == "OBJECT":
+        yield
+        return
+    inside = [item for item in objects if item.mode == mode]
+    selected = list(objects.selected)
+    objects.active = leader
+    bpy.ops.object.mode_set(mode="OBJECT")
+    try:
+        yield
+    finally:
+        objects.active = leader
+        select_only(objects, inside)  # edit mode takes all that are selected
+        bpy.ops.object.mode_set(mode=mode)
+        objects.active = active
+        select_only(objects, selected)
+
+
+def select_only(objects: bpy.types.LayerObjects, wanted: list[bpy.types.Object]) -> None:
+    """Selects these objects and no others."""
+    for item in objects:
+        if item.select_get() != (item in wanted):
+            with suppress(RuntimeError):  # hidden ones cannot be selected
+                item.select_set(item in wanted)

@@ -1,0 +1,87 @@
+"""What a bake left in a mesh's custom property, checked before use: the file may be of another version, or edited.
+
+Never imports bpy.
+"""
+
+import math
+
+from . import color_maps
+
+# What is shown of a report; a file that lacks one of these has no report.
+MESH_REPORT = (
+    "vertex_count",
+    "triangle_count",
+    "charts",
+    "seam_edges",
+    "loose_vertices",
+    "degenerate_triangles",
+    "zero_uv_area_triangles",
+    "flipped_triangles",
+    "nonmanifold_edges",
+    "nonmanifold_vertices",
+)
+FIELD_REPORT = ("radius", "coverage_mean", "undefined_vertices", "seconds_total", "radius_in_texels")
+WORDS = ("backend", "device", "fallback", "warnings")
+
+
+def checked(content: object) -> dict[str, object]:
+    """The part of it that has the form which mesh_io.summary() makes; empty where it says of no attributes."""
+    names = content.get("attributes") if isinstance(content, dict) else None
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        return {}
+    found = {**content, "ranges": ranges(content.get("ranges")), "drawn": drawn(content.get("drawn"))}
+    found.update({word: value if isinstance(value := content.get(word), str) else "" for word in WORDS})
+    found["layout"] = texts(content.get("layout"))
+    found["settings"] = as_dict(content.get("settings"))
+    reports = {"mesh_report": MESH_REPORT, "field_report": FIELD_REPORT}
+    if not all(is_report(content.get(name), members) for name, members in reports.items()):
+        for name in reports:
+            found.pop(name, None)
+    return found
+
+
+def as_dict(value: object) -> dict[str, object]:
+    """The value where it is a dictionary."""
+    return value if isinstance(value, dict) else {}
+
+
+def texts(value: object) -> dict[str, str]:
+    """The texts of a dictionary."""
+    return {name: text for name, text in as_dict(value).items() if isinstance(text, str)}
+
+
+def is_number(value: object) -> bool:
+    """True of a finite number."""
+    return isinstance(value, (int, float)) and abs(value) <= 1e300 and math.isfinite(value)
+
+
+def is_report(value: object, members: tuple[str, ...]) -> bool:
+    """True of a dictionary of numbers that has these among its members."""
+    if not isinstance(value, dict) or not all(name in value for name in members):
+        return False
+    return all(is_number(number) for number in value.values())
+
+
+def ranges(value: object) -> dict[str, list[float]]:
+    """By name a lower and a larger upper number."""
+    found = {}
+    for name, span in as_dict(value).items():
+        if isinstance(span, (list, tuple)) and len(span) == 2 and all(map(is_number, span)) and span[0] < span[1]:
+            found[name] = [float(span[0]), float(span[1])]
+    return found
+
+
+def drawn(value: object) -> dict[str, dict[str, object]]:
+    """By name how its colors were made: whatever of it is not what drawing_of() makes is left out."""
+    sound = {
+        "map": lambda given: isinstance(given, str) and given in (color_maps.AUTOMATIC, *color_maps.MAPS),
+        "diverging": lambda given: isinstance(given, (bool, int)),
+        "neutral": is_number,
+        "radius": is_number,
+        "unit": lambda given: isinstance(given, str),
+    }
+    return {
+        name: {word: row[word] for word, good in sound.items() if word in row and good(row[word])}
+        for name, row in as_dict(value).items()
+        if isinstance(row, dict)
+    }

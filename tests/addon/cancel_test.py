@@ -1,0 +1,89 @@
+"""Cancelling at any time leaves the scene as it was and the next bake right; quitting while one runs ends well."""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+from paradesc import bridge, threads  # noqa: E402
+from paradesc.batch import Batch  # noqa: E402
+from scene import add_sphere, attribute_values, fingerprint, small_bake  # noqa: E402
+from shapes import ADDON, as_arrays, cube_sphere  # noqa: E402
+
+QUIT = """
+import sys, time
+sys.path[:0] = [{addon!r}, {numpy!r}, {tests!r}]
+import bpy
+import paradesc
+from paradesc import bridge, job
+from shapes import as_arrays, cube_sphere
+paradesc.register()
+options = bridge.Options(radius=0.2, samples=4096)
+worker = job.Worker(as_arrays(*cube_sphere(40)), job.Settings(("mean_curvature",), options, {backend!r}))
+worker.start()
+while worker.fraction < {fraction}:
+    time.sleep(0.01)
+sys.stdout.write(f"quits while computing: {{not worker.done}}\\n")
+sys.stdout.flush()
+"""
+
+
+@pytest.mark.usefixtures("registered")
+@pytest.mark.parametrize("backend", ["software", "reference"])
+def test_cancelled_anywhere_the_scene_is_as_before_and_the_next_bake_right(backend):
+    target = add_sphere(steps=8)
+    settings = small_bake(backend)
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    expected = attribute_values(target.data, "mean_curvature")
+    settings.descriptors = {"mean_curvature", "harris"}
+    before = fingerprint(target)
+    for fraction in (0.0, 0.1, 0.3, 0.6, 0.9):
+        batch = Batch(bpy.context)
+        batch.step()
+        while batch.worker.fraction < fraction and not batch.worker.done:
+            time.sleep(0.001)
+        batch.cancel()
+        batch.abandon()
+        assert batch.cancelled
+        assert not batch.written
+        assert fingerprint(target) == before
+    settings.descriptors = {"mean_curvature"}
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert np.array_equal(attribute_values(target.data, "mean_curvature"), expected)
+
+
+@pytest.mark.parametrize(("backend", "fraction"), [("software", 0.05), ("software", 0.3), ("reference", 0.01)])
+def test_quitting_while_a_bake_runs_neither_hangs_nor_crashes(tmp_path, backend, fraction):
+    numpy_folder = str(Path(np.__file__).parents[1])
+    script = tmp_path / "quit.py"
+    words = {"addon": str(ADDON), "numpy": numpy_folder, "tests": str(Path(__file__).parent)}
+    script.write_text(QUIT.format(**words, backend=backend, fraction=fraction))
+    start = [sys.executable, str(script)]
+    if bpy.app.binary_path:
+        start = [bpy.app.binary_path, "-b", "--factory-startup", "-P", str(script)]
+    ended = subprocess.run(start, capture_output=True, text=True, timeout=120, check=False)
+    assert "quits while computing: True" in ended.stdout, ended.stdout + ended.stderr
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+
+
+def test_a_thread_that_ended_is_not_waited_for():
+    cancelled = []
+    thread = threads.start("short", lambda: None, lambda: cancelled.append(True))
+    thread.join()
+    threads.stop_all()
+    assert not cancelled
+
+
+def test_making_a_mesh_can_be_cancelled_and_an_exception_comes_through():
+    arrays = as_arrays(*cube_sphere(100))  # long enough for the callback to be called
+    with bridge.Context("reference") as context:
+        with pytest.raises(bridge.ParadescError) as caught:
+            context.mesh(arrays, lambda _stage, _fraction: False)
+        assert caught.value.status == bridge.abi.STATUS_CANCELLED
+        with pytest.raises(ZeroDivisionError):
+            context.mesh(arrays, lambda _stage, _fraction: 1 / 0)

@@ -1,0 +1,155 @@
+"""Arithmetic of the benchmarks (tests/bench): of which times a ratio is made, and what stands for a missing part."""
+
+import struct
+import sys
+
+import bpy
+import numpy as np
+import pytest
+
+from shapes import ROOT
+
+for folder in ("accuracy", "bench"):
+    if str(ROOT / "tests" / folder) not in sys.path:
+        sys.path.insert(0, str(ROOT / "tests" / folder))
+
+import figures  # noqa: E402
+import programs  # noqa: E402
+
+from paradesc import bridge  # noqa: E402
+
+IN_PYTHON = pytest.mark.skipif(
+    bool(bpy.app.binary_path), reason="the page is made by a program of Python, not of Blender"
+)
+# Of the times below.
+MISSED = ("bunny_frame_ms", "gather_share_one_chart", "gather_share_many_charts")
+
+
+def frame(seconds, evaluate=0.0, error=0.4):
+    """What timing.timed leaves of a frame."""
+    return {"seconds": seconds, "seconds_evaluate": evaluate, "error": error}
+
+
+@pytest.fixture
+def measured():
+    """Every part, with times that are told apart in each ratio."""
+    detail = {
+        "triangles": 2_000_000,
+        "once": {"mesh": 1.0, "first_frame": 1.5},
+        "baseline": {"seconds": 60.0, "neighbors_per_second_and_core": 5e7},
+        "fewest": frame(0.3),
+        "max_normals": frame(0.2),
+        "at_texels": frame(0.1, error=0.6),
+        "at_256": frame(0.5),
+    }
+    peers = {name: {"seconds": seconds} for name, seconds in (("libigl5", 2), ("dirty", 4), ("pymeshlab_pca", 8))}
+    bare = {"texel_fetch": {"seconds": 0.3}, "texture_lod": {"seconds": 0.2}}
+    return {
+        **{f"detail_{name}": detail for name in ("100k", "1m", "2m")},
+        "radius": {"small": frame(0.2), "large": frame(0.3)},
+        "bunny": {"at_256": frame(0.1), "fewest": frame(0.05), "baseline": {"seconds": 1.0}},
+        "peers": peers,
+        "gather_one_chart": {"bare": bare, "evaluate": frame(9.0, evaluate=0.4)},
+        "gather_many_charts": {"bare": bare, "evaluate": frame(9.0, evaluate=0.8)},
+        "together": {"one": frame(1.0), "eight": frame(1.2), "three_radii": {"seconds": 1.4}},
+        "memory": {"peak_bytes": 500, "buffer_bytes": 200, "input_bytes": 100},
+        "python": {"overhead_seconds": 0.004},
+    }
+
+
+def test_ratios_are_made_of_the_times_that_they_name(measured):
+    values, reasons = figures.figures(measured, {})
+    assert reasons == {}
+    assert values == {
+        "speedup_100k": 300,  # of the fastest way that keeps the error
+        "speedup_1m": 300,
+        "speedup_2m": 300,
+        "radius_growth": 1.5,
+        "bunny_frame_ms": 100,
+        "over_libigl5": 20,
+        "over_dirty": 40,
+        "over_pymeshlab_pca": 80,
+        "gather_share_one_chart": 0.5,  # of the faster way to fetch
+        "gather_share_many_charts": 0.25,
+        "eight_over_one": 1.2,
+        "three_radii_over_one": 1.4,
+        "preprocess_s_per_million": 1.0,  # 1 s for the mesh, 1.5 − 0.5 s for the first frame, two million triangles
+        "peak_memory_over_input": 3,
+        "python_overhead_ms": 4,
+    }
+    assert figures.beside(measured)["speedup_1m_at_vertices"] == 200
+    assert figures.beside(measured)["speedup_1m_256_samples"] == 120
+    assert figures.beside(measured)["speedup_1m_max_normals"] == 300
+
+
+def test_targets_bound_from_below_or_from_above():
+    assert figures.FIGURES["speedup_1m"].met(50)
+    assert not figures.FIGURES["speedup_1m"].met(49.9)
+    assert figures.FIGURES["eight_over_one"].met(1.3)
+    assert not figures.FIGURES["eight_over_one"].met(1.31)
+
+
+def test_a_missing_peer_is_null_with_the_reason_and_costs_no_other_key(measured):
+    del measured["peers"]["libigl5"], measured["memory"]
+    values, reasons = figures.figures(measured, {"libigl5": "libigl is not installed."})
+    assert values["over_libigl5"] is None
+    assert reasons == {"over_libigl5": "libigl is not installed.", "peak_memory_over_input": "Not measured."}
+    assert values["over_dirty"] == 40
+
+
+def test_a_mesh_is_handed_over_with_a_vertex_and_a_place_for_every_corner(tmp_path):
+    corners = np.array([3, 1, 0, 2, 1, 3], np.int32)
+    arrays = bridge.MeshArrays(
+        positions=np.arange(12, dtype=np.float32).reshape(4, 3),
+        corner_vertices=corners,
+        triangle_corners=np.array([[3, 4, 5], [0, 1, 2]], np.int32),
+        corner_uvs=np.arange(12, dtype=np.float32).reshape(6, 2),
+    )
+    data = programs.write_mesh(tmp_path / "mesh", arrays).read_bytes()
+    assert struct.unpack_from("2i", data) == (4, 6)
+    assert struct.unpack_from("6i", data, 8 + 4 * 12) == (2, 1, 3, 3, 1, 0)
+    assert struct.unpack_from("2f", data, 8 + 4 * 12 + 4 * 6) == (6, 7)
+    assert len(data) == 8 + 4 * 12 + 4 * 6 + 4 * 12
+
+
+def test_values_of_a_program_are_read_as_they_were_written(tmp_path):
+    path = tmp_path / "values"
+    path.write_bytes(struct.pack("i2i2f", 2, 7, 5, 0.5, -1.5))
+    found = programs.read_values(path)
+    assert found.vertices.tolist() == [7, 5]
+    assert found.values.tolist() == [0.5, -1.5]
+
+
+def test_a_program_that_cannot_be_built_is_a_sentence(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(programs.MissingError, match="no CMake"):
+        programs.program(tmp_path, programs.OBJECT_SPACE)
+
+
+@IN_PYTHON
+def test_the_page_writes_between_the_markers_of_a_manual_and_nowhere_else(tmp_path):
+    import speed_page
+
+    manual = tmp_path / "README.md"
+    manual.write_text(f"before\n{speed_page.START}\nold\n{speed_page.END}\nafter\n")
+    speed_page.fill(manual, ["new", ""])
+    assert manual.read_text() == f"before\n{speed_page.START}\nnew\n{speed_page.END}\nafter\n"
+    manual.write_text("no markers\n")
+    speed_page.fill(manual, ["new"])
+    assert manual.read_text() == "no markers\n"
+    assert (ROOT / "README.md").read_text().count(speed_page.START) == 1
+
+
+@IN_PYTHON
+def test_the_page_says_of_every_key_whether_it_is_met_or_why_it_is_missing(measured):
+    import speed_page
+
+    del measured["memory"]
+    values, reasons = figures.figures(measured, {})
+    stamp = dict.fromkeys(("date", "device", "cpu", "cores", "commit", "load_before", "command"), "x")
+    found = {**stamp, **values, "reasons": reasons, "beside": {}, "measured": measured}
+    rows = [line.split(" | ") for line in speed_page.ratio_lines(found) if line.startswith("| `")]
+    assert {row[0].strip("|` "): row[-1].strip("| ") for row in rows} == {
+        name: "Not measured." if name == "peak_memory_over_input" else "no" if name in MISSED else "yes"
+        for name in figures.FIGURES
+    }

@@ -1,0 +1,166 @@
+// Cancelling anywhere: while a mesh is made, and at every call of the callback, with what is computed afterwards.
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include "support/api_fixture.h"
+#include "support/cancel.h"
+#include "support/error.h"
+#include "support/parallel.h"
+
+namespace paradesc::test {
+namespace {
+
+// Says stop at one call.
+struct Stop {
+  int at = -1;
+  int calls = 0;
+  static int32_t call(void *user, const char *, double) {
+    Stop &stop = *static_cast<Stop *>(user);
+    return stop.calls++ != stop.at;
+  }
+};
+
+TEST(Checkpoint, without_a_scope_does_nothing) { checkpoint(); }
+
+TEST(Checkpoint, asks_on_the_thread_of_the_scope_alone_and_ends_all_threads) {
+  std::atomic<int> asked{0}, elsewhere{0};
+  const auto owner = std::this_thread::get_id();
+  const auto cancelled = [&] {
+    const CancelScope scope([&] {
+      elsewhere += std::this_thread::get_id() != owner;
+      if (++asked == 3) throw Error(PDESC_ERROR_CANCELLED, "stop");
+    });
+    parallel_blocks(1 << 20, 2, 1, [](int, int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
+  };
+  EXPECT_THROW(cancelled(), Error); // or it would last for half an hour
+  EXPECT_EQ(asked, 3);
+  EXPECT_EQ(elsewhere, 0);
+  checkpoint(); // the scope is gone
+}
+
+TEST(Checkpoint, is_not_asked_while_the_caller_answers) {
+  int asked = 0;
+  const CancelScope scope([&] {
+    ++asked;
+    std::this_thread::sleep_for(2 * cancel_patience);
+    checkpoint(); // as a caller that uses the library in its callback
+  });
+  checkpoint();
+  EXPECT_EQ(asked, 0) << "too soon";
+  std::this_thread::sleep_for(2 * cancel_patience);
+  checkpoint();
+  EXPECT_EQ(asked, 1);
+}
+
+class CancelAnywhere : public Api, public ::testing::WithParamInterface<int32_t> {
+protected:
+  void SetUp() override {
+    Api::SetUp();
+    ball = sphere(1, {.vertices = 100});
+    lay_out(ball, {.charts = 6});
+    input = input_of(ball);
+    std::string why_not;
+    context = open_context(GetParam(), why_not);
+    if (!context) GTEST_SKIP() << why_not;
+    options.buffer_size = 64;
+    options.radius = 0.2;
+    options.samples = 16;
+    cancel_patience = std::chrono::milliseconds(0);
+  }
+  void TearDown() override { cancel_patience = patience; }
+
+  // A run that is stopped at this call; false where it came to its end before.
+  bool cancel_at(int call, pdesc_mesh *mesh) {
+    const char *name = "mean_curvature";
+    Stop stop{call};
+    pdesc_field *field = nullptr;
+    const int32_t status = pdesc_compute(mesh, &options, &name, 1, Stop::call, &stop, &field);
+    const Field owner(field);
+    if (status != PDESC_OK) {
+      EXPECT_EQ(status, PDESC_ERROR_CANCELLED) << pdesc_last_error();
+      EXPECT_EQ(stop.calls, call + 1) << "was called again after it said stop";
+    }
+    return status != PDESC_OK;
+  }
+
+  const std::chrono::milliseconds patience = cancel_patience;
+};
+INSTANTIATE_TEST_SUITE_P(, CancelAnywhere, ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, int32_t{PDESC_BACKEND_SOFTWARE}),
+                         backend_name);
+
+TEST_P(CancelAnywhere, the_first_run_of_a_mesh_leaves_it_as_new) {
+  const std::vector<float> expected = mean_curvature(make_mesh(context.get(), ball).get());
+  for (int call = 0;; call += 7) {
+    const Mesh mesh = make_mesh(context.get(), ball);
+    if (!cancel_at(call, mesh.get())) break;
+    expect_same_bits(mean_curvature(mesh.get()), expected);
+  }
+}
+
+TEST_P(CancelAnywhere, a_run_at_another_size_and_precision_leaves_what_was_baked_usable) {
+  const Mesh mesh = make_mesh(context.get(), ball);
+  const std::vector<float> expected = mean_curvature(mesh.get());
+  const pdesc_options usual = options;
+  bool cancelled = true;
+  for (int call = 0; cancelled; call += 23) {
+    options.buffer_size = 192;
+    options.precision = PDESC_PRECISION_HALF;
+    options.normals = PDESC_NORMALS_MAX;
+    cancelled = cancel_at(call, mesh.get());
+    options = usual;
+    expect_same_bits(mean_curvature(mesh.get()), expected);
+  }
+}
+
+TEST_P(CancelAnywhere, new_positions_are_baked_whole_after_it) {
+  const Mesh mesh = make_mesh(context.get(), ball);
+  (void)mean_curvature(mesh.get());
+  scale(ball, 3);
+  ASSERT_EQ(pdesc_mesh_set_positions(mesh.get(), ball.positions.data(), ball.vertex_count), PDESC_OK) << pdesc_last_error();
+  const std::vector<float> expected = mean_curvature(make_mesh(context.get(), ball).get());
+  for (int call = 0; cancel_at(call, mesh.get()); call += 23) expect_same_bits(mean_curvature(mesh.get()), expected);
+}
+
+TEST_P(CancelAnywhere, charts_that_overlap_are_laid_out_once_and_whole) {
+  for (float &uv : ball.corner_uvs) uv = 0.5f * uv + (uv < 0.5f ? 0.25f : 0.0f);
+  const std::vector<float> expected = mean_curvature(make_mesh(context.get(), ball).get());
+  const char *name = "mean_curvature";
+  for (int call = 0;; call += 23) {
+    const Mesh mesh = make_mesh(context.get(), ball);
+    if (!cancel_at(call, mesh.get())) break;
+    pdesc_field *field = nullptr;
+    ASSERT_EQ(pdesc_compute(mesh.get(), &options, &name, 1, nullptr, nullptr, &field), PDESC_OK) << pdesc_last_error();
+    const Field owner(field);
+    pdesc_field_report report;
+    pdesc_field_report_init(&report);
+    ASSERT_EQ(pdesc_field_get_report(field, &report), PDESC_OK);
+    EXPECT_EQ(report.private_layout, GetParam() == PDESC_BACKEND_SOFTWARE ? PDESC_LAYOUT_OVERLAPS : PDESC_LAYOUT_GIVEN);
+    std::vector<float> values(expected.size(), sentinel);
+    ASSERT_EQ(pdesc_field_values(field, name, values.data(), ball.vertex_count), PDESC_OK);
+    expect_same_bits(values, expected);
+  }
+}
+
+TEST_P(CancelAnywhere, a_mesh_of_which_half_was_made_is_given_up) {
+  input.user = nullptr;
+  input.progress = Stop::call;
+  for (int call = 0;; call += 3) {
+    Stop stop{call};
+    input.user = &stop;
+    pdesc_mesh *mesh = never_mesh();
+    const int32_t status = pdesc_mesh_create(context.get(), &input, &mesh);
+    if (status == PDESC_OK) {
+      const Mesh owner(mesh);
+      EXPECT_GT(call, 0) << "it was never asked";
+      break;
+    }
+    EXPECT_EQ(status, PDESC_ERROR_CANCELLED) << pdesc_last_error();
+    EXPECT_EQ(mesh, never_mesh());
+    EXPECT_EQ(stop.calls, call + 1) << "was called again after it said stop";
+  }
+}
+
+} // namespace
+} // namespace paradesc::test

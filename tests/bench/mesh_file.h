@@ -1,0 +1,36 @@
+// The file of a mesh that the benchmarks' scripts hand to their programs: int32 vertex count and corner count (three a triangle),
+// then float positions, int32 vertices of the corners, float (u, v) of the corners, as programs.py writes it.
+#pragma once
+
+#include <fstream>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "support/surfaces.h"
+
+namespace paradesc::bench {
+
+template <class Value> std::vector<Value> read_values(std::ifstream &file, size_t count) {
+  std::vector<Value> values(count);
+  file.read(reinterpret_cast<char *>(values.data()), static_cast<std::streamsize>(count * sizeof(Value)));
+  if (!file) throw std::runtime_error("The mesh's file is not there, or too short.");
+  return values;
+}
+
+inline test::TestMesh read_mesh(const std::string &path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::vector<int32_t> counts = read_values<int32_t>(file, 2);
+  const auto corners = static_cast<size_t>(counts[1]);
+  test::TestMesh mesh;
+  mesh.vertex_count = counts[0];
+  mesh.positions = read_values<float>(file, 3 * static_cast<size_t>(counts[0]));
+  mesh.corner_vertices = read_values<int32_t>(file, corners);
+  mesh.corner_uvs = read_values<float>(file, 2 * corners);
+  mesh.triangle_corners.resize(corners);
+  std::iota(mesh.triangle_corners.begin(), mesh.triangle_corners.end(), 0);
+  return mesh;
+}
+
+} // namespace paradesc::bench

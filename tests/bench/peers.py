@@ -1,0 +1,147 @@
+"""Other programs' curvature of the same mesh: seconds, and H where they have one. Each is optional.
+
+Conventions of sign differ, so the sign that agrees better with the truth is taken. Nothing is counted but the call that
+computes: not its import, nor making its mesh.
+"""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from paradesc.bridge import MeshArrays
+
+INSTALL = "pip install libigl pymeshlab trimesh scipy rtree vtk"
+SAMPLED = 1000  # vertices that the slowest are timed at
+
+
+@dataclass
+class Found:
+    """What a peer took for all vertices, and its H at some."""
+
+    seconds: float
+    values: np.ndarray | None  # (n,) H
+    vertices: np.ndarray | None = None  # (n,) where not at all
+    note: str = ""
+
+
+def timed(action: Callable[[], object]) -> tuple[float, object]:
+    """Seconds by the clock, and what came out."""
+    start = time.perf_counter()
+    result = action()
+    return time.perf_counter() - start, result
+
+
+def points_and_faces(arrays: MeshArrays) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) float64 and (t, 3) int32"""
+    return arrays.positions.astype(np.float64), np.ascontiguousarray(arrays.triangle_vertices, np.int32)
+
+
+def libigl(arrays: MeshArrays, rings: int) -> Found:
+    """Quadrics fitted to rings of the mesh."""
+    import igl
+
+    points, faces = points_and_faces(arrays)
+    seconds, found = timed(lambda: igl.principal_curvature(points, faces, rings, True))
+    return Found(seconds, (np.asarray(found[2]) + np.asarray(found[3])).ravel() / 2)
+
+
+def pymeshlab_directions(arrays: MeshArrays, method: str, radius: float | None) -> Found:
+    """One of its fits within a ball; its own scale, a tenth of the diagonal, where no radius is given."""
+    import pymeshlab
+
+    meshes = pymeshlab_set(arrays)
+    scale = {} if radius is None else {"scale": pymeshlab.PureValue(radius)}
+    wanted = {"method": method, "curvcolormethod": "Mean Curvature", "autoclean": False, **scale}
+    seconds, _ = timed(lambda: meshes.compute_curvature_principal_directions_per_vertex(**wanted))
+    return Found(seconds, pymeshlab_values(meshes, arrays))
+
+
+def pymeshlab_discrete(arrays: MeshArrays) -> Found:
+    """Cotangents over one ring."""
+    meshes = pymeshlab_set(arrays)
+    seconds, _ = timed(lambda: meshes.compute_scalar_by_discrete_curvature_per_vertex(curvaturetype="Mean Curvature"))
+    return Found(seconds, pymeshlab_values(meshes, arrays))
+
+
+def pymeshlab_set(arrays: MeshArrays) -> object:
+    import pymeshlab
+
+    meshes = pymeshlab.MeshSet(verbose=False)
+    meshes.add_mesh(pymeshlab.Mesh(*points_and_faces(arrays)))
+    return meshes
+
+
+def pymeshlab_values(meshes: object, arrays: MeshArrays) -> np.ndarray | None:
+    """(n,) H, unless it threw vertices away."""
+    values = meshes.current_mesh().vertex_scalar_array()
+    return values if len(values) == len(arrays.positions) else None
+
+
+def trimesh_measure(arrays: MeshArrays, radius: float) -> Found:
+    """The curvature of the edges in a ball, over the area of a disk; at some vertices, for it takes a minute."""
+    import trimesh
+
+    points, faces = points_and_faces(arrays)
+    mesh = trimesh.Trimesh(points, faces, process=False)
+    _ = mesh.face_adjacency_angles, mesh.face_adjacency_convex  # not counted
+    chosen = np.random.default_rng(1).permutation(len(points))[:SAMPLED]
+    seconds, found = timed(lambda: trimesh.curvature.discrete_mean_curvature_measure(mesh, points[chosen], radius))
+    note = f"extrapolated from {len(chosen)} vertices"
+    return Found(seconds * len(points) / len(chosen), found / (math.pi * radius**2), chosen, note)
+
+
+def vtk_mean(arrays: MeshArrays) -> Found:
+    """Angles of edges over one ring."""
+    import vtk
+    from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+
+    points, faces = points_and_faces(arrays)
+    places, cells, mesh = vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkPolyData()
+    places.SetData(numpy_to_vtk(points, deep=True))
+    offsets = numpy_to_vtkIdTypeArray(np.arange(0, faces.size + 1, 3), deep=True)
+    cells.SetData(offsets, numpy_to_vtkIdTypeArray(faces.astype(np.int64).ravel(), deep=True))
+    mesh.SetPoints(places)
+    mesh.SetPolys(cells)
+    curvatures = vtk.vtkCurvatures()
+    curvatures.SetInputData(mesh)
+    curvatures.SetCurvatureTypeToMean()
+    seconds, _ = timed(curvatures.Update)
+    return Found(seconds, vtk_to_numpy(curvatures.GetOutput().GetPointData().GetScalars()).astype(np.float64))
+
+
+QUADRIC, PCA = "Scale Dependent Quadric Fitting", "Principal Component Analysis"
+# name: (label, package, function of the mesh and the radius)
+PEERS: dict[str, tuple[str, str, Callable[[MeshArrays, float], Found]]] = {
+    "libigl2": ("libigl, 2 rings", "libigl", lambda mesh, _: libigl(mesh, 2)),
+    "libigl5": ("libigl, 5 rings", "libigl", lambda mesh, _: libigl(mesh, 5)),
+    "pymeshlab_discrete": ("PyMeshLab, discrete", "pymeshlab", lambda mesh, _: pymeshlab_discrete(mesh)),
+    "pymeshlab_quadric": (
+        "PyMeshLab, scale-dependent quadric, the same radius",
+        "pymeshlab",
+        lambda mesh, radius: pymeshlab_directions(mesh, QUADRIC, radius),
+    ),
+    "pymeshlab_pca": (
+        "PyMeshLab, PCA, its own radius",
+        "pymeshlab",
+        lambda mesh, _: pymeshlab_directions(mesh, PCA, None),
+    ),
+    "pymeshlab_pca_same_radius": (
+        "PyMeshLab, PCA, the same radius",
+        "pymeshlab",
+        lambda mesh, radius: pymeshlab_directions(mesh, PCA, radius),
+    ),
+    "trimesh": ("trimesh, ball measure, the same radius", "trimesh", trimesh_measure),
+    "vtk": ("VTK, mean curvature", "vtk", lambda mesh, _: vtk_mean(mesh)),
+}
+# Of them, those whose H is that of the same radius.
+SAME_RADIUS = ("pymeshlab_quadric", "pymeshlab_pca_same_radius", "trimesh")
+
+
+def with_sign(values: np.ndarray, truth: np.ndarray) -> np.ndarray:
+    """(n,) values, or their negative, whichever agrees better with the (n,) truth."""
+    both = np.isfinite(values) & np.isfinite(truth)
+    product = np.dot(values[both] - values[both].mean(), truth[both] - truth[both].mean()) if both.any() else 1.0
+    return -values if product < 0 else values

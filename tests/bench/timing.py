@@ -1,0 +1,168 @@
+"""Frames of the native library through the Python bridge: seconds by stage, error against the reference, memory."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from figures import ALLOWED_ERROR
+
+from paradesc import bridge, compare
+from paradesc.bridge import Context, Mesh, MeshArrays, Options
+from paradesc.results import registry_row
+
+NAME = "mean_curvature"
+STAGES = ("prepare", "bake", "evaluate", "total")
+FEWEST = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
+
+
+class Bench:
+    """A device, warmed up: programs compiled, threads there."""
+
+    def __init__(self, backend: str = "auto") -> None:
+        self.context = Context(backend)
+        if self.context.backend == "reference":
+            raise SystemExit(f"There is no device to measure. {self.context.fallback}".strip())
+        self._warm: set[tuple] = set()
+
+    def warm(self, names: tuple[str, ...], options: Options) -> None:
+        """Compiles what these descriptors and options need, on a mesh of their own."""
+        key = (names, options.relocation, options.estimator, options.evaluate, options.precision, options.adaptive > 0)
+        if key not in self._warm:
+            with self.context.mesh(small_torus()) as mesh:
+                mesh.compute(names, replace(options, radius=0.1, radius_unit="diagonal", buffer_size=256)).close()
+            self._warm.add(key)
+
+    def mesh(self, arrays: MeshArrays, options: Options) -> tuple[Mesh, dict[str, float]]:
+        """The native mesh after its first frame, and the seconds of everything that a later frame finds done."""
+        self.warm((NAME,), options)
+        start = time.perf_counter()
+        mesh = self.context.mesh(arrays)
+        made = time.perf_counter() - start
+        first = timed(mesh, arrays.positions, (NAME,), options)
+        return mesh, {"mesh": made, "first_frame": first["seconds"]}
+
+    def frame(
+        self, mesh: Mesh, arrays: MeshArrays, options: Options, names: tuple[str, ...] = (NAME,), repeats: int = 2
+    ) -> dict:
+        """The fastest of two frames a repeat, from positions to arrays; "values" are those of the mesh itself."""
+        self.warm(names, options)
+        best: dict = {}
+        for turn in range(1, 2 * repeats + 1):
+            one = timed(mesh, positions_of(arrays, turn), names, options)
+            if not best or one["seconds"] < best["seconds"]:
+                best |= {key: value for key, value in one.items() if key != "values"}
+            if turn % 2 == 0:
+                best["values"] = one["values"]
+        return best
+
+
+def positions_of(arrays: MeshArrays, turn: int) -> np.ndarray:
+    """(n, 3) the mesh's positions in even turns, others in odd ones: what has not moved need not be baked again."""
+    return arrays.positions if turn % 2 == 0 else arrays.positions * np.float32(1 + 1e-5)
+
+
+def small_torus() -> MeshArrays:
+    """A mesh to warm up with."""
+    import surfaces
+
+    return surfaces.torus(600).arrays
+
+
+def timed(mesh: Mesh, positions: np.ndarray, names: tuple[str, ...], options: Options) -> dict:
+    """One frame: upload, compute, results in numpy. Seconds by the clock, of all cores, and by stage."""
+    start, cpu = time.perf_counter(), time.process_time()
+    mesh.set_positions(positions)
+    with mesh.compute(names, options) as field:
+        values = {name: field.values(name) for name in names}
+        seconds, cpu_seconds = time.perf_counter() - start, time.process_time() - cpu
+        report = field.report()
+    stages = {f"seconds_{stage}": report[f"seconds_{stage}"] for stage in STAGES}
+    return {
+        "seconds": seconds,
+        "cpu_seconds": cpu_seconds,
+        **stages,
+        "samples": options.samples,
+        "radius": report["radius"],
+        "radius_in_texels": report["radius_in_texels"],
+        "buffer_megabytes": report["buffer_megabytes"],
+        "values": values,
+    }
+
+
+def percent_error(values: np.ndarray, truth: np.ndarray, radius: float) -> float:
+    """Mean %AE of H, (n,) each, by the one definition (compare.py)."""
+    everywhere = np.ones(len(truth), bool)
+    found = compare.percent_errors(values, truth, everywhere, registry_row(NAME), radius)
+    return float(np.nanmean(found.percent))
+
+
+def fewest_samples(bench: Bench, mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> int:
+    """The fewest samples whose mean error against the reference at some vertices (Values) is small enough."""
+    for samples in FEWEST[:-1]:
+        one = timed(mesh, arrays.positions, (NAME,), replace(options, samples=samples))
+        if percent_error(one["values"][NAME][truth.vertices], truth.values, one["radius"]) <= ALLOWED_ERROR:
+            return samples
+    return FEWEST[-1]
+
+
+def with_error(frame: dict, truth: object) -> dict:
+    """The frame with its error in place of its values."""
+    values = frame.pop("values")[NAME]
+    return frame | {"error": percent_error(values[truth.vertices], truth.values, frame["radius"])}
+
+
+# ---- Memory
+
+
+def status_bytes(name: str) -> int:
+    """A line of /proc/self/status: VmHWM is the peak, VmRSS what is in memory now."""
+    line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith(name))
+    return int(line.split()[1]) * 1024
+
+
+def resident() -> int:
+    """Bytes in memory, which are the peak from now on where the system lets us."""
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+    return status_bytes("VmRSS")
+
+
+def measure_memory(triangles: int, backend: str) -> dict[str, float]:
+    """Bytes that a mesh and one frame add at most to a process that has its arrays and a device."""
+    import surfaces
+
+    arrays = surfaces.torus(triangles // 2, charts=2).arrays
+    options = Options(samples=16)
+    bench = Bench(backend)
+    bench.warm((NAME,), options)
+    before = resident()
+    with bench.context.mesh(arrays) as mesh:
+        created = status_bytes("VmHWM")
+        frame = timed(mesh, arrays.positions, (NAME,), options)
+    parts = (arrays.positions, arrays.corner_vertices, arrays.triangle_corners, arrays.corner_uvs)
+    return {
+        "input_bytes": sum(part.nbytes for part in parts),
+        "mesh_bytes": created - before,
+        "peak_bytes": status_bytes("VmHWM") - before,
+        "buffer_bytes": 1e6 * frame["buffer_megabytes"],
+    }
+
+
+def memory_of_its_own(triangles: int, backend: str) -> dict[str, float]:
+    """measure_memory in a process of its own."""
+    words = [sys.executable, __file__, "--memory", str(triangles), backend]
+    paths = os.pathsep.join(path for path in sys.path if path)
+    done = subprocess.run(words, capture_output=True, text=True, check=False, env=os.environ | {"PYTHONPATH": paths})
+    if done.returncode:
+        raise bridge.ParadescError(0, (done.stderr.strip().splitlines() or ["no output"])[-1])
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+if __name__ == "__main__":
+    sys.stdout.write(json.dumps(measure_memory(int(sys.argv[2]), sys.argv[3])) + "\n")

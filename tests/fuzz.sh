@@ -1,0 +1,90 @@
+#!/usr/bin/env bash
+# Fuzzes the C interface on the reference and on the software backend, and what the add-on reads from files.
+#   bash tests/fuzz.sh                 the corpus, then new inputs, 100,000 in all; the same ones every time
+#   bash tests/fuzz.sh --inputs N      so many in all
+#   bash tests/fuzz.sh --hours H       as many as fit, others every time, at the lowest priority; the corpus grows in build/fuzz/corpus
+# What is found lies in build/fuzz/findings; the command that repeats it is printed.
+set -uo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
+source "$root/tests/sanitizers/build.sh"
+
+inputs=100000 seconds=0
+while [ $# -gt 0 ]; do
+  case "$1 ${2:-}" in
+  "--inputs "[1-9]*) inputs=$2 ;;
+  "--hours "[0-9.]*) seconds=$(awk -v hours="$2" 'BEGIN { print int(hours * 3600) }') ;;
+  *) fail "usage: bash tests/fuzz.sh [--inputs N | --hours H]" ;;
+  esac
+  shift 2
+done
+
+install_packages "${BUILD_PACKAGES[@]}" "${RUN_PACKAGES[@]}" "${CLANG_PACKAGES[@]}"
+[ -x "$python" ] || make_environment "${REQUIREMENTS[@]}"
+folder=$root/build/fuzz
+mkdir -p "$folder/findings"
+build_with_clang "$folder" "-O2 -gline-tables-only" "paradesc_fuzz_reference paradesc_fuzz_software" -DPARADESC_FUZZ=ON -DPARADESC_TESTS=OFF
+[ -f "$root/addon/paradesc/lib/libparadesc.so" ] || build_library paradesc
+
+export UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=$root/tests/sanitizers/leaks.txt:print_suppressions=0
+priority=10
+
+# calls BACKEND NAME LIMIT...: libFuzzer over the corpus and what follows from it.
+calls() {
+  local backend=$1 name=$2 log=$folder/$2.log status
+  shift 2
+  mkdir -p "$folder/corpus/$name"
+  nice -n "$priority" "$folder/paradesc_fuzz_$backend" -max_len=1024 -len_control=0 -entropic=0 -reload=0 -rss_limit_mb=4096 -timeout=60 \
+    -print_final_stats=1 "-artifact_prefix=$folder/findings/$name-" "$@" "$folder/corpus/$name" "$root/tests/fuzz/corpus/$backend" \
+    >"$log" 2>&1
+  status=$?
+  echo "$name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$log") inputs, $(sed -n 's/^Done .* in \(.*\) second.*/\1/p' "$log") s"
+  [ $status -ne 0 ] || return 0
+  grep -vE '^#[0-9]+\s|NEW_FUNC' "$log" | tail -n 40
+  echo "$name: FOUND SOMETHING (exit $status); again: $folder/paradesc_fuzz_$backend $(sed -n 's/.*Test unit written to //p' "$log" | tail -n 1)"
+  return 1
+}
+
+# files ARGUMENT...
+files() {
+  PYTHONPATH=$root/addon nice -n "$priority" "$python" "$root/tests/fuzz/readers.py" "$@"
+}
+
+# files_for SECONDS: other files every round.
+files_for() {
+  local end=$((SECONDS + $1)) seed=$RANDOM
+  while [ $SECONDS -lt "$end" ]; do
+    files --inputs 100000 --seed $((seed++)) || return 1
+  done
+}
+
+failed=0
+running=()
+start() {
+  "$@" &
+  running+=($!)
+}
+finish() {
+  local one
+  for one in "${running[@]}"; do
+    wait "$one" || failed=1
+  done
+  running=()
+}
+
+# Two at a time, one for each core of a small machine. An input on the device costs some fifty times as much as one on the reference.
+if [ "$seconds" -gt 0 ]; then
+  priority=19
+  start calls reference reference "-max_total_time=$((seconds * 9 / 10))"
+  start calls software software "-max_total_time=$((seconds * 9 / 10))"
+  finish
+  files_for $((seconds / 10)) || failed=1
+else
+  start calls reference reference-1 -seed=1 "-runs=$((inputs * 3 / 10))"
+  start calls reference reference-2 -seed=2 "-runs=$((inputs * 3 / 10))"
+  finish
+  start calls software software -seed=1 "-runs=$((inputs / 200))"
+  start files --inputs "$((inputs * 2 / 5))"
+  finish
+fi
+[ $failed -eq 0 ] && echo "Nothing found."
+exit $failed
