@@ -76,6 +76,7 @@ class FrameBaker:
         self.base = mesh_io.read_object(target, self.normals, self.needs_uvs)
         self.add_maps(self.base)
         self.stream = Stream(self.base, settings)
+        self.by_device = self.stream.backend != "reference"
         try:
             self.stream.settings = at_fixed_radii(settings, self.stream.mesh_at(self.base).report())
             self.key = self.make_key()
@@ -162,6 +163,7 @@ class FrameBaker:
             if not self.stream.matches(arrays):
                 self.stream.replace(arrays)
             results = self.stream.compute(arrays.positions, progress, arrays.corner_normals)
+            self.check_method(results)
             computed = time.perf_counter()
             path = cache.write_frame(self.request.folder, self.content(task, results, rest))
         except ParadescError as error:
@@ -172,6 +174,15 @@ class FrameBaker:
         write = {"write": time.perf_counter() - computed}
         seconds = {**task.seconds, "upload": computed - start - total, **native, **write}
         return Done(task.frame, path, seconds, f"{results.backend}: {results.device}", results.warnings)
+
+    def check_method(self, results: job.Results) -> None:
+        """Refuses what the reference computed where a device has failed: the frames have one method in common."""
+        if self.by_device and results.backend == "reference":
+            failure = results.fallback.rstrip(".")
+            raise ParadescError(
+                abi.STATUS_DEVICE_LOST,
+                f"The graphics device failed ({failure}); start again to go on from here, or choose another backend.",
+            )
 
     def rest(self, progress: job.ProgressFunction | None) -> job.Results:
         """The original mesh's results, computed once."""

@@ -271,6 +271,7 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
         f"Undefined vertices: {field['undefined_vertices']:,}",
         f"Time: {field['seconds_total']:.2f} s ({stored['backend']})",
         *[f"– {words}: {field[name]:.2f} s" for name, words in STAGES if field.get(name, 0) > 0],
+        *[f"Memory: about {field[name]:,.0f} MB" for name in ("memory_megabytes",) if field.get(name, 0) > 0],
         stored["device"],
     ]
     if stored["settings"].get("space") == "world":

@@ -48,7 +48,7 @@ static bool reads_map(std::span<const int> descriptors) {
 // Beside the mesh, for normals and results: what every backend takes.
 static int64_t bytes_of_any(const Mesh &mesh, std::span<const int> descriptors) {
   const int64_t triangles = mesh.triangles.triangle_count, points = mesh.half_edges.point_count;
-  return 60 * triangles + 260 * points + 12 * rows_of(descriptors) * points;
+  return 60 * triangles + 400 * points + 12 * rows_of(descriptors) * points;
 }
 
 static int64_t bytes_of_device(const Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors) {
@@ -60,6 +60,7 @@ static int64_t bytes_of_device(const Mesh &mesh, const pdesc_options &options, s
                           + (reads_map(descriptors) ? 20 : 0);
   const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? 32768 : places;
   int64_t bytes = texels * a_texel + triangles * 28 + places * 40 + borders * 130 + centers * (200 + 4 * rows_of(descriptors));
+  if (reads_map(descriptors)) bytes += triangles * 12 + places * 80 + borders * 250;
   if (options.relocation == PDESC_RELOCATION_PAPER) bytes += int64_t{16384} * MAX_VISITS * 64 + 16384 * 2048;
   if (options.relocation == PDESC_RELOCATION_AFFINE) bytes += int64_t{65536} * 2048;
   return bytes;
@@ -73,7 +74,7 @@ MemoryOfCompute memory_of_compute(const Mesh &mesh, int backend, const pdesc_opt
   memory.device = bytes_of_device(mesh, options, descriptors);
   const int64_t triangles = mesh.triangles.triangle_count, borders = static_cast<int64_t>(mesh.charts.borders.size());
   const auto places = static_cast<int64_t>(mesh.charts.sites.size());
-  memory.host += int64_t{options.buffer_size} * options.buffer_size * 32 + triangles * 100 + places * 180 + borders * 150;
+  memory.host += int64_t{options.buffer_size} * options.buffer_size * 32 + triangles * 100 + places * 160 + borders * 300;
   if (options.evaluate == PDESC_EVALUATE_TEXEL)
     memory.host += int64_t{options.texels} * options.texels * (60 + 16 * rows_of(descriptors));
   return memory;

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -77,6 +78,21 @@ def test_swelling_sphere_has_the_curvature_of_its_radius_and_the_change(tmp_path
     shown = cache.locked_ranges([tmp_path])
     assert shown["mean_curvature"].maximum == pytest.approx(0.5, rel=0.02)
     assert shown["mean_curvature_change"].minimum == pytest.approx(-0.25, rel=0.05)
+
+
+def test_frame_that_the_reference_computed_for_a_failed_device_is_not_kept(tmp_path, monkeypatch):
+    target = animated.swelling_sphere(steps=5)
+    compute = frames.Stream.compute
+
+    def failing(*arguments):
+        return replace(compute(*arguments), backend="reference", fallback="The graphics device was lost.")
+
+    monkeypatch.setattr(frames.Stream, "compute", failing)
+    with pytest.raises(bridge.ParadescError, match=r"failed \(The graphics device was lost\); start again"):
+        bake(target, tmp_path, (1,))
+    assert not contents(tmp_path)
+    monkeypatch.undo()
+    assert bake(target, tmp_path, (1,)) == [1]
 
 
 def test_radius_is_that_of_the_rest_pose_in_every_frame(tmp_path):

@@ -1,6 +1,8 @@
 """The bridge without Blender: contexts, meshes, fields, and every error as one sentence."""
 
 import dataclasses
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +12,7 @@ import pytest
 
 from paradesc import bridge
 from paradesc.bridge import ParadescError, abi, library
-from shapes import ADDON, RADIUS, as_arrays, cube_sphere
+from shapes import ADDON, RADIUS, ROOT, as_arrays, cube_sphere
 
 OPTIONS = bridge.Options(radius=0.04, samples=128, buffer_size=512)
 DEVICE = "software"
@@ -323,3 +325,43 @@ def test_many_contexts_come_and_go():
     arrays = as_arrays(*cube_sphere(4))
     for _ in range(8):
         assert np.isfinite(compute(arrays, options=dataclasses.replace(OPTIONS, radius=0.2))["mean_curvature"]).all()
+
+
+def test_what_takes_more_memory_than_allowed_is_refused_with_both_numbers(sphere):
+    with bridge.Context("reference") as context, context.mesh(sphere) as mesh:
+        needed = mesh.memory(["mean_curvature"])
+    assert 0 < needed["mesh"] < needed["total"] <= needed["allowed"]
+    with bridge.Context("reference", memory_limit=needed["total"] - 1) as context, context.mesh(sphere) as mesh:
+        error = refusal(mesh.compute, ["mean_curvature"])
+    assert error.status == abi.STATUS_OUT_OF_MEMORY
+    assert "needs about" in error.sentence
+    assert "may be used" in error.sentence
+    with bridge.Context("reference", memory_limit=1000) as context:
+        assert "A mesh of" in refusal(context.mesh, sphere).sentence
+
+
+@pytest.mark.skipif(not shutil.which("nm"), reason="needs nm of binutils")
+def test_library_asks_for_no_network_and_no_program():
+    command = ["nm", "-D", "--undefined-only", library.library_path()]
+    listed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    names = {line.split()[-1].split("@")[0] for line in listed.splitlines()}
+    assert "dlopen" in names, "else nm tells nothing"
+    strange = {"socket", "connect", "getaddrinfo", "system", "popen", "fork", "vfork", "posix_spawn"}
+    beginnings = ("exec", "gethost", "egl", "glX", "glGet")
+    assert not {name for name in names if name in strange or name.startswith(beginnings)}
+
+
+def test_library_reads_no_environment_and_looks_for_nothing_but_egl():
+    sources = [path.read_text() for path in (ROOT / "native" / "src").rglob("*.[ch]*")]
+    assert len(sources) > 50
+    assert not [text for text in sources if "getenv" in text]
+    assert sum(text.count("dlopen(") for text in sources) == 1
+    found = re.findall(rb"lib(?:EGL|GL)[A-Za-z]*\.so[.0-9]*\0", library.library_path().read_bytes())
+    assert set(found) == {b"libEGL.so.1\0"}
+
+
+def test_library_is_loaded_from_the_folder_of_the_add_on_by_its_whole_path():
+    path = library.library_path()
+    assert path.is_absolute()
+    assert path.parent.parent == Path(bridge.__file__).resolve().parent.parent
+    assert Path(library.load_library()._name) == library.unlocked(path)

@@ -117,6 +117,8 @@ def test_info_foresees_the_texels_of_a_bake(run, report, sphere_obj):
     assert not any(row["defects"].values())
     hint = row["suggested"]
     assert hint["radius_in_texels"] >= 4
+    memory = row["memory"]
+    assert 44 * hint["buffer"] ** 2 < memory["device"] < memory["total"] < memory["allowed"]
     words = ("--radius", hint["radius"], "--buffer", hint["buffer"], "--samples", "16", "--backend", "software")
     assert run("bake", sphere_obj, *words, "--json", "bake.json").code == 0
     found = report("bake.json")["objects"][0]["field_report"]["radius_in_texels"]

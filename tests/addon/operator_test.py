@@ -148,6 +148,7 @@ def test_report_lines_tell_the_last_run(sphere_object):
     assert "Charts: 6" in text
     assert "Coverage: " in text
     assert "software" in text
+    assert "Memory: about " in text
 
 
 def test_labels_are_wrapped_without_losing_words():

@@ -22,6 +22,14 @@ import numpy as np
 from paradesc.bridge.session import Context, MeshArrays, Options
 
 DESCRIPTORS = ["mean_curvature"]
+CHOICES = (
+    (DESCRIPTORS, {"precision": "half"}),
+    (DESCRIPTORS, {"radius": 0.1}),
+    (DESCRIPTORS, {"evaluate": "texel", "texels": 1024, "samples": 8}),
+    (DESCRIPTORS, {"relocation": "paper", "samples": 8, "max_jumps": 1}),
+    (["harris"], {"samples": 8}),
+    (["geodesic_area", "principal_direction_max", "shape_index", "curvedness", "sphere_volume"], {}),
+)
 
 
 def torus(triangles: int, across: int = 10, around: int = 6) -> MeshArrays:
@@ -69,7 +77,7 @@ def measure(case: dict[str, object]) -> dict[str, float]:
     """One mesh, one computation."""
     options = Options(**case["options"])
     descriptors = case["descriptors"]
-    mesh = torus(case["triangles"])
+    mesh = torus(case["triangles"], *case.get("charts", (10, 6)))
     with Context(case["backend"]) as context:
         context.mesh(torus(2000)).compute(descriptors, options).close()
         before = resident()
@@ -104,22 +112,12 @@ def cases(arguments: argparse.Namespace) -> list[dict[str, object]]:
     ]
     if arguments.backend == "reference":
         return plain[:: len(arguments.buffers)]
-    return plain + [
-        {
-            "triangles": min(arguments.triangles),
-            "backend": arguments.backend,
-            "descriptors": descriptors,
-            "options": {"buffer_size": min(arguments.buffers), **options},
-        }
-        for descriptors, options in (
-            (DESCRIPTORS, {"precision": "half"}),
-            (DESCRIPTORS, {"radius": 0.1}),
-            (DESCRIPTORS, {"evaluate": "texel", "texels": 1024, "samples": 8}),
-            (DESCRIPTORS, {"relocation": "paper", "samples": 8, "max_jumps": 1}),
-            (["harris"], {"samples": 8}),
-            (["geodesic_area", "principal_direction_max", "shape_index", "curvedness", "sphere_volume"], {}),
-        )
+    small = {"triangles": min(arguments.triangles), "backend": arguments.backend}
+    chosen = [
+        {**small, "descriptors": descriptors, "options": {"buffer_size": min(arguments.buffers), **options}}
+        for descriptors, options in CHOICES
     ]
+    return [*plain, *chosen, {**chosen[0], "charts": (140, 84)}]
 
 
 def processor() -> str:
@@ -158,6 +156,7 @@ def main() -> None:
         options = dict(case["options"])
         size = options.pop("buffer_size")
         said = ", ".join([*(f"{key} {value}" for key, value in options.items()), *case["descriptors"][:1]])
+        said += f", {np.prod(case['charts'])} charts" if "charts" in case else ""
         expected = row["total"]
         sizes = " | ".join(f"{row[name] / 1e6:.0f}" for name in ("input", "create", "kept", "compute"))
         share = row["compute"] / expected

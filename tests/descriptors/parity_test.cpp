@@ -52,7 +52,7 @@ protected:
       if (settings.estimator == PDESC_ESTIMATOR_INTEGRAL && follows_from_k(name)) continue;
       const bool of_areas = settings.estimator == PDESC_ESTIMATOR_INTEGRAL && name == "gaussian_curvature";
       // A product of four gradients has four times their relative error.
-      const double allowed = of_areas ? 5.0 : by_itself ? std::max(map_degree_of(name), 1) : 1.0;
+      const double allowed = of_areas ? 5.0 : PDESC_PARITY_PERCENT * (by_itself ? std::max(map_degree_of(name), 1) : 1);
       EXPECT_LE(by_itself ? relative : error.mean, allowed) << name;
       for (size_t v = 0; v < expected.size(); ++v)
         ASSERT_EQ(std::isnan(fast[name][v]), std::isnan(expected[v]))
@@ -78,7 +78,7 @@ protected:
     }
     ASSERT_GT(total, 0);
     std::cout << "direction, mean angle " << sum / total << " degrees\n";
-    EXPECT_LE(sum / total, 1);
+    EXPECT_LE(sum / total, PDESC_PARITY_DEGREES);
   }
 
   static bool follows_from_k(const std::string &name) {

@@ -229,7 +229,7 @@ def print_summary(baked: results.Baked) -> None:
         f"coverage {100 * field['coverage_mean']:.3f} %, undefined vertices {field['undefined_vertices']:,}"
     )
     buffers = f", buffers {field['buffer_megabytes']:.1f} MB" if field["buffer_megabytes"] > 0 else ""
-    places = f"{field['places']:,} places evaluated"
+    places = f"{field['places']:,} places evaluated, memory about {field['memory_megabytes']:,.0f} MB"
     print(f"{field['seconds_total']:.2f} s, {places}{buffers}, {found.backend}: {found.device}")
     for name, row in results.report(baked)["descriptors"].items():
         if row["minimum"] is None:

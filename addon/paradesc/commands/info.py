@@ -86,6 +86,8 @@ def describe(target: "bpy.types.Object") -> dict[str, object]:
         arrays = mesh_io.read_object(target, corner_normals=False, needs_uvs=False)
         with bridge.Context("reference") as context, context.mesh(arrays) as native:
             report = native.report()
+            hint = suggested(report, texels_per_length(arrays))
+            memory = expected_memory(native, hint)
     except bridge.ParadescError as error:
         return {**row, "obstacle": error.sentence, "vertices": len(mesh.vertices), "faces": len(mesh.polygons)}
     return {
@@ -100,8 +102,15 @@ def describe(target: "bpy.types.Object") -> dict[str, object]:
         "defects": {name: report[name] for name in DEFECTS},
         "diagonal": report["diagonal"],
         "mean_edge": report["mean_edge"],
-        "suggested": suggested(report, texels_per_length(arrays)),
+        "suggested": hint,
+        "memory": memory,
     }
+
+
+def expected_memory(native: bridge.Mesh, hint: dict[str, object] | None) -> dict[str, int]:
+    """Bytes that a bake at what is suggested would take, on a software rasterizer, which has no memory of its own."""
+    options = bridge.Options(buffer_size=int(hint["buffer"])) if hint else bridge.Options()
+    return native.memory(["mean_curvature"], options, "software")
 
 
 def uv_map(mesh: "bpy.types.Mesh", arrays: bridge.MeshArrays, report: dict[str, float]) -> dict[str, object]:
@@ -177,3 +186,6 @@ def print_object(row: dict[str, object]) -> None:
         least = f"{hint['smallest_radius_at_usual_buffer']:.3g}"
         print(f"  suggested: --radius {hint['radius']:g} --buffer {hint['buffer']} ({texels})")
         print(f"  four texels with --buffer {bridge.Options().buffer_size}: --radius {least}")
+    memory = row["memory"]
+    allowed = f"{memory['allowed'] / 1e6:,.0f} MB may be used"
+    print(f"  memory for that on a software rasterizer: about {memory['total'] / 1e6:,.0f} MB, {allowed}")

@@ -27,6 +27,12 @@
  *   do) in pdesc_last_error() of the calling thread. Outputs are untouched on failure. Defects of a mesh that leave sound
  *   vertices are no errors: they are counted in pdesc_mesh_report and the results of the others are given.
  *
+ * SAME INPUT, SAME RESULT
+ *   One device gives the same bits again, whatever the number of threads and however the work is cut into dispatches; so does
+ *   REFERENCE on one machine. Another device, or another version of its driver, rounds differently: on smooth surfaces, at the defaults
+ *   of pdesc_options, it differs from REFERENCE by PDESC_PARITY_PERCENT of a descriptor's range over the mesh (areas: of their value),
+ *   directions by PDESC_PARITY_DEGREES, both as means over the vertices, and so from any other device by twice that at most.
+ *
  * GROWTH
  *   Every struct starts with struct_size, set by its *_init function; members are only ever appended.
  */
@@ -51,6 +57,10 @@ extern "C" {
 
 /* Raised when an existing call or struct member changes its meaning; appended members do not raise it. */
 #define PDESC_ABI_VERSION 1
+
+/* What devices may differ by, see SAME INPUT, SAME RESULT. */
+#define PDESC_PARITY_PERCENT 1.0
+#define PDESC_PARITY_DEGREES 1.0
 
 typedef enum pdesc_status {
   PDESC_OK = 0,
