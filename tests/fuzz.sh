@@ -79,11 +79,11 @@ if [ "$seconds" -gt 0 ]; then
   finish
   files_for $((seconds / 10)) || failed=1
 else
-  start calls reference reference-1 -seed=1 "-runs=$((inputs * 3 / 10))"
-  start calls reference reference-2 -seed=2 "-runs=$((inputs * 3 / 10))"
+  start calls reference reference-1 -seed=1 "-runs=$((inputs / 5))"
+  start calls reference reference-2 -seed=2 "-runs=$((inputs / 5))"
   finish
-  start calls software software -seed=1 "-runs=$((inputs / 200))"
-  start files --inputs "$((inputs * 2 / 5))"
+  start calls software software -seed=1 "-runs=$((inputs / 500))"
+  start files --inputs "$((inputs * 3 / 5))"
   finish
 fi
 [ $failed -eq 0 ] && echo "Nothing found."
