@@ -276,7 +276,7 @@ def test_the_reference_makes_images_too_but_has_no_buffers(paradesc, sphere_obj,
         ((), "--output"),
         (("--map", "x.tif"), ".exr"),
         (("--map", "none/x.exr"), "none"),
-        (("--dump-buffers", "a/b"), "a/b"),
+        (("--dump-buffers", "a/b"), 'to write "b" into'),
     ],
 )
 def test_what_cannot_be_written_is_refused_before_anything_is_computed(paradesc, sphere_obj, words, said):
