@@ -21,7 +21,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "tests" / "addon")]
 
-from paradesc import bridge, job  # noqa: E402
+from paradesc import bridge, contexts, job  # noqa: E402
 from paradesc.bridge import ParadescError, abi  # noqa: E402
 from paradesc.stream import Stream  # noqa: E402
 from shapes import as_arrays, cube_sphere  # noqa: E402
@@ -287,7 +287,8 @@ def give_back_at_once() -> None:
 
 
 def holdings(bakes: int, seconds: float) -> Sample:
-    """What this process holds now, without what merely waits to be given back."""
+    """What this process holds now, without what merely waits: memory to be given back, devices for the next bake."""
+    contexts.close_idle()
     gc.collect()
     library = ctypes.CDLL(None)
     library.malloc_trim(0)
