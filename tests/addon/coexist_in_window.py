@@ -75,6 +75,7 @@ def steps(name: str) -> Iterator[None]:
     assert np.abs(picture() - before).max() < 0.02, "the viewport looks different"
     say(f"baked {BAKES} times while the viewport was drawn, all alike")
     settings.samples, settings.radius_percent, settings.buffer_size = 4096, 15.0, 1024
+    settings.evaluate, settings.texels = "texel", 1024  # minutes of work
     start_bake()
     yield from redraws(6)
     assert baking(), "ended before Blender could be quit"
