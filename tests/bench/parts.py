@@ -36,7 +36,7 @@ EIGHT = (
 )
 THREE_RADII = (0.01, 0.02, 0.04)  # the middle one alone is what they are compared with
 FEWEST_IN_COMMON = 50
-AT_TEXELS = {"evaluate": "texel", "texels": 256, "buffer_size": 512}  # the paper's way, for many vertices
+AT_TEXELS = {"evaluate": "texel", "texels": 128, "buffer_size": 512}  # the paper's way, for many vertices
 PEER_MESH = 12000  # vertices of the torus on which errors against the closed form are taken
 
 
