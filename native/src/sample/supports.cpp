@@ -115,8 +115,8 @@ public:
       : space_(space), cells_(space.cells), measured_(measured), radius_(radius),
         visited_(static_cast<size_t>(space.cells.count), 0) {}
 
-  // All cells that lie in the ball of any center nearer than `beyond` to the middle of the cell, and others: nothing that is
-  // connected to it within such a ball is missing.
+  // All cells that lie in the ball of any center nearer than `beyond` to the middle, and others: nothing that is connected to the
+  // cell within such a ball is missing.
   void reach_from(int32_t cell, vec3 middle, float beyond) {
     ++mark_;
     found_.clear();
@@ -448,7 +448,6 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
 
   std::vector<int32_t> left;
   for (const Part &part : parts) left.insert(left.end(), part.left.begin(), part.left.end());
-
   if (left.empty()) {
     supports.order = std::move(groups.order);
     return supports;
