@@ -7,8 +7,6 @@ layout(binding = UNIT_IDS) uniform isampler2D ids;
 layout(location = 0) uniform int buffer_size;
 layout(location = LOCATION_AREA_UNIT) uniform float area_unit;
 
-float area_element_at(ivec2 texel) { return texelFetch(positions, texel, 0).w * area_unit; }
-
 // Position and area element of a texel, and its normal.
 vec4 surface_at(ivec2 texel, out vec3 normal) {
   vec4 point = texelFetch(positions, texel, 0);

@@ -1,6 +1,7 @@
 #version 450 core
 // One invocation, one cell → where it lies, which way it faces, and the area element by which it is sampled: its largest, four times that
 // where a border cuts the cell. A square there lies on the chart or not by its one sample, so squares are half as wide.
+#include "variant.glsl"
 #include "buffers.glsl"
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CELLS) writeonly restrict buffer CellList { CellData cells[]; };

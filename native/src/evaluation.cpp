@@ -232,18 +232,16 @@ static EvaluateSettings settings_of(const Mesh &mesh, const pdesc_options &optio
 SiteResults evaluate_at_vertices(Mesh &mesh, const pdesc_options &options, std::span<const int> asked, double radius,
                                  Frame &frame, const Progress &progress, Field &field) {
   EvaluateSettings settings = settings_of(mesh, options, radius, frame);
-  std::pair<double, int> searched{0.0, 0}; // for which radius and number of samples
+  std::pair<double, int> prepared{radius, 0}; // for which radius centers are there, and for how many samples neighborhoods
   return run_passes(mesh.half_edges.point_count, asked, find_map(options.map_descriptor),
                     [&](const Pass &pass, const MapValues *map, int number, int count) {
                       const double reach = reach_of(pass, options, radius);
-                      if (pass.stage == Stage::windows) {
-                        widen_centers(mesh, options, reach, frame);
-                        settings.radius = static_cast<float>(reach * frame.buffer_frame.scale);
-                      }
                       const int samples = pattern_samples(options, frame, samples_of(pass, options));
-                      if (options.relocation == PDESC_RELOCATION_CONNECTED &&
-                          std::exchange(searched, {reach, samples}) != std::pair(reach, samples))
+                      const auto before = std::exchange(prepared, {reach, samples});
+                      if (before.first != reach) prepare_centers(mesh, options, reach, frame);
+                      if (options.relocation == PDESC_RELOCATION_CONNECTED && before != prepared)
                         prepare_supports(mesh, options, reach, samples, frame);
+                      settings.radius = static_cast<float>(reach * frame.buffer_frame.scale);
                       settings.samples = samples;
                       if (map) bake_map(mesh, frame, *map);
                       settings.map = map ? mesh.device->map.get() : nullptr;
@@ -253,6 +251,22 @@ SiteResults evaluate_at_vertices(Mesh &mesh, const pdesc_options &options, std::
                       };
                       return evaluate_vertices(mesh, settings, reach, frame, part, field);
                     });
+}
+
+// The texels of a map, and the cells that they start from where these lead to neighborhoods: both depend on the layout alone.
+static const TexelMap &prepare_texels(Mesh &mesh, const pdesc_options &options) {
+  DeviceMesh &device = *mesh.device;
+  if (device.texels.size != options.texels) {
+    device.texel_cells.clear();
+    device.texels = build_texel_map(mesh.triangles, mesh.charts, options.texels);
+  }
+  const size_t count = device.texels.places.size();
+  if (options.relocation != PDESC_RELOCATION_CONNECTED || device.texel_cells.size() == count) return device.texels;
+  std::vector<int32_t> ids;
+  mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = device.buffer->read_ids(); });
+  device.texel_cells = find_cells(device.cells, ids, device.grid, mesh.triangles, mesh.charts,
+                                  texel_layout_places(device.texels, mesh.triangles, 0, count), mesh.context->threads);
+  return device.texels;
 }
 
 // The texels of a map, so many at a time that a run can be cancelled between; then the vertices from there.
@@ -268,13 +282,10 @@ SiteResults evaluate_at_texels(Mesh &mesh, const pdesc_options &options, std::sp
   EvaluateSettings settings = settings_of(mesh, options, radius, frame);
   settings.descriptors = asked;
   constexpr size_t batch = size_t{1} << 15;
-  TexelMap &map = mesh.device->texels;
-  if (map.size != options.texels) map = build_texel_map(mesh.triangles, mesh.charts, options.texels);
-  std::vector<int32_t> ids;
-  mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = mesh.device->buffer->read_ids(); });
   const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED;
-  const std::vector<vec4> ellipses = connected ? std::vector<vec4>(mesh.charts.sites.size(), vec4(0.0f))
-                                               : sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
+  const TexelMap &map = prepare_texels(mesh, options);
+  const std::vector<vec4> ellipses =
+      connected ? std::vector<vec4>() : sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
   SiteResults all;
   const size_t count = map.places.size();
   for (size_t first = 0; first < count; first += batch) {
@@ -282,10 +293,9 @@ SiteResults evaluate_at_texels(Mesh &mesh, const pdesc_options &options, std::sp
     frame.centers = texel_centers(map, mesh.triangles, mesh.charts, frame.normals, frame.buffer_frame, ellipses,
                                   settings.radius * ellipse_enlargement, options.seed, first, last);
     if (connected) {
-      const auto cells = find_cells(mesh.device->cells, ids, mesh.device->grid, mesh.triangles, mesh.charts,
-                                    texel_layout_places(map, mesh.triangles, first, last), mesh.context->threads);
       std::vector<SupportCenter> centers;
-      for (size_t i = 0; i < cells.size(); ++i) centers.push_back({vec3(frame.centers[i].position_chart), {}, cells[i]});
+      for (size_t i = first; i < last; ++i)
+        centers.push_back({vec3(frame.centers[i - first].position_chart), {}, mesh.device->texel_cells[i]});
       const double own_radius = static_cast<double>(settings.radius) / frame.buffer_frame.scale;
       set_supports(mesh, search_supports(mesh, options, own_radius, settings.samples, frame, centers), frame);
     }

@@ -32,7 +32,7 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
   const Charts &c = mesh.charts;
   return bytes(t.positions, t.corner_vertex, t.corner_uv, t.given_uv, t.input_corner, t.corner_normal, t.half_edge_sharp) +
          bytes(h.corner_point, h.twin, h.point_vertex, h.point_half_edge, h.vertex_point, h.point_boundary) +
-         bytes(c.triangle_chart, c.corner_site, c.half_edge_border, c.sites, c.point_site, c.borders);
+         bytes(c.triangle_chart, c.corner_site, c.half_edge_border, c.sites, c.point_site, c.shared_corners, c.borders);
 }
 
 static int64_t rows_of(std::span<const int> descriptors) {

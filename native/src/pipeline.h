@@ -30,6 +30,7 @@ struct DeviceMesh {
   CellSamples samples; // of the cells, as the last search chose them
   BakeVertices vertices;
   TexelMap texels;                    // where results go in texel evaluation
+  std::vector<int32_t> texel_cells;   // (places of texels) where their searches start; none until it is asked
   BufferFrame frame;                  // of the last bake
   std::shared_ptr<struct Frame> last; // what was made for it, while positions and maps stay
   SurfaceMapper mapper;

@@ -59,7 +59,7 @@ static double median_radius(const Mesh &mesh, const pdesc_options &options, floa
   return sizes[sizes.size() / 2];
 }
 
-static void prepare_centers(const Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
+void prepare_centers(const Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
   // Samples that walk need all ellipses; the median of their sizes does with some.
   const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED;
   const size_t step = connected ? std::max<size_t>(1, mesh.charts.sites.size() / 4096) : 1;
@@ -194,6 +194,7 @@ void build_cells_for(Mesh &mesh, Frame &frame) {
   mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = device.buffer->read_ids(); });
   frame.measured.clear();
   device.samples = {};
+  device.texel_cells.clear();
   device.cells = build_cells(ids, device.grid, mesh.triangles, mesh.half_edges, mesh.charts, size, mesh.context->threads);
   mesh.context->gl->run(
       [&](const Gl &gl, ProgramCache &) { device.evaluator.set_cells(gl, device.cells, device.buffer->size()); });
@@ -250,14 +251,12 @@ template <class Value> static void reorder(const std::vector<int32_t> &order, st
 
 void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame) {
   // A vertex starts from all its places in the UV map; for seam errors each place has to find the others by itself.
-  std::vector<int32_t> order(mesh.charts.sites.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int32_t a, int32_t b) {
-    return mesh.charts.sites[static_cast<size_t>(a)].point < mesh.charts.sites[static_cast<size_t>(b)].point;
-  });
   std::vector<int32_t> begin(static_cast<size_t>(mesh.half_edges.point_count) + 1, 0);
   for (const Site &site : mesh.charts.sites) ++begin[static_cast<size_t>(site.point) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<int32_t> order(mesh.charts.sites.size()), next(begin.begin(), begin.end() - 1);
+  for (size_t i = 0; i < order.size(); ++i)
+    order[static_cast<size_t>(next[static_cast<size_t>(mesh.charts.sites[i].point)]++)] = static_cast<int32_t>(i);
   std::vector<SupportCenter> centers;
   centers.reserve(frame.centers.size());
   for (size_t i = 0; i < frame.centers.size(); ++i) {
@@ -337,11 +336,6 @@ bool lay_out_afresh(Mesh &mesh, double radius_in_texels) {
   if (!filled) return false;
   mesh.private_layout = PDESC_LAYOUT_SPARSE;
   return true;
-}
-
-// Centers of another radius, among the same cells.
-void widen_centers(Mesh &mesh, const pdesc_options &options, double reach, Frame &frame) {
-  prepare_centers(mesh, options, reach, frame);
 }
 
 } // namespace paradesc

@@ -68,8 +68,8 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
 Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame,
                          const std::vector<SupportCenter> &centers);
 void set_supports(Mesh &mesh, const Supports &supports, const Frame &frame);
-// Centers of another radius, among the same cells.
-void widen_centers(Mesh &mesh, const pdesc_options &options, double reach, Frame &frame);
+// The centers again, for another radius.
+void prepare_centers(const Mesh &mesh, const pdesc_options &options, double radius, Frame &frame);
 // How far a pass looks around.
 double reach_of(const Pass &pass, const pdesc_options &options, double radius);
 // The triangles as they are measured: displaced where maps say so.

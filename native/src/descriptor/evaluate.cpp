@@ -65,6 +65,9 @@ std::string compose_descriptors(std::span<const int> asked) {
   return text;
 }
 
+// Of every program that reads the normals of the buffers.
+static std::string variant_of_buffer(bool half) { return half ? "#define HALF_FLOATS\n" : ""; }
+
 void Evaluator::set_borders(const Gl &gl, const BorderGrid &grid) {
   border_ = Texture(gl, grid.size, grid.size, GL_RG32I);
   gl.TextureSubImage2D(border_.id(), 0, 0, 0, grid.size, grid.size, GL_RG_INTEGER, GL_INT, grid.cells.data());
@@ -86,8 +89,8 @@ std::vector<CellData> Evaluator::measure_cells(const Gl &gl, ProgramCache &progr
   std::vector<CellData> cells(static_cast<size_t>(cell_count_));
   if (cells.empty()) return cells;
   cells_.upload(gl, nullptr, cells.size() * sizeof(CellData), GL_STREAM_READ);
-  gl.UseProgram(programs.get(gl, "cells", {{GL_COMPUTE_SHADER, "cells.comp.glsl"}},
-                             {{"variant.glsl", buffer.half() ? "#define HALF_FLOATS\n" : ""}}));
+  const std::string variant = variant_of_buffer(buffer.half());
+  gl.UseProgram(programs.get(gl, "cells " + variant, {{GL_COMPUTE_SHADER, "cells.comp.glsl"}}, {{"variant.glsl", variant}}));
   buffer.bind();
   gl.BindTextureUnit(UNIT_LABELS, labels_.id());
   gl.BindTextureUnit(UNIT_BOXES, boxes_.id());
@@ -178,7 +181,7 @@ static std::string variant_of(const EvaluateSettings &settings, bool half, bool 
          define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
          define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) + define("FACES", settings.faces()) +
-         define("BARE", bare) + (half ? "#define HALF_FLOATS\n" : "");
+         define("BARE", bare) + variant_of_buffer(half);
 }
 
 // What samples read that are carried over seams by walks.

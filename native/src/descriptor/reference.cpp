@@ -405,8 +405,7 @@ ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &ha
   const Surface surface{triangles, half_edges, normals, settings.map};
   const auto count = static_cast<size_t>(half_edges.point_count);
   ReferenceField field;
-  for (const int descriptor : descriptors)
-    field.values.emplace_back(count * rows[descriptor].components, std::numeric_limits<float>::quiet_NaN());
+  for (const int row : descriptors) field.values.emplace_back(count * rows[row].components, static_cast<float>(undefined));
   field.boundary.resize(count);
   FloodPool pool(surface);
   const bool all = settings.points.empty();

@@ -12,9 +12,10 @@
 namespace paradesc {
 
 void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
-  if (!id_) {
-    gl_ = &gl;
-    gl.CreateBuffers(1, &id_);
+  if (!id()) {
+    GLuint made = 0;
+    gl.CreateBuffers(1, &made);
+    name_ = {gl, made};
   }
   // Shaders would read zeros beyond it, and no error would tell.
   if (bytes > static_cast<size_t>(gl.limits.storage_bytes))
@@ -23,28 +24,29 @@ void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) 
                                                "); use the software or reference backend.");
   // An empty buffer cannot be bound for storage; one element keeps every binding valid.
   const size_t size = std::max<size_t>(bytes, 16);
-  gl.NamedBufferData(id_, static_cast<GLsizeiptr>(size), bytes >= size ? data : nullptr, usage);
-  if (data && bytes && bytes < size) gl.NamedBufferSubData(id_, 0, static_cast<GLsizeiptr>(bytes), data);
+  gl.NamedBufferData(id(), static_cast<GLsizeiptr>(size), bytes >= size ? data : nullptr, usage);
+  if (data && bytes && bytes < size) gl.NamedBufferSubData(id(), 0, static_cast<GLsizeiptr>(bytes), data);
 }
 
 void BufferTexture::upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage) {
-  GLint limit = 0;
-  gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
-  if (pairs.size() > static_cast<size_t>(limit))
+  if (pairs.size() > static_cast<size_t>(gl.limits.list_texels))
     throw Error(PDESC_ERROR_UNSUPPORTED, "The neighborhoods are too large for this device (" + std::to_string(pairs.size()) +
                                              " list elements); use smaller buffers or fewer samples, or the reference backend.");
   buffer_.upload(gl, pairs, usage);
-  if (id_) return;
-  gl_ = &gl;
-  gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &id_);
-  gl.TextureBuffer(id_, GL_RG32I, buffer_.id());
+  if (id()) return;
+  GLuint made = 0;
+  gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &made);
+  name_ = {gl, made};
+  gl.TextureBuffer(id(), GL_RG32I, buffer_.id());
 }
 
-Texture::Texture(const Gl &gl, int width, int height, GLenum format) : gl_(&gl) {
-  gl.CreateTextures(GL_TEXTURE_2D, 1, &id_);
-  gl.TextureStorage2D(id_, 1, format, width, height);
-  gl.TextureParameteri(id_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  gl.TextureParameteri(id_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+Texture::Texture(const Gl &gl, int width, int height, GLenum format) {
+  GLuint made = 0;
+  gl.CreateTextures(GL_TEXTURE_2D, 1, &made);
+  name_ = {gl, made};
+  gl.TextureStorage2D(made, 1, format, width, height);
+  gl.TextureParameteri(made, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl.TextureParameteri(made, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 }
 
 void ListTexture::upload(const Gl &gl, GLenum format, const void *elements, size_t count) {

@@ -10,60 +10,52 @@
 
 namespace paradesc {
 
-class Buffer {
+// The name of one OpenGL object; Delete: the entry point that takes it back.
+template <auto Delete> class GlName {
 public:
-  Buffer() = default;
-  Buffer(Buffer &&other) noexcept { swap(other); }
-  Buffer &operator=(Buffer &&other) noexcept {
-    swap(other);
+  GlName() = default;
+  GlName(const Gl &gl, GLuint id) : gl_(&gl), id_(id) {}
+  GlName(GlName &&other) noexcept : gl_(other.gl_), id_(std::exchange(other.id_, 0)) {}
+  GlName &operator=(GlName &&other) noexcept {
+    std::swap(gl_, other.gl_);
+    std::swap(id_, other.id_);
     return *this;
   }
-  ~Buffer() {
-    if (id_) gl_->DeleteBuffers(1, &id_);
+  ~GlName() {
+    if (id_) (gl_->*Delete)(1, &id_);
   }
+  GLuint id() const { return id_; }
+
+private:
+  const Gl *gl_ = nullptr;
+  GLuint id_ = 0;
+};
+
+class Buffer {
+public:
   // Replaces the content; bytes may be 0, which keeps a valid buffer. Throws Error(OUT_OF_MEMORY) where shaders could not reach
   // all of it.
   void upload(const Gl &gl, const void *data, size_t bytes, GLenum usage = GL_STATIC_DRAW);
   template <class T> void upload(const Gl &gl, const std::vector<T> &data, GLenum usage = GL_STATIC_DRAW) {
     upload(gl, data.data(), data.size() * sizeof(T), usage);
   }
-  GLuint id() const { return id_; }
+  GLuint id() const { return name_.id(); }
 
 private:
-  void swap(Buffer &other) {
-    std::swap(gl_, other.gl_);
-    std::swap(id_, other.id_);
-  }
-  const Gl *gl_ = nullptr;
-  GLuint id_ = 0;
+  GlName<&Gl::DeleteBuffers> name_;
 };
 
 // A long list that shaders fetch from as a texture: software devices gather that by vectors, and loads from storage buffers one
 // by one.
 class BufferTexture {
 public:
-  BufferTexture() = default;
-  BufferTexture(BufferTexture &&other) noexcept { swap(other); }
-  BufferTexture &operator=(BufferTexture &&other) noexcept {
-    swap(other);
-    return *this;
-  }
-  ~BufferTexture() {
-    if (id_) gl_->DeleteTextures(1, &id_);
-  }
   // Pairs of integers (GL_RG32I).
   void upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage = GL_STATIC_DRAW);
-  GLuint id() const { return id_; }
+  GLuint id() const { return name_.id(); }
 
 private:
-  void swap(BufferTexture &other) {
-    std::swap(gl_, other.gl_);
-    std::swap(id_, other.id_);
-    std::swap(buffer_, other.buffer_);
-  }
-  const Gl *gl_ = nullptr;
-  GLuint id_ = 0;
   Buffer buffer_;
+  GlName<&Gl::DeleteTextures> name_;
 };
 
 // A 2-D texture without mipmaps, fetched nearest.
@@ -71,23 +63,10 @@ class Texture {
 public:
   Texture() = default;
   Texture(const Gl &gl, int width, int height, GLenum format);
-  Texture(Texture &&other) noexcept { swap(other); }
-  Texture &operator=(Texture &&other) noexcept {
-    swap(other);
-    return *this;
-  }
-  ~Texture() {
-    if (id_) gl_->DeleteTextures(1, &id_);
-  }
-  GLuint id() const { return id_; }
+  GLuint id() const { return name_.id(); }
 
 private:
-  void swap(Texture &other) {
-    std::swap(gl_, other.gl_);
-    std::swap(id_, other.id_);
-  }
-  const Gl *gl_ = nullptr;
-  GLuint id_ = 0;
+  GlName<&Gl::DeleteTextures> name_;
 };
 
 // A long list in a 2-D texture, element i at (i % ROW, i / ROW): fetches from textures are gathered by the vector units of

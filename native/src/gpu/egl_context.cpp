@@ -157,13 +157,15 @@ static std::string read_limits(Gl &gl) {
   };
   GlLimits &limits = gl.limits;
   GLint bindings = 0, images = 0;
-  limits = {0, 0, 0};
+  limits = {0, 0, 0, 0};
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &limits.texture_size);
+  gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limits.list_texels);
   gl.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &limits.work_groups);
   gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limits.storage_bytes);
   gl.GetIntegerv(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &bindings);
   gl.GetIntegerv(GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, &images);
   const Promise promises[] = {{"texels along a side of a texture", limits.texture_size, 16384},
+                              {"texels of a buffer texture", limits.list_texels, 65536},
                               {"work groups", limits.work_groups, 65535},
                               {"bytes of a storage buffer", limits.storage_bytes, 1 << 27},
                               {"storage buffers", bindings, BINDING_MAP_EDGES + 1},

@@ -77,6 +77,7 @@ namespace paradesc {
 // What the device says it can take; never less than OpenGL 4.5 promises, see EglContext.
 struct GlLimits {
   GLint texture_size = 16384;
+  GLint list_texels = 65536;       // of a buffer texture
   GLint work_groups = 65535;       // along x
   GLint64 storage_bytes = 1 << 27; // of one storage buffer
 };

@@ -445,13 +445,11 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
     }
   });
   join(parts, places, supports);
+  supports.order = std::move(groups.order);
 
   std::vector<int32_t> left;
   for (const Part &part : parts) left.insert(left.end(), part.left.begin(), part.left.end());
-  if (left.empty()) {
-    supports.order = std::move(groups.order);
-    return supports;
-  }
+  if (left.empty()) return supports;
   const std::vector<vec4> &positions = space.positions();
   const std::vector<Bounds> links = link_bounds(space.cells, positions, threads);
   const auto rest = static_cast<int>(left.size());
@@ -473,7 +471,6 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
     }
   });
   join(parts, places, supports);
-  supports.order = std::move(groups.order);
   return supports;
 }
 

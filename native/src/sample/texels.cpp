@@ -145,8 +145,8 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
         place, [&](size_t c) { return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[c])]); });
     const vec3 normal = mix_corners<vec3>(place, [&](size_t c) { return normals.corner[c]; });
     const float span = length(normal);
-    const vec4 ellipse =
-        mix_corners<vec4>(place, [&](size_t c) { return ellipses[static_cast<size_t>(charts.corner_site[c])]; }) * reach;
+    const auto at_site = [&](size_t c) { return ellipses[static_cast<size_t>(charts.corner_site[c])]; };
+    const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(place, at_site) * reach;
     const auto corner = 3 * static_cast<size_t>(place.triangle);
     const auto chart = static_cast<float>(charts.triangle_chart[static_cast<size_t>(place.triangle)]);
     centers.push_back(
