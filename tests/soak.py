@@ -21,6 +21,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "tests" / "addon")]
 
+from allocator import give_back, megabytes_in_use  # noqa: E402
+
 from paradesc import bridge, contexts, job  # noqa: E402
 from paradesc.bridge import ParadescError, abi  # noqa: E402
 from paradesc.stream import Stream  # noqa: E402
@@ -247,26 +249,6 @@ def bake(chance: np.random.Generator, backends: tuple[str, ...] = BACKENDS) -> s
 # ---- What the process holds
 
 
-class HeapInfo(ctypes.Structure):
-    """glibc's struct mallinfo2."""
-
-    _fields_ = [
-        (name, ctypes.c_size_t)
-        for name in (
-            "arena",
-            "ordblks",
-            "smblks",
-            "hblks",
-            "hblkhd",
-            "usmblks",
-            "fsmblks",
-            "uordblks",
-            "fordblks",
-            "keep",
-        )
-    ]
-
-
 @dataclass
 class Sample:
     """What the process held after so many bakes."""
@@ -290,18 +272,13 @@ def holdings(bakes: int, seconds: float) -> Sample:
     """What this process holds now, without what merely waits: memory to be given back, devices for the next bake."""
     contexts.close_idle()
     gc.collect()
-    library = ctypes.CDLL(None)
-    library.malloc_trim(0)
-    info = HeapInfo()
-    if hasattr(library, "mallinfo2"):  # glibc 2.33
-        library.mallinfo2.restype = HeapInfo
-        info = library.mallinfo2()
+    give_back()
     status = Path("/proc/self/status").read_text()
     return Sample(
         bakes,
         seconds,
         int(status.split("RssAnon:")[1].split()[0]) / 1024,
-        (info.uordblks + info.hblkhd) / 2**20,
+        megabytes_in_use(),
         len(list(Path("/proc/self/fd").iterdir())),
         len(threads() - drivers_own()),
     )
