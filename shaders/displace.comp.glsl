@@ -1,13 +1,10 @@
 #version 450 core
 // One invocation, one baked texel → the same texel of the mapped surface: p + n h, its normal and its area element. The formulas are those of
 // bake/surface_maps.cpp, where they are explained.
-#include "shared.h"
+#include "owner.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = UNIT_VERTICES) uniform sampler2D vertices;
-layout(binding = UNIT_INDEX) uniform isampler2D index;
+layout(binding = UNIT_GIVEN) uniform sampler2D given;
 layout(binding = UNIT_TANGENTS) uniform sampler2D tangents;
-layout(binding = UNIT_TRIANGLES) uniform sampler2D triangles;
-layout(binding = UNIT_IDS) uniform isampler2D ids;
 layout(binding = UNIT_HEIGHTS) uniform sampler2D heights;
 layout(binding = UNIT_COLORS) uniform sampler2D colors;
 layout(binding = 0) writeonly restrict uniform image2D positions;
@@ -18,20 +15,9 @@ layout(location = 2) uniform int normal_mapped;
 layout(location = 3) uniform float midlevel;
 layout(location = 4) uniform float scale; // in buffer units
 
-struct Vertex {
-  vec3 position;
-  vec3 normal;
-  vec2 map;   // the caller's (u, v)
-  vec2 place; // in the layout
-};
-Vertex vertex_of(int corner) {
-  int first = 3 * texelFetch(index, list_place(corner), 0).x;
-  vec4 position = texelFetch(vertices, list_place(first), 0), normal = texelFetch(vertices, list_place(first + 1), 0);
-  return Vertex(position.xyz, normal.xyz, vec2(position.w, normal.w), texelFetch(vertices, list_place(first + 2), 0).xy);
-}
+vec2 given_of(int vertex) { return texelFetch(given, list_place(vertex), 0).xy; }
 vec4 tangent_of(int corner) { return texelFetch(tangents, list_place(2 * corner), 0); }
 vec3 frame_of(int corner) { return texelFetch(tangents, list_place(2 * corner + 1), 0).xyz; }
-float cross2(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
 vec3 unit_or(vec3 v, vec3 other) {
   float span = length(v);
   return span > 0.0 ? v / span : other;
@@ -49,21 +35,6 @@ vec3 color_at(vec2 uv) {
   ivec2 high = ivec2(wrapped(floor(place.xxxx) + 1.0, size.x).x, wrapped(floor(place.yyyy) + 1.0, size.y).x);
   return mix(mix(texelFetch(colors, low, 0), texelFetch(colors, ivec2(high.x, low.y), 0), t.x),
              mix(texelFetch(colors, ivec2(low.x, high.y), 0), texelFetch(colors, high, 0), t.x), t.y).xyz;
-}
-
-// The parameter of the point of a segment from a that is nearest to the origin.
-float nearest_on(vec2 a, vec2 way) { return clamp(-dot(a, way) / max(dot(way, way), 1e-30), 0.0, 1.0); }
-
-// Barycentric coordinates of corners 1 and 2, of the triangle's point nearest to the texel's center; corners relative to that.
-vec2 nearest_place(vec2 c0, vec2 c1, vec2 c2) {
-  float area = cross2(c1 - c0, c2 - c0);
-  vec3 inside = vec3(cross2(c1, c2), cross2(c2, c0), cross2(c0, c1)) / (abs(area) > 0.0 ? area : 1.0);
-  if (abs(area) > 0.0 && all(greaterThanEqual(inside, vec3(0.0)))) return inside.yz;
-  float t0 = nearest_on(c0, c1 - c0), t1 = nearest_on(c1, c2 - c1), t2 = nearest_on(c2, c0 - c2);
-  vec2 p0 = mix(c0, c1, t0), p1 = mix(c1, c2, t1), p2 = mix(c2, c0, t2);
-  vec3 away = vec3(dot(p0, p0), dot(p1, p1), dot(p2, p2));
-  if (away.x <= away.y && away.x <= away.z) return vec2(t0, 0.0);
-  return away.y <= away.z ? vec2(1.0 - t1, t1) : vec2(0.0, 1.0 - t2);
 }
 
 float height_at(int x, int y) { return texelFetch(heights, ivec2(x, y), 0).x; }
@@ -84,8 +55,7 @@ vec3 look_up_height(vec2 uv) {
   return scale * vec3(mix(column.x, column.y, t.x) - midlevel, 0.5 * size * vec2(mix(run.x, run.y, t.x), mix(rise.x, rise.y, t.x)));
 }
 
-vec3 mapped_normal(int corner, vec2 place, vec2 uv, vec3 otherwise) {
-  vec3 part = vec3(1.0 - place.x - place.y, place);
+vec3 mapped_normal(int corner, vec3 part, vec2 uv, vec3 otherwise) {
   vec4 first = tangent_of(corner);
   vec3 tangent = first.xyz * part.x + tangent_of(corner + 1).xyz * part.y + tangent_of(corner + 2).xyz * part.z;
   vec3 n = frame_of(corner) * part.x + frame_of(corner + 1) * part.y + frame_of(corner + 2) * part.z;
@@ -96,18 +66,16 @@ vec3 mapped_normal(int corner, vec2 place, vec2 uv, vec3 otherwise) {
 void main() {
   ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(texel, ivec2(buffer_size)))) return;
-  ivec2 id = texelFetch(ids, texel, 0).xy;
-  if (id.x < 0) return;
-  int triangle = id.y < 0 ? -1 - id.y : id.y;
-  Vertex v0 = vertex_of(3 * triangle), v1 = vertex_of(3 * triangle + 1), v2 = vertex_of(3 * triangle + 2);
-  vec2 center = (vec2(texel) + 0.5) / float(buffer_size);
-  vec2 place = nearest_place(v0.place - center, v1.place - center, v2.place - center);
-  vec2 way1 = v1.map - v0.map, way2 = v2.map - v0.map;
-  vec2 uv = v0.map + way1 * place.x + way2 * place.y;
-  vec3 edge1 = v1.position - v0.position, edge2 = v2.position - v0.position;
-  vec3 turn1 = v1.normal - v0.normal, turn2 = v2.normal - v0.normal;
-  vec3 position = v0.position + edge1 * place.x + edge2 * place.y;
-  vec3 raw = v0.normal + turn1 * place.x + turn2 * place.y;
+  int triangle;
+  ivec4 vertex;
+  vec3 part;
+  if (!find_owner(texel, triangle, vertex, part)) return;
+  vec2 map = given_of(vertex.x), way1 = given_of(vertex.y) - map, way2 = given_of(vertex.z) - map;
+  vec2 uv = map + way1 * part.y + way2 * part.z;
+  vec3 position = position_of(vertex.x), edge1 = position_of(vertex.y) - position, edge2 = position_of(vertex.z) - position;
+  position += edge1 * part.y + edge2 * part.z;
+  vec3 raw = normal_of(vertex.x), turn1 = normal_of(vertex.y) - raw, turn2 = normal_of(vertex.z) - raw;
+  raw += turn1 * part.y + turn2 * part.z;
   float span = max(length(raw), 1e-20);
   vec3 n = raw / span;
   vec3 normal = n;
@@ -122,7 +90,7 @@ void main() {
     ratio = length(cross(edge1 + change1, edge2 + change2)) / max(length(cross(edge1, edge2)), 1e-30);
     position += n * height.x;
   }
-  if (normal_mapped != 0) normal = mapped_normal(3 * triangle, place, uv, normal);
-  imageStore(positions, texel, vec4(position, texelFetch(triangles, list_place(triangle), 0).w * ratio));
+  if (normal_mapped != 0) normal = mapped_normal(3 * triangle, part, uv, normal);
+  imageStore(positions, texel, vec4(position, area_element(vertex, edge1, edge2) * ratio));
   imageStore(normals, texel, vec4(normal, 0.0));
 }

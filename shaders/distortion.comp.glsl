@@ -1,9 +1,8 @@
 #version 450 core
 // E, F, G of a texel's triangle → stretch and angle (paper eq. 1): sigma_u, sigma_v, theta_e, area element. theta_e turns the u axis
 // onto the direction of the larger stretch: a right-singular vector of the Jacobian, which lives in (u, v).
-#include "shared.h"
+#include "metric.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = UNIT_TRIANGLES) uniform sampler2D triangles;
 layout(binding = UNIT_IDS) uniform isampler2D ids;
 layout(binding = 0, rgba32f) writeonly restrict uniform image2D distortion;
 
@@ -13,7 +12,7 @@ void main() {
   ivec2 id = texelFetch(ids, texel, 0).xy;
   vec4 result = vec4(0.0);
   if (id.x >= 0) {
-    vec4 form = texelFetch(triangles, list_place(id.y < 0 ? -1 - id.y : id.y), 0);
+    vec4 form = form_of(id.y < 0 ? -1 - id.y : id.y);
     float mean = 0.5 * (form.x + form.z);
     float difference = 0.5 * (form.x - form.z);
     float radius = sqrt(difference * difference + form.y * form.y);

@@ -1,13 +1,13 @@
 #version 450 core
-// Chart edge → texels whose center lies off the chart: each stores the nearest point of the nearest edge. Triangle texels have depth 0
+// Chart edge → texels whose center lies off the chart: each stands for the nearest point of the nearest edge. Triangle texels have depth 0
 // and win.
 #include "shared.h"
-#include "texel.glsl"
 layout(std430, binding = BINDING_EDGES) readonly buffer Edges { EdgeData edges[]; };
 layout(location = 0) uniform int buffer_size;
-layout(binding = UNIT_TRIANGLES) uniform sampler2D triangles;
 
 flat in int edge;
+layout(location = 0) out ivec2 ids;
+layout(location = 1) out vec2 weights;
 
 void main() {
   EdgeData data = edges[edge];
@@ -16,9 +16,8 @@ void main() {
   float square = dot(along, along);
   float t = square > 0.0 ? clamp(dot(gl_FragCoord.xy - uv.xy, along) / square, 0.0, 1.0) : 0.0;
   float distance = length(gl_FragCoord.xy - (uv.xy + along * t));
-  int triangle = int(data.position1_triangle.w);
-  store_texel(mix(data.position0_chart.xyz, data.position1_triangle.xyz, t), normalize(mix(data.normal0.xyz, data.normal1.xyz, t)),
-              texelFetch(triangles, list_place(triangle), 0).w);
-  ids = ivec2(int(data.position0_chart.w), -1 - triangle); // below 0: the texel's center is not on the chart
+  vec2 first = vec2(equal(data.owner.zz, ivec2(1, 2))), second = vec2(equal(data.owner.ww, ivec2(1, 2)));
+  weights = mix(first, second, t);
+  ids = ivec2(data.owner.x, -1 - data.owner.y); // below 0: the texel's center is not on the chart
   gl_FragDepth = 0.25 + 0.5 * clamp(distance / 2.0, 0.0, 1.0);
 }

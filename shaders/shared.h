@@ -8,7 +8,7 @@
   4096 // guard of the march; a straight line crosses at most 2 x 8192 texels between seams, far less in practice
 
 // Textures (sampler units).
-#define UNIT_TRIANGLES 0   // list, RGBA32F: E, F, G, area element of each triangle
+#define UNIT_WEIGHTS 0     // buffer, RG32F: the texel's place in its triangle, by the weights of the corners 1 and 2
 #define UNIT_POSITION 1    // buffer, RGBA32F or RGBA16F: position, area element in units of area_unit (0: no surface)
 #define UNIT_NORMAL 2      // buffer, RGBA32F: unit normal; RGBA16F: half.glsl says how
 #define UNIT_IDS 3         // buffer, RG32I: chart (-1: none), triangle (-1 - triangle: on a chart-edge line)
@@ -23,21 +23,24 @@
 // In the connected relocation.
 #define UNIT_SAMPLES 8 // buffer texture, RG32I: texel (x + 65536 y); the bits of the area in (u, v) that it stands for, a float
 #define UNIT_RANGES 9  // buffer texture, RG32I: first and end in UNIT_SAMPLES, or of the samples of BINDING_BARE
+// Of a layout, and what the mesh's points have there.
+#define UNIT_PLACES 10   // list, RGBA32F, two a triangle: (u, v) of its corners 0 and 1; (u, v) of corner 2, its chart
+#define UNIT_CORNERS 11  // list, RGBA32I: the bake vertices of each triangle's corners; the bits of 1 over its area in (u, v), twice
+#define UNIT_VERTICES 12 // list, RGBA32F, two a bake vertex: position; normal
+#define UNIT_VALUES 13   // list, RGBA32F: a map's value at each bake vertex
+
 #define UNIT_FACES 14 // list, RGBA32F: unit normal of each triangle
 #define UNIT_MAP 15   // buffer, RGBA32F: gradient of a map, its value
 
 // Uniforms of every program that writes or reads the area element.
-#define LOCATION_FIRST_TRIANGLE 29 // of a part of the mesh that is drawn by itself
 #define LOCATION_AREA_UNIT 30
 #define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
 
 // Of the pass that displaces baked texels, which shares no dispatch with those above.
 #define UNIT_HEIGHTS 8 // image, R32F: displacement
 #define UNIT_COLORS 9  // image, RGBA32F: normal map
-#define UNIT_VERTICES                                                                                                            \
-  10 // list, RGBA32F, three a bake vertex: position, the caller's u; normal, the caller's v; (u, v) in the layout
-#define UNIT_INDEX 11    // list, R32I: bake vertex of each corner
-#define UNIT_TANGENTS 12 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
+#define UNIT_GIVEN 13    // list, RG32F: the caller's (u, v) of each bake vertex
+#define UNIT_TANGENTS 14 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
 
 // Storage buffers.
 #define BINDING_CENTERS 0
@@ -57,7 +60,6 @@
 #define STRETCH_DIRECTIONS 16                // of the directional ellipse
 #define BINDING_MAP_CENTERS 12               // gradient and value of the map at each center
 #define BINDING_MAP_BARE 13                  // the same at the samples of BINDING_BARE
-#define BINDING_MAP_EDGES 14                 // the same at both ends of BINDING_EDGES
 
 // llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): what
 // would go beyond this many counts as lost instead.
@@ -110,11 +112,8 @@ struct alignas(16) VisitData {
   vec2 unused;
 };
 struct alignas(16) EdgeData {
-  vec4 uv;                 // u0, v0, u1, v1
-  vec4 position0_chart;    // xyz, w: chart
-  vec4 position1_triangle; // xyz, w: triangle (exact up to 2^24, which limits the mesh)
-  vec4 normal0;
-  vec4 normal1;
+  vec4 uv;     // u0, v0, u1, v1
+  ivec4 owner; // chart, triangle, the numbers of its corners at (u0, v0) and (u1, v1)
 };
 } // namespace paradesc
 #else
@@ -147,10 +146,7 @@ struct VisitData {
 };
 struct EdgeData {
   vec4 uv;
-  vec4 position0_chart;
-  vec4 position1_triangle;
-  vec4 normal0;
-  vec4 normal1;
+  ivec4 owner;
 };
 ivec2 list_place(int index) { return ivec2(index % LIST_ROW, index / LIST_ROW); }
 #endif

@@ -3,10 +3,10 @@
 // the straight way, relative to the center's (paper 4.1).
 #include "variant.glsl"
 #include "neighborhood.glsl"
+#include "metric.glsl"
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
 layout(std430, binding = BINDING_STRETCHES) writeonly restrict buffer Stretches { float stretches[]; };
-layout(binding = UNIT_TRIANGLES) uniform sampler2D triangles;
 layout(location = 2) uniform int first;
 layout(location = 3) uniform int last;
 layout(location = 6) uniform float radius;
@@ -20,7 +20,7 @@ float length_in_space(vec2 step_uv, vec2 place, int chart) {
   ivec2 texel;
   if (!find_texel(place, chart, texel)) return -1.0;
   int id = texelFetch(ids, texel, 0).y;
-  vec4 form = texelFetch(triangles, list_place(id < 0 ? -1 - id : id), 0);
+  vec4 form = form_of(id < 0 ? -1 - id : id);
   return sqrt(max(form.x * step_uv.x * step_uv.x + 2.0 * form.y * step_uv.x * step_uv.y + form.z * step_uv.y * step_uv.y, 0.0));
 }
 

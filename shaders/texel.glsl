@@ -5,7 +5,6 @@ layout(location = LOCATION_HALF_FLOATS) uniform int half_floats;
 
 layout(location = 0) out vec4 position_area;
 layout(location = 1) out vec4 normal;
-layout(location = 2) out ivec2 ids;
 
 // The nearest 16-bit floats: what stores them may cut instead of rounding.
 vec2 nearest_half(vec2 value) { return unpackHalf2x16(packHalf2x16(value)); }
@@ -20,4 +19,10 @@ void store_texel(vec3 position, vec3 direction, float area_element) {
   vec2 place = to_octahedron(direction);
   vec2 rounded = nearest_half(place);
   normal = vec4(rounded, code_of_two(place - rounded), code_of_three(position - position_area.xyz));
+}
+
+// No surface.
+void clear_texel() {
+  position_area = vec4(0.0);
+  normal = vec4(0.0);
 }

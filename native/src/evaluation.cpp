@@ -33,7 +33,7 @@ static void bake_map(Mesh &mesh, const Frame &frame, const MapValues &values) {
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
     if (!device.map || device.map->size() != device.buffer->size())
       device.map = std::make_unique<MapBuffer>(gl, device.buffer->size());
-    device.map->bake(programs, {mesh.triangles, mesh.half_edges, mesh.charts, device.vertices, values});
+    device.map->bake(programs, *device.buffer, {mesh.half_edges, device.vertices, values});
     device.evaluator.set_map(gl, centers, bare);
   });
 }
@@ -285,7 +285,7 @@ SiteResults evaluate_at_texels(Mesh &mesh, const pdesc_options &options, std::sp
   const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED;
   const TexelMap &map = prepare_texels(mesh, options);
   const std::vector<vec4> ellipses =
-      connected ? std::vector<vec4>() : sampling_ellipses(mesh.triangles, mesh.charts, frame.forms);
+      connected ? std::vector<vec4>() : sampling_ellipses(mesh.triangles, mesh.charts, frame.buffer_frame);
   SiteResults all;
   const size_t count = map.places.size();
   for (size_t first = 0; first < count; first += batch) {

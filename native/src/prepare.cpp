@@ -63,7 +63,7 @@ void prepare_centers(const Mesh &mesh, const pdesc_options &options, double radi
   // Samples that walk need all ellipses; the median of their sizes does with some.
   const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED;
   const size_t step = connected ? std::max<size_t>(1, mesh.charts.sites.size() / 4096) : 1;
-  const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.forms, step);
+  const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.buffer_frame, step);
   const auto own_radius = static_cast<float>(radius * frame.buffer_frame.scale);
   frame.radius_in_texels = median_radius(mesh, options, own_radius, ellipses, step);
   frame.centers.clear();
@@ -134,48 +134,61 @@ static int count_bare_triangles(const Mesh &mesh, const std::vector<int32_t> &id
   return bare;
 }
 
-// In steps on the device, between which a run may be cancelled; what is half done then is done again by the next run.
-static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, bool changed) {
+// One step on the device; between them a run may be cancelled, and what is half done then is done again by the next run.
+static void step(Mesh &mesh, const std::function<void(const Gl &, ProgramCache &)> &work) {
+  checkpoint();
+  mesh.context->gl->run(work);
+}
+
+// Who owns each texel.
+static void bake_layout(Mesh &mesh, const pdesc_options &options, const BakeInput &input) {
   constexpr int drawn_at_once = 1 << 17; // triangles
   DeviceMesh &device = *mesh.device;
-  const auto step = [&](const std::function<void(const Gl &, ProgramCache &)> &work) {
-    checkpoint();
-    mesh.context->gl->run(work);
-  };
-  const BakeInput input{mesh.triangles, mesh.charts,        device.vertices,      frame.normals,
-                        frame.forms,    frame.buffer_frame, mesh.context->threads};
-  device.normals_kind = -1;
-  step([&](const Gl &gl, ProgramCache &) {
-    if (changed) {
-      const bool half = uses_half(mesh, options);
-      if (!device.buffer || device.buffer->size() != options.buffer_size || device.buffer->half() != half)
-        device.buffer = std::make_unique<GeometryBuffer>(gl, options.buffer_size, half);
-      device.evaluator.set_borders(gl, device.grid);
-      device.buffer->upload_topology(input);
-    }
-  });
-  step([&](const Gl &, ProgramCache &) {
-    device.buffer->upload(input);
-    device.buffer->clear();
+  step(mesh, [&](const Gl &gl, ProgramCache &) {
+    const bool half = uses_half(mesh, options);
+    if (!device.buffer || device.buffer->size() != options.buffer_size || device.buffer->half() != half)
+      device.buffer = std::make_unique<GeometryBuffer>(gl, options.buffer_size, half);
+    device.evaluator.set_borders(gl, device.grid);
+    device.buffer->begin_layout(input);
   });
   const int count = device.buffer->triangle_count();
   for (int first = 0; first < count; first += drawn_at_once)
-    step([&](const Gl &gl, ProgramCache &programs) {
-      device.buffer->draw(programs, first, std::min(first + drawn_at_once, count));
+    step(mesh, [&](const Gl &gl, ProgramCache &programs) {
+      device.buffer->draw_triangles(programs, first, std::min(first + drawn_at_once, count));
       gl.Flush(); // the device draws these while the next are on their way
     });
-  step([&](const Gl &gl, ProgramCache &programs) {
-    device.buffer->draw_borders(programs);
+  step(mesh, [&](const Gl &, ProgramCache &programs) { device.buffer->draw_borders(programs); });
+  step(mesh, [&](const Gl &, ProgramCache &programs) { device.counts = device.buffer->end_layout(programs); });
+  step(mesh, [&](const Gl &, ProgramCache &) { device.bare_triangles = count_bare_triangles(mesh, device.buffer->read_ids()); });
+  device.cells.block_size = 0;
+  device.texels = {};
+  device.samples = {};
+}
+
+// What is where in the layout.
+static void bake_surface(Mesh &mesh, const Frame &frame, const BakeInput &input) {
+  constexpr int drawn_at_once = 1 << 20; // texels
+  DeviceMesh &device = *mesh.device;
+  const int size = device.buffer->size(), rows = std::max(1, drawn_at_once / size);
+  step(mesh, [&](const Gl &, ProgramCache &) { device.buffer->upload(input); });
+  for (int first = 0; first < size; first += rows)
+    step(mesh, [&](const Gl &gl, ProgramCache &programs) {
+      device.buffer->draw_surface(programs, first, std::min(first + rows, size));
+      gl.Flush();
+    });
+  step(mesh, [&](const Gl &gl, ProgramCache &programs) {
     if (frame.mapped) device.mapper.run(gl, programs, *device.buffer, input, mesh.maps);
     device.frame = frame.buffer_frame;
   });
-  if (changed) {
-    step([&](const Gl &, ProgramCache &programs) { device.counts = device.buffer->count_owners(programs); });
-    step([&](const Gl &, ProgramCache &) { device.bare_triangles = count_bare_triangles(mesh, device.buffer->read_ids()); });
-    device.cells.block_size = 0;
-    device.texels = {};
-    device.samples = {};
-  }
+}
+
+static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, bool changed) {
+  DeviceMesh &device = *mesh.device;
+  const BakeInput input{mesh.triangles,     mesh.charts, device.vertices, frame.normals,
+                        frame.buffer_frame, mesh.context->threads};
+  device.normals_kind = -1;
+  if (changed) bake_layout(mesh, options, input);
+  bake_surface(mesh, frame, input);
   device.normals_kind = options.normals;
 }
 
@@ -282,13 +295,12 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
   set_supports(mesh, supports, frame);
 }
 
-// Metric, displacement and buffers of the frame.
+// Displacement and buffers of the frame.
 static void bake_frame(Mesh &mesh, const pdesc_options &options, Frame &frame, bool changed) {
   frame.baked = false; // until it is done: a run may be cancelled before
   frame.measured.clear();
   frame.positions.clear();
   frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
-  frame.forms = first_fundamental_forms(mesh.triangles, mesh.charts, frame.buffer_frame, mesh.context->threads);
   if (mesh.maps.any())
     frame.mapped =
         map_points(mesh.maps, mesh.triangles, mesh.half_edges, frame.normals, frame.buffer_frame, mesh.context->threads);

@@ -21,7 +21,7 @@ inline constexpr float ellipse_enlargement = 1.25f;
 struct Frame {
   Normals normals;
   BufferFrame buffer_frame;
-  std::vector<vec4> forms, links;
+  std::vector<vec4> links;
   std::vector<int32_t> seams; // (borders) what seam each belongs to, where the paper's relocation asks
   std::vector<CenterData> centers;
   std::vector<int32_t> sites;     // (centers) -1: the point has no place in the UV map

@@ -1,9 +1,8 @@
 // Triangle edges in space and in (u, v) → first fundamental forms and sampling ellipses.
 #include "bake/distortion.h"
 
+#include <algorithm>
 #include <cmath>
-
-#include "support/parallel.h"
 
 namespace paradesc {
 
@@ -14,7 +13,7 @@ BufferFrame frame_of(const Triangles &triangles, const HalfEdges &half_edges) {
   return {0.5 * (box.low + box.high), longest > 0.0 ? 1.0 / longest : 1.0};
 }
 
-static vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t triangle) {
+vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t triangle) {
   dvec3 p[3];
   dvec2 uv[3];
   for (size_t i = 0; i < 3; ++i) {
@@ -28,16 +27,6 @@ static vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t
   const dvec3 p_u = (e1 * d2.y - e2 * d1.y) / area;
   const dvec3 p_v = (e2 * d1.x - e1 * d2.x) / area;
   return vec4(dot(p_u, p_u), dot(p_u, p_v), dot(p_v, p_v), length(cross(p_u, p_v)));
-}
-
-std::vector<vec4> first_fundamental_forms(const Triangles &triangles, const Charts &charts, const BufferFrame &frame,
-                                          int threads) {
-  std::vector<vec4> forms(static_cast<size_t>(triangles.triangle_count), vec4(0.0f));
-  parallel_blocks(triangles.triangle_count, threads, 4096, [&](int begin, int end) {
-    for (auto t = static_cast<size_t>(begin); t < static_cast<size_t>(end); ++t)
-      if (charts.triangle_chart[t] >= 0) forms[t] = form_of(triangles, frame, t);
-  });
-  return forms;
 }
 
 static double corner_angle(const Triangles &triangles, int corner) {
@@ -56,15 +45,14 @@ static vec4 square_root(dvec3 m) {
   return vec4((m.x + root) / trace, m.y / trace, m.y / trace, (m.z + root) / trace);
 }
 
-std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const std::vector<vec4> &forms,
-                                    size_t step) {
+std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BufferFrame &frame, size_t step) {
   const size_t count = (charts.sites.size() + step - 1) / step;
   std::vector<dvec3> inverse(count, dvec3(0.0));
   std::vector<double> weight(count, 0.0);
   for (int corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
     const int32_t site = charts.corner_site[static_cast<size_t>(corner)];
     if (site < 0 || static_cast<size_t>(site) % step != 0) continue;
-    const auto &form = forms[static_cast<size_t>(corner / 3)];
+    const vec4 form = form_of(triangles, frame, static_cast<size_t>(corner / 3));
     const double determinant = static_cast<double>(form.w) * form.w;
     if (!(determinant > 0.0)) continue;
     const double angle = corner_angle(triangles, corner);

@@ -19,13 +19,11 @@ struct BufferFrame {
 // Of the vertices that have a point.
 BufferFrame frame_of(const Triangles &triangles, const HalfEdges &half_edges);
 
-// (triangle_count) E, F, G, |P_u x P_v|; zero where a triangle is on no chart.
-std::vector<vec4> first_fundamental_forms(const Triangles &triangles, const Charts &charts, const BufferFrame &frame,
-                                          int threads);
+// E, F, G, |P_u x P_v| of a triangle on a chart.
+vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t triangle);
 
 // (sites) columns of the 2x2 map from the unit disk to (u, v) offsets, for support radius 1: the square root of the mean inverse
 // metric over the triangles at the site, weighted by their angle there. step: of every so many sites only.
-std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const std::vector<vec4> &forms,
-                                    size_t step = 1);
+std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BufferFrame &frame, size_t step = 1);
 
 } // namespace paradesc

@@ -1,6 +1,7 @@
-// Mesh + normals + metric → the geometry buffers of paper 3.3, by rasterizing triangles and then chart edges in (u, v).
+// Mesh + normals → the geometry buffers of paper 3.3, by rasterizing triangles and then chart edges in (u, v).
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "bake/distortion.h"
@@ -20,13 +21,12 @@ struct BakeVertices {
 // corner_group: corners of one site with the same group share a normal; empty: none do.
 BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &charts, const std::vector<int32_t> &corner_group);
 
-// What one frame brings to the bake.
+// What is baked. A frame brings positions and normals; the rest is the layout's.
 struct BakeInput {
   const Triangles &triangles;
   const Charts &charts;
   const BakeVertices &vertices;
   const Normals &normals;
-  const std::vector<vec4> &forms;
   const BufferFrame &frame;
   int threads = 0;
 };
@@ -36,6 +36,8 @@ struct TexelCounts {
   int overlapping = 0; // texels that several triangles claim
 };
 
+// Triangles are drawn once for a layout, for who owns each texel and where in its owner it lies. A frame then takes a look at
+// the owner's three corners at each texel, however many triangles there are.
 class GeometryBuffer {
 public:
   // half: positions and normals in 16-bit floats.
@@ -44,21 +46,25 @@ public:
   GeometryBuffer(const GeometryBuffer &) = delete;
   GeometryBuffer &operator=(const GeometryBuffer &) = delete;
 
-  void bake(ProgramCache &programs, const BakeInput &input, bool topology_changed);
-  // The same in steps, so that a run can be cancelled between: uploads, clear, triangles so many at a time, borders.
-  void upload_topology(const BakeInput &input); // where it changed, first
-  void upload(const BakeInput &input);
-  void clear();
-  int triangle_count() const { return index_count_ / 3; }
-  void draw(ProgramCache &programs, int first_triangle, int last_triangle);
+  // A layout, in steps between which a run may be cancelled: uploads, triangles so many at a time, borders, counts.
+  void begin_layout(const BakeInput &input);
+  int triangle_count() const { return triangle_count_; }
+  void draw_triangles(ProgramCache &programs, int first, int last);
   void draw_borders(ProgramCache &programs);
-  // Counts the triangles that own each texel; after bake.
-  TexelCounts count_owners(ProgramCache &programs);
+  TexelCounts end_layout(ProgramCache &programs);
+  // A frame, in steps: uploads, rows so many at a time.
+  void upload(const BakeInput &input);
+  void draw_surface(ProgramCache &programs, int first_row, int last_row);
+  // Values at bake vertices → values at texels, by the same owners.
+  void draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map);
+
   // Binds what samples read.
   void bind() const;
+  // Binds the layout, and what the frame's points are there: owner.glsl, metric.glsl.
+  void bind_owners() const;
   // Binds for a pass that rewrites position (image 0) and normal (image 1) of baked texels.
   void bind_to_rewrite() const;
-  // sigma_u, sigma_v, theta_e, area element of every texel (size * size, 4); after bake.
+  // sigma_u, sigma_v, theta_e, area element of every texel (size * size, 4).
   std::vector<vec4> read_distortion(ProgramCache &programs) const;
   std::vector<vec4> read_position() const; // (size * size) position, area element in buffer units
   std::vector<vec4> read_normal() const;
@@ -70,20 +76,28 @@ public:
   float area_unit() const { return area_unit_; }
 
 private:
-  void begin_drawing() const;
-  void draw_triangles(int first, int last) const;
+  // What is there only while a layout is drawn.
+  struct Drawing {
+    Texture depth;
+    Buffer edges;
+    GLsizei edge_count = 0;
+  };
+  void begin_drawing(GLenum depth_function) const;
+  void draw_screen(GLuint framebuffer, int first_row, int last_row) const;
+  TexelCounts count_owners(ProgramCache &programs) const;
   void set_area_unit(const BakeInput &input);
-  void use(GLuint program) const;
 
   const Gl &gl_;
   int size_;
   bool half_;
   float area_unit_ = 1.0f;
-  Texture position_, normal_, ids_, depth_;
-  ListTexture forms_;
-  Buffer position_normal_, uv_chart_, index_, edges_;
-  GLuint framebuffer_ = 0, vertex_array_ = 0;
-  GLsizei index_count_ = 0, edge_count_ = 0;
+  double area_in_map_ = 0.0; // of all triangles
+  int triangle_count_ = 0;
+  Texture position_, normal_, ids_, weights_;
+  ListTexture places_, corners_, vertices_, values_;
+  GlName<&Gl::DeleteFramebuffers> layout_framebuffer_, surface_framebuffer_;
+  GlName<&Gl::DeleteVertexArrays> no_attributes_;
+  std::unique_ptr<Drawing> drawing_;
 };
 
 } // namespace paradesc

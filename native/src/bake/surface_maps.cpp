@@ -284,17 +284,10 @@ void SurfaceMapper::upload_images(const Gl &gl, const SurfaceMaps &maps) {
 void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const SurfaceMaps &maps) {
   const Triangles &triangles = input.triangles;
   const std::vector<vec2> &uvs = triangles.given_uv.empty() ? triangles.corner_uv : triangles.given_uv;
-  std::vector<vec4> vertices;
-  vertices.reserve(3 * input.vertices.corner.size());
-  for (const int32_t corner : input.vertices.corner) {
-    const auto c = static_cast<size_t>(corner);
-    const vec3 position = triangles.positions[static_cast<size_t>(triangles.corner_vertex[c])];
-    vertices.emplace_back(input.frame.to_buffer(position), uvs[c].x);
-    vertices.emplace_back(input.normals.corner[c], uvs[c].y);
-    vertices.emplace_back(triangles.corner_uv[c], 0.0f, 0.0f);
-  }
-  vertices_.upload(gl, GL_RGBA32F, vertices.data(), vertices.size());
-  index_.upload(gl, GL_R32I, input.vertices.index.data(), input.vertices.index.size());
+  std::vector<vec2> given;
+  given.reserve(input.vertices.corner.size());
+  for (const int32_t corner : input.vertices.corner) given.push_back(uvs[static_cast<size_t>(corner)]);
+  given_.upload(gl, GL_RG32F, given.data(), given.size());
   std::vector<vec4> tangents;
   if (maps.normal_map) {
     const std::vector<vec3> &frame = triangles.corner_normal.empty() ? input.normals.corner : triangles.corner_normal;
@@ -315,8 +308,7 @@ void SurfaceMapper::run(const Gl &gl, ProgramCache &programs, const GeometryBuff
   buffer.bind_to_rewrite();
   gl.BindTextureUnit(UNIT_HEIGHTS, heights_.id());
   gl.BindTextureUnit(UNIT_COLORS, colors_.id());
-  gl.BindTextureUnit(UNIT_VERTICES, vertices_.id());
-  gl.BindTextureUnit(UNIT_INDEX, index_.id());
+  gl.BindTextureUnit(UNIT_GIVEN, given_.id());
   gl.BindTextureUnit(UNIT_TANGENTS, tangents_.id());
   gl.Uniform1i(0, buffer.size());
   gl.Uniform1i(1, maps.displacement ? 1 : 0);

@@ -94,7 +94,7 @@ private:
 
   int version_ = 0;
   Texture heights_, colors_;
-  ListTexture vertices_, index_, tangents_;
+  ListTexture given_, tangents_;
 };
 
 } // namespace paradesc

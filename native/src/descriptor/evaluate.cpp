@@ -206,6 +206,7 @@ void Evaluator::find_stretches(const Gl &gl, ProgramCache &programs, const Geome
                                const EvaluateSettings &settings, int first, int last) const {
   gl.UseProgram(programs.get(gl, "stretch", {{GL_COMPUTE_SHADER, "stretch.comp.glsl"}}, {{"variant.glsl", "#define PAPER 0\n"}}));
   buffer.bind();
+  buffer.bind_owners();
   gl.Uniform1i(0, buffer.size());
   bind_walks(gl, settings, first, last);
   const int invocations = (last - first) * STRETCH_DIRECTIONS;

@@ -51,8 +51,8 @@ Texture::Texture(const Gl &gl, int width, int height, GLenum format) {
 
 void ListTexture::upload(const Gl &gl, GLenum format, const void *elements, size_t count) {
   const bool integer = format == GL_RGBA32I || format == GL_RG32I || format == GL_R32I;
-  const size_t channels = format == GL_RGBA32F || format == GL_RGBA32I ? 4 : format == GL_RG32I ? 2 : 1;
-  const GLenum floats = channels == 4 ? GL_RGBA : GL_RED;
+  const size_t channels = format == GL_RGBA32F || format == GL_RGBA32I ? 4 : format == GL_RG32F || format == GL_RG32I ? 2 : 1;
+  const GLenum floats = channels == 4 ? GL_RGBA : channels == 2 ? GL_RG : GL_RED;
   const GLenum integers = channels == 4 ? GL_RGBA_INTEGER : channels == 2 ? GL_RG_INTEGER : GL_RED_INTEGER;
   const size_t rows = std::max<size_t>(1, (count + LIST_ROW - 1) / LIST_ROW);
   if (rows > static_cast<size_t>(gl.limits.texture_size))

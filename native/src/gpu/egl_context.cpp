@@ -168,7 +168,7 @@ static std::string read_limits(Gl &gl) {
                               {"texels of a buffer texture", limits.list_texels, 65536},
                               {"work groups", limits.work_groups, 65535},
                               {"bytes of a storage buffer", limits.storage_bytes, 1 << 27},
-                              {"storage buffers", bindings, BINDING_MAP_EDGES + 1},
+                              {"storage buffers", bindings, BINDING_MAP_BARE + 1},
                               {"textures", images, UNIT_MAP + 1}};
   for (const Promise &promise : promises)
     if (promise.found < promise.least)

@@ -13,12 +13,12 @@
   F(PFNGLENABLEPROC, Enable)                                                                                                     \
   F(PFNGLDISABLEPROC, Disable)                                                                                                   \
   F(PFNGLVIEWPORTPROC, Viewport)                                                                                                 \
+  F(PFNGLSCISSORPROC, Scissor)                                                                                                   \
   F(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                               \
   F(PFNGLDEPTHMASKPROC, DepthMask)                                                                                               \
   F(PFNGLBLENDFUNCPROC, BlendFunc)                                                                                               \
   F(PFNGLFINISHPROC, Finish)                                                                                                     \
   F(PFNGLFLUSHPROC, Flush)                                                                                                       \
-  F(PFNGLDRAWELEMENTSPROC, DrawElements)                                                                                         \
   F(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                             \
   F(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                                       \
   F(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                                                   \
@@ -48,12 +48,6 @@
   F(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                                                             \
   F(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                             \
   F(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                                   \
-  F(PFNGLVERTEXARRAYELEMENTBUFFERPROC, VertexArrayElementBuffer)                                                                 \
-  F(PFNGLVERTEXARRAYVERTEXBUFFERPROC, VertexArrayVertexBuffer)                                                                   \
-  F(PFNGLVERTEXARRAYATTRIBFORMATPROC, VertexArrayAttribFormat)                                                                   \
-  F(PFNGLVERTEXARRAYATTRIBIFORMATPROC, VertexArrayAttribIFormat)                                                                 \
-  F(PFNGLVERTEXARRAYATTRIBBINDINGPROC, VertexArrayAttribBinding)                                                                 \
-  F(PFNGLENABLEVERTEXARRAYATTRIBPROC, EnableVertexArrayAttrib)                                                                   \
   F(PFNGLCREATESHADERPROC, CreateShader)                                                                                         \
   F(PFNGLDELETESHADERPROC, DeleteShader)                                                                                         \
   F(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                                         \

@@ -1,0 +1,3 @@
+#version 450 core
+// Three vertices → a triangle that covers the screen: a fragment for every texel.
+void main() { gl_Position = vec4(vec2(gl_VertexID % 2, gl_VertexID / 2) * 4.0 - 1.0, 0.0, 1.0); }
