@@ -118,7 +118,7 @@ static bool prepare_device(Mesh &mesh, const pdesc_options &options) {
   // Corners of one fan share a normal, unless the mesh brings its own.
   const bool own = options.normals == PDESC_NORMALS_MESH;
   if (changed || (device.normals_kind == PDESC_NORMALS_MESH) != own || device.normals_kind < 0) {
-    device.vertices = build_bake_vertices(mesh.triangles, mesh.charts, own ? std::vector<int32_t>() : mesh.rings->corner_fan);
+    device.vertices = build_bake_vertices(mesh.triangles, mesh.charts, own ? std::vector<int32_t>() : *mesh.rings->corner_fan);
     changed = true;
   }
   if (changed) device.normals_kind = -1;
@@ -184,8 +184,7 @@ static void bake_surface(Mesh &mesh, const Frame &frame, const BakeInput &input)
 
 static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, bool changed) {
   DeviceMesh &device = *mesh.device;
-  const BakeInput input{mesh.triangles,     mesh.charts, device.vertices, frame.normals,
-                        frame.buffer_frame, mesh.context->threads};
+  const BakeInput input{mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.buffer_frame, mesh.context->threads};
   device.normals_kind = -1;
   if (changed) bake_layout(mesh, options, input);
   bake_surface(mesh, frame, input);

@@ -67,7 +67,7 @@ TEST_F(GeometryBuffers, hold_unit_normals_and_the_area_element_of_the_texels_tri
     }
     const int32_t id = buffers.ids[2 * i + 1], triangle = id < 0 ? -1 - id : id;
     EXPECT_NEAR(length(vec3(buffers.normal[i])), 1.0f, 1e-5f);
-    EXPECT_EQ(buffers.position[i].w, buffers.forms[at(triangle)].w) << "a copy, bit for bit";
+    EXPECT_NEAR(buffers.position[i].w / buffers.forms[at(triangle)].w, 1.0f, 1e-5f); // of edges of a tenth, in floats
     EXPECT_EQ(buffers.ids[2 * i], built.charts.triangle_chart[at(triangle)]);
   }
 }

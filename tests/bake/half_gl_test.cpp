@@ -65,10 +65,10 @@ TEST_F(HalfBuffers, area_elements_beyond_the_largest_half_are_finite) {
   EXPECT_GT(seen, 0) << "the line around the small quad is drawn";
 }
 
-TEST_F(HalfBuffers, take_28_instead_of_44_bytes_a_texel) {
+TEST_F(HalfBuffers, take_32_instead_of_48_bytes_a_texel) {
   thread->run([&](const Gl &gl, ProgramCache &) {
-    EXPECT_DOUBLE_EQ(GeometryBuffer(gl, 100).megabytes(), 0.44);
-    EXPECT_DOUBLE_EQ(GeometryBuffer(gl, 100, true).megabytes(), 0.28);
+    EXPECT_DOUBLE_EQ(GeometryBuffer(gl, 100).megabytes(), 0.48);
+    EXPECT_DOUBLE_EQ(GeometryBuffer(gl, 100, true).megabytes(), 0.32);
   });
 }
 

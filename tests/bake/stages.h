@@ -27,6 +27,18 @@ struct Buffers {
   dvec2 center(int x, int y) const { return dvec2(x + 0.5, y + 0.5) / static_cast<double>(size); }
 };
 
+inline TexelCounts draw_layout(GeometryBuffer &buffer, ProgramCache &programs, const BakeInput &input) {
+  buffer.begin_layout(input);
+  buffer.draw_triangles(programs, 0, buffer.triangle_count());
+  buffer.draw_borders(programs);
+  return buffer.end_layout(programs);
+}
+
+inline void draw_frame(GeometryBuffer &buffer, ProgramCache &programs, const BakeInput &input) {
+  buffer.upload(input);
+  buffer.draw_surface(programs, 0, buffer.size());
+}
+
 // bakes: how often, into the same buffer.
 inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 1, bool half = false) {
   Buffers buffers;
@@ -34,13 +46,14 @@ inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 
   buffers.frame = frame_of(built.triangles, built.half_edges);
   const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
   buffers.normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
-  buffers.forms = first_fundamental_forms(built.triangles, built.charts, buffers.frame, 0);
-  const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, rings.corner_fan);
+  for (size_t t = 0; t < at(built.triangles.triangle_count); ++t)
+    buffers.forms.push_back(built.charts.triangle_chart[t] < 0 ? vec4(0.0f) : form_of(built.triangles, buffers.frame, t));
+  const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, *rings.corner_fan);
   thread.run([&](const Gl &gl, ProgramCache &programs) {
     GeometryBuffer buffer(gl, size, half);
-    for (int i = 0; i < bakes; ++i)
-      buffer.bake(programs, {built.triangles, built.charts, vertices, buffers.normals, buffers.forms, buffers.frame}, i == 0);
-    buffers.counts = buffer.count_owners(programs);
+    const BakeInput input{built.triangles, built.charts, vertices, buffers.normals, buffers.frame};
+    buffers.counts = draw_layout(buffer, programs, input);
+    for (int i = 0; i < bakes; ++i) draw_frame(buffer, programs, input);
     buffers.position = buffer.read_position();
     buffers.normal = buffer.read_normal();
     buffers.distortion = buffer.read_distortion(programs);

@@ -49,12 +49,14 @@ std::vector<int32_t> bake_ids(const Made &made) {
   GlThread thread(true, -1);
   const BufferFrame frame = frame_of(made.triangles, made.half_edges);
   const Normals normals = compute_normals(made.triangles, made.half_edges, made.rings, PDESC_NORMALS_MAX, 0);
-  const std::vector<vec4> forms = first_fundamental_forms(made.triangles, made.charts, frame, 0);
-  const BakeVertices vertices = build_bake_vertices(made.triangles, made.charts, made.rings.corner_fan);
+  const BakeVertices vertices = build_bake_vertices(made.triangles, made.charts, *made.rings.corner_fan);
   std::vector<int32_t> ids;
   thread.run([&](const Gl &gl, ProgramCache &programs) {
     GeometryBuffer buffer(gl, buffer_size);
-    buffer.bake(programs, {made.triangles, made.charts, vertices, normals, forms, frame}, true);
+    buffer.begin_layout({made.triangles, made.charts, vertices, normals, frame});
+    buffer.draw_triangles(programs, 0, buffer.triangle_count());
+    buffer.draw_borders(programs);
+    buffer.end_layout(programs);
     ids = buffer.read_ids();
   });
   return ids;
@@ -100,7 +102,7 @@ void normal_rings(benchmark::State &state) {
   measure(state, [](const Made &from) { return build_normal_rings(from.triangles, from.half_edges); });
 }
 void bake_vertices(benchmark::State &state) {
-  measure(state, [](const Made &from) { return build_bake_vertices(from.triangles, from.charts, from.rings.corner_fan); });
+  measure(state, [](const Made &from) { return build_bake_vertices(from.triangles, from.charts, *from.rings.corner_fan); });
 }
 void border_grid(benchmark::State &state) {
   measure(state, [](const Made &from) { return build_border_grid(from.triangles, from.charts, buffer_size); });
@@ -127,12 +129,6 @@ void normals(benchmark::State &state) {
   measure(state,
           [](const Made &from) { return compute_normals(from.triangles, from.half_edges, from.rings, PDESC_NORMALS_FITTED, 0); });
 }
-void forms(benchmark::State &state) {
-  measure(state, [](const Made &from) {
-    return first_fundamental_forms(from.triangles, from.charts, frame_of(from.triangles, from.half_edges), 0);
-  });
-}
-
 // Every array of indices that depends on topology and UV map alone.
 struct Kept {
   const char *name;
@@ -153,13 +149,15 @@ std::vector<Kept> kept_arrays(const Made &from) {
           {"corner_site", from.charts.corner_site, sites},
           {"half_edge_border", from.charts.half_edge_border, from.charts.borders.size()},
           {"point_site", from.charts.point_site, sites},
-          {"corner_fan", from.rings.corner_fan, fans},
+          {"corner_fan", *from.rings.corner_fan, fans},
           {"fan_point", from.rings.fan_point, points},
-          {"ring_begin", from.rings.ring_begin, from.rings.ring_point.size() + 1},
-          {"ring_point", from.rings.ring_point, points},
+          {"point_fan", from.rings.point_fan, fans},
+          {"fan_begin", from.rings.fan_begin, from.rings.fan_vertex.size() + 1},
+          {"fan_vertex", from.rings.fan_vertex, vertices},
+          {"ring_begin", from.rings.ring_begin, from.rings.ring_vertex.size() + 1},
+          {"ring_vertex", from.rings.ring_vertex, vertices},
           {"face_begin", from.rings.face_begin, from.rings.face.size() + 1},
-          {"face", from.rings.face, corners / 3},
-          {"own_faces", from.rings.own_faces, from.rings.face.size() + 1}};
+          {"face", from.rings.face, corners / 3}};
 }
 
 // The least that a reader of such a file has to do: take the arrays over, and look that no index leads astray.
@@ -196,7 +194,6 @@ PARADESC_STEP(cells);
 PARADESC_STEP(cut);
 PARADESC_STEP(layout);
 PARADESC_STEP(normals);
-PARADESC_STEP(forms);
 PARADESC_STEP(take_over);
 
 } // namespace

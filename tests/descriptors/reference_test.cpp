@@ -412,11 +412,11 @@ TEST(ReferenceQuadrature, refining_flat_facets_changes_nothing) {
     for (size_t k = 0; k < 3; ++k) {
       const size_t a = c + k, b = c + (k + 1) % 3;
       vertex[k] = coarse.triangles.corner_vertex[a];
-      normal[k] = coarse.normals.corner[a];
+      normal[k] = coarse.normals.corner(a);
       const auto end = static_cast<size_t>(coarse.triangles.corner_vertex[b]);
       vertex[3 + k] = static_cast<int32_t>(positions.size()); // welded by position
       positions.push_back(0.5f * (positions[static_cast<size_t>(vertex[k])] + positions[end]));
-      normal[3 + k] = 0.5f * (coarse.normals.corner[a] + coarse.normals.corner[b]);
+      normal[3 + k] = 0.5f * (coarse.normals.corner(a) + coarse.normals.corner(b));
     }
     for (const int k : {0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5}) {
       corners.push_back(vertex[k]);
@@ -424,7 +424,8 @@ TEST(ReferenceQuadrature, refining_flat_facets_changes_nothing) {
     }
   }
   Subject fine(shape(positions, corners), PDESC_NORMALS_MAX);
-  fine.normals.corner = normals;
+  fine.normals.group = normals;
+  fine.normals.corner_fan = nullptr;
   for (size_t v = 0; v < mesh.points.size(); ++v)
     fine.normals.point[static_cast<size_t>(fine.half_edges.vertex_point[v])] =
         coarse.normals.point[static_cast<size_t>(coarse.half_edges.vertex_point[v])];

@@ -15,17 +15,25 @@ TEST_F(MapBuffers, hold_the_map_at_the_point_of_each_texel) {
   TestMesh mesh = ellipsoid(1, 0.75, 0.5, {.vertices = 1500});
   lay_out(mesh, {.charts = 15, .warp = 0.3});
   const Built built = build(read_triangles(input_of(mesh)));
-  const Buffers buffers = bake(*thread, built, 256);
+  Buffers buffers;
+  buffers.frame = frame_of(built.triangles, built.half_edges);
   const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
-  const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, rings.corner_fan);
+  const Normals normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
+  const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, *rings.corner_fan);
   MapValues values;
   for (const int32_t vertex : built.half_edges.point_vertex)
     values.emplace_back(buffers.frame.to_buffer(built.triangles.positions[static_cast<size_t>(vertex)]), 7.0f);
   std::vector<vec4> map;
   thread->run([&](const Gl &gl, ProgramCache &programs) {
-    MapBuffer buffer(gl, 256);
-    buffer.bake(programs, {built.triangles, built.half_edges, built.charts, vertices, values});
-    map = buffer.read();
+    GeometryBuffer buffer(gl, 256);
+    const BakeInput input{built.triangles, built.charts, vertices, normals, buffers.frame};
+    draw_layout(buffer, programs, input);
+    draw_frame(buffer, programs, input);
+    MapBuffer maps(gl, 256);
+    maps.bake(programs, buffer, {built.half_edges, vertices, values});
+    map = maps.read();
+    buffers.position = buffer.read_position();
+    buffers.ids = buffer.read_ids();
   });
   int edges = 0, inside = 0;
   for (size_t i = 0; i < map.size(); ++i) {

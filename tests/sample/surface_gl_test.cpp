@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "bake/gbuffer.h"
+#include "bake/stages.h"
 #include "mesh/normals.h"
 #include "sample/cells.h"
 #include "support/layout.h"
@@ -34,12 +34,12 @@ struct Baked {
     const NormalRings rings = build_normal_rings(triangles, half_edges);
     normals = compute_normals(triangles, half_edges, rings, PDESC_NORMALS_FITTED, 0);
     frame = frame_of(triangles, half_edges);
-    const std::vector<vec4> forms = first_fundamental_forms(triangles, charts, frame, 0);
-    const BakeVertices vertices = build_bake_vertices(triangles, charts, rings.corner_fan);
+    const BakeVertices vertices = build_bake_vertices(triangles, charts, *rings.corner_fan);
     thread.run([&](const Gl &gl, ProgramCache &programs) {
       GeometryBuffer buffer(gl, size);
-      buffer.bake(programs, {triangles, charts, vertices, normals, forms, frame}, true);
-      counts = buffer.count_owners(programs);
+      const BakeInput input{triangles, charts, vertices, normals, frame};
+      counts = draw_layout(buffer, programs, input);
+      draw_frame(buffer, programs, input);
       positions = buffer.read_position();
       normal_texels = buffer.read_normal();
       distortion = buffer.read_distortion(programs);

@@ -54,8 +54,8 @@ static GLuint make_framebuffer(const Gl &gl, std::initializer_list<GLuint> color
 
 GeometryBuffer::GeometryBuffer(const Gl &gl, int size, bool half)
     : gl_(gl), size_(size), half_(half), position_(gl, size, size, half ? GL_RGBA16F : GL_RGBA32F),
-      normal_(gl, size, size, half ? GL_RGBA16F : GL_RGBA32F), ids_(gl, size, size, GL_RG32I),
-      weights_(gl, size, size, GL_RG32F), layout_framebuffer_(gl, make_framebuffer(gl, {ids_.id(), weights_.id()})),
+      normal_(gl, size, size, half ? GL_RGBA16F : GL_RGBA32F), ids_(gl, size, size, GL_RG32I), weights_(gl, size, size, GL_RG32F),
+      layout_framebuffer_(gl, make_framebuffer(gl, {ids_.id(), weights_.id()})),
       surface_framebuffer_(gl, make_framebuffer(gl, {position_.id(), normal_.id()})) {
   GLuint vertex_array = 0;
   gl.CreateVertexArrays(1, &vertex_array);
@@ -192,7 +192,7 @@ void GeometryBuffer::upload(const BakeInput &input) {
       const auto c = static_cast<size_t>(input.vertices.corner[i]);
       const vec3 position = input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[c])];
       points[2 * i] = vec4(input.frame.to_buffer(position), 0.0f);
-      points[2 * i + 1] = vec4(input.normals.corner[c], 0.0f);
+      points[2 * i + 1] = vec4(input.normals.corner(c), 0.0f);
     }
   });
   vertices_.upload(gl_, GL_RGBA32F, points.data(), points.size());
@@ -207,7 +207,9 @@ void GeometryBuffer::set_area_unit(const BakeInput &input) {
   double space = 0.0;
   for (size_t t = 0; t < static_cast<size_t>(input.triangles.triangle_count); ++t) {
     if (input.charts.triangle_chart[t] < 0) continue;
-    const auto at = [&](size_t k) { return dvec3(input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[3 * t + k])]); };
+    const auto at = [&](size_t k) {
+      return dvec3(input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[3 * t + k])]);
+    };
     space += length(cross(at(1) - at(0), at(2) - at(0)));
   }
   space *= input.frame.scale * input.frame.scale;

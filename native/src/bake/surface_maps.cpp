@@ -124,8 +124,8 @@ static Patch patch_of(const Triangles &triangles, const Normals &normals, const 
   const std::vector<vec2> &uvs = triangles.given_uv.empty() ? triangles.corner_uv : triangles.given_uv;
   const auto c = static_cast<size_t>(3 * triangle);
   auto position = [&](size_t i) { return frame.to_buffer(triangles.positions[static_cast<size_t>(triangles.corner_vertex[i])]); };
-  const vec3 p = position(c), n = normals.corner[c];
-  return {p,      position(c + 1) - p, position(c + 2) - p, n, normals.corner[c + 1] - n, normals.corner[c + 2] - n,
+  const vec3 p = position(c), n = normals.corner(c);
+  return {p,      position(c + 1) - p, position(c + 2) - p, n, normals.corner(c + 1) - n, normals.corner(c + 2) - n,
           uvs[c], uvs[c + 1] - uvs[c], uvs[c + 2] - uvs[c]};
 }
 
@@ -151,14 +151,18 @@ static Displaced displace(const Patch &patch, const Displacement *map, float sca
   return result;
 }
 
-// The tangent space of the mesh's own normals where they were given, as the map was made in it; else of the fitted ones.
+// Of the tangent space of the mesh's own normals where they were given, as the map was made in it; else of the fitted ones.
+static vec3 frame_normal(const Triangles &triangles, const Normals &normals, size_t corner) {
+  return triangles.corner_normal.empty() ? normals.corner(corner) : triangles.corner_normal[corner];
+}
+
 static vec3 mapped_normal(const NormalMap &map, const Triangles &triangles, const Normals &normals, int triangle, float a,
                           float b, vec3 otherwise) {
   const auto c = static_cast<size_t>(3 * triangle);
-  const std::vector<vec3> &frame = triangles.corner_normal.empty() ? normals.corner : triangles.corner_normal;
   const std::vector<vec2> &uvs = triangles.given_uv.empty() ? triangles.corner_uv : triangles.given_uv;
   const float rest = 1.0f - a - b;
-  const vec3 n = frame[c] * rest + frame[c + 1] * a + frame[c + 2] * b;
+  const vec3 n = frame_normal(triangles, normals, c) * rest + frame_normal(triangles, normals, c + 1) * a +
+                 frame_normal(triangles, normals, c + 2) * b;
   const vec4 tangent = map.corner_tangent[c] * rest + map.corner_tangent[c + 1] * a + map.corner_tangent[c + 2] * b;
   const vec3 bitangent = map.corner_tangent[c].w * cross(n, vec3(tangent));
   const vec4 color = look_up(map.colors, uvs[c] * rest + uvs[c + 1] * a + uvs[c + 2] * b) * 2.0f - 1.0f;
@@ -190,7 +194,7 @@ SurfacePoint MappedSurface::at_corner(int corner, vec3 normal, float &shrinkage)
   const float a = place == 1 ? 1.0f : 0.0f, b = place == 2 ? 1.0f : 0.0f;
   const Displacement *map = maps_.displacement ? &*maps_.displacement : nullptr;
   Patch patch = patch_of(triangles_, normals_, frame_, triangle);
-  const vec3 change = normal - normals_.corner[static_cast<size_t>(corner)];
+  const vec3 change = normal - normals_.corner(static_cast<size_t>(corner));
   if (place == 0) {
     patch.normal += change;
     patch.turn1 -= change;
@@ -290,11 +294,11 @@ void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const S
   given_.upload(gl, GL_RG32F, given.data(), given.size());
   std::vector<vec4> tangents;
   if (maps.normal_map) {
-    const std::vector<vec3> &frame = triangles.corner_normal.empty() ? input.normals.corner : triangles.corner_normal;
-    tangents.reserve(2 * frame.size());
-    for (size_t corner = 0; corner < frame.size(); ++corner) {
-      tangents.push_back(maps.normal_map->corner_tangent[corner]);
-      tangents.emplace_back(frame[corner], 0.0f);
+    const std::vector<vec4> &own = maps.normal_map->corner_tangent;
+    tangents.reserve(2 * own.size());
+    for (size_t corner = 0; corner < own.size(); ++corner) {
+      tangents.push_back(own[corner]);
+      tangents.emplace_back(frame_normal(triangles, input.normals, corner), 0.0f);
     }
   }
   tangents_.upload(gl, GL_RGBA32F, tangents.data(), tangents.size());

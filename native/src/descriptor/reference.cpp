@@ -298,7 +298,7 @@ private:
       const size_t corner = 3 * static_cast<size_t>(face) + k;
       const int vertex = surface_.triangles.corner_vertex[corner];
       patch.corners[k] = dvec3(surface_.triangles.positions[static_cast<size_t>(vertex)]) - position_;
-      patch.normals[k] = dvec3(surface_.normals.corner[corner]);
+      patch.normals[k] = dvec3(surface_.normals.corner(corner));
       const int point = surface_.half_edges.corner_point[corner];
       if (point == point_) patch.center = static_cast<int>(k);
       if (center_.with_map) patch.map[k] = dvec4((*surface_.map)[static_cast<size_t>(point)]);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -37,6 +38,7 @@ struct FanCorners {
 
 // Fans end at creases: edges that are sharp between two smooth faces.
 FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, NormalRings &rings) {
+  const auto vertex = [&](int32_t corner) { return triangles.corner_vertex[static_cast<size_t>(corner)]; };
   std::vector<int32_t> link = half_edges.twin;
   std::vector<uint8_t> left_out(static_cast<size_t>(triangles.triangle_count));
   for (size_t h = 0; h < link.size(); ++h) {
@@ -51,17 +53,30 @@ FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, No
   fans.begin.push_back(0);
   fans.corner.reserve(link.size());
   rings.fan_point.reserve(traced.first.size());
+  rings.fan_begin = {0};
+  rings.fan_begin.reserve(traced.first.size() + 1);
+  rings.fan_vertex.reserve(link.size() + 2 * traced.first.size());
   for (const int32_t first : traced.first) {
+    rings.fan_vertex.push_back(vertex(first));
+    rings.fan_vertex.push_back(vertex(next_corner(first)));
     for (int32_t corner = first; corner >= 0;) {
       fans.corner.push_back(corner);
+      rings.fan_vertex.push_back(vertex(previous_corner(corner)));
       corner = link[static_cast<size_t>(previous_corner(corner))];
       if (corner == first) break;
     }
     fans.begin.push_back(static_cast<int32_t>(fans.corner.size()));
+    rings.fan_begin.push_back(static_cast<int32_t>(rings.fan_vertex.size()));
     rings.fan_point.push_back(half_edges.corner_point[static_cast<size_t>(first)]);
   }
   rings.fan_count = traced.count;
-  rings.corner_fan = std::move(traced.corner_fan);
+  rings.corner_fan = std::make_shared<const std::vector<int32_t>>(std::move(traced.corner_fan));
+  constexpr int32_t none = -2, several = -1;
+  rings.point_fan.assign(static_cast<size_t>(half_edges.point_count), none);
+  for (int32_t fan = 0; fan < rings.fan_count; ++fan) {
+    int32_t &only = rings.point_fan[static_cast<size_t>(rings.fan_point[static_cast<size_t>(fan)])];
+    only = only == none ? fan : several;
+  }
   return fans;
 }
 
@@ -70,27 +85,24 @@ class RingWalker {
 public:
   RingWalker(const HalfEdges &half_edges, const NormalRings &rings, const FanCorners &fans)
       : half_edges_(half_edges), rings_(rings), fans_(fans), fan_stamp_(static_cast<size_t>(rings.fan_count), -1),
-        point_stamp_(static_cast<size_t>(half_edges.point_count), -1), face_stamp_(rings.corner_fan.size() / 3, -1) {}
+        point_stamp_(static_cast<size_t>(half_edges.point_count), -1), face_stamp_(rings.corner_fan->size() / 3, -1) {}
 
-  // Appends to points and faces; returns how many of the faces are the fan's own.
-  int32_t walk(int fan, std::vector<int32_t> &points, std::vector<int32_t> &faces) {
-    const size_t points_begin = points.size();
-    const size_t faces_begin = faces.size();
+  // Appends to vertices and faces.
+  void walk(int fan, std::vector<int32_t> &vertices, std::vector<int32_t> &faces) {
+    const size_t begin = vertices.size();
     fan_ = fan;
     fan_stamp_[static_cast<size_t>(fan)] = fan;
     point_stamp_[static_cast<size_t>(rings_.fan_point[static_cast<size_t>(fan)])] = fan;
     for (const int corner : corners(fan)) take_face(corner / 3, faces);
-    const auto own_faces = static_cast<int32_t>(faces.size() - faces_begin);
     front_.assign(1, fan);
     for (int ring = 0; ring < most_rings && !front_.empty(); ++ring) {
-      const size_t found = points.size() - points_begin;
+      const size_t found = vertices.size() - begin;
       if ((ring >= 2 && found >= enough_neighbors) || found >= most_neighbors) break;
       next_front_.clear();
-      for (const int member : front_) take_fan(member, points, faces);
+      for (const int member : front_) take_fan(member, vertices, faces);
       std::swap(front_, next_front_);
     }
-    if (points.size() - points_begin > most_neighbors) points.resize(points_begin + most_neighbors);
-    return own_faces;
+    if (vertices.size() - begin > most_neighbors) vertices.resize(begin + most_neighbors);
   }
 
 private:
@@ -100,13 +112,13 @@ private:
     return {fans_.corner.data() + begin, end - begin};
   }
 
-  void take_fan(int member, std::vector<int32_t> &points, std::vector<int32_t> &faces) {
+  void take_fan(int member, std::vector<int32_t> &vertices, std::vector<int32_t> &faces) {
     const auto all = corners(member);
     const size_t step = (all.size() + most_corners - 1) / most_corners;
     for (size_t i = 0; i < all.size(); i += step) {
       take_face(all[i] / 3, faces);
-      take_corner(next_corner(all[i]), points);
-      take_corner(previous_corner(all[i]), points);
+      take_corner(next_corner(all[i]), vertices);
+      take_corner(previous_corner(all[i]), vertices);
     }
   }
 
@@ -114,12 +126,12 @@ private:
     if (std::exchange(face_stamp_[static_cast<size_t>(face)], fan_) != fan_) faces.push_back(face);
   }
 
-  void take_corner(int corner, std::vector<int32_t> &points) {
-    const int other = rings_.corner_fan[static_cast<size_t>(corner)];
+  void take_corner(int corner, std::vector<int32_t> &vertices) {
+    const int other = (*rings_.corner_fan)[static_cast<size_t>(corner)];
     if (std::exchange(fan_stamp_[static_cast<size_t>(other)], fan_) == fan_) return;
     next_front_.push_back(other);
-    const int point = half_edges_.corner_point[static_cast<size_t>(corner)];
-    if (std::exchange(point_stamp_[static_cast<size_t>(point)], fan_) != fan_) points.push_back(point);
+    const auto point = static_cast<size_t>(half_edges_.corner_point[static_cast<size_t>(corner)]);
+    if (std::exchange(point_stamp_[point], fan_) != fan_) vertices.push_back(half_edges_.point_vertex[point]);
   }
 
   const HalfEdges &half_edges_;
@@ -131,18 +143,18 @@ private:
 
 // The rings of a run of fans.
 struct RingRun {
-  std::vector<int32_t> ring_size, face_size, own_faces, points, faces;
+  std::vector<int32_t> ring_size, face_size, vertices, faces;
 };
 
 RingRun walk_run(RingWalker &walker, int begin, int end) {
   RingRun run;
   for (int fan = begin; fan < end; ++fan) {
-    const size_t points = run.points.size(), faces = run.faces.size();
-    run.own_faces.push_back(walker.walk(fan, run.points, run.faces));
-    run.ring_size.push_back(static_cast<int32_t>(run.points.size() - points));
+    const size_t vertices = run.vertices.size(), faces = run.faces.size();
+    walker.walk(fan, run.vertices, run.faces);
+    run.ring_size.push_back(static_cast<int32_t>(run.vertices.size() - vertices));
     run.face_size.push_back(static_cast<int32_t>(run.faces.size() - faces));
   }
-  run.points.shrink_to_fit();
+  run.vertices.shrink_to_fit();
   run.faces.shrink_to_fit();
   return run;
 }
@@ -155,23 +167,21 @@ void append_sizes(const std::vector<int32_t> &sizes, std::vector<int32_t> &begin
 
 // Each run is given up as soon as it is copied: rings take more memory than the mesh.
 void join_runs(std::vector<RingRun> &runs, NormalRings &rings) {
-  size_t points = 0, faces = 0;
+  size_t vertices = 0, faces = 0;
   for (const RingRun &run : runs) {
-    points += run.points.size();
+    vertices += run.vertices.size();
     faces += run.faces.size();
   }
-  rings.ring_point.reserve(points);
+  rings.ring_vertex.reserve(vertices);
   rings.face.reserve(faces);
   for (auto *begins : {&rings.ring_begin, &rings.face_begin}) {
     begins->reserve(static_cast<size_t>(rings.fan_count) + 1);
     begins->push_back(0);
   }
-  rings.own_faces.reserve(static_cast<size_t>(rings.fan_count));
   for (RingRun &run : runs) {
     append_sizes(run.ring_size, rings.ring_begin);
     append_sizes(run.face_size, rings.face_begin);
-    append(run.own_faces, rings.own_faces);
-    append(run.points, rings.ring_point);
+    append(run.vertices, rings.ring_vertex);
     append(run.faces, rings.face);
     run = {};
   }
@@ -179,24 +189,32 @@ void join_runs(std::vector<RingRun> &runs, NormalRings &rings) {
 
 // ---- Jets -----------------------------------------------------------------------------------------------------------------
 
-// The neighbors of one fan as heights w over Max's tangent plane.
+// Several fans at a time, one in each lane; lanes do not depend on each other.
+constexpr size_t lane_count = 4;
+using Lanes [[gnu::vector_size(lane_count * sizeof(double))]] = double;
+
+// The neighbors of a fan in each lane as heights w over Max's tangent plane; behind its last neighbor a lane has zeros, which
+// change no sum.
 struct Heights {
-  int count = 0;
-  std::array<double, most_neighbors> u, v, w;
+  std::array<int, lane_count> count{};
+  size_t most = 0;
+  std::array<Lanes, most_neighbors> u, v, w;
 };
 
 constexpr size_t cubic_terms = 4, columns = 9; // of the full problem; without its first four columns it is the quadratic one
-using Gram = std::array<std::array<double, columns + 1>, columns + 1>;
+using Gram = std::array<std::array<Lanes, columns + 1>, columns + 1>; // its upper half
+using Scale = std::array<Lanes, columns + 1>;
 
 // Sums of u^(degree - k) v^k over the neighbors, and of the same times w: all that the normal equations are made of.
 struct JetMoments {
   static constexpr size_t most = 6;
-  std::array<std::array<double, most + 1>, most + 1> sum{}; // (degree, k)
-  std::array<std::array<double, 4>, 4> sum_w{};
-  double sum_ww = 0;
+  std::array<std::array<Lanes, most + 1>, most + 1> sum{}; // (degree, k)
+  std::array<std::array<Lanes, 4>, 4> sum_w{};
+  Lanes sum_ww{};
 
-  void add(double u, double v, double w) {
-    std::array<double, most + 1> power{1}; // of one degree
+  void add(Lanes u, Lanes v, Lanes w) {
+    std::array<Lanes, most + 1> power; // of one degree
+    power[0] = Lanes{} + 1.0;
     for (size_t degree = 1; degree <= most; ++degree) {
       power[degree] = power[degree - 1] * v;
       for (size_t k = 0; k < degree; ++k) power[k] *= u;
@@ -209,72 +227,80 @@ struct JetMoments {
 };
 
 // Normal equations of w = a jet without constant term, gradient last, then the heights themselves. Columns are scaled to unit
-// length; scale keeps the factors. False where a column vanishes.
-bool make_gram(const Heights &heights, Gram &gram, std::array<double, columns + 1> &scale) {
+// length; scale keeps the factors, which are no numbers where a column vanishes.
+void make_gram(const Heights &heights, Gram &gram, Scale &scale) {
   struct Monomial {
     size_t degree, k;
   };
   constexpr std::array<Monomial, columns> monomials{{{3, 0}, {3, 1}, {3, 2}, {3, 3}, {2, 0}, {2, 1}, {2, 2}, {1, 0}, {1, 1}}};
   JetMoments moments;
-  for (size_t i = 0; i < static_cast<size_t>(heights.count); ++i) moments.add(heights.u[i], heights.v[i], heights.w[i]);
+  for (size_t i = 0; i < heights.most; ++i) moments.add(heights.u[i], heights.v[i], heights.w[i]);
   for (size_t a = 0; a < columns; ++a) {
     const Monomial own = monomials[a];
-    for (size_t b = 0; b < columns; ++b) gram[a][b] = moments.sum[own.degree + monomials[b].degree][own.k + monomials[b].k];
-    gram[a][columns] = gram[columns][a] = moments.sum_w[own.degree][own.k];
+    for (size_t b = a; b < columns; ++b) gram[a][b] = moments.sum[own.degree + monomials[b].degree][own.k + monomials[b].k];
+    gram[a][columns] = moments.sum_w[own.degree][own.k];
   }
   gram[columns][columns] = moments.sum_ww;
-  for (size_t a = 0; a <= columns; ++a) {
-    if (a < columns && !(gram[a][a] > 0)) return false;
-    scale[a] = a < columns ? 1 / std::sqrt(gram[a][a]) : 1;
-  }
+  for (size_t a = 0; a < columns; ++a)
+    for (size_t lane = 0; lane < lane_count; ++lane) scale[a][lane] = 1.0 / std::sqrt(gram[a][a][lane]);
+  scale[columns] = Lanes{} + 1.0;
   for (size_t a = 0; a <= columns; ++a)
-    for (size_t b = 0; b <= columns; ++b) gram[a][b] *= scale[a] * scale[b];
-  return true;
+    for (size_t b = a; b <= columns; ++b) gram[a][b] *= scale[a] * scale[b];
 }
 
 struct Gradient {
-  double u = 0, v = 0;
-  double residual = 0; // sum of squares
+  Lanes u, v;
+  Lanes residual;    // sum of squares
+  Lanes least_pivot; // of 1; not above what is enough, or no number, where the neighbors do not determine it
 };
 
-// Elimination from the given column on. Higher orders go first, so that what is left of the last two pivots (of 1) tells how
-// well the neighbors determine the gradient alone. False where they do not.
-template <size_t first> bool solve_gradient(Gram gram, const std::array<double, columns + 1> &scale, Gradient &gradient) {
-  constexpr double least_pivot = 1e-5;
+// Elimination from the given column on. Higher orders go first, so that what is left of the last two pivots tells how well the
+// neighbors determine the gradient alone.
+template <size_t first> Gradient solve_gradient(Gram gram, const Scale &scale) {
+  Gradient gradient;
+  gradient.least_pivot = gram[first][first];
   for (size_t k = first; k < columns; ++k) {
-    if (!(gram[k][k] > least_pivot)) return false;
-    const double inverse = 1 / gram[k][k];
+    const Lanes pivot = gram[k][k], inverse = 1.0 / pivot;
+    gradient.least_pivot = pivot > gradient.least_pivot ? gradient.least_pivot : pivot; // no number stays none
     for (size_t a = k + 1; a <= columns; ++a) {
-      const double factor = gram[a][k] * inverse;
-      for (size_t b = k + 1; b <= columns; ++b) gram[a][b] -= factor * gram[k][b];
+      const Lanes factor = gram[k][a] * inverse;
+      for (size_t b = a; b <= columns; ++b) gram[a][b] -= factor * gram[k][b];
     }
   }
   constexpr size_t u = columns - 2, v = columns - 1;
-  const double slope = gram[v][columns] / gram[v][v];
+  const Lanes slope = gram[v][columns] / gram[v][v];
   gradient.v = slope * scale[v];
   gradient.u = (gram[u][columns] - gram[u][v] * slope) / gram[u][u] * scale[u];
-  gradient.residual = std::max(gram[columns][columns], 0.0);
-  return true;
+  gradient.residual = gram[columns][columns];
+  return gradient;
 }
 
-// The gradient at the origin of the height function through it. Cubic terms take part as far as they explain more than noise
-// would: the quadratic jet has three times less of that. F is the ratio of Fisher's test of the larger model, about 1 where the
-// terms explain nothing; shrinking by 1 - c/F is James and Stein's.
-bool fit_gradient(const Heights &heights, Gradient &gradient) {
+// The gradient at the origin of the height function through it; none where neighbors do not determine it. Cubic terms take part
+// as far as they explain more than noise would: the quadratic jet has three times less of that. F is the ratio of Fisher's test
+// of the larger model, about 1 where the terms explain nothing; shrinking by 1 - c/F is James and Stein's.
+std::array<std::optional<dvec2>, lane_count> fit_gradients(const Heights &heights) {
   constexpr double least_gain = 3; // c: 19 times of 20, noise alone gives less than 3.6 with two rings of 18 neighbors
+  constexpr double least_pivot = 1e-5;
   constexpr int quadratic_columns = static_cast<int>(columns - cubic_terms), all_columns = static_cast<int>(columns);
   Gram gram;
-  std::array<double, columns + 1> scale;
-  if (heights.count < quadratic_columns + spare_neighbors || !make_gram(heights, gram, scale)) return false;
-  Gradient cubic;
-  if (!solve_gradient<cubic_terms>(gram, scale, gradient)) return false;
-  if (heights.count < all_columns + spare_neighbors || !solve_gradient<0>(gram, scale, cubic)) return true;
-  const double gain = (gradient.residual - cubic.residual) / static_cast<double>(cubic_terms);
-  const double noise = cubic.residual / (heights.count - all_columns);
-  const double share = gain > least_gain * noise ? 1 - least_gain * noise / gain : 0;
-  gradient.u += share * (cubic.u - gradient.u);
-  gradient.v += share * (cubic.v - gradient.v);
-  return true;
+  Scale scale;
+  make_gram(heights, gram, scale);
+  const Gradient quadratic = solve_gradient<cubic_terms>(gram, scale), cubic = solve_gradient<0>(gram, scale);
+  std::array<std::optional<dvec2>, lane_count> gradients;
+  for (size_t lane = 0; lane < lane_count; ++lane) {
+    const int count = heights.count[lane];
+    if (count < quadratic_columns + spare_neighbors || !(quadratic.least_pivot[lane] > least_pivot)) continue;
+    dvec2 gradient(quadratic.u[lane], quadratic.v[lane]);
+    if (count >= all_columns + spare_neighbors && cubic.least_pivot[lane] > least_pivot) {
+      const double left = std::max(cubic.residual[lane], 0.0);
+      const double gain = (std::max(quadratic.residual[lane], 0.0) - left) / static_cast<double>(cubic_terms);
+      const double noise = left / (count - all_columns);
+      const double share = gain > least_gain * noise ? 1 - least_gain * noise / gain : 0;
+      gradient += share * (dvec2(cubic.u[lane], cubic.v[lane]) - gradient);
+    }
+    gradients[lane] = gradient;
+  }
+  return gradients;
 }
 
 // ---- Fans -----------------------------------------------------------------------------------------------------------------
@@ -311,44 +337,29 @@ std::span<const int32_t> slice(const std::vector<int32_t> &begins, const std::ve
 
 struct Sources {
   const Triangles &triangles;
-  const HalfEdges &half_edges;
   const NormalRings &rings;
   const std::vector<vec3> &faces;
 };
 
-std::span<const int32_t> own_faces(const NormalRings &rings, int fan) {
-  return slice(rings.face_begin, rings.face, fan).first(static_cast<size_t>(rings.own_faces[static_cast<size_t>(fan)]));
-}
-
-// The corner of a face that belongs to the fan.
-int fan_corner(const NormalRings &rings, int face, int fan) {
-  int corner = 3 * face;
-  while (rings.corner_fan[static_cast<size_t>(corner)] != fan) ++corner;
-  return corner;
-}
-
+// N. Max's, from edges to the vertices around.
 dvec3 max_normal(const Sources &from, int fan) {
-  dvec3 sum(0), face_normal(0, 0, 1);
-  for (const int face : own_faces(from.rings, fan)) {
-    const auto [a, b] = corner_edges(from.triangles, fan_corner(from.rings, face, fan));
-    const double squares = glm::dot(a, a) * glm::dot(b, b);
+  const auto vertices = slice(from.rings.fan_begin, from.rings.fan_vertex, fan);
+  const dvec3 p = position(from.triangles, vertices[0]);
+  dvec3 sum(0), a = position(from.triangles, vertices[1]) - p;
+  double square = glm::dot(a, a);
+  for (const int32_t vertex : vertices.subspan(2)) {
+    const dvec3 b = position(from.triangles, vertex) - p;
+    const double next_square = glm::dot(b, b), squares = square * next_square;
     if (squares > 0) sum += glm::cross(a, b) / squares;
-    const vec3 own = from.faces[static_cast<size_t>(face)];
-    if (own != vec3(0)) face_normal = dvec3(own);
+    a = b;
+    square = next_square;
   }
-  return unit_or(sum, face_normal);
-}
-
-Heights heights_over(const Sources &from, int fan, dvec3 p, dvec3 e1, dvec3 e2, dvec3 n) {
-  Heights heights;
-  for (const int point : slice(from.rings.ring_begin, from.rings.ring_point, fan)) {
-    const dvec3 d = position(from.triangles, from.half_edges.point_vertex[static_cast<size_t>(point)]) - p;
-    const auto i = static_cast<size_t>(heights.count++);
-    heights.u[i] = glm::dot(d, e1);
-    heights.v[i] = glm::dot(d, e2);
-    heights.w[i] = glm::dot(d, n);
+  if (const dvec3 normal = unit_or(sum, dvec3(0)); normal != dvec3(0)) return normal;
+  for (size_t i = vertices.size() - 1; i > 1; --i) { // faces that cancel out: the last one's, which has one
+    const dvec3 face = glm::cross(position(from.triangles, vertices[i - 1]) - p, position(from.triangles, vertices[i]) - p);
+    if (const dvec3 normal = unit_or(face, dvec3(0)); normal != dvec3(0)) return normal;
   }
-  return heights;
+  return dvec3(0, 0, 1);
 }
 
 // 1 where value >= full, 0 where value <= none, smooth between.
@@ -357,29 +368,86 @@ double smooth_step(double none, double full, double value) {
   return t * t * (3 - 2 * t);
 }
 
-dvec3 fitted_normal(const Sources &from, int fan) {
-  const dvec3 n = max_normal(from, fan);
-  double spread = 1;
-  for (const int face : slice(from.rings.face_begin, from.rings.face, fan))
-    spread = std::min(spread, glm::dot(dvec3(from.faces[static_cast<size_t>(face)]), n));
-  if (spread <= spread_none) return n;
-  const dvec3 e1 = glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
-  const dvec3 e2 = glm::cross(n, e1);
-  const int point = from.rings.fan_point[static_cast<size_t>(fan)];
-  const dvec3 p = position(from.triangles, from.half_edges.point_vertex[static_cast<size_t>(point)]);
-  const Heights heights = heights_over(from, fan, p, e1, e2, n);
-  Gradient gradient;
-  if (!fit_gradient(heights, gradient)) return n;
-  const dvec3 fitted = glm::normalize(n - gradient.u * e1 - gradient.v * e2);
-  const double weight = smooth_step(spread_none, spread_full, spread) * smooth_step(turn_none, turn_full, glm::dot(n, fitted));
-  return glm::normalize(n + weight * (fitted - n));
-}
+// Fits fans in lanes, as many at a time as there are.
+class Fitter {
+public:
+  Fitter(const Sources &from, std::vector<vec3> &normals) : from_(from), normals_(normals) {}
+  ~Fitter() { fit(); }
+  Fitter(const Fitter &) = delete;
+  Fitter &operator=(const Fitter &) = delete;
+
+  void add(int fan) {
+    const dvec3 n = max_normal(from_, fan);
+    double spread = 1;
+    for (const int face : slice(from_.rings.face_begin, from_.rings.face, fan))
+      spread = std::min(spread, glm::dot(dvec3(from_.faces[static_cast<size_t>(face)]), n));
+    if (spread <= spread_none) {
+      normals_[static_cast<size_t>(fan)] = vec3(n);
+      return;
+    }
+    const dvec3 e1 = glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
+    members_[used_] = {fan, spread, n, e1, glm::cross(n, e1)};
+    take_heights(members_[used_]);
+    if (++used_ == lane_count) fit();
+  }
+
+private:
+  struct Member {
+    int fan;
+    double spread;
+    dvec3 n, e1, e2;
+  };
+
+  void take_heights(const Member &member) {
+    const auto center = static_cast<size_t>(from_.rings.fan_begin[static_cast<size_t>(member.fan)]);
+    const dvec3 p = position(from_.triangles, from_.rings.fan_vertex[center]);
+    const auto ring = slice(from_.rings.ring_begin, from_.rings.ring_vertex, member.fan);
+    for (; heights_.most < ring.size(); ++heights_.most)
+      heights_.u[heights_.most] = heights_.v[heights_.most] = heights_.w[heights_.most] = Lanes{};
+    for (size_t i = 0; i < ring.size(); ++i) {
+      const dvec3 d = position(from_.triangles, ring[i]) - p;
+      heights_.u[i][used_] = glm::dot(d, member.e1);
+      heights_.v[i][used_] = glm::dot(d, member.e2);
+      heights_.w[i][used_] = glm::dot(d, member.n);
+    }
+    heights_.count[used_] = static_cast<int>(ring.size());
+  }
+
+  void fit() {
+    if (used_ == 0) return;
+    const auto gradients = fit_gradients(heights_);
+    for (size_t lane = 0; lane < used_; ++lane)
+      normals_[static_cast<size_t>(members_[lane].fan)] = vec3(turned(members_[lane], gradients[lane]));
+    used_ = 0;
+    heights_.most = 0;
+    heights_.count.fill(0);
+  }
+
+  static dvec3 turned(const Member &member, const std::optional<dvec2> &gradient) {
+    const dvec3 n = member.n;
+    if (!gradient) return n;
+    const dvec3 fitted = glm::normalize(n - gradient->x * member.e1 - gradient->y * member.e2);
+    const double weight =
+        smooth_step(spread_none, spread_full, member.spread) * smooth_step(turn_none, turn_full, glm::dot(n, fitted));
+    return glm::normalize(n + weight * (fitted - n));
+  }
+
+  const Sources &from_;
+  std::vector<vec3> &normals_;
+  Heights heights_;
+  std::array<Member, lane_count> members_;
+  size_t used_ = 0;
+};
 
 std::vector<vec3> fan_normals(const Sources &from, bool fitted, int threads) {
   std::vector<vec3> normals(static_cast<size_t>(from.rings.fan_count));
   parallel_blocks(from.rings.fan_count, threads, block_size, [&](int begin, int end) {
-    for (int fan = begin; fan < end; ++fan)
-      normals[static_cast<size_t>(fan)] = vec3(fitted ? fitted_normal(from, fan) : max_normal(from, fan));
+    if (fitted) {
+      Fitter fitter(from, normals);
+      for (int fan = begin; fan < end; ++fan) fitter.add(fan);
+    } else {
+      for (int fan = begin; fan < end; ++fan) normals[static_cast<size_t>(fan)] = vec3(max_normal(from, fan));
+    }
   });
   return normals;
 }
@@ -398,14 +466,14 @@ std::vector<vec3> given_corner_normals(const Triangles &triangles, const HalfEdg
   return corners;
 }
 
-// The mean of the normals of the point's corners by angle; corners of one fan that agree need no mean.
-vec3 point_normal(const Triangles &triangles, const HalfEdges &half_edges, const std::vector<vec3> &corners, int point) {
+// The mean of the normals of the point's corners by angle; corners that agree need no mean.
+vec3 point_normal(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, int point) {
   const int first = half_edges.point_half_edge[static_cast<size_t>(point)];
-  const vec3 first_normal = corners[static_cast<size_t>(first)];
+  const vec3 first_normal = normals.corner(static_cast<size_t>(first));
   dvec3 sum(0);
   bool common = true;
   for (int corner = first; corner >= 0;) {
-    const vec3 normal = corners[static_cast<size_t>(corner)];
+    const vec3 normal = normals.corner(static_cast<size_t>(corner));
     common = common && normal == first_normal;
     if (!common) break;
     corner = half_edges.twin[static_cast<size_t>(previous_corner(corner))];
@@ -413,7 +481,7 @@ vec3 point_normal(const Triangles &triangles, const HalfEdges &half_edges, const
   }
   if (common) return first_normal;
   for (int corner = first; corner >= 0;) {
-    sum += surface_angle(triangles, corner) * dvec3(corners[static_cast<size_t>(corner)]);
+    sum += surface_angle(triangles, corner) * dvec3(normals.corner(static_cast<size_t>(corner)));
     corner = half_edges.twin[static_cast<size_t>(previous_corner(corner))];
     if (corner == first) break;
   }
@@ -445,25 +513,24 @@ NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half
 
 Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
                         int threads) {
-  const std::vector<vec3> faces = face_normals(triangles, threads);
+  const std::vector<vec3> faces = kind == PDESC_NORMALS_MAX ? std::vector<vec3>() : face_normals(triangles, threads);
   Normals normals;
   if (kind == PDESC_NORMALS_MESH) {
     if (triangles.corner_normal.empty())
       throw Error(PDESC_ERROR_INVALID_OPERATION, "The mesh's own normals were asked for, but it was created without "
                                                  "corner_normals: give them, or ask for fitted or Max's normals.");
-    normals.corner = given_corner_normals(triangles, half_edges, faces, threads);
+    normals.group = given_corner_normals(triangles, half_edges, faces, threads);
   } else {
-    const std::vector<vec3> fans = fan_normals({triangles, half_edges, rings, faces}, kind == PDESC_NORMALS_FITTED, threads);
-    normals.corner.resize(rings.corner_fan.size());
-    parallel_blocks(3 * triangles.triangle_count, threads, 16 * block_size, [&](int begin, int end) {
-      for (size_t corner = static_cast<size_t>(begin); corner < static_cast<size_t>(end); ++corner)
-        if (rings.corner_fan[corner] >= 0) normals.corner[corner] = fans[static_cast<size_t>(rings.corner_fan[corner])];
-    });
+    normals.group = fan_normals({triangles, rings, faces}, kind == PDESC_NORMALS_FITTED, threads);
+    normals.corner_fan = rings.corner_fan;
   }
   normals.point.resize(static_cast<size_t>(half_edges.point_count));
   parallel_blocks(half_edges.point_count, threads, 4 * block_size, [&](int begin, int end) {
-    for (int point = begin; point < end; ++point)
-      normals.point[static_cast<size_t>(point)] = point_normal(triangles, half_edges, normals.corner, point);
+    for (int point = begin; point < end; ++point) {
+      const int32_t fan = !normals.corner_fan ? -1 : rings.point_fan[static_cast<size_t>(point)];
+      normals.point[static_cast<size_t>(point)] =
+          fan >= 0 ? normals.group[static_cast<size_t>(fan)] : point_normal(triangles, half_edges, normals, point);
+    }
   });
   return normals;
 }

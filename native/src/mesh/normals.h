@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "mesh/halfedge.h"
@@ -14,18 +15,27 @@ namespace paradesc {
 // Found once per topology.
 struct NormalRings {
   int fan_count = 0;
-  std::vector<int32_t> corner_fan; // (3 * triangle_count) -1 for triangles left out
-  std::vector<int32_t> fan_point;  // (fan_count)
-  std::vector<int32_t> ring_begin; // (fan_count + 1) into ring_point
-  std::vector<int32_t> ring_point; // neighbors over rings of the mesh, nearest ring first, sharp edges never crossed
-  std::vector<int32_t> face_begin; // (fan_count + 1) into face
-  std::vector<int32_t> face;       // triangles of the rings used, the fan's own first
-  std::vector<int32_t> own_faces;  // (fan_count) how many of those are the fan's own
+  std::shared_ptr<const std::vector<int32_t>> corner_fan; // (3 * triangle_count) -1 for triangles left out
+  std::vector<int32_t> fan_point;                         // (fan_count)
+  std::vector<int32_t> point_fan;                         // (point_count) -1 for points of several fans
+  std::vector<int32_t> fan_begin;                         // (fan_count + 1) into fan_vertex
+  std::vector<int32_t> fan_vertex;  // the fan's own vertex; those around it, in turning order: each face lies between two of them
+  std::vector<int32_t> ring_begin;  // (fan_count + 1) into ring_vertex
+  std::vector<int32_t> ring_vertex; // neighbors over rings of the mesh, nearest ring first, sharp edges never crossed
+  std::vector<int32_t> face_begin;  // (fan_count + 1) into face
+  std::vector<int32_t> face;        // triangles of the rings used, the fan's own first
 };
 
 struct Normals {
-  std::vector<vec3> corner; // (3 * triangle_count) unit; zero for triangles left out
-  std::vector<vec3> point;  // (point_count) unit: of the evaluation at that point, common to all its fans
+  std::vector<vec3> group; // unit: of each fan, or of each corner where corners have normals of their own
+  std::shared_ptr<const std::vector<int32_t>> corner_fan; // of the rings; none where corners have normals of their own
+  std::vector<vec3> point; // (point_count) unit: of the evaluation at that point, common to all its fans
+  // Unit; zero for triangles left out.
+  vec3 corner(size_t corner) const {
+    if (!corner_fan) return group[corner];
+    const int32_t fan = (*corner_fan)[corner];
+    return fan < 0 ? vec3(0.0f) : group[static_cast<size_t>(fan)];
+  }
 };
 
 // threads as in pdesc_context_options.

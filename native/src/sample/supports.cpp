@@ -34,10 +34,10 @@ BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles
           samples.point.emplace_back(point.normal, 0.0f);
           return;
         }
-        const vec3 n = normals.corner[corner] * (1.0f - a - b) + normals.corner[corner + 1] * a + normals.corner[corner + 2] * b;
+        const vec3 n = normals.corner(corner) * (1.0f - a - b) + normals.corner(corner + 1) * a + normals.corner(corner + 2) * b;
         const float span = length(n);
         samples.point.emplace_back(p[0] + (p[1] - p[0]) * a + (p[2] - p[0]) * b, area);
-        samples.point.emplace_back(span > 0.0f ? n / span : normals.corner[corner], static_cast<float>(corner / 3));
+        samples.point.emplace_back(span > 0.0f ? n / span : normals.corner(corner), static_cast<float>(corner / 3));
         samples.weights.emplace_back(a, b);
       };
       for (int i = 0; i < side; ++i)

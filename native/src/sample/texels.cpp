@@ -143,7 +143,7 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
     const TexelPlace &place = map.places[i];
     const auto position = mix_corners<dvec3>(
         place, [&](size_t c) { return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[c])]); });
-    const vec3 normal = mix_corners<vec3>(place, [&](size_t c) { return normals.corner[c]; });
+    const vec3 normal = mix_corners<vec3>(place, [&](size_t c) { return normals.corner(c); });
     const float span = length(normal);
     const auto at_site = [&](size_t c) { return ellipses[static_cast<size_t>(charts.corner_site[c])]; };
     const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(place, at_site) * reach;
@@ -151,7 +151,7 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
     const auto chart = static_cast<float>(charts.triangle_chart[static_cast<size_t>(place.triangle)]);
     centers.push_back(
         {vec4(vec3((position - frame.center) * frame.scale), chart),
-         vec4(span > 0.0f ? normal / span : normals.corner[corner], pattern_rotation(static_cast<uint32_t>(place.texel), seed)),
+         vec4(span > 0.0f ? normal / span : normals.corner(corner), pattern_rotation(static_cast<uint32_t>(place.texel), seed)),
          layout_place(place, triangles, map.size), ellipse});
   }
   return centers;
