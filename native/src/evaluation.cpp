@@ -284,8 +284,7 @@ SiteResults evaluate_at_texels(Mesh &mesh, const pdesc_options &options, std::sp
   constexpr size_t batch = size_t{1} << 15;
   const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED;
   const TexelMap &map = prepare_texels(mesh, options);
-  const std::vector<vec4> ellipses =
-      connected ? std::vector<vec4>() : sampling_ellipses(mesh.triangles, mesh.charts, frame.buffer_frame);
+  const std::vector<vec4> ellipses = connected ? std::vector<vec4>() : ellipses_of(mesh, frame, 1);
   SiteResults all;
   const size_t count = map.places.size();
   for (size_t first = 0; first < count; first += batch) {

@@ -32,7 +32,8 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
   const Charts &c = mesh.charts;
   return bytes(t.positions, t.corner_vertex, t.corner_uv, t.given_uv, t.input_corner, t.corner_normal, t.half_edge_sharp) +
          bytes(h.corner_point, h.twin, h.point_vertex, h.point_half_edge, h.vertex_point, h.point_boundary) +
-         bytes(c.triangle_chart, c.corner_site, c.half_edge_border, c.sites, c.point_site, c.shared_corners, c.borders);
+         bytes(c.triangle_chart, c.corner_site, c.half_edge_border, c.sites, c.point_site, c.shared_sites, c.shared_corners,
+               c.borders);
 }
 
 static int64_t rows_of(std::span<const int> descriptors) {
@@ -55,12 +56,12 @@ static int64_t bytes_of_device(const Mesh &mesh, const pdesc_options &options, s
   const int64_t triangles = mesh.triangles.triangle_count, borders = static_cast<int64_t>(mesh.charts.borders.size());
   const auto places = static_cast<int64_t>(mesh.charts.sites.size());
   const int64_t texels = int64_t{options.buffer_size} * options.buffer_size;
-  const int64_t a_texel = (options.precision == PDESC_PRECISION_HALF && !mesh.maps.any() ? 28 : 44) + 8 + 8 +
-                          4 // borders, cells, owners
-                          + (reads_map(descriptors) ? 20 : 0);
+  const int64_t a_texel = (options.precision == PDESC_PRECISION_HALF && !mesh.maps.any() ? 32 : 48) + 8 + 8 +
+                          8 // borders, cells, depth and owners of a layout
+                          + (reads_map(descriptors) ? 16 : 0);
   const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? 32768 : places;
-  int64_t bytes = texels * a_texel + triangles * 28 + places * 40 + borders * 130 + centers * (200 + 4 * rows_of(descriptors));
-  if (reads_map(descriptors)) bytes += triangles * 12 + places * 80 + borders * 250;
+  int64_t bytes = texels * a_texel + triangles * 48 + places * 32 + borders * 100 + centers * (200 + 4 * rows_of(descriptors));
+  if (reads_map(descriptors)) bytes += places * 32;
   if (options.relocation == PDESC_RELOCATION_PAPER) bytes += int64_t{16384} * MAX_VISITS * 64 + 16384 * 2048;
   if (options.relocation == PDESC_RELOCATION_AFFINE) bytes += int64_t{65536} * 2048;
   return bytes;

@@ -16,8 +16,8 @@ namespace paradesc {
 
 static void measure(Mesh &mesh) {
   constexpr int block = 65536;
-  const Box box = bounding_box(mesh.triangles, mesh.half_edges);
-  mesh.diagonal = length(box.high - box.low);
+  mesh.box = bounding_box(mesh.triangles, mesh.half_edges, mesh.context->threads);
+  mesh.diagonal = length(mesh.box.high - mesh.box.low);
   const int half_edges = 3 * mesh.triangles.triangle_count;
   std::vector<std::pair<double, int>> parts(static_cast<size_t>((half_edges + block - 1) / block)); // sum and count
   parallel_blocks(half_edges, mesh.context->threads, block, [&](int begin, int end) {
@@ -219,7 +219,7 @@ static Field compute_on_backend(Mesh &mesh, const pdesc_options &options, std::s
                                         : compute_in_texture_space(mesh, options, asked, radius, told, field);
   checkpoint();
   for (const int descriptor : asked) field.names.emplace_back(descriptors()[static_cast<size_t>(descriptor)].name);
-  gather(mesh.half_edges, results, options.seam_error != 0 && !reference, field);
+  gather(mesh.half_edges, results, options.seam_error != 0 && !reference, mesh.context->threads, field);
   field.report.radius = radius;
   field.report.backend = mesh.context->backend;
   field.report.memory_megabytes =

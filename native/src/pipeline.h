@@ -29,10 +29,12 @@ struct DeviceMesh {
   Cells cells;
   CellSamples samples; // of the cells, as the last search chose them
   BakeVertices vertices;
-  TexelMap texels;                    // where results go in texel evaluation
-  std::vector<int32_t> texel_cells;   // (places of texels) where their searches start; none until it is asked
-  BufferFrame frame;                  // of the last bake
-  std::shared_ptr<struct Frame> last; // what was made for it, while positions and maps stay
+  std::vector<int32_t> sampled_corners; // of the sites whose ellipses are asked for
+  size_t sampled_step = 0;              // every so many sites; 0: none yet
+  TexelMap texels;                      // where results go in texel evaluation
+  std::vector<int32_t> texel_cells;     // (places of texels) where their searches start; none until it is asked
+  BufferFrame frame;                    // of the last bake
+  std::shared_ptr<struct Frame> last;   // what was made for it, while positions and maps stay
   SurfaceMapper mapper;
   int normals_kind = -1;
   TexelCounts counts;
@@ -54,6 +56,7 @@ struct Mesh {
   bool fill_tried = false;
   bool overlap_free = false; // no place of the layout in use belongs to two triangles, whatever rasterizers round
   uint64_t version = 0;      // of positions and maps
+  Box box;
   double diagonal = 0.0;
   double mean_edge = 0.0;
 

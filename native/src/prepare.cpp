@@ -59,11 +59,20 @@ static double median_radius(const Mesh &mesh, const pdesc_options &options, floa
   return sizes[sizes.size() / 2];
 }
 
-void prepare_centers(const Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
+std::vector<vec4> ellipses_of(Mesh &mesh, const Frame &frame, size_t step) {
+  DeviceMesh &device = *mesh.device;
+  if (device.sampled_step != step) {
+    device.sampled_corners = corners_of_sites(mesh.charts, step);
+    device.sampled_step = step;
+  }
+  return sampling_ellipses(mesh.triangles, mesh.charts, frame.buffer_frame, device.sampled_corners, step);
+}
+
+void prepare_centers(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame) {
   // Samples that walk need all ellipses; the median of their sizes does with some.
   const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED;
   const size_t step = connected ? std::max<size_t>(1, mesh.charts.sites.size() / 4096) : 1;
-  const std::vector<vec4> ellipses = sampling_ellipses(mesh.triangles, mesh.charts, frame.buffer_frame, step);
+  const std::vector<vec4> ellipses = ellipses_of(mesh, frame, step);
   const auto own_radius = static_cast<float>(radius * frame.buffer_frame.scale);
   frame.radius_in_texels = median_radius(mesh, options, own_radius, ellipses, step);
   frame.centers.clear();
@@ -161,6 +170,7 @@ static void bake_layout(Mesh &mesh, const pdesc_options &options, const BakeInpu
   step(mesh, [&](const Gl &, ProgramCache &programs) { device.counts = device.buffer->end_layout(programs); });
   step(mesh, [&](const Gl &, ProgramCache &) { device.bare_triangles = count_bare_triangles(mesh, device.buffer->read_ids()); });
   device.cells.block_size = 0;
+  device.sampled_step = 0;
   device.texels = {};
   device.samples = {};
 }
@@ -299,7 +309,7 @@ static void bake_frame(Mesh &mesh, const pdesc_options &options, Frame &frame, b
   frame.baked = false; // until it is done: a run may be cancelled before
   frame.measured.clear();
   frame.positions.clear();
-  frame.buffer_frame = frame_of(mesh.triangles, mesh.half_edges);
+  frame.buffer_frame = frame_of(mesh.box);
   if (mesh.maps.any())
     frame.mapped =
         map_points(mesh.maps, mesh.triangles, mesh.half_edges, frame.normals, frame.buffer_frame, mesh.context->threads);

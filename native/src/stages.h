@@ -69,7 +69,9 @@ Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius
                          const std::vector<SupportCenter> &centers);
 void set_supports(Mesh &mesh, const Supports &supports, const Frame &frame);
 // The centers again, for another radius.
-void prepare_centers(const Mesh &mesh, const pdesc_options &options, double radius, Frame &frame);
+void prepare_centers(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame);
+// Sampling ellipses of every so many sites.
+std::vector<vec4> ellipses_of(Mesh &mesh, const Frame &frame, size_t step);
 // How far a pass looks around.
 double reach_of(const Pass &pass, const pdesc_options &options, double radius);
 // The triangles as they are measured: displaced where maps say so.

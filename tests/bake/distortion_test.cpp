@@ -46,7 +46,7 @@ TEST(FirstFundamentalForm, is_that_of_the_affine_map) {
 
 TEST(FirstFundamentalForm, is_in_buffer_units) {
   const Built built = stretched_patch();
-  const BufferFrame frame = frame_of(built.triangles, built.half_edges);
+  const BufferFrame frame = frame_of(bounding_box(built.triangles, built.half_edges));
   const auto plain = forms_of(built);
   const auto scaled = forms_of(built, frame);
   const auto square = static_cast<float>(frame.scale * frame.scale);
@@ -70,7 +70,7 @@ TEST(FirstFundamentalForm, area_elements_times_uv_areas_are_areas) {
 
 TEST(BufferFrame, puts_the_longest_side_of_the_box_between_minus_one_and_one) {
   const Built built = build(grid(4, 2, [](dvec2 place, int, int) { return place * 0.2; }));
-  const BufferFrame frame = frame_of(built.triangles, built.half_edges);
+  const BufferFrame frame = frame_of(bounding_box(built.triangles, built.half_edges));
   EXPECT_EQ(frame.to_buffer(vec3(0, 0, 0)), vec3(-1, -0.5f, 0));
   EXPECT_EQ(frame.to_buffer(vec3(4, 2, 0)), vec3(1, 0.5f, 0));
 }
@@ -79,12 +79,12 @@ TEST(BufferFrame, leaves_out_vertices_without_a_face) {
   Shape shape = grid(4, 2, [](dvec2 place, int, int) { return place * 0.2; });
   shape.positions.push_back(vec3(1000));
   const Built built = build(shape);
-  EXPECT_EQ(frame_of(built.triangles, built.half_edges).to_buffer(vec3(4, 2, 0)), vec3(1, 0.5f, 0));
+  EXPECT_EQ(frame_of(bounding_box(built.triangles, built.half_edges)).to_buffer(vec3(4, 2, 0)), vec3(1, 0.5f, 0));
 }
 
 TEST(SamplingEllipse, carries_the_unit_circle_to_offsets_of_length_one_on_the_surface) {
   const Built built = stretched_patch();
-  const auto ellipses = sampling_ellipses(built.triangles, built.charts, {});
+  const auto ellipses = sampling_ellipses(built.triangles, built.charts, {}, corners_of_sites(built.charts));
   ASSERT_EQ(ellipses.size(), 16u);
   for (const vec4 ellipse : ellipses)
     for (int k = 0; k < 24; ++k) {
@@ -97,7 +97,8 @@ TEST(SamplingEllipse, carries_the_unit_circle_to_offsets_of_length_one_on_the_su
 TEST(SamplingEllipse, is_zero_where_no_triangle_has_area) {
   Built built = stretched_patch();
   for (vec3 &position : built.triangles.positions) position = vec3(1.0f);
-  for (const vec4 ellipse : sampling_ellipses(built.triangles, built.charts, {})) EXPECT_EQ(ellipse, vec4(0.0f));
+  for (const vec4 ellipse : sampling_ellipses(built.triangles, built.charts, {}, corners_of_sites(built.charts)))
+    EXPECT_EQ(ellipse, vec4(0.0f));
 }
 
 } // namespace

@@ -43,7 +43,7 @@ inline void draw_frame(GeometryBuffer &buffer, ProgramCache &programs, const Bak
 inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 1, bool half = false) {
   Buffers buffers;
   buffers.size = size;
-  buffers.frame = frame_of(built.triangles, built.half_edges);
+  buffers.frame = frame_of(bounding_box(built.triangles, built.half_edges));
   const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
   buffers.normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
   for (size_t t = 0; t < at(built.triangles.triangle_count); ++t)

@@ -13,30 +13,47 @@ namespace {
 
 constexpr int size = 128;
 
-// Barycentric coordinates of the triangle's place nearest to a texel's center; of a line's texel the nearest on the chart's edge,
-// or on two of its edges that are as near in the floats of a depth buffer.
-std::vector<dvec3> nearest_places(const Built &built, int triangle, bool line, dvec2 center) {
-  const dvec2 corner[3] = {built.uv(3 * triangle) - center, built.uv(3 * triangle + 1) - center,
-                           built.uv(3 * triangle + 2) - center};
-  const double area = paradesc::cross(corner[1] - corner[0], corner[2] - corner[0]);
-  const dvec3 inside(paradesc::cross(corner[1], corner[2]), paradesc::cross(corner[2], corner[0]),
-                     paradesc::cross(corner[0], corner[1]));
-  if (!line && std::min({inside.x / area, inside.y / area, inside.z / area}) >= 0) return {inside / area};
-  std::vector<std::pair<double, dvec3>> places;
+// A place on a triangle's side, seen from a texel's center, in texels.
+struct OnSide {
+  dvec3 part; // barycentric coordinates
+  double away;
+  double beyond; // how far the center lies off the line that is drawn for the side; below 0: on it
+};
+
+// Nearest first; line: only on sides that are chart edges.
+std::vector<OnSide> places_on_sides(const Built &built, int triangle, bool line, const dvec2 (&corner)[3]) {
+  constexpr double reach = 0.7072; // edge.vert.glsl
+  std::vector<OnSide> places;
   for (int i = 0; i < 3; ++i) {
     if (line && built.charts.half_edge_border[at(3 * triangle + i)] < 0) continue;
-    const dvec2 from = corner[i], way = corner[(i + 1) % 3] - from;
-    const double t = std::clamp(-dot(from, way) / dot(way, way), 0.0, 1.0);
-    dvec3 part(0.0);
-    part[i] = 1 - t;
-    part[(i + 1) % 3] = t;
-    places.emplace_back(glm::length(from + way * t), part);
+    const dvec2 from = corner[i] * static_cast<double>(size), way = corner[(i + 1) % 3] * static_cast<double>(size) - from;
+    const double along = -dot(from, way) / dot(way, way), t = std::clamp(along, 0.0, 1.0), span = glm::length(way);
+    const double across = std::abs(paradesc::cross(from, way)) / span;
+    OnSide place{dvec3(0.0), glm::length(from + way * t), std::max({across, -along * span, (along - 1) * span}) - reach};
+    place.part[i] = 1 - t;
+    place.part[(i + 1) % 3] = t;
+    places.push_back(place);
   }
-  std::sort(places.begin(), places.end(), [](const auto &a, const auto &b) { return a.first < b.first; });
-  std::vector<dvec3> nearest;
-  for (const auto &[away, part] : places)
-    if (nearest.empty() || (line && away - places[0].first < 1e-6)) nearest.push_back(part);
-  return nearest;
+  std::sort(places.begin(), places.end(), [](const OnSide &a, const OnSide &b) { return a.away < b.away; });
+  return places;
+}
+
+// Barycentric coordinates of what a texel stands for: the triangle's place nearest to its center, or that on the lines drawn for
+// the chart's edges; several where rounding decides which lines have the center.
+std::vector<dvec3> places_of(const Built &built, int triangle, bool line, dvec2 center) {
+  constexpr double rounding = 2.0 / 256;
+  const dvec2 corner[3] = {built.uv(3 * triangle) - center, built.uv(3 * triangle + 1) - center,
+                           built.uv(3 * triangle + 2) - center};
+  const dvec3 inside(paradesc::cross(corner[1], corner[2]), paradesc::cross(corner[2], corner[0]),
+                     paradesc::cross(corner[0], corner[1]));
+  const dvec3 part = inside / (inside.x + inside.y + inside.z);
+  if (!line && std::min({part.x, part.y, part.z}) >= 0.0) return {part};
+  std::vector<dvec3> places;
+  for (const OnSide &place : places_on_sides(built, triangle, line, corner)) {
+    if (place.beyond < rounding) places.push_back(place.part);
+    if (place.beyond < -rounding) break;
+  }
+  return places;
 }
 
 class MappedTexels : public OnSoftwareDevice {
@@ -67,7 +84,7 @@ protected:
 
   void expect_the_cpus() {
     Buffers buffers;
-    buffers.frame = frame_of(built.triangles, built.half_edges);
+    buffers.frame = frame_of(bounding_box(built.triangles, built.half_edges));
     const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
     buffers.normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
     const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, *rings.corner_fan);
@@ -95,7 +112,7 @@ protected:
         const int32_t id = buffers.triangle(x, y), triangle = id < 0 ? -1 - id : id;
         const vec4 found = buffers.position_at(x, y);
         SurfacePoint expected{vec3(1e9f), {}, 0.0f};
-        for (const dvec3 part : nearest_places(built, triangle, id < 0, buffers.center(x, y))) {
+        for (const dvec3 part : places_of(built, triangle, id < 0, buffers.center(x, y))) {
           const SurfacePoint point = surface.at(triangle, static_cast<float>(part.y), static_cast<float>(part.z));
           if (glm::length(vec3(found) - point.position) < glm::length(vec3(found) - expected.position)) expected = point;
         }

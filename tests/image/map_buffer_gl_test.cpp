@@ -16,7 +16,7 @@ TEST_F(MapBuffers, hold_the_map_at_the_point_of_each_texel) {
   lay_out(mesh, {.charts = 15, .warp = 0.3});
   const Built built = build(read_triangles(input_of(mesh)));
   Buffers buffers;
-  buffers.frame = frame_of(built.triangles, built.half_edges);
+  buffers.frame = frame_of(bounding_box(built.triangles, built.half_edges));
   const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
   const Normals normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
   const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, *rings.corner_fan);

@@ -33,7 +33,7 @@ struct Baked {
         charts(build_charts(triangles, half_edges)) {
     const NormalRings rings = build_normal_rings(triangles, half_edges);
     normals = compute_normals(triangles, half_edges, rings, PDESC_NORMALS_FITTED, 0);
-    frame = frame_of(triangles, half_edges);
+    frame = frame_of(bounding_box(triangles, half_edges));
     const BakeVertices vertices = build_bake_vertices(triangles, charts, *rings.corner_fan);
     thread.run([&](const Gl &gl, ProgramCache &programs) {
       GeometryBuffer buffer(gl, size);

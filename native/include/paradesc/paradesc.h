@@ -140,7 +140,7 @@ typedef enum pdesc_evaluate {
 
 typedef enum pdesc_precision {
   PDESC_PRECISION_FULL = 0, /* 32-bit floats in the buffers */
-  PDESC_PRECISION_HALF = 1  /* 16-bit floats: 28 instead of 44 bytes a texel. What rounding takes from positions and normals is kept in
+  PDESC_PRECISION_HALF = 1  /* 16-bit floats: 32 instead of 48 bytes a texel. What rounding takes from positions and normals is kept in
                                numbers that are free, so results hardly change; the center of an evaluation stays in 32 bits */
 } pdesc_precision;
 

@@ -6,8 +6,7 @@
 
 namespace paradesc {
 
-BufferFrame frame_of(const Triangles &triangles, const HalfEdges &half_edges) {
-  const Box box = bounding_box(triangles, half_edges);
+BufferFrame frame_of(const Box &box) {
   const dvec3 half = 0.5 * (box.high - box.low);
   const double longest = std::max({half.x, half.y, half.z});
   return {0.5 * (box.low + box.high), longest > 0.0 ? 1.0 / longest : 1.0};
@@ -45,19 +44,27 @@ static vec4 square_root(dvec3 m) {
   return vec4((m.x + root) / trace, m.y / trace, m.y / trace, (m.z + root) / trace);
 }
 
-std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BufferFrame &frame, size_t step) {
+std::vector<int32_t> corners_of_sites(const Charts &charts, size_t step) {
+  std::vector<int32_t> corners;
+  for (size_t corner = 0; corner < charts.corner_site.size(); ++corner)
+    if (const int32_t site = charts.corner_site[corner]; site >= 0 && static_cast<size_t>(site) % step == 0)
+      corners.push_back(static_cast<int32_t>(corner));
+  return corners;
+}
+
+std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BufferFrame &frame,
+                                    const std::vector<int32_t> &corners, size_t step) {
   const size_t count = (charts.sites.size() + step - 1) / step;
   std::vector<dvec3> inverse(count, dvec3(0.0));
   std::vector<double> weight(count, 0.0);
-  for (int corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
-    const int32_t site = charts.corner_site[static_cast<size_t>(corner)];
-    if (site < 0 || static_cast<size_t>(site) % step != 0) continue;
+  for (const int32_t corner : corners) {
+    const auto site = static_cast<size_t>(charts.corner_site[static_cast<size_t>(corner)]) / step;
     const vec4 form = form_of(triangles, frame, static_cast<size_t>(corner / 3));
     const double determinant = static_cast<double>(form.w) * form.w;
     if (!(determinant > 0.0)) continue;
     const double angle = corner_angle(triangles, corner);
-    inverse[static_cast<size_t>(site) / step] += angle / determinant * dvec3(form.z, -form.y, form.x);
-    weight[static_cast<size_t>(site) / step] += angle;
+    inverse[site] += angle / determinant * dvec3(form.z, -form.y, form.x);
+    weight[site] += angle;
   }
   std::vector<vec4> ellipses(count, vec4(0.0f));
   for (size_t i = 0; i < count; ++i)

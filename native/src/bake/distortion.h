@@ -16,14 +16,17 @@ struct BufferFrame {
   vec3 to_buffer(vec3 position) const { return vec3((dvec3(position) - center) * scale); }
 };
 
-// Of the vertices that have a point.
-BufferFrame frame_of(const Triangles &triangles, const HalfEdges &half_edges);
+BufferFrame frame_of(const Box &box);
 
 // E, F, G, |P_u x P_v| of a triangle on a chart.
 vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t triangle);
 
 // (sites) columns of the 2x2 map from the unit disk to (u, v) offsets, for support radius 1: the square root of the mean inverse
-// metric over the triangles at the site, weighted by their angle there. step: of every so many sites only.
-std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BufferFrame &frame, size_t step = 1);
+// metric over the triangles at the site, weighted by their angle there. step: of every so many sites only. corners: of these
+// sites, see corners_of_sites.
+std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BufferFrame &frame,
+                                    const std::vector<int32_t> &corners, size_t step = 1);
+// Of every so many sites.
+std::vector<int32_t> corners_of_sites(const Charts &charts, size_t step = 1);
 
 } // namespace paradesc

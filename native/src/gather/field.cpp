@@ -6,10 +6,12 @@
 #include <limits>
 
 #include "descriptor/registry.h"
+#include "support/parallel.h"
 
 namespace paradesc {
 
 static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+static constexpr int block = 16384; // of vertices
 
 // Largest less smallest value over the places of each point; NaN where a point has one place, infinity where the value exists at
 // some places only.
@@ -50,50 +52,77 @@ static std::vector<float> angles(const SiteResults &results, const std::vector<f
   return result;
 }
 
-// points: (points, width).
-static std::vector<float> to_vertices(const HalfEdges &half_edges, const std::vector<float> &points, size_t width) {
-  std::vector<float> vertices(half_edges.vertex_point.size() * width, nan);
-  for (size_t i = 0; i < vertices.size(); ++i) {
-    const int32_t point = half_edges.vertex_point[i / width];
-    if (point >= 0) vertices[i] = points[static_cast<size_t>(point) * width + i % width];
-  }
+static std::vector<float> at_vertices(const HalfEdges &half_edges, const std::vector<float> &points) {
+  std::vector<float> vertices;
+  vertices.reserve(half_edges.vertex_point.size());
+  for (const int32_t point : half_edges.vertex_point) vertices.push_back(point >= 0 ? points[static_cast<size_t>(point)] : nan);
   return vertices;
 }
 
-static void fill_mask(const HalfEdges &half_edges, const std::vector<int32_t> &primary, const SiteResults &results,
-                      Field &field) {
-  field.mask.assign(half_edges.vertex_point.size(), 0);
-  for (size_t i = 0; i < field.mask.size(); ++i) {
-    const int32_t point = half_edges.vertex_point[i];
-    if (point < 0) {
-      field.mask[i] = PDESC_MASK_NO_FACE;
-      continue;
-    }
-    const int32_t place = primary[static_cast<size_t>(point)];
-    if (place < 0) {
-      field.mask[i] = PDESC_MASK_NO_TEXEL;
-      continue;
-    }
-    if (results.boundary[static_cast<size_t>(place)]) field.mask[i] |= PDESC_MASK_BOUNDARY;
-    if (results.coverage[static_cast<size_t>(place)] < 0.9f) field.mask[i] |= PDESC_MASK_LOW_COVERAGE;
-  }
+// rows: (vertices) which row each has; -1: none. NaN where a value is no finite number: it is more than a float holds, as the
+// volume of a huge sphere.
+static std::vector<float> pick(const std::vector<int32_t> &rows, const std::vector<float> &values, size_t width, int threads) {
+  std::vector<float> picked(rows.size() * width, nan);
+  parallel_blocks(static_cast<int>(rows.size()), threads, block, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+      for (size_t k = 0; k < width && rows[i] >= 0; ++k)
+        if (const float value = values[static_cast<size_t>(rows[i]) * width + k]; std::isfinite(value))
+          picked[i * width + k] = value;
+  });
+  return picked;
 }
 
-static void count(const HalfEdges &half_edges, Field &field) {
-  double coverage = 0.0;
-  int with_face = 0;
-  for (size_t i = 0; i < field.mask.size(); ++i) {
-    field.report.boundary_vertices += (field.mask[i] & PDESC_MASK_BOUNDARY) != 0;
-    field.report.low_coverage_vertices += (field.mask[i] & PDESC_MASK_LOW_COVERAGE) != 0;
-    bool undefined = false;
-    for (size_t row = 0; row + 1 < field.values.size(); ++row)
-      undefined |= std::isnan(field.values[row][i * (field.values[row].size() / field.mask.size())]);
-    field.report.undefined_vertices += undefined;
-    if (half_edges.vertex_point[i] < 0) continue;
-    ++with_face;
-    coverage += std::isnan(field.values.back()[i]) ? 0.0 : static_cast<double>(field.values.back()[i]);
+static uint8_t mask_of(const SiteResults &results, int32_t point, int32_t place) {
+  if (point < 0) return PDESC_MASK_NO_FACE;
+  if (place < 0) return PDESC_MASK_NO_TEXEL;
+  const bool boundary = results.boundary[static_cast<size_t>(place)] != 0;
+  const bool low = results.coverage[static_cast<size_t>(place)] < 0.9f;
+  return static_cast<uint8_t>((boundary ? PDESC_MASK_BOUNDARY : 0) | (low ? PDESC_MASK_LOW_COVERAGE : 0));
+}
+
+static void fill_mask(const HalfEdges &half_edges, const std::vector<int32_t> &vertex_place, const SiteResults &results,
+                      int threads, Field &field) {
+  field.mask.resize(vertex_place.size());
+  parallel_blocks(static_cast<int>(vertex_place.size()), threads, block, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+      field.mask[i] = mask_of(results, half_edges.vertex_point[i], vertex_place[i]);
+  });
+}
+
+static void count(const HalfEdges &half_edges, int threads, Field &field) {
+  struct Counts {
+    int boundary = 0, low = 0, undefined = 0, with_face = 0;
+    double coverage = 0.0;
+  };
+  const size_t vertices = field.mask.size();
+  std::vector<Counts> parts((vertices + block - 1) / block);
+  parallel_blocks(static_cast<int>(vertices), threads, block, [&](int begin, int end) {
+    Counts &part = parts[static_cast<size_t>(begin / block)];
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      part.boundary += (field.mask[i] & PDESC_MASK_BOUNDARY) != 0;
+      part.low += (field.mask[i] & PDESC_MASK_LOW_COVERAGE) != 0;
+      bool undefined = false;
+      for (size_t row = 0; row + 1 < field.values.size(); ++row)
+        undefined |= std::isnan(field.values[row][i * (field.values[row].size() / vertices)]);
+      part.undefined += undefined;
+      if (half_edges.vertex_point[i] < 0) continue;
+      ++part.with_face;
+      const float coverage = field.values.back()[i];
+      part.coverage += std::isnan(coverage) ? 0.0 : static_cast<double>(coverage);
+    }
+  });
+  Counts all;
+  for (const Counts &part : parts) {
+    all.boundary += part.boundary;
+    all.low += part.low;
+    all.undefined += part.undefined;
+    all.with_face += part.with_face;
+    all.coverage += part.coverage;
   }
-  field.report.coverage_mean = with_face ? coverage / with_face : 0.0;
+  field.report.boundary_vertices += all.boundary;
+  field.report.low_coverage_vertices += all.low;
+  field.report.undefined_vertices += all.undefined;
+  field.report.coverage_mean = all.with_face ? all.coverage / all.with_face : 0.0;
 }
 
 void append(SiteResults &all, SiteResults &&part) {
@@ -108,22 +137,20 @@ void append(SiteResults &all, SiteResults &&part) {
   add(all.boundary, part.boundary);
 }
 
-void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_seam_error, Field &field) {
+void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_seam_error, int threads, Field &field) {
   const auto points = static_cast<size_t>(half_edges.point_count);
-  std::vector<int32_t> primary(points, -1);
+  std::vector<int32_t> primary(points, -1), vertex_place(half_edges.vertex_point.size());
   for (size_t i = 0; i < results.point.size(); ++i)
     if (results.primary[i]) primary[static_cast<size_t>(results.point[i])] = static_cast<int32_t>(i);
+  parallel_blocks(static_cast<int>(vertex_place.size()), threads, block, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+      vertex_place[i] = half_edges.vertex_point[i] < 0 ? -1 : primary[static_cast<size_t>(half_edges.vertex_point[i])];
+  });
   auto add = [&](const std::vector<float> &values, size_t width) {
-    std::vector<float> at_points(points * width, nan);
-    for (size_t i = 0; i < at_points.size(); ++i) {
-      if (primary[i / width] < 0) continue;
-      const float value = values[static_cast<size_t>(primary[i / width]) * width + i % width];
-      if (std::isfinite(value)) at_points[i] = value; // else more than a float holds, as the volume of a huge sphere
-    }
-    field.values.push_back(to_vertices(half_edges, at_points, width));
+    field.values.push_back(pick(vertex_place, values, width, threads));
     if (!with_seam_error) return;
     const auto differences = spread(results, width == 3 ? angles(results, values, points) : values, points);
-    field.seam_error.push_back(to_vertices(half_edges, differences, 1));
+    field.seam_error.push_back(at_vertices(half_edges, differences));
   };
   for (size_t i = 0; i < field.names.size(); ++i) {
     const DescriptorRow &row = descriptor_row(find_descriptor(field.names[i].c_str()));
@@ -131,8 +158,8 @@ void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_s
   }
   add(results.coverage, 1);
   field.names.emplace_back("coverage");
-  fill_mask(half_edges, primary, results, field);
-  count(half_edges, field);
+  fill_mask(half_edges, vertex_place, results, threads, field);
+  count(half_edges, threads, field);
 }
 
 } // namespace paradesc

@@ -36,6 +36,6 @@ struct SiteResults {
 void append(SiteResults &all, SiteResults &&part);
 
 // Every vertex takes its point's primary place. with_seam_error: also the spread over all places of a point.
-void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_seam_error, Field &field);
+void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_seam_error, int threads, Field &field);
 
 } // namespace paradesc

@@ -2,7 +2,6 @@
 #include "gpu/buffer.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "support/error.h"
 #include "support/math.h"
@@ -60,11 +59,16 @@ void ListTexture::upload(const Gl &gl, GLenum format, const void *elements, size
                                                " elements); use the reference backend.");
   if (rows != rows_) texture_ = Texture(gl, LIST_ROW, static_cast<int>(rows), format);
   rows_ = rows;
-  const size_t element = channels * 4;
-  staging_.assign(rows * LIST_ROW * element, std::byte{0});
-  if (count) std::memcpy(staging_.data(), elements, count * element);
-  gl.TextureSubImage2D(texture_.id(), 0, 0, 0, LIST_ROW, static_cast<GLsizei>(rows), integer ? integers : floats,
-                       integer ? GL_INT : GL_FLOAT, staging_.data());
+  // Whole rows, and what is left.
+  const size_t whole = count / LIST_ROW, rest = count % LIST_ROW;
+  const auto send = [&](size_t first_row, size_t width, size_t height) {
+    if (width * height == 0) return;
+    gl.TextureSubImage2D(texture_.id(), 0, 0, static_cast<GLint>(first_row), static_cast<GLsizei>(width),
+                         static_cast<GLsizei>(height), integer ? integers : floats, integer ? GL_INT : GL_FLOAT,
+                         static_cast<const std::byte *>(elements) + first_row * LIST_ROW * channels * 4);
+  };
+  send(0, LIST_ROW, whole);
+  send(whole, rest, 1);
 }
 
 } // namespace paradesc

@@ -73,15 +73,14 @@ private:
 // software rasterizers, divergent loads from storage buffers are not.
 class ListTexture {
 public:
-  // elements: of `channels` floats (format GL_RGBA32F, GL_RG32F, GL_R32F) or ints (GL_RGBA32I, GL_RG32I, GL_R32I); the texture is kept
-  // while the size fits.
+  // elements: of `channels` floats (format GL_RGBA32F, GL_RG32F, GL_R32F) or ints (GL_RGBA32I, GL_RG32I, GL_R32I); the texture is
+  // kept while the size fits.
   void upload(const Gl &gl, GLenum format, const void *elements, size_t count);
   GLuint id() const { return texture_.id(); }
 
 private:
   Texture texture_;
   size_t rows_ = 0;
-  std::vector<std::byte> staging_;
 };
 
 } // namespace paradesc

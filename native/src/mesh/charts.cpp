@@ -138,9 +138,13 @@ void place_points(const Triangles &triangles, const HalfEdges &half_edges, const
   });
   std::vector<int32_t> sites_of(at(half_edges.point_count), 0);
   for (const Site &site : charts.sites) ++sites_of[at(site.point)];
+  const auto shared = [&](int32_t site) { return site >= 0 && sites_of[at(charts.sites[at(site)].point)] > 1; };
+  for (int32_t site = 0; site < fans.count; ++site) {
+    charts.point_site[at(charts.sites[at(site)].point)] = site;
+    if (shared(site)) charts.shared_sites.push_back(site);
+  }
   for (size_t corner = 0; corner < charts.corner_site.size(); ++corner)
-    if (const int32_t site = charts.corner_site[corner]; site >= 0 && sites_of[at(charts.sites[at(site)].point)] > 1)
-      charts.shared_corners.push_back(static_cast<int32_t>(corner));
+    if (shared(charts.corner_site[corner])) charts.shared_corners.push_back(static_cast<int32_t>(corner));
   weigh_sites(triangles, threads, charts);
 }
 
@@ -169,17 +173,19 @@ void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link,
 } // namespace
 
 void weigh_sites(const Triangles &triangles, int threads, Charts &charts) {
-  for (Site &site : charts.sites) site.angle = 0.0;
   std::vector<double> angles(charts.shared_corners.size());
   parallel_blocks(static_cast<int>(angles.size()), threads, block, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) angles[at(i)] = surface_angle(triangles, charts.shared_corners[at(i)]);
   });
+  for (const int32_t index : charts.shared_sites) {
+    charts.sites[at(index)].angle = 0.0;
+    charts.point_site[at(charts.sites[at(index)].point)] = -1;
+  }
   for (size_t i = 0; i < angles.size(); ++i)
     charts.sites[at(charts.corner_site[at(charts.shared_corners[i])])].angle += angles[i];
-  std::fill(charts.point_site.begin(), charts.point_site.end(), -1);
-  for (size_t index = 0; index < charts.sites.size(); ++index) {
-    int32_t &chosen = charts.point_site[at(charts.sites[index].point)];
-    if (chosen < 0 || charts.sites[index].angle > charts.sites[at(chosen)].angle) chosen = static_cast<int32_t>(index);
+  for (const int32_t index : charts.shared_sites) {
+    int32_t &chosen = charts.point_site[at(charts.sites[at(index)].point)];
+    if (chosen < 0 || charts.sites[at(index)].angle > charts.sites[at(chosen)].angle) chosen = index;
   }
 }
 

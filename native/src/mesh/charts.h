@@ -39,7 +39,8 @@ struct Charts {
   std::vector<int32_t> half_edge_border; // (3 * triangle_count) index into borders, or -1
   std::vector<Site> sites;
   std::vector<int32_t> point_site;     // (point_count) the site with the largest angle; -1: no place in the UV map
-  std::vector<int32_t> shared_corners; // of sites that share a point with another: these angles decide
+  std::vector<int32_t> shared_sites;   // that share a point with another, in order: their angles decide
+  std::vector<int32_t> shared_corners; // of those sites
   std::vector<Border> borders;
 
   int zero_uv_area_triangles = 0;

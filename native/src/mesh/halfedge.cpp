@@ -17,6 +17,7 @@
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
 #include "support/cancel.h"
+#include "support/parallel.h"
 
 namespace paradesc {
 namespace {
@@ -371,16 +372,26 @@ HalfEdges build_half_edges(const Triangles &triangles) {
   return result;
 }
 
-Box bounding_box(const Triangles &triangles, const HalfEdges &half_edges) {
+Box bounding_box(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
+  constexpr int block = 65536;
   if (half_edges.point_vertex.empty()) return {};
-  const dvec3 first(triangles.positions[static_cast<size_t>(half_edges.point_vertex.front())]);
-  Box box{first, first};
-  for (const int32_t vertex : half_edges.point_vertex) {
-    const dvec3 position(triangles.positions[static_cast<size_t>(vertex)]);
-    box.low = glm::min(box.low, position);
-    box.high = glm::max(box.high, position);
+  const vec3 first = triangles.positions[at(half_edges.point_vertex.front())];
+  const auto count = static_cast<int>(half_edges.point_vertex.size());
+  std::vector<std::pair<vec3, vec3>> parts(static_cast<size_t>((count + block - 1) / block), {first, first});
+  parallel_blocks(count, threads, block, [&](int begin, int end) {
+    auto &[low, high] = parts[at(begin / block)];
+    for (int i = begin; i < end; ++i) {
+      const vec3 position = triangles.positions[at(half_edges.point_vertex[at(i)])];
+      low = glm::min(low, position);
+      high = glm::max(high, position);
+    }
+  });
+  vec3 lowest = first, highest = first;
+  for (const auto &[low, high] : parts) {
+    lowest = glm::min(lowest, low);
+    highest = glm::max(highest, high);
   }
-  return box;
+  return {dvec3(lowest), dvec3(highest)};
 }
 
 } // namespace paradesc

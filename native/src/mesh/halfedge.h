@@ -58,6 +58,6 @@ double surface_angle(const Triangles &triangles, int corner);
 struct Box {
   dvec3 low{0.0}, high{0.0};
 };
-Box bounding_box(const Triangles &triangles, const HalfEdges &half_edges);
+Box bounding_box(const Triangles &triangles, const HalfEdges &half_edges, int threads = 0);
 
 } // namespace paradesc

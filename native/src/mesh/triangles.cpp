@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -65,6 +66,10 @@ void check_indices(const pdesc_mesh_input &input) {
 }
 
 void check_positions(const float *positions, int32_t vertex_count) {
+  const auto count = 3 * at(vertex_count);
+  bool usable = true;
+  for (size_t i = 0; i < count; ++i) usable &= std::abs(positions[i]) <= largest_coordinate; // by vectors
+  if (usable) return;
   for (int64_t i = 0; i < int64_t{3} * vertex_count; ++i) {
     const float value = positions[i];
     if (std::abs(value) <= largest_coordinate) continue; // false for NaN
@@ -89,8 +94,9 @@ void check_corner_values(const pdesc_mesh_input &input) {
 }
 
 std::vector<vec3> copy_positions(const float *positions, int32_t vertex_count) {
+  static_assert(sizeof(vec3) == 3 * sizeof(float));
   std::vector<vec3> result(at(vertex_count));
-  for (size_t i = 0; i < result.size(); ++i) result[i] = {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
+  std::memcpy(result.data(), positions, result.size() * sizeof(vec3));
   return result;
 }
 

@@ -33,7 +33,7 @@ struct Raster {
 } // namespace
 
 // Of several triangles at one texel the first has it.
-static void draw_triangle(const Raster &raster, int32_t triangle, std::vector<TexelPlace> &found) {
+static void draw_triangle(const Raster &raster, int32_t triangle, int32_t chart, std::vector<TexelPlace> &found) {
   const dvec2 a = raster.uv(3 * triangle), b = raster.uv(3 * triangle + 1), c = raster.uv(3 * triangle + 2);
   const double area = cross(b - a, c - a);
   if (area == 0.0) return;
@@ -48,7 +48,7 @@ static void draw_triangle(const Raster &raster, int32_t triangle, std::vector<Te
       if (entry >= 0) continue;
       entry = static_cast<int32_t>(found.size());
       const dvec2 uv = place / static_cast<double>(raster.map.size);
-      found.push_back({static_cast<int32_t>(raster.index(x, y)), triangle, vec2(wb, wc), vec2(uv), false});
+      found.push_back({static_cast<int32_t>(raster.index(x, y)), triangle, chart, vec2(wb, wc), vec2(uv), false});
     }
 }
 
@@ -83,7 +83,8 @@ static void draw_border(const Raster &raster, const Border &border, size_t owned
       weights[first % 3] = static_cast<float>(1.0 - t);
       weights[second % 3] = static_cast<float>(t);
       const dvec2 uv = (a + way * t) / static_cast<double>(raster.map.size);
-      const TexelPlace place{static_cast<int32_t>(raster.index(x, y)), triangle, vec2(weights.y, weights.z), vec2(uv), true};
+      const auto texel = static_cast<int32_t>(raster.index(x, y));
+      const TexelPlace place{texel, triangle, border.chart, vec2(weights.y, weights.z), vec2(uv), true};
       if (entry < 0) {
         entry = static_cast<int32_t>(found.size());
         found.push_back(place);
@@ -102,7 +103,8 @@ TexelMap build_texel_map(const Triangles &triangles, const Charts &charts, int s
   map.place.assign(static_cast<size_t>(size) * static_cast<size_t>(size), -1);
   const Raster raster{triangles, map};
   for (int32_t t = 0; t < triangles.triangle_count; ++t)
-    if (charts.triangle_chart[static_cast<size_t>(t)] >= 0) draw_triangle(raster, t, map.places);
+    if (const int32_t chart = charts.triangle_chart[static_cast<size_t>(t)]; chart >= 0)
+      draw_triangle(raster, t, chart, map.places);
   std::vector<double> distance;
   const size_t owned = map.places.size();
   for (const Border &border : charts.borders) draw_border(raster, border, owned, map.places, distance);
@@ -148,7 +150,7 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
     const auto at_site = [&](size_t c) { return ellipses[static_cast<size_t>(charts.corner_site[c])]; };
     const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(place, at_site) * reach;
     const auto corner = 3 * static_cast<size_t>(place.triangle);
-    const auto chart = static_cast<float>(charts.triangle_chart[static_cast<size_t>(place.triangle)]);
+    const auto chart = static_cast<float>(place.chart);
     centers.push_back(
         {vec4(vec3((position - frame.center) * frame.scale), chart),
          vec4(span > 0.0f ? normal / span : normals.corner(corner), pattern_rotation(static_cast<uint32_t>(place.texel), seed)),
@@ -193,7 +195,7 @@ bool fit_plane(const std::vector<vec2> &offsets, std::vector<Weighted> &found) {
 
 class Lookup {
 public:
-  Lookup(const TexelMap &map, const Charts &charts) : map_(map), charts_(charts) {}
+  explicit Lookup(const TexelMap &map) : map_(map) {}
 
   // The places that a site's values are taken from; none where no texel of its chart is near.
   void near(const Site &site, std::vector<Weighted> &found) const {
@@ -215,9 +217,7 @@ private:
   int32_t at(int x, int y, int32_t chart) const {
     if (x < 0 || y < 0 || x >= map_.size || y >= map_.size) return -1;
     const int32_t place = map_.place[static_cast<size_t>(y) * static_cast<size_t>(map_.size) + static_cast<size_t>(x)];
-    if (place < 0) return -1;
-    const auto triangle = static_cast<size_t>(map_.places[static_cast<size_t>(place)].triangle);
-    return charts_.triangle_chart[triangle] == chart ? place : -1;
+    return place >= 0 && map_.places[static_cast<size_t>(place)].chart == chart ? place : -1;
   }
 
   std::vector<Weighted> beside_border(const Site &site) const {
@@ -258,7 +258,6 @@ private:
   }
 
   const TexelMap &map_;
-  const Charts &charts_;
 };
 
 } // namespace
@@ -268,9 +267,14 @@ static bool is_defined(const float *value, size_t width) {
 }
 
 // A direction has two signs: each is turned to the side of the first.
-static void mix_value(const std::vector<Weighted> &from, const std::vector<float> &values, size_t width,
-                      std::vector<float> &out) {
+static void mix_value(const std::vector<Weighted> &from, const std::vector<float> &values, size_t width, float *out) {
   const auto at = [&](const Weighted &one) { return &values[static_cast<size_t>(one.place) * width]; };
+  if (width == 1) {
+    float whole = 0.0f; // no number where one is none
+    for (const Weighted &one : from) whole += one.weight * *at(one);
+    *out = whole;
+    if (!std::isnan(whole)) return;
+  }
   const bool whole = std::all_of(from.begin(), from.end(), [&](const Weighted &one) { return is_defined(at(one), width); });
   vec3 sum(0.0f), side(0.0f);
   float total = 0.0f;
@@ -287,49 +291,62 @@ static void mix_value(const std::vector<Weighted> &from, const std::vector<float
     sum /= std::max(length(sum), 1e-30f);
   else if (!whole)
     sum /= std::max(total, 1e-30f);
-  for (size_t k = 0; k < width; ++k) out.push_back(total > 0.0f ? sum[static_cast<int>(k)] : nan);
+  for (size_t k = 0; k < width; ++k) out[k] = total > 0.0f ? sum[static_cast<int>(k)] : nan;
 }
 
-// Of sites [first, last).
-static SiteResults look_up_some(const Lookup &lookup, const TexelMap &map, const SiteResults &results, const Charts &charts,
-                                bool all_sites, size_t first, size_t last) {
-  SiteResults found;
-  found.refined_share = results.refined_share;
-  found.values.resize(results.values.size());
-  std::vector<Weighted> from;
-  for (size_t i = first; i < last; ++i) {
-    const Site &site = charts.sites[i];
-    const bool primary = charts.point_site[static_cast<size_t>(site.point)] == static_cast<int32_t>(i);
-    if (!primary && !all_sites) continue;
-    lookup.near(site, from);
-    if (from.empty()) continue;
-    found.point.push_back(site.point);
-    found.primary.push_back(primary);
-    for (size_t row = 0; row < results.values.size(); ++row)
-      mix_value(from, results.values[row], results.values[row].size() / map.places.size(), found.values[row]);
-    mix_value(from, results.coverage, 1, found.coverage);
-    found.coverage.back() = std::clamp(found.coverage.back(), 0.0f, 1.0f);
-    uint8_t boundary = 0;
-    for (const Weighted &one : from) boundary |= results.boundary[static_cast<size_t>(one.place)];
-    found.boundary.push_back(boundary);
-  }
-  return found;
+// Leaves out the rows of no point.
+static SiteResults without_gaps(SiteResults &&results) {
+  const size_t rows = results.point.size();
+  if (std::find(results.point.begin(), results.point.end(), -1) == results.point.end()) return std::move(results);
+  const auto keep = [&](auto &list) {
+    const size_t width = list.size() / rows;
+    size_t kept = 0;
+    for (size_t i = 0; i < rows; ++i) {
+      if (results.point[i] < 0) continue;
+      std::copy_n(list.begin() + static_cast<ptrdiff_t>(i * width), width, list.begin() + static_cast<ptrdiff_t>(kept));
+      kept += width;
+    }
+    list.resize(kept);
+  };
+  for (auto &values : results.values) keep(values);
+  keep(results.primary);
+  keep(results.coverage);
+  keep(results.boundary);
+  std::erase(results.point, -1);
+  return std::move(results);
 }
 
 SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites, int threads) {
   constexpr int block = 16384;
-  const Lookup lookup(map, charts);
-  const auto count = static_cast<int>(charts.sites.size());
-  std::vector<SiteResults> parts(static_cast<size_t>((count + block - 1) / block));
-  parallel_blocks(count, threads, block, [&](int begin, int end) {
-    parts[static_cast<size_t>(begin / block)] =
-        look_up_some(lookup, map, results, charts, all_sites, static_cast<size_t>(begin), static_cast<size_t>(end));
-  });
+  const Lookup lookup(map);
+  const size_t count = all_sites ? charts.sites.size() : charts.point_site.size(), places = map.places.size();
   SiteResults found;
-  found.values.resize(results.values.size());
-  for (SiteResults &part : parts) append(found, std::move(part));
   found.refined_share = results.refined_share;
-  return found;
+  found.point.assign(count, -1);
+  found.primary.resize(count);
+  found.coverage.resize(count);
+  found.boundary.resize(count);
+  for (const auto &values : results.values) found.values.emplace_back(places ? values.size() / places * count : 0);
+  parallel_blocks(static_cast<int>(count), threads, block, [&](int begin, int end) {
+    std::vector<Weighted> from;
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      const int32_t index = all_sites ? static_cast<int32_t>(i) : charts.point_site[i];
+      if (index < 0) continue;
+      const Site &site = charts.sites[static_cast<size_t>(index)];
+      lookup.near(site, from);
+      if (from.empty()) continue;
+      found.point[i] = site.point;
+      found.primary[i] = charts.point_site[static_cast<size_t>(site.point)] == index;
+      for (size_t row = 0; row < results.values.size(); ++row) {
+        const size_t width = results.values[row].size() / places;
+        mix_value(from, results.values[row], width, &found.values[row][i * width]);
+      }
+      mix_value(from, results.coverage, 1, &found.coverage[i]);
+      found.coverage[i] = std::clamp(found.coverage[i], 0.0f, 1.0f);
+      for (const Weighted &one : from) found.boundary[i] |= results.boundary[static_cast<size_t>(one.place)];
+    }
+  });
+  return without_gaps(std::move(found));
 }
 
 void keep_map(const TexelMap &map, const SiteResults &results, Field &field) {

@@ -21,6 +21,7 @@ namespace paradesc {
 struct TexelPlace {
   int32_t texel; // y * size + x
   int32_t triangle;
+  int32_t chart;
   vec2 weights; // of the triangle's corners 1 and 2
   vec2 uv;
   bool on_border; // not at the texel's center
