@@ -7,6 +7,9 @@ layout(binding = UNIT_IDS) uniform isampler2D ids;
 layout(location = 0) uniform int buffer_size;
 layout(location = LOCATION_AREA_UNIT) uniform float area_unit;
 
+// In space, from its area element.
+float reach_of_texel(float area_element) { return sqrt(area_element) / float(buffer_size); }
+
 // Position and area element of a texel, and its normal.
 vec4 surface_at(ivec2 texel, out vec3 normal) {
   vec4 point = texelFetch(positions, texel, 0);

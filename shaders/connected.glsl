@@ -3,9 +3,26 @@
 layout(std430, binding = BINDING_SUPPORTS) readonly restrict buffer Supports { SupportData supports[]; };
 layout(binding = UNIT_SAMPLES) uniform isamplerBuffer sample_list;
 layout(binding = UNIT_RANGES) uniform isamplerBuffer ranges;
+#if LISTED
+layout(binding = UNIT_POINTS) uniform samplerBuffer points;
+#endif
 #if BARE
 layout(std430, binding = BINDING_BARE) readonly restrict buffer Bare { vec4 bare[]; };
 #endif
+
+void add_sample(inout Sums sums, int i) {
+#if !LISTED || EXACT || FACES || MAP
+  ivec2 entry = texelFetch(sample_list, i).xy, texel = ivec2(entry.x & 0xffff, entry.x >> 16);
+#else
+  const ivec2 texel = ivec2(0);
+#endif
+#if LISTED
+  vec4 point = texelFetch(points, 2 * i), normal = texelFetch(points, 2 * i + 1);
+  add_point(sums, point.xyz, normal.xyz, point.w, normal.w, texel, -1.0);
+#else
+  add_texel(sums, texel, intBitsToFloat(entry.y), -1.0);
+#endif
+}
 
 // One loop over all ranges: nested ones would run, for the invocations that a device runs side by side, as often as the longest range of
 // each turn. It does as little as it can: software devices run both sides of every branch in it.
@@ -18,8 +35,7 @@ void add_texels(inout Sums sums, int range, int end_range) {
       i = next.x;
       end = next.y;
     }
-    ivec2 entry = texelFetch(sample_list, i++).xy;
-    add_texel(sums, ivec2(entry.x & 0xffff, entry.x >> 16), intBitsToFloat(entry.y), -1.0);
+    add_sample(sums, i++);
   }
 }
 

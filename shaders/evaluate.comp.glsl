@@ -222,8 +222,8 @@ void add_neighbor(inout Sums sums, vec3 position, vec3 normal, int triangle, flo
   states_add(sums.states, sums.center, neighbor);
 }
 
-// One texel: cell is the area in (u, v) that it stands for.
-void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
+// The point of one texel and what it stands for. reach: how far the texel reaches in space.
+void add_point(inout Sums sums, vec3 position, vec3 normal, float area, float reach, ivec2 texel, float geodesic) {
 #if EXACT || FACES
   int triangle = texelFetch(ids, texel, 0).y;
   if (triangle < 0) triangle = -1 - triangle;
@@ -231,15 +231,20 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
   const int triangle = -1;
 #endif
   if (!is_reached(triangle)) return;
-  vec3 normal;
-  vec4 point = surface_at(texel, normal);
-  bool near = length(point.xyz - sums.center.position) * float(buffer_size) < sqrt(point.w);
+  bool near = length(position - sums.center.position) < reach;
 #if MAP
   vec4 map = texelFetch(maps, texel, 0);
 #else
   const vec4 map = vec4(0.0);
 #endif
-  add_neighbor(sums, point.xyz, normal, triangle, point.w * cell, near, geodesic, map);
+  add_neighbor(sums, position, normal, triangle, area, near, geodesic, map);
+}
+
+// One texel: cell is the area in (u, v) that it stands for.
+void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
+  vec3 normal;
+  vec4 point = surface_at(texel, normal);
+  add_point(sums, point.xyz, normal, point.w * cell, reach_of_texel(point.w), texel, geodesic);
 }
 
 #if AFFINE || PAPER

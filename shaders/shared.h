@@ -29,6 +29,7 @@
 #define UNIT_VERTICES 12 // list, RGBA32F, two a bake vertex: position; normal
 #define UNIT_VALUES 13   // list, RGBA32F: a map's value at each bake vertex
 
+#define UNIT_POINTS 13 // buffer texture, RGBA32F, two a sample of UNIT_SAMPLES: position, area; normal, how far a texel reaches in space
 #define UNIT_FACES 14 // list, RGBA32F: unit normal of each triangle
 #define UNIT_MAP 15   // buffer, RGBA32F: gradient of a map, its value
 
@@ -49,6 +50,7 @@
 #define BINDING_EDGES 3      // chart-edge lines to rasterize
 #define BINDING_CELLS 4      // what was measured of each cell
 #define BINDING_SUPPORTS 5   // what was found of each center's neighborhood before sampling
+#define BINDING_POINTS 6     // where UNIT_POINTS is written
 #define BINDING_BARE 8       // samples of triangles that no texel carries, two vec4 each: position, area; normal and triangle
 #define BINDING_REACH 9      // of centers computed again: their numbers, where their triangles begin (one more), the triangles
 // In the affine and the paper's relocation, in place of the connected one's.

@@ -61,6 +61,7 @@ static int64_t bytes_of_device(const Mesh &mesh, const pdesc_options &options, s
                           + (reads_map(descriptors) ? 16 : 0);
   const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? 32768 : places;
   int64_t bytes = texels * a_texel + triangles * 48 + places * 32 + borders * 100 + centers * (200 + 4 * rows_of(descriptors));
+  if (options.relocation == PDESC_RELOCATION_CONNECTED) bytes += std::min<int64_t>(texels * 5 / 4, most_points) * 32;
   if (reads_map(descriptors)) bytes += places * 32;
   if (options.relocation == PDESC_RELOCATION_PAPER) bytes += int64_t{16384} * MAX_VISITS * 64 + 16384 * 2048;
   if (options.relocation == PDESC_RELOCATION_AFFINE) bytes += int64_t{65536} * 2048;

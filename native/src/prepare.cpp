@@ -245,6 +245,7 @@ Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius
     CellSamples listed = list_samples(device.cells, std::move(strides), size, threads);
     on_device([&](const Gl &gl, ProgramCache &) { device.evaluator.set_samples(gl, listed); });
     device.samples = std::move(listed);
+    frame.listed = false;
   }
   const MappedSurface surface(mesh.maps, mesh.triangles, frame.normals, frame.buffer_frame);
   frame.bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, reach,
@@ -260,8 +261,18 @@ Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius
   return find_supports(space, centers, reach, threads, most);
 }
 
-void set_supports(Mesh &mesh, const Supports &supports, const Frame &frame) {
-  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { mesh.device->evaluator.set_supports(gl, supports, frame.bare); });
+void set_supports(Mesh &mesh, const Supports &supports, Frame &frame) {
+  DeviceMesh &device = *mesh.device;
+  // Listing a point costs a few fetches of it.
+  constexpr size_t worth = 4;
+  size_t fetches = 0;
+  for (const ivec2 range : supports.range) fetches += static_cast<size_t>(range.y - range.x);
+  const bool list = frame.listed || fetches > worth * device.samples.list.size();
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
+    if (list && !frame.listed) frame.listed = device.evaluator.list_points(gl, programs, *device.buffer);
+    device.evaluator.use_points(frame.listed);
+    device.evaluator.set_supports(gl, supports, frame.bare);
+  });
 }
 
 template <class Value> static void reorder(const std::vector<int32_t> &order, std::vector<Value> &values) {
@@ -308,6 +319,7 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
 static void bake_frame(Mesh &mesh, const pdesc_options &options, Frame &frame, bool changed) {
   frame.baked = false; // until it is done: a run may be cancelled before
   frame.measured.clear();
+  frame.listed = false;
   frame.positions.clear();
   frame.buffer_frame = frame_of(mesh.box);
   if (mesh.maps.any())

@@ -36,6 +36,7 @@ struct Frame {
   float enlargement = ellipse_enlargement;
   uint64_t version = 0;     // of the mesh
   int32_t normals_kind = 0; // pdesc_normals
+  bool listed = false;      // the points of its samples are in a list on the device
   bool baked = false;       // it is what the device's buffers hold
 };
 
@@ -67,7 +68,7 @@ void build_cells_for(Mesh &mesh, Frame &frame);
 void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame);
 Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame,
                          const std::vector<SupportCenter> &centers);
-void set_supports(Mesh &mesh, const Supports &supports, const Frame &frame);
+void set_supports(Mesh &mesh, const Supports &supports, Frame &frame);
 // The centers again, for another radius.
 void prepare_centers(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame);
 // Sampling ellipses of every so many sites.

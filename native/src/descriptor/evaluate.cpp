@@ -117,7 +117,34 @@ std::vector<CellData> Evaluator::measure_cells(const Gl &gl, ProgramCache &progr
 
 void Evaluator::set_samples(const Gl &gl, const CellSamples &samples) {
   samples_.upload(gl, samples.list);
+  sample_count_ = static_cast<int>(samples.list.size());
+  listed_ = false;
   check_gl(gl, "sample upload");
+}
+
+bool Evaluator::list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer) {
+  const size_t texels = 2 * static_cast<size_t>(sample_count_);
+  if (sample_count_ > most_points || texels > static_cast<size_t>(gl.limits.list_texels) ||
+      texels * sizeof(vec4) > static_cast<size_t>(gl.limits.storage_bytes))
+    return false;
+  points_.upload(gl, GL_RGBA32F, nullptr, texels, GL_STREAM_COPY);
+  const std::string variant = variant_of_buffer(buffer.half());
+  gl.UseProgram(programs.get(gl, "points " + variant, {{GL_COMPUTE_SHADER, "points.comp.glsl"}}, {{"variant.glsl", variant}}));
+  buffer.bind();
+  gl.BindTextureUnit(UNIT_SAMPLES, samples_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_POINTS, points_.buffer_id());
+  gl.Uniform1i(0, buffer.size());
+  gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
+  constexpr int tile = 65535 * GROUP_SIZE;
+  for (int first = 0; first < sample_count_; first += tile) {
+    const int last = std::min(first + tile, sample_count_);
+    gl.Uniform1i(2, first);
+    gl.Uniform1i(3, last);
+    gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+  }
+  gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+  check_gl(gl, "points of samples");
+  return true;
 }
 
 void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams) {
@@ -172,7 +199,7 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
 }
 
 // What is decided while compiling: each choice costs nothing where it is not made.
-static std::string variant_of(const EvaluateSettings &settings, bool half, bool bare) {
+static std::string variant_of(const EvaluateSettings &settings, bool half, bool bare, bool listed) {
   auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) +
          define("PAPER", settings.relocation == PDESC_RELOCATION_PAPER) +
@@ -181,7 +208,7 @@ static std::string variant_of(const EvaluateSettings &settings, bool half, bool 
          define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
          define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) + define("FACES", settings.faces()) +
-         define("BARE", bare) + variant_of_buffer(half);
+         define("BARE", bare) + define("LISTED", listed) + variant_of_buffer(half);
 }
 
 // What samples read that are carried over seams by walks.
@@ -245,7 +272,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
                     int first, int last) {
   const bool walks = settings.relocation != PDESC_RELOCATION_CONNECTED;
   if (walks && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, settings, first, last);
-  const std::string variant = variant_of(settings, buffer.half(), has_bare_);
+  const std::string variant = variant_of(settings, buffer.half(), has_bare_, listed_ && !walks);
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   const GLuint program =
@@ -264,6 +291,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
     gl.BindTextureUnit(UNIT_SAMPLES, samples_.id());
     gl.BindTextureUnit(UNIT_RANGES, ranges_.id());
+    if (listed_) gl.BindTextureUnit(UNIT_POINTS, points_.id());
   }
   const GLint integers[] = {first, last, count_, settings.samples};
   for (GLint i = 0; i < 4; ++i) gl.Uniform1i(i + 2, integers[i]);

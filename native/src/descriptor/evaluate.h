@@ -53,6 +53,9 @@ struct EvaluateSettings {
   size_t value_rows() const;
 };
 
+// Samples whose points are listed beside the buffers, at most: 128 MiB.
+inline constexpr int most_points = 1 << 22;
+
 // The part of the device's state that samples read beside the geometry buffer.
 class Evaluator {
 public:
@@ -62,6 +65,11 @@ public:
   // (cells) of the geometry buffer as it is now.
   std::vector<CellData> measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
   void set_samples(const Gl &gl, const CellSamples &samples);
+  // Points of the samples in the geometry buffer as it is now, for centers to fetch in place of its texels; false where they
+  // would take too much memory.
+  bool list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
+  // Whether those hold.
+  void use_points(bool use) { listed_ = use; }
   // Of a frame.
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
   void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
@@ -85,12 +93,12 @@ private:
 
   Texture border_, labels_;
   ListTexture border_list_, border_uv_, links_, boxes_, faces_;
-  BufferTexture samples_, ranges_;
+  BufferTexture samples_, points_, ranges_;
   Buffer centers_, pattern_, supports_, cells_, bare_, reach_, results_, seams_, visits_, stretches_, progress_, map_centers_,
       map_bare_;
   size_t progress_bytes_ = 0;
-  bool has_bare_ = false;
-  int count_ = 0, cell_count_ = 0, block_size_ = 1, reach_count_ = 0;
+  bool has_bare_ = false, listed_ = false;
+  int sample_count_ = 0, count_ = 0, cell_count_ = 0, block_size_ = 1, reach_count_ = 0;
 };
 
 // GLSL that composes the descriptors asked for into one dispatch.

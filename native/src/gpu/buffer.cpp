@@ -27,16 +27,16 @@ void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) 
   if (data && bytes && bytes < size) gl.NamedBufferSubData(id(), 0, static_cast<GLsizeiptr>(bytes), data);
 }
 
-void BufferTexture::upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage) {
-  if (pairs.size() > static_cast<size_t>(gl.limits.list_texels))
-    throw Error(PDESC_ERROR_UNSUPPORTED, "The neighborhoods are too large for this device (" + std::to_string(pairs.size()) +
+void BufferTexture::upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage) {
+  if (texels > static_cast<size_t>(gl.limits.list_texels))
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The neighborhoods are too large for this device (" + std::to_string(texels) +
                                              " list elements); use smaller buffers or fewer samples, or the reference backend.");
-  buffer_.upload(gl, pairs, usage);
+  buffer_.upload(gl, data, texels * (format == GL_RG32I ? sizeof(ivec2) : sizeof(vec4)), usage);
   if (id()) return;
   GLuint made = 0;
   gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &made);
   name_ = {gl, made};
-  gl.TextureBuffer(id(), GL_RG32I, buffer_.id());
+  gl.TextureBuffer(id(), format, buffer_.id());
 }
 
 Texture::Texture(const Gl &gl, int width, int height, GLenum format) {

@@ -50,8 +50,13 @@ private:
 class BufferTexture {
 public:
   // Pairs of integers (GL_RG32I).
-  void upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage = GL_STATIC_DRAW);
+  void upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage = GL_STATIC_DRAW) {
+    upload(gl, GL_RG32I, pairs.data(), pairs.size(), usage);
+  }
+  // texels of format GL_RG32I or GL_RGBA32F; data may be NULL, for shaders to write into buffer_id.
+  void upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage);
   GLuint id() const { return name_.id(); }
+  GLuint buffer_id() const { return buffer_.id(); }
 
 private:
   Buffer buffer_;
