@@ -140,31 +140,34 @@ public:
   // Whether all that was found within the center's ball faces its way and covers its tangent plane once: then it is connected
   // there. measure() comes before.
   bool is_plain(vec3 center) const {
-    float flat = 0.0f;
     for (const int32_t k : inside_) {
       const Seen &seen = seen_[static_cast<size_t>(k)];
-      if (!seen.plain || meets_boundary(found_[static_cast<size_t>(k)], center)) return false;
-      const float away = std::sqrt(distance_[static_cast<size_t>(k)]), sphere = seen.sphere;
-      flat += seen.area * std::min(1.0f, (radius_ + sphere - away) / std::max(2.0f * sphere, 1e-20f));
+      if (!seen.plain || (seen.at_boundary && meets_boundary(found_[static_cast<size_t>(k)], center))) return false;
     }
-    return flat < 1.25f * static_cast<float>(pi) * radius_ * radius_;
+    return flat_ < 1.25f * static_cast<float>(pi) * radius_ * radius_;
   }
 
-  // Which of those found lie in the center's ball.
+  // Which of those found lie in the center's ball, and their area there, projected.
   void measure(vec3 center) {
     const size_t count = seen_.size();
     distance_.resize(count);
-    const float *x = x_.data(), *y = y_.data(), *z = z_.data(), *outer = outer_.data();
-    float *distance = distance_.data();
+    flat_part_.resize(count);
+    const float *x = x_.data(), *y = y_.data(), *z = z_.data(), *outer = outer_.data(), *sphere = sphere_.data(),
+                *area = area_.data();
+    float *distance = distance_.data(), *part = flat_part_.data();
     for (size_t k = 0; k < count; ++k) { // by vectors
       const float dx = x[k] - center.x, dy = y[k] - center.y, dz = z[k] - center.z;
       distance[k] = dx * dx + dy * dy + dz * dz;
+      const float share = (radius_ + sphere[k] - std::sqrt(distance[k])) / std::max(2.0f * sphere[k], 1e-20f);
+      part[k] = distance[k] < outer[k] ? area[k] * std::min(1.0f, share) : 0.0f;
     }
     inside_.resize(count);
     size_t inside = 0;
+    flat_ = 0.0f;
     for (size_t k = 0; k < count; ++k) { // without a branch
       inside_[inside] = static_cast<int32_t>(k);
       inside += distance[k] < outer[k];
+      flat_ += part[k];
     }
     inside_.resize(inside);
   }
@@ -194,30 +197,26 @@ public:
     SupportData data{};
     data.cut = boundary ? 1.0f : 0.0f;
     data.first = static_cast<int32_t>(ranges.size());
-    near_.clear();
+    taken_.clear();
     int total = 0;
     for (const int32_t k : inside_) {
-      const int32_t cell = found_[static_cast<size_t>(k)];
+      const Seen &seen = seen_[static_cast<size_t>(k)];
       // Finer detail than the radius counts through what lies near: cells there are sampled four times as finely each way.
-      const bool fine = distance_[static_cast<size_t>(k)] < seen_[static_cast<size_t>(k)].near;
-      const ivec2 black = space_.samples.of(fine, cell, 0), white = space_.samples.of(fine, cell, 1);
-      const int32_t bare = space_.bare.begin[static_cast<size_t>(cell) + 1] - space_.bare.begin[static_cast<size_t>(cell)];
-      total += 1 + white.y - black.x + bare;
+      const bool fine = distance_[static_cast<size_t>(k)] < seen.near;
+      const ivec2 all = seen.samples[fine];
+      total += 1 + all.y - all.x + seen.bare.y - seen.bare.x;
       if (total > MAX_ITERATIONS) {
-        data.lost += measured_[static_cast<size_t>(cell)].area.y;
+        data.lost += measured_[static_cast<size_t>(found_[static_cast<size_t>(k)])].area.y;
         continue;
       }
-      near_.push_back(fine ? -1 - cell : cell);
-      append(space_.halves ? black : ivec2(black.x, white.y), data.first, ranges);
+      if (space_.halves || has_bare_) taken_.push_back({k, fine});
+      append(space_.halves ? half_of(k, fine, 0) : all, data.first, ranges);
     }
     data.middle = data.last = static_cast<int32_t>(ranges.size());
-    for (const int32_t entry : near_)
-      if (space_.halves) append(space_.samples.of(entry < 0, entry < 0 ? -1 - entry : entry, 1), data.middle, ranges);
+    for (const Taken &taken : taken_)
+      if (space_.halves) append(half_of(taken.place, taken.fine, 1), data.middle, ranges);
     data.last = static_cast<int32_t>(ranges.size());
-    for (const int32_t entry : near_) {
-      const auto cell = static_cast<size_t>(entry < 0 ? -1 - entry : entry);
-      append({space_.bare.begin[cell], space_.bare.begin[cell + 1]}, data.last, ranges);
-    }
+    for (const Taken &taken : taken_) append(seen_[static_cast<size_t>(taken.place)].bare, data.last, ranges);
     data.end = static_cast<int32_t>(ranges.size());
     return data;
   }
@@ -230,19 +229,26 @@ private:
 
   // What centers ask of a cell that was found.
   struct Seen {
-    float sphere; // radius
-    float near;   // squared distance from its middle below which it is sampled finely
-    float area;   // projected to the tangent plane of the first cell
-    bool plain;   // faces its way
+    float near;       // squared distance from its middle below which it is sampled finely
+    bool plain;       // faces its way
+    bool at_boundary; // a border of the mesh runs through it
+    ivec2 samples[2]; // coarse, fine; of both halves
+    ivec2 bare;
+  };
+  struct Taken {
+    int32_t place; // in found_
+    bool fine;
   };
 
   // cone: of the first cell.
   void look_at_found(vec3 normal, float spread) {
     std::sort(found_.begin(), found_.end()); // one order of summation, wherever the search began
     seen_.clear();
-    for (std::vector<float> *list : {&x_, &y_, &z_, &outer_}) list->clear();
+    has_bare_ = false;
+    for (std::vector<float> *list : {&x_, &y_, &z_, &outer_, &sphere_, &area_}) list->clear();
     for (const int32_t cell : found_) {
-      const CellData &data = measured_[static_cast<size_t>(cell)];
+      const auto i = static_cast<size_t>(cell);
+      const CellData &data = measured_[i];
       const bool empty = data.sphere.w < 0.0f;
       const float cosine = dot(normal, vec3(data.cone)), own = std::clamp(data.cone.w, -1.0f, 1.0f);
       const float sine = std::sqrt(std::max(0.0f, (1.0f - cosine * cosine) * (1.0f - own * own)));
@@ -251,9 +257,20 @@ private:
       y_.push_back(data.sphere.y);
       z_.push_back(data.sphere.z);
       outer_.push_back(empty ? -1.0f : outer * outer);
-      seen_.push_back({data.sphere.w, near * near, data.area.y * std::max(cosine, 0.0f),
-                       std::min({own, spread, cosine, cosine * own - sine}) > least_cosine});
+      sphere_.push_back(data.sphere.w);
+      area_.push_back(data.area.y * std::max(cosine, 0.0f)); // projected to the tangent plane of the first cell
+      const auto both = [&](bool fine) { return ivec2(space_.samples.of(fine, cell, 0).x, space_.samples.of(fine, cell, 1).y); };
+      seen_.push_back({near * near,
+                       std::min({own, spread, cosine, cosine * own - sine}) > least_cosine,
+                       cells_.boundary_begin[i] < cells_.boundary_begin[i + 1],
+                       {both(false), both(true)},
+                       {space_.bare.begin[i], space_.bare.begin[i + 1]}});
+      has_bare_ = has_bare_ || seen_.back().bare.x < seen_.back().bare.y;
     }
+  }
+
+  ivec2 half_of(int32_t place, bool fine, int half) const {
+    return space_.samples.of(fine, found_[static_cast<size_t>(place)], half);
   }
 
   void add(int32_t cell) {
@@ -300,12 +317,17 @@ private:
   std::span<const CellData> measured_;
   float radius_;
   std::vector<uint32_t> visited_;
-  std::vector<int32_t> found_, near_; // near_: -1 - cell where it is sampled finely
-  std::vector<Seen> seen_;            // (found)
-  std::vector<float> x_, y_, z_;      // (found) middle
-  std::vector<float> outer_;          // (found) squared distance from there from which on it lies outside the ball
-  std::vector<float> distance_;       // (found) squared, from the center
-  std::vector<int32_t> inside_;       // places in found_
+  std::vector<int32_t> found_;
+  std::vector<Seen> seen_;           // (found)
+  std::vector<float> x_, y_, z_;     // (found) middle
+  std::vector<float> outer_;         // (found) squared distance from there from which on it lies outside the ball
+  std::vector<float> sphere_, area_; // (found) radius; area, projected
+  std::vector<float> distance_;      // (found) squared, from the center
+  std::vector<float> flat_part_;     // (found) of the area, in the center's ball
+  std::vector<int32_t> inside_;      // places in found_
+  std::vector<Taken> taken_;         // of these, where they are looked through once more
+  float flat_ = 0.0f;                // area of all in the center's ball, projected
+  bool has_bare_ = false;
   uint32_t mark_ = 0;
 };
 
@@ -360,30 +382,45 @@ static Groups group(const Cells &cells, std::span<const CellData> measured, cons
   return groups;
 }
 
-// The members of one group: first those that are connected to the first member's cell, then those connected to the first of the
-// others…
+namespace {
+
+// Some of a group's centers: how far they lie apart.
+struct Spread {
+  vec3 low, high;
+  Spread(const std::vector<SupportCenter> &centers, std::span<const int32_t> members)
+      : low(std::numeric_limits<float>::max()), high(-low) {
+    for (const int32_t i : members) {
+      low = glm::min(low, centers[static_cast<size_t>(i)].position);
+      high = glm::max(high, centers[static_cast<size_t>(i)].position);
+    }
+  }
+  vec3 middle() const { return 0.5f * (low + high); }
+  float radius() const { return 0.5f * length(high - low); }
+  int longest_axis() const {
+    const vec3 side = high - low;
+    return side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+  }
+};
+
+} // namespace
+
+// The members of one group that lie near each other: first those that are connected to the first member's cell, then those
+// connected to the first of the others…
 static void search_together(Search &search, const std::vector<SupportCenter> &centers, const std::vector<int32_t> &start,
-                            std::vector<int32_t> members, float radius, Supports &supports, Part &part) {
+                            std::vector<int32_t> members, Supports &supports, Part &part) {
   std::vector<int32_t> others;
   while (!members.empty()) {
-    auto at = [&](int32_t i) { return centers[static_cast<size_t>(i)].position; };
-    vec3 low = at(members[0]), high = low;
-    for (const int32_t i : members) {
-      low = glm::min(low, at(i));
-      high = glm::max(high, at(i));
-    }
-    const vec3 middle = 0.5f * (low + high);
-    const float beyond = 0.5f * length(high - low);
-    const bool together = beyond < radius;
-    if (together) search.reach_from(start[static_cast<size_t>(members[0])], middle, beyond);
+    const Spread spread(centers, members);
+    search.reach_from(start[static_cast<size_t>(members[0])], spread.middle(), spread.radius());
     others.clear();
     for (const int32_t i : members) {
-      if (together && !search.was_found(start[static_cast<size_t>(i)])) {
+      if (!search.was_found(start[static_cast<size_t>(i)])) {
         others.push_back(i);
         continue;
       }
-      if (together) search.measure(at(i));
-      if (together && search.is_plain(at(i))) {
+      const vec3 position = centers[static_cast<size_t>(i)].position;
+      search.measure(position);
+      if (search.is_plain(position)) {
         supports.center[static_cast<size_t>(i)] = search.list(false, part.range);
         supports.plain[static_cast<size_t>(i)] = 1;
       } else {
@@ -392,6 +429,24 @@ static void search_together(Search &search, const std::vector<SupportCenter> &ce
     }
     members.swap(others);
   }
+}
+
+// A group, in halves until each lies within a part of the radius: the map may stretch a square to any length.
+static void search_in_halves(Search &search, const std::vector<SupportCenter> &centers, const std::vector<int32_t> &start,
+                             std::span<int32_t> members, float radius, Supports &supports, Part &part) {
+  constexpr float near = 0.6f;
+  const Spread spread(centers, members);
+  if (members.size() < 2 || spread.radius() <= near * radius)
+    return search_together(search, centers, start, {members.begin(), members.end()}, supports, part);
+  const int axis = spread.longest_axis();
+  const float middle = spread.middle()[axis];
+  const auto split = std::stable_partition(members.begin(), members.end(),
+                                           [&](int32_t i) { return centers[static_cast<size_t>(i)].position[axis] < middle; });
+  const auto first = static_cast<size_t>(split - members.begin());
+  if (first == 0 || first == members.size()) // as far apart as floats tell
+    return search_together(search, centers, start, {members.begin(), members.end()}, supports, part);
+  search_in_halves(search, centers, start, members.first(first), radius, supports, part);
+  search_in_halves(search, centers, start, members.subspan(first), radius, supports, part);
 }
 
 // The parts' ranges one after another; places[i]: the centers of part i.
@@ -436,11 +491,11 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
     Part &part = parts[static_cast<size_t>(begin / block)];
     for (int g = begin; g < end; ++g) {
       const size_t before = part.range.size();
-      const std::span<const int32_t> members = members_of(g, g + 1);
+      const std::span<int32_t> members = members_of(g, g + 1);
       if (g == 0) // they start nowhere
         part.left.assign(members.begin(), members.end());
       else
-        search_together(search, centers, groups.start, {members.begin(), members.end()}, radius, supports, part);
+        search_in_halves(search, centers, groups.start, members, radius, supports, part);
       if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
     }
   });
