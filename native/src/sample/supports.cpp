@@ -149,25 +149,24 @@ public:
 
   // Which of those found lie in the center's ball, and their area there, projected.
   void measure(vec3 center) {
-    const size_t count = seen_.size();
-    distance_.resize(count);
-    flat_part_.resize(count);
-    const float *x = x_.data(), *y = y_.data(), *z = z_.data(), *outer = outer_.data(), *sphere = sphere_.data(),
-                *area = area_.data();
-    float *distance = distance_.data(), *part = flat_part_.data();
-    for (size_t k = 0; k < count; ++k) { // by vectors
-      const float dx = x[k] - center.x, dy = y[k] - center.y, dz = z[k] - center.z;
-      distance[k] = dx * dx + dy * dy + dz * dz;
-      const float share = (radius_ + sphere[k] - std::sqrt(distance[k])) / std::max(2.0f * sphere[k], 1e-20f);
-      part[k] = distance[k] < outer[k] ? area[k] * std::min(1.0f, share) : 0.0f;
-    }
+    const size_t count = found_.size();
+    distance_.resize(middle_.size());
     inside_.resize(count);
-    size_t inside = 0;
+    Lanes flat{};
+    for (size_t i = 0; i < middle_.size(); ++i) {
+      const Middles &m = middle_[i];
+      const Lanes dx = m.x - center.x, dy = m.y - center.y, dz = m.z - center.z, square = dx * dx + dy * dy + dz * dz;
+      // Between r^2 - 2 r s and r^2 + 2 r s, so that an even disk has its own area.
+      const Lanes part = (m.rim - square) * m.per_rim;
+      flat += m.area * (part < 0.0f ? Lanes{} : part < 1.0f ? part : Lanes{} + 1.0f);
+      distance_[i] = square;
+    }
     flat_ = 0.0f;
+    for (size_t lane = 0; lane < lane_count; ++lane) flat_ += flat[lane];
+    size_t inside = 0;
     for (size_t k = 0; k < count; ++k) { // without a branch
       inside_[inside] = static_cast<int32_t>(k);
-      inside += distance[k] < outer[k];
-      flat_ += part[k];
+      inside += distance(k) < middle_[k / lane_count].outer[k % lane_count];
     }
     inside_.resize(inside);
   }
@@ -202,7 +201,7 @@ public:
     for (const int32_t k : inside_) {
       const Seen &seen = seen_[static_cast<size_t>(k)];
       // Finer detail than the radius counts through what lies near: cells there are sampled four times as finely each way.
-      const bool fine = distance_[static_cast<size_t>(k)] < seen.near;
+      const bool fine = distance(static_cast<size_t>(k)) < seen.near;
       const ivec2 all = seen.samples[fine];
       total += 1 + all.y - all.x + seen.bare.y - seen.bare.x;
       if (total > MAX_ITERATIONS) {
@@ -226,6 +225,8 @@ private:
   static constexpr float least_cosine =
       0.25f; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
   static constexpr float near_share = 0.25f;
+  static constexpr size_t lane_count = 8;
+  using Lanes [[gnu::vector_size(lane_count * sizeof(float))]] = float;
 
   // What centers ask of a cell that was found.
   struct Seen {
@@ -234,6 +235,14 @@ private:
     bool at_boundary; // a border of the mesh runs through it
     ivec2 samples[2]; // coarse, fine; of both halves
     ivec2 bare;
+  };
+  // Of so many cells, to look at them at once.
+  struct Middles {
+    Lanes x, y, z;
+    Lanes outer; // squared distance from there from which on it lies outside the ball
+    Lanes rim;   // squared distance from which on it is counted out, and one over the width of where it is counted in part
+    Lanes per_rim;
+    Lanes area; // projected
   };
   struct Taken {
     int32_t place; // in found_
@@ -245,7 +254,7 @@ private:
     std::sort(found_.begin(), found_.end()); // one order of summation, wherever the search began
     seen_.clear();
     has_bare_ = false;
-    for (std::vector<float> *list : {&x_, &y_, &z_, &outer_, &sphere_, &area_}) list->clear();
+    middle_.assign((found_.size() + lane_count - 1) / lane_count, Middles{{}, {}, {}, Lanes{} - 1.0f, Lanes{} - 1.0f, {}, {}});
     for (const int32_t cell : found_) {
       const auto i = static_cast<size_t>(cell);
       const CellData &data = measured_[i];
@@ -253,12 +262,15 @@ private:
       const float cosine = dot(normal, vec3(data.cone)), own = std::clamp(data.cone.w, -1.0f, 1.0f);
       const float sine = std::sqrt(std::max(0.0f, (1.0f - cosine * cosine) * (1.0f - own * own)));
       const float outer = radius_ + data.sphere.w, near = near_share * radius_ + data.sphere.w;
-      x_.push_back(data.sphere.x);
-      y_.push_back(data.sphere.y);
-      z_.push_back(data.sphere.z);
-      outer_.push_back(empty ? -1.0f : outer * outer);
-      sphere_.push_back(data.sphere.w);
-      area_.push_back(data.area.y * std::max(cosine, 0.0f)); // projected to the tangent plane of the first cell
+      const size_t k = seen_.size(), lane = k % lane_count;
+      Middles &m = middle_[k / lane_count];
+      m.x[lane] = data.sphere.x;
+      m.y[lane] = data.sphere.y;
+      m.z[lane] = data.sphere.z;
+      m.outer[lane] = empty ? -1.0f : outer * outer;
+      m.rim[lane] = empty ? -1.0f : radius_ * (radius_ + 2.0f * data.sphere.w);
+      m.per_rim[lane] = 1.0f / std::max(4.0f * radius_ * data.sphere.w, 1e-30f);
+      m.area[lane] = data.area.y * std::max(cosine, 0.0f); // projected to the tangent plane of the first cell
       const auto both = [&](bool fine) { return ivec2(space_.samples.of(fine, cell, 0).x, space_.samples.of(fine, cell, 1).y); };
       seen_.push_back({near * near,
                        std::min({own, spread, cosine, cosine * own - sine}) > least_cosine,
@@ -268,6 +280,8 @@ private:
       has_bare_ = has_bare_ || seen_.back().bare.x < seen_.back().bare.y;
     }
   }
+
+  float distance(size_t place) const { return distance_[place / lane_count][place % lane_count]; }
 
   ivec2 half_of(int32_t place, bool fine, int half) const {
     return space_.samples.of(fine, found_[static_cast<size_t>(place)], half);
@@ -318,15 +332,12 @@ private:
   float radius_;
   std::vector<uint32_t> visited_;
   std::vector<int32_t> found_;
-  std::vector<Seen> seen_;           // (found)
-  std::vector<float> x_, y_, z_;     // (found) middle
-  std::vector<float> outer_;         // (found) squared distance from there from which on it lies outside the ball
-  std::vector<float> sphere_, area_; // (found) radius; area, projected
-  std::vector<float> distance_;      // (found) squared, from the center
-  std::vector<float> flat_part_;     // (found) of the area, in the center's ball
-  std::vector<int32_t> inside_;      // places in found_
-  std::vector<Taken> taken_;         // of these, where they are looked through once more
-  float flat_ = 0.0f;                // area of all in the center's ball, projected
+  std::vector<Seen> seen_;      // (found)
+  std::vector<Middles> middle_; // (found)
+  std::vector<Lanes> distance_; // (found) squared, from the center
+  std::vector<int32_t> inside_; // places in found_
+  std::vector<Taken> taken_;    // of these, where they are looked through once more
+  float flat_ = 0.0f;           // area of all in the center's ball, projected
   bool has_bare_ = false;
   uint32_t mark_ = 0;
 };
