@@ -147,7 +147,7 @@ TEST_F(Maps, a_cancelled_evaluation_at_texels_leaves_the_mesh_usable) {
   TestMesh mesh = sphere(1, {.vertices = 400});
   lay_out(mesh, {.charts = 6});
   const Mesh created = make_mesh(software.get(), mesh);
-  const Settings settings{.radius = 0.1, .buffer_size = 256, .evaluate = PDESC_EVALUATE_TEXEL, .texels = 256};
+  const Settings settings{.radius = 0.1, .buffer_size = 256, .evaluate = PDESC_EVALUATE_TEXEL, .texels = 512};
   const std::vector<float> expected = at_vertices(compute_field(created.get(), settings).get(), mesh.vertex_count);
   const pdesc_options options = options_of(settings);
   const char *name = "mean_curvature";
