@@ -1,10 +1,10 @@
 #version 450 core
 // A texel of a layout → the value of a map there: interpolated.
 #include "owner.glsl"
-layout(binding = UNIT_VALUES) uniform sampler2D values;
+layout(binding = UNIT_VALUES) uniform samplerBuffer values;
 layout(location = 0) out vec4 map;
 
-vec4 value_of(int vertex) { return texelFetch(values, list_place(vertex), 0); }
+vec4 value_of(int vertex) { return texelFetch(values, vertex); }
 
 void main() {
   int triangle;

@@ -1,20 +1,20 @@
 // Triangles in space and in (u, v).
 #include "shared.h"
-layout(binding = UNIT_PLACES) uniform sampler2D places;
-layout(binding = UNIT_CORNERS) uniform isampler2D corners;
-layout(binding = UNIT_VERTICES) uniform sampler2D vertices;
+layout(binding = UNIT_PLACES) uniform samplerBuffer places;
+layout(binding = UNIT_CORNERS) uniform isamplerBuffer corners;
+layout(binding = UNIT_VERTICES) uniform samplerBuffer vertices;
 
 float cross2(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
 
 vec2 place_of(int triangle, int corner) {
-  vec4 pair = texelFetch(places, list_place(2 * triangle + corner / 2), 0);
+  vec4 pair = texelFetch(places, 2 * triangle + corner / 2);
   return corner == 1 ? pair.zw : pair.xy;
 }
 
-int chart_of(int triangle) { return int(texelFetch(places, list_place(2 * triangle + 1), 0).z); }
+int chart_of(int triangle) { return int(texelFetch(places, 2 * triangle + 1).z); }
 
-vec3 position_of(int vertex) { return texelFetch(vertices, list_place(2 * vertex), 0).xyz; }
-vec3 normal_of(int vertex) { return texelFetch(vertices, list_place(2 * vertex + 1), 0).xyz; }
+vec3 position_of(int vertex) { return texelFetch(vertices, 2 * vertex).xyz; }
+vec3 normal_of(int vertex) { return texelFetch(vertices, 2 * vertex + 1).xyz; }
 
 // |P_u x P_v| of a triangle with these edges in space.
 float area_element(ivec4 triangle_corners, vec3 edge1, vec3 edge2) {
@@ -23,7 +23,7 @@ float area_element(ivec4 triangle_corners, vec3 edge1, vec3 edge2) {
 
 // E, F, G of a triangle (paper eq. 1) and its area element.
 vec4 form_of(int triangle) {
-  ivec4 vertex = texelFetch(corners, list_place(triangle), 0);
+  ivec4 vertex = texelFetch(corners, triangle);
   vec3 origin = position_of(vertex.x), edge1 = position_of(vertex.y) - origin, edge2 = position_of(vertex.z) - origin;
   vec2 start = place_of(triangle, 0), way1 = place_of(triangle, 1) - start, way2 = place_of(triangle, 2) - start;
   float area = cross2(way1, way2);

@@ -7,7 +7,7 @@ layout(binding = UNIT_WEIGHTS) uniform sampler2D weights;
 bool find_owner(ivec2 texel, out int triangle, out ivec4 vertex, out vec3 part) {
   ivec2 id = texelFetch(ids, texel, 0).xy;
   triangle = id.x < 0 ? 0 : id.y < 0 ? -1 - id.y : id.y;
-  vertex = texelFetch(corners, list_place(triangle), 0);
+  vertex = texelFetch(corners, triangle);
   vec2 place = texelFetch(weights, texel, 0).xy;
   part = vec3(1.0 - place.x - place.y, place);
   return id.x >= 0;

@@ -24,10 +24,10 @@
 #define UNIT_SAMPLES 8 // buffer texture, RG32I: texel (x + 65536 y); the bits of the area in (u, v) that it stands for, a float
 #define UNIT_RANGES 9  // buffer texture, RG32I: first and end in UNIT_SAMPLES, or of the samples of BINDING_BARE
 // Of a layout, and what the mesh's points have there.
-#define UNIT_PLACES 10   // list, RGBA32F, two a triangle: (u, v) of its corners 0 and 1; (u, v) of corner 2, its chart
-#define UNIT_CORNERS 11  // list, RGBA32I: the bake vertices of each triangle's corners; the bits of 1 over its area in (u, v), twice
-#define UNIT_VERTICES 12 // list, RGBA32F, two a bake vertex: position; normal
-#define UNIT_VALUES 13   // list, RGBA32F: a map's value at each bake vertex
+#define UNIT_PLACES 10   // buffer texture, RGBA32F, two a triangle: (u, v) of its corners 0 and 1; (u, v) of corner 2, its chart
+#define UNIT_CORNERS 11  // buffer texture, RGBA32I: the bake vertices of each triangle's corners; the bits of 1 over its area in (u, v), twice
+#define UNIT_VERTICES 12 // buffer texture, RGBA32F, two a bake vertex: position; normal
+#define UNIT_VALUES 13   // buffer texture, RGBA32F: a map's value at each bake vertex
 
 #define UNIT_POINTS 13 // buffer texture, RGBA32F, two a sample of UNIT_SAMPLES: position, area; normal, how far a texel reaches in space
 #define UNIT_FACES 14 // list, RGBA32F: unit normal of each triangle

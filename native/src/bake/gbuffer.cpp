@@ -105,8 +105,8 @@ void GeometryBuffer::begin_layout(const BakeInput &input) {
     area_in_map_ += area;
   }
   triangle_count_ = input.vertices.corner.empty() ? 0 : input.triangles.triangle_count;
-  places_.upload(gl_, GL_RGBA32F, places.data(), places.size());
-  corners_.upload(gl_, GL_RGBA32I, corners.data(), corners.size());
+  places_.upload(gl_, GL_RGBA32F, places.data(), places.size(), GL_STATIC_DRAW);
+  corners_.upload(gl_, GL_RGBA32I, corners.data(), corners.size(), GL_STATIC_DRAW);
   const std::vector<EdgeData> edges = edge_data(input);
   drawing_ = std::make_unique<Drawing>();
   drawing_->edges.upload(gl_, edges);
@@ -195,7 +195,7 @@ void GeometryBuffer::upload(const BakeInput &input) {
       points[2 * i + 1] = vec4(input.normals.corner(c), 0.0f);
     }
   });
-  vertices_.upload(gl_, GL_RGBA32F, points.data(), points.size());
+  vertices_.upload(gl_, GL_RGBA32F, points.data(), points.size(), GL_STREAM_DRAW);
   set_area_unit(input);
   check_gl(gl_, "upload");
 }
@@ -244,7 +244,7 @@ void GeometryBuffer::draw_surface(ProgramCache &programs, int first_row, int las
 
 void GeometryBuffer::draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map) {
   const GlName<&Gl::DeleteFramebuffers> framebuffer(gl_, make_framebuffer(gl_, {map.id()}));
-  values_.upload(gl_, GL_RGBA32F, values.data(), values.size());
+  values_.upload(gl_, GL_RGBA32F, values.data(), values.size(), GL_STREAM_DRAW);
   gl_.UseProgram(programs.get(gl_, "map", {{GL_VERTEX_SHADER, "screen.vert.glsl"}, {GL_FRAGMENT_SHADER, "map.frag.glsl"}}));
   gl_.BindTextureUnit(UNIT_VALUES, values_.id());
   draw_screen(framebuffer.id(), 0, size_);

@@ -11,16 +11,20 @@
 namespace paradesc {
 
 void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
-  if (!id()) {
-    GLuint made = 0;
-    gl.CreateBuffers(1, &made);
-    name_ = {gl, made};
-  }
   // Shaders would read zeros beyond it, and no error would tell.
   if (bytes > static_cast<size_t>(gl.limits.storage_bytes))
     throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The mesh is too large for this device (a list of " + std::to_string(bytes >> 20) +
                                                " MiB, of which it takes " + std::to_string(gl.limits.storage_bytes >> 20) +
                                                "); use the software or reference backend.");
+  fill(gl, data, bytes, usage);
+}
+
+void Buffer::fill(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
+  if (!id()) {
+    GLuint made = 0;
+    gl.CreateBuffers(1, &made);
+    name_ = {gl, made};
+  }
   // An empty buffer cannot be bound for storage; one element keeps every binding valid.
   const size_t size = std::max<size_t>(bytes, 16);
   gl.NamedBufferData(id(), static_cast<GLsizeiptr>(size), bytes >= size ? data : nullptr, usage);
@@ -29,9 +33,10 @@ void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) 
 
 void BufferTexture::upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage) {
   if (texels > static_cast<size_t>(gl.limits.list_texels))
-    throw Error(PDESC_ERROR_UNSUPPORTED, "The neighborhoods are too large for this device (" + std::to_string(texels) +
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh or its neighborhoods are too large for this device (" +
+                                             std::to_string(texels) +
                                              " list elements); use smaller buffers or fewer samples, or the reference backend.");
-  buffer_.upload(gl, data, texels * (format == GL_RG32I ? sizeof(ivec2) : sizeof(vec4)), usage);
+  buffer_.fill(gl, data, texels * (format == GL_RG32I ? sizeof(ivec2) : sizeof(vec4)), usage);
   if (id()) return;
   GLuint made = 0;
   gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &made);

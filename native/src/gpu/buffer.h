@@ -39,6 +39,8 @@ public:
   template <class T> void upload(const Gl &gl, const std::vector<T> &data, GLenum usage = GL_STATIC_DRAW) {
     upload(gl, data.data(), data.size() * sizeof(T), usage);
   }
+  // The same where it is not read as storage.
+  void fill(const Gl &gl, const void *data, size_t bytes, GLenum usage);
   GLuint id() const { return name_.id(); }
 
 private:
@@ -53,7 +55,7 @@ public:
   void upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage = GL_STATIC_DRAW) {
     upload(gl, GL_RG32I, pairs.data(), pairs.size(), usage);
   }
-  // texels of format GL_RG32I or GL_RGBA32F; data may be NULL, for shaders to write into buffer_id.
+  // texels of format GL_RG32I, GL_RGBA32F or GL_RGBA32I, always the same; data may be NULL, for shaders to write into buffer_id.
   void upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage);
   GLuint id() const { return name_.id(); }
   GLuint buffer_id() const { return buffer_.id(); }
