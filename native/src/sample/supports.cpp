@@ -462,6 +462,9 @@ static void search_in_halves(Search &search, const std::vector<SupportCenter> &c
 
 // The parts' ranges one after another; places[i]: the centers of part i.
 static void join(std::vector<Part> &parts, const std::vector<std::span<const int32_t>> &places, Supports &supports) {
+  size_t all = supports.range.size();
+  for (const Part &part : parts) all += part.range.size();
+  supports.range.reserve(all);
   for (size_t i = 0; i < parts.size(); ++i) {
     const auto offset = static_cast<int32_t>(supports.range.size());
     for (const int32_t center : places[i]) {
@@ -469,6 +472,7 @@ static void join(std::vector<Part> &parts, const std::vector<std::span<const int
       for (int32_t *at : {&data.first, &data.middle, &data.last, &data.end}) *at += offset;
     }
     supports.range.insert(supports.range.end(), parts[i].range.begin(), parts[i].range.end());
+    parts[i].range = {}; // all together are as much again
   }
 }
 
