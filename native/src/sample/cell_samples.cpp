@@ -24,13 +24,12 @@ CellStrides choose_strides(const Cells &cells, std::span<const CellData> measure
   return strides;
 }
 
-// A place in [0, 2^16)^2 that depends on the grid's square and the seed alone.
-static ivec2 jitter(int x, int y, uint32_t seed) {
-  uint32_t h = static_cast<uint32_t>(x) * 0x8da6b343u ^ static_cast<uint32_t>(y) * 0xd8163841u ^ seed * 0xcb1ab31fu;
-  h = (h ^ (h >> 16)) * 0x85ebca6bu;
-  h = (h ^ (h >> 13)) * 0xc2b2ae35u;
-  h ^= h >> 16;
-  return {static_cast<int>(h & 0xffffu), static_cast<int>(h >> 16)};
+// Which texel of a square is its sample: one of the four around its middle, by turns, so that their mean is the middle. Nearly
+// even samples measure a disk two to three times as well as jittered ones.
+static ivec2 offset_of(int x, int y, int stride, uint32_t seed) {
+  if (stride == 1) return ivec2(0);
+  const int flip_x = static_cast<int>(seed & 1), flip_y = static_cast<int>(seed >> 1 & 1);
+  return ivec2(stride / 2 - 1) + ivec2((y & 1) ^ flip_x, (x & 1) ^ flip_y);
 }
 
 namespace {
@@ -50,7 +49,7 @@ static void add_half(const Cells &cells, size_t cell, int stride, uint32_t seed,
   for (int y = box.y / stride; y <= (box.y + box.w - 1) / stride; ++y)
     for (int x = box.x / stride; x <= (box.x + box.z - 1) / stride; ++x) {
       if (((x ^ y) & 1) != half) continue;
-      const ivec2 texel = ivec2(x, y) * stride + (jitter(x * stride, y * stride, seed) & (stride - 1));
+      const ivec2 texel = ivec2(x, y) * stride + offset_of(x, y, stride, seed);
       if (texel.x >= buffer_size || texel.y >= buffer_size) continue;
       const size_t at = 2 * (static_cast<size_t>(texel.y) * static_cast<size_t>(buffer_size) + static_cast<size_t>(texel.x));
       if (cells.label[at] != static_cast<int32_t>(cell) || cells.label[at + 1] <= 0) continue;
