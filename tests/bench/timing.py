@@ -19,6 +19,8 @@ from paradesc.results import registry_row
 NAME = "mean_curvature"
 STAGES = ("prepare", "bake", "evaluate", "total")
 FEWEST = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
+SMALLER = (256, 512)  # texels along buffers that may do
+MOST_OF_SMALLER = 48  # samples that are tried in these: a neighborhood has hardly more texels there
 
 
 class Bench:
@@ -88,6 +90,7 @@ def timed(mesh: Mesh, positions: np.ndarray, names: tuple[str, ...], options: Op
         "cpu_seconds": cpu_seconds,
         **stages,
         "samples": options.samples,
+        "buffer_size": options.buffer_size,
         "radius": report["radius"],
         "radius_in_texels": report["radius_in_texels"],
         "buffer_megabytes": report["buffer_megabytes"],
@@ -102,13 +105,24 @@ def percent_error(values: np.ndarray, truth: np.ndarray, radius: float) -> float
     return float(np.nanmean(found.percent))
 
 
-def fewest_samples(bench: Bench, mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> int:
-    """The fewest samples whose mean error against the reference at some vertices (Values) is small enough."""
+def cheapest(mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> Options:
+    """The smallest buffers, and then the fewest samples, whose mean error at some vertices (Values) is small enough."""
+    for size in (size for size in SMALLER if size < options.buffer_size):
+        for samples in (samples for samples in FEWEST if samples <= MOST_OF_SMALLER):
+            tried = replace(options, buffer_size=size, samples=samples)
+            if error_of(mesh, arrays, tried, truth) <= ALLOWED_ERROR:
+                return tried
     for samples in FEWEST[:-1]:
-        one = timed(mesh, arrays.positions, (NAME,), replace(options, samples=samples))
-        if percent_error(one["values"][NAME][truth.vertices], truth.values, one["radius"]) <= ALLOWED_ERROR:
-            return samples
-    return FEWEST[-1]
+        tried = replace(options, samples=samples)
+        if error_of(mesh, arrays, tried, truth) <= ALLOWED_ERROR:
+            return tried
+    return replace(options, samples=FEWEST[-1])
+
+
+def error_of(mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> float:
+    """Mean %AE at the vertices of the truth (Values)."""
+    one = timed(mesh, arrays.positions, (NAME,), options)
+    return percent_error(one["values"][NAME][truth.vertices], truth.values, one["radius"])
 
 
 def with_error(frame: dict, truth: object) -> dict:
