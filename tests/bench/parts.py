@@ -285,8 +285,9 @@ def ours(run: Run, surface: surfaces.Surface, closed: programs.Values) -> None:
         mesh, _ = run.bench.mesh(surface.arrays, options)
         with mesh:
             errors = {}
-            for name, samples in (("at_256", 256), ("fewest", run.measured["bunny"]["fewest"]["samples"])):
-                frame = run.bench.frame(mesh, surface.arrays, replace(options, samples=samples), repeats=1)
+            for name in ("at_256", "fewest"):
+                chosen = {key: run.measured["bunny"][name][key] for key in ("samples", "buffer_size")}
+                frame = run.bench.frame(mesh, surface.arrays, replace(options, **chosen), repeats=1)
                 errors[name] = timing.with_error(frame, closed)["error"]
         path = programs.write_mesh(run.folder / "peers", surface.arrays)
         found = programs.object_space(run.build, path, 0.02 * surface.diagonal, methods="baseline")[1]["baseline"]

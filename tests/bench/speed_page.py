@@ -150,7 +150,8 @@ def stage_lines(found: dict) -> list[str]:
                 rest = row["seconds"] - stages[-1]
                 times = [row["seconds"], row["cpu_seconds"], *stages[:-1], rest]
                 error = percent(row.get("error"))
-                rows.append([part, kind, str(row["samples"]), str(row["buffer_size"]), error, *(f"{1e3 * one:.1f}" for one in times)])
+                settings = [str(row["samples"]), str(row["buffer_size"])]
+                rows.append([part, kind, *settings, error, *(f"{1e3 * one:.1f}" for one in times)])
     head = [
         "mesh",
         "",
