@@ -121,7 +121,8 @@ class Session:
         self.wrote = self.show(target, scene, False, True)
         return self.wrote
 
-    def take(self, outcome: Outcome[Request, Results] | None) -> bool:
+    # In quotes: typing remembers what it is called with, and would keep bpy past Python's end, which crashes there.
+    def take(self, outcome: "Outcome[Request, Results] | None") -> bool:
         """Keeps the results of a request; False where there are none, or of a mesh that has become another."""
         if outcome is None or outcome.request.arrays is not self.arrays:
             return False
