@@ -265,9 +265,9 @@ def with_fewer_texels(options: Options, radius_in_texels: float) -> Options:
     return replace(options, buffer_size=size)
 
 
-def device_of(settings: Settings) -> tuple[str, int]:
+def device_of(settings: Settings) -> tuple[str, int, int]:
     """What a native mesh cannot change."""
-    return (settings.backend, settings.device_index)
+    return (settings.backend, settings.device_index, settings.memory_limit)
 
 
 def measures_maps(target: bpy.types.Object) -> bool:
