@@ -190,7 +190,7 @@ class PARADESC_PT_animation(SidebarPanel, bpy.types.Panel):
             column.prop(group, "frame_start")
             column.prop(group, "frame_end")
         column.prop(group, "frame_step")
-        layout.prop(group, "relative_to_rest")
+        layout.row(heading="Change").prop(group, "relative_to_rest", text="Against rest")
         layout.prop(group, "cache_folder")
         layout.prop(group, "overwrite")
         layout.operator("paradesc.bake_frames", icon="RENDER_ANIMATION")
