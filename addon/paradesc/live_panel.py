@@ -179,6 +179,9 @@ def live_sentence(target: bpy.types.Object) -> str:
         return target.paradesc_live.sentence
     if target.paradesc_live.mode != "OFF" and target.mode in live.WAITING_MODES:
         return "Values follow when this mode is left."
+    other = handlers.holder_of(target) if target.paradesc_live.mode != "OFF" else None
+    if other is not None:
+        return handlers.shared_sentence(other)
     session = handlers.session_at(target)
     if target.paradesc_live.mode != "OFF" and session is not None and session.note:
         return session.note
