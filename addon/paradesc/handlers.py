@@ -281,9 +281,11 @@ def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = Non
 
 
 @persistent
-def on_edit(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Something was edited: if it was the shape of a live object, its values follow when the hand rests."""
     targets = live_objects()
+    if not targets and scene.paradesc_live.lock_taken and not STATE.rendering:
+        lock_interface(scene, needed=False)  # the last one was deleted
     if not targets or depsgraph is None or is_ours():
         return
     hit = list(edited_objects(targets, depsgraph))

@@ -279,6 +279,14 @@ def test_the_interface_lock_is_given_back(stretching, before):
     assert render.use_lock_interface == before
 
 
+def test_the_interface_lock_is_given_back_when_the_object_is_deleted(stretching):
+    switch(stretching)
+    with bpy.context.temp_override(selected_objects=[stretching]):
+        bpy.ops.object.delete()
+    bpy.context.view_layer.update()
+    assert not bpy.context.scene.render.use_lock_interface
+
+
 def test_the_interface_lock_stays_for_the_other_object(stretching):
     other = add_sphere("other", steps=4)
     switch(stretching), switch(other)
