@@ -28,6 +28,7 @@ for _name in [name for name in sys.modules if name.startswith(__name__ + ".")]:
 
 # In the order in which they refer to each other. Each has classes; what else it needs, register() and unregister().
 MODULES = (
+    "preferences",
     "properties",
     "presets",
     "operators",

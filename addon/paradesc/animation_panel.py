@@ -3,6 +3,7 @@
 import bpy
 
 from . import bridge, cache, frame_batch, handlers, operators, targets
+from .batch import with_name
 from .bridge import ParadescError
 from .cache_places import DEFAULT_CACHE, cache_root, object_cache, wanted_frames
 from .panel import SidebarPanel
@@ -145,7 +146,7 @@ class PARADESC_OT_bake_frames(bpy.types.Operator):
         if batch.cancelled:
             self.report({"INFO"}, "Cancelled; the frames so far are in the cache")
             return {"CANCELLED"}
-        sentences = [named(piece) if several else piece.failure for piece in batch.failed]
+        sentences = [with_name(piece.name, piece.failure) if several else piece.failure for piece in batch.failed]
         if len(batch.failed) == len(batch.pieces):
             self.report({"ERROR"}, "\n".join(sentences))
             return {"CANCELLED"}
@@ -155,11 +156,6 @@ class PARADESC_OT_bake_frames(bpy.types.Operator):
         handlers.refresh_window(handlers.live_objects())
         self.report({"INFO"}, summary(batch))
         return {"FINISHED"}
-
-
-def named(piece: frame_batch.Piece) -> str:
-    """What went wrong with an object, with its name."""
-    return piece.failure if f'"{piece.name}"' in piece.failure else f'"{piece.name}": {piece.failure}'
 
 
 def summary(batch: frame_batch.FrameBatch) -> str:
@@ -194,7 +190,7 @@ class PARADESC_PT_animation(SidebarPanel, bpy.types.Panel):
             column.prop(group, "frame_start")
             column.prop(group, "frame_end")
         column.prop(group, "frame_step")
-        layout.prop(group, "relative_to_rest")
+        layout.row(heading="Change").prop(group, "relative_to_rest", text="Against rest")
         layout.prop(group, "cache_folder")
         layout.prop(group, "overwrite")
         layout.operator("paradesc.bake_frames", icon="RENDER_ANIMATION")

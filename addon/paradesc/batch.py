@@ -171,6 +171,11 @@ class Batch:
         return [piece for piece in self.pieces if piece.failure]
 
 
+def with_name(name: str, failure: str) -> str:
+    """The sentence about an object, with its name in front where the sentence lacks it."""
+    return failure if f'"{name}"' in failure else f'"{name}": {failure}'
+
+
 def key_of(target: bpy.types.Object) -> tuple[str, str | None]:
     """What bpy.data.objects finds an object by."""
     return target.name, target.library.filepath if target.library is not None else None

@@ -250,7 +250,9 @@ class PARADESC_OT_sculpt_mask(NeedsShown, bpy.types.Operator):
     bl_idname = "paradesc.sculpt_mask"
     bl_label = "Sculpt Mask"
 
-    replace: bpy.props.BoolProperty(name="Replace", description="Replace a mask that is there", default=False)
+    replace: bpy.props.BoolProperty(
+        name="Replace", description="Replace a mask that is there", default=False, options={"SKIP_SAVE"}
+    )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Asks before a mask is lost."""

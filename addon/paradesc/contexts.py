@@ -14,7 +14,7 @@ from .bridge import ParadescError, abi
 # What says nothing against the device that it happened on.
 HARMLESS = {abi.STATUS_CANCELLED, abi.STATUS_INVALID_ARGUMENT, abi.STATUS_INVALID_OPERATION}
 
-Key = tuple[str, int]  # backend and device, as asked for
+Key = tuple[str, int, int]  # backend and device, as asked for, and the memory limit
 
 
 @dataclass
@@ -46,7 +46,8 @@ class Pool:
                 found.users += 1
                 return found
             context = self.idle.pop(key, None)
-        slot = Slot(key, context or bridge.Context(*key), shared)
+        backend, index, limit = key
+        slot = Slot(key, context or bridge.Context(backend, index, memory_limit=limit), shared)
         with self.lock:
             self.used.append(slot)
         return slot
@@ -71,8 +72,8 @@ POOL = Pool()
 class Lease:
     """A context for a while; meshes made of it are closed by whoever made them."""
 
-    def __init__(self, backend: str, device_index: int, shared: bool = False) -> None:
-        self._slot: Slot | None = POOL.take((backend, device_index), shared)
+    def __init__(self, backend: str, device_index: int, shared: bool = False, memory_limit: int = 0) -> None:
+        self._slot: Slot | None = POOL.take((backend, device_index, memory_limit), shared)
         self.context = self._slot.context
 
     def failed(self, error: BaseException) -> None:

@@ -52,7 +52,10 @@ def forget_all() -> None:
 
 
 def live_objects() -> list[bpy.types.Object]:
-    """The objects that have live values switched on; listed afresh when objects came, went or were renamed."""
+    """The objects that have live values switched on; listed afresh when objects came, went or were renamed.
+
+    Of those that share a mesh, as linked duplicates do, the first: its values would not be those of the others.
+    """
     objects = bpy.data.objects
     found = [objects.get((name, None)) for name, _ in STATE.listed]
     same = all(
@@ -62,9 +65,17 @@ def live_objects() -> list[bpy.types.Object]:
     if len(objects) != STATE.object_count or not same:
         found = [item for item in objects if is_live(item)]
         STATE.listed, STATE.object_count = [(item.name, live.identity(item)) for item in found], len(objects)
-        for known in set(STATE.sessions) - {known for _, known in STATE.listed}:
-            STATE.sessions.pop(known).close()
-    return found
+    first: dict[bpy.types.Mesh, bpy.types.Object] = {}
+    for item in found:
+        first.setdefault(item.data, item)
+    for known in set(STATE.sessions) - {live.identity(item) for item in first.values()}:
+        STATE.sessions.pop(known).close()
+    return list(first.values())
+
+
+def holder_of(target: bpy.types.Object) -> bpy.types.Object | None:
+    """Another live object that the mesh of this one is left to."""
+    return next((item for item in live_objects() if item.data == target.data and item != target), None)
 
 
 def is_live(target: bpy.types.Object) -> bool:
@@ -226,18 +237,23 @@ def look_changed(scene: bpy.types.Scene) -> None:
 
 def mode_changed(target: bpy.types.Object) -> None:
     """Live values of an object were switched on or off."""
+    other = holder_of(target)  # before this one counts
     STATE.object_count = -1
+    if other is not None and is_live(target):
+        switch_off(target, shared_sentence(other))
+        return
     targets = live_objects()
     for scene in target.users_scene:
         lock_interface(scene, any(item in targets for item in scene.objects if item.type == "MESH"))
     if target not in targets:
         return
     target.paradesc_live.sentence = ""
-    other = next((item for item in targets if item.data == target.data and item != target), None)
-    if other is not None:
-        switch_off(target, f'It shares its mesh with "{other.name}", which has live values: make it a single user.')
-        return
     refresh_window([target])
+
+
+def shared_sentence(other: bpy.types.Object) -> str:
+    """Why an object has no live values of its own."""
+    return f'It shares its mesh with "{other.name}", which has live values: make it a single user.'
 
 
 def lock_interface(scene: bpy.types.Scene, needed: bool) -> None:
@@ -265,9 +281,11 @@ def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = Non
 
 
 @persistent
-def on_edit(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Something was edited: if it was the shape of a live object, its values follow when the hand rests."""
     targets = live_objects()
+    if not targets and scene.paradesc_live.lock_taken and not STATE.rendering:
+        lock_interface(scene, needed=False)  # the last one was deleted
     if not targets or depsgraph is None or is_ours():
         return
     hit = list(edited_objects(targets, depsgraph))

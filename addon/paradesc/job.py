@@ -34,6 +34,7 @@ class Settings:
     more_radii: tuple[float, ...] = ()
     corner_threshold: float = THRESHOLD  # of the largest Harris response
     space: str = "object"  # or "world": what the arrays were brought into before; see spaces.py
+    memory_limit: int = 0  # bytes, 0: half of what is free; of the machine and not of the results, so not in as_dict()
 
     def value_names(self) -> list[str]:
         """What the results are called: the descriptors, at each radius if there are several."""
@@ -169,7 +170,7 @@ def run(
 
 def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = False) -> contexts.Lease:
     """The device that the settings name, if it can compute on these arrays; alone or together with others."""
-    lease = contexts.Lease(settings.backend, settings.device_index, shared)
+    lease = contexts.Lease(settings.backend, settings.device_index, shared, settings.memory_limit)
     try:
         check_uvs(arrays, lease.context.backend)
     except bridge.ParadescError:

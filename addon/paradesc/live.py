@@ -14,7 +14,7 @@ from . import color_maps, frames, looks, mesh_io, painting, properties, sources,
 from .bridge import MeshArrays, Options
 from .color_maps import Look, ValueRange
 from .job import ProgressFunction, Results, Settings, registry_row
-from .latest import Latest, is_cancelled
+from .latest import Latest, Outcome, is_cancelled
 from .mesh_io import refuse
 from .stream import Stream
 
@@ -89,7 +89,8 @@ class Session:
     ) -> bool:
         """Leaves on the object's mesh the values of its shape in the depsgraph; False where nothing had to change.
 
-        Without wait, collect() leaves them there when they have been computed; what was never computed is waited for.
+        Without wait they follow, by collect() or by the next call, whichever comes first when they have been computed;
+        what was never computed is waited for.
         """
         start = time.perf_counter()
         rendering = depsgraph.mode == "RENDER"
@@ -98,32 +99,39 @@ class Session:
             return False
         request = self.request(target, evaluated, scene, rendering)
         self.read_seconds, self.scene_name = time.perf_counter() - start, scene.name
-        fresh = False
         if wait or self.results is None:
             self.latest.settle()
             fresh = not request.same(self.done)
             if fresh:
                 self.results, self.done = self.compute(request), request
-        elif not request.same(self.latest.newest or self.done):
-            self.latest.ask(request)
-            self.latest.step()
+        else:
+            if not request.same(self.latest.newest or self.done):
+                self.latest.ask(request)
+            fresh = self.take(self.latest.step())
         return self.show(target, scene, rendering, fresh)
 
     def collect(self, target: bpy.types.Object, wait: bool = False) -> bool:
         """Leaves on the mesh what has been computed meanwhile; False where nothing had to change."""
-        outcome, scene = self.latest.step(wait), bpy.data.scenes.get(self.scene_name)
-        if outcome is None or scene is None or outcome.request.arrays is not self.arrays:
+        taken, scene = self.take(self.latest.step(wait)), bpy.data.scenes.get(self.scene_name)
+        if not taken:
+            return False
+        if scene is None or target.mode in WAITING_MODES or len(target.data.vertices) != len(self.results.coverage):
+            self.unpainted = True
+            return False
+        self.wrote = self.show(target, scene, False, True)
+        return self.wrote
+
+    # In quotes: typing remembers what it is called with, and would keep bpy past Python's end, which crashes there.
+    def take(self, outcome: "Outcome[Request, Results] | None") -> bool:
+        """Keeps the results of a request; False where there are none, or of a mesh that has become another."""
+        if outcome is None or outcome.request.arrays is not self.arrays:
             return False
         if outcome.error is not None:
             if is_cancelled(outcome.error):
                 return False
             raise outcome.error
         self.results, self.done = outcome.result, outcome.request
-        if target.mode in WAITING_MODES or len(target.data.vertices) != len(self.results.coverage):
-            self.unpainted = True
-            return False
-        self.wrote = self.show(target, scene, False, True)
-        return self.wrote
+        return True
 
     def show(self, target: bpy.types.Object, scene: bpy.types.Scene, rendering: bool, fresh: bool) -> bool:
         """Leaves the results on the mesh; False where they are there already."""
@@ -257,9 +265,9 @@ def with_fewer_texels(options: Options, radius_in_texels: float) -> Options:
     return replace(options, buffer_size=size)
 
 
-def device_of(settings: Settings) -> tuple[str, int]:
+def device_of(settings: Settings) -> tuple[str, int, int]:
     """What a native mesh cannot change."""
-    return (settings.backend, settings.device_index)
+    return (settings.backend, settings.device_index, settings.memory_limit)
 
 
 def measures_maps(target: bpy.types.Object) -> bool:

@@ -3,7 +3,7 @@
 import bpy
 
 from . import handlers, live, looks
-from .panel import SidebarPanel, sentence_lines
+from .panel import SidebarPanel, line_length, sentence_lines, wrapped
 
 MODES = [
     ("OFF", "Off", "Values stay as they were baked"),
@@ -63,6 +63,7 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         default=512,
         min=64,
         max=8192,
+        subtype="PIXEL",
         update=settings_changed,
     )
     fast_seams: bpy.props.BoolProperty(
@@ -167,7 +168,7 @@ class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
             for name in ("fast_seams", "full_render", *(("wait",) if mode != "CACHE" else ())):
                 layout.prop(group, name)
         if target.paradesc_live.mode != "OFF":
-            draw_ranges(layout, context.scene)
+            draw_ranges(context, layout)
             draw_time(layout, target)
             draw_lock(layout, context.scene)
 
@@ -178,6 +179,9 @@ def live_sentence(target: bpy.types.Object) -> str:
         return target.paradesc_live.sentence
     if target.paradesc_live.mode != "OFF" and target.mode in live.WAITING_MODES:
         return "Values follow when this mode is left."
+    other = handlers.holder_of(target) if target.paradesc_live.mode != "OFF" else None
+    if other is not None:
+        return handlers.shared_sentence(other)
     session = handlers.session_at(target)
     if target.paradesc_live.mode != "OFF" and session is not None and session.note:
         return session.note
@@ -186,17 +190,18 @@ def live_sentence(target: bpy.types.Object) -> str:
     return ""
 
 
-def draw_ranges(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
+def draw_ranges(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """What the colors span."""
-    group, look = scene.paradesc_live, looks.scene_look(scene)
+    group, look = context.scene.paradesc_live, looks.scene_look(context.scene)
     column = layout.column(align=True)
+    column.label(text="Colors at every frame:")
     if look.ranges:
         low, high = look.ranges[""]
-        column.label(text=f"Colors at every frame: {low:g} to {high:g}")
-        column.label(text="(Fixed, under Colors)")
+        column.label(text=f"{low:g} to {high:g} (fixed)")
         return
     for item in group.ranges:
-        column.label(text=f"{item.name.replace('_', ' ').capitalize()}, colors at every frame")
+        for line in wrapped(item.name.replace("_", " ").capitalize(), line_length(context)):
+            column.label(text=line)
         row = column.row(align=True)
         row.prop(item, "minimum", text="")
         row.prop(item, "maximum", text="")
@@ -209,7 +214,9 @@ def draw_time(layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
     if session is None or not session.seconds:
         return
     total, computing = sum(session.seconds.values()), session.seconds.get("compute", 0.0)
-    layout.label(text=f"Last frame: {1e3 * total:.0f} ms (computing {1e3 * computing:.0f})")
+    column = layout.column(align=True)
+    column.label(text=f"Last frame: {1e3 * total:.0f} ms")
+    column.label(text=f"– computing: {1e3 * computing:.0f} ms")
 
 
 def draw_lock(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:

@@ -3,7 +3,7 @@
 import bpy
 
 from . import devices, mesh_io, targets
-from .batch import Batch
+from .batch import Batch, with_name
 from .bridge import ParadescError, abi
 from .targets import obstacle
 
@@ -157,11 +157,8 @@ def redraw_sidebars(context: bpy.types.Context) -> None:
 
 
 def failures(batch: Batch) -> list[str]:
-    """One sentence for each mesh that failed, with the object's name in front where the sentence lacks it."""
-    return [
-        piece.failure if f'"{piece.name}"' in piece.failure else f'"{piece.name}": {piece.failure}'
-        for piece in batch.failed
-    ]
+    """One sentence for each mesh that failed."""
+    return [with_name(piece.name, piece.failure) for piece in batch.failed]
 
 
 def summary(batch: Batch) -> str:

@@ -10,7 +10,6 @@ from pathlib import Path
 import bpy
 
 from . import cache, cache_places, legend, live, looks, mesh_io, painting
-from .bridge import ParadescError
 from .color_maps import AUTOMATIC, Look, ValueRange
 from .corners import ATTRIBUTE
 from .job import UNDEFINED_MASK
@@ -100,7 +99,7 @@ class Player:
     def compute(self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene) -> bool:
         """The values of a frame that is not there, live."""
         if scene.paradesc_live.missing != "COMPUTE":
-            raise ParadescError(0, f"{self.note} Bake frames first, or let missing ones be computed.")
+            raise refuse(f"{self.note} Bake frames first, or let missing ones be computed.")
         if self.session is None:
             self.session = live.Session()
         self.note = f"Frame {scene.frame_current} is not in the cache: computed."

@@ -4,7 +4,7 @@ import math
 
 import bpy
 
-from . import bridge, devices
+from . import bridge, devices, preferences
 from .bridge import ParadescError, abi
 from .corners import THRESHOLD
 from .job import Settings
@@ -346,6 +346,7 @@ def job_settings(group: bpy.types.PropertyGroup) -> Settings:
         more_radii=more_radii(group),
         corner_threshold=group.corner_threshold / 100,
         space=group.space,
+        memory_limit=preferences.memory_limit(),
     )
 
 

@@ -132,7 +132,10 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
     whole_selection = True
 
     every: bpy.props.BoolProperty(
-        name="All descriptors", description="Not only the one whose colors are shown", default=False
+        name="All descriptors",
+        description="Not only the one whose colors are shown",
+        default=False,
+        options={"SKIP_SAVE"},
     )
 
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:

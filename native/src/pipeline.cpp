@@ -131,6 +131,7 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
                                             const Progress &progress, Field &field) {
   Clock clock;
   Frame &frame = prepare_frame(mesh, options);
+  part_crowded(mesh);
   field.report.seconds_prepare = clock.lap();
   check_cancel(progress, "bake", 0.1);
 

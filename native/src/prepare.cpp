@@ -355,6 +355,24 @@ static bool part_overlaps(Mesh &mesh) {
   return cuts.overlapping;
 }
 
+// Of all charts together; the square's is 1.
+static double area_in_map(const Mesh &mesh) {
+  double area = 0.0;
+  for (size_t triangle = 0; triangle < mesh.charts.triangle_chart.size(); ++triangle) {
+    if (mesh.charts.triangle_chart[triangle] < 0) continue;
+    const vec2 *uv = &mesh.triangles.corner_uv[3 * triangle];
+    area += 0.5 * std::abs(cross(dvec2(uv[1]) - dvec2(uv[0]), dvec2(uv[2]) - dvec2(uv[0])));
+  }
+  return area;
+}
+
+// More area than the square has lies on itself somewhere, and would take as many times longer to draw.
+void part_crowded(Mesh &mesh) {
+  constexpr double square = 1.001; // and what roundings add
+  const bool drawn = mesh.device->grid.size != 0;
+  if (!drawn && !mesh.private_layout && !mesh.overlap_free && area_in_map(mesh) > square) part_overlaps(mesh);
+}
+
 // Gives the mesh a layout of its own, which it keeps, where the UV map overlaps or leaves most of the buffers empty. The device's
 // count of overlaps only raises the suspicion: rasterizers round, and small triangles of a sound map may share a texel too.
 bool lay_out_afresh(Mesh &mesh, double radius_in_texels) {

@@ -63,6 +63,8 @@ Frame &prepare_frame(Mesh &mesh, const pdesc_options &options);
 void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, Frame &frame);
 // Gives the mesh a layout of its own, which it keeps, where the UV map overlaps or leaves most of the buffers empty.
 bool lay_out_afresh(Mesh &mesh, double radius_in_texels);
+// The same where it has more area than its square has, before anything is drawn.
+void part_crowded(Mesh &mesh);
 void build_cells_for(Mesh &mesh, Frame &frame);
 // The neighborhoods of all centers of the frame, which this puts into another order, or of those given.
 void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame);

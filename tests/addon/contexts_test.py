@@ -56,6 +56,12 @@ def test_another_device_is_another_context():
     assert len(idle()) == 2
 
 
+def test_a_memory_limit_holds_for_its_own_context_alone(sphere):
+    with pytest.raises(ParadescError, match="memory limit"):
+        job.run(sphere, replace(settings(), memory_limit=1000))
+    assert np.isfinite(job.run(sphere, settings()).values["mean_curvature"]).all()
+
+
 def test_streams_share_a_context_and_leave_it_to_each_other(sphere):
     moved = replace(sphere, positions=sphere.positions * np.float32(2))
     expected = job.run(moved, settings()).values["mean_curvature"]

@@ -75,6 +75,8 @@ def test_progress_as_lines_ends_with_all_of_it(run, sphere_obj):
         (["--radius", "0.01", "--fail-on-warnings"], 5, "texels"),
         (["--descriptors", "nothing"], 2, "no descriptor"),
         (["--samples", "0"], 2, "samples"),
+        (["--memory-limit", "0.001"], 1, "memory limit"),
+        (["--memory-limit", "4"], 0, ""),
         (["--all", "--object", "a"], 2, "not both"),
         (["--object", "nobody"], 3, "nobody"),
         (["--device", "1000"], 4, "1000"),
@@ -113,10 +115,16 @@ def test_what_computed_instead_of_a_graphics_card_is_said_without_advice():
             ["--radius", "0.1,x"],
             '"0.1,x" is no radius; give a number, or several with commas; see paradesc bake --help.',
         ),
+        (
+            ["--memory-limit", "0"],
+            '"0" is no amount of memory; give a number of gigabytes above 0; see paradesc bake --help.',
+        ),
+        (["--memory-limit", "1e300"], '"1e300" is no amount of memory'),
+        (["--memory-limit", "nan"], '"nan" is no amount of memory'),
         (["--colour-map", "heat"], 'There is no option "--colour-map"; see paradesc bake --help.'),
         (["second.obj"], 'There is no place for "second.obj"; see paradesc bake --help.'),
     ],
-    ids=["number", "option", "word"],
+    ids=["number", "no memory", "too much memory", "undefined memory", "option", "word"],
 )
 def test_words_that_cannot_be_read_are_named(run, words, sentence):
     ended = run("bake", "first.obj", "--output", "out.npz", *words)
@@ -138,7 +146,7 @@ def test_undefined_vertices_can_fail_a_bake(run, tmp_path):
 
 
 def test_missing_library_is_a_missing_device(run, sphere_obj, monkeypatch):
-    def missing(*_words):
+    def missing(*_words, **_more):
         raise bridge.ParadescError(bridge.abi.STATUS_UNSUPPORTED, "native library missing.")
 
     monkeypatch.setattr(bridge, "Context", missing)

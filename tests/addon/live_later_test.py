@@ -56,6 +56,13 @@ def collect_all():
     raise AssertionError("there is always something left")
 
 
+def join_threads():
+    """Waits until what is computed has ended; nobody has taken it yet."""
+    for thread in threading.enumerate():
+        if thread.name == "paradesc live":
+            thread.join()
+
+
 def expected(target):
     """The values of the object's present shape."""
     return baked_shape(target, live_settings(target)).values[NAME]
@@ -79,6 +86,19 @@ def test_of_frames_that_wait_only_the_newest_is_computed(played, gate):
     collect_all()
     assert gate.begun == 2
     assert np.array_equal(values(played), expected(played))
+
+
+def test_values_follow_where_frames_come_before_the_timer(played, gate):
+    """As where drawing takes longer than computing: every frame finds the thread at its end."""
+    gate.open.set()
+    before = values(played)
+    for frame in (2, 3, 1):
+        bpy.context.scene.frame_set(frame)
+        assert np.array_equal(values(played), before)  # the frame's before this one
+        before = expected(played)
+        join_threads()
+    collect_all()
+    assert np.array_equal(values(played), before)
 
 
 def test_a_frame_that_must_be_right_ends_what_is_computed_beside_it(played, gate, monkeypatch):

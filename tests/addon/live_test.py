@@ -8,7 +8,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from live_values import baked_shape, count_computations, live_settings, stretching_sphere, switch, values  # noqa: E402
-from paradesc import color_maps, handlers, job, live, mesh_io, painting, properties, sources  # noqa: E402
+from paradesc import color_maps, handlers, job, live, live_panel, mesh_io, painting, properties, sources  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
 
 NAME = "mean_curvature"
@@ -234,6 +234,24 @@ def test_a_shared_mesh_has_one_live_object(stretching):
     assert stretching.paradesc_live.mode == "LIVE"
 
 
+def test_a_linked_duplicate_of_a_live_object_leaves_the_mesh_to_the_first(stretching):
+    switch(stretching)
+    twin = stretching.copy()
+    bpy.context.collection.objects.link(twin)
+    twin.modifiers.new("bend", "SIMPLE_DEFORM").angle = 2.0
+    assert twin.paradesc_live.mode == "LIVE"
+    for frame in (2, 3):
+        bpy.context.scene.frame_set(frame)
+        assert np.array_equal(values(stretching), baked_shape(stretching, live_settings(stretching)).values[NAME])
+    assert handlers.session_at(twin) is None
+    assert "sphere" in live_panel.live_sentence(twin)
+    assert live_panel.live_sentence(stretching) == ""
+    twin.data = stretching.data.copy()
+    bpy.context.scene.frame_set(2)
+    assert handlers.session_at(twin) is not None
+    assert live_panel.live_sentence(twin) == ""
+
+
 def test_attributes_that_are_not_ours_are_left_alone(stretching):
     stretching.data.attributes.new(NAME, "INT", "FACE")
     assert "not ours" in switch(stretching)
@@ -259,6 +277,14 @@ def test_the_interface_lock_is_given_back(stretching, before):
     assert render.use_lock_interface
     switch(stretching, "OFF")
     assert render.use_lock_interface == before
+
+
+def test_the_interface_lock_is_given_back_when_the_object_is_deleted(stretching):
+    switch(stretching)
+    with bpy.context.temp_override(selected_objects=[stretching]):
+        bpy.ops.object.delete()
+    bpy.context.view_layer.update()
+    assert not bpy.context.scene.render.use_lock_interface
 
 
 def test_the_interface_lock_stays_for_the_other_object(stretching):

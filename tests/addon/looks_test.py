@@ -160,6 +160,17 @@ def test_descriptor_of_a_newer_version_is_left_alone(baked):
     assert bpy.ops.paradesc.recolor(every=True) == {"FINISHED"}
 
 
+def test_a_switch_of_an_operator_does_not_stay_on_for_the_next_click():
+    """Blender fills what a button leaves open with what the operator had the last time."""
+    switches = [
+        (name, item.identifier)
+        for name in dir(bpy.ops.paradesc)
+        for item in getattr(bpy.ops.paradesc, name).get_rna_type().properties
+        if item.type == "BOOLEAN" and not item.is_skip_save
+    ]
+    assert switches == []
+
+
 def test_operators_are_grey_without_a_bake():
     add_sphere(steps=2)
     assert recolor.obstacle(bpy.context) == "Bake descriptors on this mesh first"

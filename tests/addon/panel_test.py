@@ -7,7 +7,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc import batch, bridge, mesh_io, operators, panel, properties  # noqa: E402
+from paradesc import batch, bridge, live_panel, mesh_io, operators, panel, properties  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
 # Pixels of a sidebar that nobody has widened.
@@ -117,6 +117,19 @@ def test_no_line_is_wider_than_the_sidebar(state, monkeypatch):
     widest = panel.line_length(context())
     assert widest >= 30
     assert [line for line in labels if len(line) > widest and " " in line] == []
+
+
+@pytest.mark.parametrize("span", ["auto", "fixed"])
+def test_no_line_about_live_values_is_wider_than_the_sidebar(span):
+    settings = bpy.context.scene.paradesc
+    settings.descriptors, settings.more_radii = {"mean_curvature", "sphere_volume_normalized"}, "12.345"
+    bpy.context.scene.paradesc_looks.span = span
+    target = add_sphere()
+    target.paradesc_live.mode = "LIVE"
+    labels = drawn_by(live_panel.PARADESC_PT_live)["label"]
+    assert target.paradesc_live.sentence == ""
+    assert any("computing" in line for line in labels)
+    assert [line for line in labels if len(line) > panel.line_length(context()) and " " in line] == []
 
 
 def refused(target):

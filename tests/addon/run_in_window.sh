@@ -3,8 +3,10 @@
 # beside it that the second word names. With a file name as the first word it also leaves a screenshot of the panel there.
 set -uo pipefail
 folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+seconds=300
+[ -z "${PARADESC_LONG_TESTS:-}" ] || seconds=1800
 # Blender ends with 0 after a Python error: the script's last words count, and that it ends at all.
-output=$(timeout 300 xvfb-run -a -s "-screen 0 1400x1000x24" env LIBGL_ALWAYS_SOFTWARE=1 \
+output=$(timeout $seconds xvfb-run -a -s "-screen 0 1400x1000x24" env LIBGL_ALWAYS_SOFTWARE=1 \
   blender --factory-startup --enable-event-simulate --no-window-focus --window-geometry 0 0 1400 1000 \
   -P "$folder/${2:-window_in_blender.py}" -- "$folder" "${1:-}" 2>&1)
 code=$?

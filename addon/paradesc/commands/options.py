@@ -1,6 +1,7 @@
 """Options that commands share, and the settings of the computation that they become."""
 
 import argparse
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields, replace
@@ -79,6 +80,8 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
     add("--harris-k", type=float, metavar="K", help="k of harris (default: 0.04)")
     add("--backend", choices=bridge.BACKENDS, help="what computes (default: auto)")
     add("--device", type=int, metavar="N", help="which device of the backend (default: the first)")
+    add("--memory-limit", type=gigabytes, metavar="GB",
+        help="refuse what would take more memory than this (default: half of what is free)")  # fmt: skip
     add("--seed", type=int, metavar="N", help="of the sampling pattern (default: 0)")
     add("--space", choices=("object", "world"),
         help="measure the mesh itself (default), or as it stands in the world, with the object's scale")  # fmt: skip
@@ -93,6 +96,17 @@ def radii(text: str) -> tuple[float, ...]:
         return tuple(float(word) for word in text.split(","))
     except ValueError:
         raise argparse.ArgumentTypeError(f'"{text}" is no radius; give a number, or several with commas') from None
+
+
+def gigabytes(text: str) -> int:
+    """Bytes of a positive number of gigabytes."""
+    try:
+        size = 1e9 * float(text)
+    except ValueError:
+        size = math.nan
+    if not 0 < size < 2**63:
+        raise argparse.ArgumentTypeError(f'"{text}" is no amount of memory; give a number of gigabytes above 0')
+    return math.ceil(size)
 
 
 def add_map_options(parser: argparse.ArgumentParser) -> None:
@@ -124,6 +138,7 @@ def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None)
         more_radii=tuple(more),
         corner_threshold=given_or(arguments, "corner_threshold", base.corner_threshold),
         space=given_or(arguments, "space", base.space),
+        memory_limit=given_or(arguments, "memory_limit", base.memory_limit),
     )
 
 
