@@ -68,9 +68,9 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
     )
     fast_seams: bpy.props.BoolProperty(
         name="Fast over seams",
-        description="Carry every sample over seams by itself in the viewport, some three times as fast as to take what "
-        "is connected; less exact where charts are many and small",
-        default=True,
+        description="Carry every sample over seams by itself in the viewport, less exactly than to take what is "
+        "connected. Faster where the surface often lies close to itself, as fingers, folds and scales do",
+        default=False,
         update=settings_changed,
     )
     full_render: bpy.props.BoolProperty(
