@@ -30,14 +30,18 @@ tools=$build/tools
   fail "pip could not install gcovr and coverage."
 
 native() {
-  cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g" \
-    -DPARADESC_COVERAGE=ON >"$build/build.log" || return 1
+  local launcher=()
+  ! command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPARADESC_COVERAGE=ON "${launcher[@]}" >"$build/build.log" || return 1
   cmake --build "$build" --target paradesc_tests >>"$build/build.log" 2>&1 || { tail -n 30 "$build/build.log"; return 1; }
   find "$build" -name '*.gcda' -delete
-  local suite ended
+  : >"$build/suites.txt"
+  local suite ended start
   while read -r suite; do
+    start=$SECONDS
     timeout "$patience" "$build/paradesc_tests" --gtest_brief=1 --gtest_filter="${suite}*${left_out:+:-$left_out}" >"$build/suite.log" 2>&1
     ended=$?
+    echo "$suite $((SECONDS - start)) s" >>"$build/suites.txt"
     [ $ended -eq 0 ] || { echo "$suite ended with $ended"; tail -n 5 "$build/suite.log"; code=1; }
   done < <("$build/paradesc_tests" --gtest_list_tests --gtest_filter="*${left_out:+:-$left_out}" | grep -E '^[^ ].*\.( |$)' | sed 's/\..*/./' | sort -u)
   report_native
