@@ -33,8 +33,8 @@ M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of glibc's malloc.h
 # Most steps along the side of a chart: 26 to 488 vertices.
 FINEST = 9
 # Growth that one bake may leave behind. A lost field of these meshes is some 10 kB, a lost mesh 100 kB, a lost context
-# 10 MB; a lost sentence or callback 100 bytes.
-HEAP_PER_BAKE = 256
+# 10 MB.
+HEAP_PER_BAKE = 1024
 # Pages of freed memory come and go: the resident set is judged by its whole growth after the warm-up, in megabytes.
 RESIDENT_GROWTH = 24.0
 
