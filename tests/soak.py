@@ -269,7 +269,7 @@ def give_back_at_once() -> None:
 
 
 def fill_numpys_cache() -> None:
-    """Numpy keeps up to seven freed blocks of each size below 1 kB: arrays of ever other lengths would fill that slowly."""
+    """Numpy keeps up to seven freed blocks of each size below 1 kB; arrays of ever other lengths fill that slowly."""
     held = [np.empty(size, np.uint8) for size in range(1, 1024) for _ in range(8)]
     held.clear()
 
