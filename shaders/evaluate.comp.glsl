@@ -217,7 +217,7 @@ void add_neighbor(inout Sums sums, vec3 position, vec3 normal, int triangle, flo
   neighbor.place = x;
   neighbor.value = map.w - sums.center.value;
   neighbor.slope = map_radius * turn_to(sums.center.normal, normal, map.xyz) * sums.center.tangents;
-  if (isnan(map.x + map.w)) return; // the map does not exist there
+  if (isnan(map.w)) return; // the map does not exist there
 #endif
   states_add(sums.states, sums.center, neighbor);
 }

@@ -28,7 +28,7 @@ struct Neighbor {
 #if MAP
   vec2 place;      // d in the tangents of p, in units of r
   float value;     // f_i - f(p)
-  vec2 slope;      // r grad f_i in the tangents of p, r that of f; 0 where an operator does not need it
+  vec2 slope;      // r grad f_i in the tangents of p, r that of f; NaN where it does not exist, 0 where no operator needs it
 #endif
 };
 

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # Which lines the tests run: native/src by gcov, the add-on by coverage.py; fails below 90 and 85 per cent.
 # Usage: bash tests/coverage.sh [--build FOLDER] [--leave-out TESTS] [--addon "PYTEST WORDS"] [--only native|addon]
-# TESTS: native ones, as GoogleTest's filter has them, e.g. 'IrregularSurface*:Parity*'. Each suite is a process of its own,
-# so that one that fails or takes longer than PARADESC_SUITE_SECONDS (600) loses no counts but its own.
+# TESTS: native ones, as GoogleTest's filter has them, e.g. 'IrregularSurface*:Parity*'. Each suite is a process of its own, as many
+# at a time as there are cores, so that one that fails or takes longer than PARADESC_SUITE_SECONDS (1800) loses no counts but its own.
 # What is left out: generated shader text, OpenMesh, stb and other headers from outside, gpu/no_egl.cpp (systems without
 # EGL), and lines that the comments LCOV_EXCL_LINE or "pragma: no cover" mark.
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
 
-build=$root/build/coverage left_out='' words='' only='' patience=${PARADESC_SUITE_SECONDS:-600}
+build=$root/build/coverage left_out='' words='' only='' patience=${PARADESC_SUITE_SECONDS:-1800}
 while [ $# -gt 0 ]; do
   case $1 in
     --build) build=$2; shift 2 ;;
@@ -30,24 +30,33 @@ tools=$build/tools
   fail "pip could not install gcovr and coverage."
 
 native() {
-  cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g" \
-    -DPARADESC_COVERAGE=ON >"$build/build.log" || return 1
+  local launcher=()
+  ! command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPARADESC_COVERAGE=ON "${launcher[@]}" >"$build/build.log" || return 1
   cmake --build "$build" --target paradesc_tests >>"$build/build.log" 2>&1 || { tail -n 30 "$build/build.log"; return 1; }
   find "$build" -name '*.gcda' -delete
-  local suite ended
-  while read -r suite; do
-    timeout "$patience" "$build/paradesc_tests" --gtest_brief=1 --gtest_filter="${suite}*${left_out:+:-$left_out}" >"$build/suite.log" 2>&1
-    ended=$?
-    [ $ended -eq 0 ] || { echo "$suite ended with $ended"; tail -n 5 "$build/suite.log"; code=1; }
-  done < <("$build/paradesc_tests" --gtest_list_tests --gtest_filter="*${left_out:+:-$left_out}" | grep -E '^[^ ].*\.( |$)' | sed 's/\..*/./' | sort -u)
+  rm -rf "$build/suites"
+  mkdir "$build/suites"
+  "$build/paradesc_tests" --gtest_list_tests --gtest_filter="*${left_out:+:-$left_out}" | grep -E '^[^ ].*\.( |$)' | sed 's/\..*/./' |
+    sort -u | xargs -P "$(nproc)" -I SUITE bash -c 'suite "$@"' _ SUITE "$build" "$patience" "$left_out"
+  if grep -hs . "$build"/suites/*failed; then code=1; fi
   report_native
 }
 
-# Below the share it fails.
+# suite NAME BUILD SECONDS LEFT_OUT: one suite, beside others; counts of processes that end at once are added one after the other.
+suite() {
+  local name=$1 log=$2/suites/${1}log ended
+  timeout "$3" "$2/paradesc_tests" --gtest_brief=1 --gtest_filter="${name}*${4:+:-$4}" >"$log" 2>&1
+  ended=$?
+  [ $ended -eq 0 ] || { echo "$name ended with $ended" && tail -n 5 "$log"; } >"$2/suites/${name}failed"
+}
+export -f suite
+
+# Below the share it fails. Lines of a template count once, not once an instance.
 report_native() {
   PYTHONPATH=$tools "$python" -m gcovr --root "$root" --object-directory "$build" --filter "$root/native/src/" \
     --exclude '.*/no_egl\.cpp' --gcov-ignore-errors=all --gcov-ignore-parse-errors=all --merge-mode-functions=separate \
-    --exclude-throw-branches --sort uncovered-number --json-summary "$build/native.json" --txt "$build/native.txt" \
+    --merge-lines --exclude-throw-branches --sort uncovered-number --json-summary "$build/native.json" --txt "$build/native.txt" \
     --fail-under-line 90
   local ended=$?
   cat "$build/native.txt"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Fuzzes the C interface on the reference and on the software backend, and what the add-on reads from files.
+# Fuzzes the C interface on the reference and on the software backend, and with computations that are stopped before they take
+# long, and what the add-on reads from files.
 #   bash tests/fuzz.sh                 the corpus, then new inputs, 100,000 in all; the same ones every time
 #   bash tests/fuzz.sh --inputs N      so many in all
 #   bash tests/fuzz.sh --hours H       as many as fit, others every time, at the lowest priority; the corpus grows in build/fuzz/corpus
@@ -18,29 +19,31 @@ while [ $# -gt 0 ]; do
   shift 2
 done
 
+python=${PARADESC_PYTHON:-$python}
 install_packages "${BUILD_PACKAGES[@]}" "${RUN_PACKAGES[@]}" "${CLANG_PACKAGES[@]}"
 [ -x "$python" ] || make_environment "${REQUIREMENTS[@]}"
 folder=$root/build/fuzz
 mkdir -p "$folder/findings"
-build_with_clang "$folder" "-O2 -gline-tables-only" "paradesc_fuzz_reference paradesc_fuzz_software" -DPARADESC_FUZZ=ON -DPARADESC_TESTS=OFF
+build_with_clang "$folder" "-O2 -gline-tables-only" "paradesc_fuzz_reference paradesc_fuzz_software paradesc_fuzz_stopped" \
+  -DPARADESC_FUZZ=ON -DPARADESC_TESTS=OFF
 [ -f "$root/addon/paradesc/lib/libparadesc.so" ] || build_library paradesc
 
 export UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=$root/tests/sanitizers/leaks.txt:print_suppressions=0
 priority=10
 
-# calls BACKEND NAME LIMIT...: libFuzzer over the corpus and what follows from it.
+# calls TARGET NAME LIMIT...: libFuzzer over the corpus and what follows from it. Stopped computations begin with that of whole ones.
 calls() {
-  local backend=$1 name=$2 log=$folder/$2.log status
+  local target=$1 name=$2 seeds=${1/stopped/reference} log=$folder/$2.log status
   shift 2
   mkdir -p "$folder/corpus/$name"
-  nice -n "$priority" "$folder/paradesc_fuzz_$backend" -max_len=1024 -len_control=0 -entropic=0 -reload=0 -rss_limit_mb=4096 -timeout=60 \
-    -print_final_stats=1 "-artifact_prefix=$folder/findings/$name-" "$@" "$folder/corpus/$name" "$root/tests/fuzz/corpus/$backend" \
+  nice -n "$priority" "$folder/paradesc_fuzz_$target" -max_len=1024 -len_control=0 -entropic=0 -reload=0 -rss_limit_mb=4096 -timeout=60 \
+    -print_final_stats=1 "-artifact_prefix=$folder/findings/$name-" "$@" "$folder/corpus/$name" "$root/tests/fuzz/corpus/$seeds" \
     >"$log" 2>&1
   status=$?
   echo "$name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$log") inputs, $(sed -n 's/^Done .* in \(.*\) second.*/\1/p' "$log") s"
   [ $status -ne 0 ] || return 0
   grep -vE '^#[0-9]+\s|NEW_FUNC' "$log" | tail -n 40
-  echo "$name: FOUND SOMETHING (exit $status); again: $folder/paradesc_fuzz_$backend $(sed -n 's/.*Test unit written to //p' "$log" | tail -n 1)"
+  echo "$name: FOUND SOMETHING (exit $status); again: $folder/paradesc_fuzz_$target $(sed -n 's/.*Test unit written to //p' "$log" | tail -n 1)"
   return 1
 }
 
@@ -57,6 +60,10 @@ files_for() {
   done
 }
 
+stopped_and_files() {
+  calls stopped stopped -seed=3 "-runs=$((inputs / 5))" && files --inputs "$((inputs * 2 / 5))"
+}
+
 failed=0
 running=()
 start() {
@@ -71,19 +78,22 @@ finish() {
   running=()
 }
 
-# Two at a time, one for each core of a small machine. An input on the device costs some fifty times as much as one on the reference.
+# Two at a time, one for each core of a small machine. An input on the device costs some twenty times as much as one on the
+# reference, which costs many times a stopped one or a file.
 if [ "$seconds" -gt 0 ]; then
   priority=19
-  start calls reference reference "-max_total_time=$((seconds * 9 / 10))"
-  start calls software software "-max_total_time=$((seconds * 9 / 10))"
+  start calls reference reference "-max_total_time=$((seconds / 2))"
+  start calls software software "-max_total_time=$((seconds / 2))"
   finish
-  files_for $((seconds / 10)) || failed=1
+  start calls stopped stopped "-max_total_time=$((seconds / 2))"
+  start files_for $((seconds / 2))
+  finish
 else
   start calls reference reference-1 -seed=1 "-runs=$((inputs / 5))"
   start calls reference reference-2 -seed=2 "-runs=$((inputs / 5))"
   finish
   start calls software software -seed=1 "-runs=$((inputs / 500))"
-  start files --inputs "$((inputs * 3 / 5))"
+  start stopped_and_files
   finish
 fi
 [ $failed -eq 0 ] && echo "Nothing found."

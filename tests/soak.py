@@ -34,7 +34,7 @@ M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of glibc's malloc.h
 FINEST = 9
 # Growth that one bake may leave behind. A lost field of these meshes is some 10 kB, a lost mesh 100 kB, a lost context
 # 10 MB.
-HEAP_PER_BAKE = 4096
+HEAP_PER_BAKE = 1024
 # Pages of freed memory come and go: the resident set is judged by its whole growth after the warm-up, in megabytes.
 RESIDENT_GROWTH = 24.0
 
@@ -268,6 +268,12 @@ def give_back_at_once() -> None:
         library.mallopt(option, 2**17)
 
 
+def fill_numpys_cache() -> None:
+    """Numpy keeps up to seven freed blocks of each size below 1 kB; arrays of ever other lengths fill that slowly."""
+    held = [np.empty(size, np.uint8) for size in range(1, 1024) for _ in range(8)]
+    held.clear()
+
+
 def holdings(bakes: int, seconds: float) -> Sample:
     """What this process holds now, without what merely waits: memory to be given back, devices for the next bake."""
     contexts.close_idle()
@@ -308,6 +314,7 @@ def soak(
 ) -> tuple[list[Sample], Counter]:
     """Bakes so often; what was held on the way, and how often bakes ended in which way."""
     give_back_at_once()
+    fill_numpys_cache()
     chance = np.random.default_rng(seed)
     ends: Counter = Counter()
     samples = []

@@ -10,6 +10,7 @@ void descriptor_init(out State state) {
   state.tensor = vec3(0.0);
 }
 void descriptor_add(inout State state, Center center, Neighbor neighbor) {
+  if (isnan(neighbor.slope.x)) return;
   float weight = neighbor.weight * gaussian(neighbor.rho, sigma);
   state.weight += weight;
   state.tensor += weight * outer(neighbor.slope);

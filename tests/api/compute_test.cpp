@@ -38,6 +38,32 @@ TEST_F(Api, counts_out_of_range_are_refused) {
   refuse(&pdesc_options::buffer_size, {0, 63, 8193}, "buffer_size");
   refuse(&pdesc_options::max_jumps, {-1, 65}, "max_jumps");
   refuse(&pdesc_options::normals, {-1, 3}, "normals");
+  refuse(&pdesc_options::texels, {15, 8193}, "texels");
+  refuse(&pdesc_options::relocation, {-1, 3}, "relocation");
+  refuse(&pdesc_options::estimator, {-1, 3}, "estimator");
+  refuse(&pdesc_options::evaluate, {-1, 2}, "evaluate");
+  refuse(&pdesc_options::precision, {-1, 2}, "precision");
+}
+
+TEST_F(Api, options_of_operators_out_of_range_are_refused) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  const auto refuse = [&](double pdesc_options::*member, std::initializer_list<double> values, const char *name) {
+    for (const double value : values) {
+      pdesc_options_init(&options);
+      options.*member = value;
+      expect_compute_refused(PDESC_ERROR_INVALID_ARGUMENT, {name}, "harris");
+    }
+  };
+  refuse(&pdesc_options::adaptive, {-0.1, static_cast<double>(nan), infinite}, "adaptive");
+  refuse(&pdesc_options::map_sigma, {0.0, -1.0, 4.1, static_cast<double>(nan)}, "map_sigma");
+  refuse(&pdesc_options::harris_k, {-0.01, 0.25, static_cast<double>(nan), infinite}, "harris_k");
+}
+
+TEST_F(Api, a_map_is_a_descriptor_of_the_surface_with_one_component) {
+  for (const char *name : {"principal_direction_max", "harris", "laplacian"}) {
+    options.map_descriptor = name;
+    expect_compute_refused(PDESC_ERROR_INVALID_ARGUMENT, {name, "map"}, "gradient_magnitude");
+  }
 }
 
 TEST_F(Api, null_arguments_of_compute_are_refused) {
@@ -121,6 +147,15 @@ TEST_F(Api, near_seam_marks_the_seam_and_grows_with_the_radius) {
     EXPECT_GT(count, previous);
     previous = count;
   }
+}
+
+TEST_F(Api, a_distance_to_seams_that_is_none_is_refused) {
+  const Mesh mesh = make_mesh(context.get(), ball);
+  std::vector<uint8_t> near(static_cast<size_t>(ball.vertex_count), mask_sentinel);
+  for (const double radius : {-1e-3, static_cast<double>(nan), std::numeric_limits<double>::infinity()})
+    expect_refused(pdesc_mesh_near_seam(mesh.get(), radius, near.data(), ball.vertex_count), PDESC_ERROR_INVALID_ARGUMENT,
+                   {"radius"});
+  EXPECT_EQ(near, std::vector<uint8_t>(near.size(), mask_sentinel)) << "output was touched on failure";
 }
 
 // ---- New positions, progress, cancel

@@ -179,6 +179,25 @@ TEST_F(Maps, a_map_of_a_direction_has_three_components) {
   EXPECT_GT(seen, 300);
 }
 
+TEST_F(Maps, what_works_at_vertices_alone_is_refused_at_texels) {
+  TestMesh mesh = sphere(1, {.vertices = 400});
+  lay_out(mesh, {.charts = 6});
+  const Mesh created = make_mesh(software.get(), mesh);
+  const pdesc_options options = options_of({.radius = 0.1, .buffer_size = 64, .evaluate = PDESC_EVALUATE_TEXEL, .texels = 16});
+  pdesc_field *field = nullptr;
+  const auto expect_sent_to_vertices = [&](const char *name, const char *offender) {
+    expect_refused(pdesc_compute(created.get(), &options, &name, 1, nullptr, nullptr, &field), PDESC_ERROR_INVALID_ARGUMENT,
+                   {offender, "at vertices"});
+  };
+  expect_sent_to_vertices("laplacian", "laplacian");
+  const float height = 0.5f;
+  ASSERT_EQ(pdesc_mesh_set_displacement(created.get(), &height, 1, 1, 0, 1), PDESC_OK) << pdesc_last_error();
+  expect_sent_to_vertices("mean_curvature", "displacement");
+  ASSERT_EQ(pdesc_mesh_set_displacement(created.get(), nullptr, 0, 0, 0, 1), PDESC_OK) << pdesc_last_error();
+  EXPECT_NE(compute_field(created.get(), {.radius = 0.1, .buffer_size = 64, .evaluate = PDESC_EVALUATE_TEXEL, .texels = 16}),
+            nullptr);
+}
+
 TEST_F(Maps, what_is_not_there_is_refused) {
   TestMesh mesh = sphere(1, {.vertices = 400});
   lay_out(mesh, {.charts = 6});

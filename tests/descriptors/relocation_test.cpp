@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <iostream>
-#include <numbers>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -17,7 +16,6 @@
 namespace paradesc::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr Settings affine{.relocation = PDESC_RELOCATION_AFFINE};
 constexpr Settings paper{.relocation = PDESC_RELOCATION_PAPER, .max_jumps = 1};
 

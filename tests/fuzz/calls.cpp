@@ -16,11 +16,15 @@
 #ifndef PARADESC_FUZZ_BACKEND
 #define PARADESC_FUZZ_BACKEND PDESC_BACKEND_REFERENCE
 #endif
+#ifndef PARADESC_FUZZ_STOPPED
+#define PARADESC_FUZZ_STOPPED 0
+#endif
 
 namespace paradesc::fuzz {
 namespace {
 
 constexpr bool on_device = PARADESC_FUZZ_BACKEND != PDESC_BACKEND_REFERENCE;
+constexpr bool mostly_stopped = PARADESC_FUZZ_STOPPED;
 constexpr float sentinel = -12345.678f; // stands in outputs before a call
 
 void claim(bool holds, const char *what) {
@@ -178,7 +182,10 @@ private:
     pdesc_context_options options;
     pdesc_context_options_init(&options);
     options.backend = PARADESC_FUZZ_BACKEND;
-    options.threads = bytes_.one_in(32) ? 1 + bytes_.below(3) : 1;
+    // Without a limit every mesh and computation asks the system what is free, for longer than many an input takes.
+    const bool rare = bytes_.one_in(32);
+    options.threads = rare ? 1 + bytes_.below(3) : 1;
+    options.memory_limit = rare ? 0 : int64_t{1} << 31;
     claim(done(pdesc_context_create(&options, &context_)), "the reference backend is not there");
     claim(pdesc_context_backend(context_) == PARADESC_FUZZ_BACKEND && *pdesc_context_device(context_), "a context is another");
   }
@@ -264,8 +271,8 @@ private:
     for (const char *&name : names) name = any_descriptor(bytes_);
     auto count = static_cast<int32_t>(names.size());
     if (bytes_.one_in(64)) count = std::min(count, bytes_.whole());
-    Watch watch{std::this_thread::get_id(), bytes_.one_in(8) ? bytes_.below(40) : -1, &mesh};
-    const bool watched = bytes_.one_in(2);
+    Watch watch{std::this_thread::get_id(), calls_until_cancel(), &mesh};
+    const bool watched = bytes_.one_in(2) || watch.until_cancel >= 0;
     pdesc_field *made = nullptr;
     const pdesc_options *options = bytes_.one_in(32) && !on_device ? nullptr : passed.get();
     if (!done(pdesc_compute(mesh.mesh, options, names.data(), count, watched ? on_progress : nullptr, &watch, &made))) {
@@ -276,6 +283,12 @@ private:
     destroy(slot);
     slot = {made, mesh.vertices, {names.begin(), names.begin() + count}};
     check_field(slot, mesh);
+  }
+
+  // -1: never. What takes time is the quadrature, so the target of stopped computations gets as far as that, and rarely on.
+  int calls_until_cancel() {
+    if (mostly_stopped) return bytes_.one_in(32) ? -1 : bytes_.below(2);
+    return bytes_.one_in(8) ? bytes_.below(40) : -1;
   }
 
   // All that the header says about every result.

@@ -129,6 +129,28 @@ TEST_F(OnGlThread, a_program_is_made_once) {
   });
 }
 
+TEST_F(OnGlThread, of_many_programs_those_asked_for_last_are_kept) {
+  const std::map<std::string, std::string> generated{
+      {"empty.comp.glsl", "#version 450 core\nlayout(local_size_x = 1) in;\nvoid main() {}\n"}};
+  thread->run([&](const Gl &gl, ProgramCache &programs) {
+    const auto get = [&](const std::string &name) {
+      return programs.get(gl, name, {{GL_COMPUTE_SHADER, "empty.comp.glsl"}}, generated);
+    };
+    const GLuint first = get("first"), often = get("often");
+    bool name_given_again = false;
+    for (int i = 0; i < 40; ++i) {
+      name_given_again |= get("program " + std::to_string(i)) == first;
+      EXPECT_EQ(get("often"), often);
+    }
+    GLint linked = 0;
+    gl.GetProgramiv(often, GL_LINK_STATUS, &linked);
+    EXPECT_TRUE(linked);
+    EXPECT_EQ(gl.GetError(), static_cast<GLenum>(GL_NO_ERROR));
+    gl.GetProgramiv(first, GL_LINK_STATUS, &linked);
+    EXPECT_TRUE(name_given_again || gl.GetError() != GL_NO_ERROR) << "the first program is still there";
+  });
+}
+
 TEST_F(OnGlThread, an_error_of_opengl_is_an_exception_with_the_stage) {
   try {
     thread->run([](const Gl &gl, ProgramCache &) {

@@ -12,6 +12,9 @@
  *   Operators (gradient_magnitude, laplacian, difference_of_gaussians, harris) work on a map f: the values of a descriptor at the
  *   vertices, linear on triangles. Derivatives are those along the surface, per length. The Harris response is made of r grad f, so
  *   its unit is that of f to the fourth power, and equal shapes of any size have equal responses at equal relative radius.
+ *   Derivatives are those of a quadratic, which a part of the surface that is narrower than about a seventh of the radius, or a
+ *   quarter at its end, does not determine: gradient and Laplacian do not exist there, nor does Harris where no place of its
+ *   window has one.
  *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) or is larger than a float holds is NaN in
  *   raw results.
  *

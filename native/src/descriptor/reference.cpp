@@ -81,7 +81,7 @@ void add_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, double
 dvec3 turn_to(dvec3 n, dvec3 m, dvec3 v) { return v - (n + m) * (glm::dot(n, v) / std::max(1 + glm::dot(n, m), LEAST_TURN)); }
 
 void add_map_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, dvec4 map, double weight) {
-  if (std::isnan(map.x + map.w)) return; // the map does not exist there
+  if (std::isnan(map.w)) return; // the map does not exist there
   const auto flat = [&](dvec3 v) { return dvec2(glm::dot(v, center.tangent), glm::dot(v, center.bitangent)); };
   add_window_sample(moments.window,
                     {flat(d) / center.radius, glm::length(d), map.w - center.map.w,

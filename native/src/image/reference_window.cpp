@@ -30,6 +30,8 @@ static void add_to_gaussians(WindowMoments &moments, const WindowSample &sample,
   moments.narrow += narrow * dvec2(1, sample.value);
   moments.wide += wide * dvec2(1, sample.value);
   const dvec2 s = sample.slope;
+  if (std::isnan(s.x)) return; // the gradient does not exist there
+  moments.sloped += wide;
   moments.tensor += wide * dvec3(s.x * s.x, s.x * s.y, s.y * s.y);
 }
 
@@ -60,7 +62,7 @@ ReferenceWindow finish_window(const WindowMoments &moments, dvec3 tangent, dvec3
   window.laplacian = 2 * (quadratic.x + quadratic.z) / (radius * radius);
   window.narrow = moments.narrow.x > 0 ? moments.narrow.y / moments.narrow.x : undefined;
   window.wide = moments.wide.x > 0 ? moments.wide.y / moments.wide.x : undefined;
-  window.tensor = moments.wide.x > 0 ? moments.tensor / moments.wide.x : dvec3(undefined);
+  window.tensor = moments.sloped > 0 ? moments.tensor / moments.sloped : dvec3(undefined);
   return window;
 }
 

@@ -11,7 +11,7 @@ struct WindowSample {
   dvec2 place;  // tangent coordinates of d = q - p, in units of r
   double rho;   // |d|
   double value; // f - f(p)
-  dvec2 slope;  // r grad f in the tangent plane of p
+  dvec2 slope;  // r grad f in the tangent plane of p; NaN where it does not exist
   double weight;
 };
 
@@ -21,6 +21,7 @@ struct WindowMoments {
   dmat3 first_first{0}, first_second{0}, second_second{0};
   dvec3 f_first{0}, f_second{0};
   dvec2 narrow{0}, wide{0}; // Gaussians of sigma/GAUSSIANS_RATIO and sigma: integral, that of f
+  double sloped = 0;        // integral of the wide one where f has a slope
   dvec3 tensor{0};          // of the wide one times slope slope^T: xx, xy, yy
 };
 // sigma 0: for the quadratic; else for Gaussian windows. No pass needs both.
