@@ -7,6 +7,7 @@ from .batch import with_name
 from .bridge import ParadescError
 from .cache_places import DEFAULT_CACHE, cache_root, object_cache, wanted_frames
 from .panel import SidebarPanel
+from .properties import path_options
 from .source_kinds import SOURCES
 
 # In which the mesh is that of the object.
@@ -36,6 +37,7 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
         description="Where frames are kept, in a folder for each object; // is the folder of the .blend",
         subtype="DIR_PATH",
         default=DEFAULT_CACHE,
+        options=path_options(),
     )
     relative_to_rest: bpy.props.BoolProperty(
         name="Change against rest",

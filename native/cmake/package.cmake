@@ -14,7 +14,6 @@ elseif(WIN32)
 endif()
 
 if(PARADESC_PLATFORM)
-  target_link_options(paradesc PRIVATE -s)
   if(NOT APPLE)
     # A caller of the library, to run on this system and under Wine.
     add_executable(sphere_curvature ${PROJECT_SOURCE_DIR}/tests/packages/sphere_curvature.c)

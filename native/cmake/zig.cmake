@@ -25,6 +25,11 @@ list(GET found 3 CMAKE_SYSTEM_PROCESSOR)
 
 set(CMAKE_C_COMPILER ${PARADESC_ZIG} cc -target ${target})
 set(CMAKE_CXX_COMPILER ${PARADESC_ZIG} c++ -target ${target})
+# Stripped from the start, and CMake's checks compile and do not link: for anything linked otherwise Zig would first build
+# a second C++ library, with debug information.
+set(CMAKE_C_FLAGS_INIT -s)
+set(CMAKE_CXX_FLAGS_INIT -s)
+set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 
 # CMake wants its other tools as one file each.
 set(tools ${CMAKE_CURRENT_BINARY_DIR}/zig)

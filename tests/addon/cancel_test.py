@@ -1,7 +1,6 @@
 """Cancelling at any time leaves the scene as it was and the next bake right; quitting while one runs ends well."""
 
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -12,6 +11,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc import bridge, threads  # noqa: E402
 from paradesc.batch import Batch  # noqa: E402
+from processes import script_words  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint, small_bake  # noqa: E402
 from shapes import ADDON, as_arrays, cube_sphere  # noqa: E402
 
@@ -63,10 +63,7 @@ def test_quitting_while_a_bake_runs_neither_hangs_nor_crashes(tmp_path, backend,
     script = tmp_path / "quit.py"
     words = {"addon": str(ADDON), "numpy": numpy_folder, "tests": str(Path(__file__).parent)}
     script.write_text(QUIT.format(**words, backend=backend, fraction=fraction))
-    start = [sys.executable, str(script)]
-    if bpy.app.binary_path:
-        start = [bpy.app.binary_path, "-b", "--factory-startup", "-P", str(script)]
-    ended = subprocess.run(start, capture_output=True, text=True, timeout=120, check=False)
+    ended = subprocess.run(script_words(script), capture_output=True, text=True, timeout=120, check=False)
     assert "quits while computing: True" in ended.stdout, ended.stdout + ended.stderr
     assert ended.returncode == 0, ended.stdout + ended.stderr
 

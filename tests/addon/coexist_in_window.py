@@ -6,7 +6,6 @@ thread, the library on its own; the picture of the viewport has to be the same a
 
 import os
 import sys
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,38 +14,18 @@ import numpy as np
 
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
-import paradesc  # noqa: E402
-from paradesc import operators  # noqa: E402
 from scene import add_sphere, attribute_values, small_bake  # noqa: E402
-from window import begin, say, view_context, wait_for  # noqa: E402
+from window import baking, begin, prepare, say, screen_pixels, start_bake, view_context, wait_for  # noqa: E402
 
 BAKES = 100 if os.environ.get("PARADESC_LONG_TESTS") else 3
 STEP = 0.05
 
 
-def start_bake() -> None:
-    """Presses the button."""
-    with bpy.context.temp_override(**view_context()):
-        assert bpy.ops.paradesc.bake("INVOKE_DEFAULT", True) == {"RUNNING_MODAL"}
-
-
-def baking() -> bool:
-    """The operator has not ended."""
-    return operators.PARADESC_OT_bake.running is not None
-
-
 def picture() -> np.ndarray:
     """(height, width, 3) the viewport's middle on the screen."""
     area = view_context()["area"]
-    with tempfile.TemporaryDirectory() as folder:
-        path = str(Path(folder) / "screen.png")
-        bpy.ops.screen.screenshot(filepath=path)
-        image = bpy.data.images.load(path)
-        width, height = image.size
-        pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[..., :3]
-        bpy.data.images.remove(image)
     x, y = area.x + area.width // 2, area.y + area.height // 2
-    return pixels[y - 100 : y + 100, x - 100 : x + 100]
+    return screen_pixels()[y - 100 : y + 100, x - 100 : x + 100]
 
 
 def redraws(count: int) -> Iterator[None]:
@@ -85,12 +64,8 @@ def steps(name: str) -> Iterator[None]:
 
 def main() -> None:
     """Prepares the scene and lets the event loop do the rest."""
-    bpy.context.preferences.view.show_splash = False
-    paradesc.register()
-    for item in list(bpy.data.objects):
-        bpy.data.objects.remove(item)
+    prepare()
     made = add_sphere(steps=24)
-    bpy.ops.ed.undo_push(message="start")
     begin(steps(made.data.name), STEP)
 
 

@@ -16,10 +16,9 @@ import numpy as np
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 import animated  # noqa: E402
-import paradesc  # noqa: E402
 from paradesc import cache, cache_places, handlers, live, mesh_io, pausing  # noqa: E402
 from scene import attribute_values  # noqa: E402
-from window import PATIENCE, begin, say, view_context, wait_for  # noqa: E402
+from window import PATIENCE, begin, prepare, say, view_context, wait_for  # noqa: E402
 
 NAME, SIZE, STEP = "mean_curvature", 32, 0.1
 RENDERED_BY: list[str] = []
@@ -228,13 +227,9 @@ def steps() -> Iterator[None]:
 
 def main() -> None:
     """Prepares the scene and lets the event loop do the rest."""
-    bpy.context.preferences.view.show_splash = False
-    paradesc.register()
-    for item in list(bpy.data.objects):
-        bpy.data.objects.remove(item)
+    prepare()
     animated.empty_scene = lambda: None  # the window stays
     animated.swelling_sphere()
-    bpy.ops.ed.undo_push(message="start")
     begin(steps(), STEP)
 
 

@@ -375,7 +375,7 @@ def other_shape(name, size):
     return made
 
 
-def test_objects_that_change_names_keep_their_sessions_and_values(stretching, monkeypatch):
+def test_objects_that_change_names_keep_their_sessions_and_values(stretching):
     switch(stretching)
     other = other_shape("other", 2.0)
     sessions = [handlers.session_at(item) for item in (stretching, other)]

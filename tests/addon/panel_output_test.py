@@ -153,3 +153,12 @@ def test_where_the_mesh_refuses_the_attributes_no_image_is_left_aside(settings, 
     with pytest.raises(RuntimeError, match="rename it"):
         bpy.ops.paradesc.bake()
     assert names_in(tmp_path) == []
+
+
+def test_blender_knows_of_every_path_that_it_may_be_relative():
+    scene = bpy.context.scene
+    groups = [getattr(scene, name) for name in dir(scene) if name.startswith("paradesc")]
+    found = [item for group in groups for item in group.bl_rna.properties if item.subtype in ("FILE_PATH", "DIR_PATH")]
+    assert {item.identifier for item in found} == {"image_path", "buffers_path", "cache_folder"}
+    if hasattr(found[0], "is_path_supports_blend_relative"):  # since 4.5; without, // is warned of
+        assert all(item.is_path_supports_blend_relative for item in found)

@@ -105,7 +105,7 @@ def test_only_the_bridge_loads_libraries_and_by_absolute_path():
 def watched(tmp_path_factory):
     """What a bake with an image, buffers and frames did, in a process with a home of its own and decoys around it."""
     pytest.importorskip("bpy", reason="needs Blender")
-    import bpy
+    from processes import script_words
 
     if not sys.platform.startswith("linux"):
         pytest.skip("reads /proc")
@@ -119,14 +119,11 @@ def watched(tmp_path_factory):
     words.update(cache=str(folder / "asked" / "frames"), report=str(folder / "watched.json"))
     script = folder / "watch.py"
     script.write_text(WATCH.format(**words))
-    start = [sys.executable, str(script)]
-    if bpy.app.binary_path:
-        start = [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1", "-P", str(script)]
     user = {f"BLENDER_USER_{name}": str(folder / "user") for name in ("CONFIG", "SCRIPTS", "DATAFILES", "EXTENSIONS")}
     home = {"HOME": str(folder / "home"), "XDG_CACHE_HOME": str(folder / "home" / ".cache")}
     search = {"LD_LIBRARY_PATH": str(folder / "decoy"), "TMPDIR": str(folder / "user")}
     done = subprocess.run(
-        start,
+        script_words(script),
         cwd=folder / "decoy",
         env={**os.environ, **user, **home, **search},
         capture_output=True,

@@ -1,11 +1,17 @@
 """What scripts in Blender's window share: words for run_in_window.sh, and steps that the event loop takes in turn."""
 
 import sys
+import tempfile
 import time
 import traceback
 from collections.abc import Iterator
+from pathlib import Path
 
 import bpy
+import numpy as np
+
+import paradesc
+from paradesc import operators
 
 PATIENCE = 120.0  # seconds that one step may take
 
@@ -32,8 +38,44 @@ def view_context() -> dict[str, object]:
     return {"window": window, "area": area, "region": region}
 
 
+def prepare() -> None:
+    """No splash over a scene without objects, and the add-on is there."""
+    bpy.context.preferences.view.show_splash = False
+    paradesc.register()
+    for item in list(bpy.data.objects):
+        bpy.data.objects.remove(item)
+
+
+def start_bake() -> None:
+    """Presses the button."""
+    with bpy.context.temp_override(**view_context()):
+        state = bpy.ops.paradesc.bake("INVOKE_DEFAULT", True)
+    assert state == {"RUNNING_MODAL"}, state
+
+
+def baking() -> bool:
+    """The operator has not ended."""
+    return operators.PARADESC_OT_bake.running is not None
+
+
+def screen_pixels() -> np.ndarray:
+    """(height, width, 3) float32 what the window shows, from its lowest row on."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder) / "screen.png")
+        bpy.ops.screen.screenshot(filepath=path)
+        image = bpy.data.images.load(path)
+        width, height = image.size
+        pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[..., :3]
+        bpy.data.images.remove(image)
+    return pixels
+
+
 def begin(steps: Iterator[None], seconds: float) -> None:
-    """Takes a step every so many seconds once the window is there; Blender ends after the last or the first failure."""
+    """From a scene that undo can come back to, takes a step every so many seconds once the window is there.
+
+    Blender ends after the last step or the first failure.
+    """
+    bpy.ops.ed.undo_push(message="start")
 
     def turn() -> float | None:
         try:

@@ -4,7 +4,6 @@ Blender draws with OpenGL on the main thread here, which is what the library's o
 """
 
 import sys
-import tempfile
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,21 +13,13 @@ import numpy as np
 
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
-import paradesc  # noqa: E402
 from paradesc import mesh_io, operators  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
-from window import begin, say, view_context, wait_for  # noqa: E402
+from window import baking, begin, prepare, say, screen_pixels, start_bake, view_context, wait_for  # noqa: E402
 
 STEP = 0.2
 # Pixels from the sidebar's top to the middle of the Paradesc tab, for the screenshot.
 TAB_BELOW_TOP = 168
-
-
-def start_bake() -> None:
-    """Presses the button."""
-    with bpy.context.temp_override(**view_context()):
-        state = bpy.ops.paradesc.bake("INVOKE_DEFAULT", True)
-    assert state == {"RUNNING_MODAL"}, state
 
 
 def press(key: str, **place: int) -> Iterator[None]:
@@ -48,11 +39,6 @@ def run_in_view(operator, *words: object, **settings: object) -> None:
 def computing() -> bool:
     """A worker's thread is at work."""
     return any(thread.name == "paradesc" for thread in threading.enumerate())
-
-
-def baking() -> bool:
-    """The operator has not ended."""
-    return operators.PARADESC_OT_bake.running is not None
 
 
 def baked(name: str) -> bool:
@@ -174,14 +160,7 @@ def legend_is_drawn(area: bpy.types.Area) -> Iterator[None]:
         for _ in range(3):
             area.tag_redraw()
             yield
-        with tempfile.TemporaryDirectory() as folder:
-            path = str(Path(folder) / "screen.png")
-            bpy.ops.screen.screenshot(filepath=path)
-            image = bpy.data.images.load(path)
-            width, height = image.size
-            pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[..., :3]
-            bpy.data.images.remove(image)
-        seen[shown] = pixels[area.y : area.y + 100, area.x : area.x + area.width]
+        seen[shown] = screen_pixels()[area.y : area.y + 100, area.x : area.x + area.width]
     looks.show_legend = True
     changed = np.abs(seen[True] - seen[False]).max(axis=2) > 0.02
     colors = seen[True][changed]
@@ -224,12 +203,8 @@ def steps(target, screenshot: str) -> Iterator[None]:
 
 def main() -> None:
     """Prepares the scene and lets the event loop do the rest."""
-    bpy.context.preferences.view.show_splash = False
-    paradesc.register()
-    for item in list(bpy.data.objects):
-        bpy.data.objects.remove(item)
+    prepare()
     made = add_sphere(steps=24)
-    bpy.ops.ed.undo_push(message="start")
     begin(steps(made, words[1] if len(words) > 1 else ""), STEP)
 
 

@@ -78,6 +78,7 @@ protected:
     pdesc_field *field = nullptr;
     const int32_t status = pdesc_compute(mesh, &options, &name, 1, Stop::call, &stop, &field);
     const Field owner(field);
+    EXPECT_GT(stop.calls, 0) << "it was never asked";
     if (status != PDESC_OK) {
       EXPECT_EQ(status, PDESC_ERROR_CANCELLED) << pdesc_last_error();
       EXPECT_EQ(stop.calls, call + 1) << "was called again after it said stop";
@@ -87,8 +88,7 @@ protected:
 
   const std::chrono::milliseconds patience = cancel_patience;
 };
-INSTANTIATE_TEST_SUITE_P(, CancelAnywhere, ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, int32_t{PDESC_BACKEND_SOFTWARE}),
-                         backend_name);
+PDESC_ON_EACH_BACKEND(CancelAnywhere);
 
 TEST_P(CancelAnywhere, the_first_run_of_a_mesh_leaves_it_as_new) {
   const std::vector<float> expected = mean_curvature(make_mesh(context.get(), ball).get());

@@ -10,16 +10,15 @@ stay at or below 1, lest the limit lets through what does not fit; native/src/me
 import argparse
 import ctypes
 import json
-import platform
 import subprocess
 import sys
-from contextlib import suppress
 from datetime import date
-from pathlib import Path
 
 import numpy as np
+import timing
+from preprocessing_cache import processor, torus
 
-from paradesc.bridge.session import Context, MeshArrays, Options
+from paradesc.bridge.session import Context, Options
 
 DESCRIPTORS = ["mean_curvature"]
 CHOICES = (
@@ -32,45 +31,15 @@ CHOICES = (
 )
 
 
-def torus(triangles: int, across: int = 10, around: int = 6) -> MeshArrays:
-    """A torus of across x around charts with gutters, of about as many triangles."""
-    columns, rows = (
-        max(int(np.sqrt(triangles / 2 * ratio)) // part, 1) * part for ratio, part in ((5 / 3, across), (0.6, around))
-    )
-    u, v = (grid.ravel() for grid in np.meshgrid(np.arange(columns), np.arange(rows)))
-    angle, tube = 2 * np.pi * u / columns, 2 * np.pi * v / rows
-    width = 1 + 0.4 * np.cos(tube)
-    positions = np.stack([width * np.cos(angle), width * np.sin(angle), 0.4 * np.sin(tube)], axis=1)
-    steps = np.array([[0, 0], [1, 0], [1, 1], [0, 0], [1, 1], [0, 1]], np.int32)
-    cells = np.stack([u, v], axis=1).astype(np.int32)
-    size = np.array([columns, rows], np.int32)
-    part = size // (across, around)
-    places = cells[:, None] + steps
-    chart = cells // part
-    uvs = (chart[:, None] + 0.04 + 0.92 * (places - (chart * part)[:, None]) / part) / (across, around)
-    wrapped = places % size
-    corners = (wrapped[..., 1] * columns + wrapped[..., 0]).ravel().astype(np.int32)
-    faces = np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
-    return MeshArrays(positions.astype(np.float32), corners, faces, uvs.reshape(-1, 2).astype(np.float32))
-
-
-def status(name: str) -> int:
-    """Bytes of one line of the process' status."""
-    line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith(name))
-    return int(line.split()[1]) * 1024
-
-
 def trim() -> None:
     """Gives back what was freed, lest it is taken for memory that nothing needs."""
     ctypes.CDLL(None).malloc_trim(0)
 
 
 def resident() -> int:
-    """Bytes held now, which are the peak from now on."""
+    """Bytes that something needs now, which are the peak from now on."""
     trim()
-    with suppress(OSError):
-        Path("/proc/self/clear_refs").write_text("5")
-    return status("VmRSS")
+    return timing.resident()
 
 
 def measure(case: dict[str, object]) -> dict[str, float]:
@@ -82,13 +51,13 @@ def measure(case: dict[str, object]) -> dict[str, float]:
         context.mesh(torus(2000)).compute(descriptors, options).close()
         before = resident()
         native = context.mesh(mesh)
-        created = status("VmHWM") - before
+        created = timing.status_bytes("VmHWM") - before
         trim()
-        kept = status("VmRSS") - before
+        kept = timing.status_bytes("VmRSS") - before
         expected = native.memory(descriptors, options)
         resident()
         with native.compute(descriptors, options) as field:
-            computed = status("VmHWM") - before
+            computed = timing.status_bytes("VmHWM") - before
             report = field.report()
     given = (mesh.positions, mesh.corner_vertices, mesh.triangle_corners, mesh.corner_uvs)
     return {
@@ -118,15 +87,6 @@ def cases(arguments: argparse.Namespace) -> list[dict[str, object]]:
         for descriptors, options in CHOICES
     ]
     return [*plain, *chosen, {**chosen[0], "charts": (140, 84)}]
-
-
-def processor() -> str:
-    """Its name."""
-    with suppress(OSError):
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                return line.split(":")[1].strip()
-    return platform.machine()
 
 
 def say(line: str) -> None:

@@ -19,12 +19,12 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from datetime import date
 from pathlib import Path
 
 import numpy as np
 from sampling_choices import read_obj
+from timing import resident, status_bytes
 
 from paradesc.bridge.session import Context, MeshArrays, Options
 
@@ -43,7 +43,7 @@ DOMAINS = {"POINT": "vertices", "CORNER": "loops", "FACE": "polygons"}
 def torus(triangles: int, across: int = 10, around: int = 6) -> MeshArrays:
     """A torus of across x around charts with gutters, of about as many triangles."""
     columns, rows = (
-        int(np.sqrt(triangles / 2 * ratio)) // part * part for ratio, part in ((5 / 3, across), (0.6, around))
+        max(int(np.sqrt(triangles / 2 * ratio)) // part, 1) * part for ratio, part in ((5 / 3, across), (0.6, around))
     )
     u, v = (grid.ravel() for grid in np.meshgrid(np.arange(columns), np.arange(rows)))
     angle, tube = 2 * np.pi * u / columns, 2 * np.pi * v / rows
@@ -227,20 +227,6 @@ def digest(mesh: MeshArrays, kept: dict[str, np.ndarray], kind: str) -> str:
 # ---- Memory
 
 
-def peak() -> int:
-    """Bytes of the process' VmHWM."""
-    line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM"))
-    return int(line.split()[1]) * 1024
-
-
-def resident() -> int:
-    """Bytes of the process' VmRSS, which is made the peak from now on where the system lets us."""
-    with suppress(OSError):
-        Path("/proc/self/clear_refs").write_text("5")
-    line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmRSS"))
-    return int(line.split()[1]) * 1024
-
-
 def measure_memory(path: Path) -> dict[str, float]:
     """Of reading the mesh and one compute: bytes over what the process had with its arrays and a device."""
     with np.load(path) as file:
@@ -252,13 +238,13 @@ def measure_memory(path: Path) -> dict[str, float]:
         before = resident()
         start = time.perf_counter()
         native = context.mesh(mesh)
-        create, created = time.perf_counter() - start, peak()
+        create, created = time.perf_counter() - start, status_bytes("VmHWM")
         report = native.compute(["mean_curvature"], Options(samples=8)).report()
     given = sum(a.nbytes for a in (mesh.positions, mesh.corner_vertices, mesh.triangle_corners, mesh.corner_uvs))
     return {
         "input_bytes": given,
         "create_bytes": created - before,
-        "compute_bytes": peak() - before,
+        "compute_bytes": status_bytes("VmHWM") - before,
         "buffer_bytes": 1e6 * report["buffer_megabytes"],
         "create_seconds": create,
         **{name: report[name] for name in ("seconds_prepare", "seconds_bake", "seconds_evaluate", "seconds_total")},

@@ -143,40 +143,19 @@ void field_values(benchmark::State &state) {
 }
 
 constexpr int connected = PDESC_RELOCATION_CONNECTED, affine = PDESC_RELOCATION_AFFINE;
-#define PARADESC_STAGE(name, stage) BENCHMARK_CAPTURE(reported, name, &pdesc_field_report::stage)->Unit(benchmark::kMillisecond)
+#define PARADESC_STAGE(name, stage)                                                                                              \
+  BENCHMARK_CAPTURE(reported, name, &pdesc_field_report::stage)                                                                  \
+      ->Unit(benchmark::kMillisecond)                                                                                            \
+      ->UseManualTime()                                                                                                          \
+      ->ArgNames({"charts", "relocation"})
 BENCHMARK(mesh_stage)->Unit(benchmark::kMillisecond)->UseRealTime()->ArgName("charts")->Arg(1)->Arg(60)->Arg(1000);
 BENCHMARK(upload_positions)->Unit(benchmark::kMillisecond)->UseRealTime();
-PARADESC_STAGE(prepare, seconds_prepare)
-    ->UseManualTime()
-    ->ArgNames({"charts", "relocation"})
-    ->Args({1, connected})
-    ->Args({60, connected});
-PARADESC_STAGE(bake, seconds_bake)
-    ->UseManualTime()
-    ->ArgNames({"charts", "relocation"})
-    ->Args({1, connected})
-    ->Args({60, connected});
-PARADESC_STAGE(evaluate_one_chart, seconds_evaluate)
-    ->UseManualTime()
-    ->ArgNames({"charts", "relocation"})
-    ->Args({1, connected})
-    ->Args({1, affine});
-PARADESC_STAGE(evaluate_many_charts, seconds_evaluate)
-    ->UseManualTime()
-    ->ArgNames({"charts", "relocation"})
-    ->Args({60, connected})
-    ->Args({60, affine});
-PARADESC_STAGE(evaluate_many_jumps, seconds_evaluate)
-    ->UseManualTime()
-    ->ArgNames({"charts", "relocation"})
-    ->Args({1000, connected})
-    ->Args({1000, affine});
-PARADESC_STAGE(whole_compute, seconds_total)
-    ->UseManualTime()
-    ->ArgNames({"charts", "relocation"})
-    ->Args({1, connected})
-    ->Args({60, connected})
-    ->Args({1000, connected});
+PARADESC_STAGE(prepare, seconds_prepare)->Args({1, connected})->Args({60, connected});
+PARADESC_STAGE(bake, seconds_bake)->Args({1, connected})->Args({60, connected});
+PARADESC_STAGE(evaluate_one_chart, seconds_evaluate)->Args({1, connected})->Args({1, affine});
+PARADESC_STAGE(evaluate_many_charts, seconds_evaluate)->Args({60, connected})->Args({60, affine});
+PARADESC_STAGE(evaluate_many_jumps, seconds_evaluate)->Args({1000, connected})->Args({1000, affine});
+PARADESC_STAGE(whole_compute, seconds_total)->Args({1, connected})->Args({60, connected})->Args({1000, connected});
 BENCHMARK_CAPTURE(read_buffer, read_back, "position", 3)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(read_buffer, distortion_and_read_back, "distortion", 4)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(field_values)->Unit(benchmark::kMillisecond)->UseRealTime();

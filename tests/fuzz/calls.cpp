@@ -35,7 +35,7 @@ void claim(bool holds, const char *what) {
 
 // A code of the header, with one sentence exactly where it is a failure. True on success.
 bool done(int32_t status) {
-  claim(status >= PDESC_OK && status <= PDESC_ERROR_CANCELLED, "a status is none of the header's");
+  claim(status >= PDESC_OK && status <= PDESC_ERROR_DEVICE_LOST, "a status is none of the header's");
   claim(status != PDESC_ERROR_UNKNOWN, "an input led to a defect of the library");
   const char *sentence = pdesc_last_error();
   claim((status == PDESC_OK) == (*sentence == 0), "a failure has no sentence, or a success has one");

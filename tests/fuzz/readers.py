@@ -78,6 +78,12 @@ def claim(holds: bool, what: str) -> None:
         raise BrokenWordError(what)
 
 
+def claim_one_sentence(error: ParadescError, path: Path) -> None:
+    """A refusal of a file says so in one sentence with its name."""
+    named = str(path) in error.sentence and "\n" not in error.sentence
+    claim(named, "a refusal is not one sentence that names the file")
+
+
 # ---- Damage
 
 
@@ -188,10 +194,7 @@ def read_frame(source: random.Random, folder: Path) -> bool:
     try:
         frame = cache.read_frame(path)
     except ParadescError as error:
-        claim(
-            str(path) in error.sentence and "\n" not in error.sentence,
-            "a refusal is not one sentence that names the file",
-        )
+        claim_one_sentence(error, path)
         return False
     arrays = [*frame.values.values(), *frame.quantiles.values()]
     claim(sum(array.nbytes for array in arrays) <= len(content), "more is held than the file has")
@@ -214,10 +217,7 @@ def read_range(source: random.Random, folder: Path) -> bool:
     try:
         found = cache.read_fixed(folder)
     except ParadescError as error:
-        claim(
-            str(path) in error.sentence and "\n" not in error.sentence,
-            "a refusal is not one sentence that names the file",
-        )
+        claim_one_sentence(error, path)
         return False
     for name, (low, high) in found.items():
         claim(isinstance(name, str) and low < high and np.isfinite([low, high]).all(), "a range is none")

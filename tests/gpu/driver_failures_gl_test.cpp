@@ -1,6 +1,5 @@
 // A driver that fails, at first or in the middle: one sentence, the next backend under AUTO, and a context that stays usable.
 #include <atomic>
-#include <cctype>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "pipeline.h"
 #include "support/layout.h"
 #include "support/run.h"
+#include "support/sentence.h"
 
 namespace paradesc {
 namespace {
@@ -148,12 +148,9 @@ protected:
   }
   std::unique_ptr<Mesh> mesh_on(const std::shared_ptr<Context> &context) const { return make_mesh(context, input_of(ball)); }
 
-  // One sentence: it ends, and no second begins.
   static void expect_one_sentence(const std::string &text, const char *word) {
     EXPECT_NE(text.find(word), std::string::npos) << "no \"" << word << "\" in: " << text;
-    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-    for (size_t dot = text.find(". "); dot != std::string::npos; dot = text.find(". ", dot + 1))
-      EXPECT_FALSE(dot + 2 < text.size() && std::isupper(static_cast<unsigned char>(text[dot + 2]))) << "two sentences: " << text;
+    test::expect_one_sentence(text);
   }
 
   // By name it is refused with this word in the sentence; AUTO computes by the reference, and says why.

@@ -8,6 +8,7 @@
 #include "paradesc/paradesc.h"
 #include "support/layout.h"
 #include "support/run.h"
+#include "support/sentence.h"
 #include "support/surfaces.h"
 
 namespace paradesc::test {
@@ -21,11 +22,7 @@ inline std::string lower(std::string text) {
 inline void expect_refused(int32_t status, int32_t code, std::initializer_list<const char *> offenders) {
   const std::string sentence = pdesc_last_error();
   EXPECT_EQ(status, code) << sentence;
-  ASSERT_FALSE(sentence.empty());
-  EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
-  for (size_t dot = sentence.find(". "); dot != std::string::npos; dot = sentence.find(". ", dot + 1))
-    EXPECT_FALSE(dot + 2 < sentence.size() && std::isupper(static_cast<unsigned char>(sentence[dot + 2])))
-        << "two sentences: " << sentence;
+  expect_one_sentence(sentence);
   for (const char *offender : offenders)
     EXPECT_NE(lower(sentence).find(lower(offender)), std::string::npos) << "no \"" << offender << "\" in: " << sentence;
 }

@@ -1,0 +1,19 @@
+// What an error or a warning has to read like.
+#pragma once
+
+#include <cctype>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace paradesc::test {
+
+// There is one on one line, and no second begins.
+inline void expect_one_sentence(const std::string &text) {
+  EXPECT_FALSE(text.empty());
+  EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+  for (size_t dot = text.find(". "); dot != std::string::npos; dot = text.find(". ", dot + 1))
+    EXPECT_FALSE(dot + 2 < text.size() && std::isupper(static_cast<unsigned char>(text[dot + 2]))) << "two sentences: " << text;
+}
+
+} // namespace paradesc::test
