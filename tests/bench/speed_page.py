@@ -43,7 +43,8 @@ def intro() -> list[str]:
         "map alone; fitted normals are in them. The *baseline* is the paper's method in object space "
         "(`baseline.cpp`): Voronoi-weighted vertices within r, found by a flood over half-edges, on all "
         "cores; its set-up, normals and weights are not counted. It is timed at a random sample of the same "
-        "mesh's vertices, as many as it can do in two seconds, and extrapolated. *Fewest samples*: as few as "
+        "mesh's vertices, as many as it can do in two seconds, and extrapolated. *Fewest*: the smallest buffers of "
+        "256, 512 and 1024 texels, and then as few samples, as "
         f"keep the mean error against the reference at 400 random vertices to {timing.ALLOWED_ERROR:g} %. "
         "Errors are the one definition of this project (`addon/paradesc/compare.py`).",
         "",
