@@ -212,7 +212,7 @@ struct JetMoments {
   std::array<std::array<Lanes, 4>, 4> sum_w{};
   Lanes sum_ww{};
 
-  void add(Lanes u, Lanes v, Lanes w) {
+  void add(const Lanes &u, const Lanes &v, const Lanes &w) {
     std::array<Lanes, most + 1> power; // of one degree
     power[0] = Lanes{} + 1.0;
     for (size_t degree = 1; degree <= most; ++degree) {
