@@ -17,7 +17,9 @@ namespace {
 Shape strip(int length, int width, double reach, const std::function<dvec2(double)> &path) {
   return grid(length, width, [=](dvec2 place, int, int) {
     const double t = place.x / length;
-    const dvec2 way = glm::normalize(path(t + 1e-4) - path(t - 1e-4));
+    dvec2 step = path(t + 1e-4) - path(t - 1e-4);
+    if (step == dvec2(0)) step = path(t + 2e-3) - path(t); // it stands still at its start
+    const dvec2 way = glm::normalize(step);
     return path(t) + dvec2(-way.y, way.x) * reach * (2.0 * place.y / width - 1.0);
   });
 }
@@ -104,6 +106,7 @@ Cuts checked_cuts(const Built &built) {
 double share_of_two(const Cuts &cuts) {
   std::vector<double> share;
   for (const int32_t piece : cuts.triangle_piece) {
+    if (piece < 0) continue; // without area
     share.resize(std::max(share.size(), at(piece) + 1));
     share[at(piece)] += 1.0 / static_cast<double>(cuts.triangle_piece.size());
   }
