@@ -1,7 +1,6 @@
 // Positions → unit normals: fans and rings once per topology, then one small least-squares fit per fan and frame.
 //
-// Max's weights: N. Max, "Weights for computing vertex normals from facet normals", 1999. Jets: F. Cazals, M. Pouget,
-// "Estimating differential quantities using polynomial fitting of osculating jets", 2003.
+// Max's weights: N. Max, "Weights for computing vertex normals from facet normals", 1999.
 #include "mesh/normals.h"
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "mesh/jets.h"
 #include "support/error.h"
 #include "support/parallel.h"
 
@@ -19,10 +19,8 @@ namespace {
 
 constexpr int block_size = 1024;
 constexpr int enough_neighbors = 14; // a jet of order 3 has nine coefficients; two whole rings have 18 on average
-constexpr int spare_neighbors = 2;   // more than coefficients
 constexpr int most_rings = 3;
 constexpr int most_corners = 32; // taken of one fan: keeps fans of thousands of faces from costing their square
-constexpr int most_neighbors = 96;
 
 // Smooth places only: beyond these, in cosines, the fit gives way to Max's normal.
 constexpr double spread_full = 0.8660254037844387; // 30 degrees: up to here the fit alone
@@ -185,122 +183,6 @@ void join_runs(std::vector<RingRun> &runs, NormalRings &rings) {
     append(run.faces, rings.face);
     run = {};
   }
-}
-
-// ---- Jets -----------------------------------------------------------------------------------------------------------------
-
-// Several fans at a time, one in each lane; lanes do not depend on each other.
-constexpr size_t lane_count = 4;
-using Lanes [[gnu::vector_size(lane_count * sizeof(double))]] = double;
-
-// The neighbors of a fan in each lane as heights w over Max's tangent plane; behind its last neighbor a lane has zeros, which
-// change no sum.
-struct Heights {
-  std::array<int, lane_count> count{};
-  size_t most = 0;
-  std::array<Lanes, most_neighbors> u, v, w;
-};
-
-constexpr size_t cubic_terms = 4, columns = 9; // of the full problem; without its first four columns it is the quadratic one
-using Gram = std::array<std::array<Lanes, columns + 1>, columns + 1>; // its upper half
-using Scale = std::array<Lanes, columns + 1>;
-
-// Sums of u^(degree - k) v^k over the neighbors, and of the same times w: all that the normal equations are made of.
-struct JetMoments {
-  static constexpr size_t most = 6;
-  std::array<std::array<Lanes, most + 1>, most + 1> sum{}; // (degree, k)
-  std::array<std::array<Lanes, 4>, 4> sum_w{};
-  Lanes sum_ww{};
-
-  void add(const Lanes &u, const Lanes &v, const Lanes &w) {
-    std::array<Lanes, most + 1> power; // of one degree
-    power[0] = Lanes{} + 1.0;
-    for (size_t degree = 1; degree <= most; ++degree) {
-      power[degree] = power[degree - 1] * v;
-      for (size_t k = 0; k < degree; ++k) power[k] *= u;
-      for (size_t k = 0; k <= degree; ++k) sum[degree][k] += power[k];
-      if (degree > 3) continue;
-      for (size_t k = 0; k <= degree; ++k) sum_w[degree][k] += power[k] * w;
-    }
-    sum_ww += w * w;
-  }
-};
-
-// Normal equations of w = a jet without constant term, gradient last, then the heights themselves. Columns are scaled to unit
-// length; scale keeps the factors, which are no numbers where a column vanishes.
-void make_gram(const Heights &heights, Gram &gram, Scale &scale) {
-  struct Monomial {
-    size_t degree, k;
-  };
-  constexpr std::array<Monomial, columns> monomials{{{3, 0}, {3, 1}, {3, 2}, {3, 3}, {2, 0}, {2, 1}, {2, 2}, {1, 0}, {1, 1}}};
-  JetMoments moments;
-  for (size_t i = 0; i < heights.most; ++i) moments.add(heights.u[i], heights.v[i], heights.w[i]);
-  for (size_t a = 0; a < columns; ++a) {
-    const Monomial own = monomials[a];
-    for (size_t b = a; b < columns; ++b) gram[a][b] = moments.sum[own.degree + monomials[b].degree][own.k + monomials[b].k];
-    gram[a][columns] = moments.sum_w[own.degree][own.k];
-  }
-  gram[columns][columns] = moments.sum_ww;
-  for (size_t a = 0; a < columns; ++a)
-    for (size_t lane = 0; lane < lane_count; ++lane) scale[a][lane] = 1.0 / std::sqrt(gram[a][a][lane]);
-  scale[columns] = Lanes{} + 1.0;
-  for (size_t a = 0; a <= columns; ++a)
-    for (size_t b = a; b <= columns; ++b) gram[a][b] *= scale[a] * scale[b];
-}
-
-struct Gradient {
-  Lanes u, v;
-  Lanes residual;    // sum of squares
-  Lanes least_pivot; // of 1; not above what is enough, or no number, where the neighbors do not determine it
-};
-
-// Elimination from the given column on. Higher orders go first, so that what is left of the last two pivots tells how well the
-// neighbors determine the gradient alone.
-template <size_t first> Gradient solve_gradient(Gram gram, const Scale &scale) {
-  Gradient gradient;
-  gradient.least_pivot = gram[first][first];
-  for (size_t k = first; k < columns; ++k) {
-    const Lanes pivot = gram[k][k], inverse = 1.0 / pivot;
-    gradient.least_pivot = pivot > gradient.least_pivot ? gradient.least_pivot : pivot; // no number stays none
-    for (size_t a = k + 1; a <= columns; ++a) {
-      const Lanes factor = gram[k][a] * inverse;
-      for (size_t b = a; b <= columns; ++b) gram[a][b] -= factor * gram[k][b];
-    }
-  }
-  constexpr size_t u = columns - 2, v = columns - 1;
-  const Lanes slope = gram[v][columns] / gram[v][v];
-  gradient.v = slope * scale[v];
-  gradient.u = (gram[u][columns] - gram[u][v] * slope) / gram[u][u] * scale[u];
-  gradient.residual = gram[columns][columns];
-  return gradient;
-}
-
-// The gradient at the origin of the height function through it; none where neighbors do not determine it. Cubic terms take part
-// as far as they explain more than noise would: the quadratic jet has three times less of that. F is the ratio of Fisher's test
-// of the larger model, about 1 where the terms explain nothing; shrinking by 1 - c/F is James and Stein's.
-std::array<std::optional<dvec2>, lane_count> fit_gradients(const Heights &heights) {
-  constexpr double least_gain = 3; // c: 19 times of 20, noise alone gives less than 3.6 with two rings of 18 neighbors
-  constexpr double least_pivot = 1e-5;
-  constexpr int quadratic_columns = static_cast<int>(columns - cubic_terms), all_columns = static_cast<int>(columns);
-  Gram gram;
-  Scale scale;
-  make_gram(heights, gram, scale);
-  const Gradient quadratic = solve_gradient<cubic_terms>(gram, scale), cubic = solve_gradient<0>(gram, scale);
-  std::array<std::optional<dvec2>, lane_count> gradients;
-  for (size_t lane = 0; lane < lane_count; ++lane) {
-    const int count = heights.count[lane];
-    if (count < quadratic_columns + spare_neighbors || !(quadratic.least_pivot[lane] > least_pivot)) continue;
-    dvec2 gradient(quadratic.u[lane], quadratic.v[lane]);
-    if (count >= all_columns + spare_neighbors && cubic.least_pivot[lane] > least_pivot) {
-      const double left = std::max(cubic.residual[lane], 0.0);
-      const double gain = (std::max(quadratic.residual[lane], 0.0) - left) / static_cast<double>(cubic_terms);
-      const double noise = left / (count - all_columns);
-      const double share = gain > least_gain * noise ? 1 - least_gain * noise / gain : 0;
-      gradient += share * (dvec2(cubic.u[lane], cubic.v[lane]) - gradient);
-    }
-    gradients[lane] = gradient;
-  }
-  return gradients;
 }
 
 // ---- Fans -----------------------------------------------------------------------------------------------------------------
