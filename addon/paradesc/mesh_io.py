@@ -36,11 +36,10 @@ def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name:
     """A mesh's triangles as arrays; the mesh stays as it is."""
     if len(mesh.polygons) == 0:
         raise refuse(f'The mesh "{name}" has no faces; there is no surface to measure.')
-    mesh.calc_loop_triangles()
     arrays = MeshArrays(
         positions=read_positions(mesh),
         corner_vertices=read_corner_vertices(mesh),
-        triangle_corners=read_array(mesh.loop_triangles, "loops", np.int32, 3),
+        triangle_corners=read_triangle_corners(mesh),
         corner_uvs=read_uvs(mesh),
         corner_normals=read_corner_normals(mesh) if corner_normals else None,
         triangle_smooth=read_smooth(mesh),
@@ -76,6 +75,24 @@ def read_corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
     return read_array(mesh.loops, "vertex_index", np.int32)
 
 
+def has_triangles_only(mesh: bpy.types.Mesh) -> bool:
+    """Whether every face is a triangle, with its corners where its number says; older files may have them elsewhere."""
+    count = len(mesh.polygons)
+    if len(mesh.loops) != 3 * count:
+        return False
+    if ".corner_vert" in mesh.attributes:
+        return True
+    return np.array_equal(read_array(mesh.polygons, "loop_start", np.int32), np.arange(0, 3 * count, 3))
+
+
+def read_triangle_corners(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(triangle_count, 3) int32, as Blender divides faces; it is slow to hand that over, and not asked without need."""
+    if has_triangles_only(mesh):
+        return np.arange(len(mesh.loops), dtype=np.int32).reshape(-1, 3)
+    mesh.calc_loop_triangles()
+    return read_array(mesh.loop_triangles, "loops", np.int32, 3)
+
+
 def read_uvs(mesh: bpy.types.Mesh) -> np.ndarray | None:
     """(corner_count, 2) float32 of the active UV map, or None without one."""
     layer = mesh.uv_layers.active
@@ -107,6 +124,8 @@ def read_smooth(mesh: bpy.types.Mesh) -> np.ndarray | None:
 
 def read_triangle_faces(mesh: bpy.types.Mesh) -> np.ndarray:
     """(triangle_count,) int32 faces that the triangles are parts of; before Blender 3.6 by the slower way."""
+    if has_triangles_only(mesh):
+        return np.arange(len(mesh.polygons), dtype=np.int32)
     if hasattr(mesh, "loop_triangle_polygons"):
         return read_array(mesh.loop_triangle_polygons, "value", np.int32)
     return read_array(mesh.loop_triangles, "polygon_index", np.int32)

@@ -1,5 +1,7 @@
 """Meshes into arrays and results into attributes, inside Blender."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -64,6 +66,24 @@ def test_triangles_cover_every_quad_once(sphere_object):
     corners = np.bincount(arrays.triangle_corners.ravel(), minlength=len(arrays.corner_vertices))
     assert set(corners) == {1, 2}
     assert corners.reshape(-1, 4).sum(axis=1).tolist() == [6] * (len(corners) // 4)
+
+
+@pytest.mark.parametrize("sides", [(3, 3, 3, 3), (4, 3, 3, 4), (5, 3), (4, 4)])
+def test_triangles_and_their_faces_are_those_of_blender(sides):
+    empty_scene()
+    mesh = bpy.data.meshes.new("Fan")
+    points = [
+        (np.cos(6.0 * k / side), np.sin(6.0 * k / side), 3.0 * row)
+        for row, side in enumerate(sides)
+        for k in range(side)
+    ]
+    starts = np.cumsum((0, *sides))
+    mesh.from_pydata(points, [], [range(*ends) for ends in itertools.pairwise(starts)])
+    mesh.calc_loop_triangles()
+    told = [(tuple(triangle.loops), triangle.polygon_index) for triangle in mesh.loop_triangles]
+    corners, faces = mesh_io.read_triangle_corners(mesh), mesh_io.read_triangle_faces(mesh)
+    assert corners.dtype == faces.dtype == np.int32
+    assert [(tuple(row), face) for row, face in zip(corners.tolist(), faces.tolist(), strict=True)] == told
 
 
 def test_corner_normals_of_a_smooth_sphere_point_outward(sphere_object):
