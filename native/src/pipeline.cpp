@@ -61,7 +61,7 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
   mesh->context = std::move(context);
   mesh->triangles = read_triangles(input);
   checkpoint();
-  mesh->half_edges = build_half_edges(mesh->triangles);
+  mesh->half_edges = build_half_edges(mesh->triangles, mesh->context->threads);
   mesh->charts = build_charts(mesh->triangles, mesh->half_edges, {}, mesh->context->threads);
   checkpoint();
   measure(*mesh);
