@@ -204,19 +204,20 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
   device.normals_kind = options.normals;
 }
 
-// About half the radius: a support then meets a few dozen cells, at every radius. One invocation measures a cell, and software
-// devices limit its loops (shared.h).
-static int block_size(double radius_in_texels, int buffer_size) {
+// About half the radius: a support then meets a few dozen cells, at every radius; more where samples lie farther apart than that.
+// One invocation measures a cell, and software devices limit its loops (shared.h).
+static int block_size(double radius_in_texels, int samples, int buffer_size) {
   constexpr int largest = 128;
   static_assert(largest * (largest + 1) < MAX_ITERATIONS);
+  const double apart = radius_in_texels * std::sqrt(pi / samples), least = std::max(radius_in_texels / 3.0, 1.5 * apart);
   int size = 4;
-  while (size * 3 <= radius_in_texels && size * 2 <= std::min(buffer_size, largest)) size *= 2;
+  while (size <= least && size * 2 <= std::min(buffer_size, largest)) size *= 2;
   return size;
 }
 
-void build_cells_for(Mesh &mesh, Frame &frame) {
+void build_cells_for(Mesh &mesh, const pdesc_options &options, Frame &frame) {
   DeviceMesh &device = *mesh.device;
-  const int size = block_size(frame.radius_in_texels, device.buffer->size());
+  const int size = block_size(frame.radius_in_texels, options.samples, device.buffer->size());
   auto &kept = device.cells;
   const auto found = std::ranges::find_if(kept, [&](const auto &layout) { return layout->cells.block_size == size; });
   if (found != kept.end()) {

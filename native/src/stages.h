@@ -63,7 +63,7 @@ void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, F
 bool lay_out_afresh(Mesh &mesh, double radius_in_texels);
 // The same where it has more area than its square has, before anything is drawn.
 void part_crowded(Mesh &mesh);
-void build_cells_for(Mesh &mesh, Frame &frame);
+void build_cells_for(Mesh &mesh, const pdesc_options &options, Frame &frame);
 // The neighborhoods of all centers of the frame, which this puts into another order, or of those given.
 void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame);
 Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame,
