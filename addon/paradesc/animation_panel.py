@@ -21,13 +21,13 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
         name="Source", description="Which mesh a single bake measures", items=list(SOURCES), default="original"
     )
     frame_source: bpy.props.EnumProperty(
-        name="Frames of",
+        name="Frame Source",
         description="Which mesh is measured at each frame",
         items=list(SOURCES[1:]),
         default="deformed",
     )
     use_scene_range: bpy.props.BoolProperty(
-        name="Scene range", description="Bake the frames from the scene's start to its end", default=True
+        name="Scene Range", description="Bake the frames from the scene's start to its end", default=True
     )
     frame_start: bpy.props.IntProperty(name="Start", description="First frame to bake", default=1)
     frame_end: bpy.props.IntProperty(name="End", description="Last frame to bake", default=250)
@@ -40,12 +40,12 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
         options=path_options(),
     )
     relative_to_rest: bpy.props.BoolProperty(
-        name="Change against rest",
+        name="Change Against Rest",
         description="Also the change against the original mesh, as values of their own (mean_curvature_change)",
         default=False,
     )
     overwrite: bpy.props.BoolProperty(
-        name="Bake again", description="Compute frames again that are in the cache already", default=False
+        name="Bake Again", description="Compute frames again that are in the cache already", default=False
     )
 
 
@@ -192,7 +192,7 @@ class PARADESC_PT_animation(SidebarPanel, bpy.types.Panel):
             column.prop(group, "frame_start")
             column.prop(group, "frame_end")
         column.prop(group, "frame_step")
-        layout.row(heading="Change").prop(group, "relative_to_rest", text="Against rest")
+        layout.row(heading="Change").prop(group, "relative_to_rest", text="Against Rest")
         layout.prop(group, "cache_folder")
         layout.prop(group, "overwrite")
         layout.operator("paradesc.bake_frames", icon="RENDER_ANIMATION")

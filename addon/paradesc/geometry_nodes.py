@@ -99,10 +99,11 @@ class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
 
     kind: bpy.props.EnumProperty(
         name="Kind",
+        description="What the nodes do",
         items=[
             ("swell", "Swell", "Move vertices along their normals by the value"),
-            ("keep", "Keep above", "Keep what lies above a value, delete the rest"),
-            ("mark", "Mark above", "Write a boolean attribute paradesc_selection, true above a value"),
+            ("keep", "Keep Above", "Keep what lies above a value, delete the rest"),
+            ("mark", "Mark Above", "Write a boolean attribute paradesc_selection, true above a value"),
         ],
         default="swell",
     )

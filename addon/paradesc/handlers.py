@@ -23,6 +23,7 @@ EDIT_DELAY = 0.2
 COLLECT_STEP = 0.01
 KINDS = {"LIVE": live.Session, "CACHE": playback.Player}
 LOG = logging.getLogger("paradesc")
+Place = tuple[bpy.types.Scene, bpy.types.ViewLayer]
 
 
 class State:
@@ -200,9 +201,22 @@ def refresh_window(targets: list[bpy.types.Object], watched: bool = False) -> No
         return
     windows = bpy.context.window_manager.windows
     shown = [(window.scene, window.view_layer) for window in windows] or [(bpy.context.scene, bpy.context.view_layer)]
-    for scene, layer in shown:
+    for _, layer in shown:
         layer.update()
-        refresh(scene, layer.depsgraph, targets, watched)
+    places = [place_of(target, shown) for target in targets]
+    for place in dict.fromkeys(places):
+        if place is not None:
+            scene, layer = place
+            layer.update()
+            refresh(scene, layer.depsgraph, [t for t, p in zip(targets, places, strict=True) if p == place], watched)
+
+
+def place_of(target: bpy.types.Object, shown: list[Place]) -> Place | None:
+    """Which of the scenes shown an object's values are of: a mesh holds those of one, of where a frame changed last."""
+    session = session_at(target)
+    known = "" if session is None else session.scene_name
+    there = [place for place in shown if live.evaluated_object(target, place[1].depsgraph) is not None]
+    return min(there, key=lambda place: place[0].name != known, default=None)
 
 
 def take_ranges(scene: bpy.types.Scene) -> None:

@@ -168,7 +168,7 @@ class Session:
         arrays = mesh_io.read_object(target, settings.options.normals == "mesh", settings.backend != "reference")
         surface_maps.add_maps(target, arrays, surface_maps.Sources(material=measures_maps(target)))
         if arrays.maps is not None and arrays.maps.normals is not None:
-            raise refuse("Live mode does not follow normal maps; switch Material maps off.")
+            raise refuse("Live mode does not follow normal maps; switch Material Maps off.")
         self.edited = self.unsure = False
         if self.stream is not None and not (topology == self.topology and self.stream.matches(arrays)):
             self.close()

@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import handlers, live, looks
+from . import handlers, legend, live, looks
 from .panel import SidebarPanel, line_length, sentence_lines, wrapped
 
 MODES = [
@@ -11,7 +11,7 @@ MODES = [
     ("CACHE", "Cache", "Play the frames that Bake Frames left in the cache; nothing is computed"),
 ]
 MISSING = [
-    ("HOLD", "Hold nearest", "Show the values of the nearest frame that is there"),
+    ("HOLD", "Hold Nearest", "Show the values of the nearest frame that is there"),
     ("COMPUTE", "Compute", "Compute them as live mode does"),
 ]
 
@@ -36,7 +36,7 @@ def range_changed(group: bpy.types.PropertyGroup, context: bpy.types.Context) ->
 class PARADESC_PG_live_range(bpy.types.PropertyGroup):
     """The values that the two ends of a descriptor's colors stand for, at every frame and on every live object."""
 
-    name: bpy.props.StringProperty(name="Descriptor")
+    name: bpy.props.StringProperty(name="Descriptor", description="Whose values these are")
     minimum: bpy.props.FloatProperty(
         name="From", description="Value at the lower end of the colors", precision=4, update=range_changed
     )
@@ -58,7 +58,7 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         update=settings_changed,
     )
     buffer_size: bpy.props.IntProperty(
-        name="Buffer size",
+        name="Buffer Size",
         description="At most so many texels along a side of the baked buffers in the viewport",
         default=512,
         min=64,
@@ -67,36 +67,38 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         update=settings_changed,
     )
     fast_seams: bpy.props.BoolProperty(
-        name="Fast over seams",
+        name="Fast over Seams",
         description="Carry every sample over seams by itself in the viewport, less exactly than to take what is "
         "connected. Faster where the surface often lies close to itself, as fingers, folds and scales do",
         default=False,
         update=settings_changed,
     )
     full_render: bpy.props.BoolProperty(
-        name="Full quality in renders",
+        name="Full Quality in Renders",
         description="Render with the settings of Quality and Method instead of these",
         default=True,
     )
     wait: bpy.props.BoolProperty(
-        name="Wait for values",
+        name="Wait for Values",
         description="Show every frame with its own values, as slowly as they are computed. Without it, values follow "
         "a moment later while you play, drag the current frame or edit. Renders always wait",
         default=True,
     )
     missing: bpy.props.EnumProperty(
-        name="Missing frames",
+        name="Missing Frames",
         description="What is shown at frames that the cache lacks",
         items=MISSING,
         default="HOLD",
         update=settings_changed,
     )
-    ranges: bpy.props.CollectionProperty(type=PARADESC_PG_live_range)
+    ranges: bpy.props.CollectionProperty(
+        name="Ranges", description="What the colors of each descriptor span", type=PARADESC_PG_live_range
+    )
     ranges_look: bpy.props.StringProperty(
-        name="Ranges of", description="The settings of Colors that the ranges follow from", options={"HIDDEN"}
+        name="Range Settings", description="The settings of Colors that the ranges follow from", options={"HIDDEN"}
     )
     lock_taken: bpy.props.BoolProperty(
-        name="Interface locked", description="Live mode has switched on Render > Lock Interface", options={"HIDDEN"}
+        name="Interface Locked", description="Live mode has switched on Render > Lock Interface", options={"HIDDEN"}
     )
 
 
@@ -200,7 +202,7 @@ def draw_ranges(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         column.label(text=f"{low:g} to {high:g} (fixed)")
         return
     for item in group.ranges:
-        for line in wrapped(item.name.replace("_", " ").capitalize(), line_length(context)):
+        for line in wrapped(legend.label(item.name), line_length(context)):
             column.label(text=line)
         row = column.row(align=True)
         row.prop(item, "minimum", text="")

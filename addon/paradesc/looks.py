@@ -19,7 +19,7 @@ PACKED_KINDS = [
 ]
 PACKED_DOMAINS = [
     ("POINT", "Vertex", "One color a vertex"),
-    ("CORNER", "Face corner", "One color a face corner, as most formats and older tools want it"),
+    ("CORNER", "Face Corner", "One color a face corner, as most formats and older tools want it"),
 ]
 CHANNELS = ("red", "green", "blue", "alpha")
 
@@ -43,13 +43,13 @@ class PARADESC_PG_looks(bpy.types.PropertyGroup):
     """How values are shown in one scene."""
 
     color_map: bpy.props.EnumProperty(
-        name="Color map", description="The colors that values get", items=COLOR_MAPS, default=AUTOMATIC, update=changed
+        name="Color Map", description="The colors that values get", items=COLOR_MAPS, default=AUTOMATIC, update=changed
     )
     span: bpy.props.EnumProperty(
         name="Range", description="The values at the ends of the color map", items=SPANS, default="auto", update=changed
     )
     percentile: bpy.props.FloatProperty(
-        name="Left out",
+        name="Left Out",
         description="Share of the values left outside the range on either side",
         default=CLIPPED_PERCENT,
         min=0.0,
@@ -79,7 +79,7 @@ class PARADESC_PG_looks(bpy.types.PropertyGroup):
         update=changed,
     )
     use_neutral: bpy.props.BoolProperty(
-        name="Own neutral value",
+        name="Own Neutral Value",
         description="Choose the value in the middle of maps with two sides, instead of the descriptor's own",
         default=False,
         update=changed,
@@ -105,10 +105,10 @@ class PARADESC_PG_looks(bpy.types.PropertyGroup):
         name="Name", description="The color attribute that the channels become", default="paradesc_packed", maxlen=60
     )
     pack_kind: bpy.props.EnumProperty(
-        name="Type", description="Of the color attribute", items=PACKED_KINDS, default="FLOAT_COLOR"
+        name="Type", description="Numbers of the color attribute", items=PACKED_KINDS, default="FLOAT_COLOR"
     )
     pack_domain: bpy.props.EnumProperty(
-        name="Domain", description="Of the color attribute", items=PACKED_DOMAINS, default="POINT"
+        name="Domain", description="What each color of the attribute belongs to", items=PACKED_DOMAINS, default="POINT"
     )
 
 

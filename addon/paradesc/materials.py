@@ -279,9 +279,10 @@ class PARADESC_OT_make_material(recolor.NeedsBake, bpy.types.Operator):
 
     kind: bpy.props.EnumProperty(
         name="Kind",
+        description="What the material shows",
         items=[
             ("colors", "Colors", "The colors of the descriptor that is shown, lit as the scene is"),
-            ("flat", "Flat colors", "The colors exactly as the legend has them, without light"),
+            ("flat", "Flat Colors", "The colors exactly as the legend has them, without light"),
             ("cavity", "Cavity", "A clay with dirt in its hollows and worn edges"),
         ],
         default="colors",

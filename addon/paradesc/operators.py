@@ -229,7 +229,9 @@ class PARADESC_OT_choose_device(bpy.types.Operator):
     bl_label = "Choose Device"
     bl_options = {"INTERNAL", "UNDO"}
 
-    backend: bpy.props.StringProperty(name="Backend", description="auto, gpu, software or reference", default="auto")
+    backend: bpy.props.StringProperty(
+        name="Backend", description="One of auto, gpu, software and reference", default="auto"
+    )
     index: bpy.props.IntProperty(name="Device", description="Number among the backend's devices, or -1", default=-1)
 
     @classmethod

@@ -289,9 +289,9 @@ def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:
     """The registry in groups with a title each, as its own facts tell them apart."""
     rows = bridge.descriptors()
     groups = [
-        ("Of the surface, any number", [row for row in rows if row.components == 1 and not row.map_degree]),
+        ("Of the Surface, Any Number", [row for row in rows if row.components == 1 and not row.map_degree]),
         ("Directions", [row for row in rows if row.components > 1]),
-        ("Operators on the map of", [row for row in rows if row.components == 1 and row.map_degree]),
+        ("Operators on the Map Of", [row for row in rows if row.components == 1 and row.map_degree]),
     ]
     return [(title, found) for title, found in groups if found]
 

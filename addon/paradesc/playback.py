@@ -31,6 +31,7 @@ class Player:
         self.whole: dict[str, ValueRange] = {}  # over all frames
         self.ranged: tuple[Path, Look] | None = None  # what whole follows from, whatever the color map
         self.seconds: dict[str, float] = {}
+        self.scene_name = ""  # whose frame is shown
         self.note = ""  # for the panel
         self.edited = self.unsure = self.wrote = False  # as live sessions have them
         self.session: live.Session | None = None  # for frames that are not there
@@ -45,8 +46,9 @@ class Player:
         self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, wait: bool = True
     ) -> bool:
         """Leaves on the object's mesh the values of the scene's frame, at once; False where nothing had to change."""
-        if target.mode in live.WAITING_MODES:
+        if live.evaluated_object(target, depsgraph) is None:  # of another scene, for one, whose frame is not ours
             return False
+        self.scene_name = scene.name
         start = time.perf_counter()
         folder = cache_places.object_cache(scene, target)
         path = self.find(folder, scene.frame_current)

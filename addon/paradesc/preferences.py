@@ -11,7 +11,7 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
     memory_limit: bpy.props.FloatProperty(
-        name="Memory limit (GB)",
+        name="Memory Limit (GB)",
         description="What would take more memory than this is refused before it begins; 0: half of what is free then",
         default=0.0,
         min=0.0,

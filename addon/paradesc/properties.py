@@ -10,9 +10,9 @@ from .corners import THRESHOLD
 from .job import Settings
 
 RADIUS_UNITS = [
-    ("diagonal", "% of diagonal", "Percent of the diagonal of the mesh's bounding box"),
+    ("diagonal", "% of Diagonal", "Percent of the diagonal of the mesh's bounding box"),
     ("absolute", "Length", "A length of the mesh before the object's scale, or of the scene where World is measured"),
-    ("mean-edge", "× mean edge", "Multiples of the mean edge length"),
+    ("mean-edge", "× Mean Edge", "Multiples of the mean edge length"),
 ]
 SPACES = [
     ("object", "Object", "The mesh as it is stored, before the object's scale"),
@@ -24,16 +24,16 @@ SPACES = [
 ]
 SHAPES = [
     ("basis", "Basis", "The basis of the shape keys"),
-    ("active", "Active key", "The active shape key at its full value"),
+    ("active", "Active Key", "The active shape key at its full value"),
 ]
 IMAGE_FORMATS = [
     (".exr", "OpenEXR", "32-bit floats: the values themselves, all descriptors in one file"),
-    (".png", "PNG, 16 bits", "Values from the smallest to the largest as 16-bit numbers, a file for each descriptor"),
+    (".png", "PNG, 16 Bits", "Values from the smallest to the largest as 16-bit numbers, a file for each descriptor"),
 ]
 NORMALS = [
     ("fitted", "Fitted", "Fit the surface around each vertex; best wherever the surface is smooth"),
-    ("max", "Max's weights", "Average the faces around each vertex by Max's weights"),
-    ("mesh", "Of the mesh", "Take the object's own normals, custom ones included"),
+    ("max", "Max's Weights", "Average the faces around each vertex by Max's weights"),
+    ("mesh", "Of the Mesh", "Take the object's own normals, custom ones included"),
 ]
 RELOCATIONS = [
     ("connected", "Connected", "Take what is connected to the vertex in the buffers; exact over any seams"),
@@ -55,15 +55,15 @@ GEODESICS = [
 ]
 DISTANCES = [
     ("euclidean", "Straight", "Everything within the ball that is connected to the vertex"),
-    ("geodesic", "Along the surface", "Everything within the radius along the surface"),
+    ("geodesic", "Along the Surface", "Everything within the radius along the surface"),
 ]
 PATTERNS = [
-    ("golden-angle", "Golden angle", "A spiral; the most even"),
+    ("golden-angle", "Golden Angle", "A spiral; the most even"),
     ("stratified", "Stratified", "One random place in each square of a grid, as the paper has it"),
 ]
 ELLIPSES = [
-    ("center", "At the vertex", "Stretch the pattern by the distortion at the vertex"),
-    ("directional", "By direction", "Stretch the pattern by the largest distortion in each direction"),
+    ("center", "At the Vertex", "Stretch the pattern by the distortion at the vertex"),
+    ("directional", "By Direction", "Stretch the pattern by the largest distortion in each direction"),
 ]
 EVALUATIONS = [
     ("vertex", "Vertices", "Evaluate at the vertices themselves"),
@@ -124,7 +124,7 @@ def descriptor_members() -> dict[str, object]:
             default={default_of(items, DEFAULT_DESCRIPTOR)},
         ),
         "map_descriptor": bpy.props.EnumProperty(
-            name="Map of",
+            name="Map Descriptor",
             description="The descriptor whose values over the surface the operators work on",
             items=maps,
             default=default_of(maps, bridge.Options.map_descriptor),
@@ -136,7 +136,7 @@ def descriptor_members() -> dict[str, object]:
         ),
         "harris_k": bpy.props.FloatProperty(
             name="Harris k",
-            description="k of det A - k tr\u00b2 A, without unit; more suppresses edges, 0.04 to 0.06 are usual",
+            description="The k of det A - k tr\u00b2 A, without unit; more suppresses edges, 0.04 to 0.06 are usual",
             default=bridge.Options.harris_k, min=0.0, max=0.25, precision=3, step=1,
         ),
         "corner_threshold": bpy.props.FloatProperty(
@@ -170,12 +170,12 @@ def neighborhood_members() -> dict[str, object]:
             name="Unit", description="What the radius is measured in", items=RADIUS_UNITS, default="diagonal"
         ),
         "more_radii": bpy.props.StringProperty(
-            name="More radii",
+            name="More Radii",
             description="Further radii in the same unit, separated by commas, from the same buffers; with any, every "
             "result's name ends in _r and its radius",
         ),
         "space": bpy.props.EnumProperty(
-            name="Measure in", description="Whose lengths count", items=SPACES, default="object"
+            name="Space", description="Whose lengths count", items=SPACES, default="object"
         ),
         "shape_key": bpy.props.EnumProperty(
             name="Shape", description="Which shape of a mesh with shape keys is measured", items=SHAPES, default="basis"
@@ -197,18 +197,18 @@ def quality_members() -> dict[str, object]:
             default=0.0, min=0.0, soft_max=0.2, precision=3, subtype="ANGLE",
         ),
         "buffer_size": bpy.props.IntProperty(
-            name="Buffer size",
+            name="Buffer Size",
             description="Texels along a side of the baked buffers; the radius should span at least four",
             default=1024, min=64, max=8192, subtype="PIXEL",
         ),
         "precision": bpy.props.EnumProperty(
-            name="Precision", description="Of the numbers in the baked buffers", items=PRECISIONS, default="full"
+            name="Precision", description="Size of the numbers in the baked buffers", items=PRECISIONS, default="full"
         ),
         "normals": bpy.props.EnumProperty(
             name="Normals", description="Where the vertex normals come from", items=NORMALS, default="fitted"
         ),
         "material_maps": bpy.props.BoolProperty(
-            name="Material maps",
+            name="Material Maps",
             description="Measure the surface as the material's Displacement and Normal Map nodes change it",
             default=False,
         ),
@@ -227,8 +227,8 @@ def method_members() -> dict[str, object]:
         ("estimator", "Curvatures", "How curvatures are computed", ESTIMATORS),
         ("variance_reduction", "Control", "What integrals are helped by", VARIANCE_REDUCTIONS),
         ("distance", "Distance", "What the radius bounds", DISTANCES),
-        ("evaluate", "Evaluate at", "Where descriptors are computed", EVALUATIONS),
-        ("relocation", "Over seams", "How neighborhoods go on over seams", RELOCATIONS),
+        ("evaluate", "Evaluate At", "Where descriptors are computed", EVALUATIONS),
+        ("relocation", "Over Seams", "How neighborhoods go on over seams", RELOCATIONS),
         ("pattern", "Pattern", "Places of the samples", PATTERNS),
         ("ellipse", "Stretch", "How the pattern follows the distortion", ELLIPSES),
         ("geodesic", "Geodesic", "How distance along the surface is measured", GEODESICS),
@@ -238,7 +238,7 @@ def method_members() -> dict[str, object]:
         for name, label, description, items in choices
     }
     members["max_jumps"] = bpy.props.IntProperty(
-        name="Max jumps", description="Number of seams that one sample may cross", default=8, min=0, max=64
+        name="Max Jumps", description="Number of seams that one sample may cross", default=8, min=0, max=64
     )
     members["seed"] = bpy.props.IntProperty(
         name="Seed",
@@ -263,7 +263,7 @@ def output_members() -> dict[str, object]:
             default=True,
         ),
         "write_image": bpy.props.BoolProperty(
-            name="Image over UV map", description="Write the values as an image in the mesh's UV map", default=False
+            name="Image over UV Map", description="Write the values as an image in the mesh's UV map", default=False
         ),
         "image_format": bpy.props.EnumProperty(
             name="Format", description="Kind of image file", items=IMAGE_FORMATS, default=".exr"
@@ -276,11 +276,11 @@ def output_members() -> dict[str, object]:
         ),
         "texels": bpy.props.IntProperty(
             name="Texels",
-            description="Along a side of images, and of the map of texels that Evaluate at: Texels computes",
+            description="Along a side of images, and of the map of texels that Evaluate At: Texels computes",
             default=512, min=16, max=8192, subtype="PIXEL",
         ),
         "write_buffers": bpy.props.BoolProperty(
-            name="Baked buffers",
+            name="Baked Buffers",
             description="Write positions, normals, charts, seams and distortion as pictures and raw values",
             default=False,
         ),
@@ -324,7 +324,7 @@ def more_radii(group: bpy.types.PropertyGroup) -> tuple[float, ...]:
         if radius is None:
             continue
         if not (math.isfinite(radius) and radius > 0):
-            sentence = f'"{word.strip()}" in More radii is no positive number; write numbers with commas between them.'
+            sentence = f'"{word.strip()}" in More Radii is no positive number; write numbers with commas between them.'
             raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
         radii.append(scaled_radius(group, radius))
     return tuple(radii)

@@ -132,7 +132,7 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
     whole_selection = True
 
     every: bpy.props.BoolProperty(
-        name="All descriptors",
+        name="All Descriptors",
         description="Not only the one whose colors are shown",
         default=False,
         options={"SKIP_SAVE"},

@@ -7,6 +7,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
+import animated  # noqa: E402
 from live_values import baked_shape, count_computations, live_settings, stretching_sphere, switch, values  # noqa: E402
 from paradesc import color_maps, handlers, job, live, live_panel, mesh_io, painting, properties, sources  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
@@ -362,6 +363,33 @@ def test_colors_are_those_of_the_scene_that_is_evaluated(stretching):
     assert session.refresh(stretching, layer.depsgraph, other)
     session.close()
     assert np.ptp(attribute_values(stretching.data, f"{NAME}_color")[:, :3], axis=1).max() < 1e-3
+
+
+def test_an_object_of_two_scenes_has_the_values_of_the_one_whose_frame_changed_last(monkeypatch):
+    target = animated.bent_cylinder()
+    first, second = bpy.context.scene, bpy.data.scenes.new("second")
+    for item in first.objects:
+        second.collection.objects.link(item)
+    for scene in (first, second):
+        scene.paradesc.backend, scene.paradesc.samples, scene.paradesc.buffer_size = "software", 32, 256
+    shown = [(scene, scene.view_layers[0]) for scene in (first, second)]
+    assert switch(target) == ""
+    straight = values(target)
+    done = count_computations(monkeypatch)
+    second.frame_set(20)
+    bent = values(target)
+    assert np.nanmax(np.abs(bent - straight)) > 0.05
+    assert handlers.place_of(target, shown) == shown[1]
+    for _ in range(3):  # our own writing is an edit in both scenes
+        shown[1][1].update()
+        handlers.refresh(second, shown[1][1].depsgraph, [target])
+    assert len(done) == 1
+    assert np.array_equal(values(target), bent, equal_nan=True)
+    first.frame_set(1)
+    assert handlers.place_of(target, shown) == shown[0]
+    assert np.array_equal(values(target), straight, equal_nan=True)
+    assert handlers.place_of(target, shown[1:]) == shown[1], "the only one that is shown"
+    assert len(done) == 2
 
 
 # ---- Who is who

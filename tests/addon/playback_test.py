@@ -59,6 +59,16 @@ def test_frames_of_the_cache_are_played_and_nothing_is_computed(swelling, monkey
         assert note(swelling) == ""
 
 
+def test_frames_of_a_scene_without_the_object_play_nothing(swelling):
+    play(swelling)
+    bpy.context.scene.frame_set(6)
+    other = bpy.data.scenes.new("other")
+    other.paradesc_animation.cache_folder = bpy.context.scene.paradesc_animation.cache_folder
+    other.frame_set(11)
+    assert radius_now(swelling) == pytest.approx(3.0, rel=0.02)
+    assert (swelling.paradesc_live.mode, swelling.paradesc_live.sentence) == ("CACHE", "")
+
+
 def test_colors_are_by_the_range_over_all_frames(swelling):
     bpy.context.scene.frame_set(11)
     play(swelling)

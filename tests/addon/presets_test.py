@@ -109,7 +109,7 @@ def test_options_of_operators_and_further_radii_reach_the_computation(settings):
 @pytest.mark.parametrize("words", ["wide", "3, -1", "0", "nan", "3 4"])
 def test_further_radii_that_are_none_are_one_sentence(settings, words):
     settings.more_radii = words
-    with pytest.raises(bridge.ParadescError, match="More radii is no positive number"):
+    with pytest.raises(bridge.ParadescError, match="More Radii is no positive number"):
         properties.job_settings(settings)
 
 
@@ -165,4 +165,4 @@ def test_devices_there_are_can_be_chosen_and_missing_ones_say_why(settings):
         assert devices.label_of(row.backend, row.index) == row.label
         assert row.missing.rstrip(".") in devices.about(row.backend)
     assert devices.label_of("auto", -1) == "Automatic"
-    assert devices.label_of("gpu", 12) == "Graphics card 12"
+    assert devices.label_of("gpu", 12) == "Graphics Card 12"

@@ -167,7 +167,7 @@ PDESC_API const char *pdesc_last_error(void);     /* sentence of the calling thr
 typedef struct pdesc_descriptor_info {
   uint32_t struct_size;
   const char *name;         /* "mean_curvature": used in every call, and as attribute name */
-  const char *label;        /* "Mean curvature" */
+  const char *label;        /* "Mean Curvature" */
   const char *description;  /* one sentence with the source */
   int32_t length_power;     /* unit is length^power: -1 for H */
   int32_t is_signed;        /* 1: zero is the neutral value, show with a diverging color map */
