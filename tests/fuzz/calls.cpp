@@ -26,6 +26,8 @@ namespace {
 constexpr bool on_device = PARADESC_FUZZ_BACKEND != PDESC_BACKEND_REFERENCE;
 constexpr bool mostly_stopped = PARADESC_FUZZ_STOPPED;
 constexpr float sentinel = -12345.678f; // stands in outputs before a call
+// Without a limit every mesh and computation asks the system what is free, for longer than many an input takes.
+constexpr int64_t usual_limit = int64_t{1} << 31;
 
 void claim(bool holds, const char *what) {
   if (holds) return;
@@ -182,10 +184,9 @@ private:
     pdesc_context_options options;
     pdesc_context_options_init(&options);
     options.backend = PARADESC_FUZZ_BACKEND;
-    // Without a limit every mesh and computation asks the system what is free, for longer than many an input takes.
     const bool rare = bytes_.one_in(32);
     options.threads = rare ? 1 + bytes_.below(3) : 1;
-    options.memory_limit = rare ? 0 : int64_t{1} << 31;
+    options.memory_limit = rare ? 0 : usual_limit;
     claim(done(pdesc_context_create(&options, &context_)), "the reference backend is not there");
     claim(pdesc_context_backend(context_) == PARADESC_FUZZ_BACKEND && *pdesc_context_device(context_), "a context is another");
   }
@@ -194,12 +195,13 @@ private:
   static pdesc_context *device() {
     static pdesc_context *opened = nullptr;
     static int uses = 0;
-    if (opened && ++uses % 200 != 0) return opened;
+    if (opened && ++uses % 1000 != 0) return opened;
     pdesc_context_destroy(opened);
     pdesc_context_options options;
     pdesc_context_options_init(&options);
     options.backend = PARADESC_FUZZ_BACKEND;
     options.threads = 1;
+    options.memory_limit = usual_limit;
     claim(done(pdesc_context_create(&options, &opened)), "the software backend is not there");
     return opened;
   }
