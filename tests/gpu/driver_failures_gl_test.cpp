@@ -400,7 +400,7 @@ TEST_F(DriverFailures, a_list_beyond_the_devices_textures_is_refused_with_its_le
         FAIL() << "nothing was thrown";
       } catch (const Error &error) {
         EXPECT_EQ(error.status(), status);
-        expect_one_sentence(error.what(), std::to_string(most + 1));
+        expect_one_sentence(error.what(), std::to_string(most + 1).c_str());
       }
     };
     BufferTexture buffer;
