@@ -10,7 +10,8 @@ layout(binding = UNIT_POINTS) uniform samplerBuffer points;
 layout(std430, binding = BINDING_BARE) readonly restrict buffer Bare { vec4 bare[]; };
 #endif
 
-void add_sample(inout Sums sums, int i) {
+// i: one of the list's samples, part: 0 where it is only looked at because its neighbors are.
+void add_sample(inout Sums sums, int i, float part) {
 #if !LISTED || EXACT || FACES || MAP
   ivec2 entry = texelFetch(sample_list, i).xy, texel = ivec2(entry.x & 0xffff, entry.x >> 16);
 #else
@@ -18,24 +19,28 @@ void add_sample(inout Sums sums, int i) {
 #endif
 #if LISTED
   vec4 point = texelFetch(points, 2 * i), normal = texelFetch(points, 2 * i + 1);
-  add_point(sums, point.xyz, normal.xyz, point.w, normal.w, texel, -1.0);
+  add_point(sums, point.xyz, normal.xyz, part * point.w, normal.w, texel, -1.0);
 #else
-  add_texel(sums, texel, intBitsToFloat(entry.y), -1.0);
+  add_texel(sums, texel, part * intBitsToFloat(entry.y), -1.0);
 #endif
 }
 
 // One loop over all ranges: nested ones would run, for the invocations that a device runs side by side, as often as the longest range of
-// each turn. It does as little as it can: software devices run both sides of every branch in it.
+// each turn. Software devices run both sides of every branch in it: four samples share the look for the next range.
 void add_texels(inout Sums sums, int range, int end_range) {
-  int i = 0, end = 0;
+  int i = 0, last = -1;
   for (;;) {
-    if (i == end) {
+    if (i > last) {
       if (range == end_range) break;
       ivec2 next = texelFetch(ranges, range++).xy; // never empty
       i = next.x;
-      end = next.y;
+      last = next.y - 1;
     }
-    add_sample(sums, i++);
+    add_sample(sums, i, 1.0);
+    add_sample(sums, min(i + 1, last), i + 1 <= last ? 1.0 : 0.0);
+    add_sample(sums, min(i + 2, last), i + 2 <= last ? 1.0 : 0.0);
+    add_sample(sums, min(i + 3, last), i + 3 <= last ? 1.0 : 0.0);
+    i += 4;
   }
 }
 

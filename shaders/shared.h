@@ -4,6 +4,7 @@
 
 #define LIST_ROW 4096 // elements per row of a list texture
 #define GROUP_SIZE 16 // invocations per work group
+#define CELL_LEAVES 4   // of a cell: its parts in the quarters of its block
 #define MAX_MARCH_STEPS                                                                                                          \
   4096 // guard of the march; a straight line crosses at most 2 x 8192 texels between seams, far less in practice
 
@@ -100,10 +101,15 @@ struct SupportData {
   float cut;  // above 0 where the mesh's boundary lies in the ball
   float lost; // area of what exceeds the iterations of a device
 };
-struct alignas(16) CellData {
+struct alignas(16) LeafData {
   vec4 sphere; // around the points of its texels: middle, radius; below 0 where it has none
-  vec4 cone;   // the normal of one of them, the least cosine between it and the others'
-  vec4 area;   // the area element by which it is sampled, and the area of its surface
+  vec4 area;   // the area element by which it is sampled, the least cosine between the normal of one texel and the others'
+};
+struct alignas(16) CellData {
+  vec4 sphere; // as a leaf's
+  vec4 cone;   // the normal of one texel, the least cosine between it and the others'
+  vec4 area;   // of its surface
+  LeafData leaf[CELL_LEAVES];
 };
 struct alignas(16) VisitData {
   vec4 linear; // columns of the linear part of the maps over the seams crossed
@@ -133,10 +139,15 @@ struct SupportData {
   float cut;
   float lost;
 };
+struct LeafData {
+  vec4 sphere;
+  vec4 area;
+};
 struct CellData {
   vec4 sphere;
   vec4 cone;
   vec4 area;
+  LeafData leaf[CELL_LEAVES];
 };
 struct VisitData {
   vec4 linear;

@@ -29,16 +29,20 @@ build_with_clang "$folder" "-O2 -gline-tables-only" "paradesc_fuzz_reference par
 [ -f "$root/addon/paradesc/lib/libparadesc.so" ] || build_library paradesc
 
 export UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=$root/tests/sanitizers/leaks.txt:print_suppressions=0
-priority=10
+priority=10 patience=60
 
-# calls TARGET NAME LIMIT...: libFuzzer over the corpus and what follows from it. Stopped computations begin with that of whole ones.
+# calls TARGET NAME LIMIT...: libFuzzer over the corpus and what follows from it. Stopped computations begin with that of whole ones,
+# cut short: a mesh, options and the first calls, of which there are twice as many a second as of long sequences. The device keeps
+# its programs from input to input, so leaks are looked for at the end; elsewhere after each.
 calls() {
-  local target=$1 name=$2 seeds=${1/stopped/reference} log=$folder/$2.log status
+  local target=$1 name=$2 seeds=${1/stopped/reference} log=$folder/$2.log longest=1024 leaks=1 status
+  [ "$target" != stopped ] || longest=256
+  [ "$target" != software ] || leaks=0
   shift 2
   mkdir -p "$folder/corpus/$name"
-  nice -n "$priority" "$folder/paradesc_fuzz_$target" -max_len=1024 -len_control=0 -entropic=0 -reload=0 -rss_limit_mb=4096 -timeout=60 \
-    -print_final_stats=1 "-artifact_prefix=$folder/findings/$name-" "$@" "$folder/corpus/$name" "$root/tests/fuzz/corpus/$seeds" \
-    >"$log" 2>&1
+  nice -n "$priority" "$folder/paradesc_fuzz_$target" "-max_len=$longest" "-detect_leaks=$leaks" "-timeout=$patience" \
+    -len_control=0 -entropic=0 -reload=0 -rss_limit_mb=4096 -print_final_stats=1 "-artifact_prefix=$folder/findings/$name-" "$@" \
+    "$folder/corpus/$name" "$root/tests/fuzz/corpus/$seeds" >"$log" 2>&1
   status=$?
   echo "$name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$log") inputs, $(sed -n 's/^Done .* in \(.*\) second.*/\1/p' "$log") s"
   [ $status -ne 0 ] || return 0
@@ -81,7 +85,7 @@ finish() {
 # Two at a time, one for each core of a small machine. An input on the device costs some twenty times as much as one on the
 # reference, which costs many times a stopped one or a file.
 if [ "$seconds" -gt 0 ]; then
-  priority=19
+  priority=19 patience=1200 # other work on the machine may keep an input waiting
   start calls reference reference "-max_total_time=$((seconds / 2))"
   start calls software software "-max_total_time=$((seconds / 2))"
   finish

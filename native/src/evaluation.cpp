@@ -217,6 +217,7 @@ static EvaluateSettings settings_of(const Mesh &mesh, const pdesc_options &optio
   settings.radius = static_cast<float>(radius * frame.buffer_frame.scale);
   settings.enlargement = options.relocation == PDESC_RELOCATION_CONNECTED ? ellipse_enlargement : frame.enlargement;
   settings.relocation = options.relocation;
+  if (options.relocation == PDESC_RELOCATION_CONNECTED) settings.cells = mesh.device->cells.front()->buffers.get();
   settings.estimator = options.estimator;
   settings.plain = options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE;
   settings.mapped = frame.mapped.has_value();
@@ -257,14 +258,15 @@ SiteResults evaluate_at_vertices(Mesh &mesh, const pdesc_options &options, std::
 static const TexelMap &prepare_texels(Mesh &mesh, const pdesc_options &options) {
   DeviceMesh &device = *mesh.device;
   if (device.texels.size != options.texels) {
-    device.texel_cells.clear();
+    for (const auto &layout : device.cells) layout->texel_cells.clear();
     device.texels = build_texel_map(mesh.triangles, mesh.charts, options.texels);
   }
   const size_t count = device.texels.places.size();
-  if (options.relocation != PDESC_RELOCATION_CONNECTED || device.texel_cells.size() == count) return device.texels;
+  if (options.relocation != PDESC_RELOCATION_CONNECTED || device.cells.front()->texel_cells.size() == count) return device.texels;
+  CellLayout &layout = *device.cells.front();
   std::vector<int32_t> ids;
   mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = device.buffer->read_ids(); });
-  device.texel_cells = find_cells(device.cells, ids, device.grid, mesh.triangles, mesh.charts,
+  layout.texel_cells = find_cells(layout.cells, ids, device.grid, mesh.triangles, mesh.charts,
                                   texel_layout_places(device.texels, mesh.triangles, 0, count), mesh.context->threads);
   return device.texels;
 }
@@ -294,7 +296,7 @@ SiteResults evaluate_at_texels(Mesh &mesh, const pdesc_options &options, std::sp
     if (connected) {
       std::vector<SupportCenter> centers;
       for (size_t i = first; i < last; ++i)
-        centers.push_back({vec3(frame.centers[i - first].position_chart), {}, mesh.device->texel_cells[i]});
+        centers.push_back({vec3(frame.centers[i - first].position_chart), {}, mesh.device->cells.front()->texel_cells[i]});
       const double own_radius = static_cast<double>(settings.radius) / frame.buffer_frame.scale;
       set_supports(mesh, search_supports(mesh, options, own_radius, settings.samples, frame, centers), frame);
     }

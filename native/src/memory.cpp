@@ -27,10 +27,16 @@ int64_t bytes_of_input(const pdesc_mesh_input &input) {
 // What a mesh holds between computations.
 static int64_t bytes_of_mesh(const Mesh &mesh) {
   auto bytes = [](const auto &...lists) { return static_cast<int64_t>(((lists.capacity() * sizeof(lists[0])) + ...)); };
+  int64_t cells = 0; // of other radii, here and on the device
+  for (size_t i = 1; mesh.device && i < mesh.device->cells.size(); ++i) {
+    const CellLayout &layout = *mesh.device->cells[i];
+    cells += 2 * bytes(layout.cells.label, layout.samples.list) + bytes(layout.measured);
+  }
   const Triangles &t = mesh.triangles;
   const HalfEdges &h = mesh.half_edges;
   const Charts &c = mesh.charts;
-  return bytes(t.positions, t.corner_vertex, t.corner_uv, t.given_uv, t.input_corner, t.corner_normal, t.half_edge_sharp) +
+  return cells +
+         bytes(t.positions, t.corner_vertex, t.corner_uv, t.given_uv, t.input_corner, t.corner_normal, t.half_edge_sharp) +
          bytes(h.corner_point, h.twin, h.point_vertex, h.point_half_edge, h.vertex_point, h.point_boundary) +
          bytes(c.triangle_chart, c.corner_site, c.half_edge_border, c.sites, c.point_site, c.shared_sites, c.shared_corners,
                c.borders);

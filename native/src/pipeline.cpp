@@ -61,7 +61,7 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
   mesh->context = std::move(context);
   mesh->triangles = read_triangles(input);
   checkpoint();
-  mesh->half_edges = build_half_edges(mesh->triangles);
+  mesh->half_edges = build_half_edges(mesh->triangles, mesh->context->threads);
   mesh->charts = build_charts(mesh->triangles, mesh->half_edges, {}, mesh->context->threads);
   checkpoint();
   measure(*mesh);
@@ -146,7 +146,7 @@ static SiteResults compute_in_texture_space(Mesh &mesh, const pdesc_options &opt
   check_cancel(progress, "prepare", 0.2);
 
   const bool connected = options.relocation == PDESC_RELOCATION_CONNECTED, at_texels = options.evaluate == PDESC_EVALUATE_TEXEL;
-  if (connected) build_cells_for(mesh, frame);
+  if (connected) build_cells_for(mesh, options, frame);
   field.report.seconds_prepare += clock.lap();
   check_cancel(progress, "evaluate", 0.3);
 

@@ -15,10 +15,19 @@
 #include "mesh/halfedge.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
-#include "sample/cells.h"
+#include "sample/cell_buffers.h"
 #include "sample/texels.h"
 
 namespace paradesc {
+
+// A mesh's cells of one block size: each radius has its own.
+struct CellLayout {
+  Cells cells;
+  CellSamples samples;              // as the last search chose them
+  std::vector<CellData> measured;   // (cells) of the frame that is baked; none until it is asked
+  std::vector<int32_t> texel_cells; // (places of texels) where their searches start; none until it is asked
+  std::unique_ptr<CellBuffers> buffers;
+};
 
 // What the device keeps of a mesh between frames.
 struct DeviceMesh {
@@ -26,13 +35,12 @@ struct DeviceMesh {
   Evaluator evaluator;
   std::unique_ptr<MapBuffer> map; // once an operator was asked for
   BorderGrid grid;
-  Cells cells;
-  CellSamples samples; // of the cells, as the last search chose them
+  std::vector<std::unique_ptr<CellLayout>> cells; // of the last radii, that of the last one first
+  BufferTexture points;                           // of samples, where centers fetch them often
   BakeVertices vertices;
   std::vector<int32_t> sampled_corners; // of the sites whose ellipses are asked for
   size_t sampled_step = 0;              // every so many sites; 0: none yet
   TexelMap texels;                      // where results go in texel evaluation
-  std::vector<int32_t> texel_cells;     // (places of texels) where their searches start; none until it is asked
   BufferFrame frame;                    // of the last bake
   std::shared_ptr<struct Frame> last;   // what was made for it, while positions and maps stay
   SurfaceMapper mapper;

@@ -155,6 +155,7 @@ static void bake_layout(Mesh &mesh, const pdesc_options &options, const BakeInpu
   DeviceMesh &device = *mesh.device;
   step(mesh, [&](const Gl &gl, ProgramCache &) {
     const bool half = uses_half(mesh, options);
+    device.cells.clear();
     if (!device.buffer || device.buffer->size() != options.buffer_size || device.buffer->half() != half)
       device.buffer = std::make_unique<GeometryBuffer>(gl, options.buffer_size, half);
     device.evaluator.set_borders(gl, device.grid);
@@ -169,10 +170,8 @@ static void bake_layout(Mesh &mesh, const pdesc_options &options, const BakeInpu
   step(mesh, [&](const Gl &, ProgramCache &programs) { device.buffer->draw_borders(programs); });
   step(mesh, [&](const Gl &, ProgramCache &programs) { device.counts = device.buffer->end_layout(programs); });
   step(mesh, [&](const Gl &, ProgramCache &) { device.bare_triangles = count_bare_triangles(mesh, device.buffer->read_ids()); });
-  device.cells.block_size = 0;
   device.sampled_step = 0;
   device.texels = {};
-  device.samples = {};
 }
 
 // What is where in the layout.
@@ -196,30 +195,49 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
   DeviceMesh &device = *mesh.device;
   const BakeInput input{mesh.triangles, mesh.charts, device.vertices, frame.normals, frame.buffer_frame, mesh.context->threads};
   device.normals_kind = -1;
+  for (const auto &layout : device.cells) {
+    layout->measured.clear();
+    layout->buffers->forget_points();
+  }
   if (changed) bake_layout(mesh, options, input);
   bake_surface(mesh, frame, input);
   device.normals_kind = options.normals;
 }
 
-// About half the radius: a support then meets a few dozen cells, at every radius.
-static int block_size(double radius_in_texels, int buffer_size) {
+// About half the radius: a support then meets a few dozen cells, at every radius; more where samples lie farther apart than that.
+// One invocation measures a cell, and software devices limit its loops (shared.h).
+static int block_size(double radius_in_texels, int samples, int buffer_size) {
+  constexpr int largest = 128;
+  static_assert(largest * (largest + 1) < MAX_ITERATIONS);
+  const double apart = radius_in_texels * std::sqrt(pi / samples), least = std::max(radius_in_texels / 3.0, 1.5 * apart);
   int size = 4;
-  while (size * 4 <= radius_in_texels && size * 2 <= buffer_size) size *= 2;
+  while (size <= least && size * 2 <= std::min(buffer_size, largest)) size *= 2;
   return size;
 }
 
-void build_cells_for(Mesh &mesh, Frame &frame) {
+void build_cells_for(Mesh &mesh, const pdesc_options &options, Frame &frame) {
   DeviceMesh &device = *mesh.device;
-  const int size = block_size(frame.radius_in_texels, device.buffer->size());
-  if (device.cells.block_size == size) return;
+  const int size = block_size(frame.radius_in_texels, options.samples, device.buffer->size());
+  auto &kept = device.cells;
+  const auto found = std::ranges::find_if(kept, [&](const auto &layout) { return layout->cells.block_size == size; });
+  if (found != kept.end()) {
+    if (found != kept.begin()) (*found)->buffers->forget_points();
+    std::rotate(kept.begin(), found, found + 1);
+    return;
+  }
+  // Several radii of an animation take turns; large buffers have lists of cells as large.
+  const size_t most = device.buffer->size() <= 1024 ? 3 : 1;
+  auto layout = std::make_unique<CellLayout>();
   std::vector<int32_t> ids;
-  mesh.context->gl->run([&](const Gl &, ProgramCache &) { ids = device.buffer->read_ids(); });
-  frame.measured.clear();
-  device.samples = {};
-  device.texel_cells.clear();
-  device.cells = build_cells(ids, device.grid, mesh.triangles, mesh.half_edges, mesh.charts, size, mesh.context->threads);
-  mesh.context->gl->run(
-      [&](const Gl &gl, ProgramCache &) { device.evaluator.set_cells(gl, device.cells, device.buffer->size()); });
+  mesh.context->gl->run([&](const Gl &, ProgramCache &) {
+    ids = device.buffer->read_ids();
+    if (kept.size() >= most) kept.resize(most - 1);
+  });
+  layout->cells = build_cells(ids, device.grid, mesh.triangles, mesh.half_edges, mesh.charts, size, mesh.context->threads);
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) {
+    layout->buffers = std::make_unique<CellBuffers>(gl, layout->cells, device.buffer->size());
+    kept.insert(kept.begin(), std::move(layout));
+  });
 }
 
 // The triangles as they are measured: displaced where maps say so.
@@ -235,26 +253,25 @@ Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius
   const auto reach = static_cast<float>(radius * frame.buffer_frame.scale);
   checkpoint();
   auto on_device = [&](const auto &body) { mesh.context->gl->run(body); };
-  if (frame.measured.empty())
-    on_device([&](const Gl &gl, ProgramCache &programs) {
-      frame.measured = device.evaluator.measure_cells(gl, programs, *device.buffer);
-    });
-  CellStrides strides = choose_strides(device.cells, frame.measured, size, reach * ellipse_enlargement, samples, options.seed);
-  if (strides != device.samples.strides) {
-    device.samples = {};
-    CellSamples listed = list_samples(device.cells, std::move(strides), size, threads);
-    on_device([&](const Gl &gl, ProgramCache &) { device.evaluator.set_samples(gl, listed); });
-    device.samples = std::move(listed);
-    frame.listed = false;
+  CellLayout &layout = *device.cells.front();
+  if (layout.measured.empty())
+    on_device(
+        [&](const Gl &gl, ProgramCache &programs) { layout.measured = layout.buffers->measure(gl, programs, *device.buffer); });
+  CellStrides strides = choose_strides(layout.cells, layout.measured, size, reach, samples, options.seed, threads);
+  if (strides != layout.samples.strides) {
+    layout.samples = {};
+    CellSamples listed = list_samples(layout.cells, std::move(strides), size, threads);
+    on_device([&](const Gl &gl, ProgramCache &) { layout.buffers->set_samples(gl, listed); });
+    layout.samples = std::move(listed);
   }
   const MappedSurface surface(mesh.maps, mesh.triangles, frame.normals, frame.buffer_frame);
-  frame.bare = sample_bare_triangles(device.cells, mesh.triangles, frame.normals, frame.buffer_frame, reach,
+  frame.bare = sample_bare_triangles(layout.cells, mesh.triangles, frame.normals, frame.buffer_frame, reach,
                                      frame.mapped ? &surface : nullptr);
   auto positions = [&]() -> const std::vector<vec4> & {
     if (frame.positions.empty()) on_device([&](const Gl &, ProgramCache &) { frame.positions = device.buffer->read_position(); });
     return frame.positions;
   };
-  const SupportSpace space{device.cells,       device.samples, frame.measured,        frame.bare, surface_of(mesh, frame),
+  const SupportSpace space{layout.cells,       layout.samples, layout.measured,       frame.bare, surface_of(mesh, frame),
                            frame.buffer_frame, positions,      options.adaptive > 0.0};
   // Ranges of samples three times: in parts, as one list, and on the device.
   const auto most = static_cast<size_t>(allowed_memory(*mesh.context, 0)) / (3 * sizeof(ivec2));
@@ -263,14 +280,13 @@ Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius
 
 void set_supports(Mesh &mesh, const Supports &supports, Frame &frame) {
   DeviceMesh &device = *mesh.device;
+  const CellLayout &layout = *device.cells.front();
   // Listing a point costs a few fetches of it.
   constexpr size_t worth = 4;
   size_t fetches = 0;
   for (const ivec2 range : supports.range) fetches += static_cast<size_t>(range.y - range.x);
-  const bool list = frame.listed || fetches > worth * device.samples.list.size();
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
-    if (list && !frame.listed) frame.listed = device.evaluator.list_points(gl, programs, *device.buffer);
-    device.evaluator.use_points(frame.listed);
+    if (fetches > worth * layout.samples.list.size()) layout.buffers->list_points(gl, programs, *device.buffer, device.points);
     device.evaluator.set_supports(gl, supports, frame.bare);
   });
 }
@@ -299,8 +315,9 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
     const std::span<const int32_t> sites =
         alone ? std::span(frame.sites).subspan(i, 1) : std::span(order).subspan(first, last - first);
     const int32_t half_edge = mesh.half_edges.point_half_edge[point];
-    centers.push_back({vec3(frame.centers[i].position_chart), sites,
-                       frame.sites[i] < 0 ? mesh.device->cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
+    centers.push_back(
+        {vec3(frame.centers[i].position_chart), sites,
+         frame.sites[i] < 0 ? mesh.device->cells.front()->cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
   }
   Supports supports = search_supports(mesh, options, radius, samples, frame, centers);
   // Invocations side by side then have much the same samples, and as many.
@@ -318,8 +335,6 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
 // Displacement and buffers of the frame.
 static void bake_frame(Mesh &mesh, const pdesc_options &options, Frame &frame, bool changed) {
   frame.baked = false; // until it is done: a run may be cancelled before
-  frame.measured.clear();
-  frame.listed = false;
   frame.positions.clear();
   frame.buffer_frame = frame_of(mesh.box);
   if (mesh.maps.any())

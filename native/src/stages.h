@@ -28,7 +28,6 @@ struct Frame {
   std::vector<int32_t> points;    // (centers)
   std::vector<int32_t> order;     // (centers) what number each had before they were put side by side
   std::vector<uint8_t> plain;     // (centers) as in Supports
-  std::vector<CellData> measured; // cells, in the buffers of this frame
   std::vector<vec4> positions;    // (size * size) of the buffers, once a search has asked
   BareSamples bare;
   double radius_in_texels = 0.0;
@@ -36,7 +35,6 @@ struct Frame {
   float enlargement = ellipse_enlargement;
   uint64_t version = 0;     // of the mesh
   int32_t normals_kind = 0; // pdesc_normals
-  bool listed = false;      // the points of its samples are in a list on the device
   bool baked = false;       // it is what the device's buffers hold
 };
 
@@ -65,7 +63,7 @@ void prepare_and_bake(Mesh &mesh, const pdesc_options &options, double radius, F
 bool lay_out_afresh(Mesh &mesh, double radius_in_texels);
 // The same where it has more area than its square has, before anything is drawn.
 void part_crowded(Mesh &mesh);
-void build_cells_for(Mesh &mesh, Frame &frame);
+void build_cells_for(Mesh &mesh, const pdesc_options &options, Frame &frame);
 // The neighborhoods of all centers of the frame, which this puts into another order, or of those given.
 void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame);
 Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame,

@@ -1,5 +1,6 @@
 """Cancelling at any time leaves the scene as it was and the next bake right; quitting while one runs ends well."""
 
+import ast
 import subprocess
 import time
 from pathlib import Path
@@ -15,6 +16,7 @@ from processes import script_words  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint, small_bake  # noqa: E402
 from shapes import ADDON, as_arrays, cube_sphere  # noqa: E402
 
+STARTERS = {"Thread", "Timer", "ThreadPoolExecutor", "ThreadPool", "ProcessPoolExecutor", "start_new_thread"}
 QUIT = """
 import sys, time
 sys.path[:0] = [{addon!r}, {numpy!r}, {tests!r}]
@@ -66,6 +68,18 @@ def test_quitting_while_a_bake_runs_neither_hangs_nor_crashes(tmp_path, backend,
     ended = subprocess.run(script_words(script), capture_output=True, text=True, timeout=120, check=False)
     assert "quits while computing: True" in ended.stdout, ended.stdout + ended.stderr
     assert ended.returncode == 0, ended.stdout + ended.stderr
+
+
+def test_all_threads_of_the_addon_are_stopped_when_blender_quits():
+    """Bakes, frames and live values alike: one module starts threads, the one that stops them."""
+    package = ADDON / "paradesc"
+    starting = {
+        str(path.relative_to(package))
+        for path in package.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in STARTERS
+    }
+    assert starting == {"threads.py"}
 
 
 def test_a_thread_that_ended_is_not_waited_for():

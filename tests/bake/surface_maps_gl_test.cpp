@@ -148,5 +148,20 @@ TEST_F(MappedTexels, are_displaced_and_have_the_maps_normals) {
   expect_the_cpus();
 }
 
+TEST(MappedPoints, a_displacement_whose_squares_no_float_holds_enlarges_no_ellipse) {
+  TestMesh mesh = torus(1, 0.4, {.vertices = 100});
+  lay_out(mesh, {.charts = 4});
+  const Built built = build(mesh);
+  const BufferFrame frame = frame_of(bounding_box(built.triangles, built.half_edges));
+  const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
+  const Normals normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
+  const float heights[] = {0, 1, 1, 0};
+  SurfaceMaps maps;
+  set_displacement(maps, built.triangles, heights, 2, 2, 0, 1e30);
+  const float shrinkage = map_points(maps, built.triangles, built.half_edges, normals, frame, 1).shrinkage;
+  EXPECT_GE(shrinkage, 1.0f);
+  EXPECT_LE(shrinkage, 4.0f); // else there are no samples, or any number of them
+}
+
 } // namespace
 } // namespace paradesc::test

@@ -258,6 +258,7 @@ TEST_F(SurfaceMapsApi, refuse_what_cannot_be_used_and_name_it) {
   expect_refused(displaced(pixels.data(), 0, 2, 0, 1), PDESC_ERROR_INVALID_ARGUMENT, {"displacement", "0 x 2"});
   expect_refused(displaced(pixels.data(), 2, 40000, 0, 1), PDESC_ERROR_INVALID_ARGUMENT, {"40000"});
   expect_refused(displaced(pixels.data(), 2, 2, nan, 1), PDESC_ERROR_INVALID_ARGUMENT, {"midlevel", "nan"});
+  expect_refused(displaced(pixels.data(), 2, 2, 0, 1e300), PDESC_ERROR_INVALID_ARGUMENT, {"scale", "single precision"});
   std::vector<float> broken = pixels;
   broken[7] = std::numeric_limits<float>::infinity();
   expect_refused(displaced(broken.data(), 3, 3, 0, 1), PDESC_ERROR_INVALID_ARGUMENT, {"displacement", "pixel 7"});

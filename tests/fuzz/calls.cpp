@@ -12,6 +12,8 @@
 #include "bytes.h"
 #include "mesh.h"
 #include "paradesc/paradesc.h"
+#include "passed.h"
+#include "programs.h"
 
 #ifndef PARADESC_FUZZ_BACKEND
 #define PARADESC_FUZZ_BACKEND PDESC_BACKEND_REFERENCE
@@ -26,6 +28,8 @@ namespace {
 constexpr bool on_device = PARADESC_FUZZ_BACKEND != PDESC_BACKEND_REFERENCE;
 constexpr bool mostly_stopped = PARADESC_FUZZ_STOPPED;
 constexpr float sentinel = -12345.678f; // stands in outputs before a call
+// Without a limit every mesh and computation asks the system what is free, for longer than many an input takes.
+constexpr int64_t usual_limit = int64_t{1} << 31;
 
 void claim(bool holds, const char *what) {
   if (holds) return;
@@ -42,30 +46,6 @@ bool done(int32_t status) {
   claim(status == PDESC_ERROR_UNSUPPORTED || !std::strchr(sentence, '\n'), "a sentence has several lines");
   return status == PDESC_OK;
 }
-
-// The struct as a caller of any age passes it: exactly so many bytes as its struct_size says.
-template <class Struct> class Passed {
-public:
-  Passed(Bytes &bytes, const Struct &value) : size_(sizeof(Struct)) {
-    if (bytes.one_in(16)) size_ = static_cast<uint32_t>(bytes.one_in(2) ? bytes.whole() : bytes.byte());
-    const size_t room = size_ > 4096 ? sizeof(Struct) : std::max<size_t>(size_, sizeof size_);
-    bytes_ = std::make_unique<std::byte[]>(room);
-    std::memset(bytes_.get(), 0x5A, room);
-    std::memcpy(bytes_.get(), &value, std::min(room, sizeof(Struct)));
-    std::memcpy(bytes_.get(), &size_, sizeof size_);
-  }
-  Struct *get() { return reinterpret_cast<Struct *>(bytes_.get()); }
-  Struct read() const { // what was not passed is 0
-    Struct value{};
-    std::memcpy(static_cast<void *>(&value), bytes_.get(),
-                std::min<size_t>(size_ > 4096 ? sizeof(Struct) : size_, sizeof(Struct)));
-    return value;
-  }
-
-private:
-  uint32_t size_;
-  std::unique_ptr<std::byte[]> bytes_;
-};
 
 const char *any_descriptor(Bytes &bytes, bool rarely_wrong = true) {
   constexpr const char *wrong[] = {nullptr,    "",       "coverage", "mean",     "mean_curvature ", "%s%n",
@@ -182,10 +162,9 @@ private:
     pdesc_context_options options;
     pdesc_context_options_init(&options);
     options.backend = PARADESC_FUZZ_BACKEND;
-    // Without a limit every mesh and computation asks the system what is free, for longer than many an input takes.
     const bool rare = bytes_.one_in(32);
     options.threads = rare ? 1 + bytes_.below(3) : 1;
-    options.memory_limit = rare ? 0 : int64_t{1} << 31;
+    options.memory_limit = rare ? 0 : usual_limit;
     claim(done(pdesc_context_create(&options, &context_)), "the reference backend is not there");
     claim(pdesc_context_backend(context_) == PARADESC_FUZZ_BACKEND && *pdesc_context_device(context_), "a context is another");
   }
@@ -194,12 +173,13 @@ private:
   static pdesc_context *device() {
     static pdesc_context *opened = nullptr;
     static int uses = 0;
-    if (opened && ++uses % 200 != 0) return opened;
+    if (opened && ++uses % 1000 != 0) return opened;
     pdesc_context_destroy(opened);
     pdesc_context_options options;
     pdesc_context_options_init(&options);
     options.backend = PARADESC_FUZZ_BACKEND;
     options.threads = 1;
+    options.memory_limit = usual_limit;
     claim(done(pdesc_context_create(&options, &opened)), "the software backend is not there");
     return opened;
   }
@@ -265,10 +245,13 @@ private:
 
   void compute() {
     const MeshSlot &mesh = any_mesh();
-    Passed<pdesc_options> passed(bytes_, make_options(bytes_));
+    pdesc_options chosen = make_options(bytes_);
+    const char *usual = on_device ? choose_usual_program(chosen) : nullptr;
+    Passed<pdesc_options> passed(bytes_, chosen);
     std::vector<const char *> names(
         static_cast<size_t>(bytes_.one_in(8) ? bytes_.below(24) : 1 + bytes_.below(on_device ? 2 : 4)));
     for (const char *&name : names) name = any_descriptor(bytes_);
+    if (usual && !names.empty()) names = {usual};
     auto count = static_cast<int32_t>(names.size());
     if (bytes_.one_in(64)) count = std::min(count, bytes_.whole());
     Watch watch{std::this_thread::get_id(), calls_until_cancel(), &mesh};

@@ -385,6 +385,34 @@ TEST_F(DriverFailures, a_buffer_beyond_what_shaders_reach_is_refused) {
   });
 }
 
+TEST_F(DriverFailures, a_list_beyond_the_devices_textures_is_refused_with_its_length) {
+  if (!has_software()) GTEST_SKIP();
+  GlThread thread(true, -1);
+  thread.run([](const Gl &gl, ProgramCache &) {
+    Gl small = gl;
+    small.limits.list_texels = 16;
+    small.limits.texture_size = 2;
+    const std::vector<vec4> elements(2 * LIST_ROW + 1, vec4(0.0f));
+    const auto expect_refused = [&](size_t most, int32_t status, const auto &upload) {
+      upload(most);
+      try {
+        upload(most + 1);
+        FAIL() << "nothing was thrown";
+      } catch (const Error &error) {
+        EXPECT_EQ(error.status(), status);
+        expect_one_sentence(error.what(), std::to_string(most + 1).c_str());
+      }
+    };
+    BufferTexture buffer;
+    expect_refused(16, PDESC_ERROR_UNSUPPORTED,
+                   [&](size_t count) { buffer.upload(small, GL_RGBA32F, elements.data(), count, GL_STATIC_DRAW); });
+    ListTexture texture;
+    expect_refused(2 * LIST_ROW, PDESC_ERROR_OUT_OF_MEMORY,
+                   [&](size_t count) { texture.upload(small, GL_RGBA32F, elements.data(), count); });
+    check_gl(gl, "test");
+  });
+}
+
 // Why llvmpipe's own limit of 2^27 bytes is not believed.
 TEST_F(DriverFailures, llvmpipe_reaches_the_end_of_a_buffer_longer_than_it_says) {
   if (!has_software()) GTEST_SKIP();

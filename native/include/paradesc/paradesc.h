@@ -290,7 +290,7 @@ typedef struct pdesc_options {
   int32_t buffer_size;  /* texels along a side of the square buffers, 64 to 8192; default 1024. Not used by REFERENCE */
   int32_t normals;      /* pdesc_normals; default FITTED */
   int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used by AFFINE and PAPER relocation only; the paper: 1 */
-  uint32_t seed;        /* of the choice of samples, of which the connected relocation has four; default 0 */
+  uint32_t seed;        /* of the choice of samples, of which the connected relocation has eight; default 0 */
   int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map by itself, and keep the differences; default 0 */
   int32_t relocation;   /* pdesc_relocation; default CONNECTED. Not used by REFERENCE */
   int32_t estimator;    /* pdesc_estimator; default SHAPE_OPERATOR */

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "shared.h"
@@ -37,9 +38,10 @@ void set_displacement(SurfaceMaps &maps, const Triangles &triangles, const float
     check_image(triangles, "displacement", width, height);
     const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height);
     check_finite(heights, count, 1, "displacement", "pixel");
-    if (!std::isfinite(midlevel) || !std::isfinite(scale))
+    constexpr double largest = std::numeric_limits<float>::max();
+    if (!(std::abs(midlevel) <= largest) || !(std::abs(scale) <= largest))
       throw Error(PDESC_ERROR_INVALID_ARGUMENT, "The midlevel is " + std::to_string(midlevel) + " and the scale " +
-                                                    std::to_string(scale) + "; both must be finite.");
+                                                    std::to_string(scale) + "; both must be finite in single precision.");
     maps.displacement = Displacement{
         {width, height, std::vector<float>(heights, heights + count)}, static_cast<float>(midlevel), static_cast<float>(scale)};
   } else {
@@ -186,6 +188,7 @@ static float shrinkage_of(vec3 a1, vec3 a2, vec3 b1, vec3 b2) {
   const double trace = (before.z * after.x - 2.0 * before.y * after.y + before.x * after.z) / determinant;
   const double product = (after.x * after.z - after.y * after.y) / determinant;
   const double smaller = 0.5 * (trace - std::sqrt(std::max(trace * trace - 4.0 * product, 0.0)));
+  if (std::isnan(smaller)) return 1.0f; // of lengths whose squares no float holds
   return static_cast<float>(1.0 / std::sqrt(std::max(smaller, 1.0 / 16.0)));
 }
 

@@ -65,86 +65,12 @@ std::string compose_descriptors(std::span<const int> asked) {
   return text;
 }
 
-// Of every program that reads the normals of the buffers.
-static std::string variant_of_buffer(bool half) { return half ? "#define HALF_FLOATS\n" : ""; }
-
 void Evaluator::set_borders(const Gl &gl, const BorderGrid &grid) {
   border_ = Texture(gl, grid.size, grid.size, GL_RG32I);
   gl.TextureSubImage2D(border_.id(), 0, 0, 0, grid.size, grid.size, GL_RG_INTEGER, GL_INT, grid.cells.data());
   border_list_.upload(gl, GL_RG32I, grid.list.data(), grid.list.size() / 2);
   border_uv_.upload(gl, GL_RGBA32F, grid.border_uv.data(), grid.border_uv.size());
   check_gl(gl, "border upload");
-}
-
-void Evaluator::set_cells(const Gl &gl, const Cells &cells, int buffer_size) {
-  labels_ = Texture(gl, buffer_size, buffer_size, GL_RG32I);
-  gl.TextureSubImage2D(labels_.id(), 0, 0, 0, buffer_size, buffer_size, GL_RG_INTEGER, GL_INT, cells.label.data());
-  boxes_.upload(gl, GL_RGBA32I, cells.box.data(), cells.box.size());
-  cell_count_ = cells.count;
-  block_size_ = cells.block_size;
-  check_gl(gl, "cell upload");
-}
-
-std::vector<CellData> Evaluator::measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer) {
-  std::vector<CellData> cells(static_cast<size_t>(cell_count_));
-  if (cells.empty()) return cells;
-  cells_.upload(gl, nullptr, cells.size() * sizeof(CellData), GL_STREAM_READ);
-  const std::string variant = variant_of_buffer(buffer.half());
-  gl.UseProgram(programs.get(gl, "cells " + variant, {{GL_COMPUTE_SHADER, "cells.comp.glsl"}}, {{"variant.glsl", variant}}));
-  buffer.bind();
-  gl.BindTextureUnit(UNIT_LABELS, labels_.id());
-  gl.BindTextureUnit(UNIT_BOXES, boxes_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, cells_.id());
-  gl.Uniform1i(0, buffer.size());
-  gl.Uniform1i(8, block_size_);
-  gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
-  // So many texels at a time that no desktop's driver loses its patience: a cell has up to a block of them.
-  const int64_t texels = int64_t{block_size_} * block_size_;
-  const auto tile =
-      static_cast<int>(std::max<int64_t>(GROUP_SIZE, std::min<int64_t>(65535, (1 << 26) / texels / GROUP_SIZE) * GROUP_SIZE));
-  for (int first = 0; first < cell_count_; first += tile) {
-    const int last = std::min(first + tile, cell_count_);
-    gl.Uniform1i(2, first);
-    gl.Uniform1i(3, last);
-    gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
-    if (last < cell_count_) gl.Finish();
-  }
-  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  gl.GetNamedBufferSubData(cells_.id(), 0, static_cast<GLsizeiptr>(cells.size() * sizeof(CellData)), cells.data());
-  check_gl(gl, "cells");
-  return cells;
-}
-
-void Evaluator::set_samples(const Gl &gl, const CellSamples &samples) {
-  samples_.upload(gl, samples.list);
-  sample_count_ = static_cast<int>(samples.list.size());
-  listed_ = false;
-  check_gl(gl, "sample upload");
-}
-
-bool Evaluator::list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer) {
-  const size_t texels = 2 * static_cast<size_t>(sample_count_);
-  if (sample_count_ > most_points || texels > static_cast<size_t>(gl.limits.list_texels) ||
-      texels * sizeof(vec4) > static_cast<size_t>(gl.limits.storage_bytes))
-    return false;
-  points_.upload(gl, GL_RGBA32F, nullptr, texels, GL_STREAM_COPY);
-  const std::string variant = variant_of_buffer(buffer.half());
-  gl.UseProgram(programs.get(gl, "points " + variant, {{GL_COMPUTE_SHADER, "points.comp.glsl"}}, {{"variant.glsl", variant}}));
-  buffer.bind();
-  gl.BindTextureUnit(UNIT_SAMPLES, samples_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_POINTS, points_.buffer_id());
-  gl.Uniform1i(0, buffer.size());
-  gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
-  constexpr int tile = 65535 * GROUP_SIZE;
-  for (int first = 0; first < sample_count_; first += tile) {
-    const int last = std::min(first + tile, sample_count_);
-    gl.Uniform1i(2, first);
-    gl.Uniform1i(3, last);
-    gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
-  }
-  gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-  check_gl(gl, "points of samples");
-  return true;
 }
 
 void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams) {
@@ -208,7 +134,7 @@ static std::string variant_of(const EvaluateSettings &settings, bool half, bool 
          define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
          define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) + define("FACES", settings.faces()) +
-         define("BARE", bare) + define("LISTED", listed) + variant_of_buffer(half);
+         define("BARE", bare) + define("LISTED", listed) + (half ? "#define HALF_FLOATS\n" : "");
 }
 
 // What samples read that are carried over seams by walks.
@@ -272,7 +198,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
                     int first, int last) {
   const bool walks = settings.relocation != PDESC_RELOCATION_CONNECTED;
   if (walks && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, settings, first, last);
-  const std::string variant = variant_of(settings, buffer.half(), has_bare_, listed_ && !walks);
+  const std::string variant = variant_of(settings, buffer.half(), has_bare_, !walks && settings.cells->listed());
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   const GLuint program =
@@ -289,9 +215,8 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   } else {
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SUPPORTS, supports_.id());
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
-    gl.BindTextureUnit(UNIT_SAMPLES, samples_.id());
     gl.BindTextureUnit(UNIT_RANGES, ranges_.id());
-    if (listed_) gl.BindTextureUnit(UNIT_POINTS, points_.id());
+    settings.cells->bind(gl);
   }
   const GLint integers[] = {first, last, count_, settings.samples};
   for (GLint i = 0; i < 4; ++i) gl.Uniform1i(i + 2, integers[i]);

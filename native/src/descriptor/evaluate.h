@@ -9,8 +9,7 @@
 #include "bake/gbuffer.h"
 #include "gpu/program.h"
 #include "image/map_buffer.h"
-#include "sample/cell_samples.h"
-#include "sample/cells.h"
+#include "sample/cell_buffers.h"
 #include "sample/neighborhood.h"
 #include "sample/reach.h"
 #include "sample/supports.h"
@@ -24,22 +23,23 @@ struct EvaluateSettings {
   int samples;
   uint32_t seed;
   int max_jumps;
-  int pattern;                    // pdesc_pattern
-  int ellipse;                    // pdesc_ellipse
-  int samples_at_once;            // that walk in one dispatch
-  bool chords;                    // distances along the surface are sums of chords
-  float radius;                   // in buffer units
-  float enlargement;              // of the sampling ellipse over the radius
-  int relocation;                 // pdesc_relocation
-  int estimator;                  // pdesc_estimator of the curvatures
-  bool plain;                     // no control variate
-  bool geodesic_ball;             // the neighborhood ends where the distance along the surface exceeds the radius
-  float adaptive;                 // 0: all samples everywhere
-  bool mapped = false;            // the surface is displaced: its faces are not the mesh's
-  bool exact = false;             // the centers of set_reach again, on the triangles they reach
-  const MapBuffer *map = nullptr; // what operators read
-  float map_radius = 0;           // at which it was computed, in buffer units
-  float map_sigma = 0;            // of their Gaussian windows, in buffer units
+  int pattern;                        // pdesc_pattern
+  int ellipse;                        // pdesc_ellipse
+  int samples_at_once;                // that walk in one dispatch
+  bool chords;                        // distances along the surface are sums of chords
+  float radius;                       // in buffer units
+  float enlargement;                  // of the sampling ellipse over the radius
+  int relocation;                     // pdesc_relocation
+  int estimator;                      // pdesc_estimator of the curvatures
+  bool plain;                         // no control variate
+  bool geodesic_ball;                 // the neighborhood ends where the distance along the surface exceeds the radius
+  float adaptive;                     // 0: all samples everywhere
+  bool mapped = false;                // the surface is displaced: its faces are not the mesh's
+  bool exact = false;                 // the centers of set_reach again, on the triangles they reach
+  const CellBuffers *cells = nullptr; // what samples of the connected relocation read
+  const MapBuffer *map = nullptr;     // what operators read
+  float map_radius = 0;               // at which it was computed, in buffer units
+  float map_sigma = 0;                // of their Gaussian windows, in buffer units
   float harris_k = 0;
 
   // Centers that one dispatch may hold: those that walk leave a kilobyte or two each between dispatches.
@@ -53,23 +53,11 @@ struct EvaluateSettings {
   size_t value_rows() const;
 };
 
-// Samples whose points are listed beside the buffers, at most: 128 MiB.
-inline constexpr int most_points = 1 << 22;
-
 // The part of the device's state that samples read beside the geometry buffer.
 class Evaluator {
 public:
   // Of the layout: once per topology.
   void set_borders(const Gl &gl, const BorderGrid &grid);
-  void set_cells(const Gl &gl, const Cells &cells, int buffer_size);
-  // (cells) of the geometry buffer as it is now.
-  std::vector<CellData> measure_cells(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
-  void set_samples(const Gl &gl, const CellSamples &samples);
-  // Points of the samples in the geometry buffer as it is now, for centers to fetch in place of its texels; false where they
-  // would take too much memory.
-  bool list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
-  // Whether those hold.
-  void use_points(bool use) { listed_ = use; }
   // Of a frame.
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
   void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
@@ -91,14 +79,13 @@ private:
   void find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
                       int first, int last) const;
 
-  Texture border_, labels_;
-  ListTexture border_list_, border_uv_, links_, boxes_, faces_;
-  BufferTexture samples_, points_, ranges_;
-  Buffer centers_, pattern_, supports_, cells_, bare_, reach_, results_, seams_, visits_, stretches_, progress_, map_centers_,
-      map_bare_;
+  Texture border_;
+  ListTexture border_list_, border_uv_, links_, faces_;
+  BufferTexture ranges_;
+  Buffer centers_, pattern_, supports_, bare_, reach_, results_, seams_, visits_, stretches_, progress_, map_centers_, map_bare_;
   size_t progress_bytes_ = 0;
-  bool has_bare_ = false, listed_ = false;
-  int sample_count_ = 0, count_ = 0, cell_count_ = 0, block_size_ = 1, reach_count_ = 0;
+  bool has_bare_ = false;
+  int count_ = 0, reach_count_ = 0;
 };
 
 // GLSL that composes the descriptors asked for into one dispatch.

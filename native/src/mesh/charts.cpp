@@ -201,11 +201,17 @@ Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std
   const UvAreas areas = measure(triangles, half_edges, threads, charts);
   const std::vector<int32_t> link = link_within_charts(triangles, half_edges, areas, triangle_piece, threads);
   checkpoint();
-  Pieces pieces = trace_pieces(link, areas.left_out);
-  checkpoint();
+  Pieces pieces;
+  Fans fans;
+  parallel_blocks(2, threads, 1, [&](int part, int) {
+    if (part == 0)
+      pieces = trace_pieces(link, areas.left_out);
+    else
+      fans = trace_fans(link, areas.left_out);
+  });
   charts.chart_count = pieces.count;
   charts.triangle_chart = std::move(pieces.triangle_piece);
-  place_points(triangles, half_edges, trace_fans(link, areas.left_out), threads, charts);
+  place_points(triangles, half_edges, fans, threads, charts);
   find_borders(half_edges, link, charts);
   return charts;
 }

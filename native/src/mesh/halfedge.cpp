@@ -344,7 +344,7 @@ Pieces trace_pieces(const std::vector<int32_t> &link, const std::vector<uint8_t>
   return pieces;
 }
 
-HalfEdges build_half_edges(const Triangles &triangles) {
+HalfEdges build_half_edges(const Triangles &triangles, int threads) {
   HalfEdges result;
   std::vector<uint8_t> left_out(at(triangles.triangle_count));
   for (int triangle = 0; triangle < triangles.triangle_count; ++triangle) {
@@ -364,11 +364,16 @@ HalfEdges build_half_edges(const Triangles &triangles) {
     result.twin = pairing.twin;
   }
   checkpoint();
-  describe_points(triangles, fans, result);
-  count_edges(pairing, result);
-  checkpoint();
-  answer_vertices(triangles, welded, result);
-  result.parts = trace_pieces(result.twin, left_out).count;
+  parallel_blocks(2, threads, 1, [&](int part, int) {
+    if (part == 0) {
+      result.parts = trace_pieces(result.twin, left_out).count;
+      return;
+    }
+    describe_points(triangles, fans, result);
+    count_edges(pairing, result);
+    checkpoint();
+    answer_vertices(triangles, welded, result);
+  });
   return result;
 }
 

@@ -31,7 +31,8 @@ struct HalfEdges {
   int parts = 0;
 };
 
-HalfEdges build_half_edges(const Triangles &triangles);
+// threads as in pdesc_context_options.
+HalfEdges build_half_edges(const Triangles &triangles, int threads = 0);
 
 // Corners around one point that are reached from each other by turning over links (link[h]: the half-edge across, or -1; always
 // mutual). Fans of twins are points, fans of links within charts are the places of a point in the UV map.

@@ -1,4 +1,5 @@
-// Cells + the area elements of a frame → the samples of each cell: one texel of every square of 1, 2, 4… texels.
+// Cells + the area elements of a frame → the samples of each cell: one texel of every square of 1, 2, 4… texels, or of every
+// other such square, as on a chessboard.
 //
 // Which texels those are depends on the surface and the seed, not on the vertex: a vertex on a seam gets the same samples from
 // each of its places, and the error of a field varies smoothly.
@@ -17,24 +18,37 @@ namespace paradesc {
 // What decides which texels are samples; lists are kept from frame to frame while it stays the same.
 struct CellStrides {
   uint32_t seed = 0;
-  std::vector<int32_t> coarse, fine; // (cells) texels between samples, powers of two; fine: near a vertex
+  // (cells, CELL_LEAVES) a sample stands for so many texels, a power of two; fine: near a vertex. More than a leaf has, in all
+  // leaves of a cell: it has samples of its own, beside its fine ones.
+  std::vector<int32_t> coarse, fine;
   bool operator==(const CellStrides &) const = default;
 };
 
 struct CellSamples {
   CellStrides strides;
   std::vector<ivec2> list; // texel, x + 65536 y; bits of the area in (u, v) that it stands for, a float
-  std::vector<ivec2>
-      range; // (2, cells, 2) first and end in list: coarse, then fine; the black squares of a chessboard, the white
-  ivec2 of(bool fine, int32_t cell, int half) const {
-    return range[2 * (static_cast<size_t>(cell) + (fine ? strides.coarse.size() : 0)) + static_cast<size_t>(half)];
+  // (cells * CELL_LEAVES * 2 + 1) into list, where a leaf's begin: one half of them, the other. Fine ones that are as many as
+  // coarse ones are not listed once more.
+  std::vector<int32_t> coarse, fine;
+
+  ivec2 of_cell(bool is_fine, int32_t cell) const { return between(is_fine, at(cell, 0), 2 * CELL_LEAVES); }
+  ivec2 of_leaf(bool is_fine, int32_t cell, int leaf) const { return between(is_fine, at(cell, leaf), 2); }
+  ivec2 of_half(bool is_fine, int32_t cell, int leaf, int half) const {
+    return between(is_fine, at(cell, leaf) + static_cast<size_t>(half), 1);
+  }
+
+private:
+  static size_t at(int32_t cell, int leaf) { return (static_cast<size_t>(cell) * CELL_LEAVES + static_cast<size_t>(leaf)) * 2; }
+  ivec2 between(bool is_fine, size_t first, size_t count) const {
+    const std::vector<int32_t> &begin = is_fine ? fine : coarse;
+    return {begin[first], begin[first + count]};
   }
 };
 
-// So few texels between samples that no square has more area than one of `samples` equal parts of a disk of that radius; a
-// quarter of that between fine ones.
+// So many texels to a sample that none stands for more area than one of `samples` equal parts of a disk of that radius; an
+// eighth of that to a fine one, where the surface bends.
 CellStrides choose_strides(const Cells &cells, std::span<const CellData> measured, int buffer_size, float radius, int samples,
-                           uint32_t seed);
+                           uint32_t seed, int threads);
 
 // (size * size) texels; threads as in pdesc_context_options.
 CellSamples list_samples(const Cells &cells, CellStrides strides, int buffer_size, int threads);

@@ -17,17 +17,52 @@ struct Bounds {
   vec3 low, high;
 };
 
-// Squared distance from a point to a box.
-inline float box_distance(const Bounds &box, vec3 p) {
+// Squared distances from a point to the nearest and the farthest place of a box.
+inline float nearest_in(const Bounds &box, vec3 p) {
   const vec3 gap = glm::max(glm::max(box.low - p, p - box.high), vec3(0.0f));
   return dot(gap, gap);
+}
+inline float farthest_in(const Bounds &box, vec3 p) {
+  const vec3 gap = glm::max(p - box.low, box.high - p);
+  return dot(gap, gap);
+}
+
+// What centers ask of a cell's leaves, for all of them at once.
+struct CellLeaves {
+  using Lanes [[gnu::vector_size(CELL_LEAVES * sizeof(float))]] = float;
+  Lanes x, y, z;
+  Lanes outer; // squared distance from there from which on it lies outside the ball
+  Lanes near;  // below which it is sampled finely
+  float whole; // squared distance from the cell's middle below which all leaves lie in the ball
+  float fine;  // from which on none is sampled finely
+  bool joined; // coarse samples are the cell's, not its leaves'
+};
+
+// Finer detail than the radius counts through what lies near: leaves there have more samples.
+inline CellLeaves leaves_of(const CellData &cell, const CellStrides &strides, size_t index, int leaf_texels, float radius) {
+  constexpr float near_share = 0.25f;
+  CellLeaves leaves{{}, {}, {}, {}, {}, -1.0f, -1.0f, strides.coarse[CELL_LEAVES * index] > leaf_texels};
+  const float rest = radius - cell.sphere.w, within = near_share * radius + 2.0f * cell.sphere.w;
+  if (rest > 0.0f) leaves.whole = rest * rest;
+  for (size_t i = 0; i < CELL_LEAVES; ++i) {
+    const vec4 sphere = cell.leaf[i].sphere;
+    const float outer = radius + sphere.w, near = near_share * radius + sphere.w;
+    const size_t k = CELL_LEAVES * index + i;
+    leaves.x[i] = sphere.x;
+    leaves.y[i] = sphere.y;
+    leaves.z[i] = sphere.z;
+    leaves.outer[i] = sphere.w < 0.0f ? -1.0f : outer * outer;
+    leaves.near[i] = sphere.w < 0.0f || strides.fine[k] == strides.coarse[k] ? -1.0f : near * near;
+    if (leaves.near[i] > 0.0f) leaves.fine = within * within;
+  }
+  return leaves;
 }
 
 // What one thread keeps from center to center.
 class CellSearch {
 public:
-  CellSearch(const SupportSpace &space, std::span<const CellData> measured, float radius)
-      : space_(space), cells_(space.cells), measured_(measured), radius_(radius),
+  CellSearch(const SupportSpace &space, std::span<const CellData> measured, std::span<const CellLeaves> leaves, float radius)
+      : space_(space), cells_(space.cells), measured_(measured), leaves_(leaves), radius_(radius),
         visited_(static_cast<size_t>(space.cells.count), 0) {}
 
   // All cells that lie in the ball of any center nearer than `beyond` to the middle, and others: nothing that is connected to the
@@ -47,7 +82,8 @@ public:
         if (sphere.w < 0.0f || dot(gap, gap) < limit * limit) add(other); // one that has no place may lead on
       }
     }
-    look_at_found(vec3(measured_[static_cast<size_t>(cell)].cone), measured_[static_cast<size_t>(cell)].cone.w);
+    std::sort(found_.begin(), found_.end()); // one order of summation, wherever the search began
+    look_at_found(mean_normal());
   }
 
   bool was_found(int32_t cell) const { return visited_[static_cast<size_t>(cell)] == mark_; }
@@ -97,40 +133,38 @@ public:
       for (int32_t k = cells_.side_begin[cell]; k < cells_.side_begin[cell + 1]; ++k) {
         const ivec2 side = cells_.side[static_cast<size_t>(k)];
         if (visited_[static_cast<size_t>(side.x)] != mark_ &&
-            box_distance(links[static_cast<size_t>(side.y)], center.position) < radius_ * radius_ &&
-            in_ball(side.y, positions, center.position))
+            goes_over(side.y, links[static_cast<size_t>(side.y)], positions, center.position))
           add(side.x);
       }
       boundary = boundary || meets_boundary(found_[i], center.position);
     }
-    look_at_found(vec3(0.0f), 1.0f);
+    std::sort(found_.begin(), found_.end());
+    measure_found(center.position);
   }
 
   // Appends the ranges of what was found and lies in the center's ball; after measure().
-  SupportData list(bool boundary, std::vector<ivec2> &ranges) {
+  SupportData list(vec3 center, bool boundary, std::vector<ivec2> &ranges) {
     SupportData data{};
     data.cut = boundary ? 1.0f : 0.0f;
     data.first = static_cast<int32_t>(ranges.size());
     taken_.clear();
     int total = 0;
     for (const int32_t k : inside_) {
-      const Seen &seen = seen_[static_cast<size_t>(k)];
-      // Finer detail than the radius counts through what lies near: cells there are sampled four times as finely each way.
-      const bool fine = distance(static_cast<size_t>(k)) < seen.near;
-      const ivec2 all = seen.samples[fine];
-      total += 1 + all.y - all.x + seen.bare.y - seen.bare.x;
+      const Taken taken = take(k, center);
+      const ivec2 bare = bare_of(taken.cell);
+      total += 1 + most_samples(taken) + bare.y - bare.x;
       if (total > MAX_ITERATIONS) {
-        data.lost += measured_[static_cast<size_t>(found_[static_cast<size_t>(k)])].area.y;
+        data.lost += measured_[static_cast<size_t>(taken.cell)].area.x;
         continue;
       }
-      if (space_.halves || has_bare_) taken_.push_back({k, fine});
-      append(space_.halves ? half_of(k, fine, 0) : all, data.first, ranges);
+      if (space_.halves || !space_.bare.point.empty()) taken_.push_back(taken);
+      append(taken, space_.halves ? 0 : -1, data.first, ranges);
     }
     data.middle = data.last = static_cast<int32_t>(ranges.size());
     for (const Taken &taken : taken_)
-      if (space_.halves) append(half_of(taken.place, taken.fine, 1), data.middle, ranges);
+      if (space_.halves) append(taken, 1, data.middle, ranges);
     data.last = static_cast<int32_t>(ranges.size());
-    for (const Taken &taken : taken_) append(seen_[static_cast<size_t>(taken.place)].bare, data.last, ranges);
+    for (const Taken &taken : taken_) append(bare_of(taken.cell), data.last, ranges);
     data.end = static_cast<int32_t>(ranges.size());
     return data;
   }
@@ -139,17 +173,13 @@ private:
   static constexpr float around = 1.25f; // a link may lie a texel beyond the points of a cell
   static constexpr float least_cosine =
       0.25f; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
-  static constexpr float near_share = 0.25f;
   static constexpr size_t lane_count = 8;
   using Lanes [[gnu::vector_size(lane_count * sizeof(float))]] = float;
 
   // What centers ask of a cell that was found.
   struct Seen {
-    float near;       // squared distance from its middle below which it is sampled finely
     bool plain;       // faces its way
     bool at_boundary; // a border of the mesh runs through it
-    ivec2 samples[2]; // coarse, fine; of both halves
-    ivec2 bare;
   };
   // Of so many cells, to look at them at once.
   struct Middles {
@@ -159,16 +189,26 @@ private:
     Lanes per_rim;
     Lanes area; // projected
   };
+  // What a center takes of a cell.
   struct Taken {
-    int32_t place; // in found_
-    bool fine;
+    int32_t cell;
+    int leaves, fine; // a bit each
   };
+  static constexpr int all_leaves = (1 << CELL_LEAVES) - 1;
 
-  // cone: of the first cell.
-  void look_at_found(vec3 normal, float spread) {
-    std::sort(found_.begin(), found_.end()); // one order of summation, wherever the search began
+  vec3 mean_normal() const {
+    vec3 sum(0.0f);
+    for (const int32_t cell : found_) {
+      const CellData &data = measured_[static_cast<size_t>(cell)];
+      if (data.sphere.w >= 0.0f) sum += vec3(data.cone) * data.area.x;
+    }
+    const float size = length(sum);
+    return size > 0.0f ? sum / size : vec3(0.0f);
+  }
+
+  // normal: of the tangent plane that centers see them from.
+  void look_at_found(vec3 normal) {
     seen_.clear();
-    has_bare_ = false;
     middle_.assign((found_.size() + lane_count - 1) / lane_count, Middles{{}, {}, {}, Lanes{} - 1.0f, Lanes{} - 1.0f, {}, {}});
     for (const int32_t cell : found_) {
       const auto i = static_cast<size_t>(cell);
@@ -176,7 +216,7 @@ private:
       const bool empty = data.sphere.w < 0.0f;
       const float cosine = dot(normal, vec3(data.cone)), own = std::clamp(data.cone.w, -1.0f, 1.0f);
       const float sine = std::sqrt(std::max(0.0f, (1.0f - cosine * cosine) * (1.0f - own * own)));
-      const float outer = radius_ + data.sphere.w, near = near_share * radius_ + data.sphere.w;
+      const float outer = radius_ + data.sphere.w;
       const size_t k = seen_.size(), lane = k % lane_count;
       Middles &m = middle_[k / lane_count];
       m.x[lane] = data.sphere.x;
@@ -185,21 +225,67 @@ private:
       m.outer[lane] = empty ? -1.0f : outer * outer;
       m.rim[lane] = empty ? -1.0f : radius_ * (radius_ + 2.0f * data.sphere.w);
       m.per_rim[lane] = 1.0f / std::max(4.0f * radius_ * data.sphere.w, 1e-30f);
-      m.area[lane] = data.area.y * std::max(cosine, 0.0f); // projected to the tangent plane of the first cell
-      const auto both = [&](bool fine) { return ivec2(space_.samples.of(fine, cell, 0).x, space_.samples.of(fine, cell, 1).y); };
-      seen_.push_back({near * near,
-                       std::min({own, spread, cosine, cosine * own - sine}) > least_cosine,
-                       cells_.boundary_begin[i] < cells_.boundary_begin[i + 1],
-                       {both(false), both(true)},
-                       {space_.bare.begin[i], space_.bare.begin[i + 1]}});
-      has_bare_ = has_bare_ || seen_.back().bare.x < seen_.back().bare.y;
+      m.area[lane] = data.area.x * std::max(cosine, 0.0f); // projected to the tangent plane
+      seen_.push_back(
+          {std::min({own, cosine, cosine * own - sine}) > least_cosine, cells_.boundary_begin[i] < cells_.boundary_begin[i + 1]});
     }
+  }
+
+  // What measure() does, for one center alone.
+  void measure_found(vec3 center) {
+    distance_.resize((found_.size() + lane_count - 1) / lane_count);
+    inside_.clear();
+    for (size_t k = 0; k < found_.size(); ++k) {
+      const vec4 sphere = measured_[static_cast<size_t>(found_[k])].sphere;
+      const vec3 gap = vec3(sphere) - center;
+      const float square = dot(gap, gap), outer = radius_ + sphere.w;
+      distance_[k / lane_count][k % lane_count] = square;
+      if (sphere.w >= 0.0f && square < outer * outer) inside_.push_back(static_cast<int32_t>(k));
+    }
+  }
+
+  ivec2 bare_of(int32_t cell) const {
+    return {space_.bare.begin[static_cast<size_t>(cell)], space_.bare.begin[static_cast<size_t>(cell) + 1]};
   }
 
   float distance(size_t place) const { return distance_[place / lane_count][place % lane_count]; }
 
-  ivec2 half_of(int32_t place, bool fine, int half) const {
-    return space_.samples.of(fine, found_[static_cast<size_t>(place)], half);
+  Taken take(int32_t place, vec3 center) const {
+    const int32_t cell = found_[static_cast<size_t>(place)];
+    const CellLeaves &leaves = leaves_[static_cast<size_t>(cell)];
+    const float square = distance(static_cast<size_t>(place));
+    Taken taken{cell, all_leaves, 0};
+    const bool near = square < leaves.fine;
+    if (!near && (square < leaves.whole || leaves.joined)) return taken;
+    const CellLeaves::Lanes dx = leaves.x - center.x, dy = leaves.y - center.y, dz = leaves.z - center.z;
+    const CellLeaves::Lanes squares = dx * dx + dy * dy + dz * dz;
+    taken.leaves = bits(squares < leaves.outer);
+    if (near) taken.fine = bits(squares < leaves.near);
+    if (leaves.joined) (taken.fine ? taken.fine : taken.leaves) = all_leaves; // coarse samples are those of all
+    return taken;
+  }
+
+  template <class Mask> static int bits(Mask mask) {
+    int all = 0;
+    for (int i = 0; i < CELL_LEAVES; ++i) all |= mask[i] ? 1 << i : 0;
+    return all;
+  }
+
+  int most_samples(const Taken &taken) const {
+    const ivec2 coarse = space_.samples.of_cell(false, taken.cell), fine = space_.samples.of_cell(true, taken.cell);
+    return taken.fine ? coarse.y - coarse.x + fine.y - fine.x : coarse.y - coarse.x;
+  }
+
+  // half: of each leaf's samples, or -1: both.
+  void append(const Taken &taken, int half, int32_t first, std::vector<ivec2> &ranges) const {
+    if (taken.leaves == all_leaves && taken.fine == 0 && half < 0)
+      return append(space_.samples.of_cell(false, taken.cell), first, ranges);
+    for (int leaf = 0; leaf < CELL_LEAVES; ++leaf) {
+      if (!(taken.leaves >> leaf & 1)) continue;
+      const bool fine = taken.fine >> leaf & 1;
+      append(half < 0 ? space_.samples.of_leaf(fine, taken.cell, leaf) : space_.samples.of_half(fine, taken.cell, leaf, half),
+             first, ranges);
+    }
   }
 
   void add(int32_t cell) {
@@ -226,6 +312,11 @@ private:
     return false;
   }
 
+  bool goes_over(int32_t link, const Bounds &box, const std::vector<vec4> &positions, vec3 center) const {
+    const float square = radius_ * radius_;
+    return nearest_in(box, center) < square && (farthest_in(box, center) < square || in_ball(link, positions, center));
+  }
+
   // The surface goes over beside one of the link's texels. No margin: it would let in a neighboring finger as often as it keeps a
   // place that belongs.
   bool in_ball(int32_t link, const std::vector<vec4> &positions, vec3 center) const {
@@ -244,6 +335,7 @@ private:
   const SupportSpace &space_;
   const Cells &cells_;
   std::span<const CellData> measured_;
+  std::span<const CellLeaves> leaves_;
   float radius_;
   std::vector<uint32_t> visited_;
   std::vector<int32_t> found_;
@@ -253,7 +345,6 @@ private:
   std::vector<int32_t> inside_; // places in found_
   std::vector<Taken> taken_;    // of these, where they are looked through once more
   float flat_ = 0.0f;           // area of all in the center's ball, projected
-  bool has_bare_ = false;
   uint32_t mark_ = 0;
 };
 

@@ -307,9 +307,10 @@ private:
     };
     std::vector<Found> found(static_cast<size_t>((count + one_block - 1) / one_block));
     parallel_blocks(count, threads_, one_block, [&](int begin, int end) {
-      Found &here = found[static_cast<size_t>(begin / one_block)];
+      Found here; // of its own: neighboring vectors share cache lines
       for (int half_edge = begin; half_edge < end; ++half_edge) link_along(half_edge, here.crossings, here.boundaries);
       sort_unique(here.crossings);
+      found[static_cast<size_t>(begin / one_block)] = std::move(here);
     });
     for (const Found &here : found) {
       crossings_.insert(crossings_.end(), here.crossings.begin(), here.crossings.end());

@@ -23,14 +23,14 @@ namespace {
 class Flood {
 public:
   Flood(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit)
-      : triangles_(triangles), half_edges_(half_edges), radius_(radius), limit_(limit),
+      : triangles_(triangles), half_edges_(half_edges), scale_(static_cast<float>(1.0 / radius)), limit_(limit),
         visited_(static_cast<size_t>(triangles.triangle_count), -1) {}
 
   // Appends the triangles; nothing where there are too many. Returns their area within the ball.
   double run(int32_t point, std::vector<int32_t> &found) {
     const size_t begin = found.size();
     const auto i = static_cast<size_t>(point);
-    const dvec3 center(triangles_.positions[static_cast<size_t>(half_edges_.point_vertex[i])]);
+    const vec3 center = triangles_.positions[static_cast<size_t>(half_edges_.point_vertex[i])];
     ++mark_;
     const int32_t first = half_edges_.point_half_edge[i];
     for (int32_t corner = first; corner >= 0;) {
@@ -39,43 +39,59 @@ public:
       if (corner == first) break;
     }
     double area = 0.0;
-    for (size_t k = begin; k < found.size() && found.size() - begin <= limit_; ++k) area += cross_edges(found[k], center, found);
-    if (found.size() - begin <= limit_) return area;
+    for (size_t k = begin; k < found.size() && found.size() - begin <= limit_; ++k)
+      area += static_cast<double>(cross_edges(found[k], center, found));
+    if (found.size() - begin <= limit_) return area / (static_cast<double>(scale_) * static_cast<double>(scale_));
     found.resize(begin);
     return 0.0;
   }
 
 private:
-  // Adds what lies beyond the triangle's edges where they meet the ball; returns its own area within.
-  double cross_edges(int32_t triangle, dvec3 center, std::vector<int32_t> &found) {
-    dvec3 corner[3]; // from the center
-    bool inside[3];
-    for (size_t i = 0; i < 3; ++i) {
-      const auto vertex = static_cast<size_t>(triangles_.corner_vertex[3 * static_cast<size_t>(triangle) + i]);
-      corner[i] = dvec3(triangles_.positions[vertex]) - center;
-      inside[i] = dot(corner[i], corner[i]) < radius_ * radius_;
-    }
-    for (size_t i = 0; i < 3; ++i) {
-      const int32_t twin = half_edges_.twin[3 * static_cast<size_t>(triangle) + i];
-      if (twin < 0 || visited_[static_cast<size_t>(twin / 3)] == mark_) continue;
-      const size_t next = (i + 1) % 3;
-      if (inside[i] || inside[next] || segment_in_ball(corner[i], corner[next], dvec3(0.0), radius_)) add(twin / 3, found);
-    }
-    const double area = 0.5 * glm::length(glm::cross(corner[1] - corner[0], corner[2] - corner[0]));
-    return inside[0] && inside[1] && inside[2] ? area : area * part_in_ball(corner);
+  // All in units of the radius, from the center: meshes have any size.
+  static bool in_ball(vec3 offset) { return dot(offset, offset) < 1.0f; }
+
+  // Whether the segment between two places outside the ball meets it. Without a division: most do not.
+  static bool passes(vec3 a, vec3 b) {
+    const vec3 way = b - a;
+    const float length = dot(way, way), along = -dot(a, way);
+    return along > 0.0f && along < length && (dot(a, a) - 1.0f) * length < along * along;
   }
 
-  // By the middles of 16 pieces.
-  double part_in_ball(const dvec3 (&corner)[3]) const {
-    const dvec3 first = (corner[1] - corner[0]) / 12.0, second = (corner[2] - corner[0]) / 12.0;
+  // Adds what lies beyond the triangle's edges where they meet the ball; returns its own area within.
+  float cross_edges(int32_t triangle, vec3 center, std::vector<int32_t> &found) {
+    const size_t first = 3 * static_cast<size_t>(triangle);
+    vec3 corner[3];
+    bool inside[3];
+    for (size_t i = 0; i < 3; ++i) {
+      corner[i] = (triangles_.positions[static_cast<size_t>(triangles_.corner_vertex[first + i])] - center) * scale_;
+      inside[i] = in_ball(corner[i]);
+    }
+    for (size_t i = 0; i < 3; ++i) {
+      const int32_t twin = half_edges_.twin[first + i];
+      if (twin < 0 || visited_[static_cast<size_t>(twin / 3)] == mark_) continue;
+      const size_t next = i == 2 ? 0 : i + 1;
+      if (inside[i] || inside[next] || passes(corner[i], corner[next])) add(twin / 3, found);
+    }
+    const vec3 first_side = corner[1] - corner[0], second_side = corner[2] - corner[0];
+    const float area = 0.5f * length(cross(first_side, second_side));
+    return inside[0] && inside[1] && inside[2] ? area : area * part_in_ball(corner[0], first_side, second_side);
+  }
+
+  // By the middles of 16 pieces, of four where the triangle is small.
+  static float part_in_ball(vec3 corner, vec3 first_side, vec3 second_side) {
+    const bool small = dot(first_side, first_side) + dot(second_side, second_side) < 0.125f;
+    const int pieces = small ? 2 : 4;
+    const auto step = 1.0f / static_cast<float>(3 * pieces);
+    const vec3 first = first_side * step, second = second_side * step;
     int inside = 0;
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; i + j < 4; ++j) {
-        const dvec3 lower = corner[0] + first * (3.0 * i + 1.0) + second * (3.0 * j + 1.0), upper = lower + first + second;
-        inside += dot(lower, lower) < radius_ * radius_;
-        inside += i + j < 3 && dot(upper, upper) < radius_ * radius_;
+    for (int i = 0; i < pieces; ++i)
+      for (int j = 0; i + j < pieces; ++j) {
+        const vec3 lower =
+            corner + first * (3.0f * static_cast<float>(i) + 1.0f) + second * (3.0f * static_cast<float>(j) + 1.0f);
+        inside += in_ball(lower);
+        inside += i + j + 1 < pieces && in_ball(lower + first + second);
       }
-    return inside / 16.0;
+    return static_cast<float>(inside) / static_cast<float>(pieces * pieces);
   }
 
   void add(int32_t triangle, std::vector<int32_t> &found) {
@@ -84,7 +100,7 @@ private:
 
   const Triangles &triangles_;
   const HalfEdges &half_edges_;
-  double radius_;
+  float scale_; // 1 / radius
   size_t limit_;
   std::vector<int32_t> visited_; // (triangle_count) the last run that came by
   int32_t mark_ = -1;
@@ -103,7 +119,7 @@ Reach reach_exactly(const Triangles &triangles, const HalfEdges &half_edges, std
   reach.area.assign(points.size(), 0.0);
   parallel_blocks(count, threads, block, [&](int begin, int end) {
     Flood flood(triangles, half_edges, radius, limit);
-    auto &list = found[static_cast<size_t>(begin / block)];
+    std::vector<int32_t> list; // of its own: neighboring vectors share cache lines
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       const size_t before = list.size();
       reach.area[i] = flood.run(points[i], list);
@@ -111,6 +127,7 @@ Reach reach_exactly(const Triangles &triangles, const HalfEdges &half_edges, std
       std::sort(list.begin() + static_cast<ptrdiff_t>(before), list.end());
       reach.begin[i + 1] = static_cast<int32_t>(list.size() - before);
     }
+    found[static_cast<size_t>(begin / block)] = std::move(list);
   });
   std::partial_sum(reach.begin.begin(), reach.begin.end(), reach.begin.begin());
   for (const auto &list : found) reach.triangle.insert(reach.triangle.end(), list.begin(), list.end());

@@ -95,6 +95,16 @@ static std::vector<CellData> with_bare_samples(const SupportSpace &space) {
   return cells;
 }
 
+static std::vector<CellLeaves> list_leaves(const SupportSpace &space, float radius, int threads) {
+  const int side = space.cells.block_size / 2;
+  std::vector<CellLeaves> leaves(space.measured.size());
+  parallel_blocks(static_cast<int>(leaves.size()), threads, 4096, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+      leaves[i] = leaves_of(space.measured[i], space.samples.strides, i, side * side, radius);
+  });
+  return leaves;
+}
+
 // The cell from which a center's group searches, or -1.
 static int32_t start_of(const Cells &cells, const SupportCenter &center) {
   if (center.cell >= 0) return center.cell;
@@ -183,7 +193,7 @@ static void search_together(CellSearch &search, const std::vector<SupportCenter>
       const vec3 position = centers[static_cast<size_t>(i)].position;
       search.measure(position);
       if (search.is_plain(position)) {
-        supports.center[static_cast<size_t>(i)] = search.list(false, part.range);
+        supports.center[static_cast<size_t>(i)] = search.list(position, false, part.range);
         supports.plain[static_cast<size_t>(i)] = 1;
       } else {
         part.left.push_back(i);
@@ -239,7 +249,9 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
   constexpr int block = 64, alone = 512;
   most = std::min<size_t>(most, std::numeric_limits<int32_t>::max());
   std::atomic<size_t> all{0};
-  const std::vector<CellData> measured = with_bare_samples(space);
+  const std::vector<CellData> with_bare = space.bare.point.empty() ? std::vector<CellData>() : with_bare_samples(space);
+  const std::span<const CellData> measured = with_bare.empty() ? space.measured : with_bare;
+  const std::vector<CellLeaves> leaves = list_leaves(space, radius, threads);
   Groups groups = group(space.cells, measured, centers, radius);
   const auto count = static_cast<int>(groups.begin.size()) - 1;
   auto members_of = [&](int first, int last) {
@@ -253,8 +265,8 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
   std::vector<std::span<const int32_t>> places;
   for (int begin = 0; begin < count; begin += block) places.push_back(members_of(begin, std::min(begin + block, count)));
   parallel_blocks(count, threads, block, [&](int begin, int end) {
-    CellSearch search(space, measured, radius);
-    Part &part = parts[static_cast<size_t>(begin / block)];
+    CellSearch search(space, measured, leaves, radius);
+    Part part; // of its own: neighboring vectors share cache lines
     for (int g = begin; g < end; ++g) {
       const size_t before = part.range.size();
       const std::span<int32_t> members = members_of(g, g + 1);
@@ -264,6 +276,7 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
         search_in_halves(search, centers, groups.start, members, radius, supports, part);
       if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
     }
+    parts[static_cast<size_t>(begin / block)] = std::move(part);
   });
   join(parts, places, supports);
   supports.order = std::move(groups.order);
@@ -279,17 +292,17 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
   for (size_t first = 0; first < left.size(); first += alone)
     places.push_back(std::span<const int32_t>(left).subspan(first, std::min<size_t>(alone, left.size() - first)));
   parallel_blocks(rest, threads, alone, [&](int begin, int end) {
-    CellSearch search(space, measured, radius);
-    Part &part = parts[static_cast<size_t>(begin / alone)];
+    CellSearch search(space, measured, leaves, radius);
+    Part part;
     for (auto k = static_cast<size_t>(begin); k < static_cast<size_t>(end); ++k) {
       const SupportCenter &center = centers[static_cast<size_t>(left[k])];
       bool boundary = false;
       search.run(center, links, positions, boundary);
-      search.measure(center.position);
       const size_t before = part.range.size();
-      supports.center[static_cast<size_t>(left[k])] = search.list(boundary, part.range);
+      supports.center[static_cast<size_t>(left[k])] = search.list(center.position, boundary, part.range);
       if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
     }
+    parts[static_cast<size_t>(begin / alone)] = std::move(part);
   });
   join(parts, places, supports);
   return supports;
