@@ -2,7 +2,6 @@
 # The native tests under a sanitizer, built by Clang; nothing but what is found is new, and what is found fails.
 #   bash tests/sanitize.sh address [filter]   AddressSanitizer and UndefinedBehaviorSanitizer: all tests, or those of a gtest filter
 #   bash tests/sanitize.sh thread [filter]    ThreadSanitizer: by default the tests with threads of their own
-#   bash tests/sanitize.sh python             ThreadSanitizer: two Python threads with two contexts, through the add-on's bridge
 #   bash tests/sanitize.sh valgrind [filter]  Memcheck: by default one way through the OpenGL path
 # What Mesa does is left out by the files in tests/sanitizers, which say why.
 set -uo pipefail
@@ -17,8 +16,8 @@ address)
   export ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1 UBSAN_OPTIONS=print_stacktrace=1
   export LSAN_OPTIONS=suppressions=$lists/leaks.txt:print_suppressions=0
   ;;
-thread | python)
-  packages=("${CLANG_PACKAGES[@]}") flags="-O1 -gline-tables-only" option=-DPARADESC_SANITIZE=thread folder=$root/build/sanitize-thread
+thread)
+  packages=("${CLANG_PACKAGES[@]}") flags="-O1 -gline-tables-only" option=-DPARADESC_SANITIZE=thread
   : "${filter:=*Threads*:*GlThread*:*cancel*}"
   export TSAN_OPTIONS=suppressions=$lists/threads.txt:ignore_noninstrumented_modules=1:second_deadlock_stack=1
   ;;
@@ -26,30 +25,13 @@ valgrind)
   packages=(clang valgrind) flags="-O1 -g" option=-DPARADESC_SANITIZE=
   : "${filter:=Threads.calls_on_one_context_take_turns/software}"
   ;;
-*) fail "usage: bash tests/sanitize.sh address|thread|python|valgrind [filter]" ;;
+*) fail "usage: bash tests/sanitize.sh address|thread|valgrind [filter]" ;;
 esac
 
-# The add-on and its test beside the library of this build, in a Python that has ThreadSanitizer from its start.
-python_threads() {
-  python=${PARADESC_PYTHON:-$python}
-  [ -x "$python" ] || make_environment "${REQUIREMENTS[@]}" "${TEST_REQUIREMENTS[@]}"
-  rm -rf "$folder/addon" "$folder/tests"
-  mkdir "$folder/tests"
-  cp -r "$root/addon" "$folder/addon"
-  cp -r "$root/tests/addon" "$folder/tests/addon"
-  rm -rf "$folder/addon/paradesc/lib"
-  mkdir "$folder/addon/paradesc/lib"
-  cp "$folder/libparadesc.so" "$folder/addon/paradesc/lib/"
-  (cd "$folder" && PYTHONPATH=$folder/addon LD_PRELOAD=$(clang -print-file-name=libclang_rt.tsan-x86_64.so) \
-    "$python" -m pytest -q --rootdir "$folder" -p no:cacheprovider tests/addon/threads_test.py)
-}
-
 install_packages "${BUILD_PACKAGES[@]}" "${RUN_PACKAGES[@]}" "${packages[@]}"
-build_with_clang "$folder" "$flags" "$([ "$kind" = python ] && echo paradesc || echo paradesc_tests)" "$option"
+build_with_clang "$folder" "$flags" paradesc_tests "$option"
 command=("$folder/paradesc_tests" "--gtest_filter=${filter:-*}" --gtest_brief=1)
-if [ "$kind" = python ]; then
-  python_threads
-elif [ "$kind" = valgrind ]; then
+if [ "$kind" = valgrind ]; then
   # The code that llvmpipe compiles is not in a file; rasterizing in one thread is enough for one way.
   LP_NUM_THREADS=0 valgrind --quiet --error-exitcode=9 --smc-check=all-non-file --suppressions="$lists/valgrind.supp" \
     --leak-check=full --errors-for-leak-kinds=definite --num-callers=30 "${command[@]}"
