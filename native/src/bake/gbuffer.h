@@ -71,6 +71,8 @@ public:
   std::vector<int32_t> read_ids() const; // (size * size, 2) chart, triangle
   int size() const { return size_; }
   bool half() const { return half_; }
+  // What shaders that read its texels are compiled with.
+  const char *variant() const { return half_ ? "#define HALF_FLOATS\n" : ""; }
   double megabytes() const; // 10^6 bytes, of all buffers
   // What one unit of the stored area element stands for: 16-bit floats end at 65504.
   float area_unit() const { return area_unit_; }

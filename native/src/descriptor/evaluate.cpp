@@ -125,7 +125,7 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
 }
 
 // What is decided while compiling: each choice costs nothing where it is not made.
-static std::string variant_of(const EvaluateSettings &settings, bool half, bool bare, bool listed) {
+static std::string variant_of(const EvaluateSettings &settings, const GeometryBuffer &buffer, bool bare, bool listed) {
   auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) +
          define("PAPER", settings.relocation == PDESC_RELOCATION_PAPER) +
@@ -134,7 +134,7 @@ static std::string variant_of(const EvaluateSettings &settings, bool half, bool 
          define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
          define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) + define("FACES", settings.faces()) +
-         define("BARE", bare) + define("LISTED", listed) + (half ? "#define HALF_FLOATS\n" : "");
+         define("BARE", bare) + define("LISTED", listed) + buffer.variant();
 }
 
 // What samples read that are carried over seams by walks.
@@ -198,7 +198,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
                     int first, int last) {
   const bool walks = settings.relocation != PDESC_RELOCATION_CONNECTED;
   if (walks && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, settings, first, last);
-  const std::string variant = variant_of(settings, buffer.half(), has_bare_, !walks && settings.cells->listed());
+  const std::string variant = variant_of(settings, buffer, has_bare_, !walks && settings.cells->listed());
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   const GLuint program =

@@ -4,25 +4,21 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <thread>
 
 #include "descriptor/reference_quadrature.h"
 #include "descriptor_limits.h"
-#include "support/error.h"
 #include "support/parallel.h"
+#include "support/ticker.h"
 
 namespace paradesc {
 namespace {
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 constexpr int block_size = 16;
-constexpr auto progress_interval = std::chrono::milliseconds(20);
 constexpr double nearest = 1e-9; // of the radius: samples nearer than this have no direction
 
 struct Surface {
@@ -350,31 +346,6 @@ private:
   const Surface &surface_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Flood>> idle_;
-};
-
-// Tells the caller, on the caller's thread, how far all threads have come; says stop to all of them.
-class Ticker {
-public:
-  Ticker(int count, const std::function<bool(double)> &progress) : count_(count), progress_(progress) {}
-  void step() {
-    const int done = ++done_;
-    if (std::this_thread::get_id() == caller_ && progress_) {
-      const auto now = std::chrono::steady_clock::now();
-      if (now - last_ >= progress_interval) {
-        last_ = now;
-        if (!progress_(static_cast<double>(done) / count_)) cancelled_ = true;
-      }
-    }
-    if (cancelled_) throw Error(PDESC_ERROR_CANCELLED, "The computation was cancelled by its progress callback.");
-  }
-
-private:
-  const int count_;
-  const std::function<bool(double)> &progress_;
-  const std::thread::id caller_ = std::this_thread::get_id();
-  std::chrono::steady_clock::time_point last_{}; // long ago: the first step tells
-  std::atomic<int> done_{0};
-  std::atomic<bool> cancelled_{false};
 };
 
 void store(double value, float *out) { *out = static_cast<float>(value); }

@@ -14,9 +14,9 @@ CellBuffers::CellBuffers(const Gl &gl, const Cells &cells, int buffer_size)
 }
 
 static void use_program(const Gl &gl, ProgramCache &programs, const char *name, const GeometryBuffer &buffer) {
-  const std::string variant = buffer.half() ? "#define HALF_FLOATS\n" : "";
-  gl.UseProgram(
-      programs.get(gl, name + variant, {{GL_COMPUTE_SHADER, std::string(name) + ".comp.glsl"}}, {{"variant.glsl", variant}}));
+  const char *variant = buffer.variant();
+  gl.UseProgram(programs.get(gl, std::string(name) + variant, {{GL_COMPUTE_SHADER, std::string(name) + ".comp.glsl"}},
+                             {{"variant.glsl", variant}}));
   buffer.bind();
   gl.Uniform1i(0, buffer.size());
   gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
