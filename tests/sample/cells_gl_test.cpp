@@ -242,6 +242,20 @@ TEST_F(CellsOfTexels, a_triangle_without_uv_area_is_carried_by_samples_of_its_ow
   }
 }
 
+TEST_F(CellsOfTexels, a_radius_as_small_as_floats_are_divides_a_triangle_without_uv_area_no_further_than_others) {
+  Shape shape = grid(3, 3, [](dvec2 place, int, int) { return dvec2(0.05) + place * 0.3; });
+  for (size_t corner = 0; corner < 3; ++corner) shape.uvs[24 + corner] = vec2(0.5f);
+  const Built built = build(shape);
+  const Buffers buffers = bake(*thread, built, size);
+  const Cells cells = cells_of(built, buffers, block);
+  const auto samples_of = [&](float radius) {
+    return sample_bare_triangles(cells, built.triangles, buffers.normals, buffers.frame, radius).point;
+  };
+  const std::vector<vec4> expected = samples_of(1e-3f);
+  EXPECT_EQ(expected.size(), 2u * 16 * 16);
+  for (const float radius : {1e-11f, 1e-30f, 0.0f}) EXPECT_EQ(samples_of(radius), expected) << radius;
+}
+
 TEST_F(CellsOfTexels, all_of_an_open_meshs_boundary_is_known_to_the_cells_along_it) {
   const Built built = build(grid(3, 3, [](dvec2 place, int, int) { return dvec2(0.05) + place * 0.3; }));
   const Cells cells = cells_of(built, bake(*thread, built, size), block);

@@ -25,7 +25,8 @@ BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles
       for (size_t i = 0; i < 3; ++i)
         p[i] = frame.to_buffer(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner + i])]);
       const float longest = std::max({length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])});
-      const int side = std::clamp(static_cast<int>(std::ceil(4.0f * longest / radius)), 1, 16);
+      // Limited before it becomes an integer: radii may be as small as floats are.
+      const int side = static_cast<int>(std::fmax(1.0f, std::fmin(std::ceil(4.0f * longest / radius), 16.0f)));
       const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0])) / static_cast<float>(side * side);
       auto add = [&](float a, float b) { // barycentric coordinates of corners 1 and 2
         if (mapped) {
