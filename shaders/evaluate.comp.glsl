@@ -307,7 +307,10 @@ bool take_samples(inout Sums sums, CenterData data, int index, out float scale) 
 #endif
 
 void main() {
-  int index = first + int(gl_GlobalInvocationID.x);
+  // Software devices give each core a row of groups: every other one, so that cores have as much to do where centers in a row are costly.
+  int group = int(gl_WorkGroupID.x), even = (int(gl_NumWorkGroups.x) + 1) / 2;
+  group = group < even ? 2 * group : 2 * (group - even) + 1;
+  int index = first + group * GROUP_SIZE + int(gl_LocalInvocationID.x);
   if (index >= last) return;
 #if EXACT
   reach_range = ivec2(reach[reach_count + index], reach[reach_count + index + 1]);

@@ -25,6 +25,7 @@ struct CellLayout {
   Cells cells;
   CellSamples samples;              // as the last search chose them
   std::vector<CellData> measured;   // (cells) of the frame that is baked; none until it is asked
+  std::vector<vec3> link_points;    // (cells.link_texel) of that frame; none until a search asks
   std::vector<int32_t> texel_cells; // (places of texels) where their searches start; none until it is asked
   std::unique_ptr<CellBuffers> buffers;
 };

@@ -197,6 +197,7 @@ static void bake(Mesh &mesh, const pdesc_options &options, const Frame &frame, b
   device.normals_kind = -1;
   for (const auto &layout : device.cells) {
     layout->measured.clear();
+    layout->link_points.clear();
     layout->buffers->forget_points();
   }
   if (changed) bake_layout(mesh, options, input);
@@ -267,12 +268,15 @@ Supports search_supports(Mesh &mesh, const pdesc_options &options, double radius
   const MappedSurface surface(mesh.maps, mesh.triangles, frame.normals, frame.buffer_frame);
   frame.bare = sample_bare_triangles(layout.cells, mesh.triangles, frame.normals, frame.buffer_frame, reach,
                                      frame.mapped ? &surface : nullptr);
-  auto positions = [&]() -> const std::vector<vec4> & {
-    if (frame.positions.empty()) on_device([&](const Gl &, ProgramCache &) { frame.positions = device.buffer->read_position(); });
-    return frame.positions;
+  auto link_points = [&]() -> const std::vector<vec3> & {
+    if (layout.link_points.empty())
+      on_device([&](const Gl &gl, ProgramCache &programs) {
+        layout.link_points = read_points(gl, programs, *device.buffer, layout.cells.link_texel);
+      });
+    return layout.link_points;
   };
   const SupportSpace space{layout.cells,       layout.samples, layout.measured,       frame.bare, surface_of(mesh, frame),
-                           frame.buffer_frame, positions,      options.adaptive > 0.0};
+                           frame.buffer_frame, link_points,    options.adaptive > 0.0};
   // Ranges of samples three times: in parts, as one list, and on the device.
   const auto most = static_cast<size_t>(allowed_memory(*mesh.context, 0)) / (3 * sizeof(ivec2));
   return find_supports(space, centers, reach, threads, most);
@@ -335,7 +339,6 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
 // Displacement and buffers of the frame.
 static void bake_frame(Mesh &mesh, const pdesc_options &options, Frame &frame, bool changed) {
   frame.baked = false; // until it is done: a run may be cancelled before
-  frame.positions.clear();
   frame.buffer_frame = frame_of(mesh.box);
   if (mesh.maps.any())
     frame.mapped =

@@ -24,11 +24,10 @@ struct Frame {
   std::vector<vec4> links;
   std::vector<int32_t> seams; // (borders) what seam each belongs to, where the paper's relocation asks
   std::vector<CenterData> centers;
-  std::vector<int32_t> sites;     // (centers) -1: the point has no place in the UV map
-  std::vector<int32_t> points;    // (centers)
-  std::vector<int32_t> order;     // (centers) what number each had before they were put side by side
-  std::vector<uint8_t> plain;     // (centers) as in Supports
-  std::vector<vec4> positions;    // (size * size) of the buffers, once a search has asked
+  std::vector<int32_t> sites;  // (centers) -1: the point has no place in the UV map
+  std::vector<int32_t> points; // (centers)
+  std::vector<int32_t> order;  // (centers) what number each had before they were put side by side
+  std::vector<uint8_t> plain;  // (centers) as in Supports
   BareSamples bare;
   double radius_in_texels = 0.0;
   std::optional<MappedPoints> mapped; // where maps displace the surface

@@ -51,6 +51,35 @@ std::vector<CellData> CellBuffers::measure(const Gl &gl, ProgramCache &programs,
   return cells;
 }
 
+std::vector<vec3> read_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer,
+                              std::span<const int32_t> texels) {
+  constexpr size_t most = size_t{1} << 17;
+  const int size = buffer.size();
+  std::vector<vec3> points;
+  points.reserve(texels.size());
+  std::vector<ivec2> entries;
+  std::vector<vec4> read;
+  BufferTexture list;
+  Buffer found;
+  for (; !texels.empty(); texels = texels.subspan(entries.size())) {
+    entries.clear();
+    for (const int32_t texel : texels.first(std::min(texels.size(), most)))
+      entries.emplace_back(texel % size | texel / size << 16, 0);
+    read.resize(2 * entries.size());
+    list.upload(gl, entries);
+    found.upload(gl, nullptr, read.size() * sizeof(vec4), GL_STREAM_READ);
+    use_program(gl, programs, "points", buffer);
+    gl.BindTextureUnit(UNIT_SAMPLES, list.id());
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_POINTS, found.id());
+    dispatch(gl, static_cast<int>(entries.size()), int64_t{1} << 24);
+    gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    gl.GetNamedBufferSubData(found.id(), 0, static_cast<GLsizeiptr>(read.size() * sizeof(vec4)), read.data());
+    for (size_t i = 0; i < read.size(); i += 2) points.emplace_back(read[i]);
+  }
+  check_gl(gl, "points of links");
+  return points;
+}
+
 void CellBuffers::set_samples(const Gl &gl, const CellSamples &samples) {
   samples_.upload(gl, samples.list);
   sample_count_ = static_cast<int>(samples.list.size());

@@ -1,6 +1,7 @@
 // Cells and their samples on the device: where they are measured, and the points that centers fetch.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "bake/gbuffer.h"
@@ -14,6 +15,10 @@ namespace paradesc {
 
 // Samples whose points are listed beside the buffers, at most: 128 MiB.
 inline constexpr int most_points = 1 << 22;
+
+// (texels) the surface's points there, of the geometry buffer as it is now; each texel x + size y.
+std::vector<vec3> read_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer,
+                              std::span<const int32_t> texels);
 
 class CellBuffers {
 public:

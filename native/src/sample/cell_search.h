@@ -123,7 +123,7 @@ public:
   }
 
   // The cells of the connected part of the center's ball.
-  void run(const SupportCenter &center, const std::vector<Bounds> &links, const std::vector<vec4> &positions, bool &boundary) {
+  void run(const SupportCenter &center, const std::vector<Bounds> &links, const std::vector<vec3> &link_points, bool &boundary) {
     ++mark_;
     found_.clear();
     add(center.cell);
@@ -133,7 +133,7 @@ public:
       for (int32_t k = cells_.side_begin[cell]; k < cells_.side_begin[cell + 1]; ++k) {
         const ivec2 side = cells_.side[static_cast<size_t>(k)];
         if (visited_[static_cast<size_t>(side.x)] != mark_ &&
-            goes_over(side.y, links[static_cast<size_t>(side.y)], positions, center.position))
+            goes_over(side.y, links[static_cast<size_t>(side.y)], link_points, center.position))
           add(side.x);
       }
       boundary = boundary || meets_boundary(found_[i], center.position);
@@ -312,16 +312,16 @@ private:
     return false;
   }
 
-  bool goes_over(int32_t link, const Bounds &box, const std::vector<vec4> &positions, vec3 center) const {
+  bool goes_over(int32_t link, const Bounds &box, const std::vector<vec3> &points, vec3 center) const {
     const float square = radius_ * radius_;
-    return nearest_in(box, center) < square && (farthest_in(box, center) < square || in_ball(link, positions, center));
+    return nearest_in(box, center) < square && (farthest_in(box, center) < square || in_ball(link, points, center));
   }
 
   // The surface goes over beside one of the link's texels. No margin: it would let in a neighboring finger as often as it keeps a
   // place that belongs.
-  bool in_ball(int32_t link, const std::vector<vec4> &positions, vec3 center) const {
+  bool in_ball(int32_t link, const std::vector<vec3> &points, vec3 center) const {
     for (int32_t k = cells_.link_begin[static_cast<size_t>(link)]; k < cells_.link_begin[static_cast<size_t>(link) + 1]; ++k) {
-      const vec3 gap = vec3(positions[static_cast<size_t>(cells_.link_texel[static_cast<size_t>(k)])]) - center;
+      const vec3 gap = points[static_cast<size_t>(k)] - center;
       if (dot(gap, gap) < radius_ * radius_) return true;
     }
     return false;

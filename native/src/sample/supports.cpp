@@ -63,15 +63,14 @@ struct Part {
 
 } // namespace
 
-static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec4> &positions, int threads) {
+static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec3> &points, int threads) {
   std::vector<Bounds> bounds(cells.link_begin.size() - 1);
   parallel_blocks(static_cast<int>(bounds.size()), threads, 4096, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       vec3 low(1e30f), high(-1e30f);
       for (int32_t k = cells.link_begin[i]; k < cells.link_begin[i + 1]; ++k) {
-        const vec3 point(positions[static_cast<size_t>(cells.link_texel[static_cast<size_t>(k)])]);
-        low = glm::min(low, point);
-        high = glm::max(high, point);
+        low = glm::min(low, points[static_cast<size_t>(k)]);
+        high = glm::max(high, points[static_cast<size_t>(k)]);
       }
       bounds[i] = {low, high};
     }
@@ -285,8 +284,8 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
   std::vector<int32_t> left;
   for (const Part &part : parts) left.insert(left.end(), part.left.begin(), part.left.end());
   if (left.empty()) return supports;
-  const std::vector<vec4> &positions = space.positions();
-  const std::vector<Bounds> links = link_bounds(space.cells, positions, threads);
+  const std::vector<vec3> &link_points = space.link_points();
+  const std::vector<Bounds> links = link_bounds(space.cells, link_points, threads);
   const auto rest = static_cast<int>(left.size());
   parts.assign(static_cast<size_t>((rest + alone - 1) / alone), {});
   places.clear();
@@ -298,7 +297,7 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
     for (auto k = static_cast<size_t>(begin); k < static_cast<size_t>(end); ++k) {
       const SupportCenter &center = centers[static_cast<size_t>(left[k])];
       bool boundary = false;
-      search.run(center, links, positions, boundary);
+      search.run(center, links, link_points, boundary);
       const size_t before = part.range.size();
       supports.center[static_cast<size_t>(left[k])] = search.list(center.position, boundary, part.range);
       if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);

@@ -54,8 +54,8 @@ struct SupportSpace {
   const BareSamples &bare;
   const Triangles &triangles;
   const BufferFrame &frame;
-  std::function<const std::vector<vec4> &()> positions; // (size * size) as GeometryBuffer::read_position, where it is asked for
-  bool halves;                                          // samples in two turns, black squares and white ones
+  std::function<const std::vector<vec3> &()> link_points; // (cells.link_texel) in buffer units, where they are asked for
+  bool halves;                                            // samples in two turns, black squares and white ones
 };
 
 // radius in buffer units. Throws Error(OUT_OF_MEMORY) where all neighborhoods together have more ranges than `most`, or than can
