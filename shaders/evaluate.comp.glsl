@@ -192,11 +192,11 @@ void add_neighbor(inout Sums sums, vec3 position, vec3 normal, int triangle, flo
 #else
   neighbor.distance = neighbor.rho;
 #endif
-  // A square that the rim cuts counts by the part of it that lies inside.
+  // A square that the rim cuts counts by the part of it that lies inside. Where none does all of this adds nothing: software devices would
+  // mask every sum that follows a return.
   neighbor.weight = area * rim_share(neighbor.distance, radius, area);
-  if (!(neighbor.weight > 0.0)) return;
   neighbor.near = near || neighbor.rho == 0.0;
-  vec2 x = vec2(dot(neighbor.offset, sums.t1), dot(neighbor.offset, sums.t2)) / radius;
+  vec2 x = vec2(dot(neighbor.offset, sums.t1), dot(neighbor.offset, sums.t2)) * (1.0 / radius);
   vec2 y = vec2(dot(neighbor.normal, sums.t1), dot(neighbor.normal, sums.t2));
   neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12));
   sums.moments.area += neighbor.weight;
