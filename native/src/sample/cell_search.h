@@ -261,7 +261,12 @@ private:
     const CellLeaves::Lanes squares = dx * dx + dy * dy + dz * dz;
     taken.leaves = bits(squares < leaves.outer);
     if (near) taken.fine = bits(squares < leaves.near);
-    if (leaves.joined) (taken.fine ? taken.fine : taken.leaves) = all_leaves; // coarse samples are those of all
+    if (leaves.joined) { // its samples are those of all
+      if (taken.fine)
+        taken.fine = all_leaves;
+      else
+        taken.leaves = all_leaves;
+    }
     return taken;
   }
 
