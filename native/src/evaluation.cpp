@@ -57,7 +57,7 @@ static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int cou
 }
 
 // Those of the centers that have another area than the triangles which the surface reaches within the ball, with these triangles.
-static Reach reach_of_others(const Mesh &mesh, double radius, int samples, const Frame &frame, const std::vector<float> &raw,
+static Reach reach_of_others(ReachSearch &search, double radius, int samples, const Frame &frame, const std::vector<float> &raw,
                              std::vector<int32_t> &centers) {
   // Of a disk; samples of a folded place miss its area by some per cent, few samples by more.
   const double same_area =
@@ -69,8 +69,7 @@ static Reach reach_of_others(const Mesh &mesh, double radius, int samples, const
     points.push_back(frame.points[static_cast<size_t>(center)]);
     areas.push_back(static_cast<double>(raw[ROW_AREA * frame.centers.size() + static_cast<size_t>(center)]) / unit);
   }
-  Reach reach = reach_exactly(surface_of(mesh, frame), mesh.half_edges, points, radius, MAX_REACH, mesh.context->threads,
-                              {areas, same_area * pi * radius * radius});
+  Reach reach = search.run(points, {areas, same_area * pi * radius * radius});
   Reach others{{0}, std::move(reach.triangle), {}};
   size_t kept = 0;
   for (size_t i = 0; i < centers.size(); ++i) {
@@ -90,6 +89,7 @@ static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { raw = mesh.device->evaluator.read(gl, settings); });
   settings.exact = true;
   std::vector<int32_t> centers;
+  ReachSearch search(surface_of(mesh, frame), mesh.half_edges, radius, MAX_REACH, mesh.context->threads);
   const size_t count = frame.centers.size();
   for (size_t i = 0; i < count; ++i) {
     if (raw[ROW_FLAGS * count + i] >= (frame.plain[i] ? FLAG_FAR_FROM_DISK : FLAG_NO_DISK))
@@ -97,7 +97,7 @@ static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius
     if (centers.empty() || (centers.size() < batch && i + 1 < count)) continue;
     const double from = 0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(count);
     check_cancel(progress, "evaluate", from);
-    const Reach reach = reach_of_others(mesh, radius, settings.samples, frame, raw, centers);
+    const Reach reach = reach_of_others(search, radius, settings.samples, frame, raw, centers);
     mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { mesh.device->evaluator.set_reach(gl, centers, reach); });
     evaluate_tiles(mesh, settings, static_cast<int>(centers.size()), progress, from, from);
     centers.clear();

@@ -49,7 +49,7 @@ struct Hairpin {
   int32_t point_at(int row) const { return half_edges.vertex_point[static_cast<size_t>(2 * row)]; }
   std::vector<int32_t> reached(int row, double radius, size_t limit = 1000) const {
     const std::vector<int32_t> points{point_at(row)};
-    const Reach reach = reach_exactly(triangles, half_edges, points, radius, limit, 1);
+    const Reach reach = ReachSearch(triangles, half_edges, radius, limit, 1).run(points);
     EXPECT_EQ(reach.begin, (std::vector<int32_t>{0, static_cast<int32_t>(reach.triangle.size())}));
     return reach.triangle;
   }
@@ -81,7 +81,7 @@ TEST(Reach, area_is_that_of_the_triangles_within_the_ball) {
   const Hairpin hairpin;
   const std::vector<int32_t> points{hairpin.point_at(10)};
   const double r = 3.0;
-  const Reach reach = reach_exactly(hairpin.triangles, hairpin.half_edges, points, r, 1000, 1);
+  const Reach reach = ReachSearch(hairpin.triangles, hairpin.half_edges, r, 1000, 1).run(points);
   EXPECT_NEAR(reach.area[0], std::sqrt(r * r - 1) + r * r * std::asin(1 / r), 0.03 * 2 * r); // "to a few per cent"
 }
 
@@ -109,11 +109,55 @@ TEST(Reach, each_of_many_points_finds_what_it_finds_alone) {
     alone.push_back(hairpin.reached(row, 2.5));
   }
   for (const int threads : {1, 2}) {
-    const Reach reach = reach_exactly(hairpin.triangles, hairpin.half_edges, points, 2.5, 1000, threads);
+    const Reach reach = ReachSearch(hairpin.triangles, hairpin.half_edges, 2.5, 1000, threads).run(points);
     for (size_t i = 0; i < points.size(); ++i)
       EXPECT_EQ(std::vector<int32_t>(reach.triangle.begin() + reach.begin[i], reach.triangle.begin() + reach.begin[i + 1]),
                 alone[i]);
   }
+}
+
+// Points of both legs by turns: they lie near each other, so that their floods are shared, and the surface leads from the one to
+// the other outside of their balls, or near the end within.
+TEST(Reach, points_that_share_a_flood_find_what_they_find_alone) {
+  const Hairpin hairpin;
+  const double radius = 3.0;
+  std::vector<int32_t> points;
+  for (int row = 0; row <= Hairpin::length; ++row)
+    for (const int place : {row, 2 * Hairpin::length + 1 - row}) points.push_back(hairpin.point_at(place));
+  ReachSearch search(hairpin.triangles, hairpin.half_edges, radius, 1000, 2);
+  const Reach together = search.run(points);
+  std::vector<double> areas(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Reach alone = search.run({&points[i], 1});
+    EXPECT_EQ(
+        std::vector<int32_t>(together.triangle.begin() + together.begin[i], together.triangle.begin() + together.begin[i + 1]),
+        alone.triangle)
+        << i;
+    EXPECT_NEAR(together.area[i], alone.area[0], 1e-5 * alone.area[0]) << i;
+    EXPECT_GT(alone.area[0], 0.0);
+    areas[i] = i % 3 == 0 ? 2.0 * alone.area[0] : alone.area[0];
+  }
+  const Reach unexpected = search.run(points, {areas, 0.01});
+  for (size_t i = 0; i < points.size(); ++i)
+    EXPECT_EQ(unexpected.begin[i + 1] - unexpected.begin[i], i % 3 == 0 ? together.begin[i + 1] - together.begin[i] : 0) << i;
+}
+
+// The other leg reaches the limit sooner near the end than far from it.
+TEST(Reach, the_limit_is_that_of_each_point_that_shares_a_flood) {
+  const Hairpin hairpin;
+  std::vector<int32_t> points;
+  for (int row = 0; row <= Hairpin::length; ++row) points.push_back(hairpin.point_at(row));
+  const size_t limit = 26;
+  const Reach reach = ReachSearch(hairpin.triangles, hairpin.half_edges, 5.0, limit, 1).run(points);
+  size_t none = 0;
+  for (int row = 0; row <= Hairpin::length; ++row) {
+    const std::vector<int32_t> alone = hairpin.reached(row, 5.0, 1000);
+    const auto i = static_cast<size_t>(row);
+    EXPECT_EQ(static_cast<size_t>(reach.begin[i + 1] - reach.begin[i]), alone.size() > limit ? 0 : alone.size()) << row;
+    none += alone.size() > limit;
+  }
+  EXPECT_GT(none, 0u);
+  EXPECT_LT(none, points.size());
 }
 
 } // namespace

@@ -6,12 +6,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <mutex>
 
 #include "descriptor/reference_quadrature.h"
 #include "descriptor_limits.h"
 #include "support/parallel.h"
+#include "support/pool.h"
 #include "support/ticker.h"
 
 namespace paradesc {
@@ -326,28 +325,6 @@ private:
 
 // ---- All points -------------------------------------------------------------------------------------------------------------
 
-// Floods that no thread uses at the moment.
-class FloodPool {
-public:
-  explicit FloodPool(const Surface &surface) : surface_(surface) {}
-  std::unique_ptr<Flood> take() {
-    const std::lock_guard lock(mutex_);
-    if (idle_.empty()) return std::make_unique<Flood>(surface_);
-    std::unique_ptr<Flood> flood = std::move(idle_.back());
-    idle_.pop_back();
-    return flood;
-  }
-  void give(std::unique_ptr<Flood> flood) {
-    const std::lock_guard lock(mutex_);
-    idle_.push_back(std::move(flood));
-  }
-
-private:
-  const Surface &surface_;
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Flood>> idle_;
-};
-
 void store(double value, float *out) { *out = static_cast<float>(value); }
 void store(dvec3 value, float *out) {
   for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(value[i]);
@@ -378,23 +355,24 @@ ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &ha
   ReferenceField field;
   for (const int row : descriptors) field.values.emplace_back(count * rows[row].components, static_cast<float>(undefined));
   field.boundary.resize(count);
-  FloodPool pool(surface);
+  Pool<Flood> floods;
   const bool all = settings.points.empty();
   const int asked = all ? half_edges.point_count : static_cast<int>(settings.points.size());
   Ticker ticker(asked, progress);
   parallel_blocks(asked, threads, block_size, [&](int begin, int end) {
-    std::unique_ptr<Flood> flood = pool.take();
-    for (int i = begin; i < end; ++i) {
-      const int point = all ? i : settings.points[static_cast<size_t>(i)];
-      const ReferenceNeighborhood neighborhood = flood->measure(point, settings);
-      for (size_t k = 0; k < descriptors.size(); ++k) {
-        const Row &row = rows[descriptors[k]];
-        row.write(neighborhood, &field.values[k][static_cast<size_t>(point) * row.components]);
-      }
-      field.boundary[static_cast<size_t>(point)] = neighborhood.boundary;
-      ticker.step();
-    }
-    pool.give(std::move(flood));
+    floods.with_one([&] { return Flood(surface); },
+                    [&](Flood &flood) {
+                      for (int i = begin; i < end; ++i) {
+                        const int point = all ? i : settings.points[static_cast<size_t>(i)];
+                        const ReferenceNeighborhood neighborhood = flood.measure(point, settings);
+                        for (size_t k = 0; k < descriptors.size(); ++k) {
+                          const Row &row = rows[descriptors[k]];
+                          row.write(neighborhood, &field.values[k][static_cast<size_t>(point) * row.components]);
+                        }
+                        field.boundary[static_cast<size_t>(point)] = neighborhood.boundary;
+                        ticker.step();
+                      }
+                    });
   });
   return field;
 }

@@ -1,7 +1,8 @@
-// A flood over the mesh: from the triangles at the point over every edge that meets the ball.
+// Floods over the mesh: from the triangles at a point over every edge that meets the ball, for one point or for many at once.
 #include "sample/reach.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -18,119 +19,255 @@ bool segment_in_ball(dvec3 a, dvec3 b, dvec3 center, double radius) {
   return dot(gap, gap) < radius * radius;
 }
 
-namespace {
+// All in units of the radius, from the center: meshes have any size.
+static bool in_ball(vec3 offset) { return dot(offset, offset) < 1.0f; }
 
-class Flood {
-public:
-  Flood(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit)
-      : triangles_(triangles), half_edges_(half_edges), scale_(static_cast<float>(1.0 / radius)), limit_(limit),
-        visited_(static_cast<size_t>(triangles.triangle_count), -1) {}
+// Whether the segment between two places outside the ball meets it. Without a division: most do not.
+static bool passes(vec3 a, vec3 b) {
+  const vec3 way = b - a;
+  const float length = dot(way, way), along = -dot(a, way);
+  return along > 0.0f && along < length && (dot(a, a) - 1.0f) * length < along * along;
+}
 
-  // Appends the triangles; nothing where there are too many. Returns their area within the ball.
-  double run(int32_t point, std::vector<int32_t> &found) {
-    const size_t begin = found.size();
-    const auto i = static_cast<size_t>(point);
-    const vec3 center = triangles_.positions[static_cast<size_t>(half_edges_.point_vertex[i])];
-    ++mark_;
-    const int32_t first = half_edges_.point_half_edge[i];
-    for (int32_t corner = first; corner >= 0;) {
-      add(corner / 3, found);
-      corner = half_edges_.twin[static_cast<size_t>(previous_corner(corner))];
-      if (corner == first) break;
+// By the middles of 16 pieces, of four where the triangle is small.
+static float part_in_ball(vec3 corner, vec3 first_side, vec3 second_side) {
+  const bool small = dot(first_side, first_side) + dot(second_side, second_side) < 0.125f;
+  const int pieces = small ? 2 : 4;
+  const auto step = 1.0f / static_cast<float>(3 * pieces);
+  const vec3 first = first_side * step, second = second_side * step;
+  int inside = 0;
+  for (int i = 0; i < pieces; ++i)
+    for (int j = 0; i + j < pieces; ++j) {
+      const vec3 lower = corner + first * (3.0f * static_cast<float>(i) + 1.0f) + second * (3.0f * static_cast<float>(j) + 1.0f);
+      inside += in_ball(lower);
+      inside += i + j + 1 < pieces && in_ball(lower + first + second);
     }
-    double area = 0.0;
-    for (size_t k = begin; k < found.size() && found.size() - begin <= limit_; ++k)
-      area += static_cast<double>(cross_edges(found[k], center, found));
-    if (found.size() - begin <= limit_) return area / (static_cast<double>(scale_) * static_cast<double>(scale_));
-    found.resize(begin);
-    return 0.0;
+  return static_cast<float>(inside) / static_cast<float>(pieces * pieces);
+}
+
+// Points are lanes: bits of what each vertex and each triangle is to them. In dense meshes neighboring points reach nearly the
+// same triangles, most of them in one step for all.
+class SharedFlood {
+public:
+  static constexpr size_t lane_count = 24;
+
+  SharedFlood(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit)
+      : triangles_(triangles), half_edges_(half_edges), scale_(static_cast<float>(1.0 / radius)), limit_(limit),
+        reached_(static_cast<size_t>(triangles.triangle_count), 0), inside_(static_cast<size_t>(triangles.vertex_count), 0) {}
+
+  // Areas within the ball of up to lane_count points: below 0 where a point's is not known, 0 where there are too many triangles.
+  void measure(std::span<const int32_t> points, std::span<double> areas) {
+    begin(points);
+    const int32_t seed = points[0];
+    const vec3 start = position(seed);
+    uint32_t lanes = 0; // with the seed within their ball
+    for (size_t lane = 0; lane < points.size(); ++lane) lanes |= uint32_t{in_ball(offset(start, lane))} << lane;
+    for_each_triangle(seed, [&](int32_t triangle) { add(triangle, lanes); });
+    for (size_t i = 0; i < queue_.size() && common_count_ <= limit_; ++i) {
+      const Step step = queue_[i]; // a copy: the queue grows
+      cross_edges(step.triangle, step.lanes & live_);
+    }
+    for (size_t lane = 0; lane < points.size(); ++lane) {
+      // What the seed reaches is what the point reaches where it reaches the point.
+      const bool joined =
+          reached_[static_cast<size_t>(half_edges_.point_half_edge[static_cast<size_t>(points[lane])]) / 3] >> lane & 1;
+      const bool many = common_count_ + counts_[lane] > limit_;
+      const double unit = static_cast<double>(scale_) * static_cast<double>(scale_);
+      areas[lane] = many ? 0.0 : joined ? (common_area_ + areas_[lane]) / unit : -1.0;
+    }
+    for (const Step &step : queue_) reached_[static_cast<size_t>(step.triangle)] = 0;
+    for (const int32_t vertex : known_) inside_[static_cast<size_t>(vertex)] = 0;
+  }
+
+  // How many of the points, from the first on, lie so near to it that one flood serves them all.
+  size_t together(std::span<const int32_t> points) const {
+    constexpr float near = 0.4f;
+    const vec3 first = position(points[0]);
+    size_t count = 1;
+    const auto is_near = [&](int32_t point) {
+      const vec3 gap = (position(point) - first) * scale_;
+      return dot(gap, gap) < near * near;
+    };
+    while (count < std::min(points.size(), lane_count) && is_near(points[count])) ++count;
+    return count;
+  }
+
+  // Appends the triangles of a point that measure() knows the area of, sorted.
+  void list(size_t lane, std::vector<int32_t> &found) {
+    if (!sorted_) std::ranges::sort(queue_, {}, &Step::triangle);
+    sorted_ = true;
+    for (const Step &step : queue_)
+      if (step.lanes >> lane & 1) found.push_back(step.triangle);
   }
 
 private:
-  // All in units of the radius, from the center: meshes have any size.
-  static bool in_ball(vec3 offset) { return dot(offset, offset) < 1.0f; }
+  static constexpr size_t vector = 4;                     // lanes that processors handle at once
+  static constexpr uint32_t is_known = uint32_t{1} << 31; // of a vertex: its lanes have been looked at
+  struct Step {
+    int32_t triangle;
+    uint32_t lanes; // that have come there
+  };
 
-  // Whether the segment between two places outside the ball meets it. Without a division: most do not.
-  static bool passes(vec3 a, vec3 b) {
-    const vec3 way = b - a;
-    const float length = dot(way, way), along = -dot(a, way);
-    return along > 0.0f && along < length && (dot(a, a) - 1.0f) * length < along * along;
+  void begin(std::span<const int32_t> points) {
+    live_ = all_ = (uint32_t{1} << points.size()) - 1;
+    used_ = (points.size() + vector - 1) / vector * vector;
+    for (size_t lane = 0; lane < used_; ++lane) {
+      const vec3 center = position(points[std::min(lane, points.size() - 1)]);
+      x_[lane] = center.x;
+      y_[lane] = center.y;
+      z_[lane] = center.z;
+      counts_[lane] = 0;
+      areas_[lane] = 0.0;
+    }
+    common_count_ = 0;
+    common_area_ = 0.0;
+    queue_.clear();
+    sorted_ = false;
+    known_.clear();
   }
 
-  // Adds what lies beyond the triangle's edges where they meet the ball; returns its own area within.
-  float cross_edges(int32_t triangle, vec3 center, std::vector<int32_t> &found) {
+  vec3 position(int32_t point) const {
+    return triangles_.positions[static_cast<size_t>(half_edges_.point_vertex[static_cast<size_t>(point)])];
+  }
+
+  vec3 offset(vec3 place, size_t lane) const { return (place - vec3(x_[lane], y_[lane], z_[lane])) * scale_; }
+
+  template <class Visit> void for_each_triangle(int32_t point, const Visit &visit) const {
+    const int32_t first = half_edges_.point_half_edge[static_cast<size_t>(point)];
+    for (int32_t corner = first; corner >= 0;) {
+      visit(corner / 3);
+      corner = half_edges_.twin[static_cast<size_t>(previous_corner(corner))];
+      if (corner == first) break;
+    }
+  }
+
+  void add(int32_t triangle, uint32_t lanes) {
+    uint32_t &reached = reached_[static_cast<size_t>(triangle)];
+    const uint32_t fresh = lanes & ~reached;
+    if (!fresh) return;
+    reached |= fresh;
+    queue_.push_back({triangle, fresh});
+  }
+
+  // The lanes whose ball holds a vertex.
+  uint32_t inside(int32_t vertex) {
+    uint32_t &known = inside_[static_cast<size_t>(vertex)];
+    if (known) return known;
+    const vec3 place = triangles_.positions[static_cast<size_t>(vertex)];
+    uint32_t lanes = is_known;
+    for (size_t lane = 0; lane < used_; ++lane) {
+      const float x = (place.x - x_[lane]) * scale_, y = (place.y - y_[lane]) * scale_, z = (place.z - z_[lane]) * scale_;
+      lanes |= (x * x + y * y + z * z < 1.0f ? uint32_t{1} : uint32_t{0}) << lane;
+    }
+    known_.push_back(vertex);
+    return known = lanes;
+  }
+
+  // Adds what lies beyond the triangle's edges where they meet the ball of these lanes, and to their areas the part of its own
+  // within.
+  void cross_edges(int32_t triangle, uint32_t lanes) {
     const size_t first = 3 * static_cast<size_t>(triangle);
     vec3 corner[3];
-    bool inside[3];
+    uint32_t within[3];
     for (size_t i = 0; i < 3; ++i) {
-      corner[i] = (triangles_.positions[static_cast<size_t>(triangles_.corner_vertex[first + i])] - center) * scale_;
-      inside[i] = in_ball(corner[i]);
+      const int32_t vertex = triangles_.corner_vertex[first + i];
+      corner[i] = triangles_.positions[static_cast<size_t>(vertex)];
+      within[i] = inside(vertex) & lanes;
     }
     for (size_t i = 0; i < 3; ++i) {
       const int32_t twin = half_edges_.twin[first + i];
-      if (twin < 0 || visited_[static_cast<size_t>(twin / 3)] == mark_) continue;
+      if (twin < 0) continue;
+      const uint32_t wanted = lanes & ~reached_[static_cast<size_t>(twin / 3)];
+      if (!wanted) continue;
       const size_t next = i == 2 ? 0 : i + 1;
-      if (inside[i] || inside[next] || passes(corner[i], corner[next])) add(twin / 3, found);
+      uint32_t over = (within[i] | within[next]) & wanted;
+      for_each_lane(wanted & ~over, [&](size_t lane) {
+        if (passes(offset(corner[i], lane), offset(corner[next], lane))) over |= uint32_t{1} << lane;
+      });
+      add(twin / 3, over);
     }
-    const vec3 first_side = corner[1] - corner[0], second_side = corner[2] - corner[0];
+    add_area(corner, within[0] & within[1] & within[2], lanes);
+  }
+
+  void add_area(const vec3 (&corner)[3], uint32_t whole, uint32_t lanes) {
+    const vec3 first_side = (corner[1] - corner[0]) * scale_, second_side = (corner[2] - corner[0]) * scale_;
     const float area = 0.5f * length(cross(first_side, second_side));
-    return inside[0] && inside[1] && inside[2] ? area : area * part_in_ball(corner[0], first_side, second_side);
+    if (whole == all_) {
+      common_area_ += static_cast<double>(area);
+      ++common_count_;
+      return;
+    }
+    for_each_lane(lanes, [&](size_t lane) {
+      const bool inside = whole >> lane & 1;
+      areas_[lane] += static_cast<double>(inside ? area : area * part_in_ball(offset(corner[0], lane), first_side, second_side));
+      if (++counts_[lane] > limit_) live_ &= ~(uint32_t{1} << lane);
+    });
   }
 
-  // By the middles of 16 pieces, of four where the triangle is small.
-  static float part_in_ball(vec3 corner, vec3 first_side, vec3 second_side) {
-    const bool small = dot(first_side, first_side) + dot(second_side, second_side) < 0.125f;
-    const int pieces = small ? 2 : 4;
-    const auto step = 1.0f / static_cast<float>(3 * pieces);
-    const vec3 first = first_side * step, second = second_side * step;
-    int inside = 0;
-    for (int i = 0; i < pieces; ++i)
-      for (int j = 0; i + j < pieces; ++j) {
-        const vec3 lower =
-            corner + first * (3.0f * static_cast<float>(i) + 1.0f) + second * (3.0f * static_cast<float>(j) + 1.0f);
-        inside += in_ball(lower);
-        inside += i + j + 1 < pieces && in_ball(lower + first + second);
-      }
-    return static_cast<float>(inside) / static_cast<float>(pieces * pieces);
-  }
-
-  void add(int32_t triangle, std::vector<int32_t> &found) {
-    if (std::exchange(visited_[static_cast<size_t>(triangle)], mark_) != mark_) found.push_back(triangle);
+  template <class Visit> static void for_each_lane(uint32_t lanes, const Visit &visit) {
+    for (; lanes; lanes &= lanes - 1) visit(static_cast<size_t>(std::countr_zero(lanes)));
   }
 
   const Triangles &triangles_;
   const HalfEdges &half_edges_;
   float scale_; // 1 / radius
   size_t limit_;
-  std::vector<int32_t> visited_; // (triangle_count) the last run that came by
-  int32_t mark_ = -1;
+  std::vector<uint32_t> reached_; // (triangle_count) lanes that have come there; 0 between calls
+  std::vector<uint32_t> inside_;  // (vertex_count) as inside() says; 0 where it was not asked
+  std::vector<Step> queue_;       // each triangle once for a lane
+  bool sorted_ = false;           // the queue, by triangles
+  std::vector<int32_t> known_;    // vertices that inside() was asked for
+  float x_[lane_count], y_[lane_count], z_[lane_count];
+  size_t used_ = 0;                              // lanes, with those that fill a vector
+  uint32_t all_ = 0, live_ = 0;                  // lanes; those without too many triangles
+  double common_area_ = 0.0, areas_[lane_count]; // of triangles within the balls of all lanes; of each lane's others
+  size_t common_count_ = 0, counts_[lane_count];
 };
 
-} // namespace
+ReachSearch::ReachSearch(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit, int threads)
+    : triangles_(triangles), half_edges_(half_edges), radius_(radius), limit_(limit), threads_(threads) {}
 
-Reach reach_exactly(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> points, double radius,
-                    size_t limit, int threads, const ExpectedAreas &expected) {
-  // Few large blocks: each has marks of its own.
-  const auto count = static_cast<int>(points.size());
-  const int block = std::max(256, (count + 15) / 16);
-  std::vector<std::vector<int32_t>> found(static_cast<size_t>((count + block - 1) / block));
+ReachSearch::~ReachSearch() = default;
+
+Reach ReachSearch::run(std::span<const int32_t> points, const ExpectedAreas &expected) {
+  constexpr size_t block = 8 * SharedFlood::lane_count;
+  const size_t count = points.size();
+  std::vector<std::vector<int32_t>> found((count + block - 1) / block);
+  std::vector<size_t> first_of(count, 0); // in the list of the point's block
   Reach reach;
-  reach.begin.assign(points.size() + 1, 0);
-  reach.area.assign(points.size(), 0.0);
-  parallel_blocks(count, threads, block, [&](int begin, int end) {
-    Flood flood(triangles, half_edges, radius, limit);
-    std::vector<int32_t> list; // of its own: neighboring vectors share cache lines
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      const size_t before = list.size();
-      reach.area[i] = flood.run(points[i], list);
-      if (!expected.areas.empty() && std::abs(reach.area[i] - expected.areas[i]) < expected.tolerance) list.resize(before);
-      std::sort(list.begin() + static_cast<ptrdiff_t>(before), list.end());
-      reach.begin[i + 1] = static_cast<int32_t>(list.size() - before);
+  reach.begin.assign(count + 1, 0);
+  reach.area.assign(count, 0.0);
+  const auto measure = [&](SharedFlood &flood, size_t first, size_t lanes, std::vector<int32_t> &list) {
+    flood.measure(points.subspan(first, lanes), std::span(reach.area).subspan(first, lanes));
+    for (size_t lane = 0; lane < lanes; ++lane) {
+      const size_t i = first + lane;
+      if (!(reach.area[i] > 0.0)) continue;
+      if (!expected.areas.empty() && std::abs(reach.area[i] - expected.areas[i]) < expected.tolerance) continue;
+      first_of[i] = list.size();
+      flood.list(lane, list);
+      reach.begin[i + 1] = static_cast<int32_t>(list.size() - first_of[i]);
     }
-    found[static_cast<size_t>(begin / block)] = std::move(list);
+  };
+  parallel_blocks(static_cast<int>(count), threads_, static_cast<int>(block), [&](int from, int to) {
+    const auto begin = static_cast<size_t>(from), end = static_cast<size_t>(to);
+    std::vector<int32_t> list; // of its own: neighboring vectors share cache lines
+    floods_.with_one([&] { return SharedFlood(triangles_, half_edges_, radius_, limit_); },
+                     [&](SharedFlood &flood) {
+                       for (size_t first = begin, lanes = 0; first < end; first += lanes) {
+                         lanes = flood.together(points.subspan(first, end - first));
+                         measure(flood, first, lanes, list);
+                       }
+                       for (size_t i = begin; i < end; ++i)
+                         if (reach.area[i] < 0.0) measure(flood, i, 1, list);
+                     });
+    found[begin / block] = std::move(list);
   });
   std::partial_sum(reach.begin.begin(), reach.begin.end(), reach.begin.begin());
-  for (const auto &list : found) reach.triangle.insert(reach.triangle.end(), list.begin(), list.end());
+  reach.triangle.reserve(static_cast<size_t>(reach.begin.back()));
+  for (size_t i = 0; i < count; ++i) {
+    const auto first = found[i / block].begin() + static_cast<ptrdiff_t>(first_of[i]);
+    reach.triangle.insert(reach.triangle.end(), first, first + (reach.begin[i + 1] - reach.begin[i]));
+  }
   return reach;
 }
 

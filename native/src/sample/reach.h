@@ -5,18 +5,20 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "mesh/halfedge.h"
 #include "mesh/triangles.h"
+#include "support/pool.h"
 
 namespace paradesc {
 
 struct Reach {
   std::vector<int32_t> begin;    // (points + 1) into triangle
-  std::vector<int32_t> triangle; // sorted, of each point; none: more than `limit`, or the area that was expected
-  std::vector<double> area;      // (points) of those triangles within the ball, to a few per cent
+  std::vector<int32_t> triangle; // sorted, of each point; none: more than the limit, or the area that was expected
+  std::vector<double> area;      // (points) of those triangles within the ball, to a few per cent; 0: more than the limit
 };
 
 // Points whose area is that of `areas` within the tolerance need no list of triangles.
@@ -25,9 +27,24 @@ struct ExpectedAreas {
   double tolerance = 0.0;
 };
 
-// radius in units of the positions.
-Reach reach_exactly(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> points, double radius,
-                    size_t limit, int threads, const ExpectedAreas &expected = {});
+class SharedFlood;
+
+// What is kept from call to call belongs to one mesh and one radius, in units of the positions. limit: triangles of one point.
+class ReachSearch {
+public:
+  ReachSearch(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit, int threads);
+  ~ReachSearch();
+  // Points that lie near each other are best in a row: floods are shared.
+  Reach run(std::span<const int32_t> points, const ExpectedAreas &expected = {});
+
+private:
+  const Triangles &triangles_;
+  const HalfEdges &half_edges_;
+  double radius_;
+  size_t limit_;
+  int threads_;
+  Pool<SharedFlood> floods_;
+};
 
 // Whether the segment from a to b comes nearer to the center than the radius.
 bool segment_in_ball(dvec3 a, dvec3 b, dvec3 center, double radius);
