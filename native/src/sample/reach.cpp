@@ -101,7 +101,9 @@ public:
   }
 
 private:
-  static constexpr size_t vector = 4;                     // lanes that processors handle at once
+  static constexpr size_t width = 4; // lanes that processors handle at once
+  using Lanes [[gnu::vector_size(width * sizeof(float))]] = float;
+  using Bits [[gnu::vector_size(width * sizeof(int32_t))]] = int32_t;
   static constexpr uint32_t is_known = uint32_t{1} << 31; // of a vertex: its lanes have been looked at
   struct Step {
     int32_t triangle;
@@ -110,12 +112,12 @@ private:
 
   void begin(std::span<const int32_t> points) {
     live_ = all_ = (uint32_t{1} << points.size()) - 1;
-    used_ = (points.size() + vector - 1) / vector * vector;
-    for (size_t lane = 0; lane < used_; ++lane) {
+    used_ = (points.size() + width - 1) / width;
+    for (size_t lane = 0; lane < used_ * width; ++lane) {
       const vec3 center = position(points[std::min(lane, points.size() - 1)]);
-      x_[lane] = center.x;
-      y_[lane] = center.y;
-      z_[lane] = center.z;
+      x_[lane / width][lane % width] = center.x;
+      y_[lane / width][lane % width] = center.y;
+      z_[lane / width][lane % width] = center.z;
       counts_[lane] = 0;
       areas_[lane] = 0.0;
     }
@@ -130,7 +132,10 @@ private:
     return triangles_.positions[static_cast<size_t>(half_edges_.point_vertex[static_cast<size_t>(point)])];
   }
 
-  vec3 offset(vec3 place, size_t lane) const { return (place - vec3(x_[lane], y_[lane], z_[lane])) * scale_; }
+  vec3 offset(vec3 place, size_t lane) const {
+    const size_t i = lane / width, k = lane % width;
+    return (place - vec3(x_[i][k], y_[i][k], z_[i][k])) * scale_;
+  }
 
   template <class Visit> void for_each_triangle(int32_t point, const Visit &visit) const {
     const int32_t first = half_edges_.point_half_edge[static_cast<size_t>(point)];
@@ -154,13 +159,13 @@ private:
     uint32_t &known = inside_[static_cast<size_t>(vertex)];
     if (known) return known;
     const vec3 place = triangles_.positions[static_cast<size_t>(vertex)];
-    uint32_t lanes = is_known;
-    for (size_t lane = 0; lane < used_; ++lane) {
-      const float x = (place.x - x_[lane]) * scale_, y = (place.y - y_[lane]) * scale_, z = (place.z - z_[lane]) * scale_;
-      lanes |= (x * x + y * y + z * z < 1.0f ? uint32_t{1} : uint32_t{0}) << lane;
+    Bits lanes{};
+    for (size_t i = 0; i < used_; ++i) {
+      const Lanes x = (place.x - x_[i]) * scale_, y = (place.y - y_[i]) * scale_, z = (place.z - z_[i]) * scale_;
+      lanes |= (x * x + y * y + z * z < 1.0f) & (Bits{1, 2, 4, 8} << static_cast<int32_t>(width * i));
     }
     known_.push_back(vertex);
-    return known = lanes;
+    return known = is_known | static_cast<uint32_t>(lanes[0] | lanes[1] | lanes[2] | lanes[3]);
   }
 
   // Adds what lies beyond the triangle's edges where they meet the ball of these lanes, and to their areas the part of its own
@@ -217,8 +222,8 @@ private:
   std::vector<Step> queue_;       // each triangle once for a lane
   bool sorted_ = false;           // the queue, by triangles
   std::vector<int32_t> known_;    // vertices that inside() was asked for
-  float x_[lane_count], y_[lane_count], z_[lane_count];
-  size_t used_ = 0;                              // lanes, with those that fill a vector
+  Lanes x_[lane_count / width], y_[lane_count / width], z_[lane_count / width];
+  size_t used_ = 0;                              // vectors of lanes
   uint32_t all_ = 0, live_ = 0;                  // lanes; those without too many triangles
   double common_area_ = 0.0, areas_[lane_count]; // of triangles within the balls of all lanes; of each lane's others
   size_t common_count_ = 0, counts_[lane_count];
