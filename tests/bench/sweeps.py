@@ -40,12 +40,14 @@ def detail(run: parts.Run, out: page.Section) -> None:
     out.say(
         "A torus, irregularly triangulated, eight charts, r = 4 % of the diagonal, mean curvature. Frames from "
         "positions to results in Python, without preprocessing on both sides; the baseline on all cores, extrapolated "
-        "from a random sample of the same mesh's vertices. Errors against the reference at 400 random vertices."
+        "from a random sample of the same mesh's vertices. Errors against the reference at 400 random vertices. "
+        "*Texels*: evaluated there and looked up at vertices, as the paper does, with Max's normals."
     )
     rows, curves = [], []
     for triangles in TRIANGLES:
         found = parts.against_baseline(run, parts.torus(run, triangles), 0.04, ("fitted", "max"))
-        base, few, many, cheap = (found[name] for name in ("baseline", "fewest", "at_256", "max_normals"))
+        ways = ("baseline", "fewest", "at_256", "max_normals", "at_texels")
+        base, few, many, cheap, texels = (found[name] for name in ways)
         rows.append(
             [
                 found["triangles"],
@@ -60,19 +62,23 @@ def detail(run: parts.Run, out: page.Section) -> None:
                 base["seconds"] / many["seconds"],
                 cheap["error"],
                 base["seconds"] / cheap["seconds"],
+                texels["error"],
+                milliseconds(texels["seconds"]),
+                base["seconds"] / texels["seconds"],
             ]
         )
-        curves.append((found["triangles"] / 1e3, base["seconds"], few["seconds"], many["seconds"]))
+        curves.append((found["triangles"] / 1e3, *(one["seconds"] for one in (base, few, many, texels))))
         stages = [milliseconds(few[f"seconds_{stage}"]) for stage in timing.STAGES]
         parts.say(f"{triangles} triangles: {base['seconds']:.2f} s against {few['seconds']:.3f} s\n")
         rows[-1] += stages
     head = ["triangles", "baseline s", "neighbors", "samples", "error %", "ms", "times faster"]
     head += ["256: error %", "ms", "times faster", "Max's normals: error %", "times faster"]
+    head += ["texels: error %", "ms", "times faster"]
     out.table("Detail", head + [f"{stage} ms" for stage in timing.STAGES], rows)
 
     def draw(axes: object) -> None:
-        x, base, few, many = zip(*curves, strict=True)
-        for label, y in (("baseline", base), ("fewest samples", few), ("256 samples", many)):
+        x, base, few, many, texels = zip(*curves, strict=True)
+        for label, y in (("baseline", base), ("fewest samples", few), ("256 samples", many), ("at texels", texels)):
             axes.loglog(x, y, marker="o", markersize=3, label=label)
         axes.set(xlabel="thousand triangles", ylabel="seconds a frame")
         axes.legend(fontsize=7)
@@ -195,10 +201,12 @@ def models(run: parts.Run, out: page.Section) -> None:
             )
     if not rows:
         return
+    means = []
     for label, big in (("mean, as they are", False), ("mean, subdivided", True)):
-        chosen = [row for row in rows if (row[1] > run.scale * 3e5) == big and not row[0].startswith("mean")]
+        chosen = [row[6:] for row in rows if (row[1] > run.scale * 3e5) == big]
         if chosen:
-            rows.append([label, "", "", "", "", "", *np.mean([row[6:] for row in chosen], axis=0)])
+            means.append([label, "", "", "", "", "", *np.mean(chosen, axis=0)])
+    rows += means
     head = ["model", "triangles", "baseline s", "samples", "error %", "ms", "times faster"]
     out.table("Models", [*head, "256: error %", "times faster"], rows)
 
