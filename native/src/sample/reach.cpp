@@ -64,6 +64,7 @@ public:
     for (size_t lane = 0; lane < points.size(); ++lane) lanes |= uint32_t{in_ball(offset(start, lane))} << lane;
     for_each_triangle(seed, [&](int32_t triangle) { add(triangle, lanes); });
     for (size_t i = 0; i < queue_.size() && common_count_ <= limit_; ++i) {
+      if (i % 1024 == 1023) leave_out_many();
       const Step step = queue_[i]; // a copy: the queue grows
       cross_edges(step.triangle, step.lanes & live_);
     }
@@ -71,9 +72,9 @@ public:
       // What the seed reaches is what the point reaches where it reaches the point.
       const bool joined =
           reached_[static_cast<size_t>(half_edges_.point_half_edge[static_cast<size_t>(points[lane])]) / 3] >> lane & 1;
-      const bool many = common_count_ + counts_[lane] > limit_;
+      const double area = common_area_ + static_cast<double>(areas_[lane / width][lane % width]);
       const double unit = static_cast<double>(scale_) * static_cast<double>(scale_);
-      areas[lane] = many ? 0.0 : joined ? (common_area_ + areas_[lane]) / unit : -1.0;
+      areas[lane] = count(lane) > limit_ ? 0.0 : joined ? area / unit : -1.0;
     }
     for (const Step &step : queue_) reached_[static_cast<size_t>(step.triangle)] = 0;
     for (const int32_t vertex : known_) inside_[static_cast<size_t>(vertex)] = 0;
@@ -118,8 +119,10 @@ private:
       x_[lane / width][lane % width] = center.x;
       y_[lane / width][lane % width] = center.y;
       z_[lane / width][lane % width] = center.z;
-      counts_[lane] = 0;
-      areas_[lane] = 0.0;
+    }
+    for (size_t i = 0; i < used_; ++i) {
+      counts_[i] = Bits{};
+      areas_[i] = Lanes{};
     }
     common_count_ = 0;
     common_area_ = 0.0;
@@ -191,23 +194,45 @@ private:
       });
       add(twin / 3, over);
     }
-    add_area(corner, within[0] & within[1] & within[2], lanes);
+    add_area(corner, within, lanes);
   }
 
-  void add_area(const vec3 (&corner)[3], uint32_t whole, uint32_t lanes) {
+  void add_area(const vec3 (&corner)[3], const uint32_t (&within)[3], uint32_t lanes) {
+    constexpr float small = 0.02f; // squares of two sides
     const vec3 first_side = (corner[1] - corner[0]) * scale_, second_side = (corner[2] - corner[0]) * scale_;
     const float area = 0.5f * length(cross(first_side, second_side));
+    const uint32_t whole = within[0] & within[1] & within[2];
     if (whole == all_) {
       common_area_ += static_cast<double>(area);
       ++common_count_;
       return;
     }
+    for (size_t i = 0; i < used_; ++i) counts_[i] -= are_in(lanes, i);
+    if (dot(first_side, first_side) + dot(second_side, second_side) < small) {
+      for (size_t i = 0; i < used_; ++i) // a third for each corner
+        areas_[i] -=
+            __builtin_convertvector(are_in(within[0], i) + are_in(within[1], i) + are_in(within[2], i), Lanes) * (area / 3.0f);
+      return;
+    }
     for_each_lane(lanes, [&](size_t lane) {
       const bool inside = whole >> lane & 1;
-      areas_[lane] += static_cast<double>(inside ? area : area * part_in_ball(offset(corner[0], lane), first_side, second_side));
-      if (++counts_[lane] > limit_) live_ &= ~(uint32_t{1} << lane);
+      areas_[lane / width][lane % width] += inside ? area : area * part_in_ball(offset(corner[0], lane), first_side, second_side);
     });
   }
+
+  // -1 for those of the i-th vector that are among the lanes, else 0.
+  static Bits are_in(uint32_t lanes, size_t i) {
+    return ((Bits{} + static_cast<int32_t>(lanes >> width * i)) & Bits{1, 2, 4, 8}) != 0;
+  }
+
+  // Lanes with too many triangles go no further.
+  void leave_out_many() {
+    for_each_lane(live_, [&](size_t lane) {
+      if (count(lane) > limit_) live_ &= ~(uint32_t{1} << lane);
+    });
+  }
+
+  size_t count(size_t lane) const { return common_count_ + static_cast<size_t>(counts_[lane / width][lane % width]); }
 
   template <class Visit> static void for_each_lane(uint32_t lanes, const Visit &visit) {
     for (; lanes; lanes &= lanes - 1) visit(static_cast<size_t>(std::countr_zero(lanes)));
@@ -223,10 +248,12 @@ private:
   bool sorted_ = false;           // the queue, by triangles
   std::vector<int32_t> known_;    // vertices that inside() was asked for
   Lanes x_[lane_count / width], y_[lane_count / width], z_[lane_count / width];
-  size_t used_ = 0;                              // vectors of lanes
-  uint32_t all_ = 0, live_ = 0;                  // lanes; those without too many triangles
-  double common_area_ = 0.0, areas_[lane_count]; // of triangles within the balls of all lanes; of each lane's others
-  size_t common_count_ = 0, counts_[lane_count];
+  size_t used_ = 0;             // vectors of lanes
+  uint32_t all_ = 0, live_ = 0; // lanes; those without too many triangles
+  double common_area_ = 0.0;    // of triangles within the balls of all lanes
+  size_t common_count_ = 0;
+  Lanes areas_[lane_count / width]; // of each lane's others
+  Bits counts_[lane_count / width];
 };
 
 ReachSearch::ReachSearch(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit, int threads)
