@@ -22,7 +22,7 @@ thread)
   export TSAN_OPTIONS=suppressions=$lists/threads.txt:ignore_noninstrumented_modules=1:second_deadlock_stack=1
   ;;
 valgrind)
-  packages=(clang valgrind) flags="-O1 -g" option=-DPARADESC_SANITIZE=
+  packages=(clang valgrind) flags="-O1 -gdwarf-4" option=-DPARADESC_SANITIZE= # Valgrind 3.19 does not read the fifth version
   : "${filter:=Threads.calls_on_one_context_take_turns/software}"
   ;;
 *) fail "usage: bash tests/sanitize.sh address|thread|valgrind [filter]" ;;

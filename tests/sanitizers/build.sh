@@ -11,6 +11,7 @@ build_with_clang() {
   echo "Building $targets in ${folder#"$root"/}"
   # shellcheck disable=SC2086 # several targets
   if ! { cmake -S "$root" -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=$flags" \
+    "-DCMAKE_C_FLAGS_RELWITHDEBINFO=$flags" \
     -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ "${launcher[@]}" "$@" &&
     cmake --build "$folder" --target $targets; } >"$log" 2>&1; then
     tail -n 40 "$log" >&2
