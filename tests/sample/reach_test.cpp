@@ -160,5 +160,39 @@ TEST(Reach, the_limit_is_that_of_each_point_that_shares_a_flood) {
   EXPECT_LT(none, points.size());
 }
 
+// Triangles a twelfth of the radius wide, whose rims are summed by their corners: on a lattice that counts the vertices within a
+// circle.
+TEST(Reach, area_of_points_that_share_a_flood_over_small_triangles_is_that_of_their_disks) {
+  constexpr int side = 40; // squares
+  const double radius = 12.0;
+  std::vector<float> positions;
+  std::vector<int32_t> corners, triangle_corners;
+  for (int y = 0; y <= side; ++y)
+    for (int x = 0; x <= side; ++x) positions.insert(positions.end(), {static_cast<float>(x), static_cast<float>(y), 0.0f});
+  for (int32_t y = 0; y < side; ++y)
+    for (int32_t x = 0; x < side; ++x) {
+      const int32_t at = y * (side + 1) + x;
+      for (const int32_t corner : {at, at + 1, at + side + 1, at + side + 1, at + 1, at + side + 2}) {
+        triangle_corners.push_back(static_cast<int32_t>(corners.size()));
+        corners.push_back(corner);
+      }
+    }
+  pdesc_mesh_input input;
+  pdesc_mesh_input_init(&input);
+  input.vertex_count = (side + 1) * (side + 1);
+  input.corner_count = static_cast<int32_t>(corners.size());
+  input.triangle_count = input.corner_count / 3;
+  input.positions = positions.data();
+  input.corner_vertices = corners.data();
+  input.triangle_corners = triangle_corners.data();
+  const Triangles triangles = read_triangles(input);
+  const HalfEdges half_edges = build_half_edges(triangles);
+  std::vector<int32_t> points;
+  for (int32_t x = 16; x <= 24; ++x) points.push_back(half_edges.vertex_point[static_cast<size_t>(20 * (side + 1) + x)]);
+  const Reach reach = ReachSearch(triangles, half_edges, radius, 8191, 1).run(points);
+  for (const double area : reach.area)
+    EXPECT_NEAR(area, pi * radius * radius, 0.03 * pi * radius * radius); // "to a few per cent"
+}
+
 } // namespace
 } // namespace paradesc::test
