@@ -5,6 +5,8 @@
 #include "descriptor/registry.h"
 #include "descriptor_limits.h"
 #include "image/passes.h"
+#include "sample/patch_areas.h"
+#include "sample/reach.h"
 #include "sample/texels.h"
 #include "stages.h"
 #include "support/error.h"
@@ -56,29 +58,51 @@ static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int cou
   }
 }
 
-// Those of the centers that have another area than the triangles which the surface reaches within the ball, with these triangles.
-static Reach reach_of_others(ReachSearch &search, double radius, int samples, const Frame &frame, const std::vector<float> &raw,
-                             std::vector<int32_t> &centers) {
-  // Of a disk; samples of a folded place miss its area by some per cent, few samples by more.
-  const double same_area =
-      std::max(0.06, 1.1 * std::pow(samples / static_cast<double>(ellipse_enlargement * ellipse_enlargement), -0.75));
-  const double unit = frame.buffer_frame.scale * frame.buffer_frame.scale;
-  std::vector<int32_t> points;
-  std::vector<double> areas;
-  for (const int32_t center : centers) {
-    points.push_back(frame.points[static_cast<size_t>(center)]);
-    areas.push_back(static_cast<double>(raw[ROW_AREA * frame.centers.size() + static_cast<size_t>(center)]) / unit);
+// Of which part of a disk's area it may be another: samples of a folded place miss some per cent, few samples more.
+static double same_area(int samples) {
+  return std::max(0.06, 1.1 * std::pow(samples / static_cast<double>(ellipse_enlargement * ellipse_enlargement), -0.75));
+}
+
+namespace {
+
+// Centers and what their samples say, for a search among triangles.
+struct Suspects {
+  std::vector<int32_t> centers, points;
+  std::vector<double> areas; // in units of the positions
+
+  void push_back(int32_t center, int32_t point, double area) {
+    centers.push_back(center);
+    points.push_back(point);
+    areas.push_back(area);
   }
-  Reach reach = search.run(points, {areas, same_area * pi * radius * radius});
-  Reach others{{0}, std::move(reach.triangle), {}};
-  size_t kept = 0;
-  for (size_t i = 0; i < centers.size(); ++i) {
-    if (reach.begin[i] == reach.begin[i + 1]) continue;
-    centers[kept++] = centers[i];
-    others.begin.push_back(reach.begin[i + 1]);
+  Suspects part(size_t first, size_t last) const {
+    const auto cut = [&](const auto &all) {
+      return std::decay_t<decltype(all)>(all.begin() + static_cast<ptrdiff_t>(first), all.begin() + static_cast<ptrdiff_t>(last));
+    };
+    return {cut(centers), cut(points), cut(areas)};
   }
-  centers.resize(kept);
-  return others;
+  // Keeps those of which keep(i) says so.
+  template <class Keep> void filter(const Keep &keep) {
+    size_t kept = 0;
+    for (size_t i = 0; i < centers.size(); ++i) {
+      if (!keep(i)) continue;
+      centers[kept] = centers[i];
+      points[kept] = points[i];
+      areas[kept++] = areas[i];
+    }
+    centers.resize(kept);
+    points.resize(kept);
+    areas.resize(kept);
+  }
+};
+
+} // namespace
+
+// Whether patches are worth it: floods would look at each triangle several times.
+static bool floods_are_long(const Mesh &mesh, double radius, size_t points) {
+  const double triangles = pi * radius * radius / (0.43 * mesh.mean_edge * mesh.mean_edge); // in a ball
+  return triangles > 300.0 && static_cast<double>(points) * std::min(triangles, static_cast<double>(MAX_REACH)) >
+                                  16.0 * static_cast<double>(mesh.triangles.triangle_count);
 }
 
 // Centers whose neighborhood is no disk, and not what the surface reaches within the ball: once more, on exactly that. So many at
@@ -88,19 +112,35 @@ static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius
   std::vector<float> raw;
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { raw = mesh.device->evaluator.read(gl, settings); });
   settings.exact = true;
-  std::vector<int32_t> centers;
-  ReachSearch search(surface_of(mesh, frame), mesh.half_edges, radius, MAX_REACH, mesh.context->threads);
   const size_t count = frame.centers.size();
-  for (size_t i = 0; i < count; ++i) {
+  const double unit = frame.buffer_frame.scale * frame.buffer_frame.scale;
+  Suspects folded;
+  for (size_t i = 0; i < count; ++i)
     if (raw[ROW_FLAGS * count + i] >= (frame.plain[i] ? FLAG_FAR_FROM_DISK : FLAG_NO_DISK))
-      centers.push_back(static_cast<int32_t>(i));
-    if (centers.empty() || (centers.size() < batch && i + 1 < count)) continue;
-    const double from = 0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(count);
+      folded.push_back(static_cast<int32_t>(i), frame.points[i], static_cast<double>(raw[ROW_AREA * count + i]) / unit);
+  const Triangles &surface = surface_of(mesh, frame);
+  const double tolerance = same_area(settings.samples) * pi * radius * radius;
+  if (floods_are_long(mesh, radius, folded.points.size())) { // these areas are nearly the same: others are looked at closely
+    if (!mesh.patches) mesh.patches = build_patches(mesh.half_edges);
+    PatchAreas patches(*mesh.patches, mesh.half_edges, surface, radius, mesh.context->threads);
+    const std::vector<double> found = patches.run(folded.points);
+    folded.filter([&](size_t i) { return !(found[i] >= 0.0 && std::abs(found[i] - folded.areas[i]) < 0.5 * tolerance); });
+  }
+  ReachSearch search(surface, mesh.half_edges, radius, MAX_REACH, mesh.context->threads);
+  for (size_t first = 0; first < folded.centers.size(); first += batch) {
+    const double from = 0.8 + 0.2 * static_cast<double>(first) / static_cast<double>(folded.centers.size());
     check_cancel(progress, "evaluate", from);
-    const Reach reach = reach_of_others(search, radius, settings.samples, frame, raw, centers);
-    mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { mesh.device->evaluator.set_reach(gl, centers, reach); });
-    evaluate_tiles(mesh, settings, static_cast<int>(centers.size()), progress, from, from);
-    centers.clear();
+    Suspects suspects = folded.part(first, std::min(first + batch, folded.centers.size()));
+    Reach reach = search.run(suspects.points, {suspects.areas, tolerance});
+    Reach others{{0}, std::move(reach.triangle), {}};
+    suspects.filter([&](size_t i) {
+      if (reach.begin[i] == reach.begin[i + 1]) return false;
+      others.begin.push_back(reach.begin[i + 1]);
+      return true;
+    });
+    if (suspects.centers.empty()) continue;
+    mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { mesh.device->evaluator.set_reach(gl, suspects.centers, others); });
+    evaluate_tiles(mesh, settings, static_cast<int>(suspects.centers.size()), progress, from, from);
   }
 }
 

@@ -28,6 +28,10 @@ template <class... Lists> static int64_t bytes(const Lists &...lists) {
   return static_cast<int64_t>(((lists.capacity() * sizeof(lists[0])) + ...));
 }
 
+static int64_t bytes_of(const Patches &p) {
+  return bytes(p.triangle_patch, p.begin, p.triangle, p.corner, p.point_begin, p.point, p.link_begin, p.link);
+}
+
 // What a mesh holds between computations.
 static int64_t bytes_of_mesh(const Mesh &mesh) {
   const Triangles &t = mesh.triangles;
@@ -36,7 +40,8 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
   return bytes(t.positions, t.corner_vertex, t.corner_uv, t.given_uv, t.input_corner, t.corner_normal, t.half_edge_sharp) +
          bytes(h.corner_point, h.twin, h.point_vertex, h.point_half_edge, h.vertex_point, h.point_boundary) +
          bytes(c.triangle_chart, c.corner_site, c.half_edge_border, c.sites, c.point_site, c.shared_sites, c.shared_corners,
-               c.borders);
+               c.borders) +
+         (mesh.patches ? bytes_of(*mesh.patches) : 0);
 }
 
 // Cells of other radii, here and on the device: kept by chance, and so not a part of what one computation takes.
@@ -90,6 +95,8 @@ MemoryOfCompute memory_of_compute(const Mesh &mesh, int backend, const pdesc_opt
   const int64_t triangles = mesh.triangles.triangle_count, borders = static_cast<int64_t>(mesh.charts.borders.size());
   const auto places = static_cast<int64_t>(mesh.charts.sites.size());
   memory.host += int64_t{options.buffer_size} * options.buffer_size * 32 + triangles * 100 + places * 160 + borders * 300;
+  if (options.relocation == PDESC_RELOCATION_CONNECTED && options.evaluate == PDESC_EVALUATE_VERTEX)
+    memory.host += triangles * (mesh.patches ? 20 : 45); // patches, and what floods over them keep of each point
   if (options.evaluate == PDESC_EVALUATE_TEXEL)
     memory.host += int64_t{options.texels} * options.texels * (60 + 16 * rows_of(descriptors));
   return memory;

@@ -14,6 +14,7 @@
 #include "mesh/charts.h"
 #include "mesh/halfedge.h"
 #include "mesh/normals.h"
+#include "mesh/patches.h"
 #include "mesh/triangles.h"
 #include "sample/cell_buffers.h"
 #include "sample/texels.h"
@@ -56,6 +57,7 @@ struct Mesh {
   HalfEdges half_edges;
   Charts charts;
   std::optional<NormalRings> rings;
+  std::optional<Patches> patches; // where they were needed
   SurfaceMaps maps;
   std::unique_ptr<DeviceMesh> device;
   std::shared_ptr<GlThread> gl; // what device was made on: the context may have gone on to another since
