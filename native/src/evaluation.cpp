@@ -101,7 +101,7 @@ struct Suspects {
 // Whether patches are worth it: floods would look at each triangle several times.
 static bool floods_are_long(const Mesh &mesh, double radius, size_t points) {
   const double triangles = pi * radius * radius / (0.43 * mesh.mean_edge * mesh.mean_edge); // in a ball
-  return triangles > 300.0 && static_cast<double>(points) * std::min(triangles, static_cast<double>(MAX_REACH)) >
+  return triangles > 600.0 && static_cast<double>(points) * std::min(triangles, static_cast<double>(MAX_REACH)) >
                                   16.0 * static_cast<double>(mesh.triangles.triangle_count);
 }
 

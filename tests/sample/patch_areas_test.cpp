@@ -67,11 +67,11 @@ TEST(PatchAreas, on_a_plane_are_those_of_disks) {
 
 TEST(PatchAreas, of_a_torus_are_those_of_its_triangles) {
   const Built built(torus(1.0, 0.4, {.vertices = 20000}));
-  const double r = 0.25;
+  const double r = 0.4;
   const std::vector<int32_t> points = built.all_points();
-  // Of 250 vertices in a ball some 50 lie at its rim, as chance has it. A bake asks for six hundredths.
+  // Of 600 vertices in a ball some 80 lie at its rim, as chance has it. A bake asks for six hundredths.
   const std::vector<double> found = built.by_patches(points, r), expected = built.by_triangles(points, r);
-  expect_near(found, expected, 0.045 * pi * r * r);
+  expect_near(found, expected, 0.04 * pi * r * r);
   double squares = 0.0;
   for (size_t i = 0; i < points.size(); ++i) squares += (found[i] - expected[i]) * (found[i] - expected[i]);
   EXPECT_LT(std::sqrt(squares / static_cast<double>(points.size())), 0.01 * pi * r * r);
