@@ -20,6 +20,7 @@ NAME = "mean_curvature"
 STAGES = ("prepare", "bake", "evaluate", "total")
 FEWEST = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
 SMALLER = (256, 512)  # texels along buffers that may do
+TEXELS = (128, 256, 512, 1024)  # along maps that may do
 MOST_OF_SMALLER = 48  # samples that are tried in these: a neighborhood has hardly more texels there
 
 
@@ -117,6 +118,15 @@ def cheapest(mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) ->
         if error_of(mesh, arrays, tried, truth) <= ALLOWED_ERROR:
             return tried
     return replace(options, samples=FEWEST[-1])
+
+
+def cheapest_texels(mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> Options:
+    """The same, evaluated at the texels of the smallest map that will do; the largest where none does."""
+    for size in TEXELS:
+        tried = replace(options, evaluate="texel", texels=size)
+        if error_of(mesh, arrays, replace(tried, samples=FEWEST[-1]), truth) <= ALLOWED_ERROR:
+            return cheapest(mesh, arrays, tried, truth)
+    return replace(tried, samples=FEWEST[-1])
 
 
 def error_of(mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> float:
