@@ -96,7 +96,7 @@ def open_run(arguments: object):
 def against_baseline(
     run: Run, arrays: MeshArrays, fraction: float, normals: tuple[str, ...] = ("fitted",), texels: bool = False
 ) -> dict:
-    """One mesh: the baseline, and our frames at the fewest samples and at 256, at the fewest texels too; with their errors."""
+    """One mesh: the baseline, and our frames at the fewest samples and at 256, at texels too; with their errors."""
     path = programs.write_mesh(run.folder / "mesh", arrays)
     radius = fraction * meshes.diagonal(arrays)
     taken, found = programs.object_space(run.build, path, radius, run.baseline_seconds, run.reference_points)
