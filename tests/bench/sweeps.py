@@ -171,8 +171,8 @@ def models(run: parts.Run, out: page.Section) -> None:
     out.say(
         "Models as they are, and subdivided by Loop's scheme to more than 300 K triangles; r = 4 %, the fewest samples "
         "that keep half a percent. *Texels*: evaluated at so many along the map and looked up at vertices, as the "
-        "paper does; 1024 and 256 samples where fewer do not keep half a percent. The paper's average is 49 times a baseline "
-        "on four cores."
+        "paper does; 1024 and 256 samples where fewer do not keep half a percent. The paper's average is 49 times a "
+        "baseline on four cores."
     )
     rows = []
     for name in MODELS:

@@ -3,8 +3,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sample/reach.h"
@@ -16,16 +20,6 @@ namespace paradesc {
 struct Bounds {
   vec3 low, high;
 };
-
-// Squared distances from a point to the nearest and the farthest place of a box.
-inline float nearest_in(const Bounds &box, vec3 p) {
-  const vec3 gap = glm::max(glm::max(box.low - p, p - box.high), vec3(0.0f));
-  return dot(gap, gap);
-}
-inline float farthest_in(const Bounds &box, vec3 p) {
-  const vec3 gap = glm::max(p - box.low, box.high - p);
-  return dot(gap, gap);
-}
 
 // What centers ask of a cell's leaves, for all of them at once.
 struct CellLeaves {
@@ -122,24 +116,53 @@ public:
     inside_.resize(inside);
   }
 
-  // The cells of the connected part of the center's ball.
-  void run(const SupportCenter &center, const std::vector<Bounds> &links, const std::vector<vec3> &link_points, bool &boundary) {
-    ++mark_;
-    found_.clear();
-    add(center.cell);
-    for (const int32_t site : center.sites) add(cells_.site_cell[static_cast<size_t>(site)]);
-    for (size_t i = 0; i < found_.size(); ++i) {
-      const auto cell = static_cast<size_t>(found_[i]);
+  static constexpr size_t most_together = 24;
+
+  // The cells of the connected part of each center's ball, for up to most_together centers at once; choose() tells them apart.
+  void run(const std::vector<SupportCenter> &centers, std::span<const int32_t> members, const std::vector<Bounds> &links,
+           const std::vector<vec3> &link_points) {
+    come_.resize(visited_.size(), 0);
+    pending_.resize(visited_.size(), 0);
+    members_ = members;
+    union_.clear();
+    boundary_ = 0;
+    fours_ = (members.size() + 3) / 4;
+    together_ = {vec3(std::numeric_limits<float>::max()), vec3(-std::numeric_limits<float>::max())};
+    for (size_t lane = 0; lane < 4 * fours_; ++lane) {
+      const vec3 p = centers[static_cast<size_t>(members[std::min(lane, members.size() - 1)])].position;
+      for (int axis = 0; axis < 3; ++axis) places_[lane / 4][axis][lane % 4] = p[axis];
+      together_ = {glm::min(together_.low, p), glm::max(together_.high, p)};
+    }
+    for (size_t lane = 0; lane < members.size(); ++lane) {
+      const SupportCenter &center = centers[static_cast<size_t>(members[lane])];
+      come_to(center.cell, uint32_t{1} << lane);
+      for (const int32_t site : center.sites) come_to(cells_.site_cell[static_cast<size_t>(site)], uint32_t{1} << lane);
+    }
+    for (size_t i = 0; i < queue_.size(); ++i) {
+      const auto cell = static_cast<size_t>(queue_[i]);
+      const uint32_t lanes = std::exchange(pending_[cell], 0);
       for (int32_t k = cells_.side_begin[cell]; k < cells_.side_begin[cell + 1]; ++k) {
         const ivec2 side = cells_.side[static_cast<size_t>(k)];
-        if (visited_[static_cast<size_t>(side.x)] != mark_ &&
-            goes_over(side.y, links[static_cast<size_t>(side.y)], link_points, center.position))
-          add(side.x);
+        if (const uint32_t wanted = lanes & ~come_[static_cast<size_t>(side.x)])
+          come_to(side.x, going_over(side.y, links[static_cast<size_t>(side.y)], link_points, centers, wanted));
       }
-      boundary = boundary || meets_boundary(found_[i], center.position);
+      if (cells_.boundary_begin[cell] < cells_.boundary_begin[cell + 1])
+        boundary_ |= among(
+            lanes & ~boundary_, [&](vec3 p) { return meets_boundary(static_cast<int32_t>(cell), p); }, centers);
     }
-    std::sort(found_.begin(), found_.end());
-    measure_found(center.position);
+    std::sort(union_.begin(), union_.end()); // one order of summation, wherever the search began
+    come_of_union_.clear();
+    for (const int32_t cell : union_) come_of_union_.push_back(std::exchange(come_[static_cast<size_t>(cell)], 0));
+    queue_.clear();
+  }
+
+  // Makes one of these what list() reads. Returns whether the mesh's boundary lies in its ball.
+  bool choose(size_t lane, vec3 center) {
+    found_.clear();
+    for (size_t i = 0; i < union_.size(); ++i)
+      if (come_of_union_[i] >> lane & 1) found_.push_back(union_[i]);
+    measure_found(center);
+    return boundary_ >> lane & 1;
   }
 
   // Appends the ranges of what was found and lies in the center's ball; after measure().
@@ -175,6 +198,9 @@ private:
       0.25f; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
   static constexpr size_t lane_count = 8;
   using Lanes [[gnu::vector_size(lane_count * sizeof(float))]] = float;
+
+  using FourLanes [[gnu::vector_size(4 * sizeof(float))]] = float; // what all processors handle at once
+  using FourBits [[gnu::vector_size(4 * sizeof(int32_t))]] = int32_t;
 
   // What centers ask of a cell that was found.
   struct Seen {
@@ -317,10 +343,55 @@ private:
     return false;
   }
 
-  bool goes_over(int32_t link, const Bounds &box, const std::vector<vec3> &points, vec3 center) const {
-    const float square = radius_ * radius_;
-    return nearest_in(box, center) < square && (farthest_in(box, center) < square || in_ball(link, points, center));
+  void come_to(int32_t cell, uint32_t lanes) {
+    if (cell < 0) return;
+    const auto i = static_cast<size_t>(cell);
+    const uint32_t fresh = lanes & ~come_[i];
+    if (!fresh) return;
+    if (!come_[i]) union_.push_back(cell);
+    if (!pending_[i]) queue_.push_back(cell);
+    come_[i] |= fresh;
+    pending_[i] |= fresh;
   }
+
+  // Those of the lanes whose center test() holds for.
+  template <class Test> uint32_t among(uint32_t lanes, const Test &test, const std::vector<SupportCenter> &centers) const {
+    uint32_t passed = 0;
+    for (; lanes; lanes &= lanes - 1) {
+      const auto lane = static_cast<size_t>(std::countr_zero(lanes));
+      passed |= uint32_t{test(centers[static_cast<size_t>(members_[lane])].position)} << lane;
+    }
+    return passed;
+  }
+
+  // Those of the lanes whose ball holds a place of the link.
+  uint32_t going_over(int32_t link, const Bounds &box, const std::vector<vec3> &points, const std::vector<SupportCenter> &centers,
+                      uint32_t lanes) const {
+    const float square = radius_ * radius_;
+    const vec3 outside = glm::max(glm::max(box.low - together_.high, together_.low - box.high), vec3(0.0f));
+    if (!(dot(outside, outside) < square)) return 0;
+    const vec3 across = glm::max(together_.high - box.low, box.high - together_.low);
+    if (dot(across, across) < square) return lanes;
+    FourBits near{}, whole{};
+    for (size_t i = 0; i < fours_; ++i) {
+      FourLanes nearest{}, farthest{};
+      for (int axis = 0; axis < 3; ++axis) {
+        const FourLanes below = box.low[axis] - places_[i][axis], above = places_[i][axis] - box.high[axis];
+        const FourLanes gap = below > above ? below : above, way = below < above ? below : above; // either side of zero
+        const FourLanes beyond = gap > 0.0f ? gap : FourLanes{};
+        nearest += beyond * beyond;
+        farthest += way * way;
+      }
+      const FourBits bits = FourBits{1, 2, 4, 8} << static_cast<int32_t>(4 * i);
+      near |= (nearest < square) & bits;
+      whole |= (farthest < square) & bits;
+    }
+    const uint32_t in_all = join(whole) & lanes;
+    return in_all | among(
+                        join(near) & lanes & ~in_all, [&](vec3 p) { return in_ball(link, points, p); }, centers);
+  }
+
+  static uint32_t join(FourBits bits) { return static_cast<uint32_t>(bits[0] | bits[1] | bits[2] | bits[3]); }
 
   // The surface goes over beside one of the link's texels. No margin: it would let in a neighboring finger as often as it keeps a
   // place that belongs.
@@ -349,7 +420,17 @@ private:
   std::vector<Lanes> distance_; // (found) squared, from the center
   std::vector<int32_t> inside_; // places in found_
   std::vector<Taken> taken_;    // of these, where they are looked through once more
-  float flat_ = 0.0f;           // area of all in the center's ball, projected
+  // Of several centers at once: bits.
+  std::span<const int32_t> members_;
+  std::array<FourLanes, 3> places_[most_together / 4]; // by axis
+  size_t fours_ = 0;
+  Bounds together_;                     // of the centers
+  std::vector<uint32_t> come_;          // (cells) that have come there, and
+  std::vector<uint32_t> pending_;       // of which others do not know yet; 0 between calls
+  std::vector<int32_t> queue_, union_;  // cells
+  std::vector<uint32_t> come_of_union_; // (union)
+  uint32_t boundary_ = 0;
+  float flat_ = 0.0f; // area of all in the center's ball, projected
   uint32_t mark_ = 0;
 };
 

@@ -221,6 +221,18 @@ static void search_in_halves(CellSearch &search, const std::vector<SupportCenter
   search_in_halves(search, centers, start, members.subspan(first), radius, supports, part);
 }
 
+// How many of the centers, from the first on, lie so near to it that they search at once.
+static size_t near_each_other(const std::vector<SupportCenter> &centers, std::span<const int32_t> members, float radius) {
+  constexpr float near = 0.6f;
+  const vec3 first = centers[static_cast<size_t>(members[0])].position;
+  size_t count = 1;
+  for (; count < std::min(members.size(), CellSearch::most_together); ++count) {
+    const vec3 gap = centers[static_cast<size_t>(members[count])].position - first;
+    if (!(dot(gap, gap) < near * near * radius * radius)) break;
+  }
+  return count;
+}
+
 // The parts' ranges one after another; places[i]: the centers of part i.
 static void join(std::vector<Part> &parts, const std::vector<std::span<const int32_t>> &places, Supports &supports) {
   size_t all = supports.range.size();
@@ -294,12 +306,17 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
   parallel_blocks(rest, threads, alone, [&](int begin, int end) {
     CellSearch search(space, measured, leaves, radius);
     Part part;
-    for (auto k = static_cast<size_t>(begin); k < static_cast<size_t>(end); ++k) {
-      const SupportCenter &center = centers[static_cast<size_t>(left[k])];
-      bool boundary = false;
-      search.run(center, links, link_points, boundary);
+    for (std::span<const int32_t> others = std::span(left).subspan(static_cast<size_t>(begin), static_cast<size_t>(end - begin));
+         !others.empty();) {
+      const std::span<const int32_t> members = others.first(near_each_other(centers, others, radius));
+      others = others.subspan(members.size());
+      search.run(centers, members, links, link_points);
       const size_t before = part.range.size();
-      supports.center[static_cast<size_t>(left[k])] = search.list(center.position, boundary, part.range);
+      for (size_t lane = 0; lane < members.size(); ++lane) {
+        const vec3 position = centers[static_cast<size_t>(members[lane])].position;
+        const bool boundary = search.choose(lane, position);
+        supports.center[static_cast<size_t>(members[lane])] = search.list(position, boundary, part.range);
+      }
       if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
     }
     parts[static_cast<size_t>(begin / alone)] = std::move(part);
