@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -55,6 +54,8 @@ inline CellLeaves leaves_of(const CellData &cell, const CellStrides &strides, si
 // What one thread keeps from center to center.
 class CellSearch {
 public:
+  static constexpr size_t most_together = 24;
+
   CellSearch(const SupportSpace &space, std::span<const CellData> measured, std::span<const CellLeaves> leaves, float radius)
       : space_(space), cells_(space.cells), measured_(measured), leaves_(leaves), radius_(radius),
         visited_(static_cast<size_t>(space.cells.count), 0) {}
@@ -116,8 +117,6 @@ public:
     inside_.resize(inside);
   }
 
-  static constexpr size_t most_together = 24;
-
   // The cells of the connected part of each center's ball, for up to most_together centers at once; choose() tells them apart.
   void run(const std::vector<SupportCenter> &centers, std::span<const int32_t> members, const std::vector<Bounds> &links,
            const std::vector<vec3> &link_points) {
@@ -165,7 +164,7 @@ public:
     return boundary_ >> lane & 1;
   }
 
-  // Appends the ranges of what was found and lies in the center's ball; after measure().
+  // Appends the ranges of what was found and lies in the center's ball; after measure() or choose().
   SupportData list(vec3 center, bool boundary, std::vector<ivec2> &ranges) {
     SupportData data{};
     data.cut = boundary ? 1.0f : 0.0f;
@@ -198,7 +197,6 @@ private:
       0.25f; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
   static constexpr size_t lane_count = 8;
   using Lanes [[gnu::vector_size(lane_count * sizeof(float))]] = float;
-
   using FourLanes [[gnu::vector_size(4 * sizeof(float))]] = float; // what all processors handle at once
   using FourBits [[gnu::vector_size(4 * sizeof(int32_t))]] = int32_t;
 
@@ -422,7 +420,7 @@ private:
   std::vector<Taken> taken_;    // of these, where they are looked through once more
   // Of several centers at once: bits.
   std::span<const int32_t> members_;
-  std::array<FourLanes, 3> places_[most_together / 4]; // by axis
+  FourLanes places_[most_together / 4][3]; // by axis
   size_t fours_ = 0;
   Bounds together_;                     // of the centers
   std::vector<uint32_t> come_;          // (cells) that have come there, and
