@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "support/cancel.h"
 #include "support/parallel.h"
 
 namespace paradesc {
@@ -269,6 +270,7 @@ std::vector<size_t> PatchAreas::put_side_by_side(std::span<const int32_t> points
       begin.push_back(last);
       return;
     }
+    checkpoint();
     vec3 low(std::numeric_limits<float>::max()), high(-low);
     for (size_t i = first; i < last; ++i) {
       low = glm::min(low, place(order[i]));
