@@ -44,6 +44,7 @@ if [ "$kind" = python ]; then
     cmake --build "$folder" --target paradesc; } >"$folder/build.log" 2>&1 ||
     fail "The build failed; all of its output is in $folder/build.log."
   rm -rf "$folder/addon" "$folder/tests/addon"
+  ln -sfn "$root/native" "$folder/native" # a test reads sources
   cp -r "$root/addon" "$folder/addon"
   cp -r "$root/tests/addon" "$folder/tests/addon"
   mkdir -p "$folder/addon/paradesc/lib"
