@@ -147,5 +147,65 @@ TEST(TexelLookup, undefined_texels_are_left_out_and_directions_do_not_cancel) {
   }
 }
 
+// Values are the numbers of places.
+SiteResults numbered_results(const TexelMap &map) {
+  SiteResults results;
+  results.values.resize(1);
+  for (size_t i = 0; i < map.places.size(); ++i) results.values[0].push_back(static_cast<float>(i));
+  results.coverage.assign(map.places.size(), 1.0f);
+  results.boundary.assign(map.places.size(), 0);
+  return results;
+}
+
+TEST(TexelLookup, takes_the_nearest_texel_where_none_lies_beside_the_place) {
+  const Built built = build(grid(1, 1, [](dvec2 place, int, int) { return place * 0.5 + 0.25; }));
+  TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  const SiteResults all = numbered_results(map);
+  const auto gap_of = [&](const TexelPlace &place, const Site &site) {
+    return length(center_of(place.texel) - dvec2(site.uv)) * static_cast<double>(size);
+  };
+  for (const Site &site : built.charts.sites)
+    for (const TexelPlace &place : map.places)
+      if (gap_of(place, site) < 3.5) map.place[at(place.texel)] = -1;
+  const SiteResults found = look_up(map, all, built.charts, true);
+  ASSERT_EQ(found.point.size(), 4u);
+  for (size_t i = 0; i < 4; ++i) {
+    double nearest = 1e30;
+    for (const TexelPlace &place : map.places)
+      if (map.place[at(place.texel)] >= 0) nearest = std::min(nearest, gap_of(place, built.charts.sites[i]));
+    EXPECT_NEAR(gap_of(map.places[at(static_cast<int>(found.values[0][i]))], built.charts.sites[i]), nearest, 1e-4) << i;
+  }
+}
+
+TEST(TexelLookup, places_without_a_texel_of_their_chart_have_no_row) {
+  const Built built = plane_of_twelve_charts();
+  const TexelMap map = build_texel_map(built.triangles, built.charts, 1);
+  ASSERT_EQ(map.places.size(), 1u) << "all charts share one texel";
+  SiteResults all = numbered_results(map);
+  all.values = {{5.0f}, {0.6f, 0.8f, 0.0f}};
+  for (const bool all_sites : {false, true}) {
+    const SiteResults found = look_up(map, all, built.charts, all_sites);
+    std::vector<int32_t> expected;
+    for (size_t i = 0; i < built.charts.sites.size(); ++i) {
+      const Site &site = built.charts.sites[i];
+      const bool primary = built.charts.point_site[at(site.point)] == static_cast<int32_t>(i);
+      if (site.chart == map.places[0].chart && (all_sites || primary)) expected.push_back(site.point);
+    }
+    if (all_sites) {
+      EXPECT_EQ(expected.size(), 4u);
+    } else {
+      std::sort(expected.begin(), expected.end()); // rows of points, not of sites
+    }
+    EXPECT_EQ(found.point, expected);
+    const size_t rows = expected.size();
+    EXPECT_EQ(found.values[0], std::vector<float>(rows, 5.0f));
+    ASSERT_EQ(found.values[1].size(), 3 * rows);
+    for (size_t i = 0; i < 3 * rows; ++i) EXPECT_NEAR(found.values[1][i], all.values[1][i % 3], 1e-6f);
+    EXPECT_EQ(found.coverage, std::vector<float>(rows, 1.0f));
+    EXPECT_EQ(found.boundary.size(), rows);
+    EXPECT_EQ(found.primary.size(), rows);
+  }
+}
+
 } // namespace
 } // namespace paradesc::test
