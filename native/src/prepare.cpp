@@ -291,8 +291,10 @@ void set_supports(Mesh &mesh, const Supports &supports, Frame &frame) {
   for (const ivec2 range : supports.range) fetches += static_cast<size_t>(range.y - range.x);
   mesh.context->gl->run([&](const Gl &gl, ProgramCache &programs) {
     if (fetches > worth * layout.samples.list.size()) layout.buffers->list_points(gl, programs, *device.buffer, device.points);
-    device.evaluator.set_supports(gl, supports, frame.bare);
   });
+  checkpoint();
+  mesh.context->gl->run([&](const Gl &gl, ProgramCache &) { device.evaluator.set_supports(gl, supports, frame.bare); });
+  checkpoint();
 }
 
 template <class Value> static void reorder(const std::vector<int32_t> &order, std::vector<Value> &values) {
@@ -324,6 +326,7 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
          frame.sites[i] < 0 ? mesh.device->cells.front()->cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
   }
   Supports supports = search_supports(mesh, options, radius, samples, frame, centers);
+  checkpoint();
   // Invocations side by side then have much the same samples, and as many.
   const std::vector<int32_t> neighbors = std::move(supports.order);
   reorder(neighbors, supports.center);
