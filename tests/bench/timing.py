@@ -21,6 +21,8 @@ STAGES = ("prepare", "bake", "evaluate", "total")
 FEWEST = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
 SMALLER = (256, 512)  # texels along buffers that may do
 TEXELS = (128, 256, 512, 1024)  # along maps that may do
+FIRST_FRAMES = 3  # of meshes made anew, where each takes no more than so many seconds
+LONG = 4.0
 MOST_OF_SMALLER = 48  # samples that are tried in these: a neighborhood has hardly more texels there
 
 
@@ -42,13 +44,23 @@ class Bench:
             self._warm.add(key)
 
     def mesh(self, arrays: MeshArrays, options: Options) -> tuple[Mesh, dict[str, float]]:
-        """The native mesh after its first frame, and the seconds of everything that a later frame finds done."""
+        """The native mesh after its first frame, and the seconds of everything that a later frame finds done: the least
+        of several meshes, as a frame's are."""
         self.warm((NAME,), options)
-        start = time.perf_counter()
-        mesh = self.context.mesh(arrays)
-        made = time.perf_counter() - start
-        first = timed(mesh, arrays.positions, (NAME,), options)
-        return mesh, {"mesh": made, "first_frame": first["seconds"]}
+        once: dict[str, float] = {}
+        for turn in range(FIRST_FRAMES):
+            start = time.perf_counter()
+            mesh = self.context.mesh(arrays)
+            made = time.perf_counter() - start
+            first = timed(mesh, arrays.positions, (NAME,), options)["seconds"]
+            once = {
+                "mesh": min(made, once.get("mesh", made)),
+                "first_frame": min(first, once.get("first_frame", first)),
+            }
+            if turn == FIRST_FRAMES - 1 or made + first > LONG:
+                break
+            mesh.close()
+        return mesh, once
 
     def frame(
         self, mesh: Mesh, arrays: MeshArrays, options: Options, names: tuple[str, ...] = (NAME,), repeats: int = 2
