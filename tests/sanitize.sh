@@ -50,8 +50,8 @@ if [ "$kind" = python ]; then
   mkdir -p "$folder/addon/paradesc/lib"
   cp "$folder/libparadesc.so" "$folder/addon/paradesc/lib/"
   files=${filter:-threads_test.py contexts_test.py cancel_test.py}
-  # shellcheck disable=SC2086 # several files; numpy's own threads are not what is looked at
   rm -f "$folder"/found.*
+  # shellcheck disable=SC2086 # several files; numpy's own threads are not what is looked at
   cd "$folder/tests/addon" && PYTHONPATH=$folder/addon LD_PRELOAD=$(g++ -print-file-name=libtsan.so) OPENBLAS_NUM_THREADS=1 \
     TSAN_OPTIONS=suppressions=$lists/threads.txt:ignore_noninstrumented_modules=1:second_deadlock_stack=1:log_path=$folder/found \
     "$python" -m pytest -q -p no:cacheprovider --rootdir "$folder/tests" -c /dev/null -o "python_files=*_test.py" $files
