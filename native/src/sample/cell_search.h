@@ -3,13 +3,13 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "sample/ball_lanes.h"
 #include "sample/reach.h"
 #include "sample/supports.h"
 
@@ -54,10 +54,8 @@ inline CellLeaves leaves_of(const CellData &cell, const CellStrides &strides, si
 // What one thread keeps from center to center.
 class CellSearch {
 public:
-  static constexpr size_t most_together = 24;
-
   CellSearch(const SupportSpace &space, std::span<const CellData> measured, std::span<const CellLeaves> leaves, float radius)
-      : space_(space), cells_(space.cells), measured_(measured), leaves_(leaves), radius_(radius),
+      : space_(space), cells_(space.cells), measured_(measured), leaves_(leaves), radius_(radius), balls_(radius),
         visited_(static_cast<size_t>(space.cells.count), 0) {}
 
   // All cells that lie in the ball of any center nearer than `beyond` to the middle, and others: nothing that is connected to the
@@ -117,7 +115,12 @@ public:
     inside_.resize(inside);
   }
 
-  // The cells of the connected part of each center's ball, for up to most_together centers at once; choose() tells them apart.
+  // How many of the centers, from the first on, lie so near to it that they search at once.
+  size_t together(const std::vector<SupportCenter> &centers, std::span<const int32_t> members) const {
+    return balls_.leading(members.size(), 0.6f, [&](size_t i) { return centers[static_cast<size_t>(members[i])].position; });
+  }
+
+  // The cells of the connected part of each center's ball, for up to BallLanes::most centers at once; choose() tells them apart.
   void run(const std::vector<SupportCenter> &centers, std::span<const int32_t> members, const std::vector<Bounds> &links,
            const std::vector<vec3> &link_points) {
     come_.resize(visited_.size(), 0);
@@ -125,13 +128,12 @@ public:
     members_ = members;
     union_.clear();
     boundary_ = 0;
-    fours_ = (members.size() + 3) / 4;
     together_ = {vec3(std::numeric_limits<float>::max()), vec3(-std::numeric_limits<float>::max())};
-    for (size_t lane = 0; lane < 4 * fours_; ++lane) {
-      const vec3 p = centers[static_cast<size_t>(members[std::min(lane, members.size() - 1)])].position;
-      for (int axis = 0; axis < 3; ++axis) places_[lane / 4][axis][lane % 4] = p[axis];
+    balls_.set(members.size(), [&](size_t lane) {
+      const vec3 p = centers[static_cast<size_t>(members[lane])].position;
       together_ = {glm::min(together_.low, p), glm::max(together_.high, p)};
-    }
+      return p;
+    });
     for (size_t lane = 0; lane < members.size(); ++lane) {
       const SupportCenter &center = centers[static_cast<size_t>(members[lane])];
       come_to(center.cell, uint32_t{1} << lane);
@@ -197,8 +199,6 @@ private:
       0.25f; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
   static constexpr size_t lane_count = 8;
   using Lanes [[gnu::vector_size(lane_count * sizeof(float))]] = float;
-  using FourLanes [[gnu::vector_size(4 * sizeof(float))]] = float; // what all processors handle at once
-  using FourBits [[gnu::vector_size(4 * sizeof(int32_t))]] = int32_t;
 
   // What centers ask of a cell that was found.
   struct Seen {
@@ -355,10 +355,8 @@ private:
   // Those of the lanes whose center test() holds for.
   template <class Test> uint32_t among(uint32_t lanes, const Test &test, const std::vector<SupportCenter> &centers) const {
     uint32_t passed = 0;
-    for (; lanes; lanes &= lanes - 1) {
-      const auto lane = static_cast<size_t>(std::countr_zero(lanes));
-      passed |= uint32_t{test(centers[static_cast<size_t>(members_[lane])].position)} << lane;
-    }
+    BallLanes::for_each(
+        lanes, [&](size_t lane) { passed |= uint32_t{test(centers[static_cast<size_t>(members_[lane])].position)} << lane; });
     return passed;
   }
 
@@ -370,26 +368,22 @@ private:
     if (!(dot(outside, outside) < square)) return 0;
     const vec3 across = glm::max(together_.high - box.low, box.high - together_.low);
     if (dot(across, across) < square) return lanes;
-    FourBits near{}, whole{};
-    for (size_t i = 0; i < fours_; ++i) {
-      FourLanes nearest{}, farthest{};
+    BallLanes::FloatOfEach nearest, farthest; // squared
+    for (size_t i = 0; i < balls_.vectors(); ++i) {
+      nearest[i] = farthest[i] = BallLanes::Floats{};
       for (int axis = 0; axis < 3; ++axis) {
-        const FourLanes below = box.low[axis] - places_[i][axis], above = places_[i][axis] - box.high[axis];
-        const FourLanes gap = below > above ? below : above, way = below < above ? below : above; // either side of zero
-        const FourLanes beyond = gap > 0.0f ? gap : FourLanes{};
-        nearest += beyond * beyond;
-        farthest += way * way;
+        const BallLanes::Floats below = box.low[axis] - balls_.centers(i, axis), above = balls_.centers(i, axis) - box.high[axis];
+        const BallLanes::Floats gap = below > above ? below : above, way = below < above ? below : above; // either side of zero
+        const BallLanes::Floats beyond = gap > 0.0f ? gap : BallLanes::Floats{};
+        nearest[i] += beyond * beyond;
+        farthest[i] += way * way;
       }
-      const FourBits bits = FourBits{1, 2, 4, 8} << static_cast<int32_t>(4 * i);
-      near |= (nearest < square) & bits;
-      whole |= (farthest < square) & bits;
     }
-    const uint32_t in_all = join(whole) & lanes;
-    return in_all | among(
-                        join(near) & lanes & ~in_all, [&](vec3 p) { return in_ball(link, points, p); }, centers);
+    const uint32_t whole = lanes & balls_.where([&](size_t i) { return farthest[i] < square; });
+    const uint32_t near = lanes & ~whole & balls_.where([&](size_t i) { return nearest[i] < square; });
+    return whole | among(
+                       near, [&](vec3 p) { return in_ball(link, points, p); }, centers);
   }
-
-  static uint32_t join(FourBits bits) { return static_cast<uint32_t>(bits[0] | bits[1] | bits[2] | bits[3]); }
 
   // The surface goes over beside one of the link's texels. No margin: it would let in a neighboring finger as often as it keeps a
   // place that belongs.
@@ -411,6 +405,7 @@ private:
   std::span<const CellData> measured_;
   std::span<const CellLeaves> leaves_;
   float radius_;
+  BallLanes balls_; // of several centers at once
   std::vector<uint32_t> visited_;
   std::vector<int32_t> found_;
   std::vector<Seen> seen_;      // (found)
@@ -420,8 +415,6 @@ private:
   std::vector<Taken> taken_;    // of these, where they are looked through once more
   // Of several centers at once: bits.
   std::span<const int32_t> members_;
-  FourLanes places_[most_together / 4][3]; // by axis
-  size_t fours_ = 0;
   Bounds together_;                     // of the centers
   std::vector<uint32_t> come_;          // (cells) that have come there, and
   std::vector<uint32_t> pending_;       // of which others do not know yet; 0 between calls

@@ -3,12 +3,12 @@
 #include "sample/patch_areas.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
+#include "sample/ball_lanes.h"
 #include "support/cancel.h"
 #include "support/parallel.h"
 
@@ -63,15 +63,12 @@ static MeasuredPatches measure(const Patches &patches, const HalfEdges &half_edg
 // Balls are lanes: bits of what each vertex and each patch is to them.
 class PatchFlood {
 public:
-  static constexpr size_t lane_count = 24;
-
   PatchFlood(const Patches &patches, const MeasuredPatches &measured, const HalfEdges &half_edges, const Triangles &triangles,
              double radius)
-      : patches_(patches), measured_(measured), half_edges_(half_edges), triangles_(triangles),
-        scale_(static_cast<float>(1.0 / radius)), reached_(static_cast<size_t>(half_edges.point_count), 0),
-        states_(patches.count()) {}
+      : patches_(patches), measured_(measured), half_edges_(half_edges), triangles_(triangles), balls_(radius),
+        reached_(static_cast<size_t>(half_edges.point_count), 0), states_(patches.count()) {}
 
-  // Areas of up to lane_count of the points, by their numbers, which this reorders: below 0 where it is not known.
+  // Areas of up to BallLanes::most of the points, by their numbers, which this reorders: below 0 where it is not known.
   void run(std::span<const int32_t> points, std::span<int32_t> numbers, std::vector<double> &areas) {
     while (!numbers.empty()) {
       flood(points, numbers);
@@ -89,9 +86,8 @@ public:
   }
 
 private:
-  static constexpr size_t width = 4; // lanes that processors handle at once
-  using Lanes [[gnu::vector_size(width * sizeof(float))]] = float;
-  using Bits [[gnu::vector_size(width * sizeof(int32_t))]] = int32_t;
+  static constexpr size_t width = BallLanes::width;
+  using Lanes = BallLanes::Floats;
   struct State {
     uint32_t pending = 0; // lanes with new points
     uint32_t done = 0;    // lanes whose ball holds all of it
@@ -103,23 +99,16 @@ private:
   }
 
   void flood(std::span<const int32_t> points, std::span<const int32_t> numbers) {
-    used_ = (numbers.size() + width - 1) / width;
-    all_ = (uint32_t{1} << numbers.size()) - 1;
+    balls_.set(numbers.size(), [&](size_t lane) { return position(points[static_cast<size_t>(numbers[lane])]); });
     unknown_ = 0;
     common_area_ = 0.0;
-    for (size_t lane = 0; lane < used_ * width; ++lane) {
-      const vec3 center = position(points[static_cast<size_t>(numbers[std::min(lane, numbers.size() - 1)])]);
-      x_[lane / width][lane % width] = center.x;
-      y_[lane / width][lane % width] = center.y;
-      z_[lane / width][lane % width] = center.z;
-    }
-    std::fill_n(areas_, used_, Lanes{});
+    std::fill_n(areas_, balls_.vectors(), Lanes{});
     const auto seed = static_cast<size_t>(points[static_cast<size_t>(numbers[0])]);
     const auto triangle = static_cast<size_t>(half_edges_.point_half_edge[seed] / 3);
     const int32_t patch = patches_.triangle_patch[triangle];
     seed_ = patches_.point_begin[static_cast<size_t>(patch)];
     while (patches_.point[static_cast<size_t>(seed_)] != static_cast<int32_t>(seed)) ++seed_;
-    come_to(patch, all_);
+    come_to(patch, balls_.all());
     for (size_t i = 0; i < queue_.size(); ++i) visit(static_cast<size_t>(queue_[i]));
   }
 
@@ -149,29 +138,17 @@ private:
     state.listed = true;
   }
 
-  // In units of the radius.
-  Lanes squares(vec3 place, size_t i) const {
-    const Lanes x = (place.x - x_[i]) * scale_, y = (place.y - y_[i]) * scale_, z = (place.z - z_[i]) * scale_;
-    return x * x + y * y + z * z;
-  }
-
-  static Bits bits_of(size_t i) { return Bits{1, 2, 4, 8} << static_cast<int32_t>(width * i); }
-  static uint32_t join(Bits lanes) { return static_cast<uint32_t>(lanes[0] | lanes[1] | lanes[2] | lanes[3]); }
-
   void visit(size_t patch) {
     constexpr float small = 0.03f; // a hundredth of a disk
     const uint32_t lanes = std::exchange(states_[patch].pending, 0);
     const vec4 sphere = measured_.sphere[patch];
-    const float size = sphere.w * scale_, inner = std::max(1.0f - size, 0.0f), outer = 1.0f + size;
-    Bits inside{}, near{};
-    for (size_t i = 0; i < used_; ++i) {
-      const Lanes square = squares(vec3(sphere), i);
-      inside |= (square < inner * inner) & bits_of(i);
-      near |= (square < outer * outer) & bits_of(i);
-    }
-    const uint32_t whole = join(inside) & lanes, part = join(near) & lanes & ~whole;
+    const float size = sphere.w * balls_.scale(), inner = std::max(1.0f - size, 0.0f), outer = 1.0f + size;
+    BallLanes::FloatOfEach squares;
+    for (size_t i = 0; i < balls_.vectors(); ++i) squares[i] = balls_.squares(vec3(sphere), i);
+    const uint32_t whole = lanes & balls_.where([&](size_t i) { return squares[i] < inner * inner; });
+    const uint32_t part = lanes & ~whole & balls_.where([&](size_t i) { return squares[i] < outer * outer; });
     states_[patch].done |= whole;
-    if (part && !(measured_.largest[patch] * scale_ * scale_ < small)) unknown_ |= part;
+    if (part && !(measured_.largest[patch] * balls_.scale() * balls_.scale() < small)) unknown_ |= part;
     const auto begin = static_cast<size_t>(patches_.point_begin[patch]),
                end = static_cast<size_t>(patches_.point_begin[patch + 1]);
     uint32_t found[3 * Patches::most_triangles]; // by points: the lanes that come there
@@ -197,10 +174,9 @@ private:
     uint32_t held[3 * Patches::most_triangles]; // the lanes whose ball holds each
     uint32_t missing = 0;                       // among them those that have not come there
     for (size_t k = begin; k < end; ++k) {
-      Bits inside{};
-      for (size_t i = 0; i < used_; ++i) inside |= (squares(vec3(measured_.point[k]), i) < 1.0f) & bits_of(i);
-      held[k - begin] = whole | (join(inside) & part);
-      const uint32_t come = reached_[static_cast<size_t>(patches_.point[k])] | (static_cast<int32_t>(k) == seed_ ? all_ : 0);
+      held[k - begin] = whole | (balls_.holding(vec3(measured_.point[k])) & part);
+      const uint32_t come =
+          reached_[static_cast<size_t>(patches_.point[k])] | (static_cast<int32_t>(k) == seed_ ? balls_.all() : 0);
       found[k - begin] = whole | (come & held[k - begin]);
       missing |= held[k - begin] & ~found[k - begin];
     }
@@ -225,29 +201,26 @@ private:
   }
 
   void add_area(uint32_t lanes, float area) {
-    if (lanes == all_) {
+    if (lanes == balls_.all()) {
       common_area_ += static_cast<double>(area);
       return;
     }
-    for (size_t i = 0; i < used_; ++i)
-      areas_[i] -= __builtin_convertvector((static_cast<int32_t>(lanes) & bits_of(i)) != 0, Lanes) * area;
+    for (size_t i = 0; i < balls_.vectors(); ++i) areas_[i] -= __builtin_convertvector(BallLanes::are_in(lanes, i), Lanes) * area;
   }
 
   const Patches &patches_;
   const MeasuredPatches &measured_;
   const HalfEdges &half_edges_;
   const Triangles &triangles_;
-  float scale_;                   // 1 / radius
+  BallLanes balls_;
   std::vector<uint32_t> reached_; // (point_count) lanes that have come there; 0 between calls
   std::vector<State> states_;     // (patches) the same
   std::vector<int32_t> queue_;    // patches with pending lanes, and before them those that had some
   std::vector<int32_t> visited_;  // patches, each once
   int32_t seed_ = 0;              // in Patches::point
-  Lanes x_[lane_count / width], y_[lane_count / width], z_[lane_count / width];
-  size_t used_ = 0; // vectors of lanes
-  uint32_t all_ = 0, unknown_ = 0;
-  double common_area_ = 0.0;        // of points that all lanes come to at once
-  Lanes areas_[lane_count / width]; // of each lane's others
+  uint32_t unknown_ = 0;
+  double common_area_ = 0.0;     // of points that all lanes come to at once
+  BallLanes::FloatOfEach areas_; // of each lane's others
 };
 
 PatchAreas::PatchAreas(const Patches &patches, const HalfEdges &half_edges, const Triangles &triangles, double radius,
@@ -259,7 +232,7 @@ PatchAreas::~PatchAreas() = default;
 
 // In halves again and again, across the longest side of their box. Returns where groups begin, and the end.
 std::vector<size_t> PatchAreas::put_side_by_side(std::span<const int32_t> points, std::span<int32_t> order) const {
-  constexpr size_t lanes = PatchFlood::lane_count;
+  constexpr size_t lanes = BallLanes::most;
   const auto place = [&](int32_t number) {
     const auto point = static_cast<size_t>(points[static_cast<size_t>(number)]);
     return triangles_.positions[static_cast<size_t>(half_edges_.point_vertex[point])];

@@ -2,11 +2,11 @@
 #include "sample/reach.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
+#include "sample/ball_lanes.h"
 #include "support/parallel.h"
 
 namespace paradesc {
@@ -49,19 +49,18 @@ static float part_in_ball(vec3 corner, vec3 first_side, vec3 second_side) {
 // same triangles, most of them in one step for all.
 class SharedFlood {
 public:
-  static constexpr size_t lane_count = 24;
-
   SharedFlood(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit)
-      : triangles_(triangles), half_edges_(half_edges), scale_(static_cast<float>(1.0 / radius)), limit_(limit),
+      : triangles_(triangles), half_edges_(half_edges), balls_(radius), limit_(limit),
         reached_(static_cast<size_t>(triangles.triangle_count), 0), inside_(static_cast<size_t>(triangles.vertex_count), 0) {}
 
-  // Areas within the ball of up to lane_count points: below 0 where a point's is not known, 0 where there are too many triangles.
+  // Areas within the ball of up to BallLanes::most points: below 0 where a point's is not known, 0 where there are too many
+  // triangles.
   void measure(std::span<const int32_t> points, std::span<double> areas) {
     begin(points);
     const int32_t seed = points[0];
     const vec3 start = position(seed);
     uint32_t lanes = 0; // with the seed within their ball
-    for (size_t lane = 0; lane < points.size(); ++lane) lanes |= uint32_t{in_ball(offset(start, lane))} << lane;
+    for (size_t lane = 0; lane < points.size(); ++lane) lanes |= uint32_t{in_ball(balls_.offset(start, lane))} << lane;
     for_each_triangle(seed, [&](int32_t triangle) { add(triangle, lanes); });
     for (size_t i = 0; i < queue_.size() && common_count_ <= limit_; ++i) {
       if (i % 1024 == 1023) leave_out_many();
@@ -73,7 +72,7 @@ public:
       const bool joined =
           reached_[static_cast<size_t>(half_edges_.point_half_edge[static_cast<size_t>(points[lane])]) / 3] >> lane & 1;
       const double area = common_area_ + static_cast<double>(areas_[lane / width][lane % width]);
-      const double unit = static_cast<double>(scale_) * static_cast<double>(scale_);
+      const double unit = static_cast<double>(balls_.scale()) * static_cast<double>(balls_.scale());
       areas[lane] = count(lane) > limit_ ? 0.0 : joined ? area / unit : -1.0;
     }
     for (const Step &step : queue_) reached_[static_cast<size_t>(step.triangle)] = 0;
@@ -82,15 +81,7 @@ public:
 
   // How many of the points, from the first on, lie so near to it that one flood serves them all.
   size_t together(std::span<const int32_t> points) const {
-    constexpr float near = 0.4f;
-    const vec3 first = position(points[0]);
-    size_t count = 1;
-    const auto is_near = [&](int32_t point) {
-      const vec3 gap = (position(point) - first) * scale_;
-      return dot(gap, gap) < near * near;
-    };
-    while (count < std::min(points.size(), lane_count) && is_near(points[count])) ++count;
-    return count;
+    return balls_.leading(points.size(), 0.4f, [&](size_t i) { return position(points[i]); });
   }
 
   // Appends the triangles of a point that measure() knows the area of, sorted.
@@ -102,9 +93,9 @@ public:
   }
 
 private:
-  static constexpr size_t width = 4; // lanes that processors handle at once
-  using Lanes [[gnu::vector_size(width * sizeof(float))]] = float;
-  using Bits [[gnu::vector_size(width * sizeof(int32_t))]] = int32_t;
+  static constexpr size_t width = BallLanes::width;
+  using Lanes = BallLanes::Floats;
+  using Bits = BallLanes::Bits;
   static constexpr uint32_t is_known = uint32_t{1} << 31; // of a vertex: its lanes have been looked at
   struct Step {
     int32_t triangle;
@@ -112,15 +103,9 @@ private:
   };
 
   void begin(std::span<const int32_t> points) {
-    live_ = all_ = (uint32_t{1} << points.size()) - 1;
-    used_ = (points.size() + width - 1) / width;
-    for (size_t lane = 0; lane < used_ * width; ++lane) {
-      const vec3 center = position(points[std::min(lane, points.size() - 1)]);
-      x_[lane / width][lane % width] = center.x;
-      y_[lane / width][lane % width] = center.y;
-      z_[lane / width][lane % width] = center.z;
-    }
-    for (size_t i = 0; i < used_; ++i) {
+    balls_.set(points.size(), [&](size_t lane) { return position(points[lane]); });
+    live_ = balls_.all();
+    for (size_t i = 0; i < balls_.vectors(); ++i) {
       counts_[i] = Bits{};
       areas_[i] = Lanes{};
     }
@@ -133,11 +118,6 @@ private:
 
   vec3 position(int32_t point) const {
     return triangles_.positions[static_cast<size_t>(half_edges_.point_vertex[static_cast<size_t>(point)])];
-  }
-
-  vec3 offset(vec3 place, size_t lane) const {
-    const size_t i = lane / width, k = lane % width;
-    return (place - vec3(x_[i][k], y_[i][k], z_[i][k])) * scale_;
   }
 
   template <class Visit> void for_each_triangle(int32_t point, const Visit &visit) const {
@@ -161,14 +141,8 @@ private:
   uint32_t inside(int32_t vertex) {
     uint32_t &known = inside_[static_cast<size_t>(vertex)];
     if (known) return known;
-    const vec3 place = triangles_.positions[static_cast<size_t>(vertex)];
-    Bits lanes{};
-    for (size_t i = 0; i < used_; ++i) {
-      const Lanes x = (place.x - x_[i]) * scale_, y = (place.y - y_[i]) * scale_, z = (place.z - z_[i]) * scale_;
-      lanes |= (x * x + y * y + z * z < 1.0f) & (Bits{1, 2, 4, 8} << static_cast<int32_t>(width * i));
-    }
     known_.push_back(vertex);
-    return known = is_known | static_cast<uint32_t>(lanes[0] | lanes[1] | lanes[2] | lanes[3]);
+    return known = is_known | balls_.holding(triangles_.positions[static_cast<size_t>(vertex)]);
   }
 
   // Adds what lies beyond the triangle's edges where they meet the ball of these lanes, and to their areas the part of its own
@@ -189,8 +163,8 @@ private:
       if (!wanted) continue;
       const size_t next = i == 2 ? 0 : i + 1;
       uint32_t over = (within[i] | within[next]) & wanted;
-      for_each_lane(wanted & ~over, [&](size_t lane) {
-        if (passes(offset(corner[i], lane), offset(corner[next], lane))) over |= uint32_t{1} << lane;
+      BallLanes::for_each(wanted & ~over, [&](size_t lane) {
+        if (passes(balls_.offset(corner[i], lane), balls_.offset(corner[next], lane))) over |= uint32_t{1} << lane;
       });
       add(twin / 3, over);
     }
@@ -199,61 +173,53 @@ private:
 
   void add_area(const vec3 (&corner)[3], const uint32_t (&within)[3], uint32_t lanes) {
     constexpr float small = 0.02f; // squares of two sides
-    const vec3 first_side = (corner[1] - corner[0]) * scale_, second_side = (corner[2] - corner[0]) * scale_;
+    const vec3 first_side = (corner[1] - corner[0]) * balls_.scale(), second_side = (corner[2] - corner[0]) * balls_.scale();
     const float area = 0.5f * length(cross(first_side, second_side));
     const uint32_t whole = within[0] & within[1] & within[2];
-    if (whole == all_) {
+    if (whole == balls_.all()) {
       common_area_ += static_cast<double>(area);
       ++common_count_;
       return;
     }
-    for (size_t i = 0; i < used_; ++i) counts_[i] -= are_in(lanes, i);
+    for (size_t i = 0; i < balls_.vectors(); ++i) counts_[i] -= BallLanes::are_in(lanes, i);
     if (dot(first_side, first_side) + dot(second_side, second_side) < small) {
-      for (size_t i = 0; i < used_; ++i) // a third for each corner
+      for (size_t i = 0; i < balls_.vectors(); ++i) // a third for each corner
         areas_[i] -=
-            __builtin_convertvector(are_in(within[0], i) + are_in(within[1], i) + are_in(within[2], i), Lanes) * (area / 3.0f);
+            __builtin_convertvector(
+                BallLanes::are_in(within[0], i) + BallLanes::are_in(within[1], i) + BallLanes::are_in(within[2], i), Lanes) *
+            (area / 3.0f);
       return;
     }
-    for_each_lane(lanes, [&](size_t lane) {
+    BallLanes::for_each(lanes, [&](size_t lane) {
       const bool inside = whole >> lane & 1;
-      areas_[lane / width][lane % width] += inside ? area : area * part_in_ball(offset(corner[0], lane), first_side, second_side);
+      areas_[lane / width][lane % width] +=
+          inside ? area : area * part_in_ball(balls_.offset(corner[0], lane), first_side, second_side);
     });
-  }
-
-  // -1 for those of the i-th vector that are among the lanes, else 0.
-  static Bits are_in(uint32_t lanes, size_t i) {
-    return ((Bits{} + static_cast<int32_t>(lanes >> width * i)) & Bits{1, 2, 4, 8}) != 0;
   }
 
   // Lanes with too many triangles go no further.
   void leave_out_many() {
-    for_each_lane(live_, [&](size_t lane) {
+    BallLanes::for_each(live_, [&](size_t lane) {
       if (count(lane) > limit_) live_ &= ~(uint32_t{1} << lane);
     });
   }
 
   size_t count(size_t lane) const { return common_count_ + static_cast<size_t>(counts_[lane / width][lane % width]); }
 
-  template <class Visit> static void for_each_lane(uint32_t lanes, const Visit &visit) {
-    for (; lanes; lanes &= lanes - 1) visit(static_cast<size_t>(std::countr_zero(lanes)));
-  }
-
   const Triangles &triangles_;
   const HalfEdges &half_edges_;
-  float scale_; // 1 / radius
+  BallLanes balls_;
   size_t limit_;
   std::vector<uint32_t> reached_; // (triangle_count) lanes that have come there; 0 between calls
   std::vector<uint32_t> inside_;  // (vertex_count) as inside() says; 0 where it was not asked
   std::vector<Step> queue_;       // each triangle once for a lane
   bool sorted_ = false;           // the queue, by triangles
   std::vector<int32_t> known_;    // vertices that inside() was asked for
-  Lanes x_[lane_count / width], y_[lane_count / width], z_[lane_count / width];
-  size_t used_ = 0;             // vectors of lanes
-  uint32_t all_ = 0, live_ = 0; // lanes; those without too many triangles
-  double common_area_ = 0.0;    // of triangles within the balls of all lanes
+  uint32_t live_ = 0;             // lanes without too many triangles
+  double common_area_ = 0.0;      // of triangles within the balls of all lanes
   size_t common_count_ = 0;
-  Lanes areas_[lane_count / width]; // of each lane's others
-  Bits counts_[lane_count / width];
+  BallLanes::FloatOfEach areas_; // of each lane's others
+  BallLanes::BitsOfEach counts_;
 };
 
 ReachSearch::ReachSearch(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit, int threads)
@@ -262,7 +228,7 @@ ReachSearch::ReachSearch(const Triangles &triangles, const HalfEdges &half_edges
 ReachSearch::~ReachSearch() = default;
 
 Reach ReachSearch::run(std::span<const int32_t> points, const ExpectedAreas &expected) {
-  constexpr size_t block = 8 * SharedFlood::lane_count;
+  constexpr size_t block = 8 * BallLanes::most;
   const size_t count = points.size();
   std::vector<std::vector<int32_t>> found((count + block - 1) / block);
   std::vector<size_t> first_of(count, 0); // in the list of the point's block

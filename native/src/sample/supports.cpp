@@ -221,18 +221,6 @@ static void search_in_halves(CellSearch &search, const std::vector<SupportCenter
   search_in_halves(search, centers, start, members.subspan(first), radius, supports, part);
 }
 
-// How many of the centers, from the first on, lie so near to it that they search at once.
-static size_t near_each_other(const std::vector<SupportCenter> &centers, std::span<const int32_t> members, float radius) {
-  constexpr float near = 0.6f;
-  const vec3 first = centers[static_cast<size_t>(members[0])].position;
-  size_t count = 1;
-  for (; count < std::min(members.size(), CellSearch::most_together); ++count) {
-    const vec3 gap = centers[static_cast<size_t>(members[count])].position - first;
-    if (!(dot(gap, gap) < near * near * radius * radius)) break;
-  }
-  return count;
-}
-
 // The parts' ranges one after another; places[i]: the centers of part i.
 static void join(std::vector<Part> &parts, const std::vector<std::span<const int32_t>> &places, Supports &supports) {
   size_t all = supports.range.size();
@@ -308,7 +296,7 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
     Part part;
     for (std::span<const int32_t> others = std::span(left).subspan(static_cast<size_t>(begin), static_cast<size_t>(end - begin));
          !others.empty();) {
-      const std::span<const int32_t> members = others.first(near_each_other(centers, others, radius));
+      const std::span<const int32_t> members = others.first(search.together(centers, others));
       others = others.subspan(members.size());
       search.run(centers, members, links, link_points);
       const size_t before = part.range.size();
