@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "descriptor/registry.h"
-#include "image/passes.h"
+#include "compute/passes.h"
 #include "memory.h"
 #include "mesh/near_seam.h"
-#include "pipeline.h"
+#include "compute/compute.h"
 #include "support/error.h"
 #include "support/live.h"
 

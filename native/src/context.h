@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "gpu/gl_thread.h"
+#include "engine/opengl/gl_thread.h"
 #include "paradesc/paradesc.h"
 #include "support/error.h"
 

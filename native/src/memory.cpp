@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "descriptor/registry.h"
-#include "image/passes.h"
+#include "compute/passes.h"
 #include "support/free_memory.h"
 
 #include "shared.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "pipeline.h"
+#include "compute/compute.h"
 
 namespace paradesc {
 

@@ -9,7 +9,7 @@
 
 #include "context.h"
 #include "memory.h"
-#include "pipeline.h"
+#include "compute/compute.h"
 #include "support/api_fixture.h"
 #include "support/free_memory.h"
 

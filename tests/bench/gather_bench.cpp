@@ -14,8 +14,8 @@
 #include <dlfcn.h>
 
 #include "bench/mesh_file.h"
-#include "gpu/buffer.h"
-#include "gpu/gl_thread.h"
+#include "engine/opengl/buffer.h"
+#include "engine/opengl/gl_thread.h"
 #include "sample/pattern.h"
 
 namespace paradesc::bench {

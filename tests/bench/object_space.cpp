@@ -20,7 +20,7 @@
 
 #include "bench/baseline.h"
 #include "bench/mesh_file.h"
-#include "descriptor/reference.h"
+#include "engine/reference/reference.h"
 #include "descriptor/registry.h"
 #include "support/parallel.h"
 

@@ -12,9 +12,9 @@
 #include <benchmark/benchmark.h>
 
 #include "bake/distortion.h"
-#include "bake/gbuffer.h"
+#include "engine/opengl/geometry_buffer.h"
 #include "bench/mesh_file.h"
-#include "gpu/gl_thread.h"
+#include "engine/opengl/gl_thread.h"
 #include "mesh/cut.h"
 #include "mesh/halfedge.h"
 #include "mesh/layout.h"

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "context.h"
-#include "pipeline.h"
+#include "compute/compute.h"
 #include "support/error.h"
 #include "support/layout.h"
 #include "support/run.h"

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bake/stages.h"
-#include "sample/supports.h"
+#include "engine/opengl/baked.h"
+#include "sample/neighborhoods.h"
 #include "support/layout.h"
 
 namespace paradesc::test {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sample/reach.h"
+#include "sample/connected_triangles.h"
 #include "support/surfaces.h"
 
 namespace paradesc::test {

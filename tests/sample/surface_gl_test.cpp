@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "bake/stages.h"
+#include "engine/opengl/baked.h"
 #include "mesh/normals.h"
 #include "sample/cells.h"
 #include "support/layout.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "gpu/gl_thread.h"
+#include "engine/opengl/gl_thread.h"
 #include "support/error.h"
 
 namespace paradesc::test {

@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "bake/gbuffer.h"
+#include "engine/opengl/geometry_buffer.h"
 #include "mesh/halfedge.h"
 
 namespace paradesc {

@@ -1,4 +1,4 @@
-// descriptors.def, image/operators.def → one table.
+// descriptors.def, descriptor/operators.def → one table.
 #include "descriptor/registry.h"
 
 #include <cmath>
@@ -20,7 +20,7 @@ static std::span<const DescriptorRow> all_rows() {
 #define GRADIENT MapNeeds::gradient
 #define OPERATOR(name, label, description, power, degree, needs, is_signed, neutral, low, high, components)                      \
   {#name, label, description, power, is_signed != 0, neutral, low, high, components, degree, needs},
-#include "image/operators.def"
+#include "descriptor/operators.def"
 #undef OPERATOR
 #undef GRADIENT
 #undef WINDOW

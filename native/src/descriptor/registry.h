@@ -1,9 +1,9 @@
-// The rows of descriptors.def and of image/operators.def, by name.
+// The rows of descriptors.def and of descriptor/operators.def, by name.
 #pragma once
 
 #include <span>
 
-#include "descriptor/reference.h"
+#include "engine/reference/reference.h"
 
 namespace paradesc {
 

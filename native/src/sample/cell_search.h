@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "sample/ball_lanes.h"
-#include "sample/reach.h"
-#include "sample/supports.h"
+#include "sample/connected_triangles.h"
+#include "sample/neighborhoods.h"
 
 namespace paradesc {
 

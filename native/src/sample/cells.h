@@ -12,7 +12,7 @@
 #include "mesh/charts.h"
 #include "mesh/halfedge.h"
 #include "mesh/triangles.h"
-#include "sample/neighborhood.h"
+#include "sample/border_grid.h"
 
 namespace paradesc {
 

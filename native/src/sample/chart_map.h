@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mesh/triangles.h"
-#include "sample/neighborhood.h"
+#include "sample/border_grid.h"
 
 namespace paradesc {
 

@@ -1,0 +1,96 @@
+// Rows by what they need → passes; a pass' values → the map that the next one reads.
+#include "compute/passes.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "descriptor/registry.h"
+#include "support/error.h"
+
+namespace paradesc {
+
+static void add_once(std::vector<int> &rows, int row) {
+  if (std::find(rows.begin(), rows.end(), row) == rows.end()) rows.push_back(row);
+}
+
+static Stage stage_of(int row) {
+  const MapNeeds needs = descriptor_row(row).needs;
+  return needs == MapNeeds::nothing ? Stage::surface : needs == MapNeeds::value ? Stage::map : Stage::windows;
+}
+
+std::vector<Pass> plan_passes(std::span<const int> asked, int map_row) {
+  std::vector<Pass> passes{{Stage::surface, {}}, {Stage::source, {}}, {Stage::map, {}}, {Stage::windows, {}}};
+  auto rows = [&](Stage stage) -> std::vector<int> & { return passes[static_cast<size_t>(stage)].rows; };
+  for (const int row : asked) {
+    rows(stage_of(row)).push_back(row);
+    if (stage_of(row) != Stage::surface) add_once(rows(Stage::source), map_row);
+    if (descriptor_row(row).needs == MapNeeds::gradient) add_once(rows(Stage::map), gradient_row());
+  }
+  std::erase_if(passes, [](const Pass &pass) { return pass.rows.empty(); });
+  return passes;
+}
+
+// Values of one row at the place that answers for each point; NaN where there is none.
+static std::vector<float> at_points(const SiteResults &results, const std::vector<float> &row, size_t width, size_t point_count) {
+  std::vector<float> values(point_count * width, std::numeric_limits<float>::quiet_NaN());
+  for (size_t i = 0; i < results.point.size(); ++i) {
+    if (!results.primary[i]) continue;
+    std::copy_n(&row[i * width], width, &values[static_cast<size_t>(results.point[i]) * width]);
+  }
+  return values;
+}
+
+namespace {
+
+struct Done {
+  Pass pass;
+  SiteResults results;
+  const std::vector<float> *find(int row) const {
+    const auto found = std::find(pass.rows.begin(), pass.rows.end(), row);
+    return found == pass.rows.end() ? nullptr : &results.values[static_cast<size_t>(found - pass.rows.begin())];
+  }
+};
+
+} // namespace
+
+// What a pass computed of the map itself goes into it.
+static void update_map(const Done &done, int map_row, size_t points, MapValues &map) {
+  if (done.pass.stage == Stage::source) {
+    for (const float f : at_points(done.results, *done.find(map_row), 1, points)) map.emplace_back(0.0f, 0.0f, 0.0f, f);
+  } else if (const std::vector<float> *found = done.pass.stage == Stage::map ? done.find(gradient_row()) : nullptr) {
+    const std::vector<float> gradient = at_points(done.results, *found, 3, points);
+    for (size_t k = 0; k < points; ++k) map[k] = vec4(gradient[3 * k], gradient[3 * k + 1], gradient[3 * k + 2], map[k].w);
+  }
+}
+
+SiteResults run_passes(int point_count, std::span<const int> asked, int map_row, const RunPass &run) {
+  const std::vector<Pass> passes = plan_passes(asked, map_row);
+  const auto count = static_cast<int>(passes.size());
+  MapValues map;
+  std::vector<Done> done;
+  for (const Pass &pass : passes) {
+    const bool with_map = pass.stage == Stage::map || pass.stage == Stage::windows;
+    done.push_back({pass, run(pass, with_map ? &map : nullptr, static_cast<int>(done.size()), count)});
+    update_map(done.back(), map_row, static_cast<size_t>(point_count), map);
+  }
+  std::vector<std::vector<float>> values;
+  for (const int row : asked)
+    for (const Done &one : done)
+      if (const std::vector<float> *found = stage_of(row) == one.pass.stage ? one.find(row) : nullptr) values.push_back(*found);
+  SiteResults results = std::move(done[0].results);
+  results.values = std::move(values);
+  return results;
+}
+
+int find_map(const char *name) {
+  const int row = find_descriptor(name ? name : "sphere_volume_normalized");
+  const DescriptorRow &found = descriptor_row(row);
+  if (found.needs != MapNeeds::nothing || found.components != 1)
+    throw Error(PDESC_ERROR_INVALID_ARGUMENT, "The descriptor '" + std::string(found.name) +
+                                                  "' cannot be the map of an operator; choose one of the surface that has one "
+                                                  "component.");
+  return row;
+}
+
+} // namespace paradesc

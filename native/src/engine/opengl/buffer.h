@@ -1,0 +1,93 @@
+// OpenGL buffers, textures and vertex arrays that delete themselves; made and destroyed on the GL thread only.
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "engine/opengl/gl.h"
+#include "support/math.h"
+
+namespace paradesc {
+
+// The name of one OpenGL object; Delete: the entry point that takes it back.
+template <auto Delete> class GlName {
+public:
+  GlName() = default;
+  GlName(const Gl &gl, GLuint id) : gl_(&gl), id_(id) {}
+  GlName(GlName &&other) noexcept : gl_(other.gl_), id_(std::exchange(other.id_, 0)) {}
+  GlName &operator=(GlName &&other) noexcept {
+    std::swap(gl_, other.gl_);
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~GlName() {
+    if (id_) (gl_->*Delete)(1, &id_);
+  }
+  GLuint id() const { return id_; }
+
+private:
+  const Gl *gl_ = nullptr;
+  GLuint id_ = 0;
+};
+
+class Buffer {
+public:
+  // Replaces the content; bytes may be 0, which keeps a valid buffer. Throws Error(OUT_OF_MEMORY) where shaders could not reach
+  // all of it.
+  void upload(const Gl &gl, const void *data, size_t bytes, GLenum usage = GL_STATIC_DRAW);
+  template <class T> void upload(const Gl &gl, const std::vector<T> &data, GLenum usage = GL_STATIC_DRAW) {
+    upload(gl, data.data(), data.size() * sizeof(T), usage);
+  }
+  // The same where it is not read as storage.
+  void fill(const Gl &gl, const void *data, size_t bytes, GLenum usage);
+  GLuint id() const { return name_.id(); }
+
+private:
+  GlName<&Gl::DeleteBuffers> name_;
+};
+
+// A long list that shaders fetch from as a texture: software devices gather that by vectors, and loads from storage buffers one
+// by one.
+class BufferTexture {
+public:
+  // Pairs of integers (GL_RG32I).
+  void upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage = GL_STATIC_DRAW) {
+    upload(gl, GL_RG32I, pairs.data(), pairs.size(), usage);
+  }
+  // texels of format GL_RG32I, GL_RGBA32F or GL_RGBA32I, always the same; data may be NULL, for shaders to write into buffer_id.
+  void upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage);
+  GLuint id() const { return name_.id(); }
+  GLuint buffer_id() const { return buffer_.id(); }
+
+private:
+  Buffer buffer_;
+  GlName<&Gl::DeleteTextures> name_;
+};
+
+// A 2-D texture without mipmaps, fetched nearest.
+class Texture {
+public:
+  Texture() = default;
+  Texture(const Gl &gl, int width, int height, GLenum format);
+  GLuint id() const { return name_.id(); }
+
+private:
+  GlName<&Gl::DeleteTextures> name_;
+};
+
+// A long list in a 2-D texture, element i at (i % ROW, i / ROW): fetches from textures are gathered by the vector units of
+// software rasterizers, divergent loads from storage buffers are not.
+class ListTexture {
+public:
+  // elements: of `channels` floats (format GL_RGBA32F, GL_RG32F, GL_R32F) or ints (GL_RGBA32I, GL_RG32I, GL_R32I); the texture is
+  // kept while the size fits.
+  void upload(const Gl &gl, GLenum format, const void *elements, size_t count);
+  GLuint id() const { return texture_.id(); }
+
+private:
+  Texture texture_;
+  size_t rows_ = 0;
+};
+
+} // namespace paradesc

@@ -1,0 +1,46 @@
+// Cells and their samples on the device: where they are measured, and the points that centers fetch.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/opengl/geometry_buffer.h"
+#include "engine/opengl/program.h"
+#include "sample/cell_samples.h"
+#include "sample/cells.h"
+
+#include "shared.h"
+
+namespace paradesc {
+
+// Samples whose points are listed beside the buffers, at most: 128 MiB.
+inline constexpr int most_points = 1 << 22;
+
+// (texels) the surface's points there, of the geometry buffer as it is now; each texel x + size y.
+std::vector<vec3> read_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer,
+                              std::span<const int32_t> texels);
+
+class CellBuffers {
+public:
+  CellBuffers(const Gl &gl, const Cells &cells, int buffer_size);
+  // (cells) of the geometry buffer as it is now.
+  std::vector<CellData> measure(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
+  void set_samples(const Gl &gl, const CellSamples &samples);
+  // Points of the samples in the geometry buffer as it is now, for centers to fetch in place of its texels; not where they would
+  // take too much memory. points: where they go, the same for all cells of a mesh.
+  void list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, BufferTexture &points);
+  // The geometry buffer changes, or other cells have listed theirs.
+  void forget_points() { points_ = nullptr; }
+  bool listed() const { return points_ != nullptr; }
+  void bind(const Gl &gl) const;
+
+private:
+  Texture labels_;
+  ListTexture boxes_;
+  Buffer measured_;
+  BufferTexture samples_;
+  const BufferTexture *points_ = nullptr;
+  int cell_count_ = 0, block_size_ = 1, sample_count_ = 0;
+};
+
+} // namespace paradesc

@@ -1,0 +1,94 @@
+// Geometry buffers + evaluation points → descriptors at each point, in tiles that can be cancelled between.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/opengl/geometry_buffer.h"
+#include "engine/opengl/program.h"
+#include "engine/opengl/map_buffer.h"
+#include "engine/opengl/cell_buffers.h"
+#include "sample/border_grid.h"
+#include "sample/connected_triangles.h"
+#include "sample/neighborhoods.h"
+
+#include "shared.h"
+
+namespace paradesc {
+
+struct EvaluateSettings {
+  std::span<const int> descriptors; // indices into the registry
+  int samples;
+  uint32_t seed;
+  int max_jumps;
+  int pattern;                        // pdesc_pattern
+  int ellipse;                        // pdesc_ellipse
+  int samples_at_once;                // that walk in one dispatch
+  bool chords;                        // distances along the surface are sums of chords
+  float radius;                       // in buffer units
+  float enlargement;                  // of the sampling ellipse over the radius
+  int relocation;                     // pdesc_relocation
+  int estimator;                      // pdesc_estimator of the curvatures
+  bool plain;                         // no control variate
+  bool geodesic_ball;                 // the neighborhood ends where the distance along the surface exceeds the radius
+  float adaptive;                     // 0: all samples everywhere
+  bool mapped = false;                // the surface is displaced: its faces are not the mesh's
+  bool exact = false;                 // the centers of set_reach again, on the triangles they reach
+  const CellBuffers *cells = nullptr; // what samples of the connected relocation read
+  const MapBuffer *map = nullptr;     // what operators read
+  float map_radius = 0;               // at which it was computed, in buffer units
+  float map_sigma = 0;                // of their Gaussian windows, in buffer units
+  float harris_k = 0;
+
+  // Centers that one dispatch may hold: those that walk leave a kilobyte or two each between dispatches.
+  int largest_tile() const {
+    if (relocation == PDESC_RELOCATION_CONNECTED) return std::numeric_limits<int>::max();
+    return relocation == PDESC_RELOCATION_PAPER ? 16384 : 65536;
+  }
+  // Whether areas are measured, which the normals of faces make exact.
+  bool faces() const;
+  // Rows of values among the results, after ROW_DESCRIPTORS.
+  size_t value_rows() const;
+};
+
+// The part of the device's state that samples read beside the geometry buffer.
+class Evaluator {
+public:
+  // Of the layout: once per topology.
+  void set_borders(const Gl &gl, const BorderGrid &grid);
+  // Of a frame.
+  void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
+  void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
+  // (triangle_count) unit normals, for settings that ask for faces.
+  void set_faces(const Gl &gl, const std::vector<vec4> &normals);
+  void set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare);
+  // The map where it is not read from texels: at the centers, and at the samples of BareSamples.
+  void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &bare);
+  void set_reach(const Gl &gl, std::span<const int32_t> centers, const Reach &reach);
+  // Computes centers [first, last), or those of set_reach where settings say exact; returns when the device has finished.
+  void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
+           int last);
+  // (ROW_DESCRIPTORS + value_rows, centers), in buffer units.
+  std::vector<float> read(const Gl &gl, const EvaluateSettings &settings) const;
+
+private:
+  void bind_walks(const Gl &gl, const EvaluateSettings &settings, int first, int last) const;
+  void dispatch_walks(const Gl &gl, GLuint program, const EvaluateSettings &settings, int count);
+  void find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
+                      int first, int last) const;
+
+  Texture border_;
+  ListTexture border_list_, border_uv_, links_, faces_;
+  BufferTexture ranges_;
+  Buffer centers_, pattern_, supports_, bare_, reach_, results_, seams_, visits_, stretches_, progress_, map_centers_, map_bare_;
+  size_t progress_bytes_ = 0;
+  bool has_bare_ = false;
+  int count_ = 0, reach_count_ = 0;
+};
+
+// GLSL that composes the descriptors asked for into one dispatch.
+std::string compose_descriptors(std::span<const int> descriptors);
+
+} // namespace paradesc

@@ -1,0 +1,337 @@
+// Triangles and chart edges → who owns each texel → float textures of surface points, one a texel.
+#include "engine/opengl/geometry_buffer.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include "bake/seam_links.h"
+#include "shared.h"
+#include "support/error.h"
+#include "support/parallel.h"
+
+namespace paradesc {
+
+BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &charts, const std::vector<int32_t> &corner_group) {
+  struct Key {
+    int32_t group, corner;
+    auto operator<=>(const Key &) const = default;
+  };
+  // Corners by site, those of one site by group.
+  std::vector<int32_t> begin(charts.sites.size() + 2, 0);
+  for (const int32_t site : charts.corner_site)
+    if (site >= 0) ++begin[static_cast<size_t>(site) + 2];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Key> keys(static_cast<size_t>(begin.back()));
+  for (int32_t corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
+    const int32_t site = charts.corner_site[static_cast<size_t>(corner)];
+    if (site < 0) continue;
+    const int32_t group = corner_group.empty() ? corner : corner_group[static_cast<size_t>(corner)];
+    keys[static_cast<size_t>(begin[static_cast<size_t>(site) + 1]++)] = {group, corner};
+  }
+  BakeVertices vertices;
+  vertices.index.assign(static_cast<size_t>(3 * triangles.triangle_count), 0);
+  for (size_t site = 0; site < charts.sites.size(); ++site) {
+    const auto first = static_cast<size_t>(begin[site]), last = static_cast<size_t>(begin[site + 1]);
+    std::sort(keys.begin() + static_cast<ptrdiff_t>(first), keys.begin() + static_cast<ptrdiff_t>(last));
+    for (size_t i = first; i < last; ++i) {
+      if (i == first || keys[i].group != keys[i - 1].group) vertices.corner.push_back(keys[i].corner);
+      vertices.index[static_cast<size_t>(keys[i].corner)] = static_cast<uint32_t>(vertices.corner.size() - 1);
+    }
+  }
+  return vertices;
+}
+
+static GLuint make_framebuffer(const Gl &gl, std::initializer_list<GLuint> colors) {
+  constexpr GLenum targets[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  GLuint framebuffer = 0;
+  gl.CreateFramebuffers(1, &framebuffer);
+  for (size_t i = 0; i < colors.size(); ++i) gl.NamedFramebufferTexture(framebuffer, targets[i], colors.begin()[i], 0);
+  gl.NamedFramebufferDrawBuffers(framebuffer, static_cast<GLsizei>(colors.size()), targets);
+  return framebuffer;
+}
+
+GeometryBuffer::GeometryBuffer(const Gl &gl, int size, bool half)
+    : gl_(gl), size_(size), half_(half), position_(gl, size, size, half ? GL_RGBA16F : GL_RGBA32F),
+      normal_(gl, size, size, half ? GL_RGBA16F : GL_RGBA32F), ids_(gl, size, size, GL_RG32I), weights_(gl, size, size, GL_RG32F),
+      layout_framebuffer_(gl, make_framebuffer(gl, {ids_.id(), weights_.id()})),
+      surface_framebuffer_(gl, make_framebuffer(gl, {position_.id(), normal_.id()})) {
+  GLuint vertex_array = 0;
+  gl.CreateVertexArrays(1, &vertex_array);
+  no_attributes_ = {gl, vertex_array};
+  check_gl(gl, "buffers");
+  for (const GLuint framebuffer : {layout_framebuffer_.id(), surface_framebuffer_.id()})
+    if (gl.CheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+      throw Error(PDESC_ERROR_UNSUPPORTED, "This device cannot draw into float buffers of " + std::to_string(size) + " x " +
+                                               std::to_string(size) + " texels; use smaller buffers or the reference backend.");
+}
+
+GeometryBuffer::~GeometryBuffer() = default;
+
+double GeometryBuffer::megabytes() const {
+  constexpr int ids = 8, weights = 8;
+  const int floats = 2 * 4 * (half_ ? 2 : 4); // position and normal
+  return 1e-6 * (floats + ids + weights) * size_ * size_;
+}
+
+// ---- The layout
+
+static std::vector<EdgeData> edge_data(const BakeInput &input) {
+  std::vector<EdgeData> edges;
+  edges.reserve(input.charts.borders.size());
+  for (const Border &border : input.charts.borders) {
+    const auto [first, second] = border_ends(input.triangles, border);
+    const auto a = static_cast<size_t>(first), b = static_cast<size_t>(second);
+    edges.push_back({vec4(input.triangles.corner_uv[a], input.triangles.corner_uv[b]),
+                     ivec4(border.chart, border.half_edge / 3, first % 3, second % 3)});
+  }
+  return edges;
+}
+
+void GeometryBuffer::begin_layout(const BakeInput &input) {
+  const auto count = static_cast<size_t>(input.triangles.triangle_count);
+  std::vector<vec4> places(2 * count, vec4(0.0f)); // of triangles on no chart: one point, which is not drawn
+  std::vector<ivec4> corners(count, ivec4(0));
+  area_in_map_ = 0.0;
+  for (size_t t = 0; t < count; ++t) {
+    if (input.charts.triangle_chart[t] < 0) continue;
+    const vec2 *uv = &input.triangles.corner_uv[3 * t];
+    const uint32_t *vertex = &input.vertices.index[3 * t];
+    const double area = std::abs(cross(dvec2(uv[1]) - dvec2(uv[0]), dvec2(uv[2]) - dvec2(uv[0])));
+    places[2 * t] = vec4(uv[0], uv[1]);
+    places[2 * t + 1] = vec4(uv[2], static_cast<float>(input.charts.triangle_chart[t]), 0.0f);
+    corners[t] = ivec4(vertex[0], vertex[1], vertex[2], std::bit_cast<int32_t>(static_cast<float>(1.0 / area)));
+    area_in_map_ += area;
+  }
+  triangle_count_ = input.vertices.corner.empty() ? 0 : input.triangles.triangle_count;
+  places_.upload(gl_, GL_RGBA32F, places.data(), places.size(), GL_STATIC_DRAW);
+  corners_.upload(gl_, GL_RGBA32I, corners.data(), corners.size(), GL_STATIC_DRAW);
+  const std::vector<EdgeData> edges = edge_data(input);
+  drawing_ = std::make_unique<Drawing>();
+  drawing_->edges.upload(gl_, edges);
+  drawing_->edge_count = static_cast<GLsizei>(edges.size());
+  drawing_->depth = Texture(gl_, size_, size_, GL_DEPTH_COMPONENT32F);
+  const GLuint framebuffer = layout_framebuffer_.id();
+  gl_.NamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, drawing_->depth.id(), 0);
+  const float zero[4] = {0, 0, 0, 0}, far_depth = 1.0f;
+  const GLint none[4] = {-1, -1, 0, 0};
+  gl_.ClearNamedFramebufferiv(framebuffer, GL_COLOR, 0, none);
+  gl_.ClearNamedFramebufferfv(framebuffer, GL_COLOR, 1, zero);
+  gl_.ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
+  check_gl(gl_, "layout");
+}
+
+void GeometryBuffer::begin_drawing(GLenum depth_function) const {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, layout_framebuffer_.id());
+  gl_.Viewport(0, 0, size_, size_);
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.DepthMask(GL_TRUE);
+  gl_.DepthFunc(depth_function);
+  gl_.Disable(GL_BLEND);
+  gl_.BindVertexArray(no_attributes_.id()); // without one there is no drawing at all
+}
+
+void GeometryBuffer::draw_triangles(ProgramCache &programs, int first, int last) {
+  begin_drawing(GL_LEQUAL);
+  gl_.UseProgram(programs.get(gl_, "layout", {{GL_VERTEX_SHADER, "layout.vert.glsl"}, {GL_FRAGMENT_SHADER, "layout.frag.glsl"}}));
+  gl_.Uniform1i(0, size_);
+  gl_.BindTextureUnit(UNIT_PLACES, places_.id());
+  gl_.DrawArrays(GL_TRIANGLES, 3 * first, 3 * (last - first));
+  check_gl(gl_, "layout");
+}
+
+void GeometryBuffer::draw_borders(ProgramCache &programs) {
+  begin_drawing(GL_LESS);
+  gl_.UseProgram(programs.get(gl_, "edge", {{GL_VERTEX_SHADER, "edge.vert.glsl"}, {GL_FRAGMENT_SHADER, "edge.frag.glsl"}}));
+  gl_.Uniform1i(0, size_);
+  gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_EDGES, drawing_->edges.id());
+  gl_.DrawArrays(GL_TRIANGLES, 0, 6 * drawing_->edge_count);
+  check_gl(gl_, "layout");
+}
+
+TexelCounts GeometryBuffer::end_layout(ProgramCache &programs) {
+  const TexelCounts counts = count_owners(programs);
+  gl_.NamedFramebufferTexture(layout_framebuffer_.id(), GL_DEPTH_ATTACHMENT, 0, 0);
+  drawing_.reset();
+  return counts;
+}
+
+TexelCounts GeometryBuffer::count_owners(ProgramCache &programs) const {
+  const Texture owners(gl_, size_, size_, GL_R32F);
+  const GlName<&Gl::DeleteFramebuffers> framebuffer(gl_, make_framebuffer(gl_, {owners.id()}));
+  const float zero[4] = {0, 0, 0, 0};
+  gl_.ClearNamedFramebufferfv(framebuffer.id(), GL_COLOR, 0, zero);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
+  gl_.Viewport(0, 0, size_, size_);
+  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Enable(GL_BLEND);
+  gl_.BlendFunc(GL_ONE, GL_ONE);
+  gl_.UseProgram(programs.get(gl_, "count", {{GL_VERTEX_SHADER, "layout.vert.glsl"}, {GL_FRAGMENT_SHADER, "count.frag.glsl"}}));
+  gl_.BindTextureUnit(UNIT_PLACES, places_.id());
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3 * triangle_count_);
+  gl_.Disable(GL_BLEND);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  std::vector<float> counts(static_cast<size_t>(size_) * static_cast<size_t>(size_));
+  gl_.GetTextureImage(owners.id(), 0, GL_RED, GL_FLOAT, static_cast<GLsizei>(counts.size() * sizeof(float)), counts.data());
+  check_gl(gl_, "count of owners");
+  TexelCounts result;
+  for (const float count : counts) {
+    result.covered += count > 0.5f;
+    result.overlapping += count > 1.5f;
+  }
+  return result;
+}
+
+// ---- A frame
+
+void GeometryBuffer::upload(const BakeInput &input) {
+  std::vector<vec4> points(2 * input.vertices.corner.size());
+  parallel_blocks(static_cast<int>(input.vertices.corner.size()), input.threads, 8192, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      const auto c = static_cast<size_t>(input.vertices.corner[i]);
+      const vec3 position = input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[c])];
+      points[2 * i] = vec4(input.frame.to_buffer(position), 0.0f);
+      points[2 * i + 1] = vec4(input.normals.corner(c), 0.0f);
+    }
+  });
+  vertices_.upload(gl_, GL_RGBA32F, points.data(), points.size(), GL_STREAM_DRAW);
+  set_area_unit(input);
+  check_gl(gl_, "upload");
+}
+
+// About the mean of the area element over the UV map: what exceeds 65504 times the mean has less than a 65504th of the map. A
+// power of two, so that nothing is rounded.
+void GeometryBuffer::set_area_unit(const BakeInput &input) {
+  if (!half_) return;
+  double space = 0.0;
+  for (size_t t = 0; t < static_cast<size_t>(input.triangles.triangle_count); ++t) {
+    if (input.charts.triangle_chart[t] < 0) continue;
+    const auto at = [&](size_t k) {
+      return dvec3(input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[3 * t + k])]);
+    };
+    space += length(cross(at(1) - at(0), at(2) - at(0)));
+  }
+  space *= input.frame.scale * input.frame.scale;
+  const double mean = area_in_map_ > 0.0 && space > 0.0 ? space / area_in_map_ : 1.0;
+  area_unit_ = static_cast<float>(std::exp2(std::clamp(std::round(std::log2(mean)), -100.0, 100.0)));
+}
+
+// A fragment for every texel of these rows.
+void GeometryBuffer::draw_screen(GLuint framebuffer, int first_row, int last_row) const {
+  bind_owners();
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  gl_.Viewport(0, 0, size_, size_);
+  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Disable(GL_BLEND);
+  gl_.Enable(GL_SCISSOR_TEST);
+  gl_.Scissor(0, first_row, size_, last_row - first_row);
+  gl_.BindVertexArray(no_attributes_.id());
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl_.Disable(GL_SCISSOR_TEST);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  gl_.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
+}
+
+void GeometryBuffer::draw_surface(ProgramCache &programs, int first_row, int last_row) {
+  gl_.UseProgram(
+      programs.get(gl_, "surface", {{GL_VERTEX_SHADER, "screen.vert.glsl"}, {GL_FRAGMENT_SHADER, "surface.frag.glsl"}}));
+  gl_.Uniform1f(LOCATION_AREA_UNIT, area_unit_);
+  gl_.Uniform1i(LOCATION_HALF_FLOATS, half_);
+  draw_screen(surface_framebuffer_.id(), first_row, last_row);
+  check_gl(gl_, "bake");
+}
+
+void GeometryBuffer::draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map) {
+  const GlName<&Gl::DeleteFramebuffers> framebuffer(gl_, make_framebuffer(gl_, {map.id()}));
+  values_.upload(gl_, GL_RGBA32F, values.data(), values.size(), GL_STREAM_DRAW);
+  gl_.UseProgram(programs.get(gl_, "map", {{GL_VERTEX_SHADER, "screen.vert.glsl"}, {GL_FRAGMENT_SHADER, "map.frag.glsl"}}));
+  gl_.BindTextureUnit(UNIT_VALUES, values_.id());
+  draw_screen(framebuffer.id(), 0, size_);
+  check_gl(gl_, "map");
+}
+
+// ---- What is read
+
+void GeometryBuffer::bind() const {
+  gl_.BindTextureUnit(UNIT_POSITION, position_.id());
+  gl_.BindTextureUnit(UNIT_NORMAL, normal_.id());
+  gl_.BindTextureUnit(UNIT_IDS, ids_.id());
+}
+
+void GeometryBuffer::bind_owners() const {
+  gl_.BindTextureUnit(UNIT_IDS, ids_.id());
+  gl_.BindTextureUnit(UNIT_WEIGHTS, weights_.id());
+  gl_.BindTextureUnit(UNIT_PLACES, places_.id());
+  gl_.BindTextureUnit(UNIT_CORNERS, corners_.id());
+  gl_.BindTextureUnit(UNIT_VERTICES, vertices_.id());
+}
+
+void GeometryBuffer::bind_to_rewrite() const {
+  bind_owners();
+  gl_.BindImageTexture(0, position_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  gl_.BindImageTexture(1, normal_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+}
+
+static std::vector<vec4> read_image(const Gl &gl, GLuint texture, int size) {
+  std::vector<vec4> texels(static_cast<size_t>(size) * static_cast<size_t>(size));
+  gl.GetTextureImage(texture, 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(texels.size() * sizeof(vec4)), texels.data());
+  check_gl(gl, "read-back");
+  return texels;
+}
+
+std::vector<vec4> GeometryBuffer::read_distortion(ProgramCache &programs) const {
+  const Texture distortion(gl_, size_, size_, GL_RGBA32F);
+  gl_.UseProgram(programs.get(gl_, "distortion", {{GL_COMPUTE_SHADER, "distortion.comp.glsl"}}));
+  bind_owners();
+  gl_.BindImageTexture(0, distortion.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  const auto groups = static_cast<GLuint>((size_ + 7) / 8);
+  gl_.DispatchCompute(groups, groups, 1);
+  gl_.MemoryBarrier(GL_ALL_BARRIER_BITS);
+  return read_image(gl_, distortion.id(), size_);
+}
+
+// As in half.glsl: what rounding took from a number, by one of `count` steps.
+static float rest_of(int step, int count) {
+  return ((static_cast<float>(step) + 0.5f) * 2.0f / static_cast<float>(count) - 1.0f) / 4096.0f;
+}
+
+static vec3 from_octahedron(vec2 place) {
+  const float z = 1.0f - std::abs(place.x) - std::abs(place.y);
+  if (z < 0.0f) place = vec2(std::copysign(1.0f - std::abs(place.y), place.x), std::copysign(1.0f - std::abs(place.x), place.y));
+  return normalize(vec3(place, z));
+}
+
+std::vector<vec4> GeometryBuffer::read_position() const {
+  std::vector<vec4> texels = read_image(gl_, position_.id(), size_);
+  if (!half_) return texels;
+  const std::vector<vec4> stored = read_image(gl_, normal_.id(), size_);
+  for (size_t i = 0; i < texels.size(); ++i) {
+    if (!(texels[i].w > 0.0f)) continue;
+    const int code = static_cast<int>(stored[i].w) + 2048;
+    texels[i] += vec4(rest_of(code & 15, 16), rest_of(code >> 4 & 15, 16), rest_of(code >> 8, 16), 0.0f);
+    texels[i].w *= area_unit_;
+  }
+  return texels;
+}
+
+std::vector<vec4> GeometryBuffer::read_normal() const {
+  std::vector<vec4> texels = read_image(gl_, normal_.id(), size_);
+  if (!half_) return texels;
+  const std::vector<int32_t> ids = read_ids();
+  for (size_t i = 0; i < texels.size(); ++i) {
+    if (ids[2 * i] < 0) continue;
+    const int code = static_cast<int>(texels[i].z) + 2048;
+    texels[i] = vec4(from_octahedron(vec2(texels[i]) + vec2(rest_of(code & 63, 64), rest_of(code >> 6, 64))), 0.0f);
+  }
+  return texels;
+}
+
+std::vector<int32_t> GeometryBuffer::read_ids() const {
+  std::vector<int32_t> texels(2 * static_cast<size_t>(size_) * static_cast<size_t>(size_));
+  gl_.GetTextureImage(ids_.id(), 0, GL_RG_INTEGER, GL_INT, static_cast<GLsizei>(texels.size() * sizeof(int32_t)), texels.data());
+  check_gl(gl_, "read-back");
+  return texels;
+}
+
+} // namespace paradesc

@@ -1,0 +1,105 @@
+// Mesh + normals → the geometry buffers of paper 3.3, by rasterizing triangles and then chart edges in (u, v).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "bake/distortion.h"
+#include "engine/opengl/buffer.h"
+#include "engine/opengl/program.h"
+#include "mesh/charts.h"
+#include "mesh/normals.h"
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+// A vertex of the bake: the corners of one site that share a normal. Depends on topology and on which corners share one.
+struct BakeVertices {
+  std::vector<int32_t> corner; // (bake vertices) one corner that stands for it
+  std::vector<uint32_t> index; // (3 * triangle_count) bake vertex of each corner; of triangles on no chart all the same
+};
+// corner_group: corners of one site with the same group share a normal; empty: none do.
+BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &charts, const std::vector<int32_t> &corner_group);
+
+// What is baked. A frame brings positions and normals; the rest is the layout's.
+struct BakeInput {
+  const Triangles &triangles;
+  const Charts &charts;
+  const BakeVertices &vertices;
+  const Normals &normals;
+  const BufferFrame &frame;
+  int threads = 0;
+};
+
+struct TexelCounts {
+  int covered = 0;     // texels with at least one owner
+  int overlapping = 0; // texels that several triangles claim
+};
+
+// Triangles are drawn once for a layout, for who owns each texel and where in its owner it lies. A frame then takes a look at
+// the owner's three corners at each texel, however many triangles there are.
+class GeometryBuffer {
+public:
+  // half: positions and normals in 16-bit floats.
+  GeometryBuffer(const Gl &gl, int size, bool half = false);
+  ~GeometryBuffer();
+  GeometryBuffer(const GeometryBuffer &) = delete;
+  GeometryBuffer &operator=(const GeometryBuffer &) = delete;
+
+  // A layout, in steps between which a run may be cancelled: uploads, triangles so many at a time, borders, counts.
+  void begin_layout(const BakeInput &input);
+  int triangle_count() const { return triangle_count_; }
+  void draw_triangles(ProgramCache &programs, int first, int last);
+  void draw_borders(ProgramCache &programs);
+  TexelCounts end_layout(ProgramCache &programs);
+  // A frame, in steps: uploads, rows so many at a time.
+  void upload(const BakeInput &input);
+  void draw_surface(ProgramCache &programs, int first_row, int last_row);
+  // Values at bake vertices → values at texels, by the same owners.
+  void draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map);
+
+  // Binds what samples read.
+  void bind() const;
+  // Binds the layout, and what the frame's points are there: owner.glsl, metric.glsl.
+  void bind_owners() const;
+  // Binds for a pass that rewrites position (image 0) and normal (image 1) of baked texels.
+  void bind_to_rewrite() const;
+  // sigma_u, sigma_v, theta_e, area element of every texel (size * size, 4).
+  std::vector<vec4> read_distortion(ProgramCache &programs) const;
+  std::vector<vec4> read_position() const; // (size * size) position, area element in buffer units
+  std::vector<vec4> read_normal() const;
+  std::vector<int32_t> read_ids() const; // (size * size, 2) chart, triangle
+  int size() const { return size_; }
+  bool half() const { return half_; }
+  // What shaders that read its texels are compiled with.
+  const char *variant() const { return half_ ? "#define HALF_FLOATS\n" : ""; }
+  double megabytes() const; // 10^6 bytes, of all buffers
+  // What one unit of the stored area element stands for: 16-bit floats end at 65504.
+  float area_unit() const { return area_unit_; }
+
+private:
+  // What is there only while a layout is drawn.
+  struct Drawing {
+    Texture depth;
+    Buffer edges;
+    GLsizei edge_count = 0;
+  };
+  void begin_drawing(GLenum depth_function) const;
+  void draw_screen(GLuint framebuffer, int first_row, int last_row) const;
+  TexelCounts count_owners(ProgramCache &programs) const;
+  void set_area_unit(const BakeInput &input);
+
+  const Gl &gl_;
+  int size_;
+  bool half_;
+  float area_unit_ = 1.0f;
+  double area_in_map_ = 0.0; // of all triangles
+  int triangle_count_ = 0;
+  Texture position_, normal_, ids_, weights_;
+  BufferTexture places_, corners_, vertices_, values_;
+  GlName<&Gl::DeleteFramebuffers> layout_framebuffer_, surface_framebuffer_;
+  GlName<&Gl::DeleteVertexArrays> no_attributes_;
+  std::unique_ptr<Drawing> drawing_;
+};
+
+} // namespace paradesc

@@ -1,0 +1,46 @@
+// The private thread that owns the EGL context and makes every OpenGL call; others post work to it and wait.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "engine/opengl/egl_context.h"
+#include "engine/opengl/program.h"
+
+namespace paradesc {
+
+class GlThread {
+public:
+  GlThread(bool software, int device_index, const DriverSubstitute &substitute = {}); // throws as EglContext does
+  ~GlThread();
+  GlThread(const GlThread &) = delete;
+  GlThread &operator=(const GlThread &) = delete;
+
+  // Runs work on the thread, waits for it, and throws on what it throws. One caller at a time.
+  void run(const std::function<void(const Gl &, ProgramCache &)> &work);
+  const std::string &device() const { return device_; }
+  int largest_dispatch() const { return largest_dispatch_; } // invocations of a list that one call may start
+  bool lost() const { return lost_; } // some work ended with DEVICE_LOST: nothing more can be computed here
+
+private:
+  void loop(bool software, int device_index, const DriverSubstitute &substitute);
+
+  std::mutex calls_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  const std::function<void(const Gl &, ProgramCache &)> *work_ = nullptr;
+  bool ready_ = false;
+  bool stop_ = false;
+  std::atomic<bool> lost_ = false;
+  std::exception_ptr error_;
+  std::string device_;
+  int largest_dispatch_ = 0;
+  std::thread thread_;
+};
+
+} // namespace paradesc

@@ -1,0 +1,36 @@
+// Values of a map at the points of a mesh → a texture of them beside the geometry buffers: a texel has the map's value at the
+// surface point that it holds.
+#pragma once
+
+#include "engine/opengl/geometry_buffer.h"
+#include "compute/passes.h"
+#include "mesh/halfedge.h"
+
+#include "shared.h"
+
+namespace paradesc {
+
+struct MapInput {
+  const HalfEdges &half_edges;
+  const BakeVertices &vertices;
+  const MapValues &values; // (point_count)
+};
+
+class MapBuffer {
+public:
+  MapBuffer(const Gl &gl, int size) : gl_(gl), size_(size), map_(gl, size, size, GL_RGBA32F) {}
+
+  // By the owners of a buffer's texels.
+  void bake(ProgramCache &programs, GeometryBuffer &buffer, const MapInput &input);
+  // Binds what samples read.
+  void bind() const { gl_.BindTextureUnit(UNIT_MAP, map_.id()); }
+  std::vector<vec4> read() const; // (size * size)
+  int size() const { return size_; }
+
+private:
+  const Gl &gl_;
+  int size_;
+  Texture map_;
+};
+
+} // namespace paradesc

@@ -1,0 +1,47 @@
+// Embedded shader files → compiled programs, each assembled, compiled and linked once per context.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine/opengl/gl.h"
+
+namespace paradesc {
+
+struct EmbeddedShader {
+  const char *path; // below shaders/
+  const char *text;
+};
+const std::vector<EmbeddedShader> &embedded_shaders();
+
+// The text of one embedded file, its #include lines resolved and #line directives set. generated: texts for includes that are
+// made at run time, by name.
+std::string shader_source(const std::string &path, const std::map<std::string, std::string> &generated);
+
+struct ShaderStage {
+  GLenum type;
+  std::string path;
+};
+
+class ProgramCache {
+public:
+  // name: what distinguishes this program from others of the same files. Of many programs, those asked for last are kept: each
+  // takes half a megabyte, and a context may live as long as its host. Throws Error(UNSUPPORTED) with the driver's log.
+  GLuint get(const Gl &gl, const std::string &name, const std::vector<ShaderStage> &stages,
+             const std::map<std::string, std::string> &generated = {});
+  void clear() { programs_.clear(); } // the context is about to go, and takes the programs with it
+
+private:
+  static constexpr size_t most_ = 32;
+  struct Program {
+    GLuint id;
+    uint64_t asked; // when, in calls
+  };
+  std::map<std::string, Program> programs_;
+  uint64_t calls_ = 0;
+};
+
+} // namespace paradesc

@@ -1,0 +1,450 @@
+// Points of the mesh → descriptors by exact quadrature: flood the surface within the ball, integrate triangle ∩ ball, finish
+// with the plain definitions.
+#include "engine/reference/reference.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "engine/reference/quadrature.h"
+#include "descriptor_limits.h"
+#include "support/parallel.h"
+#include "support/pool.h"
+#include "support/ticker.h"
+
+namespace paradesc {
+namespace {
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+constexpr int block_size = 16;
+constexpr double nearest = 1e-9; // of the radius: samples nearer than this have no direction
+
+struct Surface {
+  const Triangles &triangles;
+  const HalfEdges &half_edges;
+  const Normals &normals;
+  const std::vector<vec4> *map; // (point_count) or null
+};
+
+// ---- Integrals over one triangle --------------------------------------------------------------------------------------------
+
+// A triangle relative to p, its normals linear from corner to corner.
+struct Patch {
+  std::array<dvec3, 3> corners, normals;
+  std::array<dvec4, 3> map{};
+  int center = -1; // the corner at p, or -1
+};
+
+struct Center {
+  dvec3 normal, tangent, bitangent;
+  double radius;
+  bool geodesic_ball;
+  bool with_map;
+  dvec4 map; // at p
+  double map_radius, sigma;
+};
+
+// Sums over samples; those of the shape operator are moments of tangent coordinates x of d and y of n_i - n.
+struct Moments {
+  double area = 0, rho = 0, height = 0, bending = 0;
+  double strip = 0; // area within the ball and beyond r along the surface
+  double xx = 0, xy = 0, yy = 0;
+  double m11 = 0, m12 = 0, m22 = 0; // of x yT, m12 symmetrized
+  WindowMoments window;
+};
+
+void add_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, double weight) {
+  const double rho2 = glm::dot(d, d);
+  const double rho = std::sqrt(rho2);
+  const dvec3 turn = n / glm::length(n) - center.normal;
+  const double x1 = glm::dot(d, center.tangent), x2 = glm::dot(d, center.bitangent);
+  const double y1 = glm::dot(turn, center.tangent), y2 = glm::dot(turn, center.bitangent);
+  moments.area += weight;
+  moments.rho += weight * rho;
+  moments.height += weight * glm::dot(center.normal, d);
+  if (rho > nearest * center.radius) moments.bending += weight * glm::dot(turn, turn) / rho2;
+  moments.xx += weight * x1 * x1;
+  moments.xy += weight * x1 * x2;
+  moments.yy += weight * x2 * x2;
+  moments.m11 += weight * x1 * y1;
+  moments.m12 += weight * (x1 * y2 + x2 * y1);
+  moments.m22 += weight * x2 * y2;
+}
+
+// A tangent vector v of a place with normal m, turned with it into the tangent plane of n.
+dvec3 turn_to(dvec3 n, dvec3 m, dvec3 v) { return v - (n + m) * (glm::dot(n, v) / std::max(1 + glm::dot(n, m), LEAST_TURN)); }
+
+void add_map_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, dvec4 map, double weight) {
+  if (std::isnan(map.w)) return; // the map does not exist there
+  const auto flat = [&](dvec3 v) { return dvec2(glm::dot(v, center.tangent), glm::dot(v, center.bitangent)); };
+  add_window_sample(moments.window,
+                    {flat(d) / center.radius, glm::length(d), map.w - center.map.w,
+                     center.map_radius * flat(turn_to(center.normal, n, dvec3(map))), weight},
+                    center.sigma);
+}
+
+// shrink: the sample stands that much nearer.
+void add_barycentric(Moments &moments, const Center &center, const Patch &patch, double b, double c, double weight,
+                     double shrink = 1) {
+  const auto at = [&](const auto &v) { return v[0] + b * (v[1] - v[0]) + c * (v[2] - v[0]); };
+  const dvec3 d = shrink * at(patch.corners);
+  add_sample(moments, center, d, at(patch.normals), weight);
+  if (center.with_map) add_map_sample(moments, center, d, glm::normalize(at(patch.normals)), at(patch.map), weight);
+}
+
+// Exact for polynomials of degree 5 (Radon) and 2.
+void add_whole_triangle(Moments &moments, const Center &center, const Patch &patch, double area, bool tiny) {
+  const auto add_three = [&](double b, double weight) {
+    add_barycentric(moments, center, patch, b, b, weight * area);
+    add_barycentric(moments, center, patch, 1 - 2 * b, b, weight * area);
+    add_barycentric(moments, center, patch, b, 1 - 2 * b, weight * area);
+  };
+  if (tiny) return add_three(1.0 / 6, 1.0 / 3);
+  constexpr double root = 3.872983346207417; // sqrt(15)
+  add_barycentric(moments, center, patch, 1.0 / 3, 1.0 / 3, 0.225 * area);
+  add_three((6 - root) / 21, (155 - root) / 1200);
+  add_three((6 + root) / 21, (155 + root) / 1200);
+}
+
+// On the ball's rim: the strip between the rim and where the distance along the surface, s = rho (1 + (kappa rho)^2/24), is r.
+// Per angle around the foot of p on the triangle's plane it has (r^2 - rho_s^2)/2, wherever that foot lies.
+void add_strip(Moments &moments, const Center &center, const Patch &patch, double b, double c, double angle) {
+  const auto at = [&](const std::array<dvec3, 3> &v) { return v[0] + b * (v[1] - v[0]) + c * (v[2] - v[0]); };
+  const dvec3 d = at(patch.corners), n = at(patch.normals);
+  const double r = center.radius;
+  const double bend = glm::dot(n / glm::length(n) - center.normal, d) / r;
+  const double inner = r / (1 + bend * bend / 24);
+  const double area = 0.5 * (r * r - inner * inner) * angle;
+  moments.strip += area;
+  if (center.geodesic_ball) add_barycentric(moments, center, patch, b, c, -area, 0.5 * (1 + inner / r));
+}
+
+void add_cut_triangle(Moments &moments, const Center &center, const Patch &patch, dvec3 cross_product, const GaussRule &rule) {
+  const auto &[a, b, c] = patch.corners;
+  const double twice_area = glm::length(cross_product);
+  const dvec3 up = cross_product / twice_area;
+  const double elevation = glm::dot(up, patch.corners[static_cast<size_t>(std::max(patch.center, 0))]);
+  const double disc2 = center.radius * center.radius - elevation * elevation;
+  if (!(disc2 > 0)) return;
+  const dvec3 e1 = glm::normalize(b - a), e2 = glm::cross(up, e1);
+  const auto flat = [&](dvec3 v) { return dvec2(glm::dot(v, e1), glm::dot(v, e2)); };
+  const std::array<dvec2, 3> corners{flat(a), flat(b), flat(c)};
+  const DiscRegion region = clip_by_disc(corners, std::sqrt(disc2));
+  const dvec2 star = patch.center >= 0 ? corners[static_cast<size_t>(patch.center)] : nearest_to_origin(corners);
+  const dvec2 ab = corners[1] - corners[0], ac = corners[2] - corners[0];
+  visit_region(region, star, rule, [&](dvec2 x, double weight) {
+    const dvec2 from_a = x - corners[0];
+    add_barycentric(moments, center, patch, cross(from_a, ac) / twice_area, cross(ab, from_a) / twice_area, weight);
+  });
+  visit_arcs(region, rule, [&](dvec2 x, double angle) {
+    const dvec2 from_a = x - corners[0];
+    add_strip(moments, center, patch, cross(from_a, ac) / twice_area, cross(ab, from_a) / twice_area, angle);
+  });
+}
+
+// The rules are as fine as the triangle is near: the integrands vary with direction and as 1/rho^2.
+void add_triangle(Moments &moments, const Center &center, const Patch &patch) {
+  const auto &[a, b, c] = patch.corners;
+  const dvec3 cross_product = glm::cross(b - a, c - a);
+  const double area = 0.5 * glm::length(cross_product);
+  if (!(area > 0)) return;
+  const double farthest = std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(c, c)});
+  const double size2 = std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
+  const dvec3 middle = (a + b + c) / 3.0;
+  const double nearness = patch.center >= 0 ? 10 : std::sqrt(size2 / std::max(glm::dot(middle, middle), 1e-300));
+  if (farthest <= center.radius * center.radius && nearness < 0.5)
+    return add_whole_triangle(moments, center, patch, area, nearness < 0.05);
+  const int points = nearness < 0.1 ? 2 : nearness < 0.3 ? 3 : nearness < 0.7 ? 4 : nearness < 1.5 ? 6 : 8;
+  add_cut_triangle(moments, center, patch, cross_product, gauss_rule(points));
+}
+
+// ---- The neighborhood -------------------------------------------------------------------------------------------------------
+
+// Least squares for a symmetric S: X S + S X = M + MT, in the principal frame of X three separate equations.
+void fit_shape_operator(const Moments &moments, const Center &center, ReferenceNeighborhood &neighborhood) {
+  constexpr double least_ratio = 1e-6; // of the extents across and along; a thinner support does not determine S
+  neighborhood.k1 = neighborhood.k2 = neighborhood.mean = neighborhood.gauss = undefined;
+  neighborhood.direction_max = neighborhood.direction_min = dvec3(undefined);
+  const double angle = 0.5 * std::atan2(2 * moments.xy, moments.xx - moments.yy);
+  const double c = std::cos(angle), s = std::sin(angle);
+  const double along = c * c * moments.xx + 2 * c * s * moments.xy + s * s * moments.yy;
+  const double across = s * s * moments.xx - 2 * c * s * moments.xy + c * c * moments.yy;
+  if (!(across > least_ratio * along)) return;
+  const double m11 = c * c * moments.m11 + c * s * moments.m12 + s * s * moments.m22;
+  const double m22 = s * s * moments.m11 - c * s * moments.m12 + c * c * moments.m22;
+  const double m12 = (c * c - s * s) * moments.m12 + 2 * c * s * (moments.m22 - moments.m11);
+  const double s11 = m11 / along, s22 = m22 / across, s12 = m12 / (along + across);
+  const double mean = 0.5 * (s11 + s22), half_difference = std::hypot(0.5 * (s11 - s22), s12);
+  neighborhood.k1 = mean + half_difference;
+  neighborhood.k2 = mean - half_difference;
+  neighborhood.mean = mean;
+  neighborhood.gauss = neighborhood.k1 * neighborhood.k2;
+  const double turn = angle + 0.5 * std::atan2(s12, 0.5 * (s11 - s22)); // from the tangent to the direction of k1
+  neighborhood.direction_max = std::cos(turn) * center.tangent + std::sin(turn) * center.bitangent;
+  neighborhood.direction_min = glm::cross(center.normal, neighborhood.direction_max);
+}
+
+// Paper eq. (8).
+double ball_mean_curvature(const ReferenceNeighborhood &neighborhood) {
+  return neighborhood.rho > 0 ? -8.0 / (3.0 * neighborhood.radius) * neighborhood.height / neighborhood.rho : undefined;
+}
+
+// Paper eq. (11) and (10), with this H.
+void take_integrals(ReferenceNeighborhood &neighborhood, double mean) {
+  const double r = neighborhood.radius, square = r * r;
+  neighborhood.mean = mean;
+  neighborhood.gauss = 12.0 * (pi * square - neighborhood.geodesic_area) / (pi * square * square);
+  const double root = std::sqrt(std::max(neighborhood.mean * neighborhood.mean - neighborhood.gauss, 0.0));
+  neighborhood.k1 = neighborhood.mean + root;
+  neighborhood.k2 = neighborhood.mean - root;
+}
+
+// Does the segment from a to b come nearer to the origin than r?
+bool meets_ball(dvec3 a, dvec3 b, double radius) {
+  const dvec3 edge = b - a;
+  const double length2 = glm::dot(edge, edge);
+  const double t = length2 > 0 ? std::clamp(-glm::dot(a, edge) / length2, 0.0, 1.0) : 0;
+  const dvec3 foot = a + t * edge;
+  return glm::dot(foot, foot) < radius * radius;
+}
+
+// The connected part of the surface within the ball around one point after the other. Stamps live as long as the flood.
+class Flood {
+public:
+  explicit Flood(const Surface &surface) : surface_(surface), stamp_(static_cast<size_t>(surface.triangles.triangle_count), -1) {}
+
+  ReferenceNeighborhood measure(int point, const ReferenceSettings &settings) {
+    ReferenceNeighborhood neighborhood = measure_once(point, settings);
+    if (settings.estimator == PDESC_ESTIMATOR_SHAPE_OPERATOR) return neighborhood;
+    double mean = ball_mean_curvature(neighborhood);
+    if (settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) {
+      ReferenceSettings half = settings;
+      half.radius *= 0.5;
+      mean = (4 * ball_mean_curvature(measure_once(point, half)) - mean) / 3;
+    }
+    take_integrals(neighborhood, mean);
+    return neighborhood;
+  }
+
+private:
+  ReferenceNeighborhood measure_once(int point, const ReferenceSettings &settings) {
+    const double radius = settings.radius;
+    start(point, settings);
+    Moments moments;
+    ReferenceNeighborhood neighborhood;
+    for (int face; !stack_.empty();) {
+      face = stack_.back();
+      stack_.pop_back();
+      const Patch patch = patch_of(face);
+      if (cross_edges(face, patch, radius)) neighborhood.boundary = true;
+      add_triangle(moments, center_, patch);
+    }
+    neighborhood.radius = radius;
+    neighborhood.area = moments.area;
+    neighborhood.rho = moments.rho;
+    neighborhood.height = moments.height;
+    neighborhood.bending = moments.bending;
+    neighborhood.geodesic_area = moments.area - (settings.geodesic_ball ? 0.0 : moments.strip);
+    fit_shape_operator(moments, center_, neighborhood);
+    if (!center_.with_map) return neighborhood;
+    neighborhood.window = finish_window(moments.window, center_.tangent, center_.bitangent, radius);
+    neighborhood.window.harris_k = settings.harris_k;
+    if (std::isnan(center_.map.w)) neighborhood.window.tensor = dvec3(undefined);
+    return neighborhood;
+  }
+
+  void start(int point, const ReferenceSettings &settings) {
+    point_ = point;
+    ++mark_;
+    const auto i = static_cast<size_t>(point);
+    position_ = dvec3(surface_.triangles.positions[static_cast<size_t>(surface_.half_edges.point_vertex[i])]);
+    const dvec3 n = glm::normalize(dvec3(surface_.normals.point[i]));
+    const dvec3 tangent = glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
+    const bool with_map = surface_.map != nullptr;
+    center_ = {n,
+               tangent,
+               glm::cross(n, tangent),
+               settings.radius,
+               settings.geodesic_ball,
+               with_map,
+               with_map ? dvec4((*surface_.map)[i]) : dvec4(0),
+               settings.map_radius,
+               settings.map_sigma};
+    stack_.clear();
+    const int first = surface_.half_edges.point_half_edge[i];
+    for (int corner = first; corner >= 0;) {
+      enter(corner / 3);
+      corner = surface_.half_edges.twin[static_cast<size_t>(previous_corner(corner))];
+      if (corner == first) break;
+    }
+  }
+
+  void enter(int face) {
+    int &stamp = stamp_[static_cast<size_t>(face)];
+    if (stamp == mark_) return;
+    stamp = mark_;
+    stack_.push_back(face);
+  }
+
+  Patch patch_of(int face) const {
+    Patch patch;
+    for (size_t k = 0; k < 3; ++k) {
+      const size_t corner = 3 * static_cast<size_t>(face) + k;
+      const int vertex = surface_.triangles.corner_vertex[corner];
+      patch.corners[k] = dvec3(surface_.triangles.positions[static_cast<size_t>(vertex)]) - position_;
+      patch.normals[k] = dvec3(surface_.normals.corner(corner));
+      const int point = surface_.half_edges.corner_point[corner];
+      if (point == point_) patch.center = static_cast<int>(k);
+      if (center_.with_map) patch.map[k] = dvec4((*surface_.map)[static_cast<size_t>(point)]);
+    }
+    return patch;
+  }
+
+  // Enters the triangles behind edges that meet the ball; true where nothing is behind one.
+  bool cross_edges(int face, const Patch &patch, double radius) {
+    bool boundary = false;
+    for (size_t k = 0; k < 3; ++k) {
+      if (!meets_ball(patch.corners[k], patch.corners[(k + 1) % 3], radius)) continue;
+      const int twin = surface_.half_edges.twin[3 * static_cast<size_t>(face) + k];
+      if (twin >= 0)
+        enter(twin / 3);
+      else
+        boundary = true;
+    }
+    return boundary;
+  }
+
+  const Surface &surface_;
+  std::vector<int32_t> stamp_, stack_;
+  int point_ = -1;
+  int32_t mark_ = 0; // of this flood
+  dvec3 position_{0};
+  Center center_{};
+};
+
+// ---- All points -------------------------------------------------------------------------------------------------------------
+
+void store(double value, float *out) { *out = static_cast<float>(value); }
+void store(dvec3 value, float *out) {
+  for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(value[i]);
+}
+
+struct Row {
+  size_t components;
+  void (*write)(const ReferenceNeighborhood &, float *out);
+};
+constexpr Row rows[] = {
+#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components)                                   \
+  {components, [](const ReferenceNeighborhood &neighborhood, float *out) { store(reference_##name(neighborhood), out); }},
+#include "descriptor/descriptors.def"
+#undef DESCRIPTOR
+#define OPERATOR(name, label, description, power, degree, needs, is_signed, neutral, low, high, components)                      \
+  {components, [](const ReferenceNeighborhood &neighborhood, float *out) { store(reference_##name(neighborhood), out); }},
+#include "descriptor/operators.def"
+#undef OPERATOR
+};
+
+} // namespace
+
+ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
+                                 const ReferenceSettings &settings, std::span<const int> descriptors, int threads,
+                                 const std::function<bool(double)> &progress) {
+  const Surface surface{triangles, half_edges, normals, settings.map};
+  const auto count = static_cast<size_t>(half_edges.point_count);
+  ReferenceField field;
+  for (const int row : descriptors) field.values.emplace_back(count * rows[row].components, static_cast<float>(undefined));
+  field.boundary.resize(count);
+  Pool<Flood> floods;
+  const bool all = settings.points.empty();
+  const int asked = all ? half_edges.point_count : static_cast<int>(settings.points.size());
+  Ticker ticker(asked, progress);
+  parallel_blocks(asked, threads, block_size, [&](int begin, int end) {
+    floods.with_one([&] { return Flood(surface); },
+                    [&](Flood &flood) {
+                      for (int i = begin; i < end; ++i) {
+                        const int point = all ? i : settings.points[static_cast<size_t>(i)];
+                        const ReferenceNeighborhood neighborhood = flood.measure(point, settings);
+                        for (size_t k = 0; k < descriptors.size(); ++k) {
+                          const Row &row = rows[descriptors[k]];
+                          row.write(neighborhood, &field.values[k][static_cast<size_t>(point) * row.components]);
+                        }
+                        field.boundary[static_cast<size_t>(point)] = neighborhood.boundary;
+                        ticker.step();
+                      }
+                    });
+  });
+  return field;
+}
+
+// ---- Descriptors: the plain definitions -------------------------------------------------------------------------------------
+
+double reference_mean_curvature(const ReferenceNeighborhood &neighborhood) { return neighborhood.mean; }
+
+double reference_gaussian_curvature(const ReferenceNeighborhood &neighborhood) { return neighborhood.gauss; }
+
+double reference_principal_curvature_max(const ReferenceNeighborhood &neighborhood) { return neighborhood.k1; }
+
+double reference_principal_curvature_min(const ReferenceNeighborhood &neighborhood) { return neighborhood.k2; }
+
+double reference_shape_index(const ReferenceNeighborhood &neighborhood) {
+  const double k1 = neighborhood.k1, k2 = neighborhood.k2;
+  if (!(std::max(std::abs(k1), std::abs(k2)) * neighborhood.radius >= PLANE_THRESHOLD)) return undefined;
+  return 2 / pi * std::atan2(k1 + k2, k1 - k2);
+}
+
+double reference_curvedness(const ReferenceNeighborhood &neighborhood) {
+  return std::sqrt(0.5 * (neighborhood.k1 * neighborhood.k1 + neighborhood.k2 * neighborhood.k2));
+}
+
+double reference_local_bending_energy(const ReferenceNeighborhood &neighborhood) {
+  return neighborhood.area > 0 ? neighborhood.bending / neighborhood.area : undefined;
+}
+
+double reference_sphere_volume(const ReferenceNeighborhood &neighborhood) {
+  const double r = neighborhood.radius;
+  return reference_sphere_volume_normalized(neighborhood) * 4 * pi / 3 * r * r * r;
+}
+
+// V_r = 4 pi r^3/3 - V_o with V_o = (2 pi r^3/3)(1 - height/rho), over 4 pi r^3/3.
+double reference_sphere_volume_normalized(const ReferenceNeighborhood &neighborhood) {
+  return neighborhood.rho > 0 ? 0.5 * (1 + neighborhood.height / neighborhood.rho) : undefined;
+}
+
+double reference_geodesic_area(const ReferenceNeighborhood &neighborhood) {
+  return neighborhood.area > 0 ? neighborhood.geodesic_area : undefined;
+}
+
+double reference_cavity(const ReferenceNeighborhood &neighborhood) {
+  const double bend = -neighborhood.mean * neighborhood.radius;
+  return std::isnan(bend) ? bend : std::clamp(bend, 0.0, 1.0);
+}
+
+double reference_convexity(const ReferenceNeighborhood &neighborhood) {
+  const double bend = neighborhood.mean * neighborhood.radius;
+  return std::isnan(bend) ? bend : std::clamp(bend, 0.0, 1.0);
+}
+
+double reference_ambient_openness(const ReferenceNeighborhood &neighborhood) {
+  return 1.0 - reference_sphere_volume_normalized(neighborhood);
+}
+
+static dvec3 positive_direction(dvec3 v) {
+  const dvec3 size = glm::abs(v);
+  const double largest = size.x >= size.y && size.x >= size.z ? v.x : size.y >= size.z ? v.y : v.z;
+  return largest < 0 ? -v : v;
+}
+
+dvec3 reference_principal_direction_max(const ReferenceNeighborhood &neighborhood) {
+  return positive_direction(neighborhood.direction_max);
+}
+
+dvec3 reference_principal_direction_min(const ReferenceNeighborhood &neighborhood) {
+  return positive_direction(neighborhood.direction_min);
+}
+
+double reference_euclidean_area(const ReferenceNeighborhood &neighborhood) {
+  return neighborhood.area > 0 ? neighborhood.area : undefined;
+}
+
+} // namespace paradesc

@@ -1,0 +1,272 @@
+// Floods over the mesh: from the triangles at a point over every edge that meets the ball, for one point or for many at once.
+#include "sample/connected_triangles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "sample/ball_lanes.h"
+#include "support/parallel.h"
+
+namespace paradesc {
+
+bool segment_in_ball(dvec3 a, dvec3 b, dvec3 center, double radius) {
+  const dvec3 way = b - a;
+  const double square = dot(way, way);
+  const double t = square > 0.0 ? std::clamp(dot(center - a, way) / square, 0.0, 1.0) : 0.0;
+  const dvec3 gap = a + way * t - center;
+  return dot(gap, gap) < radius * radius;
+}
+
+// All in units of the radius, from the center: meshes have any size.
+static bool in_ball(vec3 offset) { return dot(offset, offset) < 1.0f; }
+
+// Whether the segment between two places outside the ball meets it. Without a division: most do not.
+static bool passes(vec3 a, vec3 b) {
+  const vec3 way = b - a;
+  const float length = dot(way, way), along = -dot(a, way);
+  return along > 0.0f && along < length && (dot(a, a) - 1.0f) * length < along * along;
+}
+
+// By the middles of 16 pieces, of four where the triangle is small.
+static float part_in_ball(vec3 corner, vec3 first_side, vec3 second_side) {
+  const bool small = dot(first_side, first_side) + dot(second_side, second_side) < 0.125f;
+  const int pieces = small ? 2 : 4;
+  const auto step = 1.0f / static_cast<float>(3 * pieces);
+  const vec3 first = first_side * step, second = second_side * step;
+  int inside = 0;
+  for (int i = 0; i < pieces; ++i)
+    for (int j = 0; i + j < pieces; ++j) {
+      const vec3 lower = corner + first * (3.0f * static_cast<float>(i) + 1.0f) + second * (3.0f * static_cast<float>(j) + 1.0f);
+      inside += in_ball(lower);
+      inside += i + j + 1 < pieces && in_ball(lower + first + second);
+    }
+  return static_cast<float>(inside) / static_cast<float>(pieces * pieces);
+}
+
+// Points are lanes: bits of what each vertex and each triangle is to them. In dense meshes neighboring points reach nearly the
+// same triangles, most of them in one step for all.
+class SharedFlood {
+public:
+  SharedFlood(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit)
+      : triangles_(triangles), half_edges_(half_edges), balls_(radius), limit_(limit),
+        reached_(static_cast<size_t>(triangles.triangle_count), 0), inside_(static_cast<size_t>(triangles.vertex_count), 0) {}
+
+  // Areas within the ball of up to BallLanes::most points: below 0 where a point's is not known, 0 where there are too many
+  // triangles.
+  void measure(std::span<const int32_t> points, std::span<double> areas) {
+    begin(points);
+    const int32_t seed = points[0];
+    const vec3 start = position(seed);
+    uint32_t lanes = 0; // with the seed within their ball
+    for (size_t lane = 0; lane < points.size(); ++lane) lanes |= uint32_t{in_ball(balls_.offset(start, lane))} << lane;
+    for_each_triangle(seed, [&](int32_t triangle) { add(triangle, lanes); });
+    for (size_t i = 0; i < queue_.size() && common_count_ <= limit_; ++i) {
+      if (i % 1024 == 1023) leave_out_many();
+      const Step step = queue_[i]; // a copy: the queue grows
+      cross_edges(step.triangle, step.lanes & live_);
+    }
+    for (size_t lane = 0; lane < points.size(); ++lane) {
+      // What the seed reaches is what the point reaches where it reaches the point.
+      const bool joined =
+          reached_[static_cast<size_t>(half_edges_.point_half_edge[static_cast<size_t>(points[lane])]) / 3] >> lane & 1;
+      const double area = common_area_ + static_cast<double>(areas_[lane / width][lane % width]);
+      const double unit = static_cast<double>(balls_.scale()) * static_cast<double>(balls_.scale());
+      areas[lane] = count(lane) > limit_ ? 0.0 : joined ? area / unit : -1.0;
+    }
+    for (const Step &step : queue_) reached_[static_cast<size_t>(step.triangle)] = 0;
+    for (const int32_t vertex : known_) inside_[static_cast<size_t>(vertex)] = 0;
+  }
+
+  // How many of the points, from the first on, lie so near to it that one flood serves them all.
+  size_t together(std::span<const int32_t> points) const {
+    return balls_.leading(points.size(), 0.4f, [&](size_t i) { return position(points[i]); });
+  }
+
+  // Appends the triangles of a point that measure() knows the area of, sorted.
+  void list(size_t lane, std::vector<int32_t> &found) {
+    if (!sorted_) std::ranges::sort(queue_, {}, &Step::triangle);
+    sorted_ = true;
+    for (const Step &step : queue_)
+      if (step.lanes >> lane & 1) found.push_back(step.triangle);
+  }
+
+private:
+  static constexpr size_t width = BallLanes::width;
+  using Lanes = BallLanes::Floats;
+  using Bits = BallLanes::Bits;
+  static constexpr uint32_t is_known = uint32_t{1} << 31; // of a vertex: its lanes have been looked at
+  struct Step {
+    int32_t triangle;
+    uint32_t lanes; // that have come there
+  };
+
+  void begin(std::span<const int32_t> points) {
+    balls_.set(points.size(), [&](size_t lane) { return position(points[lane]); });
+    live_ = balls_.all();
+    for (size_t i = 0; i < balls_.vectors(); ++i) {
+      counts_[i] = Bits{};
+      areas_[i] = Lanes{};
+    }
+    common_count_ = 0;
+    common_area_ = 0.0;
+    queue_.clear();
+    sorted_ = false;
+    known_.clear();
+  }
+
+  vec3 position(int32_t point) const {
+    return triangles_.positions[static_cast<size_t>(half_edges_.point_vertex[static_cast<size_t>(point)])];
+  }
+
+  template <class Visit> void for_each_triangle(int32_t point, const Visit &visit) const {
+    const int32_t first = half_edges_.point_half_edge[static_cast<size_t>(point)];
+    for (int32_t corner = first; corner >= 0;) {
+      visit(corner / 3);
+      corner = half_edges_.twin[static_cast<size_t>(previous_corner(corner))];
+      if (corner == first) break;
+    }
+  }
+
+  void add(int32_t triangle, uint32_t lanes) {
+    uint32_t &reached = reached_[static_cast<size_t>(triangle)];
+    const uint32_t fresh = lanes & ~reached;
+    if (!fresh) return;
+    reached |= fresh;
+    queue_.push_back({triangle, fresh});
+  }
+
+  // The lanes whose ball holds a vertex.
+  uint32_t inside(int32_t vertex) {
+    uint32_t &known = inside_[static_cast<size_t>(vertex)];
+    if (known) return known;
+    known_.push_back(vertex);
+    return known = is_known | balls_.holding(triangles_.positions[static_cast<size_t>(vertex)]);
+  }
+
+  // Adds what lies beyond the triangle's edges where they meet the ball of these lanes, and to their areas the part of its own
+  // within.
+  void cross_edges(int32_t triangle, uint32_t lanes) {
+    const size_t first = 3 * static_cast<size_t>(triangle);
+    vec3 corner[3];
+    uint32_t within[3];
+    for (size_t i = 0; i < 3; ++i) {
+      const int32_t vertex = triangles_.corner_vertex[first + i];
+      corner[i] = triangles_.positions[static_cast<size_t>(vertex)];
+      within[i] = inside(vertex) & lanes;
+    }
+    for (size_t i = 0; i < 3; ++i) {
+      const int32_t twin = half_edges_.twin[first + i];
+      if (twin < 0) continue;
+      const uint32_t wanted = lanes & ~reached_[static_cast<size_t>(twin / 3)];
+      if (!wanted) continue;
+      const size_t next = i == 2 ? 0 : i + 1;
+      uint32_t over = (within[i] | within[next]) & wanted;
+      BallLanes::for_each(wanted & ~over, [&](size_t lane) {
+        if (passes(balls_.offset(corner[i], lane), balls_.offset(corner[next], lane))) over |= uint32_t{1} << lane;
+      });
+      add(twin / 3, over);
+    }
+    add_area(corner, within, lanes);
+  }
+
+  void add_area(const vec3 (&corner)[3], const uint32_t (&within)[3], uint32_t lanes) {
+    constexpr float small = 0.02f; // squares of two sides
+    const vec3 first_side = (corner[1] - corner[0]) * balls_.scale(), second_side = (corner[2] - corner[0]) * balls_.scale();
+    const float area = 0.5f * length(cross(first_side, second_side));
+    const uint32_t whole = within[0] & within[1] & within[2];
+    if (whole == balls_.all()) {
+      common_area_ += static_cast<double>(area);
+      ++common_count_;
+      return;
+    }
+    for (size_t i = 0; i < balls_.vectors(); ++i) counts_[i] -= BallLanes::are_in(lanes, i);
+    if (dot(first_side, first_side) + dot(second_side, second_side) < small) {
+      for (size_t i = 0; i < balls_.vectors(); ++i) // a third for each corner
+        areas_[i] -=
+            __builtin_convertvector(
+                BallLanes::are_in(within[0], i) + BallLanes::are_in(within[1], i) + BallLanes::are_in(within[2], i), Lanes) *
+            (area / 3.0f);
+      return;
+    }
+    BallLanes::for_each(lanes, [&](size_t lane) {
+      const bool inside = whole >> lane & 1;
+      areas_[lane / width][lane % width] +=
+          inside ? area : area * part_in_ball(balls_.offset(corner[0], lane), first_side, second_side);
+    });
+  }
+
+  // Lanes with too many triangles go no further.
+  void leave_out_many() {
+    BallLanes::for_each(live_, [&](size_t lane) {
+      if (count(lane) > limit_) live_ &= ~(uint32_t{1} << lane);
+    });
+  }
+
+  size_t count(size_t lane) const { return common_count_ + static_cast<size_t>(counts_[lane / width][lane % width]); }
+
+  const Triangles &triangles_;
+  const HalfEdges &half_edges_;
+  BallLanes balls_;
+  size_t limit_;
+  std::vector<uint32_t> reached_; // (triangle_count) lanes that have come there; 0 between calls
+  std::vector<uint32_t> inside_;  // (vertex_count) as inside() says; 0 where it was not asked
+  std::vector<Step> queue_;       // each triangle once for a lane
+  bool sorted_ = false;           // the queue, by triangles
+  std::vector<int32_t> known_;    // vertices that inside() was asked for
+  uint32_t live_ = 0;             // lanes without too many triangles
+  double common_area_ = 0.0;      // of triangles within the balls of all lanes
+  size_t common_count_ = 0;
+  BallLanes::FloatOfEach areas_; // of each lane's others
+  BallLanes::BitsOfEach counts_;
+};
+
+ReachSearch::ReachSearch(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit, int threads)
+    : triangles_(triangles), half_edges_(half_edges), radius_(radius), limit_(limit), threads_(threads) {}
+
+ReachSearch::~ReachSearch() = default;
+
+Reach ReachSearch::run(std::span<const int32_t> points, const ExpectedAreas &expected) {
+  constexpr size_t block = 8 * BallLanes::most;
+  const size_t count = points.size();
+  std::vector<std::vector<int32_t>> found((count + block - 1) / block);
+  std::vector<size_t> first_of(count, 0); // in the list of the point's block
+  Reach reach;
+  reach.begin.assign(count + 1, 0);
+  reach.area.assign(count, 0.0);
+  const auto measure = [&](SharedFlood &flood, size_t first, size_t lanes, std::vector<int32_t> &list) {
+    flood.measure(points.subspan(first, lanes), std::span(reach.area).subspan(first, lanes));
+    for (size_t lane = 0; lane < lanes; ++lane) {
+      const size_t i = first + lane;
+      if (!(reach.area[i] > 0.0)) continue;
+      if (!expected.areas.empty() && std::abs(reach.area[i] - expected.areas[i]) < expected.tolerance) continue;
+      first_of[i] = list.size();
+      flood.list(lane, list);
+      reach.begin[i + 1] = static_cast<int32_t>(list.size() - first_of[i]);
+    }
+  };
+  parallel_blocks(static_cast<int>(count), threads_, static_cast<int>(block), [&](int from, int to) {
+    const auto begin = static_cast<size_t>(from), end = static_cast<size_t>(to);
+    std::vector<int32_t> list; // of its own: neighboring vectors share cache lines
+    floods_.with_one([&] { return SharedFlood(triangles_, half_edges_, radius_, limit_); },
+                     [&](SharedFlood &flood) {
+                       for (size_t first = begin, lanes = 0; first < end; first += lanes) {
+                         lanes = flood.together(points.subspan(first, end - first));
+                         measure(flood, first, lanes, list);
+                       }
+                       for (size_t i = begin; i < end; ++i)
+                         if (reach.area[i] < 0.0) measure(flood, i, 1, list);
+                     });
+    found[begin / block] = std::move(list);
+  });
+  std::partial_sum(reach.begin.begin(), reach.begin.end(), reach.begin.begin());
+  reach.triangle.reserve(static_cast<size_t>(reach.begin.back()));
+  for (size_t i = 0; i < count; ++i) {
+    const auto first = found[i / block].begin() + static_cast<ptrdiff_t>(first_of[i]);
+    reach.triangle.insert(reach.triangle.end(), first, first + (reach.begin[i + 1] - reach.begin[i]));
+  }
+  return reach;
+}
+
+} // namespace paradesc

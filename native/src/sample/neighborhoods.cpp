@@ -1,0 +1,316 @@
+// Cells and their links → the ranges of samples of each center's neighborhood.
+#include "sample/neighborhoods.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "sample/cell_search.h"
+#include "support/error.h"
+#include "support/parallel.h"
+
+namespace paradesc {
+
+// Divided until pieces are small against the radius: the middle of each is a sample.
+BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
+                                  const BufferFrame &frame, float radius, const MappedSurface *mapped) {
+  BareSamples samples;
+  samples.begin.push_back(0);
+  for (size_t cell = 0; cell + 1 < cells.bare_begin.size(); ++cell) {
+    for (int32_t k = cells.bare_begin[cell]; k < cells.bare_begin[cell + 1]; ++k) {
+      const auto corner = 3 * static_cast<size_t>(cells.bare[static_cast<size_t>(k)]);
+      vec3 p[3];
+      for (size_t i = 0; i < 3; ++i)
+        p[i] = frame.to_buffer(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner + i])]);
+      const float longest = std::max({length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])});
+      // Limited before it becomes an integer: radii may be as small as floats are.
+      const int side = static_cast<int>(std::fmax(1.0f, std::fmin(std::ceil(4.0f * longest / radius), 16.0f)));
+      const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0])) / static_cast<float>(side * side);
+      auto add = [&](float a, float b) { // barycentric coordinates of corners 1 and 2
+        if (mapped) {
+          const SurfacePoint point = mapped->at(static_cast<int>(corner / 3), a, b);
+          samples.point.emplace_back(point.position, area * point.area_ratio);
+          samples.point.emplace_back(point.normal, 0.0f);
+          return;
+        }
+        const vec3 n = normals.corner(corner) * (1.0f - a - b) + normals.corner(corner + 1) * a + normals.corner(corner + 2) * b;
+        const float span = length(n);
+        samples.point.emplace_back(p[0] + (p[1] - p[0]) * a + (p[2] - p[0]) * b, area);
+        samples.point.emplace_back(span > 0.0f ? n / span : normals.corner(corner), static_cast<float>(corner / 3));
+        samples.weights.emplace_back(a, b);
+      };
+      for (int i = 0; i < side; ++i)
+        for (int j = 0; i + j < side; ++j) {
+          const auto step = 1.0f / static_cast<float>(side);
+          add((static_cast<float>(i) + 1.0f / 3.0f) * step, (static_cast<float>(j) + 1.0f / 3.0f) * step);
+          if (i + j + 1 < side) add((static_cast<float>(i) + 2.0f / 3.0f) * step, (static_cast<float>(j) + 2.0f / 3.0f) * step);
+        }
+    }
+    samples.begin.push_back(static_cast<int32_t>(samples.point.size() / 2));
+  }
+  return samples;
+}
+
+namespace {
+
+// The ranges of some centers, before they are joined to one list.
+struct Part {
+  std::vector<ivec2> range;
+  std::vector<int32_t> left; // centers that have to search by themselves
+};
+
+} // namespace
+
+static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec3> &points, int threads) {
+  std::vector<Bounds> bounds(cells.link_begin.size() - 1);
+  parallel_blocks(static_cast<int>(bounds.size()), threads, 4096, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      vec3 low(1e30f), high(-1e30f);
+      for (int32_t k = cells.link_begin[i]; k < cells.link_begin[i + 1]; ++k) {
+        low = glm::min(low, points[static_cast<size_t>(k)]);
+        high = glm::max(high, points[static_cast<size_t>(k)]);
+      }
+      bounds[i] = {low, high};
+    }
+  });
+  return bounds;
+}
+
+// Cells that hold samples of bare triangles reach around these too, and face their way.
+static std::vector<CellData> with_bare_samples(const SupportSpace &space) {
+  std::vector<CellData> cells(space.measured.begin(), space.measured.end());
+  for (size_t cell = 0; cell + 1 < space.bare.begin.size(); ++cell)
+    for (int32_t k = space.bare.begin[cell]; k < space.bare.begin[cell + 1]; ++k) {
+      const vec4 point = space.bare.point[2 * static_cast<size_t>(k)], normal = space.bare.point[2 * static_cast<size_t>(k) + 1];
+      CellData &data = cells[cell];
+      if (data.sphere.w < 0.0f) {
+        data.sphere = vec4(vec3(point), 0.0f);
+        data.cone = vec4(vec3(normal), 1.0f);
+      }
+      data.sphere.w = std::max(data.sphere.w, length(vec3(point) - vec3(data.sphere)));
+      data.cone.w = std::min(data.cone.w, dot(vec3(data.cone), vec3(normal)));
+    }
+  return cells;
+}
+
+static std::vector<CellLeaves> list_leaves(const SupportSpace &space, float radius, int threads) {
+  const int side = space.cells.block_size / 2;
+  std::vector<CellLeaves> leaves(space.measured.size());
+  parallel_blocks(static_cast<int>(leaves.size()), threads, 4096, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+      leaves[i] = leaves_of(space.measured[i], space.samples.strides, i, side * side, radius);
+  });
+  return leaves;
+}
+
+// The cell from which a center's group searches, or -1.
+static int32_t start_of(const Cells &cells, const SupportCenter &center) {
+  if (center.cell >= 0) return center.cell;
+  for (const int32_t site : center.sites)
+    if (const int32_t cell = cells.site_cell[static_cast<size_t>(site)]; cell >= 0) return cell;
+  return -1;
+}
+
+namespace {
+
+// Centers by the square that they start in: a block, or two by two or four by four where these are small against the radius.
+struct Groups {
+  std::vector<int32_t> start; // (centers) cell, or -1
+  std::vector<int32_t> order; // centers
+  std::vector<int32_t> begin; // (groups + 1) into order; the first: those that start nowhere
+};
+
+} // namespace
+
+static Groups group(const Cells &cells, std::span<const CellData> measured, const std::vector<SupportCenter> &centers,
+                    float radius) {
+  double spheres = 0.0;
+  for (const CellData &cell : measured) spheres += static_cast<double>(std::max(cell.sphere.w, 0.0f));
+  const double radii = static_cast<double>(radius) * static_cast<double>(measured.size()) / std::max(spheres, 1e-30);
+  const int width = (radii > 4.4 ? 4 : radii > 2.6 ? 2 : 1) * cells.block_size; // at most about the radius
+  int across = 1;
+  for (const ivec4 box : cells.box) across = std::max({across, box.x / width + 1, box.y / width + 1});
+  auto square_of = [&](int32_t cell) {
+    if (cell < 0) return 0;
+    const ivec4 box = cells.box[static_cast<size_t>(cell)];
+    return 1 + box.y / width * across + box.x / width;
+  };
+  Groups groups;
+  groups.start.resize(centers.size());
+  std::vector<int32_t> begin(static_cast<size_t>(across) * static_cast<size_t>(across) + 2, 0);
+  for (size_t i = 0; i < centers.size(); ++i) {
+    groups.start[i] = start_of(cells, centers[i]);
+    ++begin[static_cast<size_t>(square_of(groups.start[i])) + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  groups.begin.push_back(0);
+  for (size_t square = 0; square + 1 < begin.size(); ++square)
+    if (square == 0 || begin[square + 1] > begin[square]) groups.begin.push_back(begin[square + 1]);
+  groups.order.resize(centers.size());
+  for (size_t i = 0; i < centers.size(); ++i)
+    groups.order[static_cast<size_t>(begin[static_cast<size_t>(square_of(groups.start[i]))]++)] = static_cast<int32_t>(i);
+  return groups;
+}
+
+namespace {
+
+// Some of a group's centers: how far they lie apart.
+struct Spread {
+  vec3 low, high;
+  Spread(const std::vector<SupportCenter> &centers, std::span<const int32_t> members)
+      : low(std::numeric_limits<float>::max()), high(-low) {
+    for (const int32_t i : members) {
+      low = glm::min(low, centers[static_cast<size_t>(i)].position);
+      high = glm::max(high, centers[static_cast<size_t>(i)].position);
+    }
+  }
+  vec3 middle() const { return 0.5f * (low + high); }
+  float radius() const { return 0.5f * length(high - low); }
+  int longest_axis() const {
+    const vec3 side = high - low;
+    return side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+  }
+};
+
+} // namespace
+
+// The members of one group that lie near each other: first those that are connected to the first member's cell, then those
+// connected to the first of the others…
+static void search_together(CellSearch &search, const std::vector<SupportCenter> &centers, const std::vector<int32_t> &start,
+                            std::vector<int32_t> members, Supports &supports, Part &part) {
+  std::vector<int32_t> others;
+  while (!members.empty()) {
+    const Spread spread(centers, members);
+    search.reach_from(start[static_cast<size_t>(members[0])], spread.middle(), spread.radius());
+    others.clear();
+    for (const int32_t i : members) {
+      if (!search.was_found(start[static_cast<size_t>(i)])) {
+        others.push_back(i);
+        continue;
+      }
+      const vec3 position = centers[static_cast<size_t>(i)].position;
+      search.measure(position);
+      if (search.is_plain(position)) {
+        supports.center[static_cast<size_t>(i)] = search.list(position, false, part.range);
+        supports.plain[static_cast<size_t>(i)] = 1;
+      } else {
+        part.left.push_back(i);
+      }
+    }
+    members.swap(others);
+  }
+}
+
+// A group, in halves until each lies within a part of the radius: the map may stretch a square to any length.
+static void search_in_halves(CellSearch &search, const std::vector<SupportCenter> &centers, const std::vector<int32_t> &start,
+                             std::span<int32_t> members, float radius, Supports &supports, Part &part) {
+  constexpr float near = 0.6f;
+  const Spread spread(centers, members);
+  if (members.size() < 2 || spread.radius() <= near * radius)
+    return search_together(search, centers, start, {members.begin(), members.end()}, supports, part);
+  const int axis = spread.longest_axis();
+  const float middle = spread.middle()[axis];
+  const auto split = std::stable_partition(members.begin(), members.end(),
+                                           [&](int32_t i) { return centers[static_cast<size_t>(i)].position[axis] < middle; });
+  const auto first = static_cast<size_t>(split - members.begin());
+  if (first == 0 || first == members.size()) // as far apart as floats tell
+    return search_together(search, centers, start, {members.begin(), members.end()}, supports, part);
+  search_in_halves(search, centers, start, members.first(first), radius, supports, part);
+  search_in_halves(search, centers, start, members.subspan(first), radius, supports, part);
+}
+
+// The parts' ranges one after another; places[i]: the centers of part i.
+static void join(std::vector<Part> &parts, const std::vector<std::span<const int32_t>> &places, Supports &supports) {
+  size_t all = supports.range.size();
+  for (const Part &part : parts) all += part.range.size();
+  supports.range.reserve(all);
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const auto offset = static_cast<int32_t>(supports.range.size());
+    for (const int32_t center : places[i]) {
+      SupportData &data = supports.center[static_cast<size_t>(center)];
+      for (int32_t *at : {&data.first, &data.middle, &data.last, &data.end}) *at += offset;
+    }
+    supports.range.insert(supports.range.end(), parts[i].range.begin(), parts[i].range.end());
+    parts[i].range = {}; // all together are as much again
+  }
+}
+
+[[noreturn]] static void refuse_ranges(size_t centers, size_t most) {
+  throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The neighborhoods of " + std::to_string(centers) + " places have more than " +
+                                             std::to_string(most) +
+                                             " pieces of charts, for which there is no memory; use a "
+                                             "smaller radius, smaller buffers, or a UV map of fewer charts.");
+}
+
+Supports find_supports(const SupportSpace &space, const std::vector<SupportCenter> &centers, float radius, int threads,
+                       size_t most) {
+  constexpr int block = 64, alone = 512;
+  most = std::min<size_t>(most, std::numeric_limits<int32_t>::max());
+  std::atomic<size_t> all{0};
+  const std::vector<CellData> with_bare = space.bare.point.empty() ? std::vector<CellData>() : with_bare_samples(space);
+  const std::span<const CellData> measured = with_bare.empty() ? space.measured : with_bare;
+  const std::vector<CellLeaves> leaves = list_leaves(space, radius, threads);
+  Groups groups = group(space.cells, measured, centers, radius);
+  const auto count = static_cast<int>(groups.begin.size()) - 1;
+  auto members_of = [&](int first, int last) {
+    const auto begin = static_cast<size_t>(groups.begin[static_cast<size_t>(first)]);
+    return std::span(groups.order).subspan(begin, static_cast<size_t>(groups.begin[static_cast<size_t>(last)]) - begin);
+  };
+  Supports supports;
+  supports.center.resize(centers.size());
+  supports.plain.resize(centers.size(), 0);
+  std::vector<Part> parts(static_cast<size_t>((count + block - 1) / block));
+  std::vector<std::span<const int32_t>> places;
+  for (int begin = 0; begin < count; begin += block) places.push_back(members_of(begin, std::min(begin + block, count)));
+  parallel_blocks(count, threads, block, [&](int begin, int end) {
+    CellSearch search(space, measured, leaves, radius);
+    Part part; // of its own: neighboring vectors share cache lines
+    for (int g = begin; g < end; ++g) {
+      const size_t before = part.range.size();
+      const std::span<int32_t> members = members_of(g, g + 1);
+      if (g == 0) // they start nowhere
+        part.left.assign(members.begin(), members.end());
+      else
+        search_in_halves(search, centers, groups.start, members, radius, supports, part);
+      if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
+    }
+    parts[static_cast<size_t>(begin / block)] = std::move(part);
+  });
+  join(parts, places, supports);
+  supports.order = std::move(groups.order);
+
+  std::vector<int32_t> left;
+  for (const Part &part : parts) left.insert(left.end(), part.left.begin(), part.left.end());
+  if (left.empty()) return supports;
+  const std::vector<vec3> &link_points = space.link_points();
+  const std::vector<Bounds> links = link_bounds(space.cells, link_points, threads);
+  const auto rest = static_cast<int>(left.size());
+  parts.assign(static_cast<size_t>((rest + alone - 1) / alone), {});
+  places.clear();
+  for (size_t first = 0; first < left.size(); first += alone)
+    places.push_back(std::span<const int32_t>(left).subspan(first, std::min<size_t>(alone, left.size() - first)));
+  parallel_blocks(rest, threads, alone, [&](int begin, int end) {
+    CellSearch search(space, measured, leaves, radius);
+    Part part;
+    for (std::span<const int32_t> others = std::span(left).subspan(static_cast<size_t>(begin), static_cast<size_t>(end - begin));
+         !others.empty();) {
+      const std::span<const int32_t> members = others.first(search.together(centers, others));
+      others = others.subspan(members.size());
+      search.run(centers, members, links, link_points);
+      const size_t before = part.range.size();
+      for (size_t lane = 0; lane < members.size(); ++lane) {
+        const vec3 position = centers[static_cast<size_t>(members[lane])].position;
+        const bool boundary = search.choose(lane, position);
+        supports.center[static_cast<size_t>(members[lane])] = search.list(position, boundary, part.range);
+      }
+      if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
+    }
+    parts[static_cast<size_t>(begin / alone)] = std::move(part);
+  });
+  join(parts, places, supports);
+  return supports;
+}
+
+} // namespace paradesc

@@ -1,0 +1,442 @@
+// A driver that fails, at first or in the middle: one sentence, the next backend under AUTO, and a context that stays usable.
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <gtest/gtest.h>
+
+#include "context.h"
+#include "descriptor/registry.h"
+#include "engine/opengl/buffer.h"
+#include "engine/opengl/faults.h"
+#include "compute/compute.h"
+#include "support/layout.h"
+#include "support/run.h"
+#include "support/sentence.h"
+
+namespace paradesc {
+namespace {
+
+using test::FailingDriver;
+
+// ---- What a driver may do. Functions of C have no state of their own, so it stands here; every test begins with set_up().
+
+struct Script {
+  std::atomic<int> opened = 0;     // times that libEGL was opened
+  std::atomic<int> dispatches = 0; // since set_up
+  std::atomic<int> lose_at = 0;    // the dispatch with which the device is lost; 0: never
+  std::atomic<int> fail_at = 0;    // the dispatch after which the device is out of memory
+  std::atomic<bool> lost = false;
+  std::atomic<bool> failing = false;
+  std::atomic<int> hardware = 0; // so many openings show the software rasterizer as a graphics card
+};
+Script script;
+PFNGLDISPATCHCOMPUTEPROC real_dispatch = nullptr;
+PFNGLGETERRORPROC real_error = nullptr;
+PFNGLGETINTEGERVPROC real_integer = nullptr;
+PFNGLGETSTRINGPROC real_string = nullptr;
+PFNGLGETSHADERIVPROC real_shader = nullptr;
+PFNGLGETPROGRAMIVPROC real_program = nullptr;
+PFNEGLQUERYDEVICESTRINGEXTPROC real_device_string = nullptr;
+
+bool pretends_hardware() { return script.opened <= script.hardware; }
+// Where there is a card, it alone is lost.
+bool is_lost() { return script.lost && (script.hardware == 0 || pretends_hardware()); }
+
+void APIENTRY dispatch(GLuint x, GLuint y, GLuint z) {
+  const int number = ++script.dispatches;
+  if (number == script.lose_at) script.lost = true;
+  if (number == script.fail_at) script.failing = true;
+  if (!is_lost()) real_dispatch(x, y, z);
+}
+void APIENTRY dispatch_nothing(GLuint, GLuint, GLuint) {}
+GLenum APIENTRY reset_status() { return is_lost() ? GL_GUILTY_CONTEXT_RESET : GL_NO_ERROR; }
+GLenum APIENTRY error_status() { return script.failing.exchange(false) ? GL_OUT_OF_MEMORY : real_error(); }
+const GLubyte *APIENTRY device_name(GLenum name) {
+  if (name == GL_RENDERER && pretends_hardware()) return reinterpret_cast<const GLubyte *>("Pretended card");
+  return real_string(name);
+}
+const char *EGLAPIENTRY device_extensions(EGLDeviceEXT device, EGLint name) {
+  return pretends_hardware() ? "" : real_device_string(device, name);
+}
+void APIENTRY old_version(GLenum name, GLint *value) {
+  real_integer(name, value);
+  if (name == GL_MAJOR_VERSION) *value = 3;
+}
+void APIENTRY no_textures(GLenum name, GLint *value) {
+  real_integer(name, value);
+  if (name == GL_MAX_TEXTURE_SIZE) *value = 0;
+}
+void APIENTRY one_group(GLenum, GLuint, GLint *value) { *value = 1; }
+void APIENTRY no_storage(GLenum, GLint64 *value) { *value = -1; }
+void APIENTRY not_compiled(GLuint shader, GLenum name, GLint *value) {
+  real_shader(shader, name, value);
+  if (name == GL_COMPILE_STATUS) *value = 0;
+}
+void APIENTRY not_linked(GLuint program, GLenum name, GLint *value) {
+  real_program(program, name, value);
+  if (name == GL_LINK_STATUS) *value = 0;
+}
+void APIENTRY long_log(GLuint, GLsizei room, GLsizei *length, GLchar *log) {
+  const std::string text = "0:1(2): error: no\n0:3(4): error: never\n" + std::string(5000, 'x');
+  const auto used = static_cast<GLsizei>(text.copy(log, static_cast<size_t>(room - 1)));
+  log[used] = 0;
+  if (length) *length = used;
+}
+GLenum APIENTRY incomplete(GLuint, GLenum) { return GL_FRAMEBUFFER_UNSUPPORTED; }
+EGLContext EGLAPIENTRY no_context(EGLDisplay, EGLConfig, EGLContext, const EGLint *) { return EGL_NO_CONTEXT; }
+EGLBoolean EGLAPIENTRY no_display(EGLDisplay, EGLint *, EGLint *) { return EGL_FALSE; }
+EGLBoolean EGLAPIENTRY not_current(EGLDisplay, EGLSurface, EGLSurface, EGLContext) { return EGL_FALSE; }
+EGLBoolean EGLAPIENTRY no_devices(EGLint, EGLDeviceEXT *, EGLint *count) {
+  *count = 0;
+  return EGL_TRUE;
+}
+const char *EGLAPIENTRY no_extensions(EGLDisplay, EGLint) { return nullptr; }
+
+// The driver's own functions, which the scripted ones go on to.
+DriverSubstitute scripted(const FailingDriver &failing) {
+  return [put = DriverSubstitute(failing)](const char *name, void *found) {
+    const std::string asked = name;
+    auto keep = [&](const char *wanted, auto &function) {
+      if (asked == wanted) function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
+    };
+    if (asked == "libEGL.so.1") ++script.opened;
+    keep("glDispatchCompute", real_dispatch);
+    keep("glGetError", real_error);
+    keep("glGetIntegerv", real_integer);
+    keep("glGetString", real_string);
+    keep("glGetShaderiv", real_shader);
+    keep("glGetProgramiv", real_program);
+    keep("eglQueryDeviceStringEXT", real_device_string);
+    return put(name, found);
+  };
+}
+
+// ---- What is done with it
+
+class DriverFailures : public ::testing::Test {
+protected:
+  void SetUp() override {
+    script.opened = script.dispatches = script.lose_at = script.fail_at = script.hardware = 0;
+    script.lost = script.failing = false;
+    ball = test::sphere(1, {.vertices = 400});
+    test::lay_out(ball, {.charts = 6});
+    pdesc_options_init(&options);
+    options.radius = 0.1;
+    options.buffer_size = 128;
+    options.samples = 16;
+  }
+
+  // False, and the test is skipped, where there is no software rasterizer to fail.
+  static bool has_software() {
+    std::string why_not;
+    return test::open_context(PDESC_BACKEND_SOFTWARE, why_not) != nullptr;
+  }
+
+  static std::shared_ptr<Context> open(int32_t backend, const FailingDriver &failing) {
+    pdesc_context_options asked;
+    pdesc_context_options_init(&asked);
+    asked.backend = backend;
+    return make_context(asked, scripted(failing));
+  }
+
+  Field compute_on(Mesh &mesh) const {
+    const std::vector<int> asked = {find_descriptor("mean_curvature")};
+    return compute(mesh, options, asked, [](const char *, double) { return true; });
+  }
+  std::unique_ptr<Mesh> mesh_on(const std::shared_ptr<Context> &context) const { return make_mesh(context, input_of(ball)); }
+
+  static void expect_one_sentence(const std::string &text, const char *word) {
+    EXPECT_NE(text.find(word), std::string::npos) << "no \"" << word << "\" in: " << text;
+    test::expect_one_sentence(text);
+  }
+
+  // By name it is refused with this word in the sentence; AUTO computes by the reference, and says why.
+  void expect_refused_at_once(const FailingDriver &failing, const char *word) const {
+    try {
+      open(PDESC_BACKEND_SOFTWARE, failing);
+      ADD_FAILURE() << "the device was taken: " << word;
+    } catch (const Error &error) {
+      EXPECT_EQ(error.status(), PDESC_ERROR_UNSUPPORTED);
+      expect_one_sentence(error.what(), word);
+    }
+    const auto context = open(PDESC_BACKEND_AUTO, failing);
+    EXPECT_EQ(context->backend, PDESC_BACKEND_REFERENCE);
+    expect_one_sentence(context->fallback.load(), word);
+  }
+
+  // Computes with a driver that fails on the way: an error by name, and the same values as the reference's under AUTO.
+  void expect_failure_in_the_middle(const FailingDriver &failing, pdesc_status status, const char *word) {
+    if (!has_software()) GTEST_SKIP() << "no software rasterizer";
+    {
+      const auto mesh = mesh_on(open(PDESC_BACKEND_SOFTWARE, failing));
+      try {
+        compute_on(*mesh);
+        ADD_FAILURE() << "nothing was thrown: " << word;
+      } catch (const Error &error) {
+        EXPECT_EQ(error.status(), status) << error.what();
+        expect_one_sentence(error.what(), word);
+      }
+    }
+    const int lose_at = script.lose_at, fail_at = script.fail_at;
+    SetUp();
+    script.lose_at = lose_at;
+    script.fail_at = fail_at;
+    const auto context = open(PDESC_BACKEND_AUTO, failing);
+    ASSERT_EQ(context->backend, PDESC_BACKEND_SOFTWARE) << "else nothing is left to fail";
+    const auto mesh = mesh_on(context);
+    const Field field = compute_on(*mesh);
+    EXPECT_EQ(field.report.backend, PDESC_BACKEND_REFERENCE);
+    expect_one_sentence(field.warnings, word);
+    EXPECT_EQ(context->backend, PDESC_BACKEND_REFERENCE);
+    const auto reference = mesh_on(open(PDESC_BACKEND_REFERENCE, {}));
+    test::expect_same_bits(field.values[0], compute_on(*reference).values[0]);
+    EXPECT_NE(compute_on(*mesh).warnings, "") << "who comes later must learn it too";
+  }
+
+  test::TestMesh ball;
+  pdesc_options options;
+};
+
+TEST_F(DriverFailures, a_machine_without_egl_is_told_so) {
+  expect_refused_at_once(FailingDriver().without("libEGL.so.1"), "libEGL.so.1 was not found");
+}
+
+TEST_F(DriverFailures, an_egl_that_lacks_a_function_is_refused) {
+  if (!has_software()) GTEST_SKIP();
+  expect_refused_at_once(FailingDriver().without("eglCreateContext"), "has no eglCreateContext");
+  expect_refused_at_once(FailingDriver().without("eglGetPlatformDisplayEXT"), "without a window");
+}
+
+TEST_F(DriverFailures, an_egl_without_devices_is_refused) {
+  if (!has_software()) GTEST_SKIP();
+  expect_refused_at_once(FailingDriver().put("eglQueryString", no_extensions), "No software OpenGL 4.5 device");
+  expect_refused_at_once(FailingDriver().put("eglInitialize", no_display), "No software OpenGL 4.5 device");
+  expect_refused_at_once(FailingDriver().put("eglMakeCurrent", not_current), "No software OpenGL 4.5 device");
+}
+
+TEST_F(DriverFailures, an_egl_that_lists_no_device_may_still_have_one_without_a_surface) {
+  if (!has_software()) GTEST_SKIP();
+  try {
+    EXPECT_EQ(open(PDESC_BACKEND_SOFTWARE, FailingDriver().put("eglQueryDevicesEXT", no_devices))->backend,
+              PDESC_BACKEND_SOFTWARE);
+  } catch (const Error &error) {
+    expect_one_sentence(error.what(), "No software OpenGL 4.5 device");
+  }
+}
+
+TEST_F(DriverFailures, an_opengl_below_4_5_is_refused) {
+  if (!has_software()) GTEST_SKIP();
+  expect_refused_at_once(FailingDriver().put("eglCreateContext", no_context), "No software OpenGL 4.5 device");
+  expect_refused_at_once(FailingDriver().put("glGetIntegerv", old_version), "it offers OpenGL 3.");
+  expect_refused_at_once(FailingDriver().without("glDispatchCompute"), "no glDispatchCompute");
+}
+
+TEST_F(DriverFailures, limits_below_those_of_opengl_4_5_are_refused_with_the_number) {
+  if (!has_software()) GTEST_SKIP();
+  expect_refused_at_once(FailingDriver().put("glGetIntegerv", no_textures), "it takes 0 texels");
+  expect_refused_at_once(FailingDriver().put("glGetIntegeri_v", one_group), "it takes 1 work groups");
+  expect_refused_at_once(FailingDriver().put("glGetInteger64v", no_storage), "it takes -1 bytes");
+}
+
+TEST_F(DriverFailures, a_program_that_does_not_compile_or_link_leaves_the_work_to_the_next_backend) {
+  expect_failure_in_the_middle(FailingDriver().put("glGetShaderiv", not_compiled), PDESC_ERROR_UNSUPPORTED, "did not compile");
+  SetUp();
+  expect_failure_in_the_middle(FailingDriver().put("glGetShaderiv", not_compiled).put("glGetShaderInfoLog", long_log),
+                               PDESC_ERROR_UNSUPPORTED, "0:1(2): error: no; 0:3(4): error: never");
+  SetUp();
+  expect_failure_in_the_middle(FailingDriver().put("glGetProgramiv", not_linked), PDESC_ERROR_UNSUPPORTED, "did not link");
+}
+
+TEST_F(DriverFailures, a_device_out_of_memory_leaves_the_work_to_the_next_backend) {
+  script.fail_at = 1;
+  expect_failure_in_the_middle(FailingDriver().put("glDispatchCompute", dispatch).put("glGetError", error_status),
+                               PDESC_ERROR_OUT_OF_MEMORY, "ran out of memory");
+}
+
+TEST_F(DriverFailures, a_device_lost_at_the_first_or_at_a_later_dispatch_leaves_the_work_to_the_next_backend) {
+  for (const int at : {1, 3}) {
+    SetUp();
+    script.lose_at = at;
+    expect_failure_in_the_middle(FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status),
+                                 PDESC_ERROR_DEVICE_LOST, "was lost");
+  }
+}
+
+TEST_F(DriverFailures, a_device_that_cannot_draw_into_buffers_of_the_size_it_promised_is_left) {
+  expect_failure_in_the_middle(FailingDriver().put("glCheckNamedFramebufferStatus", incomplete), PDESC_ERROR_UNSUPPORTED,
+                               "cannot draw into float buffers");
+}
+
+TEST_F(DriverFailures, a_device_that_computes_nothing_is_found_out) {
+  expect_failure_in_the_middle(FailingDriver().put("glDispatchCompute", dispatch_nothing), PDESC_ERROR_UNSUPPORTED,
+                               "without a result");
+}
+
+TEST_F(DriverFailures, a_graphics_card_that_is_lost_leaves_the_work_to_the_software_rasterizer) {
+  if (!has_software()) GTEST_SKIP();
+  script.hardware = 1;
+  const auto context = open(PDESC_BACKEND_AUTO, FailingDriver()
+                                                    .put("glDispatchCompute", dispatch)
+                                                    .put("glGetGraphicsResetStatus", reset_status)
+                                                    .put("glGetString", device_name)
+                                                    .put("eglQueryDeviceStringEXT", device_extensions));
+  ASSERT_EQ(context->backend, PDESC_BACKEND_GPU) << context->fallback.load();
+  const char *card = context->device.load();
+  const auto mesh = mesh_on(context), other = mesh_on(context);
+  const std::vector<float> expected = compute_on(*other).values[0]; // whose buffers stay on the card
+  script.dispatches = 0;
+  script.lose_at = 2;
+  const Field field = compute_on(*mesh);
+  EXPECT_EQ(field.report.backend, PDESC_BACKEND_SOFTWARE);
+  expect_one_sentence(field.warnings.substr(0, field.warnings.find('\n')), "lost"); // others are about the layout
+  EXPECT_NE(field.warnings.find(context->device.load()), std::string::npos) << field.warnings << "\nsays what computed";
+  EXPECT_STREQ(card, "Pretended card") << "callers may hold the name";
+  test::expect_same_bits(field.values[0], expected); // it is the same rasterizer
+  test::expect_same_bits(compute_on(*other).values[0], expected);
+}
+
+TEST_F(DriverFailures, a_device_that_was_asked_for_by_name_is_opened_again_after_it_was_lost) {
+  if (!has_software()) GTEST_SKIP();
+  const auto context = open(PDESC_BACKEND_SOFTWARE,
+                            FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status));
+  const auto mesh = mesh_on(context);
+  const std::vector<float> expected = compute_on(*mesh).values[0];
+  script.dispatches = 0;
+  script.lose_at = 2;
+  EXPECT_THROW(compute_on(*mesh), Error);
+  EXPECT_THROW(read_buffer(*mesh, "position"), Error) << "what was baked is lost";
+  script.lost = false;
+  test::expect_same_bits(compute_on(*mesh).values[0], expected);
+  EXPECT_EQ(script.opened, 2);
+}
+
+TEST_F(DriverFailures, a_device_that_does_not_come_back_says_so_each_time) {
+  if (!has_software()) GTEST_SKIP();
+  static std::atomic<bool> gone;
+  gone = false;
+  const DriverSubstitute sound =
+      scripted(FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status));
+  pdesc_context_options asked;
+  pdesc_context_options_init(&asked);
+  asked.backend = PDESC_BACKEND_SOFTWARE;
+  const auto context = make_context(asked, [=](const char *name, void *found) {
+    return gone && std::string(name) == "libEGL.so.1" ? nullptr : sound(name, found);
+  });
+  const auto mesh = mesh_on(context);
+  script.lose_at = 1;
+  EXPECT_THROW(compute_on(*mesh), Error);
+  gone = true;
+  for (int i = 0; i < 2; ++i) {
+    try {
+      compute_on(*mesh);
+      FAIL() << "nothing was thrown";
+    } catch (const Error &error) {
+      EXPECT_EQ(error.status(), PDESC_ERROR_DEVICE_LOST);
+      expect_one_sentence(error.what(), "does not come back");
+    }
+  }
+}
+
+TEST_F(DriverFailures, maps_that_only_a_device_can_follow_end_with_the_devices_own_sentence) {
+  if (!has_software()) GTEST_SKIP();
+  script.lose_at = 1;
+  const auto mesh = mesh_on(
+      open(PDESC_BACKEND_AUTO, FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status)));
+  const float height = 0.5f;
+  set_displacement(mesh->maps, mesh->triangles, &height, 1, 1, 0.5, 1.0);
+  try {
+    compute_on(*mesh);
+    FAIL() << "nothing was thrown";
+  } catch (const Error &error) {
+    EXPECT_EQ(error.status(), PDESC_ERROR_DEVICE_LOST) << error.what();
+  }
+}
+
+TEST_F(DriverFailures, a_wrong_input_or_a_cancel_is_not_the_devices_fault) {
+  if (!has_software()) GTEST_SKIP();
+  const auto context = open(PDESC_BACKEND_AUTO, {});
+  const auto mesh = mesh_on(context);
+  const std::vector<int> asked = {find_descriptor("mean_curvature")};
+  EXPECT_THROW(compute(*mesh, options, asked, [](const char *, double) { return false; }), Error);
+  options.radius = 17;
+  EXPECT_THROW(compute_on(*mesh), Error);
+  EXPECT_NE(context->backend, PDESC_BACKEND_REFERENCE);
+}
+
+TEST_F(DriverFailures, a_buffer_beyond_what_shaders_reach_is_refused) {
+  if (!has_software()) GTEST_SKIP();
+  GlThread thread(true, -1);
+  thread.run([](const Gl &gl, ProgramCache &) {
+    Gl small = gl;
+    small.limits.storage_bytes = 1 << 20;
+    Buffer buffer;
+    buffer.upload(small, nullptr, 1 << 20);
+    try {
+      buffer.upload(small, nullptr, (1 << 20) + 4);
+      FAIL() << "nothing was thrown";
+    } catch (const Error &error) {
+      EXPECT_EQ(error.status(), PDESC_ERROR_OUT_OF_MEMORY);
+      expect_one_sentence(error.what(), "1 MiB");
+    }
+    check_gl(gl, "test");
+  });
+}
+
+TEST_F(DriverFailures, a_list_beyond_the_devices_textures_is_refused_with_its_length) {
+  if (!has_software()) GTEST_SKIP();
+  GlThread thread(true, -1);
+  thread.run([](const Gl &gl, ProgramCache &) {
+    Gl small = gl;
+    small.limits.list_texels = 16;
+    small.limits.texture_size = 2;
+    const std::vector<vec4> elements(2 * LIST_ROW + 1, vec4(0.0f));
+    const auto expect_refused = [&](size_t most, int32_t status, const auto &upload) {
+      upload(most);
+      try {
+        upload(most + 1);
+        FAIL() << "nothing was thrown";
+      } catch (const Error &error) {
+        EXPECT_EQ(error.status(), status);
+        expect_one_sentence(error.what(), std::to_string(most + 1).c_str());
+      }
+    };
+    BufferTexture buffer;
+    expect_refused(16, PDESC_ERROR_UNSUPPORTED,
+                   [&](size_t count) { buffer.upload(small, GL_RGBA32F, elements.data(), count, GL_STATIC_DRAW); });
+    ListTexture texture;
+    expect_refused(2 * LIST_ROW, PDESC_ERROR_OUT_OF_MEMORY,
+                   [&](size_t count) { texture.upload(small, GL_RGBA32F, elements.data(), count); });
+    check_gl(gl, "test");
+  });
+}
+
+// Why llvmpipe's own limit of 2^27 bytes is not believed.
+TEST_F(DriverFailures, llvmpipe_reaches_the_end_of_a_buffer_longer_than_it_says) {
+  if (!has_software()) GTEST_SKIP();
+  GlThread thread(true, -1);
+  thread.run([](const Gl &gl, ProgramCache &programs) {
+    constexpr size_t count = 40'000'000; // of 4 bytes
+    Buffer buffer;
+    buffer.upload(gl, nullptr, count * sizeof(GLint));
+    gl.UseProgram(programs.get(gl, "end", {{GL_COMPUTE_SHADER, "end.comp.glsl"}},
+                               {{"end.comp.glsl", "#version 450 core\n"
+                                                  "layout(local_size_x = 1) in;\n"
+                                                  "layout(std430, binding = 0) buffer All { int all[]; };\n"
+                                                  "layout(location = 0) uniform int last;\n"
+                                                  "void main() { all[last] = 17; }\n"}}));
+    gl.Uniform1i(0, static_cast<GLint>(count - 1));
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, buffer.id());
+    gl.DispatchCompute(1, 1, 1);
+    gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    GLint end = 0;
+    gl.GetNamedBufferSubData(buffer.id(), static_cast<GLintptr>((count - 1) * sizeof(GLint)), sizeof end, &end);
+    check_gl(gl, "test");
+    EXPECT_EQ(end, 17);
+  });
+}
+
+} // namespace
+} // namespace paradesc

@@ -1,0 +1,198 @@
+// The triangles that the surface reaches from a point within a ball.
+#include "sample/connected_triangles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "support/error.h"
+
+namespace paradesc::test {
+namespace {
+
+// A strip of squares, folded like a hairpin: two legs of `length` squares, a gap apart, joined by one square across their end.
+struct Hairpin {
+  static constexpr int length = 20;
+  static constexpr float gap = 0.5f; // squares have side 1
+  std::vector<float> positions;
+  std::vector<int32_t> corners, triangle_corners;
+  Triangles triangles;
+  HalfEdges half_edges;
+
+  Hairpin() {
+    const int rows = 2 * (length + 1);
+    for (int row = 0; row < rows; ++row)
+      for (int side = 0; side < 2; ++side) {
+        const bool back = row > length;
+        positions.insert(positions.end(),
+                         {static_cast<float>(back ? rows - 1 - row : row), static_cast<float>(side), back ? gap : 0.0f});
+      }
+    for (int32_t row = 0; row + 1 < rows; ++row)
+      for (const int32_t corner : {2 * row, 2 * row + 2, 2 * row + 1, 2 * row + 1, 2 * row + 2, 2 * row + 3}) {
+        triangle_corners.push_back(static_cast<int32_t>(corners.size()));
+        corners.push_back(corner);
+      }
+    pdesc_mesh_input input;
+    pdesc_mesh_input_init(&input);
+    input.vertex_count = 2 * rows;
+    input.corner_count = static_cast<int32_t>(corners.size());
+    input.triangle_count = input.corner_count / 3;
+    input.positions = positions.data();
+    input.corner_vertices = corners.data();
+    input.triangle_corners = triangle_corners.data();
+    triangles = read_triangles(input);
+    half_edges = build_half_edges(triangles);
+  }
+
+  int32_t point_at(int row) const { return half_edges.vertex_point[static_cast<size_t>(2 * row)]; }
+  std::vector<int32_t> reached(int row, double radius, size_t limit = 1000) const {
+    const std::vector<int32_t> points{point_at(row)};
+    const Reach reach = ReachSearch(triangles, half_edges, radius, limit, 1).run(points);
+    EXPECT_EQ(reach.begin, (std::vector<int32_t>{0, static_cast<int32_t>(reach.triangle.size())}));
+    return reach.triangle;
+  }
+};
+
+// The other leg is nearer than the radius all along, but the way to it leads around the end.
+TEST(Reach, other_leg_of_a_hairpin_is_not_reached_far_from_its_end) {
+  const Hairpin hairpin;
+  const std::vector<int32_t> found = hairpin.reached(10, 3.0);
+  ASSERT_FALSE(found.empty());
+  EXPECT_LT(found.back(), 2 * Hairpin::length) << "triangles are numbered along the strip";
+  // Squares 7 to 12 lie within 3 of row 10, and those beside them meet the ball in an edge at most.
+  for (const int square : {7, 8, 9, 10, 11, 12})
+    for (const int triangle : {2 * square, 2 * square + 1})
+      EXPECT_TRUE(std::binary_search(found.begin(), found.end(), triangle)) << triangle;
+  EXPECT_GE(found.front(), 2 * 6);
+  EXPECT_LE(found.back(), 2 * 13 + 1);
+}
+
+TEST(Reach, other_leg_is_reached_around_the_end) {
+  const Hairpin hairpin;
+  const std::vector<int32_t> found = hairpin.reached(Hairpin::length - 1, 3.0);
+  EXPECT_TRUE(std::binary_search(found.begin(), found.end(), 2 * Hairpin::length)); // across
+  EXPECT_GT(found.back(), 2 * Hairpin::length + 2);                                 // and back
+}
+
+// Of the leg within the ball: a disk's middle strip, 2 sqrt(r^2 - y^2) integrated over y in [0, 1].
+TEST(Reach, area_is_that_of_the_triangles_within_the_ball) {
+  const Hairpin hairpin;
+  const std::vector<int32_t> points{hairpin.point_at(10)};
+  const double r = 3.0;
+  const Reach reach = ReachSearch(hairpin.triangles, hairpin.half_edges, r, 1000, 1).run(points);
+  EXPECT_NEAR(reach.area[0], std::sqrt(r * r - 1) + r * r * std::asin(1 / r), 0.03 * 2 * r); // "to a few per cent"
+}
+
+TEST(Reach, triangles_are_sorted_and_come_once) {
+  const Hairpin hairpin;
+  const std::vector<int32_t> found = hairpin.reached(Hairpin::length, 6.0);
+  EXPECT_TRUE(std::is_sorted(found.begin(), found.end()));
+  EXPECT_EQ(std::set<int32_t>(found.begin(), found.end()).size(), found.size());
+}
+
+TEST(Reach, more_triangles_than_the_limit_are_left_to_the_cells) {
+  const Hairpin hairpin;
+  EXPECT_FALSE(hairpin.reached(10, 3.0, 30).empty());
+  EXPECT_TRUE(hairpin.reached(10, 3.0, 5).empty());
+}
+
+// A point may come twice, in any order: its two places in the UV map.
+TEST(Reach, each_of_many_points_finds_what_it_finds_alone) {
+  const Hairpin hairpin;
+  std::vector<int32_t> points;
+  std::vector<std::vector<int32_t>> alone;
+  for (int i = 0; i < 600; ++i) {
+    const int row = i * 7 % (2 * Hairpin::length);
+    points.push_back(hairpin.point_at(row));
+    alone.push_back(hairpin.reached(row, 2.5));
+  }
+  for (const int threads : {1, 2}) {
+    const Reach reach = ReachSearch(hairpin.triangles, hairpin.half_edges, 2.5, 1000, threads).run(points);
+    for (size_t i = 0; i < points.size(); ++i)
+      EXPECT_EQ(std::vector<int32_t>(reach.triangle.begin() + reach.begin[i], reach.triangle.begin() + reach.begin[i + 1]),
+                alone[i]);
+  }
+}
+
+// Points of both legs by turns: they lie near each other, so that their floods are shared, and the surface leads from the one to
+// the other outside of their balls, or near the end within.
+TEST(Reach, points_that_share_a_flood_find_what_they_find_alone) {
+  const Hairpin hairpin;
+  const double radius = 3.0;
+  std::vector<int32_t> points;
+  for (int row = 0; row <= Hairpin::length; ++row)
+    for (const int place : {row, 2 * Hairpin::length + 1 - row}) points.push_back(hairpin.point_at(place));
+  ReachSearch search(hairpin.triangles, hairpin.half_edges, radius, 1000, 2);
+  const Reach together = search.run(points);
+  std::vector<double> areas(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Reach alone = search.run({&points[i], 1});
+    EXPECT_EQ(
+        std::vector<int32_t>(together.triangle.begin() + together.begin[i], together.triangle.begin() + together.begin[i + 1]),
+        alone.triangle)
+        << i;
+    EXPECT_NEAR(together.area[i], alone.area[0], 1e-5 * alone.area[0]) << i;
+    EXPECT_GT(alone.area[0], 0.0);
+    areas[i] = i % 3 == 0 ? 2.0 * alone.area[0] : alone.area[0];
+  }
+  const Reach unexpected = search.run(points, {areas, 0.01});
+  for (size_t i = 0; i < points.size(); ++i)
+    EXPECT_EQ(unexpected.begin[i + 1] - unexpected.begin[i], i % 3 == 0 ? together.begin[i + 1] - together.begin[i] : 0) << i;
+}
+
+// The other leg reaches the limit sooner near the end than far from it.
+TEST(Reach, the_limit_is_that_of_each_point_that_shares_a_flood) {
+  const Hairpin hairpin;
+  std::vector<int32_t> points;
+  for (int row = 0; row <= Hairpin::length; ++row) points.push_back(hairpin.point_at(row));
+  const size_t limit = 26;
+  const Reach reach = ReachSearch(hairpin.triangles, hairpin.half_edges, 5.0, limit, 1).run(points);
+  size_t none = 0;
+  for (int row = 0; row <= Hairpin::length; ++row) {
+    const std::vector<int32_t> alone = hairpin.reached(row, 5.0, 1000);
+    const auto i = static_cast<size_t>(row);
+    EXPECT_EQ(static_cast<size_t>(reach.begin[i + 1] - reach.begin[i]), alone.size() > limit ? 0 : alone.size()) << row;
+    none += alone.size() > limit;
+  }
+  EXPECT_GT(none, 0u);
+  EXPECT_LT(none, points.size());
+}
+
+// Triangles a twelfth of the radius wide, whose rims are summed by their corners: on a lattice that counts the vertices within a
+// circle.
+TEST(Reach, area_of_points_that_share_a_flood_over_small_triangles_is_that_of_their_disks) {
+  constexpr int side = 40; // squares
+  const double radius = 12.0;
+  std::vector<float> positions;
+  std::vector<int32_t> corners, triangle_corners;
+  for (int y = 0; y <= side; ++y)
+    for (int x = 0; x <= side; ++x) positions.insert(positions.end(), {static_cast<float>(x), static_cast<float>(y), 0.0f});
+  for (int32_t y = 0; y < side; ++y)
+    for (int32_t x = 0; x < side; ++x) {
+      const int32_t at = y * (side + 1) + x;
+      for (const int32_t corner : {at, at + 1, at + side + 1, at + side + 1, at + 1, at + side + 2}) {
+        triangle_corners.push_back(static_cast<int32_t>(corners.size()));
+        corners.push_back(corner);
+      }
+    }
+  pdesc_mesh_input input;
+  pdesc_mesh_input_init(&input);
+  input.vertex_count = (side + 1) * (side + 1);
+  input.corner_count = static_cast<int32_t>(corners.size());
+  input.triangle_count = input.corner_count / 3;
+  input.positions = positions.data();
+  input.corner_vertices = corners.data();
+  input.triangle_corners = triangle_corners.data();
+  const Triangles triangles = read_triangles(input);
+  const HalfEdges half_edges = build_half_edges(triangles);
+  std::vector<int32_t> points;
+  for (int32_t x = 16; x <= 24; ++x) points.push_back(half_edges.vertex_point[static_cast<size_t>(20 * (side + 1) + x)]);
+  const Reach reach = ReachSearch(triangles, half_edges, radius, 8191, 1).run(points);
+  for (const double area : reach.area)
+    EXPECT_NEAR(area, pi * radius * radius, 0.03 * pi * radius * radius); // "to a few per cent"
+}
+
+} // namespace
+} // namespace paradesc::test
