@@ -31,7 +31,7 @@ RADII = (0.01, 0.02, 0.04)
 COARSE = 4.0
 SMALLEST = 40_000  # bytes of a file, the most that --quick reads
 QUICK = {"buffer_size": 256, "samples": 64}
-# As shaders/descriptor_limits.h has it: what bends less over the radius, in radians, is a plane without a shape.
+# As shaders/kernel/limits.h has it: what bends less over the radius, in radians, is a plane without a shape.
 PLANE_THRESHOLD = 1e-4
 # What each descriptor can be; lengths are those of the radius. A full ball has area pi r^2, of a crumpled surface more.
 RANGES: dict[str, tuple[float, float]] = {

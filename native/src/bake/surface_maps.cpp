@@ -311,7 +311,7 @@ void SurfaceMapper::run(const Gl &gl, ProgramCache &programs, const GeometryBuff
                         const SurfaceMaps &maps) {
   upload_images(gl, maps);
   upload_corners(gl, input, maps);
-  gl.UseProgram(programs.get(gl, "displace", {{GL_COMPUTE_SHADER, "displace.comp.glsl"}}));
+  gl.UseProgram(programs.get(gl, "displace", {{GL_COMPUTE_SHADER, "opengl/bake/displace.comp.glsl"}}));
   buffer.bind_to_rewrite();
   gl.BindTextureUnit(UNIT_HEIGHTS, heights_.id());
   gl.BindTextureUnit(UNIT_COLORS, colors_.id());

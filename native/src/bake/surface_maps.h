@@ -1,5 +1,5 @@
 // Images over the caller's UV map → a displaced surface and its normals: at single places of triangles here, and on all baked
-// texels by the device (shaders/displace.comp.glsl, the same formulas).
+// texels by the device (shaders/opengl/bake/displace.comp.glsl, the same formulas).
 //
 // With p the point, n the interpolated unit normal and h(uv) = (image - midlevel) scale, the displaced point is p + n h. Its
 // tangents are those of the smooth surface that n stands for, t = e - n (n·e) for an edge e of the triangle, plus the change of n

@@ -15,7 +15,8 @@ CellBuffers::CellBuffers(const Gl &gl, const Cells &cells, int buffer_size)
 
 static void use_program(const Gl &gl, ProgramCache &programs, const char *name, const GeometryBuffer &buffer) {
   const char *variant = buffer.variant();
-  gl.UseProgram(programs.get(gl, std::string(name) + variant, {{GL_COMPUTE_SHADER, std::string(name) + ".comp.glsl"}},
+  gl.UseProgram(programs.get(gl, std::string(name) + variant,
+                             {{GL_COMPUTE_SHADER, std::string("opengl/cells/") + name + ".comp.glsl"}},
                              {{"variant.glsl", variant}}));
   buffer.bind();
   gl.Uniform1i(0, buffer.size());

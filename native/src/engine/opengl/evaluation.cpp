@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "descriptor/registry.h"
-#include "descriptor_limits.h"
 #include "compute/passes.h"
+#include "kernel/limits.h"
 #include "sample/patch_areas.h"
 #include "sample/connected_triangles.h"
 #include "sample/texels.h"

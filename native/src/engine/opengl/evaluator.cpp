@@ -15,12 +15,12 @@ size_t EvaluateSettings::value_rows() const {
   return rows;
 }
 
-// Descriptors of areas share the sums of geodesic.glsl.
+// Descriptors of areas share the sums of kernel/terms/area.glsl.
 bool EvaluateSettings::faces() const {
   auto measures_area = [](int descriptor) {
-    const std::string file = std::string("descriptors/") + descriptor_row(descriptor).name + ".glsl";
+    const std::string file = std::string("kernel/descriptors/") + descriptor_row(descriptor).name + ".glsl";
     return std::ranges::any_of(embedded_shaders(), [&](const EmbeddedShader &shader) {
-      return shader.path == file && std::string_view(shader.text).find("\"geodesic.glsl\"") != std::string_view::npos;
+      return shader.path == file && std::string_view(shader.text).find("\"kernel/terms/area.glsl\"") != std::string_view::npos;
     });
   };
   return !mapped && (estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR || std::ranges::any_of(descriptors, measures_area));
@@ -35,7 +35,8 @@ std::string compose_descriptors(std::span<const int> asked) {
     const std::string name = registered.name;
     for (const char *word : {"State", "descriptor_init", "descriptor_add", "descriptor_finish"})
       text += std::string("#define ") + word + " " + word + "_" + name + "\n";
-    text += std::string("#include \"") + (registered.map_degree ? "operators/" : "descriptors/") + name + ".glsl\"\n";
+    text +=
+        std::string("#include \"") + (registered.map_degree ? "kernel/operators/" : "kernel/descriptors/") + name + ".glsl\"\n";
     for (const char *word : {"State", "descriptor_init", "descriptor_add", "descriptor_finish"})
       text += std::string("#undef ") + word + "\n";
     members += "  State_" + name + " " + name + ";\n";
@@ -157,7 +158,8 @@ void Evaluator::bind_walks(const Gl &gl, const EvaluateSettings &settings, int f
 
 void Evaluator::find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer,
                                const EvaluateSettings &settings, int first, int last) const {
-  gl.UseProgram(programs.get(gl, "stretch", {{GL_COMPUTE_SHADER, "stretch.comp.glsl"}}, {{"variant.glsl", "#define PAPER 0\n"}}));
+  gl.UseProgram(programs.get(gl, "stretch", {{GL_COMPUTE_SHADER, "opengl/march/stretch.comp.glsl"}},
+                             {{"variant.glsl", "#define PAPER 0\n"}}));
   buffer.bind();
   buffer.bind_owners();
   gl.Uniform1i(0, buffer.size());
@@ -202,7 +204,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   const GLuint program =
-      programs.get(gl, name, {{GL_COMPUTE_SHADER, "evaluate.comp.glsl"}},
+      programs.get(gl, name, {{GL_COMPUTE_SHADER, "opengl/evaluate/evaluate.comp.glsl"}},
                    {{"variant.glsl", variant}, {"descriptors.glsl", compose_descriptors(settings.descriptors)}});
   gl.UseProgram(program);
   buffer.bind();

@@ -134,7 +134,8 @@ void GeometryBuffer::begin_drawing(GLenum depth_function) const {
 
 void GeometryBuffer::draw_triangles(ProgramCache &programs, int first, int last) {
   begin_drawing(GL_LEQUAL);
-  gl_.UseProgram(programs.get(gl_, "layout", {{GL_VERTEX_SHADER, "layout.vert.glsl"}, {GL_FRAGMENT_SHADER, "layout.frag.glsl"}}));
+  gl_.UseProgram(programs.get(
+      gl_, "layout", {{GL_VERTEX_SHADER, "opengl/bake/layout.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/layout.frag.glsl"}}));
   gl_.Uniform1i(0, size_);
   gl_.BindTextureUnit(UNIT_PLACES, places_.id());
   gl_.DrawArrays(GL_TRIANGLES, 3 * first, 3 * (last - first));
@@ -143,7 +144,8 @@ void GeometryBuffer::draw_triangles(ProgramCache &programs, int first, int last)
 
 void GeometryBuffer::draw_borders(ProgramCache &programs) {
   begin_drawing(GL_LESS);
-  gl_.UseProgram(programs.get(gl_, "edge", {{GL_VERTEX_SHADER, "edge.vert.glsl"}, {GL_FRAGMENT_SHADER, "edge.frag.glsl"}}));
+  gl_.UseProgram(programs.get(
+      gl_, "edge", {{GL_VERTEX_SHADER, "opengl/bake/edge.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/edge.frag.glsl"}}));
   gl_.Uniform1i(0, size_);
   gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_EDGES, drawing_->edges.id());
   gl_.DrawArrays(GL_TRIANGLES, 0, 6 * drawing_->edge_count);
@@ -167,7 +169,8 @@ TexelCounts GeometryBuffer::count_owners(ProgramCache &programs) const {
   gl_.Disable(GL_DEPTH_TEST);
   gl_.Enable(GL_BLEND);
   gl_.BlendFunc(GL_ONE, GL_ONE);
-  gl_.UseProgram(programs.get(gl_, "count", {{GL_VERTEX_SHADER, "layout.vert.glsl"}, {GL_FRAGMENT_SHADER, "count.frag.glsl"}}));
+  gl_.UseProgram(programs.get(
+      gl_, "count", {{GL_VERTEX_SHADER, "opengl/bake/layout.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/count.frag.glsl"}}));
   gl_.BindTextureUnit(UNIT_PLACES, places_.id());
   gl_.DrawArrays(GL_TRIANGLES, 0, 3 * triangle_count_);
   gl_.Disable(GL_BLEND);
@@ -235,7 +238,8 @@ void GeometryBuffer::draw_screen(GLuint framebuffer, int first_row, int last_row
 
 void GeometryBuffer::draw_surface(ProgramCache &programs, int first_row, int last_row) {
   gl_.UseProgram(
-      programs.get(gl_, "surface", {{GL_VERTEX_SHADER, "screen.vert.glsl"}, {GL_FRAGMENT_SHADER, "surface.frag.glsl"}}));
+      programs.get(gl_, "surface",
+                   {{GL_VERTEX_SHADER, "opengl/bake/screen.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/surface.frag.glsl"}}));
   gl_.Uniform1f(LOCATION_AREA_UNIT, area_unit_);
   gl_.Uniform1i(LOCATION_HALF_FLOATS, half_);
   draw_screen(surface_framebuffer_.id(), first_row, last_row);
@@ -245,7 +249,8 @@ void GeometryBuffer::draw_surface(ProgramCache &programs, int first_row, int las
 void GeometryBuffer::draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map) {
   const GlName<&Gl::DeleteFramebuffers> framebuffer(gl_, make_framebuffer(gl_, {map.id()}));
   values_.upload(gl_, GL_RGBA32F, values.data(), values.size(), GL_STREAM_DRAW);
-  gl_.UseProgram(programs.get(gl_, "map", {{GL_VERTEX_SHADER, "screen.vert.glsl"}, {GL_FRAGMENT_SHADER, "map.frag.glsl"}}));
+  gl_.UseProgram(programs.get(
+      gl_, "map", {{GL_VERTEX_SHADER, "opengl/bake/screen.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/map.frag.glsl"}}));
   gl_.BindTextureUnit(UNIT_VALUES, values_.id());
   draw_screen(framebuffer.id(), 0, size_);
   check_gl(gl_, "map");
@@ -282,7 +287,7 @@ static std::vector<vec4> read_image(const Gl &gl, GLuint texture, int size) {
 
 std::vector<vec4> GeometryBuffer::read_distortion(ProgramCache &programs) const {
   const Texture distortion(gl_, size_, size_, GL_RGBA32F);
-  gl_.UseProgram(programs.get(gl_, "distortion", {{GL_COMPUTE_SHADER, "distortion.comp.glsl"}}));
+  gl_.UseProgram(programs.get(gl_, "distortion", {{GL_COMPUTE_SHADER, "opengl/bake/distortion.comp.glsl"}}));
   bind_owners();
   gl_.BindImageTexture(0, distortion.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   const auto groups = static_cast<GLuint>((size_ + 7) / 8);

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "engine/reference/quadrature.h"
-#include "descriptor_limits.h"
+#include "kernel/limits.h"
 #include "support/parallel.h"
 #include "support/pool.h"
 #include "support/ticker.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "descriptor_limits.h"
+#include "kernel/limits.h"
 
 namespace paradesc {
 

@@ -1,0 +1,96 @@
+#version 450 core
+// One invocation, one baked texel → the same texel of the mapped surface: p + n h, its normal and its area element. The formulas are those of
+// bake/surface_maps.cpp, where they are explained.
+#include "opengl/bake/owner.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = UNIT_GIVEN) uniform sampler2D given;
+layout(binding = UNIT_TANGENTS) uniform sampler2D tangents;
+layout(binding = UNIT_HEIGHTS) uniform sampler2D heights;
+layout(binding = UNIT_COLORS) uniform sampler2D colors;
+layout(binding = 0) writeonly restrict uniform image2D positions;
+layout(binding = 1) writeonly restrict uniform image2D normals;
+layout(location = 0) uniform int buffer_size;
+layout(location = 1) uniform int displaced;
+layout(location = 2) uniform int normal_mapped;
+layout(location = 3) uniform float midlevel;
+layout(location = 4) uniform float scale; // in buffer units
+
+vec2 given_of(int vertex) { return texelFetch(given, list_place(vertex), 0).xy; }
+vec4 tangent_of(int corner) { return texelFetch(tangents, list_place(2 * corner), 0); }
+vec3 frame_of(int corner) { return texelFetch(tangents, list_place(2 * corner + 1), 0).xyz; }
+vec3 unit_or(vec3 v, vec3 other) {
+  float span = length(v);
+  return span > 0.0 ? v / span : other;
+}
+
+// Pixels of whole numbers, repeated. Software devices divide floats many at a time, integers one by one.
+ivec4 wrapped(vec4 pixel, float size) { return ivec4(pixel - size * floor((pixel + 0.5) / size)); }
+
+// Bilinear between the centers of pixels.
+vec3 color_at(vec2 uv) {
+  vec2 size = vec2(textureSize(colors, 0));
+  vec2 place = (uv - floor(uv)) * size - 0.5;
+  vec2 t = place - floor(place);
+  ivec2 low = ivec2(wrapped(floor(place.xxxx), size.x).x, wrapped(floor(place.yyyy), size.y).x);
+  ivec2 high = ivec2(wrapped(floor(place.xxxx) + 1.0, size.x).x, wrapped(floor(place.yyyy) + 1.0, size.y).x);
+  return mix(mix(texelFetch(colors, low, 0), texelFetch(colors, ivec2(high.x, low.y), 0), t.x),
+             mix(texelFetch(colors, ivec2(low.x, high.y), 0), texelFetch(colors, high, 0), t.x), t.y).xyz;
+}
+
+float height_at(int x, int y) { return texelFetch(heights, ivec2(x, y), 0).x; }
+
+// The height and its gradient by the caller's (u, v), in buffer units: bilinear lookups here and a pixel away on all sides, which share pixels.
+vec3 look_up_height(vec2 uv) {
+  vec2 size = vec2(textureSize(heights, 0));
+  vec2 place = (uv - floor(uv)) * size - 0.5;
+  vec2 t = place - floor(place);
+  ivec4 x = wrapped(floor(place.x) + vec4(-1.0, 0.0, 1.0, 2.0), size.x);
+  ivec4 y = wrapped(floor(place.y) + vec4(-1.0, 0.0, 1.0, 2.0), size.y);
+  vec2 below = vec2(height_at(x.y, y.x), height_at(x.z, y.x)), above = vec2(height_at(x.y, y.w), height_at(x.z, y.w));
+  vec4 low = vec4(height_at(x.x, y.y), height_at(x.y, y.y), height_at(x.z, y.y), height_at(x.w, y.y));
+  vec4 high = vec4(height_at(x.x, y.z), height_at(x.y, y.z), height_at(x.z, y.z), height_at(x.w, y.z));
+  vec2 column = mix(low.yz, high.yz, t.y);
+  vec2 rise = mix(high.yz - below, above - low.yz, t.y);
+  vec2 run = mix(low.zw - low.xy, high.zw - high.xy, t.y);
+  return scale * vec3(mix(column.x, column.y, t.x) - midlevel, 0.5 * size * vec2(mix(run.x, run.y, t.x), mix(rise.x, rise.y, t.x)));
+}
+
+vec3 mapped_normal(int corner, vec3 part, vec2 uv, vec3 otherwise) {
+  vec4 first = tangent_of(corner);
+  vec3 tangent = first.xyz * part.x + tangent_of(corner + 1).xyz * part.y + tangent_of(corner + 2).xyz * part.z;
+  vec3 n = frame_of(corner) * part.x + frame_of(corner + 1) * part.y + frame_of(corner + 2) * part.z;
+  vec3 color = color_at(uv) * 2.0 - 1.0;
+  return unit_or(tangent * color.x + first.w * cross(n, tangent) * color.y + n * color.z, otherwise);
+}
+
+void main() {
+  ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(texel, ivec2(buffer_size)))) return;
+  int triangle;
+  ivec4 vertex;
+  vec3 part;
+  if (!find_owner(texel, triangle, vertex, part)) return;
+  vec2 map = given_of(vertex.x), way1 = given_of(vertex.y) - map, way2 = given_of(vertex.z) - map;
+  vec2 uv = map + way1 * part.y + way2 * part.z;
+  vec3 position = position_of(vertex.x), edge1 = position_of(vertex.y) - position, edge2 = position_of(vertex.z) - position;
+  position += edge1 * part.y + edge2 * part.z;
+  vec3 raw = normal_of(vertex.x), turn1 = normal_of(vertex.y) - raw, turn2 = normal_of(vertex.z) - raw;
+  raw += turn1 * part.y + turn2 * part.z;
+  float span = max(length(raw), 1e-20);
+  vec3 n = raw / span;
+  vec3 normal = n;
+  float ratio = 1.0;
+  if (displaced != 0) {
+    vec3 height = look_up_height(uv);
+    vec3 change1 = (turn1 - n * dot(n, turn1)) * (height.x / span) + n * dot(height.yz, way1);
+    vec3 change2 = (turn2 - n * dot(n, turn2)) * (height.x / span) + n * dot(height.yz, way2);
+    vec3 t1 = edge1 - n * dot(n, edge1), t2 = edge2 - n * dot(n, edge2);
+    float side = dot(cross(t1, t2), n) < 0.0 ? -1.0 : 1.0;
+    normal = unit_or(side * cross(t1 + change1, t2 + change2), n);
+    ratio = length(cross(edge1 + change1, edge2 + change2)) / max(length(cross(edge1, edge2)), 1e-30);
+    position += n * height.x;
+  }
+  if (normal_mapped != 0) normal = mapped_normal(3 * triangle, part, uv, normal);
+  imageStore(positions, texel, vec4(position, area_element(vertex, edge1, edge2) * ratio));
+  imageStore(normals, texel, vec4(normal, 0.0));
+}

@@ -1,0 +1,84 @@
+// The ranges of a neighborhood's samples → its samples: texels, and places on triangles that no texel carries.
+#include "opengl/evaluate/buffers.glsl"
+layout(std430, binding = BINDING_SUPPORTS) readonly restrict buffer Supports { SupportData supports[]; };
+layout(binding = UNIT_SAMPLES) uniform isamplerBuffer sample_list;
+layout(binding = UNIT_RANGES) uniform isamplerBuffer ranges;
+#if LISTED
+layout(binding = UNIT_POINTS) uniform samplerBuffer points;
+#endif
+#if BARE
+layout(std430, binding = BINDING_BARE) readonly restrict buffer Bare { vec4 bare[]; };
+#endif
+
+// i: one of the list's samples, part: 0 where it is only looked at because its neighbors are.
+void add_sample(inout Sums sums, int i, float part) {
+#if !LISTED || EXACT || FACES || MAP
+  ivec2 entry = texelFetch(sample_list, i).xy, texel = ivec2(entry.x & 0xffff, entry.x >> 16);
+#else
+  const ivec2 texel = ivec2(0);
+#endif
+#if LISTED
+  vec4 point = texelFetch(points, 2 * i), normal = texelFetch(points, 2 * i + 1);
+  add_point(sums, point.xyz, normal.xyz, part * point.w, normal.w, texel, -1.0);
+#else
+  add_texel(sums, texel, part * intBitsToFloat(entry.y), -1.0);
+#endif
+}
+
+// One loop over all ranges: nested ones would run, for the invocations that a device runs side by side, as often as the longest range of
+// each turn. Software devices run both sides of every branch in it: four samples share the look for the next range.
+void add_texels(inout Sums sums, int range, int end_range) {
+  int i = 0, last = -1;
+  for (;;) {
+    if (i > last) {
+      if (range == end_range) break;
+      ivec2 next = texelFetch(ranges, range++).xy; // never empty
+      i = next.x;
+      last = next.y - 1;
+    }
+    add_sample(sums, i, 1.0);
+    add_sample(sums, min(i + 1, last), i + 1 <= last ? 1.0 : 0.0);
+    add_sample(sums, min(i + 2, last), i + 2 <= last ? 1.0 : 0.0);
+    add_sample(sums, min(i + 3, last), i + 3 <= last ? 1.0 : 0.0);
+    i += 4;
+  }
+}
+
+void add_bare_samples(inout Sums sums, int range, int end_range, float share) {
+#if BARE
+  int i = 0, end = 0;
+  for (;;) {
+    if (i == end) {
+      if (range == end_range) break;
+      ivec2 next = texelFetch(ranges, range++).xy;
+      i = next.x;
+      end = next.y;
+    }
+    vec4 point = bare[2 * i], normal = bare[2 * i + 1];
+    vec3 offset = point.xyz - sums.center.position;
+    int triangle = int(normal.w);
+    if (is_reached(triangle))
+      add_neighbor(sums, point.xyz, normal.xyz, triangle, share * point.w, dot(offset, offset) < point.w, -1.0, MAP_OF_BARE(i));
+    ++i;
+  }
+#endif
+}
+
+#if ADAPTIVE
+// The black squares of a chessboard first, and the white ones then.
+void sample_support(inout Sums sums, CenterData data, int index, int part) {
+  SupportData support = supports[index];
+  sums.moments.cut = support.cut;
+  sums.moments.lost = support.lost;
+  add_texels(sums, part == 0 ? support.first : support.middle, part == 0 ? support.middle : support.last);
+  add_bare_samples(sums, support.last, support.end, 0.5);
+}
+#else
+void sample_support(inout Sums sums, CenterData data, int index) {
+  SupportData support = supports[index];
+  sums.moments.cut = support.cut;
+  sums.moments.lost = support.lost;
+  add_texels(sums, support.first, support.last);
+  add_bare_samples(sums, support.last, support.end, 1.0);
+}
+#endif

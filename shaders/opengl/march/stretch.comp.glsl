@@ -1,0 +1,49 @@
+#version 450 core
+// One invocation, one direction of one center → how far the ellipse has to reach there: the largest length in (u, v) per length in space on
+// the straight way, relative to the center's (paper 4.1).
+#include "variant.glsl"
+#include "opengl/march/march.glsl"
+#include "opengl/bake/metric.glsl"
+layout(local_size_x = GROUP_SIZE) in;
+layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
+layout(std430, binding = BINDING_STRETCHES) writeonly restrict buffer Stretches { float stretches[]; };
+layout(location = 2) uniform int first;
+layout(location = 3) uniform int last;
+layout(location = 6) uniform float radius;
+layout(location = 7) uniform float enlargement;
+
+const int STEPS = 8;       // along the ellipse's own radius
+const float LARGEST = 4.0; // stretch
+
+// The length in space of a step in (u, v), both as parts of a whole way; below 0 where no texel is.
+float length_in_space(vec2 step_uv, vec2 place, int chart) {
+  ivec2 texel;
+  if (!find_texel(place, chart, texel)) return -1.0;
+  int id = texelFetch(ids, texel, 0).y;
+  vec4 form = form_of(id < 0 ? -1 - id : id);
+  return sqrt(max(form.x * step_uv.x * step_uv.x + 2.0 * form.y * step_uv.x * step_uv.y + form.z * step_uv.y * step_uv.y, 0.0));
+}
+
+void main() {
+  int index = first * STRETCH_DIRECTIONS + int(gl_GlobalInvocationID.x);
+  if (index >= last * STRETCH_DIRECTIONS) return;
+  CenterData data = centers[index / STRETCH_DIRECTIONS];
+  float size = float(buffer_size);
+  float angle = 2.0 * 3.14159265358979 * float(index % STRETCH_DIRECTIONS) / float(STRETCH_DIRECTIONS);
+  vec2 way = mat2(data.ellipse.xy, data.ellipse.zw) * vec2(cos(angle), sin(angle)) * size;
+  vec2 start = data.place.zw * size;
+  Walk walk = begin_walk(start, start, int(data.position_chart.w));
+  float stretch = 1.0, reached = 0.0;
+  for (int i = 1; i <= int(LARGEST) * STEPS; ++i) {
+    walk.from = walk.to;
+    walk.to = walk.from + walk.linear * way / float(STEPS);
+    march(walk);
+    if (walk.outcome != FOUND) break;
+    float span = length_in_space(walk.linear * way / size, walk.to, walk.chart) / (enlargement * radius);
+    if (span < 0.0) continue;
+    stretch = clamp(1.0 / max(span, 1e-6), stretch, LARGEST);
+    reached += span / float(STEPS);
+    if (reached >= 1.0 || float(i) >= stretch * float(STEPS)) break;
+  }
+  stretches[index] = stretch;
+}

@@ -1,0 +1,78 @@
+// Samples that walk (affine, paper), some of a pattern's in each dispatch: what a dispatch leaves to the next. So no one of them comes near
+// the iterations that a device allows an invocation.
+#include "opengl/march/march.glsl"
+#include "opengl/march/pattern.glsl"
+#include "opengl/march/chords.glsl"
+layout(location = 20) uniform int begin_sample;
+layout(location = 21) uniform int end_sample;
+layout(location = 22) uniform int marks_only; // paper: the dispatches that find the charts to visit come before the others
+
+struct Progress {
+  Sums sums;
+  int refined;     // adaptive sampling takes the second half
+  int visit_count; // paper
+  int left;        // paper: samples that left the center's chart
+};
+layout(std430, binding = BINDING_PROGRESS) restrict buffer Progresses { Progress progress[]; };
+
+// Adaptive sampling takes every other sample first, and the rest then.
+int first_half() { return (samples + 1) / 2; }
+int sample_number(int i) {
+#if ADAPTIVE
+  return i < first_half() ? 2 * i : 2 * (i - first_half()) + 1;
+#else
+  return i;
+#endif
+}
+
+struct Place {
+  mat2 rotation;
+  mat2 ellipse; // in texels
+  vec2 center;
+  vec2 start; // of walks
+  int chart;
+  int index;
+  float area_uv;    // of a sample
+  float area_space; // where the metric is that of the center
+};
+
+Place place_of(CenterData data, int index) {
+  float size = float(buffer_size);
+  mat2 ellipse = mat2(data.ellipse.xy, data.ellipse.zw) * size;
+  float angle = data.normal_phase.w;
+  return Place(mat2(cos(angle), sin(angle), -sin(angle), cos(angle)), ellipse, data.place.xy * size, data.place.zw * size,
+               int(data.position_chart.w), index, PI * abs(determinant(ellipse)) / (float(samples) * size * size),
+               PI * enlargement * enlargement * radius * radius / float(samples));
+}
+
+// A sample's own way over the seams, as far as it leads.
+Walk walk_to(Place place, PatternPlace goal) {
+  Walk walk = begin_walk(place.start, place.center + place.ellipse * goal.disk, place.chart);
+  march(walk);
+  return walk;
+}
+
+// Whether the mesh's boundary stopped this walk within the ball.
+bool is_cut(Walk walk, Center center) {
+  ivec2 texel;
+  if (walk.outcome != BOUNDARY || !find_texel(walk.to, walk.chart, texel)) return false;
+  return length(texelFetch(positions, texel, 0).xyz - center.position) < radius;
+}
+
+// A sample that its walk, or its pass, has brought to this place.
+void add_sample(inout Sums sums, Place place, PatternPlace goal, vec2 there, int chart, float factor) {
+  float share = goal.stretch * goal.stretch;
+  ivec2 texel;
+  if (!find_texel(there, chart, texel)) {
+    if (goal.inside) sums.moments.lost += place.area_space * share;
+    return;
+  }
+  vec3 point = texelFetch(positions, texel, 0).xyz;
+  vec2 way = place.center + place.ellipse * goal.disk - place.start;
+  add_texel(sums, texel, place.area_uv * share * factor, way_length(place.start, way, place.chart, sums.center.position, point));
+}
+
+// What an iteration limit cut off, as parts of all samples.
+void lose_rest(inout Sums sums, int count, int of) {
+  if (count > 0) sums.moments.lost += PI * radius * radius * float(count) / float(of);
+}
