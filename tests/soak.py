@@ -23,9 +23,10 @@ sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "tests" / "addon")]
 
 from allocator import give_back, megabytes_in_use  # noqa: E402
 
-from paradesc import bridge, contexts, job  # noqa: E402
+from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError, abi  # noqa: E402
-from paradesc.stream import Stream  # noqa: E402
+from paradesc.core import contexts, job  # noqa: E402
+from paradesc.core.stream import Stream  # noqa: E402
 from shapes import as_arrays, cube_sphere  # noqa: E402
 
 BACKENDS = ("software", "reference")

@@ -28,22 +28,22 @@ for _name in [name for name in sys.modules if name.startswith(__name__ + ".")]:
 
 # In the order in which they refer to each other. Each has classes; what else it needs, register() and unregister().
 MODULES = (
-    "preferences",
-    "properties",
-    "presets",
-    "operators",
-    "panel",
-    "looks",
-    "recolor",
-    "materials",
-    "geometry_nodes",
-    "channels",
-    "looks_panel",
-    "overlay",
-    "animation_panel",
-    "live_panel",
-    "handlers",
-    "cli_command",
+    "settings.preferences",
+    "settings.properties",
+    "settings.presets",
+    "bake.operators",
+    "ui.panel",
+    "settings.looks",
+    "show.recolor",
+    "show.materials",
+    "show.geometry_nodes",
+    "show.channels",
+    "ui.looks_panel",
+    "show.overlay",
+    "ui.animation_panel",
+    "ui.live_panel",
+    "animation.handlers",
+    "commands.cli_command",
 )
 
 

@@ -12,7 +12,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import paradesc
-from paradesc import color_maps, lettering, png
+from paradesc.core import color_maps
+from paradesc.files import lettering, png
 
 RADIUS_PERCENT, BUFFER = 2.5, 1024
 

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from paradesc import bridge, compare, job
+from paradesc import bridge
 from paradesc.bridge import abi
-from paradesc.results import registry_row
+from paradesc.core import compare, job
+from paradesc.files.results import registry_row
 
 # Options that say how to sample: the reference does not read them.
 SAMPLING = {

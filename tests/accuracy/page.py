@@ -7,7 +7,7 @@ import time
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from paradesc.png import write_png
+from paradesc.files.png import write_png
 
 try:
     import matplotlib

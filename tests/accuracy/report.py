@@ -88,8 +88,8 @@ def write(output, folder, device):
     lines = ["# Accuracy", ""]
     lines += [
         "Errors are percentages of absolute error by the one definition of this project: 100 · mean |x − truth| over "
-        "the range between the truth's 2.5th and 97.5th percentile (`addon/paradesc/compare.py`). *Closed form* is the"
-        " smooth surface's exact value as r → 0; *reference* integrates over the triangles themselves. Radii are "
+        "the range between the truth's 2.5th and 97.5th percentile (`addon/paradesc/core/compare.py`). *Closed form* "
+        "is the smooth surface's exact value as r → 0; *reference* integrates over the triangles themselves. Radii are "
         "fractions of the bounding box's diagonal. Where nothing else is said: 256 samples, buffers of 1024² texels, "
         "fitted normals, evaluation at the vertices. The paper does not define its %AE, and its reference is another "
         "one.",

@@ -8,8 +8,10 @@ import numpy as np
 from bench import MissingError, angle, directions, errors, options, registry
 from sections_surfaces import LABELS
 
-from paradesc import bridge, color_maps, picture
-from paradesc.results import registry_row
+from paradesc import bridge
+from paradesc.core import color_maps
+from paradesc.files import picture
+from paradesc.files.results import registry_row
 
 MODELS = ("spot", "bob", "human", "beast", "rocker-arm", "stanford-bunny")
 # Columns of compare.py in the table of distributions.
@@ -364,7 +366,7 @@ def make_rim():
     """The rim of the sample scenes, or None where the script makes none."""
     import bpy
 
-    from paradesc import mesh_io
+    from paradesc.scene import mesh_io
 
     spec = importlib.util.spec_from_file_location("make_samples", SAMPLES_SCRIPT)
     script = importlib.util.module_from_spec(spec)

@@ -17,7 +17,11 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import animated  # noqa: E402
 import paradesc as package  # noqa: E402
 from cli_test import accepted  # noqa: E402
-from paradesc import bridge, cache, cli, frames, job, mesh_io, sources  # noqa: E402
+from paradesc import bridge, cli  # noqa: E402
+from paradesc.animation import frames  # noqa: E402
+from paradesc.core import job  # noqa: E402
+from paradesc.files import cache  # noqa: E402
+from paradesc.scene import mesh_io, source_meshes  # noqa: E402
 from scene import fingerprint  # noqa: E402
 
 QUICK = ("--radius", "0.1", "--samples", "64", "--buffer", "256", "--backend", "software")
@@ -62,7 +66,7 @@ def test_frame_has_the_bits_of_a_bake_of_its_own(tmp_path):
         fixed = frames.at_fixed_radii(SETTINGS, mesh.report())
     for frame in (1, 10, 20):
         bpy.context.scene.frame_set(frame)
-        alone = job.run(sources.read(target, "deformed").arrays, fixed).values["mean_curvature"]
+        alone = job.run(source_meshes.read(target, "deformed").arrays, fixed).values["mean_curvature"]
         assert values(tmp_path, frame).tobytes() == alone.tobytes()
     assert values(tmp_path, 1).tobytes() != values(tmp_path, 20).tobytes()
 
@@ -189,7 +193,7 @@ def test_what_is_no_range_of_frames_is_refused(text):
 
 
 def test_fox_runs(tmp_path):
-    from paradesc import scene_io
+    from paradesc.scene import scene_io
 
     scene_io.open_scene(real_mesh("fox.glb"))
     target = scene_io.choose_object(None, prefer_active=False)

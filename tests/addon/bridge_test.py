@@ -38,7 +38,8 @@ def refusal(action, *arguments, **named):
 def test_bridge_never_imports_blender():
     numpy_folder = str(Path(np.__file__).parents[1])
     code = f"import sys; sys.path[:0] = [{str(ADDON)!r}, {numpy_folder!r}]; sys.modules['bpy'] = None\n"
-    code += "import paradesc.bridge, paradesc.job, paradesc.color_maps, paradesc.compare, paradesc.results\n"
+    code += "import paradesc.bridge, paradesc.files.results\n"
+    code += "from paradesc.core import color_maps, compare, job\n"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

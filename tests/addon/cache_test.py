@@ -10,7 +10,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paradesc import bridge, cache, job
+from paradesc import bridge
+from paradesc.core import job
+from paradesc.files import cache
 from shapes import as_arrays, cube_sphere
 
 

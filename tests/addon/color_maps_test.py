@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from paradesc import color_maps
 from paradesc.bridge import Descriptor
-from paradesc.color_maps import Look
+from paradesc.core import color_maps
+from paradesc.core.color_maps import Look
 
 SIGNED = Descriptor("h", "H", "", -1, True, 0.0, math.nan, math.nan)
 UNSIGNED = Descriptor("c", "C", "", -1, False, 0.0, math.nan, math.nan)

@@ -6,8 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from paradesc import bridge, compare, job
+from paradesc import bridge
 from paradesc.bridge import Descriptor, abi
+from paradesc.core import compare, job
 from shapes import as_arrays, cube_sphere
 
 CURVATURE = Descriptor("h", "H", "", -1, True, 0.0, math.nan, math.nan)

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paradesc import bridge, contexts, job, stream
+from paradesc import bridge
 from paradesc.bridge import ParadescError, abi
+from paradesc.core import contexts, job, stream
 
 DEVICE = "software"
 

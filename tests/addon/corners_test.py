@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from paradesc import bridge, color_maps, corners, job
+from paradesc import bridge
+from paradesc.core import color_maps, corners, job
 from shapes import as_arrays, cube_sphere, write_obj
 
 FILLET = 0.25

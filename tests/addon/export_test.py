@@ -12,7 +12,8 @@ import addon_utils  # noqa: E402
 from mesh_io_test import made_up_results  # noqa: E402
 
 import paradesc  # noqa: E402
-from paradesc import channels, mesh_io, scene_io  # noqa: E402
+from paradesc.scene import mesh_io, scene_io  # noqa: E402
+from paradesc.show import channels  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
 
 NAMES = ("mean_curvature", "shape_index")

@@ -14,7 +14,10 @@ from live_values import (  # noqa: E402
     switch,
     values,
 )
-from paradesc import cache, cache_places, color_maps, frame_batch, handlers, live, looks, pausing  # noqa: E402
+from paradesc.animation import cache_places, frame_batch, handlers, live, pausing  # noqa: E402
+from paradesc.core import color_maps  # noqa: E402
+from paradesc.files import cache  # noqa: E402
+from paradesc.settings import looks  # noqa: E402
 from scene import add_sphere, fingerprint  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -18,9 +18,16 @@ from shapes import ADDON, cube_sphere, write_obj
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import paradesc  # noqa: E402
-from paradesc import bridge, cli_command, job, results  # noqa: E402
-from paradesc.commands import COMMANDS, common, signals  # noqa: E402
+from paradesc import bridge  # noqa: E402
+from paradesc.commands import (  # noqa: E402
+    COMMANDS,
+    cli_command,
+    common,
+    signals,
+)
 from paradesc.commands.main import make_parser  # noqa: E402
+from paradesc.core import job  # noqa: E402
+from paradesc.files import results  # noqa: E402
 from scene import add_sphere, empty_scene, saved_scene  # noqa: E402
 
 QUICK = ("--radius", "0.08", "--samples", "32", "--buffer", "128", "--backend", "software")
@@ -317,8 +324,8 @@ def test_preset_says_what_and_how_and_options_go_first(run, report, sphere_obj):
 
 
 def test_every_preset_of_the_panel_is_one_here():
-    from paradesc import presets
     from paradesc.commands.options import with_preset
+    from paradesc.settings import presets
 
     for name in presets.PRESETS:
         settings = with_preset(name, None)

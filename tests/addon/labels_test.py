@@ -7,7 +7,8 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import paradesc  # noqa: E402
-from paradesc import bridge, panel  # noqa: E402
+from paradesc import bridge  # noqa: E402
+from paradesc.ui import panel  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 

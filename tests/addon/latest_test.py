@@ -5,7 +5,7 @@ import threading
 import pytest
 
 from paradesc.bridge import ParadescError, abi
-from paradesc.latest import Latest, is_cancelled
+from paradesc.core.latest import Latest, is_cancelled
 
 
 class Gate:

@@ -16,7 +16,9 @@ import numpy as np
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 import animated  # noqa: E402
-from paradesc import cache, cache_places, handlers, live, mesh_io, pausing  # noqa: E402
+from paradesc.animation import cache_places, handlers, live, pausing  # noqa: E402
+from paradesc.files import cache  # noqa: E402
+from paradesc.scene import mesh_io  # noqa: E402
 from scene import attribute_values  # noqa: E402
 from window import PATIENCE, begin, prepare, say, view_context, wait_for  # noqa: E402
 

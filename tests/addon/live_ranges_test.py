@@ -6,7 +6,9 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from live_values import NAME, count_computations, stretching_sphere, switch, values  # noqa: E402
-from paradesc import color_maps, handlers, mesh_io, painting  # noqa: E402
+from paradesc.animation import handlers, painting  # noqa: E402
+from paradesc.core import color_maps  # noqa: E402
+from paradesc.scene import mesh_io  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -9,7 +9,11 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
 from live_values import baked_shape, count_computations, live_settings, stretching_sphere, switch, values  # noqa: E402
-from paradesc import color_maps, handlers, job, live, live_panel, mesh_io, painting, properties, sources  # noqa: E402
+from paradesc.animation import handlers, live, painting  # noqa: E402
+from paradesc.core import color_maps, job  # noqa: E402
+from paradesc.scene import mesh_io, source_meshes  # noqa: E402
+from paradesc.settings import properties  # noqa: E402
+from paradesc.ui import live_panel  # noqa: E402
 from scene import add_sphere, attribute_values  # noqa: E402
 
 NAME = "mean_curvature"
@@ -189,7 +193,7 @@ def test_vertices_that_modifiers_append_come_after_the_original_ones(stretching,
     modifier = stretching.modifiers.new("more", kind)
     for name, value in APPENDING[kind].items():
         setattr(modifier, name, value)
-    place = sources.read(stretching, "evaluated").vertices
+    place = source_meshes.read(stretching, "evaluated").vertices
     assert np.array_equal(place, np.arange(len(stretching.data.vertices)))
     assert kind in live.APPENDING
     assert switch(stretching) == ""
@@ -324,7 +328,7 @@ def test_a_loaded_file_is_live_again(stretching, tmp_path):
 def test_every_handler_is_hung_in_once_and_taken_out():
     def count():
         return sum(
-            getattr(hook, "__module__", "").startswith("paradesc.handlers")
+            getattr(hook, "__module__", "").startswith("paradesc.animation.handlers")
             for name in handlers.HANDLERS
             for hook in getattr(bpy.app.handlers, name)
         )

@@ -5,7 +5,10 @@ import dataclasses
 import bpy
 import numpy as np
 
-from paradesc import bridge, frames, job, live, mesh_io
+from paradesc import bridge
+from paradesc.animation import frames, live
+from paradesc.core import job
+from paradesc.scene import mesh_io
 from scene import add_sphere, attribute_values
 
 NAME = "mean_curvature"

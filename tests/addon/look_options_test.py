@@ -6,9 +6,9 @@ import json
 import numpy as np
 import pytest
 
-from paradesc import legend
-from paradesc.color_maps import Look, ValueRange
-from paradesc.look_options import add_look_options, look_of
+from paradesc.commands.look_options import add_look_options, look_of
+from paradesc.core import legend
+from paradesc.core.color_maps import Look, ValueRange
 
 QUICK = ("--radius", "0.06", "--samples", "64", "--buffer", "256", "--backend", "software")
 

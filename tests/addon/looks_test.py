@@ -8,7 +8,10 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from mesh_io_test import made_up_results  # noqa: E402
 
 import paradesc  # noqa: E402
-from paradesc import channels, color_maps, looks, mesh_io, overlay, recolor  # noqa: E402
+from paradesc.core import color_maps  # noqa: E402
+from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.settings import looks  # noqa: E402
+from paradesc.show import channels, overlay, recolor  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
 NAMES = ("mean_curvature", "curvedness")

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from conftest import real_mesh
-from paradesc import exr, job, maps, png
 from paradesc.bridge import Options
-from paradesc.results import Baked
+from paradesc.core import job
+from paradesc.files import exr, maps, png
+from paradesc.files.results import Baked
 from shapes import as_arrays, cube_sphere, write_obj
 
 QUICK = ("--radius", "0.06", "--samples", "64", "--buffer", "256", "--backend", "software", "--texels", "128")

@@ -7,7 +7,8 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from mesh_io_test import made_up_results  # noqa: E402
 
-from paradesc import materials, mesh_io, recolor  # noqa: E402
+from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.show import materials, recolor  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
 NAMES = ("mean_curvature", "cavity", "convexity")
@@ -71,7 +72,7 @@ def assert_base_color(tmp_path, target, expected):
     material.node_tree.links.new(shader.inputs["Base Color"].links[0].from_socket, emission.inputs[0])
     output = next(node for node in material.node_tree.nodes if node.type == "OUTPUT_MATERIAL")
     material.node_tree.links.new(emission.outputs[0], output.inputs["Surface"])
-    from paradesc import color_maps
+    from paradesc.core import color_maps
 
     np.testing.assert_allclose(
         rendered(tmp_path)[:3], color_maps.linear_to_srgb(np.array(expected[:3])), atol=2.1 / 255

@@ -5,7 +5,10 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc import batch, job, mesh_io, operators, panel, spaces, targets  # noqa: E402
+from paradesc.bake import batch, operators  # noqa: E402
+from paradesc.core import job, spaces  # noqa: E402
+from paradesc.scene import mesh_io, targets  # noqa: E402
+from paradesc.ui import panel  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint, small_bake  # noqa: E402
 
 

@@ -6,7 +6,12 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import paradesc  # noqa: E402
-from paradesc import bridge, job, mesh_io, operators, panel, properties  # noqa: E402
+from paradesc import bridge  # noqa: E402
+from paradesc.bake import operators  # noqa: E402
+from paradesc.core import job  # noqa: E402
+from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.settings import properties  # noqa: E402
+from paradesc.ui import panel  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from paradesc import packing
+from paradesc.core import packing
 
 
 def quads_apart(sizes):

@@ -7,7 +7,9 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc import batch, maps, outputs, targets  # noqa: E402
+from paradesc.bake import batch  # noqa: E402
+from paradesc.files import bake_files, maps  # noqa: E402
+from paradesc.scene import targets  # noqa: E402
 from scene import add_sphere, fingerprint, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -64,7 +66,7 @@ def test_a_file_that_cannot_be_brought_to_its_place_leaves_the_mesh_as_it_was(se
     def refuse(_files):
         raise PermissionError(13, "Permission denied", "curves.exr")
 
-    monkeypatch.setattr(outputs.Files, "commit", refuse)
+    monkeypatch.setattr(bake_files.Files, "commit", refuse)
     target = bpy.data.objects["ball"]
     before = fingerprint(target)
     with pytest.raises(RuntimeError, match="cannot be brought to its place"):

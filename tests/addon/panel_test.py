@@ -7,7 +7,11 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc import batch, bridge, live_panel, mesh_io, operators, panel, properties  # noqa: E402
+from paradesc import bridge  # noqa: E402
+from paradesc.bake import batch, operators  # noqa: E402
+from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.settings import properties  # noqa: E402
+from paradesc.ui import live_panel, panel  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
 # Pixels of a sidebar that nobody has widened.

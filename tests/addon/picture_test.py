@@ -6,7 +6,8 @@ import zlib
 import numpy as np
 import pytest
 
-from paradesc import color_maps, lettering, picture, png
+from paradesc.core import color_maps
+from paradesc.files import lettering, picture, png
 from shapes import as_arrays, cube_sphere
 
 SHOWN = color_maps.ValueRange(-1.0, 1.0, True)

@@ -7,7 +7,12 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
 import paradesc  # noqa: E402
-from paradesc import bridge, cache, cache_places, color_maps, frames, handlers, job, mesh_io, panel  # noqa: E402
+from paradesc import bridge  # noqa: E402
+from paradesc.animation import cache_places, frames, handlers  # noqa: E402
+from paradesc.core import color_maps, job  # noqa: E402
+from paradesc.files import cache  # noqa: E402
+from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.ui import panel  # noqa: E402
 from scene import attribute_values  # noqa: E402
 
 NAME = "mean_curvature"

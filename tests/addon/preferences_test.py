@@ -4,7 +4,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc import mesh_io, properties  # noqa: E402
+from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.settings import properties  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

@@ -5,7 +5,10 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc import bridge, devices, panel, presets, properties  # noqa: E402
+from paradesc import bridge  # noqa: E402
+from paradesc.core import devices  # noqa: E402
+from paradesc.settings import presets, properties  # noqa: E402
+from paradesc.ui import panel  # noqa: E402
 from scene import add_sphere, attribute_values, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")

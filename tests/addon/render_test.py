@@ -13,7 +13,8 @@ from shapes import ADDON
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
-from paradesc import handlers, live, mesh_io  # noqa: E402
+from paradesc.animation import handlers, live  # noqa: E402
+from paradesc.scene import mesh_io  # noqa: E402
 from processes import run_blender  # noqa: E402
 from scene import add_sphere  # noqa: E402
 

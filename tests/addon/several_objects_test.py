@@ -9,8 +9,10 @@ from shapes import RADIUS, cube_sphere
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc import bridge, job, results  # noqa: E402
+from paradesc import bridge  # noqa: E402
 from paradesc.commands import common  # noqa: E402
+from paradesc.core import job  # noqa: E402
+from paradesc.files import results  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, saved_scene  # noqa: E402
 
 QUICK = ("--radius", "0.08", "--samples", "32", "--buffer", "128", "--backend", "software")

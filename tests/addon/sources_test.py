@@ -6,7 +6,9 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
-from paradesc import bridge, job, mesh_io, sources  # noqa: E402
+from paradesc import bridge  # noqa: E402
+from paradesc.core import job  # noqa: E402
+from paradesc.scene import mesh_io, source_meshes  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
 
 QUICK = job.Settings(("mean_curvature",), bridge.Options(radius=0.1, samples=64, buffer_size=256), "software")
@@ -37,7 +39,7 @@ SUBSURF = ("SUBSURF", {"levels": 1})
 
 def test_without_modifiers_all_sources_are_the_same():
     target = with_modifiers()
-    first, *others = (sources.read(target, source).arrays for source in sources.NAMES)
+    first, *others = (source_meshes.read(target, source).arrays for source in source_meshes.NAMES)
     assert all(np.array_equal(first.positions, arrays.positions) for arrays in others)
     assert all(np.array_equal(first.triangle_corners, arrays.triangle_corners) for arrays in others)
 
@@ -45,7 +47,7 @@ def test_without_modifiers_all_sources_are_the_same():
 def test_deformed_follows_the_armature_and_original_does_not():
     target = animated.bent_cylinder()
     bpy.context.scene.frame_set(20)
-    original, deformed = (sources.read(target, source).arrays for source in ("original", "deformed"))
+    original, deformed = (source_meshes.read(target, source).arrays for source in ("original", "deformed"))
     assert original.positions[:, 2].max() == pytest.approx(4)
     assert deformed.positions[:, 2].max() < 3.2  # bent by 90 degrees at 2
     lower = original.positions[:, 2] <= 1.5
@@ -56,22 +58,22 @@ def test_deformed_follows_the_armature_and_original_does_not():
 def test_deformed_follows_a_shape_key():
     target = animated.swelling_sphere(steps=4)
     bpy.context.scene.frame_set(6)
-    lengths = np.linalg.norm(sources.read(target, "deformed").arrays.positions, axis=1)
+    lengths = np.linalg.norm(source_meshes.read(target, "deformed").arrays.positions, axis=1)
     np.testing.assert_allclose(lengths, 3, rtol=1e-4)
 
 
-@pytest.mark.parametrize("source", sources.NAMES)
+@pytest.mark.parametrize("source", source_meshes.NAMES)
 @pytest.mark.parametrize("modifiers", [(), (BEND,), (BEND, SUBSURF), (("REMESH", {"voxel_size": 0.5}), BEND)], ids=len)
 def test_reading_changes_nothing(source, modifiers):
     target = with_modifiers(*modifiers)
     before = scene_state(target)
-    sources.read(target, source)
+    source_meshes.read(target, source)
     assert scene_state(target) == before
 
 
 def test_deformed_leaves_generating_modifiers_out_and_says_so():
-    bent = sources.read(with_modifiers(BEND), "deformed")
-    more = sources.read(with_modifiers(BEND, SUBSURF), "deformed")
+    bent = source_meshes.read(with_modifiers(BEND), "deformed")
+    more = source_meshes.read(with_modifiers(BEND, SUBSURF), "deformed")
     assert np.array_equal(more.arrays.positions, bent.arrays.positions)
     assert bent.notes == []
     assert '"SUBSURF"' in more.notes[0]
@@ -80,7 +82,7 @@ def test_deformed_leaves_generating_modifiers_out_and_says_so():
 def test_modifiers_hidden_before_stay_hidden():
     target = with_modifiers(BEND, SUBSURF)
     target.modifiers["SUBSURF"].show_viewport = False
-    assert sources.read(target, "deformed").notes == []
+    assert source_meshes.read(target, "deformed").notes == []
     assert not target.modifiers["SUBSURF"].show_viewport
 
 
@@ -94,7 +96,7 @@ def test_modifiers_are_shown_again_after_an_error(monkeypatch):
     monkeypatch.setattr(mesh_io, "read_positions", fail)
     for source in ("deformed", "evaluated"):
         with pytest.raises(MemoryError):
-            sources.read(target, source)
+            source_meshes.read(target, source)
     monkeypatch.undo()
     assert scene_state(target) == before
 
@@ -106,7 +108,7 @@ def test_modifiers_are_shown_again_after_an_error(monkeypatch):
 )  # fmt: skip
 def test_original_vertices_are_found_among_the_evaluated_ones(kind, settings, made):
     target = with_modifiers((kind, settings))
-    reading = sources.read(target, "evaluated")
+    reading = source_meshes.read(target, "evaluated")
     assert len(reading.arrays.positions) == made
     assert reading.own
     assert len(set(reading.vertices.tolist())) == 152
@@ -121,33 +123,33 @@ def test_original_vertices_are_found_among_the_evaluated_ones(kind, settings, ma
 def test_where_vertices_are_lost_results_get_an_object_of_their_own(kind, settings):
     target = with_modifiers((kind, settings))
     before = fingerprint(target)[:4]
-    reading = sources.read(target, "evaluated")
+    reading = source_meshes.read(target, "evaluated")
     assert not reading.own
     results = job.run(reading.arrays, QUICK)
-    sentences = sources.deliver(target, results, reading)
+    sentences = source_meshes.deliver(target, results, reading)
     holder = bpy.data.objects["sphere_paradesc"]
     assert any("sphere_paradesc" in sentence for sentence in sentences)
     assert np.array_equal(attribute_values(holder.data, "mean_curvature"), results.values["mean_curvature"])
     assert fingerprint(target)[:4] == before
     objects, meshes = len(bpy.data.objects), len(bpy.data.meshes)
-    sources.deliver(target, results, sources.read(target, "evaluated"))
+    source_meshes.deliver(target, results, source_meshes.read(target, "evaluated"))
     assert (len(bpy.data.objects), len(bpy.data.meshes)) == (objects, meshes)
 
 
 def test_an_object_that_has_the_name_by_chance_is_left_alone():
     target = with_modifiers(("REMESH", {"voxel_size": 0.4}))
     stranger = bpy.data.objects.new("sphere_paradesc", bpy.data.meshes.new("other"))
-    reading = sources.read(target, "evaluated")
-    sources.deliver(target, job.run(reading.arrays, QUICK), reading)
+    reading = source_meshes.read(target, "evaluated")
+    source_meshes.deliver(target, job.run(reading.arrays, QUICK), reading)
     assert len(stranger.data.vertices) == 0
     assert "sphere_paradesc.001" in bpy.data.objects
 
 
 def test_subdivided_results_on_the_original_are_those_of_its_vertices():
     target = with_modifiers(("SUBSURF", {"levels": 1}), steps=12)
-    reading = sources.read(target, "evaluated")
+    reading = source_meshes.read(target, "evaluated")
     results = job.run(reading.arrays, QUICK)
-    sources.deliver(target, results, reading)
+    source_meshes.deliver(target, results, reading)
     values = attribute_values(target.data, "mean_curvature")
     assert np.array_equal(values, results.values["mean_curvature"][reading.vertices])
     radius = np.linalg.norm(reading.arrays.positions[reading.vertices], axis=1).mean()
@@ -156,9 +158,9 @@ def test_subdivided_results_on_the_original_are_those_of_its_vertices():
 
 def test_corners_come_along_to_the_original():
     target = with_modifiers(("SUBSURF", {"levels": 1}))
-    reading = sources.read(target, "evaluated")
+    reading = source_meshes.read(target, "evaluated")
     settings = job.Settings(("harris",), QUICK.options, "software")
-    found = sources.on_original(job.run(reading.arrays, settings), reading)
+    found = source_meshes.on_original(job.run(reading.arrays, settings), reading)
     assert len(found.corners.painted) == 152
     assert all(found.corners.painted[vertex] == 1 for vertex in found.corners.vertices)
 
@@ -167,13 +169,13 @@ def test_mixed_marks_are_no_vertices():
     marks = np.array([[0, 5, 9], [1, 7, 3], [2, 8, 4]], np.float32)
     mixed = (marks[0] + marks[2]) / 2  # has the index of the vertex between
     carried = np.array([mixed, marks[2], marks[0], marks[2], [np.nan, 0, 0], [9, 0, 0]], np.float32)
-    assert sources.matched(carried, marks).tolist() == [2, -1, 1]
+    assert source_meshes.matched(carried, marks).tolist() == [2, -1, 1]
 
 
 def test_edit_mode_is_measured_as_edited():
     target = with_modifiers(BEND)
     bpy.ops.object.mode_set(mode="EDIT")
-    reading = sources.read(target, "deformed")
+    reading = source_meshes.read(target, "deformed")
     bpy.ops.object.mode_set(mode="OBJECT")
     assert np.array_equal(reading.arrays.positions, mesh_io.read_positions(target.data))
     assert "as it is edited" in reading.notes[0]
@@ -181,8 +183,8 @@ def test_edit_mode_is_measured_as_edited():
 
 def test_own_normals_are_those_of_the_deformed_mesh():
     target = with_modifiers(BEND)
-    arrays = sources.read(target, "deformed", corner_normals=True).arrays
-    original = sources.read(target, "original", corner_normals=True).arrays
+    arrays = source_meshes.read(target, "deformed", corner_normals=True).arrays
+    original = source_meshes.read(target, "original", corner_normals=True).arrays
     assert not np.allclose(arrays.corner_normals, original.corner_normals, atol=0.05)
     np.testing.assert_allclose(np.linalg.norm(arrays.corner_normals, axis=1), 1, atol=1e-3)
 
@@ -192,18 +194,18 @@ def test_object_that_blender_does_not_evaluate_is_refused_and_not_measured_witho
     target.hide_viewport = True
     for source in ("deformed", "evaluated"):
         with pytest.raises(bridge.ParadescError, match="disabled in viewports"):
-            sources.read(target, source)
-    assert len(sources.read(target, "original").arrays.positions) == 152
+            source_meshes.read(target, source)
+    assert len(source_meshes.read(target, "original").arrays.positions) == 152
     target.hide_viewport = False
     target.hide_set(True)  # only out of sight
     straight = mesh_io.read_positions(target.data)
-    assert not np.allclose(sources.read(target, "deformed").arrays.positions, straight)
+    assert not np.allclose(source_meshes.read(target, "deformed").arrays.positions, straight)
 
 
 def test_unknown_source_and_taken_name_are_one_sentence():
     target = with_modifiers(SUBSURF)
     with pytest.raises(bridge.ParadescError, match="deformed"):
-        sources.read(target, "rest")
-    target.data.attributes.new(sources.MARK, "INT", "POINT")
+        source_meshes.read(target, "rest")
+    target.data.attributes.new(source_meshes.MARK, "INT", "POINT")
     with pytest.raises(bridge.ParadescError, match="rename"):
-        sources.read(target, "evaluated")
+        source_meshes.read(target, "evaluated")

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from paradesc import bridge, job, spaces
+from paradesc import bridge
+from paradesc.core import job, spaces
 from shapes import RADIUS, as_arrays, cube_sphere
 
 AXES = np.array([1.3, 1.0, 0.7])

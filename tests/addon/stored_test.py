@@ -2,7 +2,7 @@
 
 import pytest
 
-from paradesc import stored
+from paradesc.core import stored
 
 
 def a_summary(**more):
@@ -61,7 +61,9 @@ def test_of_a_drawing_only_what_is_sound_is_kept():
 
 def test_a_mesh_with_a_damaged_property_is_read_without_an_error():
     bpy = pytest.importorskip("bpy", reason="needs Blender")
-    from paradesc import bridge, channels, mesh_io, recolor
+    from paradesc import bridge
+    from paradesc.scene import mesh_io
+    from paradesc.show import channels, recolor
 
     mesh = bpy.data.meshes.new("damaged")
     mesh[mesh_io.PROPERTY] = a_summary(ranges={}, layout={"topology": 3})

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paradesc import bridge, job, stream
+from paradesc import bridge
+from paradesc.core import job, stream
 from shapes import RADIUS, as_arrays, cube_sphere
 
 NAMES = ("mean_curvature", "shape_index", "principal_direction_max")

@@ -8,8 +8,10 @@ from shapes import RADIUS, as_arrays, cube_sphere
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc import bridge, job, mesh_io, surface_maps  # noqa: E402
+from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
+from paradesc.core import job  # noqa: E402
+from paradesc.scene import mesh_io, surface_maps  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
 
 UNITS = {"mean_curvature": RADIUS, "local_bending_energy": RADIUS**2}

@@ -13,7 +13,8 @@ from shapes import ROOT, as_arrays, cube_sphere
 sys.path.append(str(ROOT / "tests"))
 import sweep
 
-from paradesc import bridge, job
+from paradesc import bridge
+from paradesc.core import job
 
 SMALL = {"buffer_size": 256, "samples": 32}
 

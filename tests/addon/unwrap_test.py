@@ -9,8 +9,10 @@ from shapes import cube_sphere
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import paradesc  # noqa: E402
-from paradesc import bridge, job, mesh_io, unwrap  # noqa: E402
+from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
+from paradesc.core import job  # noqa: E402
+from paradesc.scene import mesh_io, unwrap  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
 
 OPTIONS = bridge.Options(radius=0.08, samples=64, buffer_size=512)

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 import paradesc
-from paradesc import operators
+from paradesc.bake import operators
 
 PATIENCE = 120.0  # seconds that one step may take
 

@@ -13,7 +13,8 @@ import numpy as np
 
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
-from paradesc import mesh_io, operators  # noqa: E402
+from paradesc.bake import operators  # noqa: E402
+from paradesc.scene import mesh_io  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 from window import baking, begin, prepare, say, screen_pixels, start_bake, view_context, wait_for  # noqa: E402
 

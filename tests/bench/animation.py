@@ -22,8 +22,10 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "addon")]
 import bpy  # noqa: E402
 
 from animated import bent_cylinder  # noqa: E402
-from paradesc import bridge, frames, job  # noqa: E402
+from paradesc import bridge  # noqa: E402
+from paradesc.animation import frames  # noqa: E402
 from paradesc.commands.animate import STAGES  # noqa: E402
+from paradesc.core import job  # noqa: E402
 
 
 def parse() -> argparse.Namespace:

@@ -4,7 +4,7 @@
     PYTHONPATH=addon python tests/bench/cancel.py --descriptors harris --cancels 40
 
 A cancel is heard at the next call of the progress callback, so the longest time between two calls bounds the wait:
-that is the first table, of a whole bake, by stage. The second cancels a worker (addon/paradesc/job.py) at so many
+that is the first table, of a whole bake, by stage. The second cancels a worker (addon/paradesc/core/job.py) at so many
 moments spread over the bake, as Esc does, and measures until its thread has ended. Numbers of a quiet machine only.
 """
 
@@ -22,8 +22,9 @@ import numpy as np
 from preprocessing_cache import subdivided, torus
 from sampling_choices import read_obj
 
-from paradesc import bridge, job
+from paradesc import bridge
 from paradesc.bridge import ParadescError
+from paradesc.core import job
 
 LIMIT = 0.1  # seconds
 

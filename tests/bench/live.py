@@ -15,7 +15,9 @@ import bpy
 import numpy as np
 
 import paradesc
-from paradesc import handlers, job, mesh_io
+from paradesc.animation import handlers
+from paradesc.core import job
+from paradesc.scene import mesh_io
 
 NAME = "mean_curvature"
 LENGTH, RADIUS, BUMP = 8.0, 1.0, 0.06

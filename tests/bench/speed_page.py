@@ -46,7 +46,7 @@ def intro() -> list[str]:
         "mesh's vertices, as many as it can do in two seconds, and extrapolated. *Fewest*: the smallest buffers of "
         "256, 512 and 1024 texels, and then as few samples, as "
         f"keep the mean error against the reference at 400 random vertices to {timing.ALLOWED_ERROR:g} %. "
-        "Errors are the one definition of this project (`addon/paradesc/compare.py`).",
+        "Errors are the one definition of this project (`addon/paradesc/core/compare.py`).",
         "",
     ]
 

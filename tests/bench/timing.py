@@ -12,9 +12,10 @@ from pathlib import Path
 import numpy as np
 from figures import ALLOWED_ERROR
 
-from paradesc import bridge, compare
+from paradesc import bridge
 from paradesc.bridge import Context, Mesh, MeshArrays, Options
-from paradesc.results import registry_row
+from paradesc.core import compare
+from paradesc.files.results import registry_row
 
 NAME = "mean_curvature"
 STAGES = ("prepare", "bake", "evaluate", "total")

@@ -24,13 +24,16 @@ from pathlib import Path
 
 import numpy as np
 
-from paradesc import cache, stored
 from paradesc.bridge import ParadescError
+from paradesc.core import stored
+from paradesc.files import cache
 
 try:
     import bpy
 
-    from paradesc import channels, mesh_io, panel, recolor, unwrap
+    from paradesc.scene import mesh_io, unwrap
+    from paradesc.show import channels, recolor
+    from paradesc.ui import panel
 except ImportError:
     bpy = None
 

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .. import cache, job, legend
-from ..look_options import fixed_range
-from ..streams import quiet
+from ..core import job, legend
+from ..core.standard_streams import quiet
+from ..files import cache
 from .common import (
     Parser,
     Progress,
@@ -19,13 +19,14 @@ from .common import (
     open_objects,
     print_notes,
 )
+from .look_options import fixed_range
 from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
 from .reading import map_sources
 
 if TYPE_CHECKING:
     import bpy
 
-    from ..frames import Done, FrameBaker
+    from ..animation.frames import Done, FrameBaker
 
 STAGES = ("depsgraph", "read", "upload", "prepare", "bake", "evaluate", "write")
 
@@ -102,7 +103,7 @@ def bake_object(
     """Bakes one object's frames; gives what there is to say about it."""
     import bpy
 
-    from .. import frames
+    from ..animation import frames
 
     maps = map_sources(arguments)
     request = frames.Request(

@@ -7,9 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .. import bridge, job, results
-from ..color_maps import Look
-from ..look_options import add_look_options, look_of
+from .. import bridge
+from ..core import job
+from ..core.color_maps import Look
+from ..files import results
 from .common import (
     Parser,
     Progress,
@@ -21,6 +22,7 @@ from .common import (
     open_objects,
     print_notes,
 )
+from .look_options import add_look_options, look_of
 from .options import (
     add_computation_options,
     add_input,
@@ -117,7 +119,7 @@ def bake_objects(
     targets: list["bpy.types.Object"], settings: job.Settings, arguments: argparse.Namespace
 ) -> list[results.Baked]:
     """Computes each object; those that share a mesh share its results, unless what is measured is the object's own."""
-    from .. import mesh_io
+    from ..scene import mesh_io
 
     look = asked_look(arguments)
     if saves_scene(arguments):
@@ -150,7 +152,7 @@ def asked_look(arguments: argparse.Namespace) -> Look:
     """The look of the options, what is not given being the scene's where its settings are asked for."""
     if not arguments.scene_settings:
         return look_of(arguments)
-    from ..looks import scene_look
+    from ..settings.looks import scene_look
 
     with scene_settings() as scene:
         return look_of(arguments, scene_look(scene))
@@ -176,12 +178,12 @@ def open_file() -> Path | None:
 
 def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked], source: str) -> None:
     """Leaves the results where they belong; of several objects with one mesh, those of the first."""
-    from .. import sources
-    from .. import targets as groups
+    from ..scene import source_meshes
+    from ..scene import targets as groups
 
     for sharing in groups.by_mesh(targets):
         one = baked[targets.index(sharing[0])]
-        one.notes += sources.deliver(sharing[0], one.results, one.reading)
+        one.notes += source_meshes.deliver(sharing[0], one.results, one.reading)
         one.notes += groups.shared_note(sharing, one.results.settings.space, source)
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from ..bridge import InputError, ParadescError, abi
-from ..results import file_fault
-from ..streams import quiet
+from ..core.standard_streams import quiet
+from ..files.results import file_fault
 from .signals import Signals, Terminated
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
         with quiet(arguments.verbose):
             import bpy  # before bmesh, which scene_io imports
 
-            from .. import scene_io
+            from ..scene import scene_io
     except ImportError as error:
         raise ParadescError(abi.STATUS_UNSUPPORTED, "Blender's Python module bpy is not installed here.") from error
     if arguments.input is not None:
@@ -108,7 +108,7 @@ def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
 def open_object(arguments: argparse.Namespace) -> "bpy.types.Object":
     """Opens the input and picks one object, --object or the one that stands out; prints how that came to be."""
     imported, notes = open_input(arguments)
-    from .. import scene_io
+    from ..scene import scene_io
 
     print_notes(notes)
     return scene_io.choose_object(arguments.object, prefer_active=not imported)
@@ -117,7 +117,7 @@ def open_object(arguments: argparse.Namespace) -> "bpy.types.Object":
 def open_objects(arguments: argparse.Namespace) -> Opened:
     """Opens the input and picks the objects: --all of them, those that --object names, or the one that stands out."""
     imported, notes = open_input(arguments)
-    from .. import scene_io
+    from ..scene import scene_io
 
     if arguments.all:
         chosen, left_out = scene_io.all_objects()

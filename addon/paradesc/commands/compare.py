@@ -2,7 +2,7 @@
 
 import argparse
 
-from .. import compare
+from ..core import compare
 from .common import (
     Parser,
     Progress,

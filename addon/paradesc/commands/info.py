@@ -6,14 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import bridge
-from .common import (
-    Parser,
-    add_objects_options,
-    add_output_options,
-    check_outputs,
-    open_input,
-    print_notes,
-)
+from .common import Parser, add_objects_options, add_output_options, check_outputs, open_input, print_notes
 from .options import add_input
 
 if TYPE_CHECKING:
@@ -52,7 +45,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Prints every mesh object, or those that --object names; gives them."""
     check_outputs([arguments.json] if arguments.json else [])
     _, notes = open_input(arguments)
-    from .. import scene_io
+    from ..scene import scene_io
 
     named = [scene_io.find_object(name) for name in dict.fromkeys(arguments.object)]
     shown = named or [item for item in scene_io.mesh_objects() if item not in scene_io.bone_shapes()]
@@ -67,7 +60,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 def describe(target: "bpy.types.Object") -> dict[str, object]:
     """One object: facts, UV map, defects, and what suits it; a mesh that cannot be read has a sentence instead."""
-    from .. import mesh_io
+    from ..scene import mesh_io
 
     mesh = target.data
     row: dict[str, object] = {
@@ -115,7 +108,7 @@ def expected_memory(native: bridge.Mesh, hint: dict[str, object] | None) -> dict
 
 def uv_map(mesh: "bpy.types.Mesh", arrays: bridge.MeshArrays, report: dict[str, float]) -> dict[str, object]:
     """The active UV map: its name, what it is lacking, its charts and seams."""
-    from .. import mesh_io, unwrap
+    from ..scene import mesh_io, unwrap
 
     own = mesh_io.read_uvs(mesh)
     return {

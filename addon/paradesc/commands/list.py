@@ -2,7 +2,8 @@
 
 import argparse
 
-from .. import bridge, devices
+from .. import bridge
+from ..core import devices
 from .common import Parser, add_output_options, check_outputs
 
 

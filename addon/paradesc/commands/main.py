@@ -7,8 +7,10 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from .. import __version__, contexts, results
+from .. import __version__
 from ..bridge import ParadescError
+from ..core import contexts
+from ..files import results
 from . import COMMANDS, modules
 from .common import EXIT_CHECK, EXIT_FAILED, EXIT_OK, EXIT_USAGE, Parser, UsageError, exit_code
 from .signals import Signals, Terminated

@@ -8,8 +8,9 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .. import bridge, job, source_kinds
-from ..corners import THRESHOLD
+from .. import bridge
+from ..core import job, source_kinds
+from ..core.corners import THRESHOLD
 from .common import PROGRESS, UsageError
 
 if TYPE_CHECKING:
@@ -160,7 +161,7 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
     arguments.source = source or usual
     if arguments.scene_settings:
         with scene_settings() as scene:
-            from .. import properties
+            from ..settings import properties
 
             group, animation = scene.paradesc, scene.paradesc_animation
             base = properties.job_settings(group)
@@ -181,7 +182,7 @@ def with_preset(name: str | None, base: job.Settings | None) -> job.Settings | N
     """The settings with what one of the panel's presets says about what and how; where it runs stays."""
     if name is None:
         return base
-    from .. import presets
+    from ..settings import presets
 
     if name not in presets.PRESETS:
         raise UsageError(f'There is no preset "{name}"; choose one of {", ".join(presets.PRESETS)}.')
@@ -200,7 +201,8 @@ def scene_settings() -> "Iterator[bpy.types.Scene]":
     """The open scene with the panels' settings; they lie in the .blend, whether the add-on is enabled or not."""
     import bpy
 
-    from .. import animation_panel, looks, properties
+    from ..settings import looks, properties
+    from ..ui import animation_panel
 
     if hasattr(bpy.types.Scene, "paradesc"):
         yield bpy.context.scene

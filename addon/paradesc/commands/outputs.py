@@ -5,8 +5,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from .. import maps, results
-from ..results import Baked, folder_fault, write_whole
+from ..files import maps, results
+from ..files.results import Baked, folder_fault, write_whole
 from .common import UsageError, check_outputs, check_overwriting
 
 # Of one object, or of several as one in world space.
@@ -51,7 +51,7 @@ def files_of(arguments: argparse.Namespace) -> list[Path]:
 
 def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, object]:
     """Writes all files; gives what the report says of them."""
-    from .. import scene_io
+    from ..scene import scene_io
 
     whole = baked[0] if len(baked) == 1 else results.joined(baked)
     written: list[Path] = []

@@ -3,19 +3,19 @@
 import argparse
 from typing import TYPE_CHECKING
 
-from .. import job
-from ..streams import quiet
+from ..core import job
+from ..core.standard_streams import quiet
 
 if TYPE_CHECKING:
     import bpy
 
-    from ..surface_maps import Sources
-    from ..targets import Read
+    from ..scene.surface_maps import Sources
+    from ..scene.targets import Read
 
 
 def read_object(target: "bpy.types.Object", settings: job.Settings, arguments: argparse.Namespace) -> "Read":
     """Reads the object's mesh, by --source before or after modifiers; the mesh stays as it is."""
-    from .. import targets
+    from ..scene import targets
 
     shape = arguments.shape_key or "basis"
     request = targets.Request(shape, map_sources(arguments), source=arguments.source, remedy="give --space world")
@@ -27,7 +27,7 @@ def read_object(target: "bpy.types.Object", settings: job.Settings, arguments: a
 
 def map_sources(arguments: argparse.Namespace) -> "Sources":
     """Where displacement and normal map come from; compare has no such options."""
-    from .. import surface_maps
+    from ..scene import surface_maps
 
     if not hasattr(arguments, "displacement"):
         return surface_maps.Sources()

@@ -1,0 +1,1 @@
+"""Values of a mesh that moves: frames baked ahead, frames played back, and live values."""

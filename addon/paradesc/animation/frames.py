@@ -1,0 +1,255 @@
+"""Frames of an animated object to files of a frame cache: what the animate command and the Bake Frames operator run.
+
+prepare() needs Blender's main thread, run() none. Radii are those of the rest pose in all frames, so that values of one
+frame can be compared with those of another.
+"""
+
+import time
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from .. import __version__
+from ..bridge import InputError, MeshArrays, ParadescError, abi
+from ..core import job
+from ..core.digests import digest
+from ..core.stream import Stream
+from ..files import cache
+from ..scene import mesh_io, source_meshes, surface_maps
+from ..scene.mesh_io import refuse
+from . import pausing
+
+OWN_VERTICES = (
+    "The modifiers lose original vertices, so that frames hold the values of the evaluated mesh's own vertices: they "
+    "are for reading, and cannot be played on the object."
+)
+
+
+@dataclass
+class Request:
+    """What to bake of one object."""
+
+    settings: job.Settings
+    folder: Path  # of this object's frames
+    source: str = "deformed"
+    relative: bool = False  # the change against the rest pose too
+    force: bool = False  # also what is there
+    maps: surface_maps.Sources | None = None
+
+
+@dataclass
+class Task:
+    """One frame, read from Blender, to be computed and written."""
+
+    frame: int
+    reading: source_meshes.Reading
+    input: str
+    seconds: dict[str, float]
+
+
+@dataclass
+class Done:
+    """One frame that was written."""
+
+    frame: int
+    path: Path
+    seconds: dict[str, float]
+    device: str
+    warnings: list[str]
+
+
+class FrameBaker:
+    """Bakes frames of one object, each from one native mesh; a frame that is there already is left as it is."""
+
+    def __init__(self, scene: bpy.types.Scene, target: bpy.types.Object, request: Request) -> None:
+        source_meshes.check_source(request.source)
+        self.scene, self.target, self.request = scene, target, request
+        self.object_name, self.mesh_name = target.name, target.data.name  # for run(), which may not ask Blender
+        settings = request.settings
+        if settings.space != "object":
+            raise refuse("Frames are measured in object space; choose that, and apply the scale where it matters.")
+        self.normals = settings.options.normals == "mesh"
+        self.needs_uvs = settings.backend != "reference"
+        self.notes: list[str] = []
+        self.reading: source_meshes.Reading | None = None
+        self._rest: job.Results | None = None
+        self.base = mesh_io.read_object(target, self.normals, self.needs_uvs)
+        self.add_maps(self.base)
+        self.stream = Stream(self.base, settings)
+        self.by_device = self.stream.backend != "reference"
+        try:
+            self.stream.settings = at_fixed_radii(settings, self.stream.mesh_at(self.base).report())
+            self.key = self.make_key()
+            cache.sweep(request.folder)
+        except BaseException:
+            self.stream.close()
+            raise
+
+    def make_key(self) -> str:
+        """Of everything that the frames have in common."""
+        maps = self.base.maps
+        rest = digest(self.base.positions) if self.request.relative else ""
+        images = digest(maps.heights) + f"{maps.midlevel!r} {maps.scale!r}" if maps is not None else ""
+        more = {"source": self.request.source, "rest": rest, "maps": images, "paradesc": __version__}
+        return cache.key_of(self.base, self.stream.settings, names=self.names(), **more)
+
+    def names(self) -> list[str]:
+        """What the values are called, by the radius that was asked for."""
+        return self.request.settings.value_names()
+
+    def add_maps(self, arrays: MeshArrays) -> None:
+        """Puts the displacement into the arrays; normal maps would need the tangents of every frame."""
+        if self.request.maps is None or not self.request.maps.any:
+            return
+        notes = surface_maps.add_maps(self.target, arrays, self.request.maps)
+        if arrays.maps is not None and arrays.maps.normals is not None:
+            raise refuse("Normal maps are followed in single bakes only; leave them out to bake frames.")
+        self.notes += [note for note in notes if note not in self.notes]
+
+    def prepare(self, frame: int) -> Task | None:
+        """Goes to the frame and reads the object there; None where its file is there already. Main thread only."""
+        start = time.perf_counter()
+        with self.evaluating():
+            self.scene.frame_set(frame)
+            bpy.context.view_layer.update()
+            moved = time.perf_counter()
+            args = (self.normals, self.needs_uvs, self.base, self.reading)
+            try:
+                reading = source_meshes.read(self.target, self.request.source, *args)
+            except ParadescError as error:
+                raise at_frame(frame, error) from error
+        self.take(reading)
+        arrays = reading.arrays
+        content = digest(arrays.positions, arrays.corner_normals, reading.vertices)
+        if arrays.corner_vertices is not self.base.corner_vertices:
+            content = digest(np.frombuffer(content.encode(), np.uint8), arrays.corner_vertices, arrays.corner_uvs)
+        read = time.perf_counter()
+        if not self.request.force and cache.kept(self.request.folder, frame, self.key, content):
+            return None
+        return Task(frame, reading, content, {"depsgraph": moved - start, "read": read - moved})
+
+    @contextmanager
+    def evaluating(self) -> Iterator[None]:
+        """What counts while frames are evaluated: for a run without a window, hold it over all frames."""
+        with pausing.held(), self.hiding() as hidden:
+            if hidden:
+                names = source_meshes.quoted(hidden)
+                sentence = f"Measured without the modifiers that change the vertices: {names}."
+                self.notes += [sentence] if sentence not in self.notes else []
+            yield
+
+    def hiding(self) -> AbstractContextManager[list[str]]:
+        """Hides the modifiers that are not measured; gives their names."""
+        return source_meshes.only_deforming(self.target) if self.request.source == "deformed" else nullcontext([])
+
+    def take(self, reading: source_meshes.Reading) -> None:
+        """Keeps a frame's reading for the next one, and what it has to say."""
+        if reading.arrays.corner_vertices is not self.base.corner_vertices:
+            if self.request.relative:
+                raise refuse(
+                    f'The modifiers of "{self.target.name}" change its vertices, so there is no rest pose to compare '
+                    "with; choose the source deformed."
+                )
+            self.add_maps(reading.arrays)
+        self.reading = reading
+        notes = reading.notes if reading.own else [OWN_VERTICES]
+        self.notes += [note for note in notes if note not in self.notes]
+
+    def run(self, task: Task, progress: job.ProgressFunction | None = None) -> Done:
+        """Computes and writes a frame."""
+        try:
+            rest = self.rest(progress) if self.request.relative else None
+            start = time.perf_counter()
+            arrays = task.reading.arrays
+            if not self.stream.matches(arrays):
+                self.stream.replace(arrays)
+            results = self.stream.compute(arrays.positions, progress, arrays.corner_normals)
+            self.check_method(results)
+            computed = time.perf_counter()
+            path = cache.write_frame(self.request.folder, self.content(task, results, rest))
+        except ParadescError as error:
+            raise at_frame(task.frame, error) from error
+        report = list(results.field_reports.values())
+        native = {name: sum(part[f"seconds_{name}"] for part in report) for name in ("prepare", "bake", "evaluate")}
+        total = sum(part["seconds_total"] for part in report)
+        write = {"write": time.perf_counter() - computed}
+        seconds = {**task.seconds, "upload": computed - start - total, **native, **write}
+        return Done(task.frame, path, seconds, f"{results.backend}: {results.device}", results.warnings)
+
+    def check_method(self, results: job.Results) -> None:
+        """Refuses what the reference computed where a device has failed: the frames have one method in common."""
+        if self.by_device and results.backend == "reference":
+            failure = results.fallback.rstrip(".")
+            raise ParadescError(
+                abi.STATUS_DEVICE_LOST,
+                f"The graphics device failed ({failure}); start again to go on from here, or choose another backend.",
+            )
+
+    def rest(self, progress: job.ProgressFunction | None) -> job.Results:
+        """The original mesh's results, computed once."""
+        if self._rest is None:
+            self._rest = self.stream.compute(self.base.positions, progress, self.base.corner_normals)
+        return self._rest
+
+    def content(self, task: Task, results: job.Results, rest: job.Results | None) -> cache.Frame:
+        """What a frame's file holds."""
+        found = source_meshes.on_original(results, task.reading)
+        values, radius = {}, {}
+        for asked, name in zip(self.names(), found.settings.value_names(), strict=True):
+            values[asked] = found.values[name]
+            radius[asked] = results.radius_of(name)
+            if rest is not None and found.values[name].ndim == 1:
+                values[asked + job.CHANGE] = found.values[name] - rest.values[name]
+                radius[asked + job.CHANGE] = radius[asked]
+        settings = self.request.settings.as_dict()
+        for own in ("backend", "device_index"):
+            del settings[own]
+        info = {
+            "object": self.object_name,
+            "mesh": self.mesh_name,
+            "source": self.request.source,
+            "vertices": "original" if task.reading.own else "evaluated",
+            "settings": settings,
+            "radius": radius,
+            "warnings": results.warnings,
+        }
+        return cache.Frame(task.frame, self.key, task.input, {**values, **found.extras}, info)
+
+    def close(self) -> None:
+        """Frees the device."""
+        self.stream.close()
+
+    def __enter__(self) -> "FrameBaker":
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
+
+
+@contextmanager
+def frame_kept(scene: bpy.types.Scene) -> Iterator[None]:
+    """Comes back to the current frame, whatever happens."""
+    frame, part = scene.frame_current, scene.frame_subframe
+    try:
+        yield
+    finally:
+        scene.frame_set(frame, subframe=part)
+
+
+def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> job.Settings:
+    """The same settings with radii in units of the positions, which do not follow a frame's own size."""
+    unit = {"diagonal": report["diagonal"], "mean-edge": report["mean_edge"]}.get(settings.options.radius_unit, 1.0)
+    options = replace(settings.options, radius=settings.options.radius * unit, radius_unit="absolute")
+    return replace(settings, options=options, more_radii=tuple(radius * unit for radius in settings.more_radii))
+
+
+def at_frame(frame: int, error: ParadescError) -> ParadescError:
+    """The same error, saying at which frame."""
+    if error.status == abi.STATUS_CANCELLED or error.sentence.startswith("Frame "):
+        return error
+    sentence = f"Frame {frame}: {error.sentence}"
+    return InputError(sentence) if isinstance(error, InputError) else ParadescError(error.status, sentence)

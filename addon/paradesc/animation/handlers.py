@@ -1,0 +1,428 @@
+"""Blender's events to live values: frames, edits, renders, undo and files. No handler ever raises.
+
+A frame's handler runs after modifiers were evaluated; where it writes, Blender evaluates once more, so what it leaves
+is what is drawn and rendered. In a window, renders call it from a thread of their own, for which the interface has to
+be locked.
+"""
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..bridge import ParadescError
+from ..core import contexts
+from ..settings import looks
+from . import live, painting, pausing, playback
+
+# Seconds without another edit after which live values follow.
+EDIT_DELAY = 0.2
+# Seconds between two looks at what is computed beside the window.
+COLLECT_STEP = 0.01
+KINDS = {"LIVE": live.Session, "CACHE": playback.Player}
+LOG = logging.getLogger("paradesc")
+Place = tuple[bpy.types.Scene, bpy.types.ViewLayer]
+
+
+class State:
+    """What lasts between two events. Cleared when a file is loaded."""
+
+    def __init__(self) -> None:
+        self.sessions: dict[object, live.Session | playback.Player] = {}  # by the object's identity
+        self.listed: list[tuple[str, object]] = []  # names and identities of live objects
+        self.object_count = -1  # in the file, when they were listed
+        self.edited_at: float | None = None
+        self.render_time: float | None = None  # the frame that is being rendered, with its subframe
+        self.rendering = False
+        self.turn = threading.Lock()  # held by the one thread that writes
+        self.owner = 0
+
+
+STATE = State()
+
+
+def forget_all() -> None:
+    """Frees every session, and the devices that nobody uses."""
+    for session in STATE.sessions.values():
+        session.close()
+    STATE.sessions.clear()
+    STATE.object_count = -1
+    contexts.close_idle()
+
+
+def live_objects() -> list[bpy.types.Object]:
+    """The objects that have live values switched on; listed afresh when objects came, went or were renamed.
+
+    Of those that share a mesh, as linked duplicates do, the first: its values would not be those of the others.
+    """
+    objects = bpy.data.objects
+    found = [objects.get((name, None)) for name, _ in STATE.listed]
+    same = all(
+        item is not None and live.identity(item) == known and is_live(item)
+        for item, (_, known) in zip(found, STATE.listed, strict=True)
+    )
+    if len(objects) != STATE.object_count or not same:
+        found = [item for item in objects if is_live(item)]
+        STATE.listed, STATE.object_count = [(item.name, live.identity(item)) for item in found], len(objects)
+    first: dict[bpy.types.Mesh, bpy.types.Object] = {}
+    for item in found:
+        first.setdefault(item.data, item)
+    for known in set(STATE.sessions) - {live.identity(item) for item in first.values()}:
+        STATE.sessions.pop(known).close()
+    return list(first.values())
+
+
+def holder_of(target: bpy.types.Object) -> bpy.types.Object | None:
+    """Another live object that the mesh of this one is left to."""
+    return next((item for item in live_objects() if item.data == target.data and item != target), None)
+
+
+def is_live(target: bpy.types.Object) -> bool:
+    """Local meshes that are switched on; linked ones could not keep what is written."""
+    return target.type == "MESH" and target.library is None and target.paradesc_live.mode != "OFF"
+
+
+# ---- Values
+
+
+@contextmanager
+def our_turn(wait: bool) -> Iterator[bool]:
+    """Gives True to one thread at a time, and False to what it calls itself by what it writes."""
+    if is_ours() or not STATE.turn.acquire(blocking=wait):
+        yield False
+        return
+    STATE.owner = threading.get_ident()
+    try:
+        yield True
+    finally:
+        STATE.owner = 0
+        STATE.turn.release()
+
+
+def is_ours() -> bool:
+    """Whether this thread is the one that writes."""
+    return STATE.owner == threading.get_ident()
+
+
+def refresh(
+    scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, targets: list[bpy.types.Object], watched: bool = False
+) -> None:
+    """Brings the values of these objects up to date. Renders wait for their turn, other events do without.
+
+    watched: somebody looks on, and may see values a moment later where the scene does not wait for them.
+    """
+    wait = not watched or waits(scene, depsgraph)
+    with our_turn(wait=depsgraph.mode == "RENDER") as ours:
+        for target in targets if ours else ():
+            refresh_one(scene, depsgraph, target, wait)
+    if not wait and any(session.busy for session in STATE.sessions.values()):
+        start_timer(collect, COLLECT_STEP)
+
+
+def waits(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether values have to be there at once: wherever something else than a person at a window asks."""
+    return bpy.app.background or depsgraph.mode == "RENDER" or STATE.rendering or scene.paradesc_live.wait
+
+
+def is_watched() -> bool:
+    """Whether frames change because somebody plays the animation or drags the current frame, and nothing is written."""
+    screens = [window.screen for window in bpy.context.window_manager.windows]
+    return any(screen.is_animation_playing or screen.is_scrubbing for screen in screens)
+
+
+def refresh_one(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, target: bpy.types.Object, wait: bool) -> None:
+    """One object; what goes wrong switches it off and is said in the panel, and in a farm's log."""
+    with switching_off(target):
+        session_of(target).refresh(target, depsgraph, scene, wait)
+
+
+@contextmanager
+def switching_off(target: bpy.types.Object) -> Iterator[None]:
+    """What goes wrong in it with an object ends its live values; an object that is gone is forgotten."""
+    try:
+        yield
+    except ParadescError as error:
+        switch_off(target, error.sentence)
+    except ReferenceError:
+        STATE.object_count = -1
+    except Exception as error:  # noqa: BLE001 (whatever it is, an exception would stop nothing but the sentence)
+        switch_off(target, f"Live values stopped: {type(error).__name__}: {error}")
+
+
+def collect(wait: bool = False) -> float | None:
+    """A timer: shows what has been computed beside the window; seconds until the next look, or None at the end."""
+    if STATE.rendering:
+        return EDIT_DELAY
+    with our_turn(wait=False) as ours:
+        for target in live_objects() if ours else ():
+            session = session_at(target)
+            if session is not None and session.busy:
+                with switching_off(target):
+                    session.collect(target, wait)
+    return COLLECT_STEP if any(session.busy for session in STATE.sessions.values()) else None
+
+
+def start_timer(function: Callable[[], float | None], seconds: float) -> None:
+    """Has Blender's window call it, unless it does so already."""
+    if not bpy.app.background and not bpy.app.timers.is_registered(function):
+        bpy.app.timers.register(function, first_interval=seconds)
+
+
+def session_at(target: bpy.types.Object) -> live.Session | playback.Player | None:
+    """What the object keeps so far."""
+    return STATE.sessions.get(live.identity(target))
+
+
+def session_of(target: bpy.types.Object) -> live.Session | playback.Player:
+    """What the object keeps, by its mode."""
+    wanted, found = KINDS[target.paradesc_live.mode], session_at(target)
+    if not isinstance(found, wanted):
+        if found is not None:
+            found.close()
+        found = STATE.sessions[live.identity(target)] = wanted()
+    return found
+
+
+def switch_off(target: bpy.types.Object, sentence: str) -> None:
+    """Ends the live values of an object and says why; nothing where it is gone."""
+    try:
+        LOG.error('%s: live values of "%s" are switched off. %s', "Paradesc", target.name, sentence)
+        target.paradesc_live.mode = "OFF"
+        target.paradesc_live.sentence = sentence
+    except ReferenceError:
+        STATE.object_count = -1
+
+
+def refresh_window(targets: list[bpy.types.Object], watched: bool = False) -> None:
+    """Brings objects up to date in what the windows show, or, without one, in the current view layer."""
+    if is_ours() or STATE.rendering:
+        return
+    windows = bpy.context.window_manager.windows
+    shown = [(window.scene, window.view_layer) for window in windows] or [(bpy.context.scene, bpy.context.view_layer)]
+    for _, layer in shown:
+        layer.update()
+    places = [place_of(target, shown) for target in targets]
+    for place in dict.fromkeys(places):
+        if place is not None:
+            scene, layer = place
+            layer.update()
+            refresh(scene, layer.depsgraph, [t for t, p in zip(targets, places, strict=True) if p == place], watched)
+
+
+def place_of(target: bpy.types.Object, shown: list[Place]) -> Place | None:
+    """Which of the scenes shown an object's values are of: a mesh holds those of one, of where a frame changed last."""
+    session = session_at(target)
+    known = "" if session is None else session.scene_name
+    there = [place for place in shown if live.evaluated_object(target, place[1].depsgraph) is not None]
+    return min(there, key=lambda place: place[0].name != known, default=None)
+
+
+def take_ranges(scene: bpy.types.Scene) -> None:
+    """Has the colors of all live objects span the values that are there now, those of played ones all frames."""
+    forget_ranges()
+    refresh_window(live_objects())
+    look = looks.scene_look(scene)
+    with our_turn(wait=True):
+        found = [session_at(target).found_ranges(look) for target in live_objects() if session_at(target)]
+        painting.take_ranges(scene.paradesc_live, found)
+    refresh_window(live_objects())
+
+
+def forget_ranges() -> None:
+    """Has the ranges of caches read again."""
+    for session in STATE.sessions.values():
+        session.forget_ranges()
+
+
+def look_changed(scene: bpy.types.Scene) -> None:
+    """The settings of the colors were changed: they hold for live objects at once."""
+    if not live_objects():
+        return
+    if painting.keeps_ranges(scene.paradesc_live, looks.scene_look(scene)):
+        refresh_window(live_objects())
+    else:
+        take_ranges(scene)
+
+
+# ---- Switching
+
+
+def mode_changed(target: bpy.types.Object) -> None:
+    """Live values of an object were switched on or off."""
+    other = holder_of(target)  # before this one counts
+    STATE.object_count = -1
+    if other is not None and is_live(target):
+        switch_off(target, shared_sentence(other))
+        return
+    targets = live_objects()
+    for scene in target.users_scene:
+        lock_interface(scene, any(item in targets for item in scene.objects if item.type == "MESH"))
+    if target not in targets:
+        return
+    target.paradesc_live.sentence = ""
+    refresh_window([target])
+
+
+def shared_sentence(other: bpy.types.Object) -> str:
+    """Why an object has no live values of its own."""
+    return f'It shares its mesh with "{other.name}", which has live values: make it a single user.'
+
+
+def lock_interface(scene: bpy.types.Scene, needed: bool) -> None:
+    """Locks the interface during renders while it is needed, and gives back what was set before."""
+    group = scene.paradesc_live
+    if needed and not scene.render.use_lock_interface:
+        scene.render.use_lock_interface = group.lock_taken = True
+    elif not needed and group.lock_taken:
+        scene.render.use_lock_interface = group.lock_taken = False
+
+
+# ---- Blender's events
+
+
+@persistent
+def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    """Another frame was evaluated. Between the frames of a render, motion blur asks for shapes only."""
+    targets = live_objects()
+    if not targets or depsgraph is None or (pausing.is_held() and depsgraph.mode != "RENDER"):
+        return
+    between = STATE.render_time is not None and scene.frame_current_final != STATE.render_time
+    if depsgraph.mode == "RENDER" and between:
+        return
+    refresh(scene, depsgraph, targets, depsgraph.mode != "RENDER" and is_watched())
+
+
+@persistent
+def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    """Something was edited: if it was the shape of a live object, its values follow when the hand rests."""
+    targets = live_objects()
+    if not targets and scene.paradesc_live.lock_taken and not STATE.rendering:
+        lock_interface(scene, needed=False)  # the last one was deleted
+    if not targets or depsgraph is None or is_ours():
+        return
+    hit = list(edited_objects(targets, depsgraph))
+    if not hit:
+        return
+    for session in filter(None, map(session_at, hit)):
+        if session.wrote:  # most likely it is that; and if not, a comparison at rest will tell
+            session.wrote, session.unsure = False, True
+        else:
+            session.edited = True
+    STATE.edited_at = time.monotonic()
+    start_timer(follow_edits, EDIT_DELAY)
+
+
+def edited_objects(targets: list[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
+    """Those of the objects whose shape the depsgraph evaluated again."""
+    changed = {update.id.original for update in depsgraph.updates if update.is_updated_geometry}
+    for target in targets:
+        if target in changed or target.data in changed:
+            yield target
+
+
+def follow_edits() -> float | None:
+    """A timer: seconds until the next look, or None when values have followed."""
+    if STATE.edited_at is None:
+        return None
+    left = STATE.edited_at + EDIT_DELAY - time.monotonic()
+    if left > 0:
+        return left
+    playing = any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
+    busy = any(session.busy for session in STATE.sessions.values())
+    if STATE.rendering or pausing.is_held() or playing or busy:
+        return EDIT_DELAY
+    STATE.edited_at = None
+    for session in STATE.sessions.values():
+        session.edited = session.edited or session.unsure
+    refresh_window(live_objects(), watched=True)
+    return None
+
+
+@persistent
+def on_render_start(scene: bpy.types.Scene, _depsgraph: object = None) -> None:
+    """A render begins: from here on the windows' events wait."""
+    STATE.rendering = True
+    if any(item in live_objects() for item in scene.objects if item.type == "MESH"):
+        lock_interface(scene, needed=True)
+
+
+@persistent
+def on_render_frame(scene: bpy.types.Scene, _depsgraph: object = None) -> None:
+    """A frame of a render begins."""
+    STATE.render_time = scene.frame_current_final
+
+
+@persistent
+def on_render_end(_scene: bpy.types.Scene, _depsgraph: object = None) -> None:
+    """A render ended, or was cancelled."""
+    STATE.rendering, STATE.render_time = False, None
+
+
+@persistent
+def on_load_start(*_ignored: object) -> None:
+    """Another file takes this one's place."""
+    forget_all()
+    STATE.edited_at, STATE.render_time, STATE.rendering = None, None, False
+
+
+@persistent
+def on_save(*_ignored: object) -> None:
+    """The file is saved: with the values that belong to its frame."""
+    for _ in range(3):  # what is computed, what waits, and that nothing is left
+        if not any(session.busy for session in STATE.sessions.values()):
+            break
+        collect(wait=True)
+
+
+@persistent
+def on_undo(*_ignored: object) -> None:
+    """Names, topology and values may be others now."""
+    STATE.object_count = -1
+    for session in STATE.sessions.values():
+        session.edited = True
+
+
+HANDLERS = {
+    "frame_change_post": on_frame,
+    "depsgraph_update_post": on_edit,
+    "render_init": on_render_start,
+    "render_pre": on_render_frame,
+    "render_complete": on_render_end,
+    "render_cancel": on_render_end,
+    "load_pre": on_load_start,
+    "save_pre": on_save,
+    "undo_post": on_undo,
+    "redo_post": on_undo,
+}
+
+classes = ()
+
+
+def register() -> None:
+    """Hangs the handlers in, once each."""
+    for name, function in HANDLERS.items():
+        hooks = getattr(bpy.app.handlers, name)
+        for hook in [hook for hook in hooks if is_same(hook, function)]:
+            hooks.remove(hook)
+        hooks.append(function)
+
+
+def unregister() -> None:
+    """Takes them out, and frees what they kept."""
+    for name, function in HANDLERS.items():
+        hooks = getattr(bpy.app.handlers, name)
+        if function in hooks:
+            hooks.remove(function)
+    for function in (follow_edits, collect):
+        if bpy.app.timers.is_registered(function):
+            bpy.app.timers.unregister(function)
+    forget_all()
+
+
+def is_same(hook: object, function: object) -> bool:
+    """The same handler, also of an earlier import of the add-on."""
+    return (getattr(hook, "__module__", ""), getattr(hook, "__name__", "")) == (function.__module__, function.__name__)

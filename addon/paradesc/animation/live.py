@@ -1,0 +1,325 @@
+"""Live mode: an object's deformed positions at every frame to values and colors of its mesh.
+
+A session keeps what lasts from frame to frame. Its steps are called by handlers.py; errors are ParadescError, which the
+handlers turn into a sentence in the panel.
+"""
+
+import time
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+
+from ..bridge import MeshArrays, Options
+from ..core import color_maps
+from ..core.color_maps import Look, ValueRange
+from ..core.job import ProgressFunction, Results, Settings, registry_row
+from ..core.latest import Latest, Outcome, is_cancelled
+from ..core.stream import Stream
+from ..scene import mesh_io, source_meshes, surface_maps
+from ..scene.mesh_io import refuse
+from ..settings import looks, properties
+from . import frames, painting
+
+# In these modes Blender works on copies of a mesh, or keeps tables of its own: results wait until they are left.
+WAITING_MODES = {"EDIT", "SCULPT", "VERTEX_PAINT"}
+# Smaller buffers save nothing more, and a radius of fewer texels costs accuracy.
+SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
+# Modifiers that only append vertices: the original ones come first, in their order (tested).
+APPENDING = {"SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY", "ARRAY"}
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What one computation is of."""
+
+    arrays: MeshArrays  # of the undeformed mesh
+    positions: np.ndarray  # (vertex_count, 3) float32
+    corner_normals: np.ndarray | None  # (corner_count, 3) float32, where they are asked for
+    settings: Settings
+    quick: bool  # with buffers as small as the radius allows
+
+    def same(self, other: "Request | None") -> bool:
+        """True where the results are the same."""
+        return (
+            other is not None
+            and self.arrays is other.arrays
+            and self.settings == other.settings
+            and np.array_equal(self.positions, other.positions)
+        )
+
+
+class Session:
+    """What one live object keeps from frame to frame. It holds arrays only: Blender's own data moves with undo."""
+
+    def __init__(self) -> None:
+        self.stream: Stream | None = None  # with prepared, the thread's while one computes
+        self.prepared: Request | None = None  # whose settings the stream has
+        self.topology: tuple[object, ...] = ()
+        self.arrays: MeshArrays | None = None  # of the undeformed mesh
+        self.done: Request | None = None  # what the results are of
+        self.results: Results | None = None
+        self.latest: Latest[Request, Results] = Latest(self.compute)
+        self.scene_name = ""  # whose settings the newest request has
+        self.painter = painting.Painter()
+        self.seconds: dict[str, float] = {}  # of the last frame that was computed: read, compute, write
+        self.read_seconds = self.compute_seconds = 0.0
+        self.note = ""  # for the panel
+        self.edited = False  # the mesh has to be compared as a whole
+        self.unsure = False  # the same once the hand rests: most likely it was our own writing
+        self.wrote = False  # since Blender last told of an edit
+        self.unpainted = False  # the results are not on the mesh yet
+
+    def close(self) -> None:
+        """Frees the native mesh and its device."""
+        self.latest.settle()
+        self.close_stream()
+        self.results = self.done = None
+
+    def close_stream(self) -> None:
+        """The same while nothing else computes."""
+        if self.stream is not None:
+            self.stream.close()
+        self.stream = self.prepared = None
+
+    @property
+    def busy(self) -> bool:
+        """True while collect() may still bring results."""
+        return self.latest.busy
+
+    def refresh(
+        self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, wait: bool = True
+    ) -> bool:
+        """Leaves on the object's mesh the values of its shape in the depsgraph; False where nothing had to change.
+
+        Without wait they follow, by collect() or by the next call, whichever comes first when they have been computed;
+        what was never computed is waited for.
+        """
+        start = time.perf_counter()
+        rendering = depsgraph.mode == "RENDER"
+        evaluated = evaluated_object(target, depsgraph)
+        if evaluated is None:
+            return False
+        request = self.request(target, evaluated, scene, rendering)
+        self.read_seconds, self.scene_name = time.perf_counter() - start, scene.name
+        if wait or self.results is None:
+            self.latest.settle()
+            fresh = not request.same(self.done)
+            if fresh:
+                self.results, self.done = self.compute(request), request
+        else:
+            if not request.same(self.latest.newest or self.done):
+                self.latest.ask(request)
+            fresh = self.take(self.latest.step())
+        return self.show(target, scene, rendering, fresh)
+
+    def collect(self, target: bpy.types.Object, wait: bool = False) -> bool:
+        """Leaves on the mesh what has been computed meanwhile; False where nothing had to change."""
+        taken, scene = self.take(self.latest.step(wait)), bpy.data.scenes.get(self.scene_name)
+        if not taken:
+            return False
+        if scene is None or target.mode in WAITING_MODES or len(target.data.vertices) != len(self.results.coverage):
+            self.unpainted = True
+            return False
+        self.wrote = self.show(target, scene, False, True)
+        return self.wrote
+
+    # In quotes: typing remembers what it is called with, and would keep bpy past Python's end, which crashes there.
+    def take(self, outcome: "Outcome[Request, Results] | None") -> bool:
+        """Keeps the results of a request; False where there are none, or of a mesh that has become another."""
+        if outcome is None or outcome.request.arrays is not self.arrays:
+            return False
+        if outcome.error is not None:
+            if is_cancelled(outcome.error):
+                return False
+            raise outcome.error
+        self.results, self.done = outcome.result, outcome.request
+        return True
+
+    def show(self, target: bpy.types.Object, scene: bpy.types.Scene, rendering: bool, fresh: bool) -> bool:
+        """Leaves the results on the mesh; False where they are there already."""
+        start = time.perf_counter()
+        look = looks.scene_look(scene)
+        self.results.look = look
+        ranges = painting.locked_ranges(scene.paradesc_live, look, self.asked_names(), self.found_range)
+        changed = self.painter.paint(target.data, self.values(target.data), ranges, fresh or self.unpainted)
+        self.unpainted = False
+        if changed:
+            painting.tag_written(target.data, rendering)
+        if fresh:
+            write = time.perf_counter() - start
+            self.seconds = {"read": self.read_seconds, "compute": self.compute_seconds, "write": write}
+        return changed
+
+    def request(
+        self, target: bpy.types.Object, evaluated: bpy.types.Object, scene: bpy.types.Scene, rendering: bool
+    ) -> Request:
+        """What has to be computed of the object now."""
+        settings = settings_for(scene, rendering)
+        self.follow_mesh(target, settings)
+        positions = deformed_positions(target, evaluated, rendering)
+        normals = mesh_io.read_corner_normals(evaluated.data) if settings.options.normals == "mesh" else None
+        return Request(self.arrays, positions, normals, settings, is_quick(scene, rendering))
+
+    def follow_mesh(self, target: bpy.types.Object, settings: Settings) -> None:
+        """Begins again where anything but positions has changed; after edits everything is compared, else counts."""
+        topology = topology_of(target, settings)
+        known = self.arrays is not None and topology == self.topology
+        if known and not self.edited and (self.results is None or self.painter.is_there(target.data)):
+            return
+        mesh_io.check_writable(target)
+        arrays = mesh_io.read_object(target, settings.options.normals == "mesh", settings.backend != "reference")
+        surface_maps.add_maps(target, arrays, surface_maps.Sources(material=measures_maps(target)))
+        if arrays.maps is not None and arrays.maps.normals is not None:
+            raise refuse("Live mode does not follow normal maps; switch Material Maps off.")
+        self.edited = self.unsure = False
+        if self.stream is not None and not (topology == self.topology and self.stream.matches(arrays)):
+            self.close()
+        elif self.arrays is not None and np.array_equal(arrays.positions, self.arrays.positions):
+            return
+        self.topology, self.arrays = topology, arrays  # and the radius follows the new rest pose
+
+    def compute(self, request: Request, progress: ProgressFunction | None = None) -> Results:
+        """The results at the radius of the undeformed mesh, which does not change with the pose. On any thread."""
+        start = time.perf_counter()
+        settings, prepared = request.settings, self.prepared
+        if self.stream is None or device_of(self.stream.settings) != device_of(settings):
+            self.close_stream()
+            self.stream = Stream(request.arrays, settings, shared=True)
+            prepared = None
+        new = prepared is None or prepared.arrays is not request.arrays or prepared.settings != settings
+        if new:
+            self.prepared = None
+            self.stream.settings = settings
+            self.stream.settings = frames.at_fixed_radii(settings, self.stream.mesh_at(request.arrays).report())
+        results = self.stream.compute(request.positions, progress, request.corner_normals)
+        if new and request.quick:
+            options = with_fewer_texels(self.stream.settings.options, results.field_report["radius_in_texels"])
+            if options != self.stream.settings.options:
+                self.stream.settings = replace(self.stream.settings, options=options)
+                results = self.stream.compute(request.positions, progress, request.corner_normals)
+        self.prepared = request
+        self.compute_seconds = time.perf_counter() - start
+        return results
+
+    def forget_ranges(self) -> None:
+        """Nothing is kept of them."""
+
+    def found_ranges(self, look: Look) -> dict[str, ValueRange]:
+        """The range of each descriptor in these results."""
+        return {} if self.results is None else {name: self.found_range(name, look) for name in self.asked_names()}
+
+    def found_range(self, name: str, look: Look) -> ValueRange:
+        """The range of one descriptor in these results."""
+        results, computed = self.results, self.computed_names()[name]
+        return color_maps.value_range(
+            results.values[computed], registry_row(computed), results.radius_of(computed), look
+        )
+
+    def asked_names(self) -> list[str]:
+        """What each value is called, by the radius that was asked for."""
+        return self.done.settings.value_names()
+
+    def computed_names(self) -> dict[str, str]:
+        """What each value is called by the radius that was computed with, by what it is called."""
+        return dict(zip(self.asked_names(), self.results.settings.value_names(), strict=True))
+
+    def values(self, mesh: bpy.types.Mesh) -> painting.Values:
+        """The results as they are written."""
+        results, names = self.results, self.computed_names()
+        return painting.Values(
+            {name: results.values[computed] for name, computed in names.items()},
+            results.extras,
+            lambda ranges: mesh_io.summary(mesh, results, {names[name]: shown for name, shown in ranges.items()}),
+            lambda name, shown: mesh_io.drawing_of(shown, results, names[name]),
+        )
+
+
+# ---- What is asked
+
+
+def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
+    """The scene's settings: in the viewport with what live mode makes of them for speed."""
+    settings = properties.job_settings(scene.paradesc)
+    group = scene.paradesc_live
+    if settings.space != "object":
+        raise refuse("Live values are measured in object space; choose that, and apply the scale where it matters.")
+    if not is_quick(scene, rendering):
+        return settings
+    options = replace(
+        settings.options,
+        samples=min(settings.options.samples, group.samples),
+        buffer_size=min(settings.options.buffer_size, group.buffer_size),
+        relocation="affine" if group.fast_seams else settings.options.relocation,
+    )
+    return replace(settings, options=options)
+
+
+def is_quick(scene: bpy.types.Scene, rendering: bool) -> bool:
+    """Whether live mode's own, quicker settings hold."""
+    return not (rendering and scene.paradesc_live.full_render)
+
+
+def with_fewer_texels(options: Options, radius_in_texels: float) -> Options:
+    """The same options with buffers as small as the radius allows, which take less time."""
+    size = options.buffer_size
+    while size > SMALLEST_BUFFER and radius_in_texels * (size // 2) >= ENOUGH_TEXELS * options.buffer_size:
+        size //= 2
+    return replace(options, buffer_size=size)
+
+
+def device_of(settings: Settings) -> tuple[str, int, int]:
+    """What a native mesh cannot change."""
+    return (settings.backend, settings.device_index, settings.memory_limit)
+
+
+def measures_maps(target: bpy.types.Object) -> bool:
+    """Whether a scene of the object has its material's maps measured."""
+    return any(scene.paradesc.material_maps for scene in target.users_scene)
+
+
+# ---- The mesh
+
+
+def topology_of(target: bpy.types.Object, settings: Settings) -> tuple[object, ...]:
+    """What changes with most changes of a mesh besides its positions, and can be looked at every frame."""
+    mesh = target.data
+    layer = mesh.uv_layers.active
+    counts = (len(mesh.vertices), len(mesh.edges), len(mesh.loops), len(mesh.polygons))
+    maps, layer_name = measures_maps(target), "" if layer is None else layer.name
+    return (identity(mesh), *counts, layer_name, settings.options.normals, settings.backend, maps)
+
+
+def identity(datablock: bpy.types.ID) -> object:
+    """What only this one has in this session, whatever it is called; before Blender 4.2 also its name has to stay."""
+    if hasattr(datablock, "session_uid"):
+        return datablock.session_uid
+    return (datablock.name, datablock.as_pointer())
+
+
+def evaluated_object(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Object | None:
+    """The object as the depsgraph has it; None where it has not, or where its mesh is being worked on."""
+    if target.mode in WAITING_MODES:
+        return None
+    evaluated = target.evaluated_get(depsgraph)
+    return evaluated if evaluated.is_evaluated and evaluated.type == "MESH" else None
+
+
+def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, rendering: bool) -> np.ndarray:
+    """(vertex_count, 3) float32 of the original vertices in object space after all modifiers."""
+    count, found = len(target.data.vertices), len(evaluated.data.vertices)
+    if not keeps_vertices(target, rendering, count, found):
+        raise refuse(
+            f'The modifiers of "{target.name}" make {found:,} vertices of {count:,}, among which live values do not '
+            "find the original ones; switch those off that take vertices away, or bake frames and play them."
+        )
+    return mesh_io.read_positions(evaluated.data)[:count]
+
+
+def keeps_vertices(target: bpy.types.Object, rendering: bool, count: int, found: int) -> bool:
+    """True where the modifiers in use leave the original vertices first."""
+    used = [item for item in target.modifiers if (item.show_render if rendering else item.show_viewport)]
+    if any(item.type == "MIRROR" and any(item.use_bisect_axis) for item in used):
+        return False  # it may well make as many as it cuts away
+    changing = [item for item in used if item.type in source_meshes.GENERATING or item.type == "NODES"]
+    return count == found or (found > count and all(item.type in APPENDING for item in changing))

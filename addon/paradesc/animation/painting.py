@@ -1,0 +1,212 @@
+"""Values and their colors to the attributes of a mesh, frame after frame, by ranges that stay."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+
+import bpy
+import numpy as np
+
+from ..core import color_maps
+from ..core.color_maps import Look, ValueRange
+from ..scene import mesh_io
+
+# Steps of a color table, far below what 8 bits can show.
+TABLE_STEPS = 4096
+
+
+@dataclass
+class Values:
+    """What one frame has to leave on a mesh."""
+
+    shown: dict[str, np.ndarray]  # each (vertex_count,) or (vertex_count, 3) float32, with colors beside them
+    extras: dict[str, np.ndarray]  # each (vertex_count,) float32, without
+    summary: Callable[[dict[str, ValueRange]], dict[str, object]]  # gives what mesh_io.summary() has
+    drawn: Callable[[str, ValueRange], dict[str, object]]  # gives what mesh_io.drawing_of() has
+
+    @property
+    def names(self) -> list[str]:
+        """Of all attributes."""
+        return [name for shown in self.shown for name in (shown, f"{shown}_color")] + list(self.extras)
+
+
+@dataclass
+class Painter:
+    """What was written last, so that nothing is written twice. It holds arrays only: Blender's data moves with undo."""
+
+    ranges: dict[str, ValueRange] = field(default_factory=dict)
+    tables: dict[str, np.ndarray] = field(default_factory=dict)
+    written: dict[str, np.ndarray] = field(default_factory=dict)  # (n,) float32 by attribute
+
+    def paint(self, mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
+        """Fills the attributes, made where they are missing; False where they hold all of it already."""
+        complete = has_all(mesh, values.names)
+        if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
+            return False
+        if not complete or ranges != self.ranges:
+            mesh_io.make_attributes(mesh, values.names, mesh_io.check_names(mesh, values.names))
+            self.tables = {name: color_table(shown) for name, shown in ranges.items()}
+            self.ranges = ranges
+            store_summary(mesh, values, ranges)
+        self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
+        for name, array in self.written.items():
+            attribute = mesh.attributes[name]
+            attribute.data.foreach_set(member_of(attribute), array)
+        return True
+
+    def is_there(self, mesh: bpy.types.Mesh) -> bool:
+        """True where the mesh has all attributes that were left on it."""
+        return has_all(mesh, self.written)
+
+    def is_written(self, mesh: bpy.types.Mesh) -> bool:
+        """True where the attributes are as they were left: neither undone nor written by anything else."""
+        for name, values in self.written.items():
+            attribute, found = mesh.attributes.get(name), np.empty(values.size, np.float32)
+            if attribute is None or mesh_io.wanted_kind(name) != (attribute.data_type, attribute.domain):
+                return False
+            attribute.data.foreach_get(member_of(attribute), found)
+            if not np.array_equal(found.view(np.uint32), values.view(np.uint32)):
+                return False
+        return True
+
+    def attribute_values(self, values: Values) -> Iterable[tuple[str, np.ndarray]]:
+        """Every attribute with its (vertex_count,) or (vertex_count, k) float32 values."""
+        for name, array in values.shown.items():
+            yield name, np.ascontiguousarray(array, np.float32)
+            yield f"{name}_color", colors(array, self.ranges[name], self.tables[name])
+        for name, array in values.extras.items():
+            yield name, np.ascontiguousarray(array, np.float32)
+
+
+def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:
+    """True where the mesh has attributes of all these names."""
+    return all(mesh.attributes.get(name) is not None for name in names)
+
+
+def member_of(attribute: bpy.types.Attribute) -> str:
+    """The member that foreach_get and foreach_set take of an attribute of ours."""
+    return {"FLOAT_COLOR": "color", "FLOAT_VECTOR": "vector"}.get(attribute.data_type, "value")
+
+
+def store_summary(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange]) -> None:
+    """Says on the mesh what is written there, so that the attributes are known as ours."""
+    former = mesh_io.stored_summary(mesh)
+    drawn = {**former.get("drawn", {}), **{name: values.drawn(name, shown) for name, shown in ranges.items()}}
+    names = sorted({*mesh_io.written_attributes(mesh), *values.names})
+    mesh[mesh_io.PROPERTY] = {
+        **former,
+        **values.summary(ranges),
+        "layout": mesh_io.stored_layout(mesh),
+        "ranges": {name: [shown.minimum, shown.maximum] for name, shown in ranges.items()},
+        "drawn": drawn,
+        "attributes": [name for name in names if name in mesh.attributes],
+    }
+    if mesh.color_attributes.active_color is None:
+        mesh.color_attributes.active_color = mesh.color_attributes.get(next(iter(values.shown)) + "_color")
+
+
+def tag_written(mesh: bpy.types.Mesh, rendering: bool) -> None:
+    """Has Blender evaluate the mesh again with its new attributes.
+
+    A render's copies of the mesh and its shape keys are then made afresh from the originals, whose animated values are
+    those of the window's frame, and Blender does not animate a frame twice: touching the animation makes it.
+    """
+    mesh.update()
+    for datablock in (mesh, mesh.shape_keys) if rendering else ():
+        if datablock is not None and datablock.animation_data is not None:
+            datablock.animation_data.action_influence = datablock.animation_data.action_influence
+
+
+# ---- Colors
+
+
+def locked_ranges(
+    group: bpy.types.PropertyGroup, look: Look, names: Iterable[str], found: Callable[[str, Look], ValueRange]
+) -> dict[str, ValueRange]:
+    """The ranges that hold at every frame, by name.
+
+    Those that the look fixes; else those that the scene has stored, and what is found where it has none. What was
+    stored of values that the look saw otherwise is forgotten.
+    """
+    if look.ranges:
+        return {name: found(name, look) for name in names}
+    follow_look(group, look)
+    stored = {item.name: (item.minimum, item.maximum) for item in group.ranges}
+    ranges = {}
+    for name in names:
+        if name not in stored:
+            shown = found(name, look)
+            item = add_range(group, name, shown.minimum, shown.maximum)
+            stored[name] = (item.minimum, item.maximum)
+        low, high = stored[name]
+        ranges[name] = found(name, replace(look, ranges={"": (low, max(high, above(low)))}))
+    return ranges
+
+
+def follow_look(group: bpy.types.PropertyGroup, look: Look) -> None:
+    """Forgets the stored ranges where they are none for this look."""
+    if not keeps_ranges(group, look):
+        group.ranges.clear()
+    if group.ranges_look != look_key(look):
+        group.ranges_look = look_key(look)
+
+
+def keeps_ranges(group: bpy.types.PropertyGroup, look: Look) -> bool:
+    """Whether the stored ranges go on with this look: nothing but the color map is another, or it fixes its own."""
+    return bool(look.ranges) or group.ranges_look in ("", look_key(look))
+
+
+def look_key(look: Look) -> str:
+    """What ranges follow from."""
+    return repr((look.percentile, look.symmetric, look.neutral))
+
+
+def hold_ranges(group: bpy.types.PropertyGroup, look: Look, found: dict[str, ValueRange]) -> None:
+    """Stores these ranges, but for those that somebody has typed."""
+    follow_look(group, look)
+    stored = {item.name: item for item in group.ranges}
+    for name, shown in found.items():
+        item = stored.get(name)
+        if item is None:
+            add_range(group, name, shown.minimum, shown.maximum)
+        elif not item.typed:
+            item.minimum, item.maximum = shown.minimum, shown.maximum
+
+
+def take_ranges(group: bpy.types.PropertyGroup, found: Iterable[dict[str, ValueRange]]) -> None:
+    """Stores ranges that hold those of all objects, instead of what was stored."""
+    spans: dict[str, list[ValueRange]] = {}
+    for ranges in found:
+        for name, shown in ranges.items():
+            spans.setdefault(name, []).append(shown)
+    group.ranges.clear()
+    for name, shown in spans.items():
+        add_range(group, name, min(span.minimum for span in shown), max(span.maximum for span in shown))
+
+
+def add_range(group: bpy.types.PropertyGroup, name: str, minimum: float, maximum: float) -> bpy.types.PropertyGroup:
+    """One more range."""
+    item = group.ranges.add()
+    item.name, item.minimum, item.maximum = name, minimum, maximum
+    return item
+
+
+def above(value: float) -> float:
+    """The next value that floats of 32 bits can tell: a range is never empty."""
+    return float(np.nextafter(np.float32(value), np.float32(np.inf)))
+
+
+def color_table(shown: ValueRange) -> np.ndarray:
+    """(TABLE_STEPS + 1, 4) float32 scene-linear colors over the range; the last one is of undefined values."""
+    places = np.append(np.linspace(shown.minimum, shown.maximum, TABLE_STEPS), np.nan)
+    return color_maps.linear_rgba(color_maps.colors(places, shown))
+
+
+def colors(values: np.ndarray, shown: ValueRange, table: np.ndarray) -> np.ndarray:
+    """(n, 4) float32 scene-linear colors of (n,) values, by the nearest place in the table."""
+    if values.ndim == 2:
+        return color_maps.linear_rgba(color_maps.colors(values, shown))
+    scale = np.float32((TABLE_STEPS - 1) / (shown.maximum - shown.minimum))
+    defined = np.isfinite(values)
+    place = (np.where(defined, values, 0) - np.float32(shown.minimum)) * scale
+    place = np.clip(place, 0, TABLE_STEPS - 1) + np.float32(0.5)
+    return table.take(np.where(defined, place, TABLE_STEPS).astype(np.int32), axis=0)

@@ -1,0 +1,1 @@
+"""Baking of objects in Blender, one after another."""

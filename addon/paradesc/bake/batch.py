@@ -1,0 +1,231 @@
+"""A bake of several meshes, one worker after another on the computation's side, everything written at the end."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+import bpy
+
+from ..bridge import ParadescError, abi
+from ..core import job
+from ..files import bake_files
+from ..scene import mesh_io, modes, source_meshes, surface_maps, targets
+from ..settings import properties
+
+IMAGE_STEM, BUFFERS_NAME = "paradesc", "paradesc_buffers"
+
+
+@dataclass
+class Piece:
+    """One mesh of a bake: which object stands for it, and what came of it."""
+
+    key: tuple[str, str | None]  # the object's name and library: objects themselves do not outlive an undo
+    sharing: list[tuple[str, str | None]]  # all chosen objects with this mesh
+    files: bake_files.Files | None = None
+    reading: source_meshes.Reading | None = None
+    results: job.Results | None = None
+    failure: str = ""  # one sentence
+    notes: list[str] = field(default_factory=list)
+    placed: list[Path] = field(default_factory=list)  # files that were written
+
+    @property
+    def name(self) -> str:
+        """The object's name, for sentences."""
+        return self.key[0]
+
+    def target(self) -> bpy.types.Object:
+        """The object, or one sentence where it is gone."""
+        found = bpy.data.objects.get(self.key)
+        if found is None or found.type != "MESH":
+            sentence = f'The object "{self.name}" is gone; nothing was written.'
+            raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence)
+        return found
+
+
+class Batch:
+    """What the bake operator does step by step, all on the main thread but the computation itself."""
+
+    def __init__(self, context: bpy.types.Context) -> None:
+        """Takes the settings as they are now, and the chosen objects; raises where nothing can be computed."""
+        group = context.scene.paradesc
+        self.request = targets.Request(
+            group.shape_key,
+            surface_maps.Sources(material=group.material_maps),
+            group.write_attributes,
+            context.scene.paradesc_animation.source,
+        )
+        self.settings = properties.job_settings(group)
+        job.check_descriptors(self.settings.descriptors)
+        shared = targets.by_mesh(targets.chosen(context))
+        self.pieces = [Piece(key_of(objects[0]), [key_of(item) for item in objects]) for objects in shared]
+        self.places = file_places(group, [piece.name for piece in self.pieces])
+        self.current = 0
+        self.worker: job.Worker | None = None
+        self.cancelled = False
+
+    @property
+    def done(self) -> bool:
+        """Whether every mesh has been computed or has failed, or the bake is cancelled and at rest."""
+        return self.worker is None and (self.cancelled or self.current == len(self.pieces))
+
+    @property
+    def fraction(self) -> float:
+        """The finished share of all the work."""
+        own = self.worker.fraction if self.worker else 0.0
+        return min((self.current + own) / len(self.pieces), 1.0)
+
+    @property
+    def stage(self) -> str:
+        """What is being done, for people."""
+        own = self.worker.stage if self.worker else "read"
+        if len(self.pieces) == 1 or self.current == len(self.pieces):
+            return own
+        return f'mesh {self.current + 1} of {len(self.pieces)}, "{self.pieces[self.current].name}", {own}'
+
+    def step(self, wait: bool = False) -> None:
+        """Reads the next mesh and starts its worker, or takes in what a worker has ended with."""
+        if self.done:
+            return
+        piece = self.pieces[self.current]
+        if self.worker is None:
+            self.attempt(piece, self.start)
+            if piece.failure:
+                self.current += 1
+        elif wait or self.worker.done:
+            worker, self.worker = self.worker, None
+            self.current += 1
+            self.attempt(piece, lambda piece: self.take(piece, worker))
+
+    def attempt(self, piece: Piece, action: Callable[[Piece], None]) -> None:
+        """Does something about one mesh; what goes wrong is its failure, and the others go on."""
+        try:
+            action(piece)
+        except ParadescError as error:
+            if error.status == abi.STATUS_CANCELLED:
+                self.cancelled = True
+            piece.failure, piece.results = error.sentence, None
+            if piece.files is not None:
+                piece.files.discard()
+
+    def start(self, piece: Piece) -> None:
+        """Reads a mesh and starts its worker."""
+        target = piece.target()
+        if self.request.write_attributes:
+            mesh_io.check_writable(target)
+        read = targets.read(target, self.settings, self.request)
+        piece.reading, piece.notes, arrays = read.reading, read.notes, read.measured
+        sharing = [item for item in map(bpy.data.objects.get, piece.sharing) if item]
+        piece.notes += targets.shared_note(sharing, self.settings.space, self.request.source)
+        image, buffers = self.places[self.current]
+        piece.files = bake_files.Files(target.name, mesh_io.world_matrix(target), image, buffers)
+        bake_files.check(piece.files, arrays, self.settings.backend)
+        self.worker = job.Worker(arrays, self.settings, partial(bake_files.run, piece.files))
+        self.worker.start()
+
+    def take(self, piece: Piece, worker: job.Worker) -> None:
+        """Keeps a worker's results until all are there."""
+        piece.results = worker.results()
+        piece.results.warnings += [*piece.results.facet_notes(), *piece.notes]
+
+    def cancel(self) -> None:
+        """Ends the bake as soon as the worker has heard of it; nothing will be written."""
+        self.cancelled = True
+        if self.worker is not None:
+            self.worker.cancel()
+
+    def abandon(self) -> None:
+        """Cancels, waits, and takes away the files that lie aside."""
+        self.cancel()
+        while not self.done:
+            self.step(wait=True)
+        for piece in self.pieces:
+            if piece.files is not None:
+                piece.files.discard()
+
+    def finish(self, context: bpy.types.Context) -> None:
+        """Writes every mesh' results, in object mode for that long."""
+        with modes.object_mode():
+            for piece in self.pieces:
+                if piece.results is not None:
+                    self.attempt(piece, self.write)
+
+    def write(self, piece: Piece) -> None:
+        """Leaves one mesh' results where they belong, or nothing: files go first once the mesh has no objection."""
+        target = piece.target()
+        if self.request.write_attributes and piece.reading.own:
+            mesh_io.check_names(target.data, mesh_io.wanted_names(piece.results))
+        try:
+            piece.placed = piece.files.commit()
+        except OSError as error:
+            sentence = f"A file cannot be brought to its place ({error.strerror or error}): {error.filename}."
+            raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence) from error
+        if self.request.write_attributes:
+            piece.notes += source_meshes.deliver(target, piece.results, piece.reading)
+
+    @property
+    def written(self) -> list[Piece]:
+        """The meshes whose results are in place."""
+        return [piece for piece in self.pieces if piece.results is not None]
+
+    @property
+    def failed(self) -> list[Piece]:
+        """The meshes that something is wrong with."""
+        return [piece for piece in self.pieces if piece.failure]
+
+
+def with_name(name: str, failure: str) -> str:
+    """The sentence about an object, with its name in front where the sentence lacks it."""
+    return failure if f'"{name}"' in failure else f'"{name}": {failure}'
+
+
+def key_of(target: bpy.types.Object) -> tuple[str, str | None]:
+    """What bpy.data.objects finds an object by."""
+    return target.name, target.library.filepath if target.library is not None else None
+
+
+# ---- Files
+
+
+def file_places(group: bpy.types.PropertyGroup, names: list[str]) -> list[tuple[Path | None, Path | None]]:
+    """The image and the folder of buffers of each object; of several each has its own, by its name."""
+    image = whole_path(group.image_path, "image", IMAGE_STEM) if group.write_image else None
+    buffers = whole_path(group.buffers_path, "folder", BUFFERS_NAME) if group.write_buffers else None
+    if image is not None:
+        image = image.with_suffix("") if image.suffix.lower() in (".exr", ".png") else image
+    places = []
+    for word in file_words(names):
+        stem = image and (f"{image.name}_{word}" if word else image.name)
+        places.append(
+            (
+                image and image.with_name(stem + group.image_format),
+                buffers and (buffers.with_name(f"{buffers.name}_{word}") if word else buffers),
+            )
+        )
+    return places
+
+
+def file_words(names: list[str]) -> list[str]:
+    """What each object adds to the names of its files: nothing where there is only one, else a word of its own."""
+    if len(names) == 1:
+        return [""]
+    words: list[str] = []
+    for name in names:
+        word, number = bpy.path.clean_name(name), 1
+        while word in words:
+            number += 1
+            word = f"{bpy.path.clean_name(name)}_{number}"
+        words.append(word)
+    return words
+
+
+def whole_path(text: str, what: str, name: str) -> Path:
+    """A path of the panel; beside the .blend where it begins with //. A folder gets the name."""
+    if not text.strip():
+        raise bake_files.refuse(f"The {what} has no path; give one under Output.")
+    if text.startswith("//") and not bpy.data.filepath:
+        raise bake_files.refuse(f"Save the .blend first, or give the {what} a whole path: // stands for its folder.")
+    path = Path(bpy.path.abspath(text))
+    if what == "image" and (text.endswith(("/", "\\")) or path.is_dir()):
+        path = path / name
+    return path

@@ -1,0 +1,64 @@
+"""The command line's options about colors, and what they mean. Never imports bpy."""
+
+import argparse
+import math
+from dataclasses import replace
+
+from .. import bridge
+from ..core.color_maps import AUTOMATIC, MAPS, Look
+
+
+def add_look_options(parser: argparse.ArgumentParser) -> None:
+    """Color map and range of .blend, .ply and .png outputs."""
+    group = parser.add_argument_group("colors")
+    add = group.add_argument
+    add("--color-map", choices=(AUTOMATIC, *MAPS), help="default: by the descriptor's sign")
+    bounds = group.add_mutually_exclusive_group()
+    bounds.add_argument("--range", action="append", type=fixed_range, default=[], metavar="[NAME=]A:B",
+        help="values at the map's ends, of all or of one descriptor, as in --range=-1:1; may come again")  # fmt: skip
+    bounds.add_argument("--percentile", type=percentile, metavar="P",
+        help="leave P per cent of the values outside the range on either side (default: 2.5)")  # fmt: skip
+    add("--neutral", type=finite, metavar="X", help="the value in the middle of maps with two sides")
+    add("--asymmetric", action="store_true", help="values with a sign: a range by percentiles of its own on each side")
+
+
+def look_of(arguments: argparse.Namespace, otherwise: Look | None = None) -> Look:
+    """The look that these options ask for; what is not given is as otherwise, or as suits each descriptor."""
+    look = otherwise or Look()
+    if arguments.range or arguments.percentile is not None:
+        look = replace(look, percentile=arguments.percentile, ranges=dict(arguments.range))
+    given = {"color_map": arguments.color_map, "neutral": arguments.neutral}
+    look = replace(look, **{name: value for name, value in given.items() if value is not None})
+    return replace(look, symmetric=False) if arguments.asymmetric else look
+
+
+def fixed_range(text: str) -> tuple[str, tuple[float, float]]:
+    """A descriptor's name, "" for all, and two numbers: of "curvedness=0:3" or "-1:1"."""
+    name, _, bounds = text.rpartition("=")
+    try:
+        low, high = map(finite, bounds.split(":"))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'"{text}" is no range; write two numbers, as in 0:2 or =-1:1') from None
+    if not high > low:
+        raise argparse.ArgumentTypeError(f'the range "{text}" must end above its beginning')
+    name = name.strip()
+    known = [row.name for row in bridge.descriptors()]
+    if name and name not in known:
+        raise argparse.ArgumentTypeError(f'there is no descriptor "{name}"; choose from {", ".join(known)}')
+    return name, (low, high)
+
+
+def finite(text: str) -> float:
+    """A number, neither infinite nor NaN."""
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(text)
+    return value
+
+
+def percentile(text: str) -> float:
+    """A share in per cent of which there can be two."""
+    value = float(text)
+    if not 0 <= value < 50:
+        raise argparse.ArgumentTypeError(f"{text} is no share that can lie on either side; give one from 0 to below 50")
+    return value

@@ -1,0 +1,1 @@
+"""What a computation is, and how it runs: settings, results, threads, values, colors. Never imports bpy."""

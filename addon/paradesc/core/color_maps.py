@@ -1,0 +1,259 @@
+"""Values to colors: perceptually uniform color maps, and the range of values that they span.
+
+viridis is the map of Stéfan van der Walt and Nathaniel Smith (CC0), at 17 of its 256 places. All others are formulas in
+Björn Ottosson's OKLab space (public domain): lightness changes evenly, and of diverging maps alike to both sides.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..bridge import Descriptor
+
+# Shown where a value does not exist.
+UNDEFINED_COLOR = (0.5, 0.5, 0.5)
+# Share of the values, in percent, that is left outside the range on either side.
+CLIPPED_PERCENT = 2.5
+# Curvatures below this share of 1/radius (squared for 1/length^2) are rounding: a plane stays neutral.
+FLATNESS = 1e-4
+
+VIRIDIS = np.array(
+    [
+        [0.267, 0.005, 0.329], [0.282, 0.095, 0.417], [0.279, 0.175, 0.483], [0.259, 0.251, 0.524],
+        [0.230, 0.321, 0.545], [0.200, 0.386, 0.555], [0.173, 0.447, 0.558], [0.150, 0.506, 0.557],
+        [0.128, 0.565, 0.551], [0.120, 0.624, 0.534], [0.155, 0.682, 0.503], [0.241, 0.737, 0.455],
+        [0.363, 0.787, 0.387], [0.508, 0.829, 0.299], [0.669, 0.862, 0.195], [0.836, 0.886, 0.102],
+        [0.993, 0.906, 0.144],
+    ]
+)  # fmt: skip
+
+# Shown where a value does not exist in maps with grey in them.
+UNDEFINED_IN_GREY = (0.55, 0.38, 0.72)
+# The names for "what suits the descriptor", and for its own range or the percentiles of its values.
+AUTOMATIC = "auto"
+SEQUENTIAL, DIVERGING = "viridis", "blue-red"
+
+
+@dataclass(frozen=True)
+class ColorMap:
+    """A way from shares in [0, 1] to colors."""
+
+    name: str
+    label: str
+    description: str
+    diverging: bool
+    function: Callable[[np.ndarray], np.ndarray]  # (n,) shares to (n, 3) display colors
+    undefined: tuple[float, float, float] = UNDEFINED_COLOR
+
+
+@dataclass(frozen=True)
+class ValueRange:
+    """The values at the two ends of a color map, and which map it is."""
+
+    minimum: float
+    maximum: float
+    diverging: bool
+    neutral: float | None = None  # shown by the middle of a diverging map; where there is none, halfway
+    map_name: str = AUTOMATIC
+
+    @property
+    def color_map(self) -> ColorMap:
+        """The map itself."""
+        return MAPS.get(self.map_name) or MAPS[DIVERGING if self.diverging else SEQUENTIAL]
+
+    def shares(self, values: np.ndarray) -> np.ndarray:
+        """(n,) finite values to places in the color map: a diverging one changes equally fast on both sides."""
+        held = np.clip(values, self.minimum, self.maximum)
+        if not self.color_map.diverging or self.neutral is None:
+            return (held - self.minimum) / (self.maximum - self.minimum)
+        half = max(self.maximum - self.neutral, self.neutral - self.minimum)
+        return 0.5 + 0.5 * (held - self.neutral) / half
+
+
+@dataclass(frozen=True)
+class Look:
+    """How values become colors, as asked for: the map, and what its ends stand for."""
+
+    color_map: str = AUTOMATIC
+    percentile: float | None = None  # per cent of the values left outside on either side; None: as suits the descriptor
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)  # fixed ones by descriptor; "": of all others
+    symmetric: bool = True  # of signed descriptors, by percentiles: about the neutral value
+    neutral: float | None = None  # instead of the descriptor's own
+
+    def fixed(self, descriptor: Descriptor) -> tuple[float, float] | None:
+        """The range asked for, if there is one."""
+        return self.ranges.get(descriptor.name) or self.ranges.get("")
+
+
+def linear_to_srgb(linear: np.ndarray) -> np.ndarray:
+    """Scene-linear to display values, elementwise in [0, 1]."""
+    linear = np.clip(linear, 0.0, 1.0)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.power(linear, 1 / 2.4) - 0.055)
+
+
+def srgb_to_linear(display: np.ndarray) -> np.ndarray:
+    """Display values to scene-linear, elementwise in [0, 1]."""
+    display = np.clip(display, 0.0, 1.0)
+    return np.where(display <= 0.04045, display / 12.92, np.power((display + 0.055) / 1.055, 2.4))
+
+
+def oklab_to_linear(lab: np.ndarray) -> np.ndarray:
+    """(n, 3) OKLab to (n, 3) linear sRGB."""
+    lightness, a, b = lab[:, 0], lab[:, 1], lab[:, 2]
+    long = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3
+    middle = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3
+    short = (lightness - 0.0894841775 * a - 1.2914855480 * b) ** 3
+    return np.stack(
+        [
+            4.0767416621 * long - 3.3077115913 * middle + 0.2309699292 * short,
+            -1.2684380046 * long + 2.6097574011 * middle - 0.3413193965 * short,
+            -0.0041960863 * long - 0.7034186147 * middle + 1.7076147010 * short,
+        ],
+        axis=1,
+    )
+
+
+def oklch_to_srgb(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
+    """(n,) OKLab lightness, chroma and hue (degrees) to (n, 3) display colors."""
+    angle = np.radians(hue)
+    lab = np.stack(np.broadcast_arrays(lightness, chroma * np.cos(angle), chroma * np.sin(angle)), axis=1)
+    return linear_to_srgb(oklab_to_linear(lab))
+
+
+# ---- Maps
+
+
+def viridis(share: np.ndarray) -> np.ndarray:
+    """(n,) in [0, 1] to (n, 3) display colors, dark to light."""
+    places = np.linspace(0.0, 1.0, len(VIRIDIS))
+    return np.stack([np.interp(share, places, VIRIDIS[:, channel]) for channel in range(3)], axis=1)
+
+
+def line(start: tuple[float, float, float], end: tuple[float, float, float]) -> Callable[[np.ndarray], np.ndarray]:
+    """A straight line in OKLab between two colors given as lightness, chroma, hue: the most even map there is."""
+
+    def function(share: np.ndarray) -> np.ndarray:
+        ends = [
+            np.array([light, chroma * np.cos(np.radians(hue)), chroma * np.sin(np.radians(hue))])
+            for light, chroma, hue in (start, end)
+        ]
+        share = np.asarray(share, np.float64)[:, None]
+        return linear_to_srgb(oklab_to_linear((1 - share) * ends[0] + share * ends[1]))
+
+    return function
+
+
+def heat(share: np.ndarray) -> np.ndarray:
+    """(n,) in [0, 1] to (n, 3) display colors: black, red, orange, yellow, white."""
+    share = np.asarray(share, np.float64)
+    chroma = 0.127 * np.sin(np.pi * np.clip(share, 0.0, 1.0))
+    return oklch_to_srgb(0.14 + 0.85 * share, chroma, 18.0 + 90.0 * share)
+
+
+def two_sided(
+    middle: float, ends: float, chroma: float, hues: tuple[float, float]
+) -> Callable[[np.ndarray], np.ndarray]:
+    """Two straight lines in OKLab from a grey in the middle to two hues (degrees) of one lightness and chroma."""
+
+    def function(share: np.ndarray) -> np.ndarray:
+        signed = 2.0 * np.asarray(share, np.float64) - 1.0
+        strength = np.abs(signed)
+        return oklch_to_srgb(middle + (ends - middle) * strength, chroma * strength, np.where(signed < 0, *hues))
+
+    return function
+
+
+MAPS = {
+    row.name: row
+    for row in (
+        ColorMap(SEQUENTIAL, "Viridis", "Violet, green, yellow: dark to light", False, viridis),
+        ColorMap("heat", "Heat", "Black, red, yellow, white: dark to light", False, heat),
+        ColorMap("blue-yellow", "Blue to Yellow", "Told apart with any color vision: dark to light", False,
+            line((0.25, 0.09, 262.0), (0.95, 0.11, 100.0)), UNDEFINED_IN_GREY),
+        ColorMap("grey", "Grey", "Black to white", False, line((0.12, 0, 0), (1, 0, 0)), UNDEFINED_IN_GREY),
+        ColorMap(DIVERGING, "Blue, White, Red", "Light in the middle, dark ends", True,
+            two_sided(0.97, 0.45, 0.175, (262.0, 25.0))),
+        ColorMap("purple-green", "Purple, White, Green", "Light in the middle, dark ends", True,
+            two_sided(0.97, 0.45, 0.13, (310.0, 145.0))),
+        ColorMap("blue-black-orange", "Blue, Black, Orange", "Dark in the middle, light ends", True,
+            two_sided(0.2, 0.76, 0.125, (245.0, 65.0))),
+        ColorMap("cavity", "Cavity", "Black hollows, grey, white edges: as masks and overlays want it", True,
+            line((0.2, 0, 0), (1, 0, 0)), UNDEFINED_IN_GREY),
+    )
+}  # fmt: skip
+
+
+# ---- Range
+
+
+def value_range(values: np.ndarray, descriptor: Descriptor, radius: float, look: Look | None = None) -> ValueRange:
+    """The range to show for (n,) values: as the look has it, else the registry's if that is fixed, else percentiles."""
+    look = look or Look()
+    neutral = neutral_value(descriptor, look)
+    bounds = look.fixed(descriptor)
+    if bounds is None and look.percentile is None and math.isfinite(descriptor.display_minimum):
+        bounds = (descriptor.display_minimum, descriptor.display_maximum)
+    if bounds is None:
+        percentile = CLIPPED_PERCENT if look.percentile is None else look.percentile
+        bounds = percentiles(values, percentile)
+        if descriptor.is_signed:
+            bounds = about_neutral(bounds, neutral, smallest_half(descriptor, radius), look.symmetric)
+    low, high = map(float, bounds)
+    if not high > low:
+        high = low + (abs(low) or 1.0)
+    return ValueRange(low, high, descriptor.is_signed, neutral, look.color_map)
+
+
+def neutral_value(descriptor: Descriptor, look: Look) -> float | None:
+    """What the middle of a diverging map stands for; None for halfway."""
+    if look.neutral is not None:
+        return look.neutral
+    if not descriptor.is_signed:
+        return None
+    return descriptor.neutral_value if math.isfinite(descriptor.neutral_value) else 0.0
+
+
+def percentiles(values: np.ndarray, percent: float) -> tuple[float, float]:
+    """What (n,) values lie between but for a percentage on either side."""
+    finite = np.asarray(values, np.float64)[np.isfinite(values)]
+    return (0.0, 0.0) if finite.size == 0 else tuple(np.percentile(finite, [percent, 100 - percent]))
+
+
+def about_neutral(bounds: tuple[float, float], neutral: float, smallest: float, symmetric: bool) -> tuple[float, float]:
+    """Bounds that reach at least a smallest distance from the neutral value, the same on both sides if symmetric."""
+    half = max(abs(bounds[0] - neutral), abs(bounds[1] - neutral), smallest)
+    if symmetric or half == smallest:
+        return neutral - half, neutral + half
+    return bounds
+
+
+def smallest_half(descriptor: Descriptor, radius: float) -> float:
+    """Half the smallest range worth showing around a neutral value; below it everything is neutral."""
+    if descriptor.map_degree > 0 and radius > 0:  # differences of a map without unit, to a power
+        return FLATNESS**descriptor.map_degree * radius**descriptor.length_power
+    if descriptor.length_power >= 0 or not radius > 0:
+        return FLATNESS
+    return (FLATNESS / radius) ** -descriptor.length_power
+
+
+def colors(values: np.ndarray, shown: ValueRange) -> np.ndarray:
+    """(n,) values to (n, 3) float32 display colors; grey, or in grey maps violet, where undefined.
+
+    Of (n, 3) directions, which have two signs, the components' sizes are red, green and blue.
+    """
+    values = np.asarray(values, np.float64)
+    if values.ndim == 2:
+        return np.where(np.isfinite(values), np.abs(values), UNDEFINED_COLOR).astype(np.float32)
+    defined = np.isfinite(values)
+    result = shown.color_map.function(shown.shares(np.where(defined, values, shown.minimum)))
+    result[~defined] = shown.color_map.undefined
+    return result.astype(np.float32)
+
+
+def linear_rgba(display: np.ndarray) -> np.ndarray:
+    """(n, 3) display colors to (n, 4) float32 scene-linear ones, opaque: what Blender's FLOAT_COLOR holds."""
+    rgba = np.ones((len(display), 4), np.float32)
+    rgba[:, :3] = srgb_to_linear(display)
+    return rgba

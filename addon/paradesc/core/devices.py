@@ -1,0 +1,77 @@
+"""What can compute here: every device of every backend, asked for once. Never imports bpy."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from .. import bridge
+from ..bridge import ParadescError
+
+# More graphics cards than this are not listed.
+MOST = 16
+TITLES = {"auto": "Automatic", "gpu": "Graphics Card", "software": "Software", "reference": "Reference"}
+ABOUT = {
+    "auto": "A graphics card where there is one, else the software rasterizer, else the reference",
+    "gpu": "A graphics card with OpenGL 4.5",
+    "software": "The same method on the processor, by a software rasterizer",
+    "reference": "Exact integration over the triangles on the processor; slow, needs no UV map",
+}
+
+
+@dataclass(frozen=True)
+class Device:
+    """One device, or the sentence that says why a backend has none."""
+
+    backend: str
+    index: int  # -1: the backend's only or first one
+    name: str
+    missing: str = ""
+
+    @property
+    def label(self) -> str:
+        """What a menu shows."""
+        return f"{TITLES[self.backend]}: {self.name.split(' (')[0] if self.name else 'none'}"
+
+
+@lru_cache(maxsize=1)
+def found() -> tuple[Device, ...]:
+    """Every graphics card, the software rasterizer, and the reference."""
+    return (*graphics_cards(), first_of("software"), first_of("reference"))
+
+
+def graphics_cards() -> list[Device]:
+    """Each card; one row that says why where there is none."""
+    cards: list[Device] = []
+    for index in range(MOST):
+        try:
+            with bridge.Context("gpu", index) as context:
+                cards.append(Device("gpu", index, context.device))
+        except ParadescError:
+            break
+    return cards or [first_of("gpu")]
+
+
+def first_of(backend: str) -> Device:
+    """The device that a backend takes by itself."""
+    try:
+        with bridge.Context(backend) as context:
+            return Device(backend, -1, context.device)
+    except ParadescError as error:
+        return Device(backend, -1, "", error.sentence)
+
+
+def about(backend: str) -> str:
+    """What a backend is, and why it is missing where it is."""
+    rows = [row.missing for row in found() if row.backend == backend and row.missing] if backend != "auto" else []
+    return " – ".join([ABOUT.get(backend, ""), *rows]).rstrip(".")
+
+
+def label_of(backend: str, index: int) -> str:
+    """What the panel shows of a choice, without asking the devices."""
+    if backend == "auto":
+        return TITLES[backend]
+    if found.cache_info().currsize:
+        rows = [row for row in found() if row.backend == backend]
+        row = next((row for row in rows if row.index == index), rows[0] if index < 0 else None)
+        if row is not None:
+            return row.label
+    return TITLES[backend] if index < 0 else f"{TITLES[backend]} {index}"

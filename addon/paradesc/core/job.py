@@ -1,0 +1,339 @@
+"""One bake from arrays to arrays: what the operator, the command line and the tests all run. Never imports bpy."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
+
+import numpy as np
+
+from .. import bridge
+from ..bridge import abi
+from . import contexts, threads
+from .color_maps import Look
+from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
+
+# Ends the names of values relative to the rest pose.
+CHANGE = "_change"
+
+ProgressFunction = Callable[[str, float], bool]
+# The attribute of vertices without a value.
+UNDEFINED_MASK = "paradesc_mask"
+
+
+@dataclass
+class Settings:
+    """What to compute, how and where.
+
+    Further radii than the options' own are computed on the same baked buffers; all values are then named after theirs.
+    """
+
+    descriptors: tuple[str, ...] = ("mean_curvature",)
+    options: bridge.Options = field(default_factory=bridge.Options)
+    backend: str = "auto"
+    device_index: int = -1
+    more_radii: tuple[float, ...] = ()
+    corner_threshold: float = THRESHOLD  # of the largest Harris response
+    space: str = "object"  # or "world": what the arrays were brought into before; see spaces.py
+    memory_limit: int = 0  # bytes, 0: half of what is free; of the machine and not of the results, so not in as_dict()
+
+    def value_names(self) -> list[str]:
+        """What the results are called: the descriptors, at each radius if there are several."""
+        radii = (self.options.radius, *self.more_radii)
+        suffixes = [radius_suffix(radius) for radius in radii] if self.more_radii else [""]
+        return [name + suffix for suffix in suffixes for name in self.descriptors]
+
+    def as_dict(self) -> dict[str, object]:
+        """Flat, of plain types: for JSON and for Blender's custom properties."""
+        flat: dict[str, object] = {"descriptors": list(self.descriptors)}
+        flat.update(asdict(self.options))
+        flat.update(backend=self.backend, device_index=self.device_index, more_radii=list(self.more_radii))
+        flat.update(corner_threshold=self.corner_threshold, space=self.space)
+        return flat
+
+
+@dataclass
+class Results:
+    """Everything that one bake leaves behind."""
+
+    settings: Settings
+    values: dict[str, np.ndarray]  # each (vertex_count,) float32, NaN where undefined
+    coverage: np.ndarray  # (vertex_count,) float32
+    mask: np.ndarray  # (vertex_count,) uint8 bits abi.MASK_*
+    mesh_report: dict[str, float | int]
+    field_report: dict[str, float | int]  # of the first radius
+    backend: str
+    device: str
+    fallback: str  # why "auto" did not get a better device, or ""
+    warnings: list[str]
+    near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
+    seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
+    maps: dict[str, np.ndarray] = field(default_factory=dict)  # each (N, N) or (N, N, 3), with evaluate = texel only
+    buffers: dict[str, np.ndarray] = field(default_factory=dict)  # what was baked, by bridge.BUFFERS, where asked for
+    layout: np.ndarray | None = None  # (triangle_count, 3, 2) where maps and buffers lie
+
+    field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
+    unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
+    corners: Corners | None = None  # with the descriptor harris only
+    look: Look | None = None  # of the colors; None: as the scene has it, else as suits each descriptor
+
+    @property
+    def extras(self) -> dict[str, np.ndarray]:
+        """What is written beside the descriptors, each (vertex_count,) float32."""
+        painted = {} if self.corners is None else {ATTRIBUTE: self.corners.painted}
+        return {"coverage": self.coverage, UNDEFINED_MASK: self.undefined, **painted}
+
+    @property
+    def undefined(self) -> np.ndarray:
+        """(vertex_count,) float32, 1 where at least one of the values does not exist, else 0."""
+        found = np.zeros(len(self.coverage), bool)
+        for values in self.values.values():
+            found |= np.isnan(values.reshape(len(values), -1)).any(axis=1)
+        return found.astype(np.float32)
+
+    @property
+    def radius(self) -> float:
+        """The first radius in units of the positions."""
+        return float(self.field_report["radius"])
+
+    def report_of(self, name: str) -> dict[str, float | int]:
+        """The field report of the radius that these values belong to."""
+        return self.field_reports.get(name[len(registry_name(name)) :], self.field_report)
+
+    def asked_radius(self, name: str) -> float:
+        """The radius of these values, in the options' unit."""
+        suffix = name[len(registry_name(name)) :]
+        return float(suffix.removeprefix("_r")) if suffix else self.settings.options.radius
+
+    def radius_of(self, name: str) -> float:
+        """The radius of these values, in units of the positions."""
+        return float(self.report_of(name)["radius"])
+
+    def facet_notes(self) -> list[str]:
+        """Says where a radius is too small for what the mesh has to show."""
+        edge = self.mesh_report["mean_edge"]
+        least = min(report["radius"] for report in self.field_reports.values())
+        if least >= edge:
+            return []
+        share = f"{least / edge:.2g}"
+        return [f"The radius is {share} of the mean edge: values show facets, not the surface; choose a larger one."]
+
+
+def radius_suffix(radius: float) -> str:
+    """What follows a descriptor's name where several radii are computed: "_r0.02"."""
+    return f"_r{radius:g}"
+
+
+def registry_name(name: str) -> str:
+    """The descriptor that values of this name are of: mean_curvature of mean_curvature_r0.02 and of its _change."""
+    known = {row.name for row in bridge.descriptors()}
+    if name not in known:
+        name = name.removesuffix(CHANGE)
+    stem, mark, _ = name.rpartition("_r")
+    return stem if mark and name not in known and stem in known else name
+
+
+def registry_row(name: str) -> bridge.Descriptor:
+    """The registry's row of a descriptor, at whatever radius; of a change it is signed, about zero."""
+    found = next(row for row in bridge.descriptors() if row.name == registry_name(name))
+    if name == found.name or not name.endswith(CHANGE):
+        return found
+    nan = float("nan")
+    changed = {"is_signed": True, "neutral_value": 0.0, "display_minimum": nan, "display_maximum": nan}
+    return replace(found, label=f"Change of {found.label}", **changed)
+
+
+def check_descriptors(names: tuple[str, ...]) -> None:
+    """Refuses an empty list, a name that the registry lacks, and one asked for twice."""
+    known = [row.name for row in bridge.descriptors()]
+    if not names:
+        raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, "No descriptor is chosen; choose at least one.")
+    for name in names:
+        if name not in known:
+            sentence = f'There is no descriptor "{name}"; choose from {", ".join(known)}.'
+            raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        if names.count(name) > 1:
+            sentence = f'The descriptor "{name}" is asked for twice.'
+            raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+
+
+def run(
+    arrays: bridge.MeshArrays,
+    settings: Settings,
+    progress: ProgressFunction | None = None,
+    with_buffers: bool = False,
+) -> Results:
+    """Computes the descriptors of a mesh; raises ParadescError, also (STATUS_CANCELLED) when progress returns False."""
+    check_descriptors(settings.descriptors)
+    with open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
+        return run_on(context, mesh, arrays, settings, progress, with_buffers)
+
+
+def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = False) -> contexts.Lease:
+    """The device that the settings name, if it can compute on these arrays; alone or together with others."""
+    lease = contexts.Lease(settings.backend, settings.device_index, shared, settings.memory_limit)
+    try:
+        check_uvs(arrays, lease.context.backend)
+    except bridge.ParadescError:
+        lease.close()
+        raise
+    return lease
+
+
+def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:
+    """Refuses arrays without UV coordinates where texture space is needed."""
+    if arrays.corner_uvs is None and backend != "reference":
+        raise bridge.ParadescError(
+            abi.STATUS_INVALID_ARGUMENT,
+            "The arrays have no UV coordinates; give them, or choose the backend reference, which needs none.",
+        )
+
+
+def run_on(
+    context: bridge.Context,
+    mesh: bridge.Mesh,
+    arrays: bridge.MeshArrays,
+    settings: Settings,
+    progress: ProgressFunction | None = None,
+    with_buffers: bool = False,
+) -> Results:
+    """Computes the descriptors on a mesh that was made of these arrays."""
+    results = run_radii(context, mesh, settings, progress, with_buffers)
+    if arrays.layout is not None and context.backend != "reference":
+        results.unwrapped = arrays.layout
+        results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
+    add_corners(results, arrays)
+    return results
+
+
+def add_corners(results: Results, arrays: bridge.MeshArrays) -> None:
+    """Finds the corners where Harris responses are there, of several radii those of the first."""
+    name = next((name for name in results.values if registry_name(name) == "harris"), None)
+    if name is None:
+        return
+    reach = WINDOW_REACH * results.settings.options.map_sigma * results.radius_of(name)
+    threshold = results.settings.corner_threshold
+    results.corners = find_corners(arrays.positions, arrays.triangle_vertices, results.values[name], reach, threshold)
+
+
+def run_radii(
+    context: bridge.Context,
+    mesh: bridge.Mesh,
+    settings: Settings,
+    progress: ProgressFunction | None,
+    with_buffers: bool,
+) -> Results:
+    """One computation a radius, all from the same baked buffers. Coverage and mask are the worst of all."""
+    radii = (settings.options.radius, *settings.more_radii)
+    if len(set(map(radius_suffix, radii))) < len(radii):
+        raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, "A radius is asked for twice.")
+    results: Results | None = None
+    for index, radius in enumerate(radii):
+        suffix = radius_suffix(radius) if len(radii) > 1 else ""
+        options = replace(settings.options, radius=radius)
+        with mesh.compute(settings.descriptors, options, part_of(progress, index, len(radii))) as found:
+            if results is None:
+                results = Results(
+                    settings=settings,
+                    values={},
+                    coverage=found.values("coverage"),
+                    mask=found.mask(),
+                    mesh_report=mesh.report(),
+                    field_report=found.report(),
+                    backend=context.backend,
+                    device=context.device,
+                    fallback=context.fallback,
+                    warnings=[],
+                )
+            results.coverage = np.minimum(results.coverage, found.values("coverage"))
+            results.mask = results.mask | found.mask()
+            results.field_reports[suffix] = found.report()
+            results.values.update({name + suffix: found.values(name) for name in settings.descriptors})
+            results.warnings += [line for line in found.warnings() if line not in results.warnings]
+            if options.seam_error and context.backend != "reference":
+                near_seam = mesh.near_seam(found.report()["radius"])
+                results.near_seam = near_seam if results.near_seam is None else results.near_seam | near_seam
+                results.seam_error.update({name + suffix: found.seam_error(name) for name in settings.descriptors})
+            if context.backend != "reference":
+                keep_texels(results, mesh, found, suffix, with_buffers)
+    return results
+
+
+def part_of(progress: ProgressFunction | None, index: int, count: int) -> ProgressFunction | None:
+    """The same progress for one of several equal parts of the work."""
+    if progress is None:
+        return None
+    return lambda stage, fraction: progress(stage, (index + fraction) / count)
+
+
+def keep_texels(results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix: str, with_buffers: bool) -> None:
+    """Adds what lies in texture space: the maps of texel evaluation, and the baked buffers where asked for."""
+    if results.settings.options.evaluate == "texel":
+        names = (*results.settings.descriptors, "coverage")
+        results.maps.update({name + suffix: found.map(name) for name in names})
+    if with_buffers:
+        results.buffers = {name: mesh.read_buffer(name) for name in bridge.BUFFERS}
+    if results.maps or results.buffers:
+        results.layout = mesh.layout()
+
+
+def layout_sentence(layout: bridge.Layout, charts: int) -> str:
+    """Says what stood in for the UV map."""
+    count = f"{charts:,} chart" + ("" if charts == 1 else "s")
+    if layout.kept:
+        done = f"the layout of {count} that an earlier bake left in it was used"
+    else:
+        done = f"Blender unwrapped a copy of it into {count} for the computation"
+    unchanged = "" if layout.reason == "has no UV map" else ", and the map itself is unchanged"
+    return f"The mesh {layout.reason}; {done}{unchanged}."
+
+
+class Worker:
+    """Runs one bake on a thread of its own, so that a window stays alive; ask it from the main thread."""
+
+    def __init__(
+        self, arrays: bridge.MeshArrays, settings: Settings, work: Callable[..., Results] | None = None
+    ) -> None:
+        """work: what to call with arrays, settings and progress; run() where none is given."""
+        self.stage = "start"
+        self.fraction = 0.0
+        self._cancelled = threading.Event()
+        self._results: Results | None = None
+        self._work = work or run
+        self._error: Exception | None = None
+        self._begin = partial(threads.start, "paradesc", partial(self._run, arrays, settings), self.cancel)
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Starts the thread."""
+        self._thread = self._begin()
+
+    @property
+    def done(self) -> bool:
+        """True once results() will not wait."""
+        return self._thread is not None and not self._thread.is_alive()
+
+    def cancel(self) -> None:
+        """Asks the native call to stop at its next tile."""
+        self._cancelled.set()
+
+    def results(self) -> Results:
+        """Waits for the end; gives the results or raises what went wrong. Cancelled is cancelled, however late."""
+        self._thread.join()
+        if self._cancelled.is_set():
+            raise bridge.ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
+        if self._error is not None:
+            raise self._error
+        if self._results is None:
+            raise bridge.ParadescError(abi.STATUS_UNKNOWN, "The computation ended without results.")
+        return self._results
+
+    def _run(self, arrays: bridge.MeshArrays, settings: Settings) -> None:
+        try:
+            self._results = self._work(arrays, settings, self._progress)
+        except Exception as error:  # noqa: BLE001 (raised again on the main thread by results())
+            self._error = error
+
+    def _progress(self, stage: str, fraction: float) -> bool:
+        self.stage, self.fraction = stage, fraction
+        return not self._cancelled.is_set()

@@ -1,0 +1,60 @@
+"""A mesh in object space to the mesh as it stands in the world, for measuring there. Never imports bpy."""
+
+import numpy as np
+
+from ..bridge import MeshArrays, ParadescError, abi
+
+# Scales along the axes that differ by less than this share are called the same.
+EVEN = 1e-4
+
+
+def scales(matrix: np.ndarray) -> np.ndarray:
+    """(3,) lengths that the unit ball's longest to shortest axes get by a (4, 4) or (3, 3) matrix."""
+    return np.linalg.svd(np.asarray(matrix, np.float64)[:3, :3], compute_uv=False)
+
+
+def is_even(matrix: np.ndarray) -> bool:
+    """Whether every direction is scaled alike, mirrored or not."""
+    found = scales(matrix)
+    return bool(found[0] - found[2] <= EVEN * found[0])
+
+
+def to_world(arrays: MeshArrays, matrix: np.ndarray, name: str) -> None:
+    """Brings the arrays of an object of that name into world space, but for its place.
+
+    A mirroring matrix is taken as its negative: the surface comes out as its own mirror image, which has the same
+    curvatures, areas and volumes, while the inside stays the inside. Directions become those of the world.
+    """
+    linear = np.asarray(matrix, np.float64)[:3, :3]
+    found = scales(linear)
+    if not np.isfinite(linear).all() or found[2] <= 1e-7 * found[0]:
+        sentence = f'The object "{name}" is scaled to nothing along an axis; it has no shape in the world to measure.'
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+    if np.linalg.det(linear) < 0:
+        linear = -linear
+    arrays.positions = np.ascontiguousarray(arrays.positions @ linear.T, np.float32)
+    if arrays.corner_normals is not None:
+        arrays.corner_normals = unit(arrays.corner_normals @ np.linalg.inv(linear))
+    if arrays.maps is not None:
+        maps_to_world(arrays, linear, name)
+
+
+def maps_to_world(arrays: MeshArrays, linear: np.ndarray, name: str) -> None:
+    """The same for displacement and normal maps, which follow an even scale only."""
+    if not is_even(linear):
+        sentence = (
+            f'The object "{name}" is scaled differently along its axes, which displacement and normal maps cannot '
+            "follow; apply the scale, or measure in object space."
+        )
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+    maps = arrays.maps
+    maps.scale *= float(scales(linear).mean())
+    if maps.corner_tangents is not None:
+        maps.corner_tangents = maps.corner_tangents.copy()
+        maps.corner_tangents[:, :3] = unit(maps.corner_tangents[:, :3] @ linear.T)
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """(n, 3) float32 of length one; zero stays zero."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.ascontiguousarray(vectors / np.where(lengths > 0, lengths, 1.0), np.float32)

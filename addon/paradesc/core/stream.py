@@ -1,0 +1,241 @@
+"""One mesh whose positions change from frame to frame: device, adjacency and charts are kept, positions are streamed.
+
+Whatever else depends on the positions (which vertices coincide, which triangles have no area, a private layout, normals
+and tangents of the mesh's own) makes the native mesh anew, so that every frame has the bits of a bake of its own,
+whichever frames came before. Never imports bpy.
+"""
+
+from dataclasses import replace
+from types import TracebackType
+
+import numpy as np
+
+from .. import bridge
+from ..bridge import MeshArrays, ParadescError, abi
+from . import job
+
+# As native/src/mesh/halfedge.cpp has it: twice the area against the square of the longest edge.
+NO_AREA = 1e-12
+# Below this, floats of 32 bits cannot tell, and doubles are asked.
+SMALL_AREA = 1e-3
+# Triangles that are looked at together: their numbers stay in the processor's cache.
+BLOCK = 16384
+# As native/src/prepare.cpp has them: buffers are laid out afresh below this share of texels and these texels a radius.
+SPARSE_SHARE, SPARSE_TEXELS = 0.15, 4.0
+# Everything but positions that a mesh is made of.
+TOPOLOGY = ("corner_vertices", "triangle_corners", "corner_uvs", "triangle_smooth", "sharp_edges")
+
+
+class Stream:
+    """A native mesh for the positions of one object, frame after frame; shared: on the device that others share."""
+
+    def __init__(self, arrays: MeshArrays, settings: job.Settings, shared: bool = False) -> None:
+        job.check_descriptors(settings.descriptors)
+        self.settings = settings
+        self.arrays = arrays
+        self.made = 0  # how often the native mesh was made: once, where nothing but positions changes
+        self._mesh: bridge.Mesh | None = None
+        self._contact: Contact | None = None
+        self._lease = job.open_context(arrays, settings, shared)
+        self._context = self._lease.context
+
+    @property
+    def backend(self) -> str:
+        """The backend in use."""
+        return self._context.backend
+
+    def matches(self, arrays: MeshArrays) -> bool:
+        """True where nothing but positions (and normals and tangents, which follow them) differs."""
+        return (
+            len(arrays.positions) == len(self.arrays.positions)
+            and all(same(getattr(arrays, name), getattr(self.arrays, name)) for name in TOPOLOGY)
+            and same_images(arrays.maps, self.arrays.maps)
+        )
+
+    def replace(self, arrays: MeshArrays) -> None:
+        """Another mesh on the same device."""
+        job.check_uvs(arrays, self.backend)
+        self.forget()
+        self.arrays = arrays
+
+    def compute(
+        self,
+        positions: np.ndarray,
+        progress: job.ProgressFunction | None = None,
+        corner_normals: np.ndarray | None = None,
+        corner_tangents: np.ndarray | None = None,
+    ) -> job.Results:
+        """The results at (vertex_count, 3) positions, to the bit those of job.run on a mesh that has them.
+
+        The mesh's own normals (corner_count, 3) are needed with them where the settings ask for those or a normal map
+        is set; the tangents (corner_count, 4) with a normal map.
+        """
+        arrays = self.moved(positions, corner_normals, corner_tangents)
+        mesh = self.mesh_at(arrays, progress)
+        try:
+            results = job.run_on(self._context, mesh, arrays, self.settings, progress)
+        except BaseException as error:
+            self.forget()  # a layout may have been made whose report is lost
+            self._lease.failed(error)
+            raise
+        if not goes_on(results):
+            self.forget()
+        return results
+
+    def moved(
+        self, positions: np.ndarray, corner_normals: np.ndarray | None, corner_tangents: np.ndarray | None
+    ) -> MeshArrays:
+        """The mesh at these positions; refuses positions of another mesh, and normals that stayed behind."""
+        positions = np.ascontiguousarray(positions, np.float32)
+        if positions.shape != self.arrays.positions.shape:
+            wanted = len(self.arrays.positions)
+            raise refused(f"Positions have the shape {positions.shape}, but the mesh has {wanted} vertices.")
+        maps = self.arrays.maps
+        if self.settings.options.normals == "mesh" and corner_normals is None:
+            raise refused("The mesh's own normals are asked for; give those that belong to the positions.")
+        if maps is not None and maps.normals is not None:
+            if corner_normals is None or corner_tangents is None:
+                raise refused("With a normal map, give the normals and tangents that belong to the positions.")
+            maps = replace(maps, corner_tangents=corner_tangents)
+        return replace(self.arrays, positions=positions, corner_normals=corner_normals, maps=maps)
+
+    def mesh_at(self, arrays: MeshArrays, progress: job.ProgressFunction | None = None) -> bridge.Mesh:
+        """The native mesh with these positions: the one there is, or a new one."""
+        if self._mesh is not None and arrays.corner_normals is None and self._contact.holds(arrays.positions):
+            self._mesh.set_positions(arrays.positions)
+            return self._mesh
+        self.forget()
+        self._mesh = self._context.mesh(arrays, progress)
+        self._contact = Contact(arrays)
+        self.made += 1
+        return self._mesh
+
+    def forget(self) -> None:
+        """Has the native mesh made anew for the next frame."""
+        if self._mesh is not None:
+            self._mesh.close()
+            self._mesh = None
+
+    def close(self) -> None:
+        """Frees the mesh and gives the device back."""
+        self.forget()
+        self._lease.close()
+
+    def __enter__(self) -> "Stream":
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+
+class Contact:
+    """Which vertices coincide and which triangles have no area: what adjacency takes from positions."""
+
+    def __init__(self, arrays: MeshArrays) -> None:
+        triangles = arrays.triangle_vertices.T.astype(np.intp)
+        self.blocks = [np.ascontiguousarray(triangles[:, start : start + BLOCK]) for start in starts(triangles)]
+        columns = columns_of(arrays.positions)
+        _, first, group, count = np.unique(
+            place_keys(columns), return_index=True, return_inverse=True, return_counts=True
+        )
+        self.group_count = len(first)
+        shared = count[group] > 1
+        self.later = np.flatnonzero(shared)  # vertices at the place of another one
+        self.earlier = first[group[shared]]
+        self.flat = self.without_area(columns)
+
+    def holds(self, positions: np.ndarray) -> bool:
+        """True where the same vertices coincide at these (vertex_count, 3) positions and no other triangle is flat."""
+        columns = columns_of(positions)
+        together = np.array_equal(columns[:, self.later], columns[:, self.earlier])
+        apart = distinct(place_keys(columns)) == self.group_count
+        return together and apart and np.array_equal(self.flat, self.without_area(columns))
+
+    def without_area(self, columns: np.ndarray) -> np.ndarray:
+        """(k,) int64 triangles without area at (3, vertex_count) positions."""
+        found = [np.empty(0, np.int64)]
+        for index, triangles in enumerate(self.blocks):
+            square, longest = area_and_edge(columns, triangles)
+            small = np.flatnonzero(~(square > (SMALL_AREA * longest) ** 2))
+            if small.size:
+                square, longest = area_and_edge(columns.astype(np.float64), triangles[:, small])
+                found.append(index * BLOCK + small[np.sqrt(square) <= NO_AREA * longest])
+        return np.concatenate(found)
+
+
+def starts(triangles: np.ndarray) -> range:
+    """Where blocks of the (3, k) triangles begin."""
+    return range(0, triangles.shape[1], BLOCK)
+
+
+def columns_of(positions: np.ndarray) -> np.ndarray:
+    """(3, n) of (n, 3), each coordinate in a row."""
+    return np.ascontiguousarray(positions.T)
+
+
+def area_and_edge(columns: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(k,) squares of twice the area, and of the longest edge, of (3, k) triangles at (3, n) positions, as precise."""
+    corners = [[column.take(vertices) for vertices in triangles] for column in columns]
+    ab = [second - first for first, second, _ in corners]
+    ac = [third - first for first, _, third in corners]
+    bc = [along - other for along, other in zip(ac, ab, strict=True)]
+    normal = [ab[(k + 1) % 3] * ac[(k + 2) % 3] - ab[(k + 2) % 3] * ac[(k + 1) % 3] for k in range(3)]
+    return square_of(normal), np.maximum(np.maximum(square_of(ab), square_of(ac)), square_of(bc))
+
+
+def square_of(vectors: list[np.ndarray]) -> np.ndarray:
+    """(k,) squares of the lengths of vectors whose three coordinates are (k,) each."""
+    return vectors[0] * vectors[0] + vectors[1] * vectors[1] + vectors[2] * vectors[2]
+
+
+def place_keys(columns: np.ndarray) -> np.ndarray:
+    """(n,) uint64 equal where (3, n) positions are; elsewhere equal by chance, once in 2^64."""
+    bits = (columns + np.float32(0)).view(np.uint32)  # adding zero makes -0 and 0 one
+    keys = np.zeros(bits.shape[1], np.uint64)
+    for axis in bits:
+        keys = (keys ^ axis) * np.uint64(0x9E3779B97F4A7C15)
+        keys ^= keys >> np.uint64(29)
+    return keys
+
+
+def distinct(keys: np.ndarray) -> int:
+    """How many different keys there are."""
+    ordered = np.sort(keys)
+    return 1 + int(np.count_nonzero(ordered[1:] != ordered[:-1])) if len(ordered) else 0
+
+
+def goes_on(results: job.Results) -> bool:
+    """True where a mesh made at other positions would be the same: nothing was taken apart, nor laid out afresh.
+
+    Where several fans of faces meet in a vertex, the widest answers for it; a private layout follows areas.
+    """
+    if results.mesh_report["nonmanifold_vertices"]:
+        return False
+    texels = SPARSE_SHARE * results.settings.options.buffer_size**2
+    return results.backend == "reference" or all(
+        not report["private_layout"]
+        and report["covered_texels"] >= texels
+        and report["radius_in_texels"] >= SPARSE_TEXELS
+        for report in results.field_reports.values()
+    )
+
+
+def same(first: np.ndarray | None, second: np.ndarray | None) -> bool:
+    """Equal arrays, or none twice."""
+    return first is second or (first is not None and second is not None and np.array_equal(first, second))
+
+
+def same_images(first: bridge.SurfaceMaps | None, second: bridge.SurfaceMaps | None) -> bool:
+    """The same displacement and normal map, or none twice."""
+    if first is None or second is None:
+        return first is second
+    return (
+        same(first.heights, second.heights)
+        and same(first.normals, second.normals)
+        and (first.midlevel, first.scale) == (second.midlevel, second.scale)
+    )
+
+
+def refused(sentence: str) -> ParadescError:
+    """The error for what a stream cannot take."""
+    return ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)

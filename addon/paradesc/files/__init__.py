@@ -1,0 +1,1 @@
+"""Results to files and back: arrays, meshes, images, frames on disk. Never imports bpy."""

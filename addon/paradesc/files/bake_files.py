@@ -1,0 +1,119 @@
+"""One bake with its files: images over the UV map and the baked buffers, kept aside until all is done. No bpy."""
+
+import shutil
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .. import bridge
+from ..bridge import ParadescError, abi
+from ..core import job
+from . import maps
+from .results import Baked, file_fault, folder_fault, part_path
+
+# Share of the progress that the computation itself has where files follow.
+COMPUTING = 0.8
+
+
+@dataclass
+class Files:
+    """What is to be written of one object, and what lies aside so far."""
+
+    object_name: str
+    matrix_world: np.ndarray  # (4, 4)
+    image: Path | None = None
+    buffers: Path | None = None
+    aside: list[tuple[Path, Path]] = field(default_factory=list)  # where it is, where it goes
+
+    @property
+    def any(self) -> bool:
+        """Whether there is anything to write."""
+        return self.image is not None or self.buffers is not None
+
+    def part(self, path: Path) -> Path:
+        """Where a file or folder is written first, beside its place."""
+        place = part_path(path)
+        self.aside.append((place, path))
+        return place
+
+    def commit(self) -> list[Path]:
+        """Brings everything to its place; gives the paths."""
+        placed = []
+        for place, path in self.aside:
+            if place.is_dir():
+                path.mkdir(exist_ok=True)
+                for item in place.iterdir():
+                    item.replace(path / item.name)
+                place.rmdir()
+            else:
+                place.replace(path)
+            placed.append(path)
+        self.aside.clear()
+        return placed
+
+    def discard(self) -> None:
+        """Takes away what lies aside; what was at its place stays."""
+        for place, _ in self.aside:
+            if place.is_dir():
+                shutil.rmtree(place, ignore_errors=True)
+            else:
+                place.unlink(missing_ok=True)
+        self.aside.clear()
+
+
+def check(files: Files, arrays: bridge.MeshArrays, backend: str) -> None:
+    """Refuses what cannot be written before anything is computed."""
+    if files.image is not None and (arrays.corner_uvs is None or arrays.layout is not None):
+        raise refuse("The mesh has no usable UV map to make an image in; unwrap it, or switch the image off.")
+    if files.buffers is not None and backend == "reference":
+        raise refuse("The reference bakes no buffers to write; choose another device, or switch them off.")
+    faults = [file_fault(files.image) if files.image else "", folder_fault(files.buffers) if files.buffers else ""]
+    for fault in filter(None, faults):
+        raise refuse(fault)
+
+
+def refuse(sentence: str) -> ParadescError:
+    """The error for files that cannot be written."""
+    return ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+
+
+def run(
+    files: Files, arrays: bridge.MeshArrays, settings: job.Settings, progress: job.ProgressFunction | None
+) -> job.Results:
+    """job.run(), then the files, aside; whoever asked brings them to their places or discards them."""
+    if not files.any:
+        return job.run(arrays, settings, progress)
+    report = progress or (lambda _stage, _fraction: True)
+    part = None if progress is None else lambda stage, fraction: progress(stage, COMPUTING * fraction)
+    results = job.run(arrays, settings, part, files.buffers is not None)
+    try:
+        write(files, Baked(files.object_name, results, arrays, files.matrix_world), report)
+    except OSError as error:
+        raise refuse(f"A file cannot be written ({error.strerror or error}): {error.filename}.") from error
+    return results
+
+
+def write(files: Files, baked: Baked, report: job.ProgressFunction) -> None:
+    """Writes image and buffers aside; asks between them whether to go on."""
+    go_on(report, "write images", COMPUTING)
+    if files.image is not None and files.image.suffix == ".png":
+        paths = maps.png_paths(files.image, list(baked.results.values))
+        for index, (name, path) in enumerate(paths.items()):
+            maps.write_png(files.part(path), baked, name)
+            go_on(report, "write images", COMPUTING + 0.1 * (index + 1) / len(paths))
+    elif files.image is not None:
+        maps.write_exr(files.part(files.image), baked)
+        go_on(report, "write images", COMPUTING + 0.1)
+    if files.image is not None:
+        baked.results.warnings += maps.notes(baked)
+    if files.buffers is not None:
+        go_on(report, "write buffers", COMPUTING + 0.1)
+        maps.write_buffers(files.part(files.buffers), baked)
+        go_on(report, "write buffers", 1.0)
+
+
+def go_on(report: job.ProgressFunction, stage: str, fraction: float) -> None:
+    """Reports progress; raises where it says to stop."""
+    if not report(stage, fraction):
+        raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")

@@ -1,0 +1,383 @@
+"""Values of one object, a file a frame: written whole or not at all, checked before use, merged by copying.
+
+A file is MAGIC, the length of the header (8 bytes), the header, the arrays one after the other, and the SHA-256 of all
+before it. Numbers are little-endian. The header is JSON: version, key (of settings and mesh: frames of one key belong
+together), frame, input (of the positions that were measured), vertex_count, arrays (name, columns, rows of 32-bit
+floats each) and info, which is for readers. There is no index: ranges and lists of frames come from the files that are
+there. Never imports bpy.
+"""
+
+import hashlib
+import json
+import re
+import struct
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..bridge import MeshArrays, ParadescError, abi
+from ..core import color_maps, job, stored
+from ..core.digests import digest
+from . import results
+
+MAGIC = b"PDFRAME\n"
+VERSION = 1
+SUFFIX = ".pdframe"
+DIGEST_BYTES = 32
+LARGEST_HEADER = 1 << 22
+LARGEST_COUNT = 1 << 31
+LAST_FRAME = 1 << 20  # Blender's own limit is 1,048,574
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.+-]{0,62}")
+FILE_NAME = re.compile(r"frame_(-?\d{1,7})" + re.escape(SUFFIX))
+# Each frame's distribution is kept at so many evenly spaced ranks, from which the range over all frames follows.
+QUANTILES = 257
+FRAMES = re.compile(r"(-?\d+)(?::(-?\d+))?(?::(\d+))?")
+MOST_FRAMES = 1_000_000
+RANGE_FILE = "range.json"
+# Beside the .blend, where nothing else is said.
+DEFAULT_FOLDER = "paradesc_cache"
+
+
+@dataclass
+class Frame:
+    """What one file holds."""
+
+    frame: int
+    key: str
+    input: str
+    values: dict[str, np.ndarray]  # each (vertex_count,) or (vertex_count, 3) float32, NaN where undefined
+    info: dict[str, object] = field(default_factory=dict)
+    quantiles: dict[str, np.ndarray] = field(default_factory=dict)  # each (QUANTILES,) float32, or (0,) with no value
+    counts: dict[str, int] = field(default_factory=dict)  # defined values
+
+    @property
+    def vertex_count(self) -> int:
+        """Of the mesh that the values belong to."""
+        return len(next(iter(self.values.values()), ()))
+
+
+# ---- Names
+
+
+def frame_path(folder: Path, frame: int) -> Path:
+    """Where a frame's file lies."""
+    return folder / f"frame_{frame:05d}{SUFFIX}"
+
+
+def object_folder(folder: Path, name: str) -> Path:
+    """Where an object's frames lie; a name that a file system may not keep gets its hash beside it."""
+    plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)[:80]
+    return folder / (plain if plain == name else f"{plain}_{hashlib.sha256(name.encode()).hexdigest()[:8]}")
+
+
+def frames_in(folder: Path) -> dict[int, Path]:
+    """The files that are there by frame, in order; what they hold is not looked at."""
+    try:
+        names = sorted(path.name for path in folder.iterdir())
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise refused(f'The folder "{folder}" cannot be read: {error.strerror or error}.') from error
+    matches = [match for match in map(FILE_NAME.fullmatch, names) if match]
+    return {frame: folder / name for frame, name in sorted((int(match[1]), match[0]) for match in matches)}
+
+
+def parse_frames(text: str) -> range:
+    """The frames of A:B, A:B:STEP or A, with B among them."""
+    found = FRAMES.fullmatch(text.strip())
+    if not found:
+        raise ValueError(f'"{text}" is no range of frames; give A:B or A:B:STEP, for example 1:250.')
+    first = int(found[1])
+    last = int(found[2]) if found[2] else first
+    step = int(found[3]) if found[3] else 1
+    return frame_range(first, last, step)
+
+
+def frame_range(first: int, last: int, step: int) -> range:
+    """All frames from first to last; raises ValueError where there is none, or far too many."""
+    if step < 1:
+        raise ValueError("The step between frames must be at least 1.")
+    if last < first:
+        raise ValueError(f"The last frame, {last}, comes before the first, {first}.")
+    if max(abs(first), abs(last)) >= LAST_FRAME or (last - first) // step >= MOST_FRAMES:
+        raise ValueError(f"Frames {first} to {last} are more than Blender has.")
+    return range(first, last + 1, step)
+
+
+# ---- Keys
+
+
+def key_of(arrays: MeshArrays, settings: job.Settings, **more: object) -> str:
+    """A name for all that frames of one cache have in common: the mesh but for its positions, and how it is measured.
+
+    Which device computes is left out, so that machines can share the work; the reference is another method.
+    """
+    content = settings.as_dict()
+    content["method"] = "reference" if content.pop("backend") == "reference" else "texture space"
+    del content["device_index"]
+    content.update(more, version=VERSION)
+    text = json.dumps(content, sort_keys=True).encode()
+    return digest(
+        np.frombuffer(text, np.uint8),
+        arrays.corner_vertices,
+        arrays.triangle_corners,
+        arrays.corner_uvs,
+        arrays.triangle_smooth,
+        arrays.sharp_edges,
+    )
+
+
+# ---- Writing
+
+
+def summarize(values: np.ndarray) -> tuple[np.ndarray, int]:
+    """(QUANTILES,) float32 of (n,) values at evenly spaced ranks, and how many are defined; (0,) where none is."""
+    finite = np.sort(values[np.isfinite(values)])
+    if finite.size == 0:
+        return np.empty(0, np.float32), 0
+    ranks = np.round(np.linspace(0, finite.size - 1, QUANTILES)).astype(np.int64)
+    return finite[ranks].astype(np.float32), int(finite.size)
+
+
+def encode(content: Frame) -> bytes:
+    """The bytes of a file: the same for the same content."""
+    arrays: list[tuple[str, np.ndarray]] = list(content.values.items())
+    counts = {}
+    for name, values in content.values.items():
+        if values.ndim == 1:
+            quantiles, counts[name] = summarize(values)
+            arrays.append((f"{name}:quantiles", quantiles))
+    header = {
+        "version": VERSION,
+        "key": content.key,
+        "frame": content.frame,
+        "input": content.input,
+        "vertex_count": content.vertex_count,
+        "arrays": [[name, 1 if array.ndim == 1 else array.shape[1], len(array)] for name, array in arrays],
+        "counts": counts,
+        "info": content.info,
+    }
+    text = json.dumps(header, sort_keys=True, allow_nan=False).encode()
+    body = [np.ascontiguousarray(array, "<f4").tobytes() for _, array in arrays]
+    whole = b"".join([MAGIC, struct.pack("<Q", len(text)), text, *body])
+    return whole + hashlib.sha256(whole).digest()
+
+
+def write_frame(folder: Path, content: Frame) -> Path:
+    """Writes one file: a reader, or a run that was killed, finds the old one, none, or the whole new one."""
+    path = frame_path(folder, content.frame)
+    write_whole(path, encode(content))
+    return path
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Writes beside the path, then puts it in place; what a power cut leaves of it, the checksum finds."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise refused(f'"{path}" cannot be written: {error.strerror or error}.') from error
+    results.write_whole(path, content, Path.write_bytes)
+
+
+def sweep(folder: Path) -> None:
+    """Takes away what runs that were killed left unfinished a day ago or longer."""
+    for path in folder.glob(f".frame_*{SUFFIX}.*.part"):
+        try:
+            if path.stat().st_mtime < time.time() - 86400:
+                path.unlink()
+        except OSError:
+            continue  # another machine was faster
+
+
+# ---- Reading
+
+
+def read_frame(path: Path) -> Frame:
+    """What a file holds, after everything about it has been checked; one sentence where anything is wrong."""
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError as error:
+        raise refused(f'There is no frame file "{path}".') from error
+    except (OSError, MemoryError) as error:
+        raise refused(f'The frame file "{path}" cannot be read: {error}.') from error
+    try:
+        return decode(content, path)
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, MemoryError) as error:
+        raise refused(f'The frame file "{path}" is damaged ({reason(error)}); bake this frame again.') from error
+
+
+def decode(content: bytes, path: Path) -> Frame:
+    """Raises ValueError, TypeError or KeyError where the bytes are not what encode() makes."""
+    start = len(MAGIC) + 8
+    if len(content) < start + DIGEST_BYTES or content[: len(MAGIC)] != MAGIC:
+        raise ValueError("it does not begin as one")
+    if hashlib.sha256(content[:-DIGEST_BYTES]).digest() != content[-DIGEST_BYTES:]:
+        raise ValueError("its checksum is wrong")
+    (length,) = struct.unpack_from("<Q", content, len(MAGIC))
+    if length > min(LARGEST_HEADER, len(content) - start - DIGEST_BYTES):
+        raise ValueError("its header is too long")
+    header = json.loads(content[start : start + length])
+    check_header(header, path)
+    arrays, at = {}, start + length
+    for name, columns, rows in header["arrays"]:
+        if 4 * columns * rows > len(content) - DIGEST_BYTES - at:
+            raise ValueError("it ends too early")
+        array = np.frombuffer(content, "<f4", columns * rows, at).astype(np.float32)
+        arrays[name] = array if columns == 1 else array.reshape(rows, columns)
+        at += 4 * columns * rows
+    if at != len(content) - DIGEST_BYTES:
+        raise ValueError("it ends too late")
+    ending = ":quantiles"
+    return Frame(
+        frame=header["frame"],
+        key=header["key"],
+        input=header["input"],
+        values={name: array for name, array in arrays.items() if not name.endswith(ending)},
+        info=header["info"],
+        quantiles={name.removesuffix(ending): array for name, array in arrays.items() if name.endswith(ending)},
+        counts=header["counts"],
+    )
+
+
+def check_header(header: object, path: Path) -> None:
+    """Raises where a header is not one of ours, or of another frame than the file's name says."""
+    if not isinstance(header, dict) or not isinstance(header.get("info"), dict):
+        raise ValueError("its header is none")
+    if type(header["version"]) is not int or header["version"] != VERSION:
+        raise ValueError(f"it has version {header['version']}, and this Paradesc reads {VERSION}")
+    if not all(isinstance(header[name], str) and len(header[name]) <= 128 for name in ("key", "input")):
+        raise ValueError("its key is none")
+    named = FILE_NAME.fullmatch(path.name)
+    check_whole(header["frame"], -LAST_FRAME, LAST_FRAME, "frame")
+    if named and int(named[1]) != header["frame"]:
+        raise ValueError(f"it holds frame {header['frame']}")
+    check_whole(header["vertex_count"], 0, LARGEST_COUNT, "vertex count")
+    seen = set()
+    for name, columns, rows in header["arrays"]:
+        stem, _, part = name.partition(":")
+        if not NAME.fullmatch(stem) or part not in ("", "quantiles") or name in seen:
+            raise ValueError("an array's name is none")
+        seen.add(name)
+        if part:
+            check_whole(columns, 1, 1, "quantiles")
+            check_whole(rows, 0, QUANTILES, "quantiles")
+        else:
+            check_whole(columns, 1, 4, "width of an array")
+            check_whole(rows, header["vertex_count"], header["vertex_count"], "length of an array")
+    if not isinstance(header["counts"], dict):
+        raise ValueError("its counts are none")
+    for name, count in header["counts"].items():
+        check_whole(count, 0, header["vertex_count"], f"count of {name[:40]}")
+
+
+def check_whole(number: object, lowest: int, highest: int, what: str) -> None:
+    """Raises where it is no whole number of this range."""
+    if type(number) is not int or not lowest <= number <= highest:
+        raise ValueError(f"its {what} is wrong")
+
+
+def kept(folder: Path, frame: int, key: str, content: str) -> bool:
+    """True where this frame of this key and input is there and whole."""
+    path = frame_path(folder, frame)
+    try:
+        found = read_frame(path)
+    except ParadescError:
+        return False
+    return (found.key, found.input) == (key, content)
+
+
+# ---- One range over all
+
+
+def ranges(frames: Iterable[Frame], look: color_maps.Look | None = None) -> dict[str, color_maps.ValueRange]:
+    """The range of values to show for each name over all of these frames, of one object or of several."""
+    pooled: dict[str, list[tuple[np.ndarray, int]]] = {}
+    radii: dict[str, float] = {}
+    for frame in frames:
+        for name, quantiles in frame.quantiles.items():
+            pooled.setdefault(name, []).append((quantiles, frame.counts.get(name, 0)))
+            given = frame.info.get("radius")
+            radius = given.get(name) if isinstance(given, dict) else None
+            radii[name] = float(radius) if stored.is_number(radius) and 1e-30 < radius < 1e30 else 0.0
+    found = {}
+    for name, parts in pooled.items():
+        try:
+            row = job.registry_row(name)
+        except StopIteration:
+            continue  # coverage, and values of a newer version
+        found[name] = color_maps.value_range(pool(parts), row, radii[name], look)
+    return found
+
+
+def read_fixed(folder: Path) -> dict[str, tuple[float, float]]:
+    """Ranges that the user set for this folder, by name; "" is for all others."""
+    path = folder / RANGE_FILE
+    try:
+        content = json.loads(path.read_text()) if path.is_file() else {}
+        found = {str(name): (float(low), float(high)) for name, (low, high) in content.items()}
+        if not all(np.isfinite(pair).all() and pair[0] < pair[1] for pair in found.values()):
+            raise ValueError("a range is empty")
+    except (OSError, ValueError, TypeError, AttributeError, OverflowError, RecursionError, MemoryError) as error:
+        raise refused(f'The file "{path}" is damaged ({reason(error)}); give the range again.') from error
+    return found
+
+
+def write_fixed(folder: Path, fixed: dict[str, tuple[float, float]]) -> None:
+    """Sets ranges for this folder, instead of those that follow from its frames."""
+    write_whole(folder / RANGE_FILE, (json.dumps(fixed, sort_keys=True) + "\n").encode())
+
+
+def locked_ranges(
+    folders: Iterable[Path], key: str = "", look: color_maps.Look | None = None
+) -> dict[str, color_maps.ValueRange]:
+    """The one range for each name over all sound frames in these folders, of this key where one is given."""
+    return ranges_over([(folder, key) for folder in folders], look)
+
+
+def ranges_over(
+    places: Iterable[tuple[Path, str]], look: color_maps.Look | None = None
+) -> dict[str, color_maps.ValueRange]:
+    """The one range for each name over all sound frames in folders, in each of a key of its own; "": of any."""
+    places = list(places)
+    frames = []
+    for folder, key in places:
+        for path in frames_in(folder).values():
+            try:
+                frame = read_frame(path)
+            except ParadescError:
+                continue  # it is baked again with the next run
+            if key in ("", frame.key):
+                frames.append(replace(frame, values={}))
+    found = ranges(frames, look)
+    for folder, _ in places:
+        fixed = read_fixed(folder)
+        for name, shown in found.items():
+            if name in fixed or "" in fixed:
+                low, high = fixed.get(name, fixed.get("", (0.0, 0.0)))
+                found[name] = replace(shown, minimum=low, maximum=high)
+    return found
+
+
+def pool(parts: list[tuple[np.ndarray, int]]) -> np.ndarray:
+    """(m,) values distributed as all frames' together: each brings so many of its ranks as it has values."""
+    most = max((count for _, count in parts), default=0)
+    chosen = [np.empty(0, np.float32)]
+    for quantiles, count in parts:
+        if len(quantiles) and count:
+            points = max(1, round(QUANTILES * count / most))
+            middle = (np.arange(points) + 0.5) / points * (len(quantiles) - 1)
+            chosen.append(quantiles[np.round(middle).astype(np.int64)])
+    return np.sort(np.concatenate(chosen))
+
+
+def reason(error: Exception) -> str:
+    """What an error says, as a part of one line: it may quote the file."""
+    return " ".join(str(error).split())[:200]
+
+
+def refused(sentence: str) -> ParadescError:
+    """The error for a file or folder that cannot be used."""
+    return ParadescError(abi.STATUS_UNKNOWN, sentence)

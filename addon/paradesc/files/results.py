@@ -1,0 +1,228 @@
+"""Writes what a bake left behind as files: .npz, .ply, .png and a JSON report. Never imports bpy."""
+
+import json
+import math
+import os
+import secrets
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import bridge
+from ..bridge import ParadescError, abi
+from ..core import color_maps, corners, legend
+from ..core.job import Results, registry_row
+from . import picture, png
+
+
+@dataclass
+class Baked:
+    """One object's results with all that the files need of the object."""
+
+    object_name: str
+    results: Results
+    arrays: bridge.MeshArrays
+    matrix_world: np.ndarray  # (4, 4) float64
+    notes: list[str] = field(default_factory=list)  # what was done to get here, beside the results' own warnings
+    reading: object = None  # sources.Reading: where the results belong in the scene
+
+    def shown(self, name: str) -> color_maps.ValueRange:
+        """The range of values that the colors of a descriptor span."""
+        results = self.results
+        return color_maps.value_range(results.values[name], registry_row(name), results.radius_of(name), results.look)
+
+    def unit(self, name: str) -> str:
+        """The unit of a descriptor's values as text."""
+        return legend.unit_of(name, self.results.settings.options.map_descriptor)
+
+    def colors(self, name: str) -> np.ndarray:
+        """(vertex_count, 3) float32 display colors of a descriptor."""
+        return color_maps.colors(self.results.values[name], self.shown(name))
+
+
+def write_npz(path: Path, baked: Baked) -> None:
+    """Writes vertices (n, 3) in object space, matrix_world (4, 4), descriptors (n,) or (n, 3), and extras (n,)."""
+    with path.open("wb") as file:
+        np.savez(file, **arrays_of(baked))
+
+
+def arrays_of(baked: Baked) -> dict[str, np.ndarray]:
+    """What a .npz file holds of one object."""
+    placed = {"vertices": baked.arrays.positions, "matrix_world": baked.matrix_world}
+    return {**placed, **baked.results.values, **baked.results.extras}
+
+
+def write_ply(path: Path, baked: Baked) -> None:
+    """A binary PLY in object space: vertices with the first descriptor's colors, and every value as a property."""
+    values = {}
+    for name, array in {**baked.results.values, **baked.results.extras}.items():
+        if array.ndim == 1:
+            values[name] = array
+        else:
+            values.update({f"{name}_{axis}": array[:, index] for index, axis in enumerate("xyz")})
+    layout = [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
+    vertices = np.empty(len(baked.arrays.positions), np.dtype(layout + [(name, "<f4") for name in values]))
+    for axis, name in enumerate("xyz"):
+        vertices[name] = baked.arrays.positions[:, axis]
+    colors = np.round(255 * baked.colors(next(iter(baked.results.values)))).astype(np.uint8)
+    for channel, name in enumerate(("red", "green", "blue")):
+        vertices[name] = colors[:, channel]
+    for name, array in values.items():
+        vertices[name] = array
+    triangles = baked.arrays.triangle_vertices
+    faces = np.empty(len(triangles), np.dtype([("count", "u1"), ("vertices", "<i4", (3,))]))
+    faces["count"] = 3
+    faces["vertices"] = triangles
+    kinds = {"<f4": "float", "u1": "uchar"}
+    header = ["ply", "format binary_little_endian 1.0", "comment Paradesc", f"element vertex {len(vertices)}"]
+    header += [f"property {kinds[vertices.dtype[name].str.replace('|', '')]} {name}" for name in vertices.dtype.names]
+    header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
+    path.write_bytes("\n".join(header).encode() + vertices.tobytes() + faces.tobytes())
+
+
+def write_picture(path: Path, baked: Baked) -> None:
+    """A PNG with one view a descriptor, in world space."""
+    matrix = baked.matrix_world
+    points = baked.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    views = []
+    for name in baked.results.values:
+        shown = baked.shown(name) if baked.results.values[name].ndim == 1 else None
+        views.append(picture.View(baked.colors(name), legend.title(name, baked.unit(name)), shown))
+    png.write_png(path, picture.compose(points, baked.arrays.triangle_vertices, views))
+
+
+def write_npz_of_all(path: Path, baked: list[Baked]) -> None:
+    """The same of several objects, each name after its object's and a slash."""
+    with path.open("wb") as file:
+        np.savez(
+            file, **{f"{one.object_name}/{name}": array for one in baked for name, array in arrays_of(one).items()}
+        )
+
+
+def joined(baked: list[Baked]) -> Baked:
+    """Several objects as one in world space, with one range of colors; directions are turned along."""
+    first = baked[0].results
+    positions, corner_vertices, triangle_corners = [], [], []
+    vertices = corners_before = 0
+    for one in baked:
+        matrix = one.matrix_world
+        positions.append(one.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
+        corner_vertices.append(one.arrays.corner_vertices + vertices)
+        triangle_corners.append(one.arrays.triangle_corners + corners_before)
+        vertices += len(one.arrays.positions)
+        corners_before += len(one.arrays.corner_vertices)
+    values = {name: np.concatenate([world_values(one, name) for one in baked]) for name in first.values}
+    found = [one.results.corners for one in baked if one.results.corners is not None]
+    painted = corners.Corners(np.zeros(0, np.int32), np.concatenate([one.painted for one in found])) if found else None
+    arrays = bridge.MeshArrays(
+        np.concatenate(positions).astype(np.float32), np.concatenate(corner_vertices), np.concatenate(triangle_corners)
+    )
+    coverage = np.concatenate([one.results.coverage for one in baked])
+    whole = replace(first, values=values, coverage=coverage, corners=painted)
+    return Baked(", ".join(one.object_name for one in baked), whole, arrays, np.eye(4))
+
+
+def world_values(baked: Baked, name: str) -> np.ndarray:
+    """(n,) values as they are, (n, 3) directions in world space."""
+    values = baked.results.values[name]
+    if values.ndim == 1 or baked.results.settings.space == "world":
+        return values
+    turned = values.astype(np.float64) @ baked.matrix_world[:3, :3].T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return (turned / np.linalg.norm(turned, axis=1, keepdims=True)).astype(np.float32)
+
+
+def report(baked: Baked) -> dict[str, object]:
+    """Everything about a bake of one object but its values and what is the same for all objects."""
+    results = baked.results
+    ranges = {}
+    for name, values in results.values.items():
+        finite = values[np.isfinite(values)]
+        shown = baked.shown(name)
+        ranges[name] = {
+            "minimum": float(finite.min()) if finite.size else None,
+            "maximum": float(finite.max()) if finite.size else None,
+            "shown_minimum": shown.minimum,
+            "shown_maximum": shown.maximum,
+            "color_map": shown.color_map.name,
+            "undefined": int(np.isnan(values.reshape(len(values), -1)).any(axis=1).sum()),
+            "radius": results.radius_of(name),
+            "unit": baked.unit(name),
+        }
+    return {
+        "object": baked.object_name,
+        "mesh_report": results.mesh_report,
+        "field_report": results.field_report,
+        "field_reports": {suffix: report for suffix, report in results.field_reports.items() if suffix},
+        "descriptors": ranges,
+        "corners": listed_corners(baked),
+        "notes": baked.notes,
+        "warnings": results.warnings,
+    }
+
+
+def listed_corners(baked: Baked) -> list[dict[str, object]]:
+    """Vertex, position and response of each corner, the strongest first; none where harris was not asked for."""
+    found = baked.results.corners
+    return [] if found is None else corners.listed(found, baked.arrays.positions, baked.results.values["harris"])
+
+
+def write_json(path: Path, content: object) -> None:
+    """Writes plain Python as JSON, with null for what is not a number."""
+    path.write_text(json_text(content), encoding="utf-8")
+
+
+def json_text(content: object) -> str:
+    """Plain Python as JSON, with null for what is not a number."""
+    return json.dumps(finite_only(content), indent=2, ensure_ascii=False) + "\n"
+
+
+def part_path(path: Path) -> Path:
+    """Where a file or folder is written first, beside its place; another one for everybody who writes it."""
+    return path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+
+
+def file_fault(path: Path) -> str:
+    """Why no file can be written there, as one sentence, or ""."""
+    folder = path.absolute().parent
+    if not folder.is_dir():
+        return f'There is no folder "{folder}" to write "{path.name}" into.'
+    if path.is_dir():
+        return f'"{path}" is a folder, and cannot be written as a file; give it a name.'
+    return "" if os.access(folder, os.W_OK) else f'"{path}" cannot be written.'
+
+
+def folder_fault(path: Path) -> str:
+    """Why no folder of files can be made there, as one sentence, or ""."""
+    folder = path.absolute().parent
+    if not folder.is_dir():
+        return f'There is no folder "{folder}" to write "{path.name}" into.'
+    return f'"{path}" is a file; it has to be a folder.' if path.exists() and not path.is_dir() else ""
+
+
+def write_whole(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
+    """Writes beside the path first: a failure leaves no half file, and an old one as it was."""
+    temporary = part_path(path)
+    try:
+        writer(temporary, content)
+        temporary.replace(path)
+    except BaseException as error:
+        temporary.unlink(missing_ok=True)
+        if not isinstance(error, OSError):
+            raise
+        sentence = f'"{path}" cannot be written: {error.strerror or error}.'
+        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error
+
+
+def finite_only(content: object) -> object:
+    """The same with None for NaN and infinity, which JSON cannot hold."""
+    if isinstance(content, dict):
+        return {name: finite_only(value) for name, value in content.items()}
+    if isinstance(content, (list, tuple)):
+        return [finite_only(value) for value in content]
+    if isinstance(content, float) and not math.isfinite(content):
+        return None
+    return content

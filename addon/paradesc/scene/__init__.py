@@ -1,0 +1,1 @@
+"""Blender's objects to arrays, and results to their meshes."""

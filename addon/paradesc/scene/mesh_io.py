@@ -1,0 +1,333 @@
+"""Blender's mesh to arrays, and results to Blender's attributes: float32 numpy through foreach_get and foreach_set."""
+
+import bpy
+import numpy as np
+
+from ..bridge import InputError, MeshArrays, ParadescError, components
+from ..core import color_maps, legend, stored
+from ..core.job import Results, registry_name, registry_row
+from ..settings import looks
+from . import modes, unwrap
+
+# Custom property of a mesh that says what was baked into it: settings, report, and the names of our attributes.
+PROPERTY = "paradesc"
+
+
+def refuse(sentence: str) -> InputError:
+    """The error for a mesh that cannot be read or written."""
+    return InputError(sentence)
+
+
+def read_object(target: bpy.types.Object, corner_normals: bool, needs_uvs: bool = True) -> MeshArrays:
+    """The object's own mesh (before modifiers), in object space; in edit mode as edited so far.
+
+    Without a usable UV map it gets a layout made for the computation, if it needs one.
+    """
+    mesh = target.data
+    if mesh.is_editmode:
+        target.update_from_editmode()
+        copy = mesh.copy()  # of an edited mesh Blender hides the attributes' values, of its copy it does not
+        try:
+            return read_mesh(copy, corner_normals, needs_uvs, mesh.name)
+        finally:
+            bpy.data.meshes.remove(copy)
+    return read_mesh(mesh, corner_normals, needs_uvs, mesh.name)
+
+
+def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name: str) -> MeshArrays:
+    """A mesh's triangles as arrays; the mesh stays as it is."""
+    if len(mesh.polygons) == 0:
+        raise refuse(f'The mesh "{name}" has no faces; there is no surface to measure.')
+    arrays = MeshArrays(
+        positions=read_positions(mesh),
+        corner_vertices=read_corner_vertices(mesh),
+        triangle_corners=read_triangle_corners(mesh),
+        corner_uvs=read_uvs(mesh),
+        corner_normals=read_corner_normals(mesh) if corner_normals else None,
+        triangle_smooth=read_smooth(mesh),
+        sharp_edges=read_sharp_edges(mesh),
+    )
+    reason = unwrap.fault(arrays.corner_uvs, arrays.triangle_corners)
+    if reason:
+        arrays.layout = unwrap.layout(mesh, stored_layout(mesh), arrays, reason) if needs_uvs else None
+        arrays.corner_uvs = arrays.layout.uvs if arrays.layout else None
+    return arrays
+
+
+def read_array(collection: object, member: str, kind: type, width: int = 1) -> np.ndarray:
+    """(n,) or (n, width) values of one member of a bpy collection."""
+    array = np.empty(len(collection) * width, kind)
+    collection.foreach_get(member, array)
+    return array.reshape(-1, width) if width > 1 else array
+
+
+def read_positions(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(vertex_count, 3) float32; before Blender 3.5 positions are no attribute."""
+    attribute = mesh.attributes.get("position")
+    if attribute is not None:
+        return read_array(attribute.data, "vector", np.float32, 3)
+    return read_array(mesh.vertices, "co", np.float32, 3)
+
+
+def read_corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(corner_count,) int32"""
+    attribute = mesh.attributes.get(".corner_vert")
+    if attribute is not None:
+        return read_array(attribute.data, "value", np.int32)
+    return read_array(mesh.loops, "vertex_index", np.int32)
+
+
+def has_triangles_only(mesh: bpy.types.Mesh) -> bool:
+    """Whether every face is a triangle, with its corners where its number says; older files may have them elsewhere."""
+    count = len(mesh.polygons)
+    if len(mesh.loops) != 3 * count:
+        return False
+    if ".corner_vert" in mesh.attributes:
+        return True
+    return np.array_equal(read_array(mesh.polygons, "loop_start", np.int32), np.arange(0, 3 * count, 3))
+
+
+def read_triangle_corners(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(triangle_count, 3) int32, as Blender divides faces; it is slow to hand that over, and not asked without need."""
+    if has_triangles_only(mesh):
+        return np.arange(len(mesh.loops), dtype=np.int32).reshape(-1, 3)
+    mesh.calc_loop_triangles()
+    return read_array(mesh.loop_triangles, "loops", np.int32, 3)
+
+
+def read_uvs(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """(corner_count, 2) float32 of the active UV map, or None without one."""
+    layer = mesh.uv_layers.active
+    return None if layer is None else unwrap.read_uvs(layer)
+
+
+def read_corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(corner_count, 3) float32 with custom and split normals; before Blender 4.1 they are computed on request."""
+    if hasattr(mesh, "corner_normals"):
+        return read_array(mesh.corner_normals, "vector", np.float32, 3)
+    mesh.calc_normals_split()
+    try:
+        return read_array(mesh.loops, "normal", np.float32, 3)
+    finally:
+        mesh.free_normals_split()
+
+
+def read_smooth(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """(triangle_count,) uint8, 0 where flat shaded; None where everything is smooth."""
+    attribute = mesh.attributes.get("sharp_face")
+    if attribute is not None:
+        face_smooth = ~read_array(attribute.data, "value", bool)
+    elif "position" in mesh.attributes:
+        return None
+    else:
+        face_smooth = read_array(mesh.polygons, "use_smooth", bool)
+    return face_smooth[read_triangle_faces(mesh)].astype(np.uint8)
+
+
+def read_triangle_faces(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(triangle_count,) int32 faces that the triangles are parts of; before Blender 3.6 by the slower way."""
+    if has_triangles_only(mesh):
+        return np.arange(len(mesh.polygons), dtype=np.int32)
+    if hasattr(mesh, "loop_triangle_polygons"):
+        return read_array(mesh.loop_triangle_polygons, "value", np.int32)
+    return read_array(mesh.loop_triangles, "polygon_index", np.int32)
+
+
+def read_sharp_edges(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """(sharp_edge_count, 2) int32 vertex pairs, or None without one."""
+    attribute = mesh.attributes.get("sharp_edge")
+    if attribute is not None:
+        sharp = read_array(attribute.data, "value", bool)
+    elif "position" in mesh.attributes:
+        return None
+    else:
+        sharp = read_array(mesh.edges, "use_edge_sharp", bool)
+    if not sharp.any():
+        return None
+    attribute = mesh.attributes.get(".edge_verts")
+    if attribute is not None:
+        return read_array(attribute.data, "value", np.int32, 2)[sharp]
+    return read_array(mesh.edges, "vertices", np.int32, 2)[sharp]
+
+
+def world_matrix(target: bpy.types.Object) -> np.ndarray:
+    """(4, 4) float64 object space to world space."""
+    return np.array(target.matrix_world, np.float64)
+
+
+# ---- Writing
+
+
+def check_writable(target: bpy.types.Object) -> None:
+    """Refuses objects whose mesh would lose the results when the file is loaded again."""
+    mesh = target.data
+    if mesh.library is not None or target.library is not None:
+        raise refuse(f'The mesh "{mesh.name}" is linked from another file; make it local first.')
+    if mesh.override_library is not None:
+        raise refuse(
+            f'The mesh "{mesh.name}" is a library override, which cannot keep attributes; make it local first.'
+        )
+
+
+def stored_summary(mesh: bpy.types.Mesh) -> dict[str, object]:
+    """What summary() left on this mesh with the last bake; empty without one."""
+    content = mesh.get(PROPERTY)
+    return stored.checked(content.to_dict() if hasattr(content, "to_dict") else None)
+
+
+def stored_layout(mesh: bpy.types.Mesh) -> dict[str, str]:
+    """What a bake stored about the layout that it left on this mesh; empty without one."""
+    return stored_summary(mesh).get("layout", {})
+
+
+def written_attributes(mesh: bpy.types.Mesh) -> list[str]:
+    """Names of the attributes that earlier bakes left on this mesh."""
+    return list(stored_summary(mesh).get("attributes", []))
+
+
+def wanted_kind(name: str) -> tuple[str, str]:
+    """Type and domain of an attribute of ours."""
+    if name.endswith("_color"):
+        return ("FLOAT_COLOR", "POINT")
+    return ("FLOAT_VECTOR" if components(registry_name(name)) == 3 else "FLOAT", "POINT")
+
+
+def wanted_names(results: Results) -> list[str]:
+    """Every attribute that these results become."""
+    names = [name for descriptor in results.values for name in (descriptor, f"{descriptor}_color")]
+    return [*names, *results.extras]
+
+
+def check_names(mesh: bpy.types.Mesh, names: list[str]) -> list[str]:
+    """The names whose attribute has another type or domain and is ours to replace; refuses those that are not ours."""
+    ours = written_attributes(mesh)
+    replaced = []
+    for name in names:
+        if name in mesh.uv_layers:
+            raise refuse(f'The mesh "{mesh.name}" has a UV map called "{name}"; rename it, the result needs that name.')
+        attribute = mesh.attributes.get(name)
+        if attribute is None or (attribute.data_type, attribute.domain) == wanted_kind(name):
+            continue
+        if name not in ours:
+            raise refuse(
+                f'The mesh "{mesh.name}" has an attribute "{name}" of another type ({attribute.data_type} on '
+                f"{attribute.domain}) that is not ours; rename it, the result needs that name."
+            )
+        replaced.append(name)
+    return replaced
+
+
+def write_results(target: bpy.types.Object, results: Results) -> list[str]:
+    """Leaves the results on the object's mesh; gives sentences about what was replaced. On failure nothing changes."""
+    check_writable(target)
+    mesh = target.data
+    with modes.object_mode(target):
+        if len(mesh.vertices) != len(results.coverage):
+            raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
+        replaced = check_names(mesh, wanted_names(results))
+        make_attributes(mesh, wanted_names(results), replaced)
+        layout = stored_layout(mesh) if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
+        shown = {name: shown_range(results, name) for name in results.values}
+        write_values(mesh, results, shown)
+        mesh[PROPERTY] = {**summary(mesh, results, shown), "layout": layout}
+        mesh.update()
+    return [f'The attribute "{name}" had another type or domain and was replaced.' for name in replaced]
+
+
+def make_attributes(mesh: bpy.types.Mesh, names: list[str], replaced: list[str]) -> None:
+    """Makes the attributes that are missing; those to be replaced go only once all the others are there."""
+    aside = {name: f"{name}.replaced" for name in replaced}
+    made: list[str] = []
+    try:
+        for name, other in aside.items():
+            mesh.attributes[name].name = other
+        for name in names:
+            if mesh.attributes.get(name) is None:
+                made.append(make_attribute(mesh, name))
+            if made and made[-1] not in names:
+                raise refuse(f'The name "{name}" is taken on the mesh "{mesh.name}"; rename what is called so.')
+    except (RuntimeError, ParadescError):
+        for name in made:
+            mesh.attributes.remove(mesh.attributes[name])
+        for name, other in aside.items():
+            if mesh.attributes.get(other) is not None:
+                mesh.attributes[other].name = name
+        raise
+    for other in aside.values():
+        mesh.attributes.remove(mesh.attributes[other])
+
+
+def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
+    """Makes one attribute of ours; gives the name that Blender gave it."""
+    attribute = mesh.attributes.new(name, *wanted_kind(name))
+    if attribute is None:
+        raise refuse(f'Blender made no attribute "{name}" on the mesh "{mesh.name}".')
+    return attribute.name
+
+
+def write_values(mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.ValueRange]) -> None:
+    """Fills the attributes, which exist; making one moves the others' values, so nothing is held across."""
+    for name, values in results.values.items():
+        member = "value" if values.ndim == 1 else "vector"
+        mesh.attributes[name].data.foreach_set(member, np.ascontiguousarray(values, np.float32).ravel())
+        write_colors(mesh, name, values, shown[name])
+    for name, values in results.extras.items():
+        mesh.attributes[name].data.foreach_set("value", np.ascontiguousarray(values, np.float32))
+    first = next(iter(results.values)) + "_color"
+    colors = mesh.color_attributes
+    colors.active_color = colors[first]
+    colors.render_color_index = colors.find(first)
+
+
+def write_colors(mesh: bpy.types.Mesh, name: str, values: np.ndarray, shown: color_maps.ValueRange) -> None:
+    """Fills the color attribute of a descriptor's (n,) or (n, 3) values."""
+    rgba = color_maps.linear_rgba(color_maps.colors(values, shown))
+    mesh.attributes[f"{name}_color"].data.foreach_set("color", rgba.ravel())
+
+
+def shown_range(results: Results, name: str) -> color_maps.ValueRange:
+    """The range of values that the colors of a descriptor span."""
+    look = results.look or looks.scene_look(bpy.context.scene)
+    return color_maps.value_range(results.values[name], registry_row(name), results.radius_of(name), look)
+
+
+def drawing(shown: color_maps.ValueRange) -> dict[str, object]:
+    """How colors were made, beside their range."""
+    return {
+        "map": shown.map_name,
+        "diverging": shown.diverging,
+        **({} if shown.neutral is None else {"neutral": shown.neutral}),
+    }
+
+
+def drawing_of(shown: color_maps.ValueRange, results: Results, name: str) -> dict[str, object]:
+    """What a legend and a new coloring need to know of a descriptor's values, beside their range."""
+    return {
+        **drawing(shown),
+        "radius": results.radius_of(name),
+        "unit": legend.unit_of(name, results.settings.options.map_descriptor),
+    }
+
+
+def summary(mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.ValueRange]) -> dict[str, object]:
+    """What the custom property holds, with the ranges of the colors: plain numbers, strings and lists."""
+    names = sorted(set(written_attributes(mesh)) | set(wanted_names(results)))
+    earlier = stored_summary(mesh)
+    drawn = {name: drawing_of(shown[name], results, name) for name in shown}
+    return {
+        "settings": {name: storable(value) for name, value in results.settings.as_dict().items()},
+        "mesh_report": results.mesh_report,
+        "field_report": results.field_report,
+        "backend": results.backend,
+        "device": results.device,
+        "fallback": results.fallback,
+        "warnings": "\n".join(results.warnings),
+        "ranges": {**earlier.get("ranges", {}), **{name: [span.minimum, span.maximum] for name, span in shown.items()}},
+        "drawn": {**earlier.get("drawn", {}), **drawn},
+        "attributes": [name for name in names if name in mesh.attributes],
+    }
+
+
+def storable(value: object) -> object:
+    """The value, as a float where Blender's 32-bit custom properties cannot hold the integer."""
+    return float(value) if isinstance(value, int) and abs(value) >= 2**31 else value

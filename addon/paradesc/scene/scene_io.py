@@ -1,0 +1,185 @@
+"""Opens what the command line is given as a Blender scene, and saves it."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import bmesh
+import bpy
+import numpy as np
+
+from ..bridge import ParadescError, abi
+from ..core.standard_streams import quiet
+from .mesh_io import read_positions, refuse
+
+# The operators that import a suffix, with their own defaults; the first that this Blender has is taken.
+IMPORTERS = {
+    ".obj": ("wm.obj_import", "import_scene.obj"),
+    ".ply": ("wm.ply_import", "import_mesh.ply"),
+    ".stl": ("import_mesh.stl", "wm.stl_import"),  # before 4.1 the second one is there, but unfinished
+    ".glb": ("import_scene.gltf",),
+    ".gltf": ("import_scene.gltf",),
+    ".fbx": ("wm.fbx_import", "import_scene.fbx"),
+    ".usd": ("wm.usd_import",),
+    ".usda": ("wm.usd_import",),
+    ".usdc": ("wm.usd_import",),
+    ".usdz": ("wm.usd_import",),
+}
+SUFFIXES = (".blend", *IMPORTERS)
+# Corners of an STL file nearer than this share of the diagonal are one vertex: numbers in text have few digits.
+WELD_SHARE = 1e-6
+
+
+def open_scene(path: Path, verbose: bool = False) -> list[str]:
+    """Makes the file the open scene, anything but a .blend imported into an empty one; says what was done to it."""
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise refuse(f'"{path}" is none of {", ".join(SUFFIXES)}.')
+    if not path.is_file():
+        raise refuse(f'There is no file "{path}".')
+    try:
+        with quiet(verbose):
+            whole = path.absolute()  # of the rest Blender would ask $PWD, which need not be the working directory
+            if suffix == ".blend":
+                bpy.ops.wm.open_mainfile(filepath=str(whole), load_ui=False)
+                return []
+            bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+            importer = find_importer(suffix)
+            with numpy_bool():
+                importer(filepath=str(whole))
+            return weld_meshes() if suffix == ".stl" else []
+    except (RuntimeError, ValueError, KeyError, IndexError, TypeError, AttributeError, OSError) as error:
+        raise refuse(f'Blender cannot read "{path}": {reason(error)}.') from error
+
+
+def find_importer(suffix: str) -> object:
+    """The operator that imports this suffix here."""
+    for name in IMPORTERS[suffix]:
+        if has_operator(name):
+            category, _, member = name.partition(".")
+            return getattr(getattr(bpy.ops, category), member)
+    raise refuse(
+        f"Blender {bpy.app.version_string} here was built without, or has switched off, its importer of {suffix}."
+    )
+
+
+def has_operator(name: str) -> bool:
+    """Whether this Blender has the operator; bpy.ops itself gives one for any name."""
+    category, _, member = name.partition(".")
+    try:
+        getattr(getattr(bpy.ops, category), member).get_rna_type()
+    except (KeyError, AttributeError):
+        return False
+    return True
+
+
+def weld_meshes() -> list[str]:
+    """Joins the corners of an STL file's triangles, each of which stands by itself, into a surface; says so."""
+    sentences = []
+    for mesh in bpy.data.meshes:
+        triangles = len(mesh.polygons)
+        points = read_positions(mesh)
+        if len(points) == 0 or not np.isfinite(points).all():
+            continue
+        diagonal = float(np.linalg.norm(np.ptp(points.astype(np.float64), axis=0)))
+        welded = bmesh.new()
+        welded.from_mesh(mesh)
+        bmesh.ops.remove_doubles(welded, verts=welded.verts, dist=WELD_SHARE * diagonal)
+        welded.to_mesh(mesh)
+        welded.free()
+        sentences.append(
+            f"An STL file holds loose triangles: the {3 * triangles:,} corners of {triangles:,} were welded into "
+            f"{len(mesh.vertices):,} vertices, at a millionth of the diagonal."
+        )
+    return sentences
+
+
+def reason(error: Exception) -> str:
+    """What Blender says is wrong, in one sentence without its final dot; of a traceback the exception alone."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    lines = [line for line in lines if not line.startswith("Location: ")]
+    raised = [
+        line for line in lines if re.match(r"[A-Za-z_.]*([Ee]rror|Exception): ", line) and "Traceback" not in line
+    ]
+    line = (raised or lines or [type(error).__name__])[-1]
+    return line.removeprefix("Error: ").rstrip(".")[:300]
+
+
+@contextmanager
+def numpy_bool() -> Iterator[None]:
+    """Gives numpy 1.24 to 1.26 their former np.bool for a while: the glTF importer of Blender 3.4 asks for it."""
+    if "bool" in np.__dict__:
+        yield
+        return
+    np.bool = bool
+    try:
+        yield
+    finally:
+        del np.bool
+
+
+def mesh_objects() -> list[bpy.types.Object]:
+    """The scene's mesh objects."""
+    return [item for item in bpy.context.scene.objects if item.type == "MESH"]
+
+
+def choose_object(name: str | None, prefer_active: bool) -> bpy.types.Object:
+    """The mesh object of that name; without a name the active one if preferred, else the one with the most vertices."""
+    meshes = mesh_objects()
+    if name is not None:
+        return find_object(name)
+    active = bpy.context.view_layer.objects.active
+    if prefer_active and active is not None and active.type == "MESH":
+        return active
+    if not meshes:
+        raise refuse("There is no mesh object in the scene.")
+    shapes = bone_shapes()
+    return max([item for item in meshes if item not in shapes] or meshes, key=lambda item: len(item.data.vertices))
+
+
+def find_object(name: str) -> bpy.types.Object:
+    """The mesh object of that name."""
+    found = bpy.context.scene.objects.get(name)
+    if found is None:
+        known = ", ".join(f'"{item.name}"' for item in mesh_objects()[:8]) or "none"
+        raise refuse(f'There is no object "{name}"; mesh objects: {known}.')
+    if found.type != "MESH":
+        raise refuse(f'The object "{name}" is no mesh.')
+    return found
+
+
+def all_objects() -> tuple[list[bpy.types.Object], list[str]]:
+    """Every mesh object of the view layer that has faces and renders; sentences about the others."""
+    shapes = bone_shapes()
+    chosen, sentences = [], []
+    for item in (item for item in bpy.context.view_layer.objects if item.type == "MESH"):
+        if item in shapes:
+            reason = "is the shape of a bone"
+        elif item.hide_render or all(collection.hide_render for collection in item.users_collection):
+            reason = "is disabled in renders"
+        elif not item.data.polygons:
+            reason = "has no faces"
+        else:
+            chosen.append(item)
+            continue
+        sentences.append(f'The object "{item.name}" {reason} and was left out.')
+    if not chosen:
+        raise refuse(" ".join(["There is no mesh object with faces in the scene that renders.", *sentences]))
+    return sorted(chosen, key=lambda item: item.name), sentences
+
+
+def bone_shapes() -> set[bpy.types.Object]:
+    """Objects that bones are drawn as; the importer of glTF makes one."""
+    rigs = [item for item in bpy.context.scene.objects if item.type == "ARMATURE" and item.pose]
+    return {bone.custom_shape for rig in rigs for bone in rig.pose.bones if bone.custom_shape}
+
+
+def save_blend(path: Path, verbose: bool = False) -> None:
+    """Saves the open scene as a .blend, which Blender does beside it first; the open scene keeps its own name."""
+    try:
+        with quiet(verbose):
+            bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True, check_existing=False)
+    except RuntimeError as error:
+        sentence = f'Blender cannot write "{path}": {reason(error)}.'
+        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error

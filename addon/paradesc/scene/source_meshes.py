@@ -1,0 +1,310 @@
+"""An object as it is measured: its own mesh, that mesh deformed by modifiers, or what the whole stack makes of it.
+
+Results go to the object's own vertices wherever these are found again: deforming modifiers keep them; others are asked
+by a temporary attribute that only vertices which come through unmixed still carry. Where vertices are lost, results go
+to an object of their own.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+
+import bpy
+import numpy as np
+
+from ..bridge import MeshArrays
+from ..core.job import Results
+from ..core.source_kinds import NAMES
+from . import mesh_io
+from .mesh_io import refuse
+
+# Modifiers that make or take vertices or faces. Geometry Nodes may do either, which is tried.
+GENERATING = {
+    "ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "FLUID", "MASK", "MESH_TO_VOLUME",
+    "MIRROR", "MULTIRES", "OCEAN", "PARTICLE_INSTANCE", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE",
+    "VOLUME_TO_MESH", "WELD", "WIREFRAME",
+}  # fmt: skip
+MARK = "paradesc_origin"
+# Whole numbers up to here are exact in 32-bit floats.
+EXACT = 1 << 24
+RESULT_SUFFIX = "_paradesc"
+
+
+@dataclass
+class Reading:
+    """A mesh to measure, and where its results belong."""
+
+    arrays: MeshArrays
+    source: str
+    vertices: np.ndarray | None = None  # (original_count,) int64 of the arrays' vertices; None: they are the original's
+    own: bool = True  # results go to the object's own mesh, else to a result object
+    notes: list[str] = field(default_factory=list)
+
+
+def check_source(source: str) -> None:
+    """Refuses a source that there is not."""
+    if source not in NAMES:
+        raise refuse(f'There is no source "{source}"; choose from {", ".join(NAMES)}.')
+
+
+def read(
+    target: bpy.types.Object,
+    source: str,
+    corner_normals: bool = False,
+    needs_uvs: bool = True,
+    base: MeshArrays | None = None,
+    former: Reading | None = None,
+) -> Reading:
+    """The object's mesh by this source, in object space at the current frame; the scene stays as it is.
+
+    For frame after frame: base, the original as it was read, and the former frame's reading save reading them again.
+    """
+    check_source(source)
+
+    def original() -> MeshArrays:
+        return mesh_io.read_object(target, corner_normals, needs_uvs) if base is None else base
+
+    if source == "original":
+        return Reading(original(), source)
+    if target.data.is_editmode or target.mode == "SCULPT":
+        note = "In edit and sculpt mode the mesh is measured as it is edited, without its modifiers."
+        return Reading(mesh_io.read_object(target, corner_normals, needs_uvs), "original", notes=[note])
+    if source == "deformed":
+        return read_deformed(target, original())
+    with evaluated_mesh(target) as mesh:
+        if same_vertices(mesh, target.data):
+            return Reading(moved(mesh, original()), source)
+        arrays = mesh_io.read_mesh(mesh, corner_normals, needs_uvs, target.data.name)
+    if former is not None and former.source == source and same_corners(former.arrays, arrays):
+        return replace(former, arrays=arrays)
+    return placed(target, arrays)
+
+
+def moved(mesh: bpy.types.Mesh, base: MeshArrays) -> MeshArrays:
+    """The same faces where the mesh has their vertices, with its normals where base has any."""
+    normals = None if base.corner_normals is None else mesh_io.read_corner_normals(mesh)
+    return replace(base, positions=mesh_io.read_positions(mesh), corner_normals=normals)
+
+
+def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
+    """The object's own faces, given as base, where its deforming modifiers and shape keys move them."""
+    with only_deforming(target) as hidden, evaluated_mesh(target) as mesh:
+        if not same_vertices(mesh, target.data):
+            names = quoted([modifier.name for modifier in shown_modifiers(target)])
+            raise refuse(
+                f'The modifiers of "{target.name}" ({names}) change its faces, though none is known to; '
+                "choose the source evaluated or original."
+            )
+        notes = [f"Measured without the modifiers that change the vertices: {quoted(hidden)}."] if hidden else []
+        return Reading(moved(mesh, base), "deformed", notes=notes)
+
+
+def placed(target: bpy.types.Object, arrays: MeshArrays) -> Reading:
+    """The arrays that the whole stack of modifiers made, with where their results go."""
+    vertices = origins(target, arrays)
+    count, lost = len(target.data.vertices), int((vertices < 0).sum())
+    made = f"The modifiers make {len(arrays.positions):,} vertices of {count:,}"
+    if lost or not count:
+        why = f"{made} and lose {lost:,}: results go to an object of their own."
+        return Reading(arrays, "evaluated", None, own=False, notes=[why])
+    note = f"{made}, the original ones among them: results of these go to the original."
+    return Reading(arrays, "evaluated", vertices, notes=[note])
+
+
+def quoted(names: list[str]) -> str:
+    """The names in quotation marks, between commas."""
+    return ", ".join(f'"{name}"' for name in names)
+
+
+def check_maps(reading: Reading) -> None:
+    """Refuses a normal map whose tangents are not those of the mesh that is measured."""
+    maps = reading.arrays.maps
+    if maps is not None and maps.normals is not None and reading.source != "original":
+        raise refuse("A normal map belongs to the original mesh; choose the source original, or leave the map out.")
+
+
+# ---- Evaluating
+
+
+@contextmanager
+def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
+    """The mesh after modifiers at the current frame; it exists for this long only."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    evaluated = target.evaluated_get(depsgraph)
+    if not evaluated.is_evaluated:
+        raise refuse(
+            f'The object "{target.name}" is disabled in viewports or not in the view layer, so Blender does not '
+            "evaluate its modifiers; enable it, or choose the source original."
+        )
+    try:
+        mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
+    except RuntimeError as error:
+        raise refuse(f'Blender cannot evaluate "{target.name}": {error}') from error
+    try:
+        yield mesh
+    finally:
+        evaluated.to_mesh_clear()
+
+
+@contextmanager
+def only_deforming(target: bpy.types.Object) -> Iterator[list[str]]:
+    """Hides modifiers that change vertices or faces for a while; gives their names. Shown again whatever happens."""
+    generating = [modifier for modifier in shown_modifiers(target) if modifier.type in GENERATING]
+    hidden: list[bpy.types.Modifier] = []
+    try:
+        hide(generating, hidden)
+        nodes = [modifier for modifier in shown_modifiers(target) if modifier.type == "NODES"]
+        if nodes:
+            with evaluated_mesh(target) as mesh:
+                changed = not same_vertices(mesh, target.data)
+            if changed:
+                hide(nodes, hidden)
+        yield [modifier.name for modifier in hidden]
+    finally:
+        for modifier in hidden:
+            modifier.show_viewport = True
+        if hidden:
+            bpy.context.view_layer.update()
+
+
+def hide(modifiers: list[bpy.types.Modifier], hidden: list[bpy.types.Modifier]) -> None:
+    """Hides these and adds them to the hidden ones."""
+    for modifier in modifiers:
+        modifier.show_viewport = False
+        hidden.append(modifier)
+    if modifiers:
+        bpy.context.view_layer.update()
+
+
+def shown_modifiers(target: bpy.types.Object) -> list[bpy.types.Modifier]:
+    """Those that count at the moment."""
+    return [modifier for modifier in target.modifiers if modifier.show_viewport]
+
+
+def same_vertices(mesh: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:
+    """True where both have the same corners of the same number of vertices."""
+    return (
+        len(mesh.vertices) == len(other.vertices)
+        and len(mesh.loops) == len(other.loops)
+        and len(mesh.polygons) == len(other.polygons)
+        and np.array_equal(mesh_io.read_corner_vertices(mesh), mesh_io.read_corner_vertices(other))
+    )
+
+
+def same_corners(arrays: MeshArrays, others: MeshArrays) -> bool:
+    """True where both have the same corners of the same number of vertices."""
+    return len(arrays.positions) == len(others.positions) and np.array_equal(
+        arrays.corner_vertices, others.corner_vertices
+    )
+
+
+# ---- Finding vertices again
+
+
+def origins(target: bpy.types.Object, arrays: MeshArrays) -> np.ndarray:
+    """(original_count,) int64 vertex of the evaluated mesh that each original vertex became, the first; -1: none."""
+    count = len(target.data.vertices)
+    if count >= EXACT:
+        return np.full(count, -1, np.int64)
+    marks = np.empty((count, 3), np.float32)
+    marks[:, 0] = np.arange(count)
+    marks[:, 1:] = np.random.default_rng(0).integers(1, EXACT, (count, 2))  # a mixed vertex has neither
+    with marked(target.data, marks), evaluated_mesh(target) as mesh:
+        attribute = mesh.attributes.get(MARK)
+        usable = attribute is not None and (attribute.data_type, attribute.domain) == ("FLOAT_VECTOR", "POINT")
+        if not usable or len(attribute.data) != len(arrays.positions):
+            return np.full(count, -1, np.int64)
+        carried = mesh_io.read_array(attribute.data, "vector", np.float32, 3)
+    return matched(carried, marks)
+
+
+def matched(carried: np.ndarray, marks: np.ndarray) -> np.ndarray:
+    """(count,) int64 first row of carried (n, 3) that is each row of marks (count, 3), whose first column counts."""
+    count = len(marks)
+    first = carried[:, 0]
+    plausible = np.isfinite(first) & (first >= 0) & (first < count)
+    index = np.where(plausible, first, 0).astype(np.int64)
+    places = np.flatnonzero(plausible & (carried == marks[index]).all(axis=1)) if count else np.empty(0, np.int64)
+    found = np.full(count, -1, np.int64)
+    found[index[places[::-1]]] = places[::-1]
+    return found
+
+
+@contextmanager
+def marked(mesh: bpy.types.Mesh, marks: np.ndarray) -> Iterator[None]:
+    """Gives the mesh's vertices the marks (vertex_count, 3) for a while."""
+    if MARK in mesh.attributes:
+        raise refuse(f'The mesh "{mesh.name}" has an attribute "{MARK}"; rename it, that name is needed.')
+    active = mesh.attributes.active_index
+    made = mesh.attributes.new(MARK, "FLOAT_VECTOR", "POINT")
+    try:
+        made.data.foreach_set("vector", marks.ravel())
+        mesh.update()
+        bpy.context.view_layer.update()
+        yield
+    finally:
+        mesh.attributes.remove(mesh.attributes[MARK])
+        mesh.attributes.active_index = active
+        mesh.update()
+        bpy.context.view_layer.update()
+
+
+# ---- Giving results back
+
+
+def deliver(target: bpy.types.Object, results: Results, reading: Reading) -> list[str]:
+    """Leaves the results where they belong; gives sentences about that and what was replaced."""
+    if reading.own:
+        return mesh_io.write_results(target, on_original(results, reading))
+    holder = result_object(target, reading.arrays)
+    return [f'The results are in "{holder.name}".', *mesh_io.write_results(holder, results)]
+
+
+def on_original(results: Results, reading: Reading) -> Results:
+    """The same results at the object's own vertices."""
+    if reading.vertices is None:
+        return results
+    at = reading.vertices
+    corners = results.corners
+    if corners is not None:
+        painted = corners.painted[at]
+        place = {int(vertex): index for index, vertex in reversed(list(enumerate(at)))}
+        kept = [vertex for vertex in corners.vertices.tolist() if vertex in place]
+        own = np.array([place[vertex] for vertex in kept], corners.vertices.dtype)
+        corners = replace(corners, vertices=own, painted=painted)
+    return replace(
+        results,
+        values={name: values[at] for name, values in results.values.items()},
+        coverage=results.coverage[at],
+        mask=results.mask[at],
+        near_seam=None if results.near_seam is None else results.near_seam[at],
+        seam_error={name: values[at] for name, values in results.seam_error.items()},
+        unwrapped=None,  # it is a layout of the evaluated mesh, which nothing keeps
+        corners=corners,
+    )
+
+
+def result_object(target: bpy.types.Object, arrays: MeshArrays) -> bpy.types.Object:
+    """The object "<name>_paradesc" with the evaluated mesh; one from an earlier bake is filled anew."""
+    name = target.name + RESULT_SUFFIX
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    mesh = bpy.data.meshes.new_from_object(
+        target.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
+    )
+    if len(mesh.vertices) != len(arrays.positions):
+        bpy.data.meshes.remove(mesh)
+        raise refuse(f'The object "{target.name}" was changed while it was being computed; run it again.')
+    mesh.name = name
+    holder = bpy.data.objects.get(name)
+    if holder is not None and holder.get(mesh_io.PROPERTY) == target.name:
+        former = holder.data
+        holder.data = mesh
+        if former.users == 0:
+            bpy.data.meshes.remove(former)
+    else:
+        holder = bpy.data.objects.new(name, mesh)
+        holder[mesh_io.PROPERTY] = target.name
+        for collection in target.users_collection or [bpy.context.scene.collection]:
+            collection.objects.link(holder)
+    holder.matrix_world = target.matrix_world
+    return holder

@@ -1,0 +1,150 @@
+"""The selection to the meshes that are baked, each once; what stands in the way; reading them."""
+
+from dataclasses import dataclass, field, replace
+
+import bpy
+import numpy as np
+
+from .. import bridge
+from ..bridge import ParadescError, abi
+from ..core import job, spaces
+from . import mesh_io, source_meshes, surface_maps
+
+# Modes in which the mesh can be read, and that can be left and entered again.
+MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
+
+
+def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The mesh objects that a bake is about: the selected ones, the active one first; in other modes those in it."""
+    active = context.active_object
+    if active is not None and active.type == "MESH" and active.mode == "EDIT":
+        edited = [item for item in context.view_layer.objects if item.type == "MESH" and item.mode == "EDIT"]
+        return sorted(edited, key=lambda item: item != active)
+    if active is not None and active.mode != "OBJECT":
+        return [active] if active.type == "MESH" else []
+    selected = getattr(context, "selected_objects", None)  # what a script has put there; none in handlers
+    if selected is None:
+        selected = context.view_layer.objects.selected
+    found = [item for item in selected if item.type == "MESH"]
+    if not found and active is not None and active.type == "MESH":
+        return [active]
+    return sorted(found, key=lambda item: item != active)
+
+
+def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
+    """The objects grouped by the mesh that they share."""
+    groups: dict[bpy.types.Mesh, list[bpy.types.Object]] = {}
+    for target in targets:
+        groups.setdefault(target.data, []).append(target)
+    return list(groups.values())
+
+
+def obstacle(context: bpy.types.Context) -> str:
+    """Why nothing can be baked right now, as one sentence, or ""."""
+    missing = bridge.missing_sentence()
+    if missing:
+        return missing
+    active = context.active_object
+    if active is not None and active.mode != "OBJECT" and (active.type != "MESH" or active.mode not in MODES):
+        return f"Leave {active.mode.replace('_', ' ').lower()} mode first"
+    targets = chosen(context)
+    if not targets:
+        return "Select a mesh object first"
+    for target in targets:
+        if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
+            return "Switch dynamic topology off, or leave sculpt mode, first: its mesh is not yet that of the object"
+    group = context.scene.paradesc
+    if not (group.write_attributes or group.write_image or group.write_buffers):
+        return "There is nothing to write: choose attributes, an image or buffers under Output"
+    refused = [sentence for sentence in map(unwritable, targets) if sentence] if group.write_attributes else []
+    return refused[0] if len(refused) == len(targets) else ""
+
+
+def unwritable(target: bpy.types.Object) -> str:
+    """Why the object's mesh would not keep what is written to it, or ""."""
+    try:
+        mesh_io.check_writable(target)
+    except ParadescError as error:
+        return error.sentence
+    return ""
+
+
+# ---- Reading
+
+
+@dataclass
+class Request:
+    """What else is asked of a bake than the computation's own settings; plain values, since it outlasts an undo."""
+
+    shape_key: str = "basis"  # or "active"
+    maps: surface_maps.Sources = field(default_factory=surface_maps.Sources)
+    write_attributes: bool = True
+    source: str = "original"
+    remedy: str = "measure in World"  # where an object's scale does not count
+
+
+@dataclass
+class Read:
+    """One object's mesh."""
+
+    arrays: bridge.MeshArrays  # in object space, as files hold it
+    measured: bridge.MeshArrays  # the same in the space that is measured
+    reading: source_meshes.Reading  # where its results belong
+    notes: list[str]  # sentences about what was measured
+    map_notes: list[str]  # and about each image
+
+
+def read(target: bpy.types.Object, settings: job.Settings, request: Request) -> Read:
+    """The object's mesh by its source, before or after modifiers; the mesh stays as it is."""
+    needs_uvs = settings.backend != "reference"
+    reading = source_meshes.read(target, request.source, settings.options.normals == "mesh", needs_uvs)
+    arrays, notes = reading.arrays, list(reading.notes)
+    if reading.source == "original":
+        notes += take_shape(target, arrays, request.shape_key)
+    map_notes = surface_maps.add_maps(target, arrays, request.maps)
+    source_meshes.check_maps(reading)
+    measured, matrix = replace(arrays), mesh_io.world_matrix(target)
+    if settings.space == "world":
+        if arrays.maps is not None:
+            measured.maps = replace(arrays.maps)
+        spaces.to_world(measured, matrix, target.name)
+    elif not spaces.is_even(matrix):
+        notes.append(
+            f'The object "{target.name}" is scaled differently along its axes, but was measured without its scale; '
+            f"{request.remedy}, or apply the scale."
+        )
+    return Read(arrays, measured, reading, notes, map_notes)
+
+
+def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) -> list[str]:
+    """Takes the positions of the wanted shape key; says so where another shape is shown."""
+    keys = target.data.shape_keys
+    if keys is None:
+        return []
+    active = target.active_shape_key
+    key = active if shape == "active" and active is not None else keys.reference_key
+    if len(key.data) != len(arrays.positions):
+        sentence = f'The shape key "{key.name}" does not fit its mesh "{target.data.name}"; leave edit mode first.'
+        raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence)
+    arrays.positions = mesh_io.read_array(key.data, "co", np.float32, 3)
+    if key != keys.reference_key:
+        return [f'The shape key "{key.name}" was measured, at its full value.']
+    if any(block.value != 0 and not block.mute for block in keys.key_blocks[1:]):
+        return [f'The mesh "{target.data.name}" has shape keys; the basis was measured, not the shape that is shown.']
+    return []
+
+
+def shared_note(sharing: list[bpy.types.Object], space: str = "world", source: str = "original") -> list[str]:
+    """Says which object's modifiers or scale counted, where objects share a mesh but not these."""
+    first, *others = sharing
+    if others and source != "original":
+        return [f'{len(sharing)} objects share the mesh "{first.data.name}"; it was measured as "{first.name}" has it.']
+    if space != "world":
+        return []
+    own = np.sort(spaces.scales(mesh_io.world_matrix(first)))
+    if all(np.allclose(own, np.sort(spaces.scales(mesh_io.world_matrix(item))), rtol=spaces.EVEN) for item in others):
+        return []
+    return [
+        f'{len(sharing)} objects share the mesh "{first.data.name}" at different scales; it was measured as '
+        f'"{first.name}" stands in the world.'
+    ]

@@ -1,0 +1,247 @@
+"""A mesh without a usable UV map to a layout for the computation: Blender's unwrap of a copy, kept out of sight."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import radians
+
+import bpy
+import numpy as np
+
+from ..bridge import InputError, Layout, MeshArrays, ParadescError, abi
+from ..core import packing
+from ..core.digests import digest
+
+# Three floats a corner (u, v, 0): two would be one more UV map since Blender 3.5. Names that begin with ".hide" stay
+# out of Blender's own lists of attributes.
+ATTRIBUTE = ".hide_paradesc_uv"
+# A map is of no use when fewer of the triangles than this share have an area in it.
+LEAST_SHARE_WITH_AREA = 0.01
+# Between directions of one chart. Up to here no chart of the meshes tried overlaps itself, from 55 degrees on some do.
+ANGLE_LIMIT = radians(50)
+# Of the scene, the object and the mesh that exist for the time of the unwrap.
+TEMPORARY = "Paradesc unwrap"
+
+
+def fault(uvs: np.ndarray | None, triangle_corners: np.ndarray) -> str:
+    """What the (corner_count, 2) UV map is lacking, as "has …", or "" where it is usable."""
+    if uvs is None:
+        return "has no UV map"
+    if not np.isfinite(uvs).all():
+        return "has a UV map with coordinates that are not finite"
+    if len(triangle_corners) and not has_uv_area(uvs, triangle_corners):
+        return "has a UV map without area"
+    return ""
+
+
+def has_uv_area(uvs: np.ndarray, triangle_corners: np.ndarray) -> bool:
+    """Whether triangles enough have an area in the UV map: most often a part of them says so."""
+    needed = LEAST_SHARE_WITH_AREA * len(triangle_corners)
+    parts = (triangle_corners[::16], triangle_corners)
+    return any(np.count_nonzero(uv_areas(uvs, part)) >= needed for part in parts)
+
+
+def uv_areas(uvs: np.ndarray, triangle_corners: np.ndarray) -> np.ndarray:
+    """(triangle_count,) float64 twice the signed areas in the UV map."""
+    first, second, third = (uvs[triangle_corners[:, k]].astype(np.float64) for k in range(3))
+    one, other = second - first, third - first
+    return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+
+
+def layout(mesh: bpy.types.Mesh, stored: dict[str, str], arrays: MeshArrays, reason: str) -> Layout:
+    """The layout that stored describes if it is there and fits, else a fresh one; the mesh stays as it is."""
+    starts = face_starts(mesh)
+    key = topology(arrays.corner_vertices, starts)
+    uvs = kept_uvs(mesh, stored, key)
+    if uvs is not None:
+        return Layout(uvs, reason, key, kept=True)
+    finite = np.isfinite(arrays.positions).all(axis=1)
+    if not finite.all():
+        sentence = f"The position of vertex {np.argmin(finite)} is not finite; repair the mesh before it is unwrapped."
+        raise InputError(sentence)
+    return Layout(lay_out(arrays, starts), reason, key, kept=False)
+
+
+def topology(corner_vertices: np.ndarray, starts: np.ndarray) -> str:
+    """A name for the way faces hang together: the (corner_count,) vertices and the (face_count,) first corners."""
+    return digest(corner_vertices, starts)
+
+
+# ---- Keeping
+
+
+def kept_uvs(mesh: bpy.types.Mesh, stored: dict[str, str], key: str) -> np.ndarray | None:
+    """The (corner_count, 2) float32 layout in the mesh, if it is the one that stored describes and fits."""
+    attribute = mesh.attributes.get(ATTRIBUTE)
+    if attribute is None or stored.get("topology") != key:
+        return None
+    if (attribute.data_type, attribute.domain) != ("FLOAT_VECTOR", "CORNER") or len(attribute.data) != len(mesh.loops):
+        return None
+    values = np.empty(3 * len(mesh.loops), np.float32)
+    attribute.data.foreach_get("vector", values)
+    uvs = np.ascontiguousarray(values.reshape(-1, 3)[:, :2])
+    return uvs if stored.get("content") == digest(uvs) and np.isfinite(uvs).all() else None
+
+
+def keep(mesh: bpy.types.Mesh, made: Layout) -> dict[str, str]:
+    """Leaves the layout in the mesh; gives what has to be stored beside it, empty where the mesh has changed since."""
+    corner_vertices = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corner_vertices)
+    if topology(corner_vertices, face_starts(mesh)) != made.topology:
+        return {}
+    attribute = mesh.attributes.get(ATTRIBUTE)
+    if attribute is not None and (attribute.data_type, attribute.domain) != ("FLOAT_VECTOR", "CORNER"):
+        mesh.attributes.remove(attribute)
+        attribute = None
+    if attribute is None:
+        attribute = mesh.attributes.new(ATTRIBUTE, "FLOAT_VECTOR", "CORNER")
+    if attribute is None or attribute.name != ATTRIBUTE:
+        return {}
+    values = np.zeros((len(made.uvs), 3), np.float32)
+    values[:, :2] = made.uvs
+    attribute.data.foreach_set("vector", values.ravel())
+    return {"topology": made.topology, "content": digest(made.uvs)}
+
+
+# ---- Making
+
+
+def read_uvs(layer: bpy.types.MeshUVLoopLayer) -> np.ndarray:
+    """(corner_count, 2) float32; before Blender 3.5 by the slower way."""
+    collection, member = (layer.uv, "vector") if hasattr(layer, "uv") else (layer.data, "uv")
+    uvs = np.empty(2 * len(collection), np.float32)
+    collection.foreach_get(member, uvs)
+    return uvs.reshape(-1, 2)
+
+
+def face_starts(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(face_count,) int32 first corners."""
+    starts = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    return starts
+
+
+def lay_out(arrays: MeshArrays, starts: np.ndarray) -> np.ndarray:
+    """(corner_count, 2) float32 layout of faces whose corners lie in a row from starts on; zero for broken faces."""
+    sizes = np.diff(np.append(starts, len(arrays.corner_vertices)))
+    if (sizes < 3).any():
+        raise failure("its faces are not stored in a row")
+    face_of_corner = np.repeat(np.arange(len(sizes)), sizes)
+    positions, corner_vertices = weld(arrays.positions, arrays.corner_vertices, face_of_corner)
+    sound = ~repeating_faces(corner_vertices, face_of_corner)
+    corners = sound[face_of_corner]
+    uvs = np.zeros((len(corner_vertices), 2), np.float32)
+    if not sound.any():
+        raise failure("none of its faces is sound")
+    uvs[corners] = unwrapped(positions, corner_vertices[corners], sizes[sound])
+    reason = fault(uvs, arrays.triangle_corners)
+    if reason and has_area(arrays):
+        raise failure(f"the copy {reason}")
+    return uvs
+
+
+def has_area(arrays: MeshArrays) -> bool:
+    """True if any triangle is wider than rounding."""
+    first, second, third = (arrays.positions[arrays.triangle_vertices[:, k]].astype(np.float64) for k in range(3))
+    squared = ((second - first) ** 2).sum(axis=1) + ((third - first) ** 2).sum(axis=1)
+    return bool((np.linalg.norm(np.cross(second - first, third - first), axis=1) > 1e-6 * squared).any())
+
+
+def failure(why: str) -> ParadescError:
+    """The error for a mesh that Blender could not unwrap."""
+    sentence = f"Blender could not unwrap the mesh ({why}); unwrap it yourself, or choose the backend reference."
+    return ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+
+
+def weld(
+    positions: np.ndarray, corner_vertices: np.ndarray, face_of_corner: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (n, 3) and corners with vertices at one place made one, as files split them; faces stay whole."""
+    order = np.lexsort(positions.T)
+    along = positions[order]
+    first = np.append(True, (along[1:] != along[:-1]).any(axis=1))
+    point = np.empty(len(positions), np.int32)
+    point[order] = np.cumsum(first, dtype=np.int32) - 1
+    points = along[first]
+    welded = point[corner_vertices]
+    torn = repeating_faces(welded, face_of_corner)[face_of_corner]
+    if torn.any():  # a face that would lose a corner keeps its own vertices
+        welded[torn] = corner_vertices[torn] + len(points)
+        points = np.concatenate([points, positions])
+    return points, welded
+
+
+def repeating_faces(corner_vertices: np.ndarray, face_of_corner: np.ndarray) -> np.ndarray:
+    """(face_count,) bool: the face uses a vertex twice."""
+    order = np.lexsort((corner_vertices, face_of_corner))
+    vertices, faces = corner_vertices[order], face_of_corner[order]
+    again = (vertices[1:] == vertices[:-1]) & (faces[1:] == faces[:-1])
+    repeating = np.zeros(face_of_corner[-1] + 1, bool)
+    repeating[faces[1:][again]] = True
+    return repeating
+
+
+def unwrapped(positions: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """(corner_count, 2) float32 layout by Blender's operators, on a mesh that exists for that long only."""
+    mesh = bpy.data.meshes.new(TEMPORARY)
+    try:
+        fill(mesh, positions, corner_vertices, sizes)
+        with edit_mode(mesh):
+            run_operator()
+        returned = np.empty(len(mesh.loops), np.int32)
+        mesh.loops.foreach_get("vertex_index", returned)
+        if not np.array_equal(returned, corner_vertices):
+            raise failure("edit mode changed its faces")
+        uvs = read_uvs(mesh.uv_layers[0])
+    except RuntimeError as error:
+        raise failure(" ".join(str(error).split()).rstrip(".")) from error
+    finally:
+        bpy.data.meshes.remove(mesh)
+    if not np.isfinite(uvs).all():
+        raise failure("the copy has a UV map with coordinates that are not finite")
+    return packing.pack(uvs, corner_vertices, sizes)
+
+
+def fill(mesh: bpy.types.Mesh, positions: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray) -> None:
+    """Gives an empty mesh its vertices, faces and one UV map."""
+    mesh.vertices.add(len(positions))
+    mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
+    mesh.loops.add(len(corner_vertices))
+    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(corner_vertices, np.int32))
+    mesh.polygons.add(len(sizes))
+    mesh.polygons.foreach_set("loop_start", (np.cumsum(sizes) - sizes).astype(np.int32))
+    if bpy.app.version < (3, 6, 0):
+        mesh.polygons.foreach_set("loop_total", sizes.astype(np.int32))
+    mesh.update(calc_edges=True)
+    mesh.uv_layers.new(name="UVMap", do_init=False)
+
+
+@contextmanager
+def edit_mode(mesh: bpy.types.Mesh) -> Iterator[None]:
+    """Edit mode on the mesh in a scene of its own: the open scene, its selection and its modes are not touched."""
+    scene = bpy.data.scenes.new(TEMPORARY)
+    target = bpy.data.objects.new(TEMPORARY, mesh)
+    try:
+        scene.collection.objects.link(target)
+        layer = scene.view_layers[0]
+        layer.objects.active = target
+        place = {"scene": scene, "view_layer": layer, "object": target, "active_object": target}
+        with bpy.context.temp_override(**place):
+            bpy.ops.object.mode_set(mode="EDIT")
+        with bpy.context.temp_override(**place, edit_object=target):
+            try:
+                yield
+            finally:
+                bpy.ops.object.mode_set(mode="OBJECT")
+    finally:
+        bpy.data.objects.remove(target)
+        bpy.data.scenes.remove(scene)
+
+
+def run_operator() -> None:
+    """Charts by direction, projected.
+
+    Flattening each by its angles after that takes ten times as long for a fifth of the error, and makes charts overlap.
+    Packing is not left to Blender: with gutters it takes minutes for thousands of charts in 3.4.
+    """
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.uv.smart_project(angle_limit=ANGLE_LIMIT, island_margin=0.0)

@@ -1,0 +1,1 @@
+"""What is chosen in Blender: a scene's settings, looks, presets, preferences."""

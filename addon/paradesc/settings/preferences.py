@@ -1,0 +1,39 @@
+"""What holds for this machine rather than for a scene: the add-on's own preferences."""
+
+import bpy
+
+# Blender knows the preferences by the name of the add-on's package, of which this folder is a part.
+ADDON = __package__.rpartition(".")[0]
+GIGABYTE = 1_000_000_000
+
+
+class PARADESC_AP_preferences(bpy.types.AddonPreferences):
+    """In Blender's Preferences, below the add-on's entry"""
+
+    bl_idname = ADDON
+
+    memory_limit: bpy.props.FloatProperty(
+        name="Memory Limit (GB)",
+        description="What would take more memory than this is refused before it begins; 0: half of what is free then",
+        default=0.0,
+        min=0.0,
+        soft_max=64.0,
+        max=1e6,
+        step=100,
+        precision=1,
+    )
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """The one setting."""
+        self.layout.use_property_split = True
+        self.layout.prop(self, "memory_limit")
+
+
+def memory_limit() -> int:
+    """Bytes that a computation may take, 0 where nobody has set a limit or the add-on is not enabled but imported."""
+    addon = bpy.context.preferences.addons.get(ADDON)
+    preferences = None if addon is None else addon.preferences
+    return 0 if preferences is None else round(preferences.memory_limit * GIGABYTE)
+
+
+classes = (PARADESC_AP_preferences,)

@@ -1,0 +1,291 @@
+"""Stored values to other places, on request: packed channels, face corners, a vertex group, the sculpt mask."""
+
+import bmesh
+import bpy
+import numpy as np
+
+from ..core import color_maps
+from ..core.job import registry_row
+from ..scene import mesh_io
+from ..settings.looks import CHANNELS, PACKED_DOMAINS
+from . import recolor
+
+# Custom property of a mesh: the attributes and vertex groups that this file made, which it may write again.
+OWN = "paradesc_made"
+SCULPT_MASK = ".sculpt_mask"
+SUFFIX_CORNER = "_corner_color"
+EXPORT_PREFIX = "_"
+
+
+# ---- What is ours
+
+
+def own_names(mesh: bpy.types.Mesh, kind: str) -> list[str]:
+    """What was made here: kind is "attributes" or "groups"."""
+    content = mesh.get(OWN)
+    names = content.to_dict().get(kind) if hasattr(content, "to_dict") else None
+    return [name for name in names if isinstance(name, str)] if isinstance(names, list) else []
+
+
+def remember(mesh: bpy.types.Mesh, kind: str, name: str) -> None:
+    """Says on the mesh that this is ours."""
+    kept = {each: own_names(mesh, each) for each in ("attributes", "groups")}
+    kept[kind] = sorted({*kept[kind], name})
+    mesh[OWN] = {each: names for each, names in kept.items() if names}
+
+
+def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bpy.types.Attribute:
+    """The attribute of that name if it is ours, made anew where type or domain differ; refuses what is not ours."""
+    if not name:
+        raise mesh_io.refuse("The attribute has no name; give it one.")
+    attribute = mesh.attributes.get(name)
+    if name in mesh.uv_layers or (attribute is not None and name not in own_names(mesh, "attributes")):
+        raise mesh_io.refuse(
+            f'The mesh "{mesh.name}" has an attribute "{name}" that was not made here; choose another name.'
+        )
+    if attribute is not None and (attribute.data_type, attribute.domain) != (kind, domain):
+        mesh.attributes.remove(attribute)
+        attribute = None
+    if attribute is None:
+        attribute = mesh.attributes.new(name, kind, domain)
+    if attribute is None or attribute.name != name:
+        if attribute is not None:
+            mesh.attributes.remove(attribute)
+        raise mesh_io.refuse(f'The name "{name}" is taken on the mesh "{mesh.name}"; choose another.')
+    remember(mesh, "attributes", name)
+    return attribute
+
+
+# ---- Values
+
+
+def float_names(mesh: bpy.types.Mesh) -> list[str]:
+    """The vertex attributes with one float each, whoever made them."""
+    return [item.name for item in mesh.attributes if (item.data_type, item.domain) == ("FLOAT", "POINT")]
+
+
+def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
+    """(n,) float32 in [0, 1]: a descriptor by the range that its colors span, any other attribute as it is.
+
+    Where a value does not exist, it is that of the neutral value, or 0.
+    """
+    if name not in float_names(mesh):
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" with one float a vertex.')
+    values = mesh_io.read_array(mesh.attributes[name].data, "value", np.float32)
+    defined = np.isfinite(values)
+    if name not in recolor.baked_names(mesh):
+        return np.clip(np.where(defined, values, 0), 0, 1).astype(np.float32)
+    shown = recolor.stored_range(mesh, name)
+    neutral = color_maps.neutral_value(registry_row(name), color_maps.Look(neutral=shown.neutral))
+    empty = shown.minimum if neutral is None else neutral
+    scaled = (np.where(defined, values, empty) - shown.minimum) / (shown.maximum - shown.minimum)
+    return np.clip(scaled, 0, 1).astype(np.float32)
+
+
+def spread(mesh: bpy.types.Mesh, values: np.ndarray, domain: str) -> np.ndarray:
+    """(n, k) values of the vertices, or those of the face corners at them."""
+    return values if domain == "POINT" else values[mesh_io.read_corner_vertices(mesh)]
+
+
+# ---- Targets
+
+
+def pack(mesh: bpy.types.Mesh, names: list[str], attribute_name: str, kind: str, domain: str) -> None:
+    """Up to four attributes become the channels of a color attribute; an empty name is 0, in alpha 1."""
+    if not any(names):
+        raise mesh_io.refuse("No channel has values; choose a descriptor for at least one.")
+    rgba = np.zeros((len(mesh.vertices), 4), np.float32)
+    rgba[:, 3] = 1.0
+    for channel, name in enumerate(names):
+        if name:
+            rgba[:, channel] = shares(mesh, name)
+    own_attribute(mesh, attribute_name, kind, domain)
+    mesh.attributes[attribute_name].data.foreach_set("color", spread(mesh, rgba, domain).ravel())
+    mesh.update()
+
+
+def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
+    """Copies a descriptor's colors to face corners in 8 bits, as vertex paint has them; gives the attribute's name."""
+    colors = mesh_io.read_array(mesh.attributes[f"{name}_color"].data, "color", np.float32, 4)
+    attribute = own_attribute(mesh, name + SUFFIX_CORNER, "BYTE_COLOR", "CORNER").name
+    mesh.attributes[attribute].data.foreach_set("color", spread(mesh, colors, "CORNER").ravel())
+    mesh.update()
+    return attribute
+
+
+def vertex_group(target: bpy.types.Object, name: str) -> None:
+    """A vertex group of the descriptor's name, with its values from 0 to 1 as weights."""
+    mesh, group = target.data, target.vertex_groups.get(name)
+    if group is not None and name not in own_names(mesh, "groups"):
+        raise mesh_io.refuse(
+            f'The object "{target.name}" has a vertex group "{name}" that was not made here; rename it first.'
+        )
+    weights = shares(mesh, name)
+    active = target.vertex_groups.active_index
+    if group is None:
+        group = target.vertex_groups.new(name=name)
+        if active >= 0:
+            target.vertex_groups.active_index = active
+    remember(mesh, "groups", name)
+    for vertex, weight in enumerate(weights.tolist()):
+        group.add((vertex,), weight, "REPLACE")
+
+
+def sculpt_mask(target: bpy.types.Object, name: str, replace: bool) -> None:
+    """The descriptor's values from 0 to 1 as the mask of sculpt mode, where 1 is protected."""
+    mesh = target.data
+    weights = shares(mesh, name)
+    painted = mask_values(mesh)
+    if painted is not None and painted.any() and not replace:
+        raise mesh_io.refuse(
+            f'The mesh "{mesh.name}" has a sculpt mask; allow to replace it, or clear it in sculpt mode first.'
+        )
+    if bpy.app.version < (4, 1, 0) and painted is None:
+        make_paint_mask(target)
+    write_mask(target.data, weights)
+    mesh.update()
+
+
+def mask_values(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """(n,) float32 of the sculpt mask, or None where the mesh has none."""
+    if bpy.app.version >= (4, 1, 0):
+        attribute = mesh.attributes.get(SCULPT_MASK)
+        return None if attribute is None else mesh_io.read_array(attribute.data, "value", np.float32)
+    layers = mesh.vertex_paint_masks
+    return mesh_io.read_array(layers[0].data, "value", np.float32) if len(layers) else None
+
+
+def write_mask(mesh: bpy.types.Mesh, weights: np.ndarray) -> None:
+    """Fills the sculpt mask; before Blender 4.1 it is there already."""
+    if bpy.app.version < (4, 1, 0):
+        mesh.vertex_paint_masks[0].data.foreach_set("value", weights)
+        return
+    if mesh.attributes.get(SCULPT_MASK) is None:
+        mesh.attributes.new(SCULPT_MASK, "FLOAT", "POINT")
+    mesh.attributes[SCULPT_MASK].data.foreach_set("value", weights)
+
+
+def make_paint_mask(target: bpy.types.Object) -> None:
+    """Makes the layer of the sculpt mask where it is no attribute: edit mode's mesh can."""
+    objects = bpy.context.view_layer.objects
+    active, objects.active = objects.active, target
+    bpy.ops.object.mode_set(mode="EDIT")
+    try:
+        bmesh.from_edit_mesh(target.data).verts.layers.paint_mask.verify()
+    finally:
+        bpy.ops.object.mode_set(mode="OBJECT")
+        objects.active = active
+
+
+def export_copies(mesh: bpy.types.Mesh) -> list[str]:
+    """Copies every descriptor's values under names with an underscore, as glTF wants them: where undefined, neutral."""
+    made = []
+    for name in recolor.baked_names(mesh):
+        if recolor.is_direction(name):
+            continue
+        values = recolor.stored_values(mesh, name)
+        neutral = color_maps.neutral_value(registry_row(name), color_maps.Look())
+        values = np.where(np.isfinite(values), values, neutral or 0.0)
+        attribute = own_attribute(mesh, EXPORT_PREFIX + name, "FLOAT", "POINT").name
+        mesh.attributes[attribute].data.foreach_set("value", values.astype(np.float32))
+        made.append(attribute)
+    mesh.update()
+    return made
+
+
+# ---- Operators
+
+
+class NeedsShown(recolor.NeedsBake):
+    """What works on the descriptor that is shown."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
+        """Takes the descriptor whose colors are active, else the first."""
+        name = recolor.shown_name(target.data) or recolor.baked_names(target.data)[0]
+        self.report({"INFO"}, self.write(target, name))
+
+
+class PARADESC_OT_pack(recolor.NeedsBake, bpy.types.Operator):
+    """Write up to four values into the channels of one color attribute, each from 0 to 1 over its range"""
+
+    bl_idname = "paradesc.pack"
+    bl_label = "Pack Channels"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
+        """As the scene's settings say."""
+        group = context.scene.paradesc_looks
+        names = [getattr(group, f"pack_{channel}") for channel in CHANNELS]
+        pack(target.data, names, group.pack_name, group.pack_kind, group.pack_domain)
+        words = {item[0]: item[1].lower() for item in PACKED_DOMAINS}[group.pack_domain]
+        self.report({"INFO"}, f'Packed into "{group.pack_name}", one color a {words}')
+
+
+class PARADESC_OT_corner_colors(NeedsShown, bpy.types.Operator):
+    """Copy the colors shown to face corners in 8 bits, as vertex paint and older exporters have them"""
+
+    bl_idname = "paradesc.corner_colors"
+    bl_label = "Corner Colors"
+
+    def write(self, target: bpy.types.Object, name: str) -> str:
+        """Makes the attribute."""
+        return f'Wrote the color attribute "{corner_colors(target.data, name)}"'
+
+
+class PARADESC_OT_vertex_group(NeedsShown, bpy.types.Operator):
+    """Write the values shown as weights of a vertex group, from 0 to 1 over their range"""
+
+    bl_idname = "paradesc.vertex_group"
+    bl_label = "Vertex Group"
+
+    def write(self, target: bpy.types.Object, name: str) -> str:
+        """Makes or fills the group."""
+        vertex_group(target, name)
+        return f'Wrote the vertex group "{name}"'
+
+
+class PARADESC_OT_sculpt_mask(NeedsShown, bpy.types.Operator):
+    """Write the values shown as the mask of sculpt mode, from 0 to 1 over their range; 1 is protected"""
+
+    bl_idname = "paradesc.sculpt_mask"
+    bl_label = "Sculpt Mask"
+
+    replace: bpy.props.BoolProperty(
+        name="Replace", description="Replace a mask that is there", default=False, options={"SKIP_SAVE"}
+    )
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Asks before a mask is lost."""
+        painted = mask_values(context.active_object.data)
+        if not self.replace and painted is not None and painted.any():
+            self.replace = True
+            return context.window_manager.invoke_confirm(self, event)
+        return self.execute(context)
+
+    def write(self, target: bpy.types.Object, name: str) -> str:
+        """Fills the mask."""
+        sculpt_mask(target, name, self.replace)
+        return f"Wrote {name} into the sculpt mask"
+
+
+class PARADESC_OT_export_copies(recolor.NeedsBake, bpy.types.Operator):
+    """Copy all values to attributes whose names begin with an underscore, which glTF's exporter takes along"""
+
+    bl_idname = "paradesc.export_copies"
+    bl_label = "Copies for glTF"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
+        """Makes or fills the copies."""
+        self.report({"INFO"}, "Wrote " + ", ".join(export_copies(target.data)))
+
+
+classes = (
+    PARADESC_OT_pack,
+    PARADESC_OT_corner_colors,
+    PARADESC_OT_vertex_group,
+    PARADESC_OT_sculpt_mask,
+    PARADESC_OT_export_copies,
+)

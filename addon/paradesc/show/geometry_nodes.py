@@ -1,0 +1,128 @@
+"""Geometry Nodes that read a raw attribute: examples to start from, added as a modifier of the active object."""
+
+import bpy
+
+from ..core.job import UNDEFINED_MASK
+from . import recolor
+from .node_groups import add_math, add_node, add_socket, new_group
+
+TREE = "GeometryNodeTree"
+MATH = "ShaderNodeMath"
+
+
+def build(kind: str, name: str, low: float, high: float) -> bpy.types.NodeTree:
+    """A group that reads the attribute and does one thing by it: "swell", "keep" or "mark"."""
+    tree = new_group(TREE, f"Paradesc {kind} by {name}")
+    add_socket(tree, "Geometry", "geometry")
+    add_socket(tree, "Geometry", "geometry", output=True)
+    if kind == "swell":
+        add_socket(tree, "From Min", "float", (low, -1e9, 1e9))
+        add_socket(tree, "From Max", "float", (high, -1e9, 1e9))
+        add_socket(tree, "Offset", "float", (0.02, -1e6, 1e6))
+    else:
+        add_socket(tree, "Above", "float", (low + 0.75 * (high - low), -1e9, 1e9))
+    given = add_node(tree, "NodeGroupInput", (-700, 0)).outputs
+    result = add_node(tree, "NodeGroupOutput", (500, 0)).inputs
+    value = named_attribute(tree, name, (-500, -200))
+    link = tree.links.new
+    if kind == "swell":
+        node = swell(tree, value, given)
+    else:
+        node = keep(tree, value, given) if kind == "keep" else mark(tree, value, given)
+    link(given["Geometry"], node.inputs[0])
+    link(node.outputs[0], result["Geometry"])
+    return tree
+
+
+def named_attribute(tree: bpy.types.NodeTree, name: str, place: tuple[float, float]) -> bpy.types.NodeSocket:
+    """The values of a float attribute."""
+    node = add_node(tree, "GeometryNodeInputNamedAttribute", place, data_type="FLOAT")
+    node.inputs["Name"].default_value = name
+    return next(socket for socket in node.outputs if socket.type == "VALUE")
+
+
+def compare(
+    tree: bpy.types.NodeTree, operation: str, place: tuple[float, float], first: bpy.types.NodeSocket, second: object
+) -> bpy.types.NodeSocket:
+    """Whether one number is above or below another; of values that do not exist neither is true."""
+    node = add_node(tree, "FunctionNodeCompare", place, data_type="FLOAT", operation=operation)
+    tree.links.new(first, node.inputs[0])
+    if isinstance(second, bpy.types.NodeSocket):
+        tree.links.new(second, node.inputs[1])
+    else:
+        node.inputs[1].default_value = second
+    return node.outputs[0]
+
+
+def swell(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs) -> bpy.types.Node:
+    """Moves vertices along their normals by the value; those without one, by the mask, stay."""
+    link = tree.links.new
+    mapped = add_node(tree, "ShaderNodeMapRange", (-280, -200))
+    link(value, mapped.inputs["Value"])
+    link(given["From Min"], mapped.inputs["From Min"])
+    link(given["From Max"], mapped.inputs["From Max"])
+    distance = add_math(tree, MATH, "MULTIPLY", (-90, -200), mapped.outputs["Result"], given["Offset"])
+    scale = add_node(tree, "ShaderNodeVectorMath", (90, -200), operation="SCALE")
+    link(add_node(tree, "GeometryNodeInputNormal", (-90, -380)).outputs[0], scale.inputs[0])
+    link(distance, scale.inputs["Scale"])
+    node = add_node(tree, "GeometryNodeSetPosition", (290, 0))
+    link(scale.outputs[0], node.inputs["Offset"])
+    mask = named_attribute(tree, UNDEFINED_MASK, (-280, -520))
+    link(compare(tree, "LESS_THAN", (90, -480), mask, 0.5), node.inputs["Selection"])
+    return node
+
+
+def keep(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs) -> bpy.types.Node:
+    """Keeps what lies above a value and deletes the rest."""
+    node = add_node(tree, "GeometryNodeSeparateGeometry", (200, 0), domain="POINT")
+    tree.links.new(compare(tree, "GREATER_THAN", (-100, -200), value, given["Above"]), node.inputs["Selection"])
+    return node
+
+
+def mark(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs) -> bpy.types.Node:
+    """Writes a boolean attribute, true above a value, that further nodes or a material can read."""
+    node = add_node(tree, "GeometryNodeStoreNamedAttribute", (200, 0), data_type="BOOLEAN", domain="POINT")
+    node.inputs["Name"].default_value = "paradesc_selection"
+    chosen = compare(tree, "GREATER_THAN", (-100, -200), value, given["Above"])
+    tree.links.new(
+        chosen, next(socket for socket in node.inputs if socket.type == "BOOLEAN" and socket.name == "Value")
+    )
+    return node
+
+
+class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
+    """Add a Geometry Nodes modifier that reads the values of the descriptor that is shown: a start for your own"""
+
+    bl_idname = "paradesc.add_geometry_nodes"
+    bl_label = "Geometry Nodes"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kind: bpy.props.EnumProperty(
+        name="Kind",
+        description="What the nodes do",
+        items=[
+            ("swell", "Swell", "Move vertices along their normals by the value"),
+            ("keep", "Keep Above", "Keep what lies above a value, delete the rest"),
+            ("mark", "Mark Above", "Write a boolean attribute paradesc_selection, true above a value"),
+        ],
+        default="swell",
+    )
+
+    def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
+        """Adds the modifier at the end of the stack."""
+        mesh = target.data
+        name = recolor.shown_name(mesh) or recolor.baked_names(mesh)[0]
+        if recolor.is_direction(name):
+            raise recolor.mesh_io.refuse(f"{name} is a direction; show a descriptor with one value a vertex.")
+        shown = recolor.stored_range(mesh, name)
+        tree = build(self.kind, name, shown.minimum, shown.maximum)
+        modifier = target.modifiers.new(tree.name, "NODES")
+        if modifier.node_group is not None:  # Blender 3.4 makes one of its own
+            made = modifier.node_group
+            modifier.node_group = tree
+            if made.users == 0:
+                bpy.data.node_groups.remove(made)
+        modifier.node_group = tree
+
+
+classes = (PARADESC_OT_add_geometry_nodes,)

@@ -1,0 +1,202 @@
+"""What a bake left on a mesh, shown in other colors: from the stored values, without computing anything again."""
+
+import bpy
+import numpy as np
+
+from .. import bridge
+from ..bridge import ParadescError
+from ..core import color_maps, legend
+from ..core.job import registry_name, registry_row
+from ..scene import mesh_io, modes
+from ..settings import looks
+
+Item = tuple[str, str, str]
+
+
+def baked_names(mesh: bpy.types.Mesh) -> list[str]:
+    """The descriptors, by the names of their attributes, that bakes have left on this mesh with colors."""
+    if bridge.missing_sentence():
+        return []
+    ours, known = mesh_io.written_attributes(mesh), {row.name for row in bridge.descriptors()}
+    return [name for name in ours if f"{name}_color" in ours and registry_name(name) in known]
+
+
+def is_direction(name: str) -> bool:
+    """True of values that are vectors, whose colors have no scale."""
+    return registry_row(name).components == 3
+
+
+def shown_name(mesh: bpy.types.Mesh) -> str:
+    """The descriptor whose colors are the mesh's active ones, or ""."""
+    active = mesh.color_attributes.active_color
+    name = "" if active is None else active.name.removesuffix("_color")
+    return name if active is not None and name != active.name and name in baked_names(mesh) else ""
+
+
+def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
+    """The range and map in which a descriptor's colors on this mesh were made."""
+    stored = mesh_io.stored_summary(mesh)
+    if name not in stored.get("ranges", {}):
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" does not say any more which range "{name}" has; bake it again.')
+    minimum, maximum = stored["ranges"][name]
+    drawn = stored.get("drawn", {}).get(name, {})
+    signed = bool(drawn.get("diverging", registry_row(name).is_signed))
+    return color_maps.ValueRange(minimum, maximum, signed, drawn.get("neutral"), drawn.get("map", color_maps.AUTOMATIC))
+
+
+def stored_values(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
+    """(n,) or (n, 3) float32 values of an attribute of ours; not in edit mode, where Blender hides them."""
+    attribute = mesh.attributes.get(name)
+    if attribute is None or (attribute.data_type, attribute.domain) != mesh_io.wanted_kind(name):
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" any more; bake them again.')
+    if attribute.data_type == "FLOAT_VECTOR":
+        return mesh_io.read_array(attribute.data, "vector", np.float32, 3)
+    return mesh_io.read_array(attribute.data, "value", np.float32)
+
+
+def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_maps.ValueRange:
+    """Makes a descriptor's colors again as the look has it; gives their range. Not in edit mode."""
+    if mesh.attributes.get(f"{name}_color") is None:
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" has no colors "{name}_color" any more; bake them again.')
+    values = stored_values(mesh, name)
+    stored = mesh_io.stored_summary(mesh)
+    drawn = stored.get("drawn", {}).get(name, {})
+    radius = drawn.get("radius", stored.get("field_report", {}).get("radius", 0.0))
+    shown = color_maps.value_range(values, registry_row(name), radius, look)
+    mesh_io.write_colors(mesh, name, values, shown)
+    ranges = {**stored.get("ranges", {}), name: [shown.minimum, shown.maximum]}
+    drawn = {**mesh_io.drawing(shown), **{word: drawn[word] for word in ("radius", "unit") if word in drawn}}
+    mesh[mesh_io.PROPERTY] = {**stored, "ranges": ranges, "drawn": {**stored.get("drawn", {}), name: drawn}}
+    mesh.update()
+    return shown
+
+
+def show(mesh: bpy.types.Mesh, name: str) -> None:
+    """Makes a descriptor's colors the active ones, in the viewport and for rendering."""
+    attributes = mesh.color_attributes
+    attributes.active_color = attributes[f"{name}_color"]
+    attributes.render_color_index = attributes.find(f"{name}_color")
+
+
+def obstacle(context: bpy.types.Context) -> str:
+    """Why there is nothing to show on the active object, as one sentence, or ""."""
+    target = context.active_object
+    if target is None or target.type != "MESH":
+        return "Select a mesh object first"
+    if not baked_names(target.data):
+        return "Bake descriptors on this mesh first"
+    return ""
+
+
+def baked_targets(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The active object and whatever else is selected of meshes with results; of several with one mesh the first."""
+    found: dict[bpy.types.Mesh, bpy.types.Object] = {}
+    for target in [context.active_object, *context.selected_objects]:
+        if target.type == "MESH" and baked_names(target.data):
+            found.setdefault(target.data, target)
+    return list(found.values())
+
+
+class NeedsBake:
+    """What operators on baked meshes have in common: they are grey without one, and failures are one sentence."""
+
+    whole_selection = False  # or the active object alone
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Says why it cannot run where it cannot."""
+        sentence = obstacle(context)
+        if sentence:
+            cls.poll_message_set(sentence)
+        return not sentence
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Runs in object mode for a while, in which attributes can be read and written."""
+        found = baked_targets(context) if self.whole_selection else [context.active_object]
+        failures = 0
+        with modes.object_mode():
+            for target in found:
+                try:
+                    mesh_io.check_writable(target)
+                    with modes.object_mode(target):
+                        self.run(context, target)
+                except ParadescError as error:
+                    self.report({"ERROR"}, error.sentence)
+                    failures += 1
+        return {"CANCELLED"} if failures == len(found) else {"FINISHED"}
+
+
+class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
+    """Make the colors of all selected meshes again as they are set here, without computing anything"""
+
+    bl_idname = "paradesc.recolor"
+    bl_label = "Recolor"
+    bl_options = {"REGISTER", "UNDO"}
+    whole_selection = True
+
+    every: bpy.props.BoolProperty(
+        name="All Descriptors",
+        description="Not only the one whose colors are shown",
+        default=False,
+        options={"SKIP_SAVE"},
+    )
+
+    def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
+        """One descriptor, or all of this mesh."""
+        group = context.scene.paradesc_looks
+        if looks.fault(group):
+            raise mesh_io.refuse(looks.fault(group))
+        mesh = target.data
+        names = baked_names(mesh)
+        chosen = names if self.every or not shown_name(mesh) else [shown_name(mesh)]
+        for name in chosen:
+            recolor(mesh, name, looks.look_of(group))
+
+
+# Blender wants the strings of such items kept alive.
+_items: list[Item] = []
+
+
+def name_items(_self: object, context: bpy.types.Context | None) -> list[Item]:
+    """The baked descriptors of the active mesh."""
+    target = context.active_object if context is not None else None
+    names = baked_names(target.data) if target is not None and target.type == "MESH" else []
+    _items[:] = [(name, legend.label(name), "") for name in names]
+    return _items or [("", "None", "")]
+
+
+class PARADESC_OT_show(NeedsBake, bpy.types.Operator):
+    """Show the colors of this descriptor on all selected meshes"""
+
+    bl_idname = "paradesc.show"
+    bl_label = "Show"
+    bl_options = {"REGISTER", "UNDO"}
+    whole_selection = True
+
+    name: bpy.props.EnumProperty(name="Descriptor", description="Whose colors to show", items=name_items)
+
+    def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
+        """Makes its colors the active ones, wherever it was baked."""
+        if self.name in baked_names(target.data):
+            show(target.data, self.name)
+
+
+class PARADESC_OT_view_colors(bpy.types.Operator):
+    """Set this viewport to solid shading with the colors of attributes"""
+
+    bl_idname = "paradesc.view_colors"
+    bl_label = "View Colors"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only in a viewport."""
+        return context.area is not None and context.area.type == "VIEW_3D"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Changes the shading of this viewport alone."""
+        shading = context.space_data.shading
+        shading.type, shading.color_type = "SOLID", "VERTEX"
+        return {"FINISHED"}
+
+
+classes = (PARADESC_OT_recolor, PARADESC_OT_show, PARADESC_OT_view_colors)

@@ -1,0 +1,1 @@
+"""The panels of the sidebar, drawn from what the other folders offer."""
