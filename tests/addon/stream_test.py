@@ -25,6 +25,21 @@ def bent(positions, strength):
     return np.stack(turned, axis=1).astype(np.float32)
 
 
+def pear(positions, strength):
+    """Positions further out the higher they are: charts whose areas change by different factors."""
+    return (positions * np.exp(strength * positions[:, 2:])).astype(np.float32)
+
+
+def stacked(arrays):
+    """All charts in one place of the UV map."""
+    return replace(arrays, corner_uvs=(arrays.corner_uvs * (3, 2)) % 1.0)
+
+
+def shrunk(arrays):
+    """Charts that leave most of the UV map empty."""
+    return replace(arrays, corner_uvs=(0.3 * arrays.corner_uvs).astype(np.float32))
+
+
 def assert_same(results, expected):
     """The same bits everywhere, and the same reports but for times."""
     for name in expected.values:
@@ -86,14 +101,36 @@ def test_order_of_frames_does_not_matter(sound_sphere):
 
 
 def test_charts_that_share_texture_space_are_laid_out_by_each_frame(sound_sphere):
-    stacked = replace(sound_sphere, corner_uvs=(sound_sphere.corner_uvs * (3, 2)) % 1.0)
-    frames = [stacked.positions * np.float32([1, 1, stretch]) for stretch in (1.0, 2.5)]
-    check_frames(stacked, settings(), frames, made=2)
+    overlapping = stacked(sound_sphere)
+    frames = [overlapping.positions * np.float32([1, 1, stretch]) for stretch in (1.0, 2.5)]
+    check_frames(overlapping, settings(), [*frames, pear(overlapping.positions, 0.6)], made=3)
 
 
 def test_a_map_that_is_sparse_in_one_frame_only_is_laid_out_in_that_one(sound_sphere):
-    small = replace(sound_sphere, corner_uvs=(0.3 * sound_sphere.corner_uvs).astype(np.float32))
-    check_frames(small, settings(radius=0.15), [small.positions, bent(small.positions, 0.4)], made=2)
+    small = shrunk(sound_sphere)
+    frames = [small.positions, bent(small.positions, 0.4), pear(small.positions, 0.6)]
+    check_frames(small, settings(radius=0.15), frames, made=3)
+
+
+@pytest.mark.parametrize(("laid_out", "radius"), [(stacked, 0.08), (shrunk, 0.15)], ids=["overlaps", "sparse"])
+def test_a_layout_made_before_a_late_cancel_is_not_that_of_the_next_frame(sound_sphere, laid_out, radius):
+    mesh, chosen = laid_out(sound_sphere), settings(radius=radius)
+    moved = pear(mesh.positions, 0.6)
+    with bridge.Context("software") as context:
+        layouts = [layout_at(context, replace(mesh, positions=at), chosen) for at in (mesh.positions, moved)]
+    assert not np.allclose(*layouts, atol=0.1)  # else nothing could be left behind
+    with stream.Stream(mesh, chosen) as opened:
+        with pytest.raises(bridge.ParadescError) as caught:
+            opened.compute(mesh.positions, lambda stage, _fraction: stage != "evaluate")
+        assert caught.value.status == bridge.abi.STATUS_CANCELLED
+        assert_same(opened.compute(moved), job.run(replace(mesh, positions=moved), chosen))
+
+
+def layout_at(context, arrays, chosen):
+    """(triangle_count, 3, 2) places in the layout that a computation makes for these positions."""
+    with context.mesh(arrays) as mesh, mesh.compute(["mean_curvature"], chosen.options) as field:
+        assert field.report()["private_layout"]
+        return mesh.layout()
 
 
 def test_vertices_that_part_or_meet_are_found(sound_sphere):
@@ -113,12 +150,19 @@ def test_triangles_that_lose_their_area_are_left_out(sound_sphere):
     first, second, _ = sound_sphere.triangle_vertices[5]
     collapsed[first] = collapsed[second] + np.float32([0, 0, 0])
     check_frames(sound_sphere, settings(), [sound_sphere.positions, collapsed, sound_sphere.positions], made=3)
-    line = sound_sphere.positions.copy()  # three points in a row, apart from each other
+
+
+def test_a_triangle_drawn_out_to_a_line_is_found_though_no_vertices_meet(sound_sphere):
+    line = sound_sphere.positions.copy()
     a, b, c = sound_sphere.triangle_vertices[9]
-    line[a], line[b], line[c] = (0, 0, 1), (0, 0, 2), (0, 0, 3)
+    line[a], line[b], line[c] = (0, 0, 0.5), (0, 0, 1), (0, 0, 1.5)  # within the sphere, where no vertex is
+    assert len(np.unique(line, axis=0)) == len(np.unique(sound_sphere.positions, axis=0)) == len(line)
     contact = stream.Contact(sound_sphere)
     assert contact.holds(sound_sphere.positions)
+    assert contact.holds(bent(sound_sphere.positions, 0.3))
     assert not contact.holds(line)
+    assert stream.Contact(replace(sound_sphere, positions=line)).holds(line)
+    check_frames(sound_sphere, settings(), [sound_sphere.positions, line, sound_sphere.positions], made=3)
 
 
 def test_fans_that_meet_in_one_vertex_are_weighed_in_each_frame(sound_sphere):
