@@ -178,6 +178,33 @@ def test_key_is_of_mesh_and_settings_but_not_of_device_or_pose():
     assert len({key, *others}) == 6
 
 
+# What has to be computed anew where it is another, each with another value than the default.
+ALL_SETTINGS = {
+    "radius": 0.07, "radius_unit": "mean-edge", "samples": 99, "buffer_size": 512, "normals": "max",
+    "max_jumps": 3, "seed": 5, "seam_error": True, "relocation": "affine", "estimator": "integral",
+    "variance_reduction": "none", "geodesic": "chords", "distance": "geodesic", "pattern": "stratified",
+    "ellipse": "directional", "evaluate": "texel", "texels": 64, "precision": "half", "adaptive": 0.1,
+    "map_descriptor": "mean_curvature", "map_sigma": 2.0, "harris_k": 0.05, "descriptors": ("curvedness",),
+    "more_radii": (0.07,), "corner_threshold": 0.5, "space": "world",
+}  # fmt: skip
+OF_THE_MACHINE = {"backend", "device_index"}
+
+
+def test_every_setting_is_part_of_the_key_but_those_of_the_machine():
+    arrays = as_arrays(*cube_sphere(4))
+    settings = job.Settings()
+    assert ALL_SETTINGS.keys() | OF_THE_MACHINE == settings.as_dict().keys()
+    keys = {"": cache.key_of(arrays, settings)}
+    for name, value in ALL_SETTINGS.items():
+        if hasattr(settings, name):
+            other = replace(settings, **{name: value})
+        else:
+            other = replace(settings, options=replace(settings.options, **{name: value}))
+        assert other != settings, name
+        keys[name] = cache.key_of(arrays, other)
+    assert len(set(keys.values())) == len(keys), keys
+
+
 def test_one_range_over_all_frames_is_that_of_all_values(tmp_path):
     random = np.random.default_rng(3)
     everything = []
