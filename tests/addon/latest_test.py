@@ -12,12 +12,14 @@ class Gate:
     """Work that waits until it is let through, or cancelled."""
 
     def __init__(self):
-        self.begun, self.open = [], threading.Event()
+        self.begun, self.open, self.asked = [], threading.Event(), threading.Event()
 
     def __call__(self, request, progress):
         self.begun.append(request)
         while not self.open.wait(0.002):
-            if not progress("work", 0.0):
+            goes_on = progress("work", 0.0)
+            self.asked.set()
+            if not goes_on:
                 raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
         if request == "bad":
             raise ValueError(request)
@@ -68,11 +70,21 @@ def test_settling_ends_the_work_and_drops_everything(gate):
     latest.settle()
     assert not latest.busy
     assert latest.step(wait=True) is None
+    assert latest.newest is None
     assert gate.begun == ["one"]
+
+
+def test_what_is_asked_for_after_settling_goes_on_when_it_asks(gate):
+    latest = Latest(gate)
+    ask(latest, "one", "two")
+    latest.settle()
+    gate.asked.clear()
+    ask(latest, "three")
+    assert gate.asked.wait(60)  # the gate is shut: the work has asked whether to go on before it is let through
     gate.open.set()
-    latest.ask("three")
-    latest.step()
-    assert latest.step(wait=True).result == "THREE"
+    outcome = latest.step(wait=True)
+    assert (outcome.request, outcome.result, outcome.error) == ("three", "THREE", None)
+    assert gate.begun == ["one", "three"]
 
 
 def test_cancelled_is_told_from_failed():
