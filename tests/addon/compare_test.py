@@ -153,6 +153,32 @@ def test_several_radii_are_named_and_equal_those_alone(sphere):
         assert both.asked_radius(name) == radius
 
 
+@pytest.mark.parametrize("radii", [(0.3, 0.05), (0.05, 0.3)], ids=str)
+def test_mask_and_coverage_are_the_worst_of_all_radii(radii):
+    """On an open bowl, without jumps over seams: the large neighborhood is cut where the small one is whole."""
+    points, quads, uvs = cube_sphere(12)
+    kept = (points[quads, 2] < 0.5).all(axis=1)
+    bowl = as_arrays(points, quads[kept], uvs[kept])
+    options = bridge.Options(samples=64, buffer_size=256, relocation="affine", max_jumps=0)
+
+    def at(radius, *more):
+        chosen = dataclasses.replace(options, radius=radius)
+        return job.run(bowl, job.Settings(("curvedness",), chosen, "software", more_radii=more))
+
+    both, alone = at(*radii), {radius: at(radius) for radius in radii}
+    for bit in (abi.MASK_BOUNDARY, abi.MASK_LOW_COVERAGE):
+        assert (alone[0.05].mask & bit != 0).sum() < (alone[0.3].mask & bit != 0).sum() < len(points)
+    assert np.array_equal(both.mask, alone[0.05].mask | alone[0.3].mask)
+    whole = alone[0.05].mask & abi.MASK_LOW_COVERAGE == 0
+    assert (alone[0.3].coverage < alone[0.05].coverage)[whole].any()
+    assert np.array_equal(both.coverage, np.minimum(alone[0.05].coverage, alone[0.3].coverage), equal_nan=True)
+    loose = ~np.isin(np.arange(len(points)), quads[kept])
+    assert loose.any()
+    assert np.array_equal(both.mask & abi.MASK_NO_FACE != 0, loose)
+    assert np.array_equal(both.undefined, np.maximum(alone[0.05].undefined, alone[0.3].undefined))
+    assert both.undefined[loose].all()
+
+
 def test_a_radius_asked_for_twice_is_refused(sphere):
     with pytest.raises(bridge.ParadescError, match="twice"):
         job.run(sphere, job.Settings(options=bridge.Options(radius=0.05), more_radii=(0.05,)))

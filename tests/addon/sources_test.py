@@ -7,6 +7,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
 from paradesc import bridge  # noqa: E402
+from paradesc.bridge import abi  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc.scene import mesh_io, source_meshes  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
@@ -86,6 +87,14 @@ def test_modifiers_hidden_before_stay_hidden():
     assert not target.modifiers["SUBSURF"].show_viewport
 
 
+def test_whoever_holds_the_evaluated_scene_finds_the_whole_stack_again():
+    target = with_modifiers(SUBSURF)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    assert len(target.evaluated_get(depsgraph).data.vertices) == 602
+    source_meshes.read(target, "deformed")
+    assert len(target.evaluated_get(depsgraph).data.vertices) == 602  # though nobody asked for an update
+
+
 def test_modifiers_are_shown_again_after_an_error(monkeypatch):
     target = with_modifiers(BEND, SUBSURF)
     before = scene_state(target)
@@ -163,6 +172,34 @@ def test_corners_come_along_to_the_original():
     found = source_meshes.on_original(job.run(reading.arrays, settings), reading)
     assert len(found.corners.painted) == 152
     assert all(found.corners.painted[vertex] == 1 for vertex in found.corners.vertices)
+
+
+def test_masks_and_seams_come_along_to_the_original_where_vertices_are_reordered():
+    target = animated.bent_cylinder(rings=8, sides=12)
+    target.modifiers.remove(target.modifiers["Armature"])
+    own = source_meshes.read(target, "original")
+    shuffled = target.modifiers.new("Build", "BUILD")
+    shuffled.use_random_order, shuffled.frame_start, shuffled.frame_duration = True, -100, 1
+    bpy.context.view_layer.update()
+    reading = source_meshes.read(target, "evaluated")
+    assert reading.own
+    assert sorted(reading.vertices) == list(range(len(own.arrays.positions)))
+    assert (reading.vertices != np.arange(len(reading.vertices))).mean() > 0.9
+    settings = job.Settings(
+        ("mean_curvature",), bridge.Options(0.1, samples=64, buffer_size=256, seam_error=True), "software"
+    )
+    expected, results = job.run(own.arrays, settings), job.run(reading.arrays, settings)
+    found = source_meshes.on_original(results, reading)
+    near_rim = np.isin(own.arrays.positions[:, 2].round(6), (0, 4))
+    assert np.array_equal(expected.mask & abi.MASK_BOUNDARY != 0, near_rim)
+    assert np.array_equal(found.mask, expected.mask)
+    assert not np.array_equal(results.mask, expected.mask)
+    assert np.array_equal(found.near_seam, expected.near_seam)
+    assert 0 < found.near_seam.sum() < len(found.near_seam)
+    assert np.array_equal(found.coverage, results.coverage[reading.vertices])
+    for ours, theirs in ((found.values, results.values), (found.seam_error, results.seam_error)):
+        assert ours.keys() == theirs.keys() == {"mean_curvature"}
+        assert np.array_equal(ours["mean_curvature"], theirs["mean_curvature"][reading.vertices], equal_nan=True)
 
 
 def test_mixed_marks_are_no_vertices():
