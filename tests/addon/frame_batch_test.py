@@ -113,6 +113,19 @@ def test_a_range_that_was_typed_stays(pair):
     assert item.maximum == 7.0
 
 
+@pytest.mark.parametrize("beside", [False, True])
+def test_the_scene_comes_back_to_the_part_of_a_frame_where_it_was(pair, beside):
+    scene = bpy.context.scene
+    scene.frame_set(7, subframe=0.25)
+    if beside:
+        running = batch()
+        take_steps(running)
+        running.end()
+    else:
+        assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
+    assert (scene.frame_current, scene.frame_subframe) == (7, 0.25)
+
+
 def test_cancelling_keeps_the_frames_so_far_and_comes_back(pair):
     bpy.context.scene.frame_set(2)
     running = batch()

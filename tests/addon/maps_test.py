@@ -79,6 +79,38 @@ def test_blender_reads_an_exr_of_one_descriptor_as_it_was_written(tmp_path):
         assert np.array_equal(read[::-1, :, channel], written)
 
 
+def test_an_exr_names_its_channels_in_alphabetical_order_whatever_order_they_were_given_in(tmp_path):
+    """As the format asks for; a reader that looks names up by halving misses others."""
+    given = {name: np.full((3, 5), value, np.float32) for value, name in enumerate(("b.Z", "a", "b.X", "A", "b.Y"))}
+    path = tmp_path / "many.exr"
+    exr.write_exr(path, given)
+    content = path.read_bytes()
+    at = content.index(b"channels\0chlist\0") + len(b"channels\0chlist\0")
+    (size,) = struct.unpack_from("<i", content, at)
+    listed = content[at + 4 : at + 4 + size]
+    names, kinds = [], []
+    while listed[0]:
+        name, listed = listed.split(b"\0", 1)
+        names.append(name.decode())
+        kinds.append(struct.unpack("<iB3xii", listed[:16]))
+        listed = listed[16:]
+    assert names == ["A", "a", "b.X", "b.Y", "b.Z"]
+    assert set(kinds) == {(exr.FLOAT, 0, 1, 1)}
+    assert listed == b"\0"
+    lines = only_block(content, len(exr.header(names, 5, 3))).reshape(3, len(names), 5)
+    assert all((lines[:, place] == given[name]).all() for place, name in enumerate(names))
+
+
+def only_block(content, header_bytes):
+    """(k,) float32 of the one block after the header and its place in the file."""
+    (start,) = struct.unpack_from("<Q", content, header_bytes)
+    _, size = struct.unpack_from("<2i", content, start)
+    steps = np.frombuffer(zlib.decompress(content[start + 8 : start + 8 + size]), np.uint8)
+    parted = np.cumsum(steps - np.uint8(128), dtype=np.uint8) + np.uint8(128)
+    halves = np.split(parted, [(len(parted) + 1) // 2])
+    return np.ravel(np.stack(halves, axis=1)).view("<f4")
+
+
 def compositor(bpy, scene):
     """The scene's compositing nodes, emptied but for the output."""
     if hasattr(scene, "compositing_node_group"):  # since Blender 5.0
