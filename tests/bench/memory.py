@@ -18,7 +18,7 @@ import numpy as np
 import timing
 from preprocessing_cache import processor, torus
 
-from paradesc.bridge.session import Context, Options
+from paradesc.bridge import Context, Options
 
 DESCRIPTORS = ["mean_curvature"]
 CHOICES = (

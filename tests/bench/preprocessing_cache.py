@@ -26,7 +26,7 @@ import numpy as np
 from sampling_choices import read_obj
 from timing import resident, status_bytes
 
-from paradesc.bridge.session import Context, MeshArrays, Options
+from paradesc.bridge import Context, MeshArrays, Options
 
 # What a file could keep of each step; cells depend on the device's rasterizer, the buffer and the radius as well.
 STEPS = {

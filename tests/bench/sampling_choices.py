@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from paradesc.bridge.session import Context, MeshArrays, Options
+from paradesc.bridge import Context, MeshArrays, Options
 
 DESCRIPTORS = ["mean_curvature", "gaussian_curvature", "local_bending_energy", "sphere_volume_normalized"]
 PAPER = {"relocation": "paper", "max_jumps": 1}

@@ -1,5 +1,6 @@
 """The way from Python to libparadesc: plain Python, ctypes and numpy, never Blender."""
 
+from .arrays import Layout, MeshArrays, SurfaceMaps
 from .library import (
     Descriptor,
     InputError,
@@ -10,10 +11,9 @@ from .library import (
     missing_sentence,
     without_devices,
 )
-from .session import (
+from .options import (
     ADAPTIVE_THRESHOLD,
     BACKENDS,
-    BUFFERS,
     CHOICES,
     DISTANCES,
     ELLIPSES,
@@ -26,14 +26,9 @@ from .session import (
     RADIUS_UNITS,
     RELOCATIONS,
     VARIANCE_REDUCTIONS,
-    Context,
-    Field,
-    Layout,
-    Mesh,
-    MeshArrays,
     Options,
-    SurfaceMaps,
 )
+from .session import BUFFERS, Context, Field, Mesh, ProgressFunction
 
 __all__ = [
     "ADAPTIVE_THRESHOLD",
@@ -60,6 +55,7 @@ __all__ = [
     "MeshArrays",
     "Options",
     "ParadescError",
+    "ProgressFunction",
     "SurfaceMaps",
     "components",
     "descriptors",

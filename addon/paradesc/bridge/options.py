@@ -1,0 +1,122 @@
+"""How to compute: the names that every choice has in Python, and the options as the C struct of them."""
+
+import ctypes
+from dataclasses import dataclass
+
+from . import abi
+from .library import ParadescError, new_struct
+
+BACKENDS = {
+    "auto": abi.BACKEND_AUTO,
+    "gpu": abi.BACKEND_GPU,
+    "software": abi.BACKEND_SOFTWARE,
+    "reference": abi.BACKEND_REFERENCE,
+}
+NORMALS = {"fitted": abi.NORMALS_FITTED, "max": abi.NORMALS_MAX, "mesh": abi.NORMALS_MESH}
+RADIUS_UNITS = {
+    "diagonal": abi.RADIUS_DIAGONAL,
+    "absolute": abi.RADIUS_ABSOLUTE,
+    "mean-edge": abi.RADIUS_MEAN_EDGE,
+}
+
+RELOCATIONS = {
+    "connected": abi.RELOCATION_CONNECTED,
+    "affine": abi.RELOCATION_AFFINE,
+    "paper": abi.RELOCATION_PAPER,
+}
+ESTIMATORS = {
+    "shape-operator": abi.ESTIMATOR_SHAPE_OPERATOR,
+    "integral": abi.ESTIMATOR_INTEGRAL,
+    "extrapolated": abi.ESTIMATOR_EXTRAPOLATED,
+}
+VARIANCE_REDUCTIONS = {"shape": abi.VARIANCE_REDUCTION_SHAPE, "none": abi.VARIANCE_REDUCTION_NONE}
+GEODESICS = {"local": abi.GEODESIC_LOCAL, "chords": abi.GEODESIC_CHORDS}
+DISTANCES = {"euclidean": abi.DISTANCE_EUCLIDEAN, "geodesic": abi.DISTANCE_GEODESIC}
+PATTERNS = {"golden-angle": abi.PATTERN_GOLDEN_ANGLE, "stratified": abi.PATTERN_STRATIFIED}
+ELLIPSES = {"center": abi.ELLIPSE_CENTER, "directional": abi.ELLIPSE_DIRECTIONAL}
+EVALUATIONS = {"vertex": abi.EVALUATE_VERTEX, "texel": abi.EVALUATE_TEXEL}
+PRECISIONS = {"full": abi.PRECISION_FULL, "half": abi.PRECISION_HALF}
+# Options that are a name: their choices, and what to call them in a sentence.
+CHOICES = {
+    "radius_unit": (RADIUS_UNITS, "radius unit"),
+    "normals": (NORMALS, "kind of normals"),
+    "relocation": (RELOCATIONS, "relocation"),
+    "estimator": (ESTIMATORS, "estimator"),
+    "variance_reduction": (VARIANCE_REDUCTIONS, "variance reduction"),
+    "geodesic": (GEODESICS, "geodesic distance"),
+    "distance": (DISTANCES, "distance"),
+    "pattern": (PATTERNS, "pattern"),
+    "ellipse": (ELLIPSES, "ellipse"),
+    "evaluate": (EVALUATIONS, "place of evaluation"),
+    "precision": (PRECISIONS, "precision"),
+}
+NUMBERS = {
+    "samples": "number of samples",
+    "buffer_size": "buffer size",
+    "max_jumps": "number of jumps",
+    "texels": "number of texels",
+}
+# Of --adaptive without a number: radians.
+ADAPTIVE_THRESHOLD = 0.05
+
+
+@dataclass
+class Options:
+    """How to compute; the defaults are those of pdesc_options_init."""
+
+    radius: float = 0.02
+    radius_unit: str = "diagonal"
+    samples: int = 256
+    buffer_size: int = 1024
+    normals: str = "fitted"
+    max_jumps: int = 8
+    seed: int = 0
+    seam_error: bool = False
+    relocation: str = "connected"
+    estimator: str = "shape-operator"
+    variance_reduction: str = "shape"
+    geodesic: str = "local"
+    distance: str = "euclidean"
+    pattern: str = "golden-angle"
+    ellipse: str = "center"
+    evaluate: str = "vertex"
+    texels: int = 512
+    precision: str = "full"
+    adaptive: float = 0.0
+    map_descriptor: str = "sphere_volume_normalized"
+    map_sigma: float = 1.0
+    harris_k: float = 0.04
+
+
+def native_options(library: ctypes.CDLL, options: Options) -> abi.ComputeOptions:
+    """The C struct of the options."""
+    native = new_struct(library, abi.ComputeOptions)
+    native.radius = options.radius
+    native.adaptive = options.adaptive
+    native.map_descriptor = options.map_descriptor.encode()
+    native.map_sigma = options.map_sigma
+    native.harris_k = options.harris_k
+    for name, (choices, what) in CHOICES.items():
+        setattr(native, name, choice(choices, getattr(options, name), what))
+    for name, what in NUMBERS.items():
+        setattr(native, name, int32(getattr(options, name), what))
+    if not 0 <= options.seed < 2**32:
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"The seed {options.seed} is not between 0 and {2**32 - 1}.")
+    native.seed = options.seed
+    native.seam_error = int(options.seam_error)
+    return native
+
+
+def choice(names: dict[str, int], name: str, what: str) -> int:
+    """The number of a named choice; ParadescError lists the names there are."""
+    if name not in names:
+        sentence = f'There is no {what} "{name}"; choose one of {", ".join(names)}.'
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+    return names[name]
+
+
+def int32(value: int, what: str) -> int:
+    """The value itself where it fits the C type; ctypes would cut it silently."""
+    if not -(2**31) <= value < 2**31:
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"The {what} {value} is out of range.")
+    return value
