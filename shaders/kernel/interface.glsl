@@ -55,7 +55,8 @@ struct Support {
 };
 
 const float PI = 3.14159265358979;
-const float NOT_A_NUMBER = uintBitsToFloat(0x7fc00000u);
+// No constant: strict compilers take no built-in function for one.
+#define NOT_A_NUMBER uintBitsToFloat(0x7fc00000u)
 
 // e^T S e and |S e|^2, summed over neighbors by the moments of e e^T (xx, xy, yy).
 float normal_curvature(vec3 shape, vec3 moments) { return shape.x * moments.x + 2.0 * shape.y * moments.y + shape.z * moments.z; }

@@ -16,7 +16,7 @@
 #endif
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
-layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { float results[]; };
+layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { uint results[]; }; // bits of floats, which keep NaN
 #if EXACT
 layout(std430, binding = BINDING_REACH) readonly restrict buffer Reach { int reach[]; };
 layout(location = 15) uniform int reach_count;
@@ -342,10 +342,12 @@ void main() {
   Center center = sums.center;
   States states = sums.states;
   Support support = finish_support(sums, scale);
-  results[ROW_COVERAGE * total + index] = m.area > 0.0 ? m.area / (m.area + m.lost) : 0.0;
-  results[ROW_FLAGS * total + index] = (m.cut > 0.0 ? FLAG_CUT : 0.0) + (scale == 1.0 ? FLAG_ALL_SAMPLES : 0.0) +
-                                       (support.deviation > support.tolerance ? FLAG_NO_DISK : 0.0) +
-                                       (support.deviation > 2.0 * support.tolerance + 0.1 ? FLAG_FAR_FROM_DISK : 0.0);
-  results[ROW_AREA * total + index] = support.area;
+  float coverage = m.area > 0.0 ? m.area / (m.area + m.lost) : 0.0;
+  float flags = (m.cut > 0.0 ? FLAG_CUT : 0.0) + (scale == 1.0 ? FLAG_ALL_SAMPLES : 0.0) +
+                (support.deviation > support.tolerance ? FLAG_NO_DISK : 0.0) +
+                (support.deviation > 2.0 * support.tolerance + 0.1 ? FLAG_FAR_FROM_DISK : 0.0);
+  results[ROW_COVERAGE * total + index] = floatBitsToUint(coverage);
+  results[ROW_FLAGS * total + index] = floatBitsToUint(flags);
+  results[ROW_AREA * total + index] = floatBitsToUint(support.area);
   STATES_FINISH
 }

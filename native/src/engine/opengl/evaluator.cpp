@@ -44,7 +44,7 @@ std::string compose_descriptors(std::span<const int> asked) {
     add += "  descriptor_add_" + name + "(states." + name + ", center, neighbor);\n";
     const std::string value = "descriptor_finish_" + name + "(states." + name + ", center, support)";
     auto store = [&](const std::string &component) {
-      finish += "  results[(ROW_DESCRIPTORS + " + std::to_string(row++) + ") * total + index] = " + component + ";\n";
+      finish += "  results[(ROW_DESCRIPTORS + " + std::to_string(row++) + ") * total + index] = floatBitsToUint(" + component + ");\n";
     };
     if (registered.components == 1) {
       store(value);
