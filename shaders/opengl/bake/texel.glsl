@@ -6,16 +6,12 @@ layout(location = LOCATION_HALF_FLOATS) uniform int half_floats;
 layout(location = 0) out vec4 position_area;
 layout(location = 1) out vec4 normal;
 
-// The nearest 16-bit floats: what stores them may cut instead of rounding.
-vec2 nearest_half(vec2 value) { return unpackHalf2x16(packHalf2x16(value)); }
-
 // In 16 bits the normal is a place on the octahedron; the numbers left over hold what rounding took from it and from the position.
 void store_texel(vec3 position, vec3 direction, float area_element) {
   position_area = vec4(position, area_element / area_unit);
   normal = vec4(direction, 0.0);
   if (half_floats == 0) return;
-  position_area.w = min(position_area.w, 65504.0);
-  position_area = vec4(nearest_half(position_area.xy), nearest_half(position_area.zw));
+  position_area = vec4(nearest_half(position), nearest_half(min(position_area.w, 65504.0)));
   vec2 place = to_octahedron(direction);
   vec2 rounded = nearest_half(place);
   normal = vec4(rounded, code_of_two(place - rounded), code_of_three(position - position_area.xyz));

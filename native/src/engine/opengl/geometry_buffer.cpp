@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "bake/seam_links.h"
+#include "engine/opengl/half.h"
 #include "shared.h"
 #include "support/error.h"
 #include "support/parallel.h"
@@ -296,25 +297,13 @@ std::vector<vec4> GeometryBuffer::read_distortion(ProgramCache &programs) const 
   return read_image(gl_, distortion.id(), size_);
 }
 
-// As in half.glsl: what rounding took from a number, by one of `count` steps.
-static float rest_of(int step, int count) {
-  return ((static_cast<float>(step) + 0.5f) * 2.0f / static_cast<float>(count) - 1.0f) / 4096.0f;
-}
-
-static vec3 from_octahedron(vec2 place) {
-  const float z = 1.0f - std::abs(place.x) - std::abs(place.y);
-  if (z < 0.0f) place = vec2(std::copysign(1.0f - std::abs(place.y), place.x), std::copysign(1.0f - std::abs(place.x), place.y));
-  return normalize(vec3(place, z));
-}
-
 std::vector<vec4> GeometryBuffer::read_position() const {
   std::vector<vec4> texels = read_image(gl_, position_.id(), size_);
   if (!half_) return texels;
   const std::vector<vec4> stored = read_image(gl_, normal_.id(), size_);
   for (size_t i = 0; i < texels.size(); ++i) {
     if (!(texels[i].w > 0.0f)) continue;
-    const int code = static_cast<int>(stored[i].w) + 2048;
-    texels[i] += vec4(rest_of(code & 15, 16), rest_of(code >> 4 & 15, 16), rest_of(code >> 8, 16), 0.0f);
+    texels[i] += vec4(half_floats::Text().three_of_code(stored[i].w), 0.0f);
     texels[i].w *= area_unit_;
   }
   return texels;
@@ -326,8 +315,8 @@ std::vector<vec4> GeometryBuffer::read_normal() const {
   const std::vector<int32_t> ids = read_ids();
   for (size_t i = 0; i < texels.size(); ++i) {
     if (ids[2 * i] < 0) continue;
-    const int code = static_cast<int>(texels[i].z) + 2048;
-    texels[i] = vec4(from_octahedron(vec2(texels[i]) + vec2(rest_of(code & 63, 64), rest_of(code >> 6, 64))), 0.0f);
+    half_floats::Text text;
+    texels[i] = vec4(text.from_octahedron(vec2(texels[i]) + text.two_of_code(texels[i].z)), 0.0f);
   }
   return texels;
 }

@@ -1,0 +1,20 @@
+// The shaders' text on 16-bit floats as C++, for what reads such buffers back.
+#pragma once
+
+#include <glm/common.hpp>
+#include <glm/ext/vector_int3.hpp>
+#include <glm/ext/vector_uint2.hpp>
+
+#include "support/math.h"
+
+namespace paradesc::half_floats {
+
+using namespace glm;
+
+struct Text {
+#include "opengl/bake/half.glsl"
+};
+#undef LARGEST_REST
+#undef LEAST_CODE
+
+} // namespace paradesc::half_floats
