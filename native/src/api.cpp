@@ -6,11 +6,11 @@
 #include <thread>
 #include <vector>
 
-#include "descriptor/registry.h"
+#include "compute/compute.h"
 #include "compute/passes.h"
+#include "descriptor/registry.h"
 #include "memory.h"
 #include "mesh/near_seam.h"
-#include "compute/compute.h"
 #include "support/error.h"
 #include "support/live.h"
 
@@ -196,7 +196,7 @@ int32_t pdesc_descriptor_count(void) { return static_cast<int32_t>(paradesc::des
 int32_t pdesc_descriptor_get(int32_t index, pdesc_descriptor_info *info) {
   return guarded([&] {
     check_range("index", index, 0, pdesc_descriptor_count() - 1);
-    const auto &row = paradesc::descriptors()[static_cast<size_t>(index)];
+    const auto &row = paradesc::descriptors()[index];
     pdesc_descriptor_info ours;
     zero_init(&ours);
     ours.name = row.name;

@@ -17,7 +17,7 @@ vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t triang
   dvec2 uv[3];
   for (size_t i = 0; i < 3; ++i) {
     const size_t corner = 3 * triangle + i;
-    p[i] = dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner])]);
+    p[i] = dvec3(triangles.positions[triangles.corner_vertex[corner]]);
     uv[i] = dvec2(triangles.corner_uv[corner]);
   }
   const dvec3 e1 = (p[1] - p[0]) * frame.scale, e2 = (p[2] - p[0]) * frame.scale;
@@ -29,9 +29,7 @@ vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t triang
 }
 
 static double corner_angle(const Triangles &triangles, int corner) {
-  auto position = [&](int c) {
-    return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[static_cast<size_t>(c)])]);
-  };
+  auto position = [&](int c) { return dvec3(triangles.positions[triangles.corner_vertex[c]]); };
   const dvec3 p = position(corner);
   const dvec3 a = position(next_corner(corner)) - p, b = position(previous_corner(corner)) - p;
   return std::atan2(length(cross(a, b)), dot(a, b));
@@ -58,7 +56,7 @@ std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &ch
   std::vector<dvec3> inverse(count, dvec3(0.0));
   std::vector<double> weight(count, 0.0);
   for (const int32_t corner : corners) {
-    const auto site = static_cast<size_t>(charts.corner_site[static_cast<size_t>(corner)]) / step;
+    const auto site = static_cast<size_t>(charts.corner_site[corner]) / step;
     const vec4 form = form_of(triangles, frame, static_cast<size_t>(corner / 3));
     const double determinant = static_cast<double>(form.w) * form.w;
     if (!(determinant > 0.0)) continue;

@@ -5,10 +5,10 @@
 
 namespace paradesc {
 
-static dvec2 uv_of(const Triangles &triangles, int corner) { return dvec2(triangles.corner_uv[static_cast<size_t>(corner)]); }
+static dvec2 uv_of(const Triangles &triangles, int corner) { return dvec2(triangles.corner_uv[corner]); }
 
 static dvec3 position_of(const Triangles &triangles, int corner) {
-  return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[static_cast<size_t>(corner)])]);
+  return dvec3(triangles.positions[triangles.corner_vertex[corner]]);
 }
 
 std::pair<int, int> border_ends(const Triangles &triangles, const Border &border) {
@@ -38,7 +38,7 @@ std::vector<vec4> seam_links(const Triangles &triangles, const Charts &charts) {
     const Border &border = charts.borders[i];
     links[2 * i + 1].z = -1.0f - static_cast<float>(border.kind);
     if (border.kind != BorderKind::seam) continue;
-    const Border &twin = charts.borders[static_cast<size_t>(border.twin)];
+    const Border &twin = charts.borders[border.twin];
     const auto [first, second] = border_ends(triangles, border);
     const int third = previous_corner(border.half_edge);
     // The twin runs the other way along the same edge.

@@ -125,7 +125,7 @@ struct Displaced {
 static Patch patch_of(const Triangles &triangles, const Normals &normals, const BufferFrame &frame, int triangle) {
   const std::vector<vec2> &uvs = triangles.given_uv.empty() ? triangles.corner_uv : triangles.given_uv;
   const auto c = static_cast<size_t>(3 * triangle);
-  auto position = [&](size_t i) { return frame.to_buffer(triangles.positions[static_cast<size_t>(triangles.corner_vertex[i])]); };
+  auto position = [&](size_t i) { return frame.to_buffer(triangles.positions[triangles.corner_vertex[i]]); };
   const vec3 p = position(c), n = normals.corner(c);
   return {p,      position(c + 1) - p, position(c + 2) - p, n, normals.corner(c + 1) - n, normals.corner(c + 2) - n,
           uvs[c], uvs[c + 1] - uvs[c], uvs[c + 2] - uvs[c]};
@@ -231,16 +231,14 @@ MappedPoints map_points(const SurfaceMaps &maps, const Triangles &triangles, con
     for (int corner = 3 * begin; corner < 3 * end; ++corner) {
       const auto c = static_cast<size_t>(corner);
       if (half_edges.corner_point[c] < 0) continue;
-      mapped[c] = surface.at_corner(corner, normals.point[static_cast<size_t>(half_edges.corner_point[c])], shrinkage[c]);
+      mapped[c] = surface.at_corner(corner, normals.point[half_edges.corner_point[c]], shrinkage[c]);
     }
   });
   const auto points = static_cast<size_t>(half_edges.point_count);
   MappedPoints result;
   std::vector<vec3> offset(points, vec3(0.0f)), sum(points, vec3(0.0f));
   std::vector<float> weight(points, 0.0f);
-  auto base = [&](size_t point) {
-    return frame.to_buffer(triangles.positions[static_cast<size_t>(half_edges.point_vertex[point])]);
-  };
+  auto base = [&](size_t point) { return frame.to_buffer(triangles.positions[half_edges.point_vertex[point]]); };
   for (size_t c = 0; c < corners; ++c) {
     if (half_edges.corner_point[c] < 0) continue;
     const auto point = static_cast<size_t>(half_edges.corner_point[c]);
@@ -258,7 +256,7 @@ MappedPoints map_points(const SurfaceMaps &maps, const Triangles &triangles, con
   for (size_t vertex = 0; vertex < triangles.positions.size(); ++vertex) {
     const int32_t point = half_edges.vertex_point[vertex];
     if (point < 0) continue;
-    const vec3 position = result.position[static_cast<size_t>(point)];
+    const vec3 position = result.position[point];
     result.triangles.positions[vertex] = vec3(dvec3(position) / frame.scale + frame.center);
   }
   return result;
@@ -293,7 +291,7 @@ void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const S
   const std::vector<vec2> &uvs = triangles.given_uv.empty() ? triangles.corner_uv : triangles.given_uv;
   std::vector<vec2> given;
   given.reserve(input.vertices.corner.size());
-  for (const int32_t corner : input.vertices.corner) given.push_back(uvs[static_cast<size_t>(corner)]);
+  for (const int32_t corner : input.vertices.corner) given.push_back(uvs[corner]);
   given_.upload(gl, GL_RG32F, given.data(), given.size());
   std::vector<vec4> tangents;
   if (maps.normal_map) {

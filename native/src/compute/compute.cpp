@@ -3,11 +3,11 @@
 
 #include <numeric>
 
-#include "engine/reference/reference.h"
-#include "descriptor/registry.h"
 #include "compute/passes.h"
-#include "memory.h"
+#include "descriptor/registry.h"
 #include "engine/opengl/stages.h"
+#include "engine/reference/reference.h"
+#include "memory.h"
 #include "support/cancel.h"
 #include "support/error.h"
 #include "support/parallel.h"
@@ -21,14 +21,12 @@ static void measure(Mesh &mesh) {
   const int half_edges = 3 * mesh.triangles.triangle_count;
   std::vector<std::pair<double, int>> parts(static_cast<size_t>((half_edges + block - 1) / block)); // sum and count
   parallel_blocks(half_edges, mesh.context->threads, block, [&](int begin, int end) {
-    auto &[sum, count] = parts[static_cast<size_t>(begin / block)];
+    auto &[sum, count] = parts[begin / block];
     for (int h = begin; h < end; ++h) {
       // Each edge once: a pair by its lower half-edge.
-      const int32_t twin = mesh.half_edges.twin[static_cast<size_t>(h)];
-      if (mesh.half_edges.corner_point[static_cast<size_t>(h)] < 0 || (twin >= 0 && twin < h)) continue;
-      auto at = [&](int c) {
-        return dvec3(mesh.triangles.positions[static_cast<size_t>(mesh.triangles.corner_vertex[static_cast<size_t>(c)])]);
-      };
+      const int32_t twin = mesh.half_edges.twin[h];
+      if (mesh.half_edges.corner_point[h] < 0 || (twin >= 0 && twin < h)) continue;
+      auto at = [&](int c) { return dvec3(mesh.triangles.positions[mesh.triangles.corner_vertex[c]]); };
       sum += length(at(next_corner(h)) - at(h));
       ++count;
     }
@@ -219,7 +217,7 @@ static Field compute_on_backend(Mesh &mesh, const pdesc_options &options, std::s
   const SiteResults results = reference ? compute_in_object_space(mesh, options, asked, radius, told, field)
                                         : compute_in_texture_space(mesh, options, asked, radius, told, field);
   checkpoint();
-  for (const int descriptor : asked) field.names.emplace_back(descriptors()[static_cast<size_t>(descriptor)].name);
+  for (const int descriptor : asked) field.names.emplace_back(descriptors()[descriptor].name);
   gather(mesh.half_edges, results, options.seam_error != 0 && !reference, mesh.context->threads, field);
   field.report.radius = radius;
   field.report.backend = mesh.context->backend;

@@ -69,9 +69,9 @@ static ReadBuffer neighbor_charts(const std::vector<int32_t> &ids, const BorderG
     float found = -1.0f;
     const int32_t edges = -std::min(grid.cells[2 * i], 0), first = grid.cells[2 * i + 1];
     for (int32_t k = first; found < 0.0f && k < first + edges; ++k) {
-      const Border &border = charts.borders[static_cast<size_t>(grid.list[2 * static_cast<size_t>(k)])];
+      const Border &border = charts.borders[grid.list[2 * static_cast<size_t>(k)]];
       if (border.chart == ids[2 * i] && border.kind == BorderKind::seam && border.twin >= 0)
-        found = static_cast<float>(charts.borders[static_cast<size_t>(border.twin)].chart);
+        found = static_cast<float>(charts.borders[border.twin].chart);
     }
     read.values.push_back(found);
   }

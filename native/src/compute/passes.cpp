@@ -48,7 +48,7 @@ struct Done {
   SiteResults results;
   const std::vector<float> *find(int row) const {
     const auto found = std::find(pass.rows.begin(), pass.rows.end(), row);
-    return found == pass.rows.end() ? nullptr : &results.values[static_cast<size_t>(found - pass.rows.begin())];
+    return found == pass.rows.end() ? nullptr : &results.values[found - pass.rows.begin()];
   }
 };
 

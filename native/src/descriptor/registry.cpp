@@ -31,7 +31,7 @@ static std::span<const DescriptorRow> all_rows() {
 
 std::span<const DescriptorRow> descriptors() { return all_rows().first(all_rows().size() - 1); }
 
-const DescriptorRow &descriptor_row(int index) { return all_rows()[static_cast<size_t>(index)]; }
+const DescriptorRow &descriptor_row(int index) { return all_rows()[index]; }
 
 int gradient_row() { return static_cast<int>(all_rows().size()) - 1; }
 

@@ -22,7 +22,7 @@ static std::vector<float> spread(const SiteResults &results, const std::vector<f
   };
   std::vector<Range> ranges(points);
   for (size_t i = 0; i < results.point.size(); ++i) {
-    Range &range = ranges[static_cast<size_t>(results.point[i])];
+    Range &range = ranges[results.point[i]];
     ++range.places;
     if (std::isnan(values[i])) {
       ++range.undefined;
@@ -44,7 +44,7 @@ static std::vector<float> angles(const SiteResults &results, const std::vector<f
   std::vector<int32_t> first(points, -1);
   std::vector<float> result(results.point.size(), nan);
   for (size_t i = 0; i < result.size(); ++i) {
-    int32_t &other = first[static_cast<size_t>(results.point[i])];
+    int32_t &other = first[results.point[i]];
     if (other < 0) other = static_cast<int32_t>(i);
     const float *a = &values[3 * i], *b = &values[3 * static_cast<size_t>(other)];
     result[i] = std::acos(std::min(std::abs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]), 1.0f));
@@ -55,7 +55,7 @@ static std::vector<float> angles(const SiteResults &results, const std::vector<f
 static std::vector<float> at_vertices(const HalfEdges &half_edges, const std::vector<float> &points) {
   std::vector<float> vertices;
   vertices.reserve(half_edges.vertex_point.size());
-  for (const int32_t point : half_edges.vertex_point) vertices.push_back(point >= 0 ? points[static_cast<size_t>(point)] : nan);
+  for (const int32_t point : half_edges.vertex_point) vertices.push_back(point >= 0 ? points[point] : nan);
   return vertices;
 }
 
@@ -75,8 +75,8 @@ static std::vector<float> pick(const std::vector<int32_t> &rows, const std::vect
 static uint8_t mask_of(const SiteResults &results, int32_t point, int32_t place) {
   if (point < 0) return PDESC_MASK_NO_FACE;
   if (place < 0) return PDESC_MASK_NO_TEXEL;
-  const bool boundary = results.boundary[static_cast<size_t>(place)] != 0;
-  const bool low = results.coverage[static_cast<size_t>(place)] < 0.9f;
+  const bool boundary = results.boundary[place] != 0;
+  const bool low = results.coverage[place] < 0.9f;
   return static_cast<uint8_t>((boundary ? PDESC_MASK_BOUNDARY : 0) | (low ? PDESC_MASK_LOW_COVERAGE : 0));
 }
 
@@ -97,7 +97,7 @@ static void count(const HalfEdges &half_edges, int threads, Field &field) {
   const size_t vertices = field.mask.size();
   std::vector<Counts> parts((vertices + block - 1) / block);
   parallel_blocks(static_cast<int>(vertices), threads, block, [&](int begin, int end) {
-    Counts &part = parts[static_cast<size_t>(begin / block)];
+    Counts &part = parts[begin / block];
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       part.boundary += (field.mask[i] & PDESC_MASK_BOUNDARY) != 0;
       part.low += (field.mask[i] & PDESC_MASK_LOW_COVERAGE) != 0;
@@ -141,10 +141,10 @@ void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_s
   const auto points = static_cast<size_t>(half_edges.point_count);
   std::vector<int32_t> primary(points, -1), vertex_place(half_edges.vertex_point.size());
   for (size_t i = 0; i < results.point.size(); ++i)
-    if (results.primary[i]) primary[static_cast<size_t>(results.point[i])] = static_cast<int32_t>(i);
+    if (results.primary[i]) primary[results.point[i]] = static_cast<int32_t>(i);
   parallel_blocks(static_cast<int>(vertex_place.size()), threads, block, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-      vertex_place[i] = half_edges.vertex_point[i] < 0 ? -1 : primary[static_cast<size_t>(half_edges.vertex_point[i])];
+      vertex_place[i] = half_edges.vertex_point[i] < 0 ? -1 : primary[half_edges.vertex_point[i]];
   });
   auto add = [&](const std::vector<float> &values, size_t width) {
     field.values.push_back(pick(vertex_place, values, width, threads));

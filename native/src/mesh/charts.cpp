@@ -18,9 +18,7 @@ constexpr double needle_part = 1e-7;         // ... if it is no larger than this
 constexpr double same_uv = 1e-6;
 constexpr int block = 4096; // for one thread at a time
 
-size_t at(int32_t index) { return static_cast<size_t>(index); }
-
-dvec2 uv_at(const Triangles &triangles, int corner) { return dvec2(triangles.corner_uv[at(corner)]); }
+dvec2 uv_at(const Triangles &triangles, int corner) { return dvec2(triangles.corner_uv[corner]); }
 
 // Twice the signed area of a triangle in the UV map; 0 where it is too small to stand on. Needles count as too small up to
 // largest_needle: a texel that one catches would stand for thousands of times the needle's surface.
@@ -52,30 +50,30 @@ struct UvAreas {
 
 // (triangle_count) twice and signed; 0: not on the surface, or too small to stand on.
 std::vector<double> uv_areas(const Triangles &triangles, const HalfEdges &half_edges, double largest_needle, int threads) {
-  std::vector<double> area(at(triangles.triangle_count), 0.0);
+  std::vector<double> area(triangles.triangle_count, 0.0);
   parallel_blocks(triangles.triangle_count, threads, block, [&](int begin, int end) {
     for (int triangle = begin; triangle < end; ++triangle)
-      if (half_edges.corner_point[3 * at(triangle)] >= 0) area[at(triangle)] = uv_area(triangles, triangle, largest_needle);
+      if (half_edges.corner_point[3 * triangle] >= 0) area[triangle] = uv_area(triangles, triangle, largest_needle);
   });
   return area;
 }
 
 UvAreas measure(const Triangles &triangles, const HalfEdges &half_edges, int threads, Charts &charts) {
   UvAreas areas;
-  areas.left_out.assign(at(triangles.triangle_count), 1);
+  areas.left_out.assign(triangles.triangle_count, 1);
   double whole = 0.0;
   for (const double area : uv_areas(triangles, half_edges, 0.0, threads)) whole += std::abs(area);
   areas.area = uv_areas(triangles, half_edges, needle_part * whole, threads);
   std::array<double, 2> total = {0.0, 0.0};
   std::array<int, 2> count = {0, 0};
   for (int triangle = 0; triangle < triangles.triangle_count; ++triangle) {
-    if (half_edges.corner_point[3 * at(triangle)] < 0) continue;
-    const double area = areas.area[at(triangle)];
+    if (half_edges.corner_point[3 * triangle] < 0) continue;
+    const double area = areas.area[triangle];
     if (area == 0.0) {
       ++charts.zero_uv_area_triangles;
       continue;
     }
-    areas.left_out[at(triangle)] = 0;
+    areas.left_out[triangle] = 0;
     total[area < 0] += std::abs(area);
     ++count[area < 0];
   }
@@ -89,10 +87,10 @@ std::vector<int32_t> link_within_charts(const Triangles &triangles, const HalfEd
   std::vector<int32_t> link(half_edges.twin.size(), -1);
   parallel_blocks(3 * triangles.triangle_count, threads, 3 * block, [&](int begin, int end) {
     for (int h = begin; h < end; ++h) {
-      const int32_t twin = half_edges.twin[at(h)];
-      if (twin < 0 || areas.area[at(h / 3)] * areas.area[at(twin / 3)] <= 0.0) continue;
-      if (!triangle_piece.empty() && triangle_piece[at(h / 3)] != triangle_piece[at(twin / 3)]) continue;
-      if (agree(triangles, h, next_corner(twin)) && agree(triangles, next_corner(h), twin)) link[at(h)] = twin;
+      const int32_t twin = half_edges.twin[h];
+      if (twin < 0 || areas.area[h / 3] * areas.area[twin / 3] <= 0.0) continue;
+      if (!triangle_piece.empty() && triangle_piece[h / 3] != triangle_piece[twin / 3]) continue;
+      if (agree(triangles, h, next_corner(twin)) && agree(triangles, next_corner(h), twin)) link[h] = twin;
     }
   });
   return link;
@@ -110,37 +108,36 @@ void for_each_corner(const Triangles &triangles, const std::vector<int32_t> &cor
                      const Visit &visit) {
   constexpr int run = 64 * block;
   const int count = 3 * triangles.triangle_count;
-  std::vector<double> angles(at(std::min(run, count)));
+  std::vector<double> angles(std::min(run, count));
   for (int first = 0; first < count; first += std::min(run, count - first)) {
     const int length = std::min(run, count - first);
     parallel_blocks(length, threads, block, [&](int begin, int end) {
       for (int i = begin; i < end; ++i)
-        if (corner_site[at(first + i)] >= 0) angles[at(i)] = angle_of(triangles, first + i);
+        if (corner_site[first + i] >= 0) angles[i] = angle_of(triangles, first + i);
     });
     for (int i = 0; i < length; ++i)
-      if (corner_site[at(first + i)] >= 0) visit(first + i, angles[at(i)]);
+      if (corner_site[first + i] >= 0) visit(first + i, angles[i]);
   }
 }
 
 void place_points(const Triangles &triangles, const HalfEdges &half_edges, const Fans &fans, int threads, Charts &charts) {
   charts.corner_site = fans.corner_fan;
-  charts.sites.resize(at(fans.count));
-  std::vector<double> widest(at(fans.count), -1.0);
+  charts.sites.resize(fans.count);
+  std::vector<double> widest(fans.count, -1.0);
   for_each_corner(triangles, fans.corner_fan, threads, uv_angle, [&](int corner, double angle) {
-    const int32_t index = fans.corner_fan[at(corner)];
-    Site &site = charts.sites[at(index)];
-    if (widest[at(index)] < 0)
-      site = {
-          half_edges.corner_point[at(corner)], charts.triangle_chart[at(corner / 3)], triangles.corner_uv[at(corner)], {}, 0.0};
-    if (angle <= widest[at(index)]) return;
-    widest[at(index)] = angle;
+    const int32_t index = fans.corner_fan[corner];
+    Site &site = charts.sites[index];
+    if (widest[index] < 0)
+      site = {half_edges.corner_point[corner], charts.triangle_chart[corner / 3], triangles.corner_uv[corner], {}, 0.0};
+    if (angle <= widest[index]) return;
+    widest[index] = angle;
     site.inside = uv_centroid(triangles, corner / 3);
   });
-  std::vector<int32_t> sites_of(at(half_edges.point_count), 0);
-  for (const Site &site : charts.sites) ++sites_of[at(site.point)];
-  const auto shared = [&](int32_t site) { return site >= 0 && sites_of[at(charts.sites[at(site)].point)] > 1; };
+  std::vector<int32_t> sites_of(half_edges.point_count, 0);
+  for (const Site &site : charts.sites) ++sites_of[site.point];
+  const auto shared = [&](int32_t site) { return site >= 0 && sites_of[charts.sites[site].point] > 1; };
   for (int32_t site = 0; site < fans.count; ++site) {
-    charts.point_site[at(charts.sites[at(site)].point)] = site;
+    charts.point_site[charts.sites[site].point] = site;
     if (shared(site)) charts.shared_sites.push_back(site);
   }
   for (size_t corner = 0; corner < charts.corner_site.size(); ++corner)
@@ -150,23 +147,23 @@ void place_points(const Triangles &triangles, const HalfEdges &half_edges, const
 
 void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link, Charts &charts) {
   for (int32_t h = 0; h < static_cast<int32_t>(link.size()); ++h) {
-    const int32_t chart = charts.triangle_chart[at(h / 3)];
-    if (chart < 0 || link[at(h)] >= 0) continue;
-    const int32_t twin = half_edges.twin[at(h)];
-    const BorderKind kind = twin < 0                                   ? BorderKind::boundary
-                            : charts.triangle_chart[at(twin / 3)] >= 0 ? BorderKind::seam
-                                                                       : BorderKind::unlinked;
-    charts.half_edge_border[at(h)] = static_cast<int32_t>(charts.borders.size());
+    const int32_t chart = charts.triangle_chart[h / 3];
+    if (chart < 0 || link[h] >= 0) continue;
+    const int32_t twin = half_edges.twin[h];
+    const BorderKind kind = twin < 0                               ? BorderKind::boundary
+                            : charts.triangle_chart[twin / 3] >= 0 ? BorderKind::seam
+                                                                   : BorderKind::unlinked;
+    charts.half_edge_border[h] = static_cast<int32_t>(charts.borders.size());
     charts.borders.push_back({h, -1, chart, kind});
   }
   for (Border &border : charts.borders) {
     if (border.kind == BorderKind::unlinked) ++charts.unlinked_edges;
     if (border.kind != BorderKind::seam) continue;
-    const int32_t twin = half_edges.twin[at(border.half_edge)];
-    border.twin = charts.half_edge_border[at(twin)];
+    const int32_t twin = half_edges.twin[border.half_edge];
+    border.twin = charts.half_edge_border[twin];
     if (twin < border.half_edge) continue; // an edge counts once
     ++charts.seam_edges;
-    charts.self_seam_edges += charts.triangle_chart[at(twin / 3)] == border.chart;
+    charts.self_seam_edges += charts.triangle_chart[twin / 3] == border.chart;
   }
 }
 
@@ -175,27 +172,26 @@ void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link,
 void weigh_sites(const Triangles &triangles, int threads, Charts &charts) {
   std::vector<double> angles(charts.shared_corners.size());
   parallel_blocks(static_cast<int>(angles.size()), threads, block, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) angles[at(i)] = surface_angle(triangles, charts.shared_corners[at(i)]);
+    for (int i = begin; i < end; ++i) angles[i] = surface_angle(triangles, charts.shared_corners[i]);
   });
   for (const int32_t index : charts.shared_sites) {
-    charts.sites[at(index)].angle = 0.0;
-    charts.point_site[at(charts.sites[at(index)].point)] = -1;
+    charts.sites[index].angle = 0.0;
+    charts.point_site[charts.sites[index].point] = -1;
   }
-  for (size_t i = 0; i < angles.size(); ++i)
-    charts.sites[at(charts.corner_site[at(charts.shared_corners[i])])].angle += angles[i];
+  for (size_t i = 0; i < angles.size(); ++i) charts.sites[charts.corner_site[charts.shared_corners[i]]].angle += angles[i];
   for (const int32_t index : charts.shared_sites) {
-    int32_t &chosen = charts.point_site[at(charts.sites[at(index)].point)];
-    if (chosen < 0 || charts.sites[at(index)].angle > charts.sites[at(chosen)].angle) chosen = index;
+    int32_t &chosen = charts.point_site[charts.sites[index].point];
+    if (chosen < 0 || charts.sites[index].angle > charts.sites[chosen].angle) chosen = index;
   }
 }
 
 Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece,
                     int threads) {
   Charts charts;
-  charts.triangle_chart.assign(at(triangles.triangle_count), -1);
+  charts.triangle_chart.assign(triangles.triangle_count, -1);
   charts.corner_site.assign(half_edges.twin.size(), -1);
   charts.half_edge_border.assign(half_edges.twin.size(), -1);
-  charts.point_site.assign(at(half_edges.point_count), -1);
+  charts.point_site.assign(half_edges.point_count, -1);
   if (triangles.corner_uv.empty()) return charts;
 
   const UvAreas areas = measure(triangles, half_edges, threads, charts);

@@ -19,8 +19,6 @@ namespace {
 constexpr double hair = 2e-6;
 constexpr int deepest = 20; // a square of the index is then smaller than a hair
 
-size_t at(int32_t index) { return static_cast<size_t>(index); }
-
 struct Outline {
   std::array<dvec2, 3> corner;
   dvec2 low, high;
@@ -28,7 +26,7 @@ struct Outline {
 
 Outline outline(const Triangles &triangles, int32_t triangle) {
   Outline result;
-  for (size_t i = 0; i < 3; ++i) result.corner[i] = dvec2(triangles.corner_uv[3 * at(triangle) + i]);
+  for (size_t i = 0; i < 3; ++i) result.corner[i] = dvec2(triangles.corner_uv[3 * triangle + i]);
   result.low = glm::min(glm::min(result.corner[0], result.corner[1]), result.corner[2]);
   result.high = glm::max(glm::max(result.corner[0], result.corner[1]), result.corner[2]);
   return result;
@@ -66,7 +64,7 @@ struct Squares {
   template <class Visit> void each_met(const Outline &outline, const Visit &visit) const {
     const int x0 = place(outline.low.x, low.x), x1 = place(outline.high.x, low.x);
     for (int y = place(outline.low.y, low.y); y <= place(outline.high.y, low.y); ++y)
-      for (int x = x0; x <= x1; ++x) visit(at(y * side + x));
+      for (int x = x0; x <= x1; ++x) visit(y * side + x);
   }
 };
 
@@ -93,7 +91,7 @@ Squares sort_into_squares(const Triangles &triangles, const Charts &charts) {
   squares.per_unit = squares.side / std::max({range.high.x - range.low.x, range.high.y - range.low.y, hair});
   const auto each_triangle = [&](const auto &visit) {
     for (int32_t triangle = 0; triangle < triangles.triangle_count; ++triangle)
-      if (charts.triangle_chart[at(triangle)] >= 0) visit(triangle, outline(triangles, triangle));
+      if (charts.triangle_chart[triangle] >= 0) visit(triangle, outline(triangles, triangle));
   };
   int64_t count = 0;
   each_triangle([&](int32_t, const Outline &place) {
@@ -103,12 +101,12 @@ Squares sort_into_squares(const Triangles &triangles, const Charts &charts) {
     count += squares_along(place.low.x, place.high.x, range.low.x) * squares_along(place.low.y, place.high.y, range.low.y);
   });
   if (count > most_of_one * triangles.triangle_count) return squares;
-  squares.begin.assign(at(squares.side * squares.side) + 2, 0);
+  squares.begin.assign((squares.side * squares.side) + 2, 0);
   each_triangle([&](int32_t, const Outline &place) { squares.each_met(place, [&](size_t i) { ++squares.begin[i + 2]; }); });
   std::partial_sum(squares.begin.begin(), squares.begin.end(), squares.begin.begin());
-  squares.triangle.resize(at(squares.begin.back()));
+  squares.triangle.resize(squares.begin.back());
   each_triangle([&](int32_t triangle, const Outline &place) {
-    squares.each_met(place, [&](size_t i) { squares.triangle[at(squares.begin[i + 1]++)] = triangle; });
+    squares.each_met(place, [&](size_t i) { squares.triangle[squares.begin[i + 1]++] = triangle; });
   });
   squares.begin.pop_back();
   return squares;
@@ -125,18 +123,19 @@ void find_overlaps_in(const Triangles &triangles, const Charts &charts, const Sq
   outlines.clear();
   const int32_t first = squares.begin[square];
   for (int32_t i = first; i < squares.begin[square + 1]; ++i) {
-    const int32_t triangle = squares.triangle[at(i)], chart = charts.triangle_chart[at(triangle)];
+    const int32_t triangle = squares.triangle[i], chart = charts.triangle_chart[triangle];
     const Outline place = outline(triangles, triangle);
     for (size_t k = 0; k < outlines.size(); ++k) {
       const dvec2 low = glm::max(place.low, outlines[k].low), high = glm::min(place.high, outlines[k].high);
       if (low.x > high.x || low.y > high.y) continue;
-      if (at(squares.place(low.y, squares.low.y) * squares.side + squares.place(low.x, squares.low.x)) != square) continue;
-      const bool same = charts.triangle_chart[at(squares.triangle[at(first) + k])] == chart;
-      if (same ? found.within[at(chart)].load(std::memory_order_relaxed) != 0 : found.between.load(std::memory_order_relaxed))
+      if (static_cast<size_t>(squares.place(low.y, squares.low.y) * squares.side + squares.place(low.x, squares.low.x)) != square)
+        continue;
+      const bool same = charts.triangle_chart[squares.triangle[first + k]] == chart;
+      if (same ? found.within[chart].load(std::memory_order_relaxed) != 0 : found.between.load(std::memory_order_relaxed))
         continue; // known
       if (!overlap(place, outlines[k])) continue;
       if (same)
-        found.within[at(chart)] = 1;
+        found.within[chart] = 1;
       else
         found.between = true;
     }
@@ -150,8 +149,7 @@ bool find_overlaps(const Triangles &triangles, const Charts &charts, int threads
   if (squares.begin.empty()) return false;
   parallel_blocks(squares.side * squares.side, threads, 4096, [&](int begin, int end) {
     std::vector<Outline> outlines;
-    for (auto square = at(begin); square < at(end); ++square)
-      find_overlaps_in(triangles, charts, squares, square, outlines, found);
+    for (auto square = begin; square < end; ++square) find_overlaps_in(triangles, charts, squares, square, outlines, found);
   });
   return true;
 }
@@ -185,10 +183,10 @@ public:
       const bool right = middle.x >= low.x + half, upper = middle.y >= low.y + half;
       low += half * dvec2(right, upper);
       node = child(node, right + 2 * upper);
-      nodes_[at(node)].add(place);
+      nodes_[node].add(place);
     }
-    items_.push_back({triangle, nodes_[at(node)].first});
-    nodes_[at(node)].first = static_cast<int32_t>(items_.size()) - 1;
+    items_.push_back({triangle, nodes_[node].first});
+    nodes_[node].first = static_cast<int32_t>(items_.size()) - 1;
   }
 
   bool overlaps(int32_t triangle) const { return overlaps(outline(triangles_, triangle), nodes_[0]); }
@@ -208,20 +206,20 @@ private:
   };
 
   int32_t child(int32_t node, int quarter) {
-    const int32_t known = nodes_[at(node)].child[at(quarter)];
+    const int32_t known = nodes_[node].child[quarter];
     if (known >= 0) return known;
     const auto made = static_cast<int32_t>(nodes_.size());
     nodes_.emplace_back();
-    return nodes_[at(node)].child[at(quarter)] = made;
+    return nodes_[node].child[quarter] = made;
   }
 
   bool overlaps(const Outline &place, const Node &node) const {
     if (place.high.x < node.low.x || place.high.y < node.low.y || place.low.x > node.high.x || place.low.y > node.high.y)
       return false;
-    for (int32_t item = node.first; item >= 0; item = items_[at(item)].next)
-      if (overlap(place, outline(triangles_, items_[at(item)].triangle))) return true;
+    for (int32_t item = node.first; item >= 0; item = items_[item].next)
+      if (overlap(place, outline(triangles_, items_[item].triangle))) return true;
     return std::any_of(node.child.begin(), node.child.end(),
-                       [&](int32_t child) { return child >= 0 && overlaps(place, nodes_[at(child)]); });
+                       [&](int32_t child) { return child >= 0 && overlaps(place, nodes_[child]); });
   }
 
   const Triangles &triangles_;
@@ -245,16 +243,16 @@ struct Cutting {
 int32_t far_end(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
   dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
   cutting.queue.assign(1, start);
-  seen[at(start)] = 1;
+  seen[start] = 1;
   for (size_t i = 0; i < cutting.queue.size(); ++i) {
     const int32_t triangle = cutting.queue[i];
     const Outline place = outline(cutting.triangles, triangle);
     low = glm::min(low, place.low);
     high = glm::max(high, place.high);
     for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
-      const int32_t next = cutting.link[at(h)] / 3;
-      if (cutting.link[at(h)] < 0 || seen[at(next)]) continue;
-      seen[at(next)] = 1;
+      const int32_t next = cutting.link[h] / 3;
+      if (cutting.link[h] < 0 || seen[next]) continue;
+      seen[next] = 1;
       cutting.queue.push_back(next);
     }
   }
@@ -268,7 +266,7 @@ std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
   std::vector<int32_t> refused;
   cutting.occupancy.clear();
   cutting.queue.assign(1, seed);
-  cutting.asked[at(seed)] = piece;
+  cutting.asked[seed] = piece;
   for (size_t i = 0; i < cutting.queue.size(); ++i) {
     if (i % 1024 == 0) checkpoint();
     const int32_t triangle = cutting.queue[i];
@@ -277,11 +275,11 @@ std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
       continue;
     }
     cutting.occupancy.insert(triangle);
-    cutting.triangle_piece[at(triangle)] = piece;
+    cutting.triangle_piece[triangle] = piece;
     for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
-      const int32_t next = cutting.link[at(h)] / 3;
-      if (cutting.link[at(h)] < 0 || cutting.triangle_piece[at(next)] >= 0 || cutting.asked[at(next)] == piece) continue;
-      cutting.asked[at(next)] = piece;
+      const int32_t next = cutting.link[h] / 3;
+      if (cutting.link[h] < 0 || cutting.triangle_piece[next] >= 0 || cutting.asked[next] == piece) continue;
+      cutting.asked[next] = piece;
       cutting.queue.push_back(next);
     }
   }
@@ -293,7 +291,7 @@ bool cut_chart(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
   std::vector<int32_t> seeds{far_end(cutting, seen, start)};
   const int32_t first = cutting.pieces;
   for (size_t i = 0; i < seeds.size(); ++i) {
-    if (cutting.triangle_piece[at(seeds[i])] >= 0) continue; // an earlier seed's piece has reached it
+    if (cutting.triangle_piece[seeds[i]] >= 0) continue; // an earlier seed's piece has reached it
     const std::vector<int32_t> refused = grow(cutting, seeds[i]);
     seeds.insert(seeds.end(), refused.begin(), refused.end());
   }
@@ -307,7 +305,7 @@ bool charts_overlap(const Triangles &triangles, const Charts &charts, Occupancy 
   occupancy.clear();
   for (int32_t triangle = 0; triangle < static_cast<int32_t>(charts.triangle_chart.size()); ++triangle) {
     if (triangle % 1024 == 0) checkpoint();
-    if (charts.triangle_chart[at(triangle)] < 0) continue;
+    if (charts.triangle_chart[triangle] < 0) continue;
     if (occupancy.overlaps(triangle)) return true;
     occupancy.insert(triangle);
   }
@@ -317,22 +315,22 @@ bool charts_overlap(const Triangles &triangles, const Charts &charts, Occupancy 
 } // namespace
 
 Cuts cut_charts(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts, int threads) {
-  Overlaps overlaps{std::vector<std::atomic<uint8_t>>(at(charts.chart_count)), false};
+  Overlaps overlaps{std::vector<std::atomic<uint8_t>>(charts.chart_count), false};
   const bool known = find_overlaps(triangles, charts, threads, overlaps);
-  const size_t count = at(triangles.triangle_count);
+  const size_t count = triangles.triangle_count;
   Cutting cutting{triangles, half_edges.twin,     std::vector<int32_t>(count, -1), std::vector<int32_t>(count, -1),
                   {},        Occupancy(triangles)};
   for (size_t h = 0; h < cutting.link.size(); ++h)
     if (charts.half_edge_border[h] >= 0 || charts.triangle_chart[h / 3] < 0) cutting.link[h] = -1;
   std::vector<uint8_t> seen(count, 0);
-  std::vector<int32_t> whole(at(charts.chart_count), -1); // the piece that a chart is as it is
+  std::vector<int32_t> whole(charts.chart_count, -1); // the piece that a chart is as it is
   Cuts cuts;
   for (int32_t start = 0; start < triangles.triangle_count; ++start) {
-    const int32_t chart = charts.triangle_chart[at(start)];
-    if (chart < 0 || seen[at(start)]) continue;
-    if (known && !overlaps.within[at(chart)]) {
-      if (whole[at(chart)] < 0) whole[at(chart)] = cutting.pieces++;
-      cutting.triangle_piece[at(start)] = whole[at(chart)];
+    const int32_t chart = charts.triangle_chart[start];
+    if (chart < 0 || seen[start]) continue;
+    if (known && !overlaps.within[chart]) {
+      if (whole[chart] < 0) whole[chart] = cutting.pieces++;
+      cutting.triangle_piece[start] = whole[chart];
       continue;
     }
     cuts.cut_charts += cut_chart(cutting, seen, start);

@@ -28,11 +28,7 @@ using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
 // below is collinear but for the rounding of this very test.
 constexpr double no_area = 1e-12;
 
-size_t at(int32_t index) { return static_cast<size_t>(index); }
-
-dvec3 position(const Triangles &triangles, int corner) {
-  return dvec3(triangles.positions[at(triangles.corner_vertex[at(corner)])]);
-}
+dvec3 position(const Triangles &triangles, int corner) { return dvec3(triangles.positions[triangles.corner_vertex[corner]]); }
 
 bool is_degenerate(const Triangles &triangles, int triangle) {
   const dvec3 a = position(triangles, 3 * triangle);
@@ -58,7 +54,7 @@ std::vector<int32_t> weld(const std::vector<vec3> &positions) {
   std::vector<int32_t> welded(positions.size());
   for (size_t vertex = 0; vertex < positions.size(); ++vertex) {
     size_t slot = hash(positions[vertex]) & (slots - 1);
-    while (table[slot] >= 0 && positions[at(table[slot])] != positions[vertex]) slot = (slot + 1) & (slots - 1);
+    while (table[slot] >= 0 && positions[table[slot]] != positions[vertex]) slot = (slot + 1) & (slots - 1);
     if (table[slot] < 0) table[slot] = static_cast<int32_t>(vertex);
     welded[vertex] = table[slot];
   }
@@ -78,17 +74,17 @@ void for_each_edge(std::span<const int32_t> half_edges, const std::vector<int32_
     int32_t high;
     int32_t half_edge;
   };
-  const auto ends = [&](int32_t h) { return std::minmax(ids[at(h)], ids[at(next_corner(h))]); };
-  std::vector<int32_t> begin(at(id_count) + 2, 0);
-  for (int32_t h : half_edges) ++begin[at(ends(h).first) + 2];
+  const auto ends = [&](int32_t h) { return std::minmax(ids[h], ids[next_corner(h)]); };
+  std::vector<int32_t> begin(id_count + 2, 0);
+  for (int32_t h : half_edges) ++begin[(ends(h).first) + 2];
   for (size_t i = 2; i < begin.size(); ++i) begin[i] += begin[i - 1];
   std::vector<Side> sides(half_edges.size());
   for (int32_t h : half_edges) {
     const auto [low, high] = ends(h);
-    sides[at(begin[at(low) + 1]++)] = {high, h};
+    sides[begin[low + 1]++] = {high, h};
   }
   std::vector<int32_t> edge;
-  for (size_t low = 0; low < at(id_count); ++low) {
+  for (int32_t low = 0; low < id_count; ++low) {
     const std::span<Side> bucket(sides.begin() + begin[low], sides.begin() + begin[low + 1]);
     std::ranges::sort(bucket, [](Side a, Side b) { return a.high != b.high ? a.high < b.high : a.half_edge < b.half_edge; });
     for (size_t i = 0; i < bucket.size();) {
@@ -106,12 +102,12 @@ std::vector<int32_t> pair_edges(std::span<const int32_t> half_edges, const std::
   for_each_edge(half_edges, ids, id_count, [&](std::span<const int32_t> edge) {
     if (edge.size() == 1) {
       alone.push_back(edge[0]);
-    } else if (edge.size() == 2 && ids[at(edge[0])] != ids[at(edge[1])]) { // they start at different ends
-      pairing.twin[at(edge[0])] = edge[1];
-      pairing.twin[at(edge[1])] = edge[0];
+    } else if (edge.size() == 2 && ids[edge[0]] != ids[edge[1]]) { // they start at different ends
+      pairing.twin[edge[0]] = edge[1];
+      pairing.twin[edge[1]] = edge[0];
     } else {
       ++pairing.nonmanifold_edges;
-      for (int32_t h : edge) pairing.nonmanifold[at(h)] = 1;
+      for (int32_t h : edge) pairing.nonmanifold[h] = 1;
     }
   });
   return alone;
@@ -120,16 +116,16 @@ std::vector<int32_t> pair_edges(std::span<const int32_t> half_edges, const std::
 Pairing pair_half_edges(const Triangles &triangles, const std::vector<int32_t> &welded, const std::vector<uint8_t> &left_out) {
   const int32_t count = 3 * triangles.triangle_count;
   Pairing pairing;
-  pairing.twin.assign(at(count), -1);
-  pairing.nonmanifold.assign(at(count), 0);
+  pairing.twin.assign(count, -1);
+  pairing.nonmanifold.assign(count, 0);
   std::vector<int32_t> used;
-  used.reserve(at(count));
+  used.reserve(count);
   for (int32_t h = 0; h < count; ++h)
-    if (!left_out[at(h / 3)]) used.push_back(h);
+    if (!left_out[h / 3]) used.push_back(h);
   const std::vector<int32_t> alone = pair_edges(used, triangles.corner_vertex, triangles.vertex_count, pairing);
   if (alone.empty()) return pairing;
-  std::vector<int32_t> corner_place(at(count));
-  for (size_t i = 0; i < corner_place.size(); ++i) corner_place[i] = welded[at(triangles.corner_vertex[i])];
+  std::vector<int32_t> corner_place(count);
+  for (size_t i = 0; i < corner_place.size(); ++i) corner_place[i] = welded[triangles.corner_vertex[i]];
   pair_edges(alone, corner_place, triangles.vertex_count, pairing);
   return pairing;
 }
@@ -150,24 +146,24 @@ void silence_openmesh() {
 std::vector<int32_t> add_faces(const Triangles &triangles, const std::vector<uint8_t> &left_out, const Fans &fans, Mesh &mesh,
                                std::vector<int32_t> &corner_vertex) {
   const auto add_vertex = [&](int corner) {
-    const vec3 &p = triangles.positions[at(triangles.corner_vertex[at(corner)])];
+    const vec3 &p = triangles.positions[triangles.corner_vertex[corner]];
     return mesh.add_vertex(Mesh::Point(p.x, p.y, p.z)).idx();
   };
   const auto add_face = [&](int triangle) {
-    const int32_t *v = corner_vertex.data() + 3 * at(triangle);
+    const int32_t *v = corner_vertex.data() + 3 * triangle;
     return mesh.add_face(mesh.vertex_handle(static_cast<unsigned>(v[0])), mesh.vertex_handle(static_cast<unsigned>(v[1])),
                          mesh.vertex_handle(static_cast<unsigned>(v[2])));
   };
-  mesh.reserve(at(fans.count), fans.corner_fan.size() / 2 + at(fans.count), left_out.size());
+  mesh.reserve(fans.count, fans.corner_fan.size() / 2 + fans.count, left_out.size());
   for (int32_t corner : fans.first) add_vertex(corner);
   corner_vertex = fans.corner_fan; // fan i is vertex i
   std::vector<int32_t> face_triangle;
   face_triangle.reserve(left_out.size());
   for (int triangle = 0; triangle < triangles.triangle_count; ++triangle) {
     if (triangle % 4096 == 0) checkpoint();
-    if (left_out[at(triangle)]) continue;
+    if (left_out[triangle]) continue;
     if (!add_face(triangle).is_valid()) {
-      for (int corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) corner_vertex[at(corner)] = add_vertex(corner);
+      for (int corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) corner_vertex[corner] = add_vertex(corner);
       add_face(triangle);
     }
     face_triangle.push_back(triangle);
@@ -183,16 +179,16 @@ std::vector<int32_t> read_twins(const Mesh &mesh, const std::vector<int32_t> &fa
     auto half_edge = mesh.halfedge_handle(mesh.face_handle(static_cast<unsigned>(face)));
     const int32_t start = mesh.from_vertex_handle(half_edge).idx();
     int corner = 3 * face_triangle[face];
-    while (corner_vertex[at(corner)] != start) ++corner; // it is one of the three
+    while (corner_vertex[corner] != start) ++corner; // it is one of the three
     for (int i = 0; i < 3; ++i) {
-      half_edge_corner[at(half_edge.idx())] = corner;
+      half_edge_corner[half_edge.idx()] = corner;
       half_edge = mesh.next_halfedge_handle(half_edge);
       corner = next_corner(corner);
     }
   }
   std::vector<int32_t> twin(corner_vertex.size(), -1);
   for (size_t i = 0; i < half_edge_corner.size(); ++i)
-    if (half_edge_corner[i] >= 0) twin[at(half_edge_corner[i])] = half_edge_corner[i ^ 1]; // halves of one edge are neighbors
+    if (half_edge_corner[i] >= 0) twin[half_edge_corner[i]] = half_edge_corner[i ^ 1]; // halves of one edge are neighbors
   return twin;
 }
 
@@ -207,23 +203,23 @@ std::vector<int32_t> connect(const Triangles &triangles, const std::vector<uint8
 // Whether half-edges that were not paired run between the same two points: OpenMesh knows one edge there, and would pair them or
 // refuse a face. That takes an edge that was taken apart, or a point of several vertices: else points tell what vertices do.
 bool is_in_doubt(const Triangles &triangles, const std::vector<uint8_t> &left_out, const Pairing &pairing, const Fans &fans) {
-  std::vector<int32_t> fan_vertex(at(fans.count));
-  for (size_t fan = 0; fan < fan_vertex.size(); ++fan) fan_vertex[fan] = triangles.corner_vertex[at(fans.first[fan])];
-  std::vector<uint8_t> is_mixed(at(fans.count), 0);
+  std::vector<int32_t> fan_vertex(fans.count);
+  for (size_t fan = 0; fan < fan_vertex.size(); ++fan) fan_vertex[fan] = triangles.corner_vertex[fans.first[fan]];
+  std::vector<uint8_t> is_mixed(fans.count, 0);
   for (size_t corner = 0; corner < fans.corner_fan.size(); ++corner) {
     const int32_t fan = fans.corner_fan[corner];
-    if (fan >= 0 && fan_vertex[at(fan)] != triangles.corner_vertex[corner]) is_mixed[at(fan)] = 1;
+    if (fan >= 0 && fan_vertex[fan] != triangles.corner_vertex[corner]) is_mixed[fan] = 1;
   }
   std::vector<int32_t> doubtful;
   for (int32_t h = 0; h < 3 * triangles.triangle_count; ++h) {
-    if (left_out[at(h / 3)]) continue;
-    const int32_t from = fans.corner_fan[at(h)], to = fans.corner_fan[at(next_corner(h))];
-    if (pairing.nonmanifold[at(h)] || is_mixed[at(from)] || is_mixed[at(to)]) doubtful.push_back(h);
+    if (left_out[h / 3]) continue;
+    const int32_t from = fans.corner_fan[h], to = fans.corner_fan[next_corner(h)];
+    if (pairing.nonmanifold[h] || is_mixed[from] || is_mixed[to]) doubtful.push_back(h);
   }
   bool found = false;
   if (doubtful.empty()) return found;
   for_each_edge(doubtful, fans.corner_fan, fans.count, [&](std::span<const int32_t> edge) {
-    found = found || edge.size() > 2 || (edge.size() == 2 && pairing.twin[at(edge[0])] != edge[1]);
+    found = found || edge.size() > 2 || (edge.size() == 2 && pairing.twin[edge[0]] != edge[1]);
   });
   return found;
 }
@@ -242,55 +238,55 @@ void describe_points(const Triangles &triangles, const Fans &fans, HalfEdges &re
   result.point_count = fans.count;
   result.corner_point = fans.corner_fan;
   result.point_half_edge = fans.first;
-  result.point_boundary.resize(at(fans.count));
+  result.point_boundary.resize(fans.count);
   for (size_t point = 0; point < fans.first.size(); ++point) // a fan that closes has no edge without a twin
-    result.point_boundary[point] = result.twin[at(fans.first[point])] < 0;
-  result.point_vertex.assign(at(fans.count), triangles.vertex_count);
+    result.point_boundary[point] = result.twin[fans.first[point]] < 0;
+  result.point_vertex.assign(fans.count, triangles.vertex_count);
   for (size_t corner = 0; corner < fans.corner_fan.size(); ++corner) {
     if (fans.corner_fan[corner] < 0) continue;
-    int32_t &vertex = result.point_vertex[at(fans.corner_fan[corner])];
+    int32_t &vertex = result.point_vertex[fans.corner_fan[corner]];
     vertex = std::min(vertex, triangles.corner_vertex[corner]);
   }
 }
 
 // Among several points of one vertex the widest answers for it.
 void choose_widest(const Triangles &triangles, const std::vector<uint8_t> &is_split, HalfEdges &result) {
-  std::vector<double> angle(at(result.point_count), 0.0);
+  std::vector<double> angle(result.point_count, 0.0);
   for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
     const int32_t point = result.corner_point[corner];
-    if (point >= 0) angle[at(point)] += surface_angle(triangles, static_cast<int>(corner));
+    if (point >= 0) angle[point] += surface_angle(triangles, static_cast<int>(corner));
   }
   for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
     const int32_t point = result.corner_point[corner];
-    if (point < 0 || !is_split[at(triangles.corner_vertex[corner])]) continue;
-    int32_t &chosen = result.vertex_point[at(triangles.corner_vertex[corner])];
-    const double gain = angle[at(point)] - angle[at(chosen)];
+    if (point < 0 || !is_split[triangles.corner_vertex[corner]]) continue;
+    int32_t &chosen = result.vertex_point[triangles.corner_vertex[corner]];
+    const double gain = angle[point] - angle[chosen];
     if (gain > 0 || (gain == 0 && point < chosen)) chosen = point;
   }
 }
 
 void answer_vertices(const Triangles &triangles, const std::vector<int32_t> &welded, HalfEdges &result) {
-  std::vector<uint8_t> is_split(at(triangles.vertex_count), 0), is_split_place(at(triangles.vertex_count), 0);
-  result.vertex_point.assign(at(triangles.vertex_count), -1);
+  std::vector<uint8_t> is_split(triangles.vertex_count, 0), is_split_place(triangles.vertex_count, 0);
+  result.vertex_point.assign(triangles.vertex_count, -1);
   for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
     const int32_t vertex = triangles.corner_vertex[corner];
     const int32_t point = result.corner_point[corner];
     if (point < 0) continue;
-    int32_t &first = result.vertex_point[at(vertex)];
+    int32_t &first = result.vertex_point[vertex];
     if (first < 0) first = point;
-    if (first == point || is_split[at(vertex)]) continue;
-    is_split[at(vertex)] = 1;
-    result.nonmanifold_vertices += is_split_place[at(welded[at(vertex)])]++ == 0;
+    if (first == point || is_split[vertex]) continue;
+    is_split[vertex] = 1;
+    result.nonmanifold_vertices += is_split_place[welded[vertex]]++ == 0;
   }
   if (result.nonmanifold_vertices > 0) choose_widest(triangles, is_split, result);
-  std::vector<uint8_t> is_answered(at(result.point_count), 0);
+  std::vector<uint8_t> is_answered(result.point_count, 0);
   for (const int32_t point : result.vertex_point) {
     if (point < 0)
       ++result.loose_vertices;
-    else if (is_answered[at(point)])
+    else if (is_answered[point])
       ++result.welded_vertices;
     else
-      is_answered[at(point)] = 1;
+      is_answered[point] = 1;
   }
 }
 
@@ -307,14 +303,13 @@ Fans trace_fans(const std::vector<int32_t> &link, const std::vector<uint8_t> &le
   Fans fans;
   fans.corner_fan.assign(link.size(), -1);
   for (int32_t corner = 0; corner < static_cast<int32_t>(link.size()); ++corner) {
-    if (left_out[at(corner / 3)] || fans.corner_fan[at(corner)] >= 0) continue;
+    if (left_out[corner / 3] || fans.corner_fan[corner] >= 0) continue;
     int32_t first = corner; // clockwise to the end of the fan, or once around
-    while (link[at(first)] >= 0) {
-      first = next_corner(link[at(first)]);
+    while (link[first] >= 0) {
+      first = next_corner(link[first]);
       if (first == corner) break;
     }
-    for (int32_t h = first; h >= 0 && fans.corner_fan[at(h)] < 0; h = link[at(previous_corner(h))])
-      fans.corner_fan[at(h)] = fans.count;
+    for (int32_t h = first; h >= 0 && fans.corner_fan[h] < 0; h = link[previous_corner(h)]) fans.corner_fan[h] = fans.count;
     fans.first.push_back(first);
     ++fans.count;
   }
@@ -326,17 +321,17 @@ Pieces trace_pieces(const std::vector<int32_t> &link, const std::vector<uint8_t>
   pieces.triangle_piece.assign(left_out.size(), -1);
   std::vector<int32_t> open;
   for (int32_t start = 0; start < static_cast<int32_t>(left_out.size()); ++start) {
-    if (left_out[at(start)] || pieces.triangle_piece[at(start)] >= 0) continue;
+    if (left_out[start] || pieces.triangle_piece[start] >= 0) continue;
     const int32_t piece = pieces.count++;
-    pieces.triangle_piece[at(start)] = piece;
+    pieces.triangle_piece[start] = piece;
     open.push_back(start);
     while (!open.empty()) {
       const int32_t triangle = open.back();
       open.pop_back();
       for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
-        const int32_t next = link[at(h)] < 0 ? triangle : link[at(h)] / 3;
-        if (pieces.triangle_piece[at(next)] >= 0) continue;
-        pieces.triangle_piece[at(next)] = piece;
+        const int32_t next = link[h] < 0 ? triangle : link[h] / 3;
+        if (pieces.triangle_piece[next] >= 0) continue;
+        pieces.triangle_piece[next] = piece;
         open.push_back(next);
       }
     }
@@ -346,10 +341,10 @@ Pieces trace_pieces(const std::vector<int32_t> &link, const std::vector<uint8_t>
 
 HalfEdges build_half_edges(const Triangles &triangles, int threads) {
   HalfEdges result;
-  std::vector<uint8_t> left_out(at(triangles.triangle_count));
+  std::vector<uint8_t> left_out(triangles.triangle_count);
   for (int triangle = 0; triangle < triangles.triangle_count; ++triangle) {
-    left_out[at(triangle)] = is_degenerate(triangles, triangle);
-    result.degenerate_triangles += left_out[at(triangle)];
+    left_out[triangle] = is_degenerate(triangles, triangle);
+    result.degenerate_triangles += left_out[triangle];
   }
   const std::vector<int32_t> welded = weld(triangles.positions);
   checkpoint();
@@ -380,13 +375,13 @@ HalfEdges build_half_edges(const Triangles &triangles, int threads) {
 Box bounding_box(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
   constexpr int block = 65536;
   if (half_edges.point_vertex.empty()) return {};
-  const vec3 first = triangles.positions[at(half_edges.point_vertex.front())];
+  const vec3 first = triangles.positions[half_edges.point_vertex.front()];
   const auto count = static_cast<int>(half_edges.point_vertex.size());
   std::vector<std::pair<vec3, vec3>> parts(static_cast<size_t>((count + block - 1) / block), {first, first});
   parallel_blocks(count, threads, block, [&](int begin, int end) {
-    auto &[low, high] = parts[at(begin / block)];
+    auto &[low, high] = parts[begin / block];
     for (int i = begin; i < end; ++i) {
-      const vec3 position = triangles.positions[at(half_edges.point_vertex[at(i)])];
+      const vec3 position = triangles.positions[half_edges.point_vertex[i]];
       low = glm::min(low, position);
       high = glm::max(high, position);
     }

@@ -50,8 +50,8 @@ struct Density {
 static std::vector<std::vector<int32_t>> corners_by_chart(const Triangles &triangles, const Charts &charts) {
   std::vector<std::vector<int32_t>> corners(static_cast<size_t>(charts.chart_count));
   for (int32_t corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
-    const int32_t chart = charts.triangle_chart[static_cast<size_t>(corner / 3)];
-    if (chart >= 0) corners[static_cast<size_t>(chart)].push_back(corner);
+    const int32_t chart = charts.triangle_chart[corner / 3];
+    if (chart >= 0) corners[chart].push_back(corner);
   }
   return corners;
 }
@@ -62,7 +62,7 @@ static Move turned(const Triangles &triangles, const std::vector<int32_t> &corne
   move.sine = std::sin(angle);
   dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
   for (const int32_t corner : corners) {
-    const dvec2 place = move.turn(triangles.corner_uv[static_cast<size_t>(corner)]);
+    const dvec2 place = move.turn(triangles.corner_uv[corner]);
     low = glm::min(low, place);
     high = glm::max(high, place);
   }
@@ -87,14 +87,12 @@ static Move best_turn(const Triangles &triangles, const std::vector<int32_t> &co
 static std::vector<Density> chart_densities(const Triangles &triangles, const Charts &charts) {
   std::vector<Density> result(static_cast<size_t>(charts.chart_count));
   for (int32_t triangle = 0; triangle < triangles.triangle_count; ++triangle) {
-    const int32_t chart = charts.triangle_chart[static_cast<size_t>(triangle)];
+    const int32_t chart = charts.triangle_chart[triangle];
     if (chart < 0) continue;
     const auto corner = 3 * static_cast<size_t>(triangle);
     auto uv = [&](size_t i) { return dvec2(triangles.corner_uv[corner + i]); };
-    auto position = [&](size_t i) {
-      return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner + i])]);
-    };
-    Density &density = result[static_cast<size_t>(chart)];
+    auto position = [&](size_t i) { return dvec3(triangles.positions[triangles.corner_vertex[corner + i]]); };
+    Density &density = result[chart];
     density.density += std::abs(cross(uv(1) - uv(0), uv(2) - uv(0)));
     density.area += length(cross(position(1) - position(0), position(2) - position(0)));
   }
@@ -128,8 +126,7 @@ static bool pack(std::vector<Move> &moves, double units, Spacing spacing) {
   stbrp_context context;
   stbrp_init_target(&context, grid, grid, nodes.data(), grid);
   if (!stbrp_pack_rects(&context, rects.data(), static_cast<int>(rects.size()))) return false;
-  for (const stbrp_rect &rect : rects)
-    moves[static_cast<size_t>(rect.id)].place = dvec2(rect.x + spacing.gutter, rect.y + spacing.gutter);
+  for (const stbrp_rect &rect : rects) moves[rect.id].place = dvec2(rect.x + spacing.gutter, rect.y + spacing.gutter);
   return true;
 }
 
@@ -187,11 +184,11 @@ bool repack_charts(Triangles &triangles, Charts &charts, double least_gain, int 
   if (triangles.given_uv.empty()) triangles.given_uv = triangles.corner_uv;
   for (size_t chart = 0; chart < corners.size(); ++chart)
     for (const int32_t corner : corners[chart]) {
-      vec2 &uv = triangles.corner_uv[static_cast<size_t>(corner)];
+      vec2 &uv = triangles.corner_uv[corner];
       uv = moves[chart](uv);
     }
   for (Site &site : charts.sites) {
-    const Move &move = moves[static_cast<size_t>(site.chart)];
+    const Move &move = moves[site.chart];
     site.uv = move(site.uv);
     site.inside = move(site.inside);
   }

@@ -36,7 +36,7 @@ struct FanCorners {
 
 // Fans end at creases: edges that are sharp between two smooth faces.
 FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, NormalRings &rings) {
-  const auto vertex = [&](int32_t corner) { return triangles.corner_vertex[static_cast<size_t>(corner)]; };
+  const auto vertex = [&](int32_t corner) { return triangles.corner_vertex[corner]; };
   std::vector<int32_t> link = half_edges.twin;
   std::vector<uint8_t> left_out(static_cast<size_t>(triangles.triangle_count));
   for (size_t h = 0; h < link.size(); ++h) {
@@ -60,19 +60,19 @@ FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, No
     for (int32_t corner = first; corner >= 0;) {
       fans.corner.push_back(corner);
       rings.fan_vertex.push_back(vertex(previous_corner(corner)));
-      corner = link[static_cast<size_t>(previous_corner(corner))];
+      corner = link[previous_corner(corner)];
       if (corner == first) break;
     }
     fans.begin.push_back(static_cast<int32_t>(fans.corner.size()));
     rings.fan_begin.push_back(static_cast<int32_t>(rings.fan_vertex.size()));
-    rings.fan_point.push_back(half_edges.corner_point[static_cast<size_t>(first)]);
+    rings.fan_point.push_back(half_edges.corner_point[first]);
   }
   rings.fan_count = traced.count;
   rings.corner_fan = std::make_shared<const std::vector<int32_t>>(std::move(traced.corner_fan));
   constexpr int32_t none = -2, several = -1;
   rings.point_fan.assign(static_cast<size_t>(half_edges.point_count), none);
   for (int32_t fan = 0; fan < rings.fan_count; ++fan) {
-    int32_t &only = rings.point_fan[static_cast<size_t>(rings.fan_point[static_cast<size_t>(fan)])];
+    int32_t &only = rings.point_fan[rings.fan_point[fan]];
     only = only == none ? fan : several;
   }
   return fans;
@@ -89,8 +89,8 @@ public:
   void walk(int fan, std::vector<int32_t> &vertices, std::vector<int32_t> &faces) {
     const size_t begin = vertices.size();
     fan_ = fan;
-    fan_stamp_[static_cast<size_t>(fan)] = fan;
-    point_stamp_[static_cast<size_t>(rings_.fan_point[static_cast<size_t>(fan)])] = fan;
+    fan_stamp_[fan] = fan;
+    point_stamp_[rings_.fan_point[fan]] = fan;
     for (const int corner : corners(fan)) take_face(corner / 3, faces);
     front_.assign(1, fan);
     for (int ring = 0; ring < most_rings && !front_.empty(); ++ring) {
@@ -105,8 +105,8 @@ public:
 
 private:
   std::span<const int32_t> corners(int fan) const {
-    const auto begin = static_cast<size_t>(fans_.begin[static_cast<size_t>(fan)]);
-    const auto end = static_cast<size_t>(fans_.begin[static_cast<size_t>(fan) + 1]);
+    const auto begin = static_cast<size_t>(fans_.begin[fan]);
+    const auto end = static_cast<size_t>(fans_.begin[fan + 1]);
     return {fans_.corner.data() + begin, end - begin};
   }
 
@@ -121,14 +121,14 @@ private:
   }
 
   void take_face(int face, std::vector<int32_t> &faces) {
-    if (std::exchange(face_stamp_[static_cast<size_t>(face)], fan_) != fan_) faces.push_back(face);
+    if (std::exchange(face_stamp_[face], fan_) != fan_) faces.push_back(face);
   }
 
   void take_corner(int corner, std::vector<int32_t> &vertices) {
-    const int other = (*rings_.corner_fan)[static_cast<size_t>(corner)];
-    if (std::exchange(fan_stamp_[static_cast<size_t>(other)], fan_) == fan_) return;
+    const int other = (*rings_.corner_fan)[corner];
+    if (std::exchange(fan_stamp_[other], fan_) == fan_) return;
     next_front_.push_back(other);
-    const auto point = static_cast<size_t>(half_edges_.corner_point[static_cast<size_t>(corner)]);
+    const auto point = static_cast<size_t>(half_edges_.corner_point[corner]);
     if (std::exchange(point_stamp_[point], fan_) != fan_) vertices.push_back(half_edges_.point_vertex[point]);
   }
 
@@ -187,11 +187,11 @@ void join_runs(std::vector<RingRun> &runs, NormalRings &rings) {
 
 // ---- Fans -----------------------------------------------------------------------------------------------------------------
 
-dvec3 position(const Triangles &triangles, int vertex) { return dvec3(triangles.positions[static_cast<size_t>(vertex)]); }
+dvec3 position(const Triangles &triangles, int vertex) { return dvec3(triangles.positions[vertex]); }
 
 // Edges of a corner's triangle that start from it.
 std::pair<dvec3, dvec3> corner_edges(const Triangles &triangles, int corner) {
-  const auto vertex = [&](int c) { return position(triangles, triangles.corner_vertex[static_cast<size_t>(c)]); };
+  const auto vertex = [&](int c) { return position(triangles, triangles.corner_vertex[c]); };
   const dvec3 p = vertex(corner);
   return {vertex(next_corner(corner)) - p, vertex(previous_corner(corner)) - p};
 }
@@ -206,15 +206,15 @@ std::vector<vec3> face_normals(const Triangles &triangles, int threads) {
   parallel_blocks(triangles.triangle_count, threads, 4 * block_size, [&](int begin, int end) {
     for (int t = begin; t < end; ++t) {
       const auto [a, b] = corner_edges(triangles, 3 * t);
-      normals[static_cast<size_t>(t)] = vec3(unit_or(glm::cross(a, b), dvec3(0)));
+      normals[t] = vec3(unit_or(glm::cross(a, b), dvec3(0)));
     }
   });
   return normals;
 }
 
 std::span<const int32_t> slice(const std::vector<int32_t> &begins, const std::vector<int32_t> &all, int index) {
-  const auto begin = static_cast<size_t>(begins[static_cast<size_t>(index)]);
-  return {all.data() + begin, static_cast<size_t>(begins[static_cast<size_t>(index) + 1]) - begin};
+  const auto begin = static_cast<size_t>(begins[index]);
+  return {all.data() + begin, static_cast<size_t>(begins[index + 1]) - begin};
 }
 
 struct Sources {
@@ -262,9 +262,9 @@ public:
     const dvec3 n = max_normal(from_, fan);
     double spread = 1;
     for (const int face : slice(from_.rings.face_begin, from_.rings.face, fan))
-      spread = std::min(spread, glm::dot(dvec3(from_.faces[static_cast<size_t>(face)]), n));
+      spread = std::min(spread, glm::dot(dvec3(from_.faces[face]), n));
     if (spread <= spread_none) {
-      normals_[static_cast<size_t>(fan)] = vec3(n);
+      normals_[fan] = vec3(n);
       return;
     }
     const dvec3 e1 = glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
@@ -281,7 +281,7 @@ private:
   };
 
   void take_heights(const Member &member) {
-    const auto center = static_cast<size_t>(from_.rings.fan_begin[static_cast<size_t>(member.fan)]);
+    const auto center = static_cast<size_t>(from_.rings.fan_begin[member.fan]);
     const dvec3 p = position(from_.triangles, from_.rings.fan_vertex[center]);
     const auto ring = slice(from_.rings.ring_begin, from_.rings.ring_vertex, member.fan);
     for (; heights_.most < ring.size(); ++heights_.most)
@@ -298,8 +298,7 @@ private:
   void fit() {
     if (used_ == 0) return;
     const auto gradients = fit_gradients(heights_);
-    for (size_t lane = 0; lane < used_; ++lane)
-      normals_[static_cast<size_t>(members_[lane].fan)] = vec3(turned(members_[lane], gradients[lane]));
+    for (size_t lane = 0; lane < used_; ++lane) normals_[members_[lane].fan] = vec3(turned(members_[lane], gradients[lane]));
     used_ = 0;
     heights_.most = 0;
     heights_.count.fill(0);
@@ -328,7 +327,7 @@ std::vector<vec3> fan_normals(const Sources &from, bool fitted, int threads) {
       Fitter fitter(from, normals);
       for (int fan = begin; fan < end; ++fan) fitter.add(fan);
     } else {
-      for (int fan = begin; fan < end; ++fan) normals[static_cast<size_t>(fan)] = vec3(max_normal(from, fan));
+      for (int fan = begin; fan < end; ++fan) normals[fan] = vec3(max_normal(from, fan));
     }
   });
   return normals;
@@ -350,7 +349,7 @@ std::vector<vec3> given_corner_normals(const Triangles &triangles, const HalfEdg
 
 // The mean of the normals of the point's corners by angle; corners that agree need no mean.
 vec3 point_normal(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, int point) {
-  const int first = half_edges.point_half_edge[static_cast<size_t>(point)];
+  const int first = half_edges.point_half_edge[point];
   const vec3 first_normal = normals.corner(static_cast<size_t>(first));
   dvec3 sum(0);
   bool common = true;
@@ -358,13 +357,13 @@ vec3 point_normal(const Triangles &triangles, const HalfEdges &half_edges, const
     const vec3 normal = normals.corner(static_cast<size_t>(corner));
     common = common && normal == first_normal;
     if (!common) break;
-    corner = half_edges.twin[static_cast<size_t>(previous_corner(corner))];
+    corner = half_edges.twin[previous_corner(corner)];
     if (corner == first) break;
   }
   if (common) return first_normal;
   for (int corner = first; corner >= 0;) {
     sum += surface_angle(triangles, corner) * dvec3(normals.corner(static_cast<size_t>(corner)));
-    corner = half_edges.twin[static_cast<size_t>(previous_corner(corner))];
+    corner = half_edges.twin[previous_corner(corner)];
     if (corner == first) break;
   }
   return vec3(unit_or(sum, dvec3(first_normal)));
@@ -386,7 +385,7 @@ NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half
     RingWalker walker(half_edges, rings, fans);
     for (int run = first_of(share); run < first_of(share + 1); ++run) {
       checkpoint();
-      runs[static_cast<size_t>(run)] = walk_run(walker, run * run_length, std::min((run + 1) * run_length, rings.fan_count));
+      runs[run] = walk_run(walker, run * run_length, std::min((run + 1) * run_length, rings.fan_count));
     }
   });
   join_runs(runs, rings);
@@ -409,9 +408,8 @@ Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges,
   normals.point.resize(static_cast<size_t>(half_edges.point_count));
   parallel_blocks(half_edges.point_count, threads, 4 * block_size, [&](int begin, int end) {
     for (int point = begin; point < end; ++point) {
-      const int32_t fan = !normals.corner_fan ? -1 : rings.point_fan[static_cast<size_t>(point)];
-      normals.point[static_cast<size_t>(point)] =
-          fan >= 0 ? normals.group[static_cast<size_t>(fan)] : point_normal(triangles, half_edges, normals, point);
+      const int32_t fan = !normals.corner_fan ? -1 : rings.point_fan[point];
+      normals.point[point] = fan >= 0 ? normals.group[fan] : point_normal(triangles, half_edges, normals, point);
     }
   });
   return normals;

@@ -34,7 +34,7 @@ struct Normals {
   vec3 corner(size_t corner) const {
     if (!corner_fan) return group[corner];
     const int32_t fan = (*corner_fan)[corner];
-    return fan < 0 ? vec3(0.0f) : group[static_cast<size_t>(fan)];
+    return fan < 0 ? vec3(0.0f) : group[fan];
   }
 };
 

@@ -48,7 +48,7 @@ private:
     int sides = 0;
     for (size_t i = 0; i < 3; ++i) {
       const int32_t other = across(3 * static_cast<size_t>(triangle) + i);
-      sides += other >= 0 && patches_.triangle_patch[static_cast<size_t>(other)] == patch;
+      sides += other >= 0 && patches_.triangle_patch[other] == patch;
     }
     return sides;
   }
@@ -62,7 +62,7 @@ private:
       const int32_t triangle = front_.front();
       front_.pop_front();
       if (!is_free(triangle)) continue;
-      patches_.triangle_patch[static_cast<size_t>(triangle)] = patch;
+      patches_.triangle_patch[triangle] = patch;
       patches_.triangle.push_back(triangle);
       for (size_t i = 0; i < 3; ++i) {
         const int32_t other = across(3 * static_cast<size_t>(triangle) + i);
@@ -92,7 +92,7 @@ private:
   // What other patches have its points.
   void link() {
     std::vector<int32_t> begin(static_cast<size_t>(half_edges_.point_count) + 1, 0), patch_of(patches_.point.size());
-    for (const int32_t point : patches_.point) ++begin[static_cast<size_t>(point) + 1];
+    for (const int32_t point : patches_.point) ++begin[point + 1];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     std::vector<int32_t> next(begin.begin(), begin.end() - 1);
     const auto for_each_point = [&](const auto &visit) { // visit(patch, point)
@@ -101,11 +101,11 @@ private:
              ++k)
           visit(static_cast<int32_t>(patch), static_cast<size_t>(patches_.point[k]));
     };
-    for_each_point([&](int32_t patch, size_t point) { patch_of[static_cast<size_t>(next[point]++)] = patch; });
+    for_each_point([&](int32_t patch, size_t point) { patch_of[next[point]++] = patch; });
     patches_.link_begin.push_back(0);
     for_each_point([&](int32_t patch, size_t point) {
       for (int32_t k = begin[point]; k < begin[point + 1]; ++k)
-        if (const int32_t other = patch_of[static_cast<size_t>(k)]; other != patch) patches_.link.push_back(other);
+        if (const int32_t other = patch_of[k]; other != patch) patches_.link.push_back(other);
       patches_.link_begin.push_back(static_cast<int32_t>(patches_.link.size()));
     });
   }

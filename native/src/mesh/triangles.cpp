@@ -73,7 +73,7 @@ void check_positions(const float *positions, int32_t vertex_count) {
   for (int64_t i = 0; i < int64_t{3} * vertex_count; ++i) {
     const float value = positions[i];
     if (std::abs(value) <= largest_coordinate) continue; // false for NaN
-    const auto name = axis[static_cast<size_t>(i % 3)];
+    const auto name = axis[i % 3];
     if (!std::isfinite(value)) refuse("The ", name, " of vertex ", i / 3, " is ", value, "; give finite positions.");
     refuse("The ", name, " of vertex ", i / 3, " is ", value, "; scale the mesh so that no coordinate exceeds ",
            largest_coordinate, ".");
@@ -83,12 +83,11 @@ void check_positions(const float *positions, int32_t vertex_count) {
 void check_corner_values(const pdesc_mesh_input &input) {
   for (int64_t i = 0; input.corner_uvs && i < int64_t{2} * input.corner_count; ++i) {
     if (std::isfinite(input.corner_uvs[i])) continue;
-    refuse("The ", uv_axis[static_cast<size_t>(i % 2)], " of corner ", i / 2, " is ", input.corner_uvs[i],
-           "; give finite UV coordinates.");
+    refuse("The ", uv_axis[i % 2], " of corner ", i / 2, " is ", input.corner_uvs[i], "; give finite UV coordinates.");
   }
   for (int64_t i = 0; input.corner_normals && i < int64_t{3} * input.corner_count; ++i) {
     if (std::isfinite(input.corner_normals[i])) continue;
-    refuse("The ", axis[static_cast<size_t>(i % 3)], " of the normal of corner ", i / 3, " is ", input.corner_normals[i],
+    refuse("The ", axis[i % 3], " of the normal of corner ", i / 3, " is ", input.corner_normals[i],
            "; give finite normals, or none.");
   }
 }
@@ -144,8 +143,8 @@ void mark_sharp(const pdesc_mesh_input &input, Triangles &triangles) {
   std::sort(sharp.begin(), sharp.end());
   for (int corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
     if (input.triangle_smooth && !input.triangle_smooth[corner / 3]) continue;
-    const uint64_t key = edge_key(triangles.corner_vertex[at(corner)], triangles.corner_vertex[at(next_corner(corner))]);
-    triangles.half_edge_sharp[at(corner)] = std::binary_search(sharp.begin(), sharp.end(), key);
+    const uint64_t key = edge_key(triangles.corner_vertex[corner], triangles.corner_vertex[next_corner(corner)]);
+    triangles.half_edge_sharp[corner] = std::binary_search(sharp.begin(), sharp.end(), key);
   }
 }
 

@@ -33,30 +33,30 @@ static void envelope(std::vector<float> &line, std::vector<float> &result, std::
   const int n = static_cast<int>(line.size());
   int k = -1;
   for (int q = 0; q < n; ++q) {
-    const float fq = line[static_cast<size_t>(q)];
+    const float fq = line[q];
     if (!std::isfinite(fq)) continue;
     float s = -std::numeric_limits<float>::infinity();
     while (k >= 0) {
-      const int v = apex[static_cast<size_t>(k)];
-      const float fv = line[static_cast<size_t>(v)];
+      const int v = apex[k];
+      const float fv = line[v];
       s = (fq - fv) / (2.0f * static_cast<float>(q - v)) + 0.5f * static_cast<float>(q + v);
-      if (s > bound[static_cast<size_t>(k)]) break;
+      if (s > bound[k]) break;
       --k;
     }
     ++k;
-    apex[static_cast<size_t>(k)] = q;
-    bound[static_cast<size_t>(k)] = k == 0 ? -std::numeric_limits<float>::infinity() : s;
+    apex[k] = q;
+    bound[k] = k == 0 ? -std::numeric_limits<float>::infinity() : s;
   }
   const int last = k;
   k = 0;
   for (int q = 0; q < n; ++q) {
     if (last < 0) {
-      result[static_cast<size_t>(q)] = std::numeric_limits<float>::infinity();
+      result[q] = std::numeric_limits<float>::infinity();
       continue;
     }
-    while (k < last && bound[static_cast<size_t>(k + 1)] < static_cast<float>(q)) ++k;
-    const auto gap = static_cast<float>(q - apex[static_cast<size_t>(k)]);
-    result[static_cast<size_t>(q)] = gap * gap + line[static_cast<size_t>(apex[static_cast<size_t>(k)])];
+    while (k < last && bound[k + 1] < static_cast<float>(q)) ++k;
+    const auto gap = static_cast<float>(q - apex[k]);
+    result[q] = gap * gap + line[apex[k]];
   }
 }
 
@@ -82,8 +82,7 @@ BorderGrid build_border_grid(const Triangles &triangles, const Charts &charts, i
   const size_t texels = static_cast<size_t>(size) * static_cast<size_t>(size);
   for (const Border &border : charts.borders) {
     const auto [first, second] = border_ends(triangles, border);
-    grid.border_uv.emplace_back(triangles.corner_uv[static_cast<size_t>(first)],
-                                triangles.corner_uv[static_cast<size_t>(second)]);
+    grid.border_uv.emplace_back(triangles.corner_uv[first], triangles.corner_uv[second]);
   }
   std::vector<int32_t> begin(texels + 1, 0);
   auto visit_all = [&](const auto &visit) {
@@ -124,8 +123,7 @@ std::vector<int32_t> number_seams(const Charts &charts) {
   for (size_t i = 0; i < seam.size(); ++i)
     if (charts.borders[i].kind == BorderKind::seam) seam[i] = static_cast<int32_t>(i);
   auto root = [&](int32_t i) {
-    while (seam[static_cast<size_t>(i)] != i)
-      i = seam[static_cast<size_t>(i)] = seam[static_cast<size_t>(seam[static_cast<size_t>(i)])];
+    while (seam[i] != i) i = seam[i] = seam[seam[i]];
     return i;
   };
   // Borders meet at a place of their chart, and their twins at a place of theirs.
@@ -133,13 +131,13 @@ std::vector<int32_t> number_seams(const Charts &charts) {
   for (size_t i = 0; i < seam.size(); ++i) {
     if (seam[i] < 0) continue;
     const int32_t near = charts.borders[i].half_edge;
-    const int32_t far = charts.borders[static_cast<size_t>(charts.borders[i].twin)].half_edge;
+    const int32_t far = charts.borders[charts.borders[i].twin].half_edge;
     for (const auto &[a, b] : {std::pair(near, next_corner(far)), std::pair(next_corner(near), far)}) {
-      const std::pair sites(charts.corner_site[static_cast<size_t>(a)], charts.corner_site[static_cast<size_t>(b)]);
+      const std::pair sites(charts.corner_site[a], charts.corner_site[b]);
       const auto [other, is_new] = met.emplace(sites, static_cast<int32_t>(i));
       if (is_new) continue;
       const int32_t one = root(other->second), two = root(static_cast<int32_t>(i));
-      seam[static_cast<size_t>(std::max(one, two))] = std::min(one, two);
+      seam[std::max(one, two)] = std::min(one, two);
     }
   }
   for (size_t i = 0; i < seam.size(); ++i)

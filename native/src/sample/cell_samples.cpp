@@ -132,7 +132,7 @@ CellSamples list_samples(const Cells &cells, CellStrides strides, int buffer_siz
     parallel_blocks(cells.count, threads, block, [&](int begin, int end) {
       Part part; // of its own: neighboring vectors share cache lines
       for (auto cell = static_cast<size_t>(begin); cell < static_cast<size_t>(end); ++cell) lister.add_cell(cell, fine, part);
-      parts[static_cast<size_t>(begin / block)] = std::move(part);
+      parts[begin / block] = std::move(part);
     });
     std::vector<int32_t> &begin = fine ? samples.fine : samples.coarse;
     begin.reserve(static_cast<size_t>(cells.count) * CELL_LEAVES * 2 + 1);

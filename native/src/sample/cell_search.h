@@ -67,9 +67,9 @@ public:
     for (size_t i = 0; i < found_.size(); ++i) {
       const auto from = static_cast<size_t>(found_[i]);
       for (int32_t k = cells_.side_begin[from]; k < cells_.side_begin[from + 1]; ++k) {
-        const int32_t other = cells_.side[static_cast<size_t>(k)].x;
-        if (visited_[static_cast<size_t>(other)] == mark_) continue;
-        const vec4 sphere = measured_[static_cast<size_t>(other)].sphere;
+        const int32_t other = cells_.side[k].x;
+        if (visited_[other] == mark_) continue;
+        const vec4 sphere = measured_[other].sphere;
         const vec3 gap = vec3(sphere) - middle;
         const float limit = radius_ + beyond + around * sphere.w;
         if (sphere.w < 0.0f || dot(gap, gap) < limit * limit) add(other); // one that has no place may lead on
@@ -79,14 +79,14 @@ public:
     look_at_found(mean_normal());
   }
 
-  bool was_found(int32_t cell) const { return visited_[static_cast<size_t>(cell)] == mark_; }
+  bool was_found(int32_t cell) const { return visited_[cell] == mark_; }
 
   // Whether all that was found within the center's ball faces its way and covers its tangent plane once: then it is connected
   // there. measure() comes before.
   bool is_plain(vec3 center) const {
     for (const int32_t k : inside_) {
-      const Seen &seen = seen_[static_cast<size_t>(k)];
-      if (!seen.plain || (seen.at_boundary && meets_boundary(found_[static_cast<size_t>(k)], center))) return false;
+      const Seen &seen = seen_[k];
+      if (!seen.plain || (seen.at_boundary && meets_boundary(found_[k], center))) return false;
     }
     return flat_ < 1.25f * static_cast<float>(pi) * radius_ * radius_;
   }
@@ -117,7 +117,7 @@ public:
 
   // How many of the centers, from the first on, lie so near to it that they search at once.
   size_t together(const std::vector<SupportCenter> &centers, std::span<const int32_t> members) const {
-    return balls_.leading(members.size(), 0.6f, [&](size_t i) { return centers[static_cast<size_t>(members[i])].position; });
+    return balls_.leading(members.size(), 0.6f, [&](size_t i) { return centers[members[i]].position; });
   }
 
   // The cells of the connected part of each center's ball, for up to BallLanes::most centers at once; choose() tells them apart.
@@ -130,22 +130,22 @@ public:
     boundary_ = 0;
     together_ = {vec3(std::numeric_limits<float>::max()), vec3(-std::numeric_limits<float>::max())};
     balls_.set(members.size(), [&](size_t lane) {
-      const vec3 p = centers[static_cast<size_t>(members[lane])].position;
+      const vec3 p = centers[members[lane]].position;
       together_ = {glm::min(together_.low, p), glm::max(together_.high, p)};
       return p;
     });
     for (size_t lane = 0; lane < members.size(); ++lane) {
-      const SupportCenter &center = centers[static_cast<size_t>(members[lane])];
+      const SupportCenter &center = centers[members[lane]];
       come_to(center.cell, uint32_t{1} << lane);
-      for (const int32_t site : center.sites) come_to(cells_.site_cell[static_cast<size_t>(site)], uint32_t{1} << lane);
+      for (const int32_t site : center.sites) come_to(cells_.site_cell[site], uint32_t{1} << lane);
     }
     for (size_t i = 0; i < queue_.size(); ++i) {
       const auto cell = static_cast<size_t>(queue_[i]);
       const uint32_t lanes = std::exchange(pending_[cell], 0);
       for (int32_t k = cells_.side_begin[cell]; k < cells_.side_begin[cell + 1]; ++k) {
-        const ivec2 side = cells_.side[static_cast<size_t>(k)];
-        if (const uint32_t wanted = lanes & ~come_[static_cast<size_t>(side.x)])
-          come_to(side.x, going_over(side.y, links[static_cast<size_t>(side.y)], link_points, centers, wanted));
+        const ivec2 side = cells_.side[k];
+        if (const uint32_t wanted = lanes & ~come_[side.x])
+          come_to(side.x, going_over(side.y, links[side.y], link_points, centers, wanted));
       }
       if (cells_.boundary_begin[cell] < cells_.boundary_begin[cell + 1])
         boundary_ |= among(
@@ -153,7 +153,7 @@ public:
     }
     std::sort(union_.begin(), union_.end()); // one order of summation, wherever the search began
     come_of_union_.clear();
-    for (const int32_t cell : union_) come_of_union_.push_back(std::exchange(come_[static_cast<size_t>(cell)], 0));
+    for (const int32_t cell : union_) come_of_union_.push_back(std::exchange(come_[cell], 0));
     queue_.clear();
   }
 
@@ -178,7 +178,7 @@ public:
       const ivec2 bare = bare_of(taken.cell);
       total += 1 + most_samples(taken) + bare.y - bare.x;
       if (total > MAX_ITERATIONS) {
-        data.lost += measured_[static_cast<size_t>(taken.cell)].area.x;
+        data.lost += measured_[taken.cell].area.x;
         continue;
       }
       if (space_.halves || !space_.bare.point.empty()) taken_.push_back(taken);
@@ -223,7 +223,7 @@ private:
   vec3 mean_normal() const {
     vec3 sum(0.0f);
     for (const int32_t cell : found_) {
-      const CellData &data = measured_[static_cast<size_t>(cell)];
+      const CellData &data = measured_[cell];
       if (data.sphere.w >= 0.0f) sum += vec3(data.cone) * data.area.x;
     }
     const float size = length(sum);
@@ -260,7 +260,7 @@ private:
     distance_.resize((found_.size() + lane_count - 1) / lane_count);
     inside_.clear();
     for (size_t k = 0; k < found_.size(); ++k) {
-      const vec4 sphere = measured_[static_cast<size_t>(found_[k])].sphere;
+      const vec4 sphere = measured_[found_[k]].sphere;
       const vec3 gap = vec3(sphere) - center;
       const float square = dot(gap, gap), outer = radius_ + sphere.w;
       distance_[k / lane_count][k % lane_count] = square;
@@ -268,15 +268,13 @@ private:
     }
   }
 
-  ivec2 bare_of(int32_t cell) const {
-    return {space_.bare.begin[static_cast<size_t>(cell)], space_.bare.begin[static_cast<size_t>(cell) + 1]};
-  }
+  ivec2 bare_of(int32_t cell) const { return {space_.bare.begin[cell], space_.bare.begin[cell + 1]}; }
 
   float distance(size_t place) const { return distance_[place / lane_count][place % lane_count]; }
 
   Taken take(int32_t place, vec3 center) const {
-    const int32_t cell = found_[static_cast<size_t>(place)];
-    const CellLeaves &leaves = leaves_[static_cast<size_t>(cell)];
+    const int32_t cell = found_[place];
+    const CellLeaves &leaves = leaves_[cell];
     const float square = distance(static_cast<size_t>(place));
     Taken taken{cell, all_leaves, 0};
     const bool near = square < leaves.fine;
@@ -318,8 +316,8 @@ private:
   }
 
   void add(int32_t cell) {
-    if (cell < 0 || visited_[static_cast<size_t>(cell)] == mark_) return;
-    visited_[static_cast<size_t>(cell)] = mark_;
+    if (cell < 0 || visited_[cell] == mark_) return;
+    visited_[cell] = mark_;
     found_.push_back(cell);
   }
 
@@ -333,9 +331,8 @@ private:
   }
 
   bool meets_boundary(int32_t cell, vec3 center) const {
-    for (int32_t k = cells_.boundary_begin[static_cast<size_t>(cell)]; k < cells_.boundary_begin[static_cast<size_t>(cell) + 1];
-         ++k) {
-      const int half_edge = cells_.boundary[static_cast<size_t>(k)];
+    for (int32_t k = cells_.boundary_begin[cell]; k < cells_.boundary_begin[cell + 1]; ++k) {
+      const int half_edge = cells_.boundary[k];
       if (segment_in_ball(position(half_edge), position(next_corner(half_edge)), center, radius_)) return true;
     }
     return false;
@@ -355,8 +352,7 @@ private:
   // Those of the lanes whose center test() holds for.
   template <class Test> uint32_t among(uint32_t lanes, const Test &test, const std::vector<SupportCenter> &centers) const {
     uint32_t passed = 0;
-    BallLanes::for_each(
-        lanes, [&](size_t lane) { passed |= uint32_t{test(centers[static_cast<size_t>(members_[lane])].position)} << lane; });
+    BallLanes::for_each(lanes, [&](size_t lane) { passed |= uint32_t{test(centers[members_[lane]].position)} << lane; });
     return passed;
   }
 
@@ -388,16 +384,15 @@ private:
   // The surface goes over beside one of the link's texels. No margin: it would let in a neighboring finger as often as it keeps a
   // place that belongs.
   bool in_ball(int32_t link, const std::vector<vec3> &points, vec3 center) const {
-    for (int32_t k = cells_.link_begin[static_cast<size_t>(link)]; k < cells_.link_begin[static_cast<size_t>(link) + 1]; ++k) {
-      const vec3 gap = points[static_cast<size_t>(k)] - center;
+    for (int32_t k = cells_.link_begin[link]; k < cells_.link_begin[link + 1]; ++k) {
+      const vec3 gap = points[k] - center;
       if (dot(gap, gap) < radius_ * radius_) return true;
     }
     return false;
   }
 
   dvec3 position(int corner) const {
-    return dvec3(space_.frame.to_buffer(
-        space_.triangles.positions[static_cast<size_t>(space_.triangles.corner_vertex[static_cast<size_t>(corner)])]));
+    return dvec3(space_.frame.to_buffer(space_.triangles.positions[space_.triangles.corner_vertex[corner]]));
   }
 
   const SupportSpace &space_;

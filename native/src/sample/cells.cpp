@@ -17,15 +17,14 @@ struct Unions {
   std::vector<int32_t> parent;
   explicit Unions(size_t count) : parent(count) { std::iota(parent.begin(), parent.end(), 0); }
   int32_t root(int32_t i) {
-    while (parent[static_cast<size_t>(i)] != i)
-      i = parent[static_cast<size_t>(i)] = parent[static_cast<size_t>(parent[static_cast<size_t>(i)])];
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   }
   // The lower number stays root, so that labels do not depend on the order of unions.
   void join(int32_t a, int32_t b) {
     a = root(a);
     b = root(b);
-    parent[static_cast<size_t>(std::max(a, b))] = std::min(a, b);
+    parent[std::max(a, b)] = std::min(a, b);
   }
 };
 
@@ -50,7 +49,7 @@ void to_lists(Pairs &pairs, int count, std::vector<int32_t> &begin, std::vector<
   sort_unique(pairs);
   begin.assign(static_cast<size_t>(count) + 1, 0);
   for (const uint64_t pair : pairs) {
-    ++begin[static_cast<size_t>(pair >> 32) + 1];
+    ++begin[(pair >> 32) + 1];
     list.push_back(static_cast<int32_t>(pair & 0xffffffffu));
   }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
@@ -85,8 +84,7 @@ public:
     // A site that no texel carries starts where the edges from it are carried first, else where its triangle is.
     for (size_t corner = 0; corner < charts_.corner_site.size(); ++corner) {
       const int32_t site = charts_.corner_site[corner];
-      if (site >= 0 && cells_.site_cell[static_cast<size_t>(site)] < 0)
-        cells_.site_cell[static_cast<size_t>(site)] = cell_beside(static_cast<int>(corner));
+      if (site >= 0 && cells_.site_cell[site] < 0) cells_.site_cell[site] = cell_beside(static_cast<int>(corner));
     }
     cover_texels();
     return std::move(cells_);
@@ -128,9 +126,9 @@ private:
         const auto texel = static_cast<int32_t>(map_.index(x, y));
         const int32_t root = unions.root(texel);
         if (root == texel) {
-          cells_.label[static_cast<size_t>(texel)] = cells_.count++;
+          cells_.label[texel] = cells_.count++;
         } else {
-          cells_.label[static_cast<size_t>(texel)] = cells_.label[static_cast<size_t>(root)];
+          cells_.label[texel] = cells_.label[root];
         }
       }
     for (const auto &[a, b] : between) link(a, b, crossings_);
@@ -139,18 +137,17 @@ private:
   // texel: on either of them, beside the place where one goes over into the other.
   void link(int64_t texel_a, int64_t texel_b, std::vector<Crossing> &crossings) const {
     if (texel_a < 0 || texel_b < 0) return;
-    const int32_t a = cells_.label[static_cast<size_t>(texel_a)], b = cells_.label[static_cast<size_t>(texel_b)];
+    const int32_t a = cells_.label[texel_a], b = cells_.label[texel_b];
     if (a != b) crossings.push_back({std::min(a, b), std::max(a, b), static_cast<int32_t>(std::min(texel_a, texel_b))});
   }
 
   // By their lower cell first, one bucket each: what most of them differ by.
   void sort_crossings() {
     std::vector<int32_t> begin(static_cast<size_t>(cells_.count) + 2, 0);
-    for (const Crossing &crossing : crossings_) ++begin[static_cast<size_t>(crossing.low) + 2];
+    for (const Crossing &crossing : crossings_) ++begin[crossing.low + 2];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     std::vector<Crossing> sorted(crossings_.size());
-    for (const Crossing &crossing : crossings_)
-      sorted[static_cast<size_t>(begin[static_cast<size_t>(crossing.low) + 1]++)] = crossing;
+    for (const Crossing &crossing : crossings_) sorted[begin[crossing.low + 1]++] = crossing;
     parallel_blocks(cells_.count, threads_, one_block, [&](int first, int last) {
       for (auto cell = static_cast<size_t>(first); cell < static_cast<size_t>(last); ++cell)
         std::sort(sorted.begin() + begin[cell], sorted.begin() + begin[cell + 1]);
@@ -173,13 +170,13 @@ private:
     cells_.link_begin.push_back(static_cast<int32_t>(crossings_.size()));
     cells_.side_begin.assign(static_cast<size_t>(cells_.count) + 1, 0);
     for (const ivec2 pair : ends)
-      for (const int32_t cell : {pair.x, pair.y}) ++cells_.side_begin[static_cast<size_t>(cell) + 1];
+      for (const int32_t cell : {pair.x, pair.y}) ++cells_.side_begin[cell + 1];
     std::partial_sum(cells_.side_begin.begin(), cells_.side_begin.end(), cells_.side_begin.begin());
     cells_.side.resize(2 * ends.size());
     std::vector<int32_t> next(cells_.side_begin.begin(), cells_.side_begin.end() - 1);
     for (size_t i = 0; i < ends.size(); ++i) {
-      cells_.side[static_cast<size_t>(next[static_cast<size_t>(ends[i].x)]++)] = ivec2(ends[i].y, i);
-      cells_.side[static_cast<size_t>(next[static_cast<size_t>(ends[i].y)]++)] = ivec2(ends[i].x, i);
+      cells_.side[next[ends[i].x]++] = ivec2(ends[i].y, i);
+      cells_.side[next[ends[i].y]++] = ivec2(ends[i].x, i);
     }
   }
 
@@ -203,7 +200,7 @@ private:
       for (int x = 0; x < size_; ++x) {
         const int32_t cell = cells_.label[2 * map_.index(x, y)];
         if (cell < 0) continue;
-        ivec4 &box = bounds[static_cast<size_t>(cell)];
+        ivec4 &box = bounds[cell];
         box = ivec4(std::min(box.x, x), std::min(box.y, y), std::max(box.z, x + 1), std::max(box.w, y + 1));
       }
     for (const ivec4 box : bounds) cells_.box.push_back(box.z > 0 ? ivec4(box.x, box.y, box.z - box.x, box.w - box.y) : ivec4(0));
@@ -230,7 +227,7 @@ private:
     return {cell, part};
   }
 
-  dvec2 uv_of(int corner) const { return dvec2(triangles_.corner_uv[static_cast<size_t>(corner)]) * static_cast<double>(size_); }
+  dvec2 uv_of(int corner) const { return dvec2(triangles_.corner_uv[corner]) * static_cast<double>(size_); }
 
   // A little way into the chart, in texels: a place on a border lies on both sides of it.
   dvec2 nudged(vec2 uv, vec2 inside) const {
@@ -238,7 +235,7 @@ private:
     return place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9));
   }
 
-  int32_t cell_of(int64_t texel) const { return texel < 0 ? -1 : cells_.label[static_cast<size_t>(texel)]; }
+  int32_t cell_of(int64_t texel) const { return texel < 0 ? -1 : cells_.label[texel]; }
   int32_t cell_at(dvec2 place, int32_t chart) const { return cell_of(map_.carrier(place, chart)); }
 
   // A half-edge in the UV map, in texels, and the middle of its triangle.
@@ -249,7 +246,7 @@ private:
 
   Line line_of(int half_edge) const {
     const dvec2 a = uv_of(half_edge), b = uv_of(next_corner(half_edge)), c = uv_of(previous_corner(half_edge));
-    return {a, b - a, (a + b + c) / 3.0, charts_.triangle_chart[static_cast<size_t>(half_edge / 3)]};
+    return {a, b - a, (a + b + c) / 3.0, charts_.triangle_chart[half_edge / 3]};
   }
 
   // The texel that carries a place on a half-edge, just inside its triangle.
@@ -266,10 +263,10 @@ private:
 
   // The cell nearest to a corner along the two edges of its triangle, on either side of them.
   int32_t cell_beside(int corner) const {
-    int32_t best = cells_.triangle_cell[static_cast<size_t>(corner / 3)];
+    int32_t best = cells_.triangle_cell[corner / 3];
     double nearest = 1e30;
     auto walk = [&](int half_edge, bool from_end) {
-      if (half_edge < 0 || charts_.triangle_chart[static_cast<size_t>(half_edge / 3)] < 0) return;
+      if (half_edge < 0 || charts_.triangle_chart[half_edge / 3] < 0) return;
       const float length_3d = distance(position_of(half_edge), position_of(next_corner(half_edge)));
       const Line line = line_of(half_edge);
       const int steps = steps_along(line);
@@ -285,15 +282,13 @@ private:
     };
     const int before = next_corner(next_corner(corner));
     walk(corner, false);
-    walk(half_edges_.twin[static_cast<size_t>(corner)], true);
+    walk(half_edges_.twin[corner], true);
     walk(before, true);
-    walk(half_edges_.twin[static_cast<size_t>(before)], false);
+    walk(half_edges_.twin[before], false);
     return best;
   }
 
-  vec3 position_of(int corner) const {
-    return triangles_.positions[static_cast<size_t>(triangles_.corner_vertex[static_cast<size_t>(corner)])];
-  }
+  vec3 position_of(int corner) const { return triangles_.positions[triangles_.corner_vertex[corner]]; }
 
   // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and
   // over a seam the same place of the edge is on both sides.
@@ -310,7 +305,7 @@ private:
       Found here; // of its own: neighboring vectors share cache lines
       for (int half_edge = begin; half_edge < end; ++half_edge) link_along(half_edge, here.crossings, here.boundaries);
       sort_unique(here.crossings);
-      found[static_cast<size_t>(begin / one_block)] = std::move(here);
+      found[begin / one_block] = std::move(here);
     });
     for (const Found &here : found) {
       crossings_.insert(crossings_.end(), here.crossings.begin(), here.crossings.end());
@@ -319,12 +314,12 @@ private:
   }
 
   void link_along(int half_edge, std::vector<Crossing> &crossings, Pairs &boundaries) {
-    if (charts_.triangle_chart[static_cast<size_t>(half_edge / 3)] < 0) return;
-    const int32_t border = charts_.half_edge_border[static_cast<size_t>(half_edge)];
-    const int32_t twin = half_edges_.twin[static_cast<size_t>(half_edge)];
+    if (charts_.triangle_chart[half_edge / 3] < 0) return;
+    const int32_t border = charts_.half_edge_border[half_edge];
+    const int32_t twin = half_edges_.twin[half_edge];
     if (border < 0 && twin > half_edge) return; // an inner edge once
-    const bool seam = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::seam;
-    const bool ends = border >= 0 && charts_.borders[static_cast<size_t>(border)].kind == BorderKind::boundary;
+    const bool seam = border >= 0 && charts_.borders[border].kind == BorderKind::seam;
+    const bool ends = border >= 0 && charts_.borders[border].kind == BorderKind::boundary;
     const Line line = line_of(half_edge), beyond = seam ? line_of(twin) : line;
     const int steps = std::max(steps_along(line), steps_along(beyond));
     int64_t previous = -1;
@@ -333,10 +328,10 @@ private:
       const int64_t texel = texel_on(line, t);
       if (texel < 0) continue;
       link(previous, texel, crossings);
-      if (previous < 0) first_[static_cast<size_t>(half_edge)] = texel;
+      if (previous < 0) first_[half_edge] = texel;
       const int64_t other = seam ? texel_on(beyond, 1.0 - t) : texel;
       if (seam) link(texel, other, crossings);
-      carried_[static_cast<size_t>(half_edge)] |= other >= 0;
+      carried_[half_edge] |= other >= 0;
       if (ends) boundaries.push_back(pair_of(cell_of(texel), half_edge));
       previous = texel;
     }
@@ -347,9 +342,9 @@ private:
     std::vector<int64_t> texel(static_cast<size_t>(triangles_.triangle_count), -1);
     parallel_blocks(triangles_.triangle_count, threads_, one_block, [&](int begin, int end) {
       for (int32_t t = begin; t < end; ++t) {
-        const int32_t chart = charts_.triangle_chart[static_cast<size_t>(t)];
-        if (half_edges_.corner_point[static_cast<size_t>(3 * t)] < 0 || chart < 0) continue;
-        texel[static_cast<size_t>(t)] = map_.carrier((uv_of(3 * t) + uv_of(3 * t + 1) + uv_of(3 * t + 2)) / 3.0, chart);
+        const int32_t chart = charts_.triangle_chart[t];
+        if (half_edges_.corner_point[3 * t] < 0 || chart < 0) continue;
+        texel[t] = map_.carrier((uv_of(3 * t) + uv_of(3 * t + 1) + uv_of(3 * t + 2)) / 3.0, chart);
       }
     });
     return texel;
@@ -359,8 +354,8 @@ private:
   void link_over_uncarried_edges(const std::vector<int64_t> &texel) {
     for (size_t half_edge = 0; half_edge < carried_.size(); ++half_edge) {
       const int32_t twin = half_edges_.twin[half_edge];
-      if (twin < static_cast<int32_t>(half_edge) || carried_[half_edge] || carried_[static_cast<size_t>(twin)]) continue;
-      link(texel[half_edge / 3], texel[static_cast<size_t>(twin / 3)], crossings_);
+      if (twin < static_cast<int32_t>(half_edge) || carried_[half_edge] || carried_[twin]) continue;
+      link(texel[half_edge / 3], texel[twin / 3], crossings_);
     }
   }
 
@@ -368,7 +363,7 @@ private:
   int64_t first_along(size_t half_edge) const {
     const int32_t twin = half_edges_.twin[half_edge];
     const bool inner = charts_.half_edge_border[half_edge] < 0 && twin >= 0;
-    return inner && first_[half_edge] < 0 ? first_[static_cast<size_t>(twin)] : first_[half_edge];
+    return inner && first_[half_edge] < 0 ? first_[twin] : first_[half_edge];
   }
 
   // Triangles without a texel near belong to the cell from which the surface leads to them first; where such ways from two cells
@@ -380,8 +375,8 @@ private:
     link_over_uncarried_edges(texel);
     std::queue<int32_t> queue;
     for (int32_t h = 0; h < 3 * triangles_.triangle_count; ++h) { // only what lies beside a bare one leads anywhere
-      const int32_t twin = half_edges_.twin[static_cast<size_t>(h)];
-      if (texel[static_cast<size_t>(h / 3)] < 0 || twin < 0 || !bare[static_cast<size_t>(twin / 3)]) continue;
+      const int32_t twin = half_edges_.twin[h];
+      if (texel[h / 3] < 0 || twin < 0 || !bare[twin / 3]) continue;
       if (queue.empty() || queue.back() != h / 3) queue.push(h / 3);
     }
     Pairs pairs;
@@ -389,16 +384,16 @@ private:
       const int32_t t = queue.front();
       queue.pop();
       for (int i = 0; i < 3; ++i) {
-        const int32_t twin = half_edges_.twin[static_cast<size_t>(3 * t + i)];
+        const int32_t twin = half_edges_.twin[3 * t + i];
         if (twin < 0) continue;
-        int64_t &other = texel[static_cast<size_t>(twin / 3)];
+        int64_t &other = texel[twin / 3];
         if (other < 0) {
-          other = texel[static_cast<size_t>(t)];
+          other = texel[t];
           for (size_t k = 0; k < 3; ++k) link(first_along(3 * static_cast<size_t>(twin / 3) + k), other, crossings_);
           pairs.push_back(pair_of(cell_of(other), twin / 3));
           queue.push(twin / 3);
-        } else if (bare[static_cast<size_t>(t)] || bare[static_cast<size_t>(twin / 3)]) {
-          link(texel[static_cast<size_t>(t)], other, crossings_);
+        } else if (bare[t] || bare[twin / 3]) {
+          link(texel[t], other, crossings_);
         }
       }
     }

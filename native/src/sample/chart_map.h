@@ -90,8 +90,7 @@ private:
     const int32_t begin = grid_.cells[2 * texel + 1];
     for (int32_t i = begin; i < begin - std::min(grid_.cells[2 * texel], 0); ++i) {
       if (grid_.list[2 * static_cast<size_t>(i) + 1] != of_chart) continue;
-      const dvec4 uv =
-          dvec4(grid_.border_uv[static_cast<size_t>(grid_.list[2 * static_cast<size_t>(i)])]) * static_cast<double>(size_);
+      const dvec4 uv = dvec4(grid_.border_uv[grid_.list[2 * static_cast<size_t>(i)]]) * static_cast<double>(size_);
       visit(dvec2(uv.x, uv.y), dvec2(uv.z, uv.w));
     }
   }

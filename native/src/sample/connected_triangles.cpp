@@ -69,14 +69,13 @@ public:
     }
     for (size_t lane = 0; lane < points.size(); ++lane) {
       // What the seed reaches is what the point reaches where it reaches the point.
-      const bool joined =
-          reached_[static_cast<size_t>(half_edges_.point_half_edge[static_cast<size_t>(points[lane])]) / 3] >> lane & 1;
+      const bool joined = reached_[static_cast<size_t>(half_edges_.point_half_edge[points[lane]]) / 3] >> lane & 1;
       const double area = common_area_ + static_cast<double>(areas_[lane / width][lane % width]);
       const double unit = static_cast<double>(balls_.scale()) * static_cast<double>(balls_.scale());
       areas[lane] = count(lane) > limit_ ? 0.0 : joined ? area / unit : -1.0;
     }
-    for (const Step &step : queue_) reached_[static_cast<size_t>(step.triangle)] = 0;
-    for (const int32_t vertex : known_) inside_[static_cast<size_t>(vertex)] = 0;
+    for (const Step &step : queue_) reached_[step.triangle] = 0;
+    for (const int32_t vertex : known_) inside_[vertex] = 0;
   }
 
   // How many of the points, from the first on, lie so near to it that one flood serves them all.
@@ -116,21 +115,19 @@ private:
     known_.clear();
   }
 
-  vec3 position(int32_t point) const {
-    return triangles_.positions[static_cast<size_t>(half_edges_.point_vertex[static_cast<size_t>(point)])];
-  }
+  vec3 position(int32_t point) const { return triangles_.positions[half_edges_.point_vertex[point]]; }
 
   template <class Visit> void for_each_triangle(int32_t point, const Visit &visit) const {
-    const int32_t first = half_edges_.point_half_edge[static_cast<size_t>(point)];
+    const int32_t first = half_edges_.point_half_edge[point];
     for (int32_t corner = first; corner >= 0;) {
       visit(corner / 3);
-      corner = half_edges_.twin[static_cast<size_t>(previous_corner(corner))];
+      corner = half_edges_.twin[previous_corner(corner)];
       if (corner == first) break;
     }
   }
 
   void add(int32_t triangle, uint32_t lanes) {
-    uint32_t &reached = reached_[static_cast<size_t>(triangle)];
+    uint32_t &reached = reached_[triangle];
     const uint32_t fresh = lanes & ~reached;
     if (!fresh) return;
     reached |= fresh;
@@ -139,10 +136,10 @@ private:
 
   // The lanes whose ball holds a vertex.
   uint32_t inside(int32_t vertex) {
-    uint32_t &known = inside_[static_cast<size_t>(vertex)];
+    uint32_t &known = inside_[vertex];
     if (known) return known;
     known_.push_back(vertex);
-    return known = is_known | balls_.holding(triangles_.positions[static_cast<size_t>(vertex)]);
+    return known = is_known | balls_.holding(triangles_.positions[vertex]);
   }
 
   // Adds what lies beyond the triangle's edges where they meet the ball of these lanes, and to their areas the part of its own
@@ -153,13 +150,13 @@ private:
     uint32_t within[3];
     for (size_t i = 0; i < 3; ++i) {
       const int32_t vertex = triangles_.corner_vertex[first + i];
-      corner[i] = triangles_.positions[static_cast<size_t>(vertex)];
+      corner[i] = triangles_.positions[vertex];
       within[i] = inside(vertex) & lanes;
     }
     for (size_t i = 0; i < 3; ++i) {
       const int32_t twin = half_edges_.twin[first + i];
       if (twin < 0) continue;
-      const uint32_t wanted = lanes & ~reached_[static_cast<size_t>(twin / 3)];
+      const uint32_t wanted = lanes & ~reached_[twin / 3];
       if (!wanted) continue;
       const size_t next = i == 2 ? 0 : i + 1;
       uint32_t over = (within[i] | within[next]) & wanted;

@@ -20,10 +20,9 @@ BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles
   samples.begin.push_back(0);
   for (size_t cell = 0; cell + 1 < cells.bare_begin.size(); ++cell) {
     for (int32_t k = cells.bare_begin[cell]; k < cells.bare_begin[cell + 1]; ++k) {
-      const auto corner = 3 * static_cast<size_t>(cells.bare[static_cast<size_t>(k)]);
+      const auto corner = 3 * static_cast<size_t>(cells.bare[k]);
       vec3 p[3];
-      for (size_t i = 0; i < 3; ++i)
-        p[i] = frame.to_buffer(triangles.positions[static_cast<size_t>(triangles.corner_vertex[corner + i])]);
+      for (size_t i = 0; i < 3; ++i) p[i] = frame.to_buffer(triangles.positions[triangles.corner_vertex[corner + i]]);
       const float longest = std::max({length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])});
       // Limited before it becomes an integer: radii may be as small as floats are.
       const int side = static_cast<int>(std::fmax(1.0f, std::fmin(std::ceil(4.0f * longest / radius), 16.0f)));
@@ -69,8 +68,8 @@ static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       vec3 low(1e30f), high(-1e30f);
       for (int32_t k = cells.link_begin[i]; k < cells.link_begin[i + 1]; ++k) {
-        low = glm::min(low, points[static_cast<size_t>(k)]);
-        high = glm::max(high, points[static_cast<size_t>(k)]);
+        low = glm::min(low, points[k]);
+        high = glm::max(high, points[k]);
       }
       bounds[i] = {low, high};
     }
@@ -109,7 +108,7 @@ static std::vector<CellLeaves> list_leaves(const SupportSpace &space, float radi
 static int32_t start_of(const Cells &cells, const SupportCenter &center) {
   if (center.cell >= 0) return center.cell;
   for (const int32_t site : center.sites)
-    if (const int32_t cell = cells.site_cell[static_cast<size_t>(site)]; cell >= 0) return cell;
+    if (const int32_t cell = cells.site_cell[site]; cell >= 0) return cell;
   return -1;
 }
 
@@ -134,7 +133,7 @@ static Groups group(const Cells &cells, std::span<const CellData> measured, cons
   for (const ivec4 box : cells.box) across = std::max({across, box.x / width + 1, box.y / width + 1});
   auto square_of = [&](int32_t cell) {
     if (cell < 0) return 0;
-    const ivec4 box = cells.box[static_cast<size_t>(cell)];
+    const ivec4 box = cells.box[cell];
     return 1 + box.y / width * across + box.x / width;
   };
   Groups groups;
@@ -149,8 +148,7 @@ static Groups group(const Cells &cells, std::span<const CellData> measured, cons
   for (size_t square = 0; square + 1 < begin.size(); ++square)
     if (square == 0 || begin[square + 1] > begin[square]) groups.begin.push_back(begin[square + 1]);
   groups.order.resize(centers.size());
-  for (size_t i = 0; i < centers.size(); ++i)
-    groups.order[static_cast<size_t>(begin[static_cast<size_t>(square_of(groups.start[i]))]++)] = static_cast<int32_t>(i);
+  for (size_t i = 0; i < centers.size(); ++i) groups.order[begin[square_of(groups.start[i])]++] = static_cast<int32_t>(i);
   return groups;
 }
 
@@ -162,8 +160,8 @@ struct Spread {
   Spread(const std::vector<SupportCenter> &centers, std::span<const int32_t> members)
       : low(std::numeric_limits<float>::max()), high(-low) {
     for (const int32_t i : members) {
-      low = glm::min(low, centers[static_cast<size_t>(i)].position);
-      high = glm::max(high, centers[static_cast<size_t>(i)].position);
+      low = glm::min(low, centers[i].position);
+      high = glm::max(high, centers[i].position);
     }
   }
   vec3 middle() const { return 0.5f * (low + high); }
@@ -183,18 +181,18 @@ static void search_together(CellSearch &search, const std::vector<SupportCenter>
   std::vector<int32_t> others;
   while (!members.empty()) {
     const Spread spread(centers, members);
-    search.reach_from(start[static_cast<size_t>(members[0])], spread.middle(), spread.radius());
+    search.reach_from(start[members[0]], spread.middle(), spread.radius());
     others.clear();
     for (const int32_t i : members) {
-      if (!search.was_found(start[static_cast<size_t>(i)])) {
+      if (!search.was_found(start[i])) {
         others.push_back(i);
         continue;
       }
-      const vec3 position = centers[static_cast<size_t>(i)].position;
+      const vec3 position = centers[i].position;
       search.measure(position);
       if (search.is_plain(position)) {
-        supports.center[static_cast<size_t>(i)] = search.list(position, false, part.range);
-        supports.plain[static_cast<size_t>(i)] = 1;
+        supports.center[i] = search.list(position, false, part.range);
+        supports.plain[i] = 1;
       } else {
         part.left.push_back(i);
       }
@@ -212,8 +210,8 @@ static void search_in_halves(CellSearch &search, const std::vector<SupportCenter
     return search_together(search, centers, start, {members.begin(), members.end()}, supports, part);
   const int axis = spread.longest_axis();
   const float middle = spread.middle()[axis];
-  const auto split = std::stable_partition(members.begin(), members.end(),
-                                           [&](int32_t i) { return centers[static_cast<size_t>(i)].position[axis] < middle; });
+  const auto split =
+      std::stable_partition(members.begin(), members.end(), [&](int32_t i) { return centers[i].position[axis] < middle; });
   const auto first = static_cast<size_t>(split - members.begin());
   if (first == 0 || first == members.size()) // as far apart as floats tell
     return search_together(search, centers, start, {members.begin(), members.end()}, supports, part);
@@ -229,7 +227,7 @@ static void join(std::vector<Part> &parts, const std::vector<std::span<const int
   for (size_t i = 0; i < parts.size(); ++i) {
     const auto offset = static_cast<int32_t>(supports.range.size());
     for (const int32_t center : places[i]) {
-      SupportData &data = supports.center[static_cast<size_t>(center)];
+      SupportData &data = supports.center[center];
       for (int32_t *at : {&data.first, &data.middle, &data.last, &data.end}) *at += offset;
     }
     supports.range.insert(supports.range.end(), parts[i].range.begin(), parts[i].range.end());
@@ -255,8 +253,8 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
   Groups groups = group(space.cells, measured, centers, radius);
   const auto count = static_cast<int>(groups.begin.size()) - 1;
   auto members_of = [&](int first, int last) {
-    const auto begin = static_cast<size_t>(groups.begin[static_cast<size_t>(first)]);
-    return std::span(groups.order).subspan(begin, static_cast<size_t>(groups.begin[static_cast<size_t>(last)]) - begin);
+    const auto begin = static_cast<size_t>(groups.begin[first]);
+    return std::span(groups.order).subspan(begin, static_cast<size_t>(groups.begin[last]) - begin);
   };
   Supports supports;
   supports.center.resize(centers.size());
@@ -276,7 +274,7 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
         search_in_halves(search, centers, groups.start, members, radius, supports, part);
       if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
     }
-    parts[static_cast<size_t>(begin / block)] = std::move(part);
+    parts[begin / block] = std::move(part);
   });
   join(parts, places, supports);
   supports.order = std::move(groups.order);
@@ -301,13 +299,13 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
       search.run(centers, members, links, link_points);
       const size_t before = part.range.size();
       for (size_t lane = 0; lane < members.size(); ++lane) {
-        const vec3 position = centers[static_cast<size_t>(members[lane])].position;
+        const vec3 position = centers[members[lane]].position;
         const bool boundary = search.choose(lane, position);
-        supports.center[static_cast<size_t>(members[lane])] = search.list(position, boundary, part.range);
+        supports.center[members[lane]] = search.list(position, boundary, part.range);
       }
       if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
     }
-    parts[static_cast<size_t>(begin / alone)] = std::move(part);
+    parts[begin / alone] = std::move(part);
   });
   join(parts, places, supports);
   return supports;

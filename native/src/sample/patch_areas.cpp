@@ -17,15 +17,13 @@ namespace paradesc {
 static MeasuredPatches measure(const Patches &patches, const HalfEdges &half_edges, const Triangles &triangles, int threads) {
   // Points share the area of all their triangles, of other patches too.
   std::vector<float> share(static_cast<size_t>(half_edges.point_count), 0.0f);
-  const auto position = [&](int32_t point) {
-    return triangles.positions[static_cast<size_t>(half_edges.point_vertex[static_cast<size_t>(point)])];
-  };
+  const auto position = [&](int32_t point) { return triangles.positions[half_edges.point_vertex[point]]; };
   for (size_t t = 0; t < patches.triangle_patch.size(); ++t) {
     if (patches.triangle_patch[t] < 0) continue;
     const int32_t *corner = &half_edges.corner_point[3 * t];
     const vec3 first = position(corner[0]);
     const float third = length(cross(position(corner[1]) - first, position(corner[2]) - first)) / 6.0f;
-    for (size_t i = 0; i < 3; ++i) share[static_cast<size_t>(corner[i])] += third;
+    for (size_t i = 0; i < 3; ++i) share[corner[i]] += third;
   }
   MeasuredPatches measured;
   measured.point.resize(patches.point.size());
@@ -38,7 +36,7 @@ static MeasuredPatches measure(const Patches &patches, const HalfEdges &half_edg
       vec3 low(std::numeric_limits<float>::max()), high(-low);
       for (size_t k = begin; k < end; ++k) {
         const vec3 place = position(patches.point[k]);
-        measured.point[k] = vec4(place, share[static_cast<size_t>(patches.point[k])]);
+        measured.point[k] = vec4(place, share[patches.point[k]]);
         low = glm::min(low, place);
         high = glm::max(high, place);
       }
@@ -75,7 +73,7 @@ public:
       size_t apart = 0; // not connected with the first one within their ball: another flood
       for (size_t lane = 0; lane < numbers.size(); ++lane) {
         const auto number = static_cast<size_t>(numbers[lane]);
-        if (lane == 0 || (reached_[static_cast<size_t>(points[number])] >> lane & 1))
+        if (lane == 0 || (reached_[points[number]] >> lane & 1))
           areas[number] = area_of(lane);
         else
           numbers[apart++] = numbers[lane];
@@ -94,20 +92,18 @@ private:
     bool listed = false;
   };
 
-  vec3 position(int32_t point) const {
-    return triangles_.positions[static_cast<size_t>(half_edges_.point_vertex[static_cast<size_t>(point)])];
-  }
+  vec3 position(int32_t point) const { return triangles_.positions[half_edges_.point_vertex[point]]; }
 
   void flood(std::span<const int32_t> points, std::span<const int32_t> numbers) {
-    balls_.set(numbers.size(), [&](size_t lane) { return position(points[static_cast<size_t>(numbers[lane])]); });
+    balls_.set(numbers.size(), [&](size_t lane) { return position(points[numbers[lane]]); });
     unknown_ = 0;
     common_area_ = 0.0;
     std::fill_n(areas_, balls_.vectors(), Lanes{});
-    const auto seed = static_cast<size_t>(points[static_cast<size_t>(numbers[0])]);
+    const auto seed = static_cast<size_t>(points[numbers[0]]);
     const auto triangle = static_cast<size_t>(half_edges_.point_half_edge[seed] / 3);
     const int32_t patch = patches_.triangle_patch[triangle];
-    seed_ = patches_.point_begin[static_cast<size_t>(patch)];
-    while (patches_.point[static_cast<size_t>(seed_)] != static_cast<int32_t>(seed)) ++seed_;
+    seed_ = patches_.point_begin[patch];
+    while (patches_.point[seed_] != static_cast<int32_t>(seed)) ++seed_;
     come_to(patch, balls_.all());
     for (size_t i = 0; i < queue_.size(); ++i) visit(static_cast<size_t>(queue_[i]));
   }
@@ -121,7 +117,7 @@ private:
     for (const int32_t patch : visited_) {
       const auto i = static_cast<size_t>(patch);
       for (auto k = static_cast<size_t>(patches_.point_begin[i]); k < static_cast<size_t>(patches_.point_begin[i + 1]); ++k)
-        reached_[static_cast<size_t>(patches_.point[k])] = 0;
+        reached_[patches_.point[k]] = 0;
       states_[i] = {};
     }
     visited_.clear();
@@ -129,7 +125,7 @@ private:
   }
 
   void come_to(int32_t patch, uint32_t lanes) {
-    State &state = states_[static_cast<size_t>(patch)];
+    State &state = states_[patch];
     const uint32_t fresh = lanes & ~state.done;
     if (!fresh) return;
     if (!state.pending) queue_.push_back(patch);
@@ -157,7 +153,7 @@ private:
     else
       std::fill_n(found, end - begin, whole);
     for (size_t k = begin; k < end; ++k) {
-      uint32_t &reached = reached_[static_cast<size_t>(patches_.point[k])];
+      uint32_t &reached = reached_[patches_.point[k]];
       const uint32_t fresh = found[k - begin] & ~reached;
       if (!fresh) continue;
       reached |= fresh;
@@ -175,8 +171,7 @@ private:
     uint32_t missing = 0;                       // among them those that have not come there
     for (size_t k = begin; k < end; ++k) {
       held[k - begin] = whole | (balls_.holding(vec3(measured_.point[k])) & part);
-      const uint32_t come =
-          reached_[static_cast<size_t>(patches_.point[k])] | (static_cast<int32_t>(k) == seed_ ? balls_.all() : 0);
+      const uint32_t come = reached_[patches_.point[k]] | (static_cast<int32_t>(k) == seed_ ? balls_.all() : 0);
       found[k - begin] = whole | (come & held[k - begin]);
       missing |= held[k - begin] & ~found[k - begin];
     }
@@ -234,8 +229,8 @@ PatchAreas::~PatchAreas() = default;
 std::vector<size_t> PatchAreas::put_side_by_side(std::span<const int32_t> points, std::span<int32_t> order) const {
   constexpr size_t lanes = BallLanes::most;
   const auto place = [&](int32_t number) {
-    const auto point = static_cast<size_t>(points[static_cast<size_t>(number)]);
-    return triangles_.positions[static_cast<size_t>(half_edges_.point_vertex[point])];
+    const auto point = static_cast<size_t>(points[number]);
+    return triangles_.positions[half_edges_.point_vertex[point]];
   };
   std::vector<size_t> begin{0};
   const auto split = [&](const auto &self, size_t first, size_t last) -> void {

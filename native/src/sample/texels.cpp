@@ -19,9 +19,7 @@ namespace {
 struct Raster {
   const Triangles &triangles;
   TexelMap &map;
-  dvec2 uv(int32_t corner) const {
-    return dvec2(triangles.corner_uv[static_cast<size_t>(corner)]) * static_cast<double>(map.size);
-  }
+  dvec2 uv(int32_t corner) const { return dvec2(triangles.corner_uv[corner]) * static_cast<double>(map.size); }
   size_t index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(map.size) + static_cast<size_t>(x); }
   // First and last texel whose center lies in [low, high].
   ivec2 range(double low, double high) const {
@@ -90,7 +88,7 @@ static void draw_border(const Raster &raster, const Border &border, size_t owned
         found.push_back(place);
         distance.push_back(gap);
       } else {
-        found[static_cast<size_t>(entry)] = place;
+        found[entry] = place;
         distance[static_cast<size_t>(entry) - owned] = gap;
       }
     }
@@ -103,13 +101,12 @@ TexelMap build_texel_map(const Triangles &triangles, const Charts &charts, int s
   map.place.assign(static_cast<size_t>(size) * static_cast<size_t>(size), -1);
   const Raster raster{triangles, map};
   for (int32_t t = 0; t < triangles.triangle_count; ++t)
-    if (const int32_t chart = charts.triangle_chart[static_cast<size_t>(t)]; chart >= 0)
-      draw_triangle(raster, t, chart, map.places);
+    if (const int32_t chart = charts.triangle_chart[t]; chart >= 0) draw_triangle(raster, t, chart, map.places);
   std::vector<double> distance;
   const size_t owned = map.places.size();
   for (const Border &border : charts.borders) draw_border(raster, border, owned, map.places, distance);
   std::sort(map.places.begin(), map.places.end(), [](const TexelPlace &a, const TexelPlace &b) { return a.texel < b.texel; });
-  for (size_t i = 0; i < map.places.size(); ++i) map.place[static_cast<size_t>(map.places[i].texel)] = static_cast<int32_t>(i);
+  for (size_t i = 0; i < map.places.size(); ++i) map.place[map.places[i].texel] = static_cast<int32_t>(i);
   return map;
 }
 
@@ -143,11 +140,11 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
   centers.reserve(last - first);
   for (size_t i = first; i < last; ++i) {
     const TexelPlace &place = map.places[i];
-    const auto position = mix_corners<dvec3>(
-        place, [&](size_t c) { return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[c])]); });
+    const auto position =
+        mix_corners<dvec3>(place, [&](size_t c) { return dvec3(triangles.positions[triangles.corner_vertex[c]]); });
     const vec3 normal = mix_corners<vec3>(place, [&](size_t c) { return normals.corner(c); });
     const float span = length(normal);
-    const auto at_site = [&](size_t c) { return ellipses[static_cast<size_t>(charts.corner_site[c])]; };
+    const auto at_site = [&](size_t c) { return ellipses[charts.corner_site[c]]; };
     const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(place, at_site) * reach;
     const auto corner = 3 * static_cast<size_t>(place.triangle);
     const auto chart = static_cast<float>(place.chart);
@@ -206,7 +203,7 @@ public:
     for (int i = 0; i < 4; ++i) {
       const float weight = (i % 2 ? share.x : 1.0f - share.x) * (i / 2 ? share.y : 1.0f - share.y);
       const int32_t place = at(static_cast<int>(low.x) + i % 2, static_cast<int>(low.y) + i / 2, site.chart);
-      regular = regular && place >= 0 && !map_.places[static_cast<size_t>(place)].on_border;
+      regular = regular && place >= 0 && !map_.places[place].on_border;
       found.push_back({place, weight, weight});
     }
     if (!regular) found = beside_border(site);
@@ -217,7 +214,7 @@ private:
   int32_t at(int x, int y, int32_t chart) const {
     if (x < 0 || y < 0 || x >= map_.size || y >= map_.size) return -1;
     const int32_t place = map_.place[static_cast<size_t>(y) * static_cast<size_t>(map_.size) + static_cast<size_t>(x)];
-    return place >= 0 && map_.places[static_cast<size_t>(place)].chart == chart ? place : -1;
+    return place >= 0 && map_.places[place].chart == chart ? place : -1;
   }
 
   std::vector<Weighted> beside_border(const Site &site) const {
@@ -231,7 +228,7 @@ private:
       for (int x = middle.x - 2; x <= middle.x + 2; ++x) {
         const int32_t place = at(x, y, site.chart);
         if (place < 0) continue;
-        const vec2 offset = map_.places[static_cast<size_t>(place)].uv * static_cast<float>(map_.size) - here;
+        const vec2 offset = map_.places[place].uv * static_cast<float>(map_.size) - here;
         const float nearness = 1.0f - dot(offset, offset) / (reach * reach);
         if (nearness < 1e-3f) continue;
         found.push_back({place, nearness * nearness, nearness * nearness});
@@ -332,18 +329,18 @@ SiteResults look_up(const TexelMap &map, const SiteResults &results, const Chart
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       const int32_t index = all_sites ? static_cast<int32_t>(i) : charts.point_site[i];
       if (index < 0) continue;
-      const Site &site = charts.sites[static_cast<size_t>(index)];
+      const Site &site = charts.sites[index];
       lookup.near(site, from);
       if (from.empty()) continue;
       found.point[i] = site.point;
-      found.primary[i] = charts.point_site[static_cast<size_t>(site.point)] == index;
+      found.primary[i] = charts.point_site[site.point] == index;
       for (size_t row = 0; row < results.values.size(); ++row) {
         const size_t width = results.values[row].size() / places;
         mix_value(from, results.values[row], width, &found.values[row][i * width]);
       }
       mix_value(from, results.coverage, 1, &found.coverage[i]);
       found.coverage[i] = std::clamp(found.coverage[i], 0.0f, 1.0f);
-      for (const Weighted &one : from) found.boundary[i] |= results.boundary[static_cast<size_t>(one.place)];
+      for (const Weighted &one : from) found.boundary[i] |= results.boundary[one.place];
     }
   });
   return without_gaps(std::move(found));

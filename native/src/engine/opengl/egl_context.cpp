@@ -106,7 +106,7 @@ static std::vector<Candidate> list_candidates(const auto &egl, bool software, in
   if (device_index >= static_cast<int>(candidates.size()))
     throw Error(PDESC_ERROR_UNSUPPORTED, "Device " + std::to_string(device_index) + " was asked for, but there are only " +
                                              std::to_string(candidates.size()) + "; choose a lower index or -1.");
-  return {candidates[static_cast<size_t>(device_index)]};
+  return {candidates[device_index]};
 }
 
 // Makes a context on this display current; false leaves nothing behind. eglTerminate is never called: displays belong to the

@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "descriptor/registry.h"
 #include "compute/passes.h"
-#include "kernel/limits.h"
-#include "sample/patch_areas.h"
-#include "sample/connected_triangles.h"
-#include "sample/texels.h"
+#include "descriptor/registry.h"
 #include "engine/opengl/stages.h"
+#include "kernel/limits.h"
+#include "sample/connected_triangles.h"
+#include "sample/patch_areas.h"
+#include "sample/texels.h"
 #include "support/error.h"
 
 namespace paradesc {
@@ -25,10 +25,10 @@ static int samples_at_once(const Mesh &mesh, const pdesc_options &options) {
 static void bake_map(Mesh &mesh, const Frame &frame, const MapValues &values) {
   DeviceMesh &device = *mesh.device;
   std::vector<vec4> centers, bare;
-  for (const int32_t point : frame.points) centers.push_back(values[static_cast<size_t>(point)]);
+  for (const int32_t point : frame.points) centers.push_back(values[point]);
   for (size_t i = 0; i < frame.bare.weights.size(); ++i) {
     const auto triangle = static_cast<size_t>(frame.bare.point[2 * i + 1].w);
-    auto corner = [&](size_t k) { return values[static_cast<size_t>(mesh.half_edges.corner_point[3 * triangle + k])]; };
+    auto corner = [&](size_t k) { return values[mesh.half_edges.corner_point[3 * triangle + k]]; };
     const vec2 weights = frame.bare.weights[i];
     bare.push_back(corner(0) * (1.0f - weights.x - weights.y) + corner(1) * weights.x + corner(2) * weights.y);
   }
@@ -149,7 +149,7 @@ static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius
 static std::vector<vec4> face_normals(const Triangles &triangles) {
   std::vector<vec4> normals(static_cast<size_t>(triangles.triangle_count));
   for (size_t t = 0; t < normals.size(); ++t) {
-    auto corner = [&](size_t k) { return triangles.positions[static_cast<size_t>(triangles.corner_vertex[3 * t + k])]; };
+    auto corner = [&](size_t k) { return triangles.positions[triangles.corner_vertex[3 * t + k]]; };
     const dvec3 first(corner(0)), normal = cross(dvec3(corner(1)) - first, dvec3(corner(2)) - first);
     const double size = length(normal);
     normals[t] = size > 0.0 ? vec4(vec3(normal / size), 0.0f) : vec4(0.0f);
@@ -222,7 +222,7 @@ static SiteResults evaluate_vertices(Mesh &mesh, const EvaluateSettings &setting
   SiteResults results = read_results(mesh, settings, frame);
   results.point = frame.points;
   for (size_t i = 0; i < frame.points.size(); ++i)
-    results.primary.push_back(mesh.charts.point_site[static_cast<size_t>(frame.points[i])] == frame.sites[i]);
+    results.primary.push_back(mesh.charts.point_site[frame.points[i]] == frame.sites[i]);
   field.report.places = static_cast<int32_t>(frame.centers.size());
   put_back(frame.order, results); // passes are read together, each may have had an order of its own
   return results;

@@ -22,14 +22,14 @@ BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &chart
   // Corners by site, those of one site by group.
   std::vector<int32_t> begin(charts.sites.size() + 2, 0);
   for (const int32_t site : charts.corner_site)
-    if (site >= 0) ++begin[static_cast<size_t>(site) + 2];
+    if (site >= 0) ++begin[site + 2];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Key> keys(static_cast<size_t>(begin.back()));
   for (int32_t corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
-    const int32_t site = charts.corner_site[static_cast<size_t>(corner)];
+    const int32_t site = charts.corner_site[corner];
     if (site < 0) continue;
-    const int32_t group = corner_group.empty() ? corner : corner_group[static_cast<size_t>(corner)];
-    keys[static_cast<size_t>(begin[static_cast<size_t>(site) + 1]++)] = {group, corner};
+    const int32_t group = corner_group.empty() ? corner : corner_group[corner];
+    keys[begin[site + 1]++] = {group, corner};
   }
   BakeVertices vertices;
   vertices.index.assign(static_cast<size_t>(3 * triangles.triangle_count), 0);
@@ -38,7 +38,7 @@ BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &chart
     std::sort(keys.begin() + static_cast<ptrdiff_t>(first), keys.begin() + static_cast<ptrdiff_t>(last));
     for (size_t i = first; i < last; ++i) {
       if (i == first || keys[i].group != keys[i - 1].group) vertices.corner.push_back(keys[i].corner);
-      vertices.index[static_cast<size_t>(keys[i].corner)] = static_cast<uint32_t>(vertices.corner.size() - 1);
+      vertices.index[keys[i].corner] = static_cast<uint32_t>(vertices.corner.size() - 1);
     }
   }
   return vertices;
@@ -194,7 +194,7 @@ void GeometryBuffer::upload(const BakeInput &input) {
   parallel_blocks(static_cast<int>(input.vertices.corner.size()), input.threads, 8192, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       const auto c = static_cast<size_t>(input.vertices.corner[i]);
-      const vec3 position = input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[c])];
+      const vec3 position = input.triangles.positions[input.triangles.corner_vertex[c]];
       points[2 * i] = vec4(input.frame.to_buffer(position), 0.0f);
       points[2 * i + 1] = vec4(input.normals.corner(c), 0.0f);
     }
@@ -211,9 +211,7 @@ void GeometryBuffer::set_area_unit(const BakeInput &input) {
   double space = 0.0;
   for (size_t t = 0; t < static_cast<size_t>(input.triangles.triangle_count); ++t) {
     if (input.charts.triangle_chart[t] < 0) continue;
-    const auto at = [&](size_t k) {
-      return dvec3(input.triangles.positions[static_cast<size_t>(input.triangles.corner_vertex[3 * t + k])]);
-    };
+    const auto at = [&](size_t k) { return dvec3(input.triangles.positions[input.triangles.corner_vertex[3 * t + k]]); };
     space += length(cross(at(1) - at(0), at(2) - at(0)));
   }
   space *= input.frame.scale * input.frame.scale;

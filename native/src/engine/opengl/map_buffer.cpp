@@ -7,8 +7,8 @@ void MapBuffer::bake(ProgramCache &programs, GeometryBuffer &buffer, const MapIn
   std::vector<vec4> values;
   values.reserve(input.vertices.corner.size());
   for (const int32_t corner : input.vertices.corner) {
-    const int32_t point = input.half_edges.corner_point[static_cast<size_t>(corner)];
-    values.push_back(point >= 0 ? input.values[static_cast<size_t>(point)] : vec4(0.0f));
+    const int32_t point = input.half_edges.corner_point[corner];
+    values.push_back(point >= 0 ? input.values[point] : vec4(0.0f));
   }
   buffer.draw_map(programs, values, map_);
 }

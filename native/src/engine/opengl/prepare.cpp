@@ -4,11 +4,11 @@
 #include <numeric>
 
 #include "bake/seam_links.h"
+#include "engine/opengl/stages.h"
 #include "memory.h"
 #include "mesh/cut.h"
 #include "mesh/layout.h"
 #include "sample/pattern.h"
-#include "engine/opengl/stages.h"
 #include "support/cancel.h"
 #include "support/error.h"
 
@@ -40,8 +40,7 @@ static vec2 march_start(const Site &site, int size) {
 
 // The sites that are evaluated at.
 static bool is_center(const Mesh &mesh, const pdesc_options &options, size_t site) {
-  return options.seam_error ||
-         mesh.charts.point_site[static_cast<size_t>(mesh.charts.sites[site].point)] == static_cast<int32_t>(site);
+  return options.seam_error || mesh.charts.point_site[mesh.charts.sites[site].point] == static_cast<int32_t>(site);
 }
 
 // Of the radius, in texels, over every so many of them; ellipses: of these, for radius 1.
@@ -81,7 +80,7 @@ void prepare_centers(Mesh &mesh, const pdesc_options &options, double radius, Fr
   if (options.evaluate == PDESC_EVALUATE_TEXEL) return; // which has centers of its own
   auto place_of = [&](size_t point) {
     if (frame.mapped) return frame.mapped->position[point];
-    return frame.buffer_frame.to_buffer(mesh.triangles.positions[static_cast<size_t>(mesh.half_edges.point_vertex[point])]);
+    return frame.buffer_frame.to_buffer(mesh.triangles.positions[mesh.half_edges.point_vertex[point]]);
   };
   const std::vector<vec3> &normals = frame.mapped ? frame.mapped->normal : frame.normals.point;
   frame.centers.reserve(mesh.charts.sites.size());
@@ -137,7 +136,7 @@ static bool prepare_device(Mesh &mesh, const pdesc_options &options) {
 static int count_bare_triangles(const Mesh &mesh, const std::vector<int32_t> &ids) {
   std::vector<uint8_t> seen(static_cast<size_t>(mesh.triangles.triangle_count), 0);
   for (size_t i = 0; i < ids.size(); i += 2)
-    if (ids[i] >= 0 && ids[i + 1] >= 0) seen[static_cast<size_t>(ids[i + 1])] = 1;
+    if (ids[i] >= 0 && ids[i + 1] >= 0) seen[ids[i + 1]] = 1;
   int bare = 0;
   for (size_t i = 0; i < seen.size(); ++i) bare += mesh.charts.triangle_chart[i] >= 0 && !seen[i];
   return bare;
@@ -300,18 +299,17 @@ void set_supports(Mesh &mesh, const Supports &supports, Frame &frame) {
 template <class Value> static void reorder(const std::vector<int32_t> &order, std::vector<Value> &values) {
   std::vector<Value> ordered;
   ordered.reserve(values.size());
-  for (const int32_t i : order) ordered.push_back(values[static_cast<size_t>(i)]);
+  for (const int32_t i : order) ordered.push_back(values[i]);
   values.swap(ordered);
 }
 
 void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, int samples, Frame &frame) {
   // A vertex starts from all its places in the UV map; for seam errors each place has to find the others by itself.
   std::vector<int32_t> begin(static_cast<size_t>(mesh.half_edges.point_count) + 1, 0);
-  for (const Site &site : mesh.charts.sites) ++begin[static_cast<size_t>(site.point) + 1];
+  for (const Site &site : mesh.charts.sites) ++begin[site.point + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<int32_t> order(mesh.charts.sites.size()), next(begin.begin(), begin.end() - 1);
-  for (size_t i = 0; i < order.size(); ++i)
-    order[static_cast<size_t>(next[static_cast<size_t>(mesh.charts.sites[i].point)]++)] = static_cast<int32_t>(i);
+  for (size_t i = 0; i < order.size(); ++i) order[next[mesh.charts.sites[i].point]++] = static_cast<int32_t>(i);
   std::vector<SupportCenter> centers;
   centers.reserve(frame.centers.size());
   for (size_t i = 0; i < frame.centers.size(); ++i) {
@@ -321,9 +319,8 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
     const std::span<const int32_t> sites =
         alone ? std::span(frame.sites).subspan(i, 1) : std::span(order).subspan(first, last - first);
     const int32_t half_edge = mesh.half_edges.point_half_edge[point];
-    centers.push_back(
-        {vec3(frame.centers[i].position_chart), sites,
-         frame.sites[i] < 0 ? mesh.device->cells.front()->cells.triangle_cell[static_cast<size_t>(half_edge / 3)] : -1});
+    centers.push_back({vec3(frame.centers[i].position_chart), sites,
+                       frame.sites[i] < 0 ? mesh.device->cells.front()->cells.triangle_cell[half_edge / 3] : -1});
   }
   Supports supports = search_supports(mesh, options, radius, samples, frame, centers);
   checkpoint();

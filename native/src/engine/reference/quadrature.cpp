@@ -38,7 +38,7 @@ void add_arc(DiscRegion &region, dvec2 from, dvec2 to) {
   const double angle = counter_clockwise_angle(from, to);
   // A whole turn between two ends that all but coincide is rounding: real ones lose at least a chord.
   if (!(angle > 0) || angle > 2 * pi - 0.9 * grazing) return;
-  region.pieces[static_cast<size_t>(region.count++)] = {from, to, std::atan2(from.y, from.x), angle};
+  region.pieces[region.count++] = {from, to, std::atan2(from.y, from.x), angle};
 }
 
 bool holds_origin(const std::array<dvec2, 3> &corners) {
@@ -89,11 +89,10 @@ DiscRegion clip_by_disc(const std::array<dvec2, 3> &corners, double radius) {
     }
     last = chord.exits ? a + chord.end * (b - a) : b;
     last_exits = chord.exits;
-    region.pieces[static_cast<size_t>(region.count++)] = {begin, last};
+    region.pieces[region.count++] = {begin, last};
   }
   if (region.count > 0 && (last_exits || first_enters)) add_arc(region, last, first);
-  if (region.count == 0 && holds_origin(corners))
-    region.pieces[static_cast<size_t>(region.count++)] = {{radius, 0}, {radius, 0}, 0, 2 * pi};
+  if (region.count == 0 && holds_origin(corners)) region.pieces[region.count++] = {{radius, 0}, {radius, 0}, 0, 2 * pi};
   return region;
 }
 

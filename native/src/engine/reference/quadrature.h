@@ -63,7 +63,7 @@ void visit_sector(const DiscRegion &region, const BoundaryPiece &piece, dvec2 ce
 // visit(x, angle) along the arcs of the region's rim, angle the part of the turn that the place stands for.
 template <class Visit> void visit_arcs(const DiscRegion &region, const GaussRule &rule, const Visit &visit) {
   for (int k = 0; k < region.count; ++k) {
-    const BoundaryPiece &piece = region.pieces[static_cast<size_t>(k)];
+    const BoundaryPiece &piece = region.pieces[k];
     if (!(piece.angle > 0)) continue;
     const int parts = static_cast<int>(std::ceil(piece.angle / (0.5 * pi)));
     const double step = piece.angle / parts;
@@ -79,7 +79,7 @@ template <class Visit> void visit_arcs(const DiscRegion &region, const GaussRule
 template <class Visit> void visit_region(const DiscRegion &region, dvec2 center, const GaussRule &rule, const Visit &visit) {
   constexpr double widest_arc = 0.5 * pi;
   for (int k = 0; k < region.count; ++k) {
-    BoundaryPiece piece = region.pieces[static_cast<size_t>(k)];
+    BoundaryPiece piece = region.pieces[k];
     const int parts = piece.angle > widest_arc ? static_cast<int>(std::ceil(piece.angle / widest_arc)) : 1;
     piece.angle /= parts;
     for (int part = 0; part < parts; ++part, piece.angle_begin += piece.angle) visit_sector(region, piece, center, rule, visit);

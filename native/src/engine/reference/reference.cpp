@@ -124,14 +124,14 @@ void add_cut_triangle(Moments &moments, const Center &center, const Patch &patch
   const auto &[a, b, c] = patch.corners;
   const double twice_area = glm::length(cross_product);
   const dvec3 up = cross_product / twice_area;
-  const double elevation = glm::dot(up, patch.corners[static_cast<size_t>(std::max(patch.center, 0))]);
+  const double elevation = glm::dot(up, patch.corners[std::max(patch.center, 0)]);
   const double disc2 = center.radius * center.radius - elevation * elevation;
   if (!(disc2 > 0)) return;
   const dvec3 e1 = glm::normalize(b - a), e2 = glm::cross(up, e1);
   const auto flat = [&](dvec3 v) { return dvec2(glm::dot(v, e1), glm::dot(v, e2)); };
   const std::array<dvec2, 3> corners{flat(a), flat(b), flat(c)};
   const DiscRegion region = clip_by_disc(corners, std::sqrt(disc2));
-  const dvec2 star = patch.center >= 0 ? corners[static_cast<size_t>(patch.center)] : nearest_to_origin(corners);
+  const dvec2 star = patch.center >= 0 ? corners[patch.center] : nearest_to_origin(corners);
   const dvec2 ab = corners[1] - corners[0], ac = corners[2] - corners[0];
   visit_region(region, star, rule, [&](dvec2 x, double weight) {
     const dvec2 from_a = x - corners[0];
@@ -258,7 +258,7 @@ private:
     point_ = point;
     ++mark_;
     const auto i = static_cast<size_t>(point);
-    position_ = dvec3(surface_.triangles.positions[static_cast<size_t>(surface_.half_edges.point_vertex[i])]);
+    position_ = dvec3(surface_.triangles.positions[surface_.half_edges.point_vertex[i]]);
     const dvec3 n = glm::normalize(dvec3(surface_.normals.point[i]));
     const dvec3 tangent = glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
     const bool with_map = surface_.map != nullptr;
@@ -275,13 +275,13 @@ private:
     const int first = surface_.half_edges.point_half_edge[i];
     for (int corner = first; corner >= 0;) {
       enter(corner / 3);
-      corner = surface_.half_edges.twin[static_cast<size_t>(previous_corner(corner))];
+      corner = surface_.half_edges.twin[previous_corner(corner)];
       if (corner == first) break;
     }
   }
 
   void enter(int face) {
-    int &stamp = stamp_[static_cast<size_t>(face)];
+    int &stamp = stamp_[face];
     if (stamp == mark_) return;
     stamp = mark_;
     stack_.push_back(face);
@@ -292,11 +292,11 @@ private:
     for (size_t k = 0; k < 3; ++k) {
       const size_t corner = 3 * static_cast<size_t>(face) + k;
       const int vertex = surface_.triangles.corner_vertex[corner];
-      patch.corners[k] = dvec3(surface_.triangles.positions[static_cast<size_t>(vertex)]) - position_;
+      patch.corners[k] = dvec3(surface_.triangles.positions[vertex]) - position_;
       patch.normals[k] = dvec3(surface_.normals.corner(corner));
       const int point = surface_.half_edges.corner_point[corner];
       if (point == point_) patch.center = static_cast<int>(k);
-      if (center_.with_map) patch.map[k] = dvec4((*surface_.map)[static_cast<size_t>(point)]);
+      if (center_.with_map) patch.map[k] = dvec4((*surface_.map)[point]);
     }
     return patch;
   }
@@ -363,13 +363,13 @@ ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &ha
     floods.with_one([&] { return Flood(surface); },
                     [&](Flood &flood) {
                       for (int i = begin; i < end; ++i) {
-                        const int point = all ? i : settings.points[static_cast<size_t>(i)];
+                        const int point = all ? i : settings.points[i];
                         const ReferenceNeighborhood neighborhood = flood.measure(point, settings);
                         for (size_t k = 0; k < descriptors.size(); ++k) {
                           const Row &row = rows[descriptors[k]];
                           row.write(neighborhood, &field.values[k][static_cast<size_t>(point) * row.components]);
                         }
-                        field.boundary[static_cast<size_t>(point)] = neighborhood.boundary;
+                        field.boundary[point] = neighborhood.boundary;
                         ticker.step();
                       }
                     });
