@@ -3,8 +3,7 @@
 #define PARADESC_SHARED_H
 
 #define LIST_ROW 4096 // elements per row of a list texture
-#define GROUP_SIZE 16 // invocations per work group
-#define CELL_LEAVES 4   // of a cell: its parts in the quarters of its block
+#define CELL_LEAVES 4 // of a cell: its parts in the quarters of its block
 #define MAX_MARCH_STEPS                                                                                                          \
   4096 // guard of the march; a straight line crosses at most 2 x 8192 texels between seams, far less in practice
 

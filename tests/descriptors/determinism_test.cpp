@@ -20,7 +20,7 @@ namespace {
 
 struct Way {
   int threads = 0;
-  int smallest_tile = 8 * GROUP_SIZE;
+  int smallest_tile = 8 * 16;
 };
 
 class Determinism : public ::testing::TestWithParam<int32_t> {
@@ -82,7 +82,7 @@ protected:
     const auto context = open();
     std::vector<Way> ways = {Way{1}, Way{2}, Way{4}};
     if (GetParam() != PDESC_BACKEND_REFERENCE)
-      ways.insert(ways.end(), {Way{0, GROUP_SIZE}, Way{0, 1 << 20}}); // others have no tiles
+      ways.insert(ways.end(), {Way{0, 16}, Way{0, 1 << 20}}); // others have no tiles
     for (const Way &way : ways) {
       SCOPED_TRACE(std::to_string(way.threads) + " threads, tiles of " + std::to_string(way.smallest_tile));
       expect_same(first, compute_by(context, way));

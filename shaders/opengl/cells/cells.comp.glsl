@@ -2,6 +2,7 @@
 // One invocation, one cell → where it and its leaves lie, which way they face, and the area element by which a leaf is sampled: its largest,
 // four times that where a border cuts it. A square there lies on the chart or not by its one sample, so squares are half as wide.
 #include "variant.glsl"
+#include "device.glsl"
 #include "opengl/evaluate/buffers.glsl"
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CELLS) writeonly restrict buffer CellList { CellData cells[]; };

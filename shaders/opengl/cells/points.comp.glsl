@@ -1,6 +1,7 @@
 #version 450 core
 // One invocation, one sample of the lists → its point of the surface, beside those of its neighbors: centers fetch it many times.
 #include "variant.glsl"
+#include "device.glsl"
 #include "opengl/evaluate/buffers.glsl"
 layout(local_size_x = GROUP_SIZE) in;
 layout(binding = UNIT_SAMPLES) uniform isamplerBuffer sample_list;

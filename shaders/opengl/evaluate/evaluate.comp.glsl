@@ -1,6 +1,7 @@
 #version 450 core
 // One invocation, one place of a vertex in the UV map → every descriptor asked for, from one sampling of its neighborhood (paper 4.1).
 #include "variant.glsl"
+#include "device.glsl"
 // The rim of the neighborhood's projection to the tangent plane, |x|^2 = r^2 (1 - RIM_BEND (kappa r)^2).
 #if GEODESIC_BALL
 #define RIM_BEND (1.0 / 3.0)

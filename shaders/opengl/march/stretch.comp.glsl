@@ -2,6 +2,7 @@
 // One invocation, one direction of one center → how far the ellipse has to reach there: the largest length in (u, v) per length in space on
 // the straight way, relative to the center's (paper 4.1).
 #include "variant.glsl"
+#include "device.glsl"
 #include "opengl/march/march.glsl"
 #include "opengl/bake/metric.glsl"
 layout(local_size_x = GROUP_SIZE) in;

@@ -25,13 +25,13 @@ static void use_program(const Gl &gl, ProgramCache &programs, const char *name, 
 
 // The program in use, so many invocations at a time that no desktop's driver loses its patience.
 static void dispatch(const Gl &gl, int count, int64_t tile) {
-  const auto size =
-      static_cast<int>(std::clamp<int64_t>(tile / GROUP_SIZE * GROUP_SIZE, GROUP_SIZE, int64_t{65535} * GROUP_SIZE));
+  const int64_t group = gl.limits.group_size;
+  const auto size = static_cast<int>(std::clamp<int64_t>(tile / group * group, group, 65535 * group));
   for (int first = 0; first < count; first += size) {
     const int last = std::min(first + size, count);
     gl.Uniform1i(2, first);
     gl.Uniform1i(3, last);
-    gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+    gl.DispatchCompute(group_count(gl, last - first), 1, 1);
     if (last < count) gl.Finish();
   }
 }

@@ -157,7 +157,8 @@ static std::string read_limits(Gl &gl) {
   };
   GlLimits &limits = gl.limits;
   GLint bindings = 0, images = 0;
-  limits = {0, 0, 0, 0};
+  limits.texture_size = limits.list_texels = limits.work_groups = 0;
+  limits.storage_bytes = 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &limits.texture_size);
   gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limits.list_texels);
   gl.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &limits.work_groups);
@@ -197,6 +198,7 @@ std::string EglContext::look_at_context(bool software) {
   if (10 * major + minor < 45) return "it offers OpenGL " + std::to_string(major) + "." + std::to_string(minor);
   if (!missing.empty()) return "its driver has no " + missing;
   const std::string flaw = read_limits(gl_);
+  gl_.limits.group_size = software ? 16 : 64;
   // llvmpipe says 2^27 bytes and takes more; a test has it reach the end of a longer one.
   if (software) gl_.limits.storage_bytes = std::numeric_limits<GLint64>::max();
   return flaw;

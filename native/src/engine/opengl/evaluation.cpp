@@ -44,6 +44,7 @@ static void bake_map(Mesh &mesh, const Frame &frame, const MapValues &values) {
 static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                            double to) {
   const int smallest_tile = mesh.context->smallest_tile; // enough for every core of a software device
+  const int group = mesh.context->gl->group_size();
   int tile = smallest_tile;
   for (int first = 0; first < count;) {
     const int last = first + std::min({tile, count - first, settings.largest_tile(), mesh.context->gl->largest_dispatch()});
@@ -52,7 +53,7 @@ static void evaluate_tiles(Mesh &mesh, const EvaluateSettings &settings, int cou
       mesh.device->evaluator.run(gl, programs, *mesh.device->buffer, settings, first, last);
     });
     const double scale = std::clamp(0.03 / std::max(clock.lap(), 1e-4), 0.25, 4.0);
-    tile = std::max(smallest_tile, static_cast<int>(tile * scale) / GROUP_SIZE * GROUP_SIZE);
+    tile = std::max(smallest_tile, static_cast<int>(tile * scale) / group * group);
     first = last;
     check_cancel(progress, "evaluate", from + (to - from) * first / count);
   }

@@ -44,7 +44,8 @@ std::string compose_descriptors(std::span<const int> asked) {
     add += "  descriptor_add_" + name + "(states." + name + ", center, neighbor);\n";
     const std::string value = "descriptor_finish_" + name + "(states." + name + ", center, support)";
     auto store = [&](const std::string &component) {
-      finish += "  results[(ROW_DESCRIPTORS + " + std::to_string(row++) + ") * total + index] = floatBitsToUint(" + component + ");\n";
+      finish +=
+          "  results[(ROW_DESCRIPTORS + " + std::to_string(row++) + ") * total + index] = floatBitsToUint(" + component + ");\n";
     };
     if (registered.components == 1) {
       store(value);
@@ -113,7 +114,8 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
   count_ = static_cast<int>(centers.size());
   pattern_.upload(gl, settings.pattern == PDESC_PATTERN_STRATIFIED ? stratified_pattern(settings.samples, settings.seed)
                                                                    : golden_angle_pattern(settings.samples));
-  const auto tile = static_cast<size_t>(std::min((count_ + GROUP_SIZE - 1) / GROUP_SIZE * GROUP_SIZE, settings.largest_tile()));
+  const auto tile =
+      static_cast<size_t>(std::min(static_cast<int>(group_count(gl, count_)) * gl.limits.group_size, settings.largest_tile()));
   const bool paper = settings.relocation == PDESC_RELOCATION_PAPER, directional = settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL;
   visits_.upload(gl, nullptr, paper ? tile * MAX_VISITS * sizeof(VisitData) : 0, GL_STREAM_COPY);
   stretches_.upload(gl, nullptr, directional ? static_cast<size_t>(count_) * STRETCH_DIRECTIONS * sizeof(float) : 0,
@@ -164,8 +166,7 @@ void Evaluator::find_stretches(const Gl &gl, ProgramCache &programs, const Geome
   buffer.bind_owners();
   gl.Uniform1i(0, buffer.size());
   bind_walks(gl, settings, first, last);
-  const int invocations = (last - first) * STRETCH_DIRECTIONS;
-  gl.DispatchCompute(static_cast<GLuint>((invocations + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+  gl.DispatchCompute(group_count(gl, (last - first) * STRETCH_DIRECTIONS), 1, 1);
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   check_gl(gl, "stretches");
 }
@@ -177,8 +178,8 @@ void Evaluator::dispatch_walks(const Gl &gl, GLuint program, const EvaluateSetti
   const GLenum property = GL_BUFFER_DATA_SIZE; // with one element
   GLint stride = 0;
   gl.GetProgramResourceiv(program, GL_SHADER_STORAGE_BLOCK, block, 1, &property, 1, nullptr, &stride);
-  const auto groups = static_cast<GLuint>((count + GROUP_SIZE - 1) / GROUP_SIZE);
-  const size_t bytes = static_cast<size_t>(groups) * GROUP_SIZE * static_cast<size_t>(stride);
+  const auto groups = group_count(gl, count);
+  const size_t bytes = static_cast<size_t>(groups) * static_cast<size_t>(gl.limits.group_size) * static_cast<size_t>(stride);
   if (bytes > progress_bytes_) progress_.upload(gl, nullptr, progress_bytes_ = bytes, GL_STREAM_COPY);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PROGRESS, progress_.id());
   const bool adaptive = settings.adaptive > 0.0f;
@@ -243,7 +244,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   if (walks)
     dispatch_walks(gl, program, settings, last - first);
   else
-    gl.DispatchCompute(static_cast<GLuint>((last - first + GROUP_SIZE - 1) / GROUP_SIZE), 1, 1);
+    gl.DispatchCompute(group_count(gl, last - first), 1, 1);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.Finish();
   check_gl(gl, "evaluate");

@@ -74,6 +74,9 @@ struct GlLimits {
   GLint list_texels = 65536;       // of a buffer texture
   GLint work_groups = 65535;       // along x
   GLint64 storage_bytes = 1 << 27; // of one storage buffer
+  // Invocations of a work group. Cards run 32 or 64 side by side, and idle where a group has fewer; software devices give each
+  // core a row of groups, which small ones make even.
+  int group_size = 64;
 };
 
 struct Gl {
@@ -82,6 +85,11 @@ struct Gl {
 #undef PARADESC_MEMBER
   GlLimits limits;
 };
+
+// Work groups for so many invocations.
+inline GLuint group_count(const Gl &gl, int invocations) {
+  return static_cast<GLuint>((invocations + gl.limits.group_size - 1) / gl.limits.group_size);
+}
 
 // Throws Error with the stage's name where OpenGL has recorded an error: DEVICE_LOST, OUT_OF_MEMORY, else UNKNOWN. None is left
 // for the next call.

@@ -46,7 +46,9 @@ void GlThread::loop(bool software, int device_index, const DriverSubstitute &sub
   try {
     context = std::make_unique<EglContext>(software, device_index, substitute);
     device_ = context->device();
-    largest_dispatch_ = std::min(context->gl().limits.work_groups, 1 << 26) * GROUP_SIZE;
+    const GlLimits &limits = context->gl().limits;
+    group_size_ = limits.group_size;
+    largest_dispatch_ = std::min(limits.work_groups, (1 << 30) / group_size_) * group_size_;
   } catch (...) {
     error_ = std::current_exception();
   }

@@ -25,6 +25,7 @@ public:
   void run(const std::function<void(const Gl &, ProgramCache &)> &work);
   const std::string &device() const { return device_; }
   int largest_dispatch() const { return largest_dispatch_; } // invocations of a list that one call may start
+  int group_size() const { return group_size_; }             // invocations that a device runs together
   bool lost() const { return lost_; } // some work ended with DEVICE_LOST: nothing more can be computed here
 
 private:
@@ -39,7 +40,7 @@ private:
   std::atomic<bool> lost_ = false;
   std::exception_ptr error_;
   std::string device_;
-  int largest_dispatch_ = 0;
+  int largest_dispatch_ = 0, group_size_ = 1;
   std::thread thread_;
 };
 

@@ -68,7 +68,8 @@ static std::string one_line(const char *log) {
   return text.empty() ? "it does not say why" : text;
 }
 
-static GLuint compile(const Gl &gl, const ShaderStage &stage, const std::map<std::string, std::string> &generated) {
+static GLuint compile(const Gl &gl, const ShaderStage &stage, std::map<std::string, std::string> generated) {
+  generated["device.glsl"] = "#define GROUP_SIZE " + std::to_string(gl.limits.group_size) + " // invocations per work group\n";
   const std::string source = shader_source(stage.path, generated);
   const char *text = source.c_str();
   const GLuint shader = gl.CreateShader(stage.type);
