@@ -9,7 +9,7 @@ BUILD_PACKAGES=(build-essential cmake ninja-build libopenmesh-dev libglm-dev lib
 RUN_PACKAGES=(libegl1 libegl-mesa0 libgl1-mesa-dri python3-venv
   libgl1 libx11-6 libxext6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgomp1)
 # Blender itself, its numpy, and a screen for it that nobody has to see.
-TEST_PACKAGES=(blender python3-numpy xvfb xauth)
+TEST_PACKAGES=(blender glslang-tools python3-numpy xvfb xauth)
 REQUIREMENTS=(bpy==4.2.23 numpy==1.26.4)
 TEST_REQUIREMENTS=(pytest==8.4.2)
 
