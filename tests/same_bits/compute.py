@@ -1,0 +1,178 @@
+"""One tree → a file of arrays for each mesh: all that its library gives for all cases, on the software device.
+
+Usage: compute.py TREE FOLDER [--quick] [--grid] [--meshes FOLDER] [--only NAMES]
+Run by same_bits.sh, once for either tree, with that tree's add-on as the way to its library. Needs numpy, not bpy.
+"""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import cases
+import numpy as np
+import shapes
+
+from paradesc import bridge
+
+ROOT = Path(__file__).resolve().parents[2]
+MESHES = ROOT.parent / "shared" / "meshes"
+QUICK_MESHES = ("fox", "pirate", "spot")
+# What depends on the clock, or is an expectation of memory and no result.
+LEFT_OUT = ("seconds_", "memory_megabytes")
+FEW = 1000  # triangles; the meshes of which every descriptor is computed alone, too
+FEW_FOR_REFERENCE = 6000
+
+
+def arguments() -> argparse.Namespace:
+    """The words of the command."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("tree", type=Path)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--grid", action="store_true")
+    parser.add_argument("--meshes", type=Path, default=MESHES)
+    parser.add_argument("--only", default="")
+    return parser.parse_args()
+
+
+def files(asked: argparse.Namespace) -> list[Path]:
+    """The meshes to compute."""
+    only = set(filter(None, asked.only.split(","))) or (set(QUICK_MESHES) if asked.quick else set())
+    found = sorted(path for path in asked.meshes.rglob("*") if path.suffix in (".obj", ".glb"))
+    return [path for path in found if not only or path.stem in only]
+
+
+class Recorder:
+    """Arrays by "case | what", from one mesh of one tree."""
+
+    def __init__(self, contexts: dict[str, bridge.Context], quick: bool, grid: bool) -> None:
+        self.contexts, self.quick, self.grid = contexts, quick, grid
+        self.arrays: dict[str, np.ndarray] = {}
+        self.base = cases.QUICK if quick else cases.WHOLE
+        self.rows = bridge.descriptors()
+
+    def keep(self, case: str, what: str, values: object) -> None:
+        """Adds an array; numbers and sentences become arrays."""
+        if isinstance(values, str):
+            values = np.frombuffer(values.encode(), np.uint8)
+        self.arrays[f"{case} | {what}"] = np.asarray(values)
+
+    def keep_report(self, case: str, what: str, report: dict[str, Any]) -> None:
+        """Adds a report's members but for times."""
+        for name, value in report.items():
+            if not name.startswith(LEFT_OUT):
+                self.keep(case, f"{what}.{name}", value)
+
+    def compute(self, mesh: bridge.Mesh, case: cases.Case) -> None:
+        """Adds what one computation gives, or how it is refused."""
+        options = bridge.Options(**case.options)
+        texels = options.evaluate == "texel" and case.backend != "reference"
+        names = [case.alone] if case.alone else [row.name for row in self.rows if not (texels and row.map_degree)]
+        try:
+            field = mesh.compute(names, options)
+        except bridge.ParadescError as error:
+            self.keep(case.name, "status", error.status)
+            self.keep(case.name, "sentence of refusal", error.sentence)
+            return
+        with field:
+            self.keep(case.name, "status", 0)
+            for name in [*names, "coverage"]:
+                self.keep(case.name, name, field.values(name))
+                if texels:
+                    self.keep(case.name, f"map of {name}", field.map(name))
+                if options.seam_error and name != "coverage":
+                    self.keep(case.name, f"seam error of {name}", field.seam_error(name))
+            self.keep(case.name, "mask", field.mask())
+            self.keep_report(case.name, "field", field.report())
+            self.keep(case.name, "sentences of warning", "\n".join(field.warnings()))
+            self.keep(case.name, "warnings", len(field.warnings()))
+        if case.buffers:
+            self.buffers(mesh, case.name)
+
+    def buffers(self, mesh: bridge.Mesh, case: str) -> None:
+        """Adds what was baked."""
+        for name in bridge.BUFFERS:
+            self.keep(case, f"buffer {name}", mesh.read_buffer(name))
+        self.keep(case, "layout", mesh.layout())
+        self.keep(case, "near_seam", mesh.near_seam(0.02 * mesh.report()["diagonal"]))
+
+    def on_device(self, arrays: bridge.MeshArrays) -> None:
+        """Every case of the software device."""
+        todo = cases.grid(self.base)
+        if not self.grid:
+            todo += cases.others(self.base, tuple(shapes.CHANGES), not self.quick)
+        if not self.grid and not self.quick and len(arrays.triangle_corners) <= FEW:
+            todo += cases.singly(self.base, [row.name for row in self.rows])
+        with self.contexts["software"].mesh(arrays) as mesh:
+            self.keep_report("mesh", "report", mesh.report())
+            for case in todo:
+                if case.change:
+                    shapes.CHANGES[case.change](mesh, arrays)
+                self.compute(mesh, case)
+                if case.change:
+                    self.keep_report(case.name, "mesh", mesh.report())
+                    shapes.undo(mesh, arrays)
+        if not self.grid:
+            with self.contexts["software"].mesh(shapes.shaded(arrays)) as mesh:
+                for normals in ("fitted", "max"):
+                    given = self.base | {"normals": normals}
+                    self.compute(mesh, cases.Case(f"flat faces and sharp edges, normals {normals}", given, buffers=True))
+
+    def on_reference(self, arrays: bridge.MeshArrays) -> None:
+        """Every case of the reference, on a small mesh."""
+        if self.grid or len(arrays.triangle_corners) > (FEW if self.quick else FEW_FOR_REFERENCE):
+            return
+        with self.contexts["reference"].mesh(arrays) as mesh:
+            for case in cases.on_reference(self.base):
+                self.compute(mesh, case)
+            mesh.set_positions(shapes.bent(arrays))
+            options = self.base | {"radius": cases.RADII[0]}
+            self.compute(mesh, cases.Case("reference, moved", options, backend="reference"))
+
+    def record(self, arrays: bridge.MeshArrays) -> None:
+        """All of one mesh."""
+        try:
+            self.on_device(arrays)
+            self.on_reference(arrays)
+        except bridge.InputError as error:
+            self.keep("mesh", "status", error.status)
+            self.keep("mesh", "sentence of refusal", error.sentence)
+
+
+def compute_file(path: Path, folder: Path, contexts: dict[str, bridge.Context], asked: argparse.Namespace) -> None:
+    """The file of one mesh, which is there only when it is whole."""
+    start = time.perf_counter()
+    recorder = Recorder(contexts, asked.quick, asked.grid)
+    recorder.record(shapes.read(path))
+    part = folder / f"{path.stem}.part"
+    with part.open("wb") as file:
+        np.savez(file, **recorder.arrays)
+    part.rename(folder / f"{path.stem}.npz")
+    sys.stdout.write(f"  {path.stem}: {len(recorder.arrays):,d} arrays in {time.perf_counter() - start:.1f} s\n")
+    sys.stdout.flush()
+
+
+def main() -> int:
+    """A file for each mesh that has none yet."""
+    asked = arguments()
+    used = Path(bridge.__file__).resolve()
+    if not used.is_relative_to(asked.tree.resolve()):
+        sys.stderr.write(f"The add-on of {asked.tree} is wanted, but Python found {used}.\n")
+        return 2
+    paths = files(asked)
+    if not paths:
+        sys.stderr.write(f"There is no mesh in {asked.meshes}.\n")
+        return 2
+    asked.folder.mkdir(parents=True, exist_ok=True)
+    with bridge.Context("software") as software, bridge.Context("reference") as reference:
+        sys.stdout.write(f"{asked.tree}: {software.device}\n")
+        for path in paths:
+            if not (asked.folder / f"{path.stem}.npz").is_file():
+                compute_file(path, asked.folder, {"software": software, "reference": reference}, asked)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
