@@ -12,7 +12,7 @@ NEWEST=5.2.3
 # Debian 13's packages for Blender's Python module, Mesa's software rasterizer, and the C compiler that the tests ask.
 CHROOT_PACKAGES=(python3-venv gcc libc6-dev libgomp1 libx11-6 libxext6 libxrender1 libxxf86vm1 libxi6 libxfixes3 libxkbcommon0 libsm6
   libice6 libgl1 libvulkan1 libegl1 libegl-mesa0 libgl1-mesa-dri)
-TESTED=(CMakeLists.txt LICENSE addon native/cmake native/include native/src shaders tests blend_samples pyproject.toml README.md)
+TESTED=(CMakeLists.txt LICENSE addon native/README.md native/cmake native/include native/src shaders tests blend_samples pyproject.toml README.md)
 
 CERTIFICATES=/etc/ssl/certs/ca-certificates.crt
 environments=$root/build/versions

@@ -41,9 +41,9 @@ def test_report_has_its_documented_keys(run, report, sphere_obj):
     found = report()
     assert found["schema"] == 1
     assert (found["status"], found["exit_code"], found["error"]) == ("ok", 0, None)
-    readme = (ADDON / "README.md").read_text()
+    manual = (ADDON / "manual" / "reference.md").read_text()
     for name in [*found, *found["objects"][0], *found["seconds"]]:
-        assert f"`{name}`" in readme, f"{name} is not in the manual"
+        assert f"`{name}`" in manual, f"{name} is not in the manual"
     assert found["seconds"]["compute"] > 0
 
 
@@ -228,8 +228,8 @@ def test_input_is_written_over_only_by_force(run, tmp_path):
 
 
 def documented_commands():
-    """Every command line of the two manuals, as words after the program."""
-    for path in (ADDON.parent / "README.md", ADDON / "README.md"):
+    """Every command line of the manual and of README, as words after the program."""
+    for path in (ADDON.parent / "README.md", *sorted((ADDON / "manual").glob("*.md"))):
         blocks = re.findall(r"```(?:sh|yaml)\n(.*?)```", path.read_text().replace("\\\n", " "), re.DOTALL)
         for line in "\n".join(blocks).splitlines():
             found = re.search(r"(?:-m paradesc|-c paradesc|cli\.py --) (.+?)(?: \|\| .*)?$", line)

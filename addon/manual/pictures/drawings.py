@@ -1,0 +1,96 @@
+"""Pictures that the command line draws, or numpy alone: descriptors, radii, frames, color maps."""
+
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import subjects
+
+from paradesc.bridge import descriptors as registry
+from paradesc.core import color_maps
+from paradesc.files import lettering, picture, png
+
+# Lines along a direction, in lengths of the monkey.
+LINE_LENGTH, LINE_WIDTH, LINE_LIFT, LINE_DISTANCE = 0.07, 0.012, 0.006, 0.05
+MASKS = {"cavity", "convexity"}  # shown in grey, as they are used
+SURFACE, INK = (0.86, 0.86, 0.84), (0.10, 0.22, 0.50)
+
+
+def draw_descriptors(folder: str) -> None:
+    """One picture of each descriptor of the registry, with its legend."""
+    for row in registry():
+        if row.components > 1:
+            image = lines_along(row.name)
+        elif row.name == "harris":
+            box = subjects.rounded_box()
+            image = subjects.drawn(box, "--descriptors", row.name, "--radius", "0.08")
+        else:
+            words = ["--descriptors", row.name, "--radius", str(subjects.RADIUS_PERCENT / 100)]
+            words += ["--color-map", "grey"] if row.name in MASKS else []
+            image = subjects.drawn(subjects.monkey(), *words)
+        png.write_png(Path(folder) / f"{row.name}.png", subjects.trimmed(image))
+
+
+def lines_along(name: str) -> np.ndarray:
+    """The monkey with short lines along a direction, at vertices that lie apart."""
+    made = subjects.baked_monkey(name)
+    mesh, matrix = made.data, np.array(made.matrix_world)
+    points = np.array([vertex.co for vertex in mesh.vertices]) @ matrix[:3, :3].T + matrix[:3, 3]
+    normals = np.array([vertex.normal for vertex in mesh.vertices]) @ matrix[:3, :3].T
+    mesh.calc_loop_triangles()
+    triangles = np.array([list(triangle.vertices) for triangle in mesh.loop_triangles])
+    along = np.array([item.vector for item in mesh.attributes[name].data]) @ matrix[:3, :3].T
+    chosen = spread_out(points, along)
+    middle, along, normal = points[chosen] + LINE_LIFT * normals[chosen], along[chosen], normals[chosen]
+    reach, side = LINE_LENGTH / 2 * along, LINE_WIDTH / 2 * np.cross(normal, along)
+    corners = np.stack([middle - reach - side, middle + reach - side, middle + reach + side, middle - reach + side])
+    first = len(points) + 4 * np.arange(len(chosen))[:, None]
+    quads = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])])
+    every = np.concatenate([points, corners.transpose(1, 0, 2).reshape(-1, 3)])
+    colors = np.concatenate([np.tile(SURFACE, (len(points), 1)), np.tile(INK, (4 * len(chosen), 1))])
+    drawn = picture.Drawing(every, np.concatenate([triangles, quads]), picture.PANEL)
+    return drawn.paint(colors)[::2, ::2]
+
+
+def spread_out(points: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Numbers of points that have a direction and lie apart, chosen one after the other in a fixed random order."""
+    chosen: list[int] = []
+    for index in np.random.default_rng(0).permutation(np.flatnonzero(np.isfinite(along).all(axis=1))):
+        near = points[chosen] - points[index]
+        if not chosen or (near**2).sum(axis=1).min() > LINE_DISTANCE**2:
+            chosen.append(int(index))
+    return np.array(chosen)
+
+
+def draw_radii(path: str) -> None:
+    """The monkey's mean curvature at three radii."""
+    made = subjects.monkey()
+    pictures = [subjects.drawn(made, "--radius", str(radius)) for radius in (0.01, 0.03, 0.09)]
+    png.write_png(Path(path), np.concatenate(pictures, axis=1))
+
+
+def draw_frames(path: str) -> None:
+    """The bending tube of the samples at three frames, with one range of colors."""
+    sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "blend_samples"))
+    import make_samples
+
+    made = make_samples.make("04_armature_cylinder")
+    pictures = []
+    for frame in (1, 6, 12):
+        bpy.context.scene.frame_set(frame)
+        words = ("--descriptors", "gaussian_curvature", "--range=-2:2", "--source", "deformed")
+        pictures.append(subjects.drawn(made, *words))
+    png.write_png(Path(path), np.concatenate(pictures, axis=1))
+
+
+def draw_maps(path: str) -> None:
+    """Every color map as a bar with its name."""
+    width, height, left = 420, 18, 150
+    image = np.full((len(color_maps.MAPS) * (height + 4), left + width, 3), 237, np.uint8)
+    for index, row in enumerate(color_maps.MAPS.values()):
+        top = index * (height + 4) + 2
+        colors = np.round(255 * row.function(np.linspace(0, 1, width))).astype(np.uint8)
+        image[top : top + height, left:] = colors
+        lettering.draw_text(image, row.name, 6, top + 5, 1, (60, 60, 60))
+    png.write_png(Path(path), image)

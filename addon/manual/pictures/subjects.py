@@ -1,0 +1,98 @@
+"""What the manual's pictures show, Blender's monkey and a rounded box, and how the command line draws one."""
+
+import math
+import sys
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+from paradesc.commands.main import main as run
+from paradesc.files import picture
+
+RADIUS_PERCENT, BUFFER = 2.5, 1024
+BACKGROUND = round(255 * picture.BACKGROUND)
+MARGIN = 8  # pixels that stay around what is seen
+
+
+def empty() -> None:
+    """Removes all objects of the scene."""
+    for item in list(bpy.data.objects):
+        bpy.data.objects.remove(item)
+
+
+def subdivided(levels: int) -> bpy.types.Object:
+    """The active object, smooth, with that many levels of subdivision applied."""
+    made = bpy.context.active_object
+    bpy.ops.object.shade_smooth()
+    made.modifiers.new("subdivision", "SUBSURF").levels = levels
+    bpy.ops.object.modifier_apply(modifier="subdivision")
+    return made
+
+
+def monkey() -> bpy.types.Object:
+    """Blender's monkey, subdivided twice."""
+    empty()
+    bpy.ops.mesh.primitive_monkey_add()
+    made = subdivided(2)
+    made.name = "Suzanne"
+    made.rotation_euler = (math.radians(-12), 0, math.radians(20))
+    return made
+
+
+def rounded_box() -> bpy.types.Object:
+    """A box with rounded edges and corners."""
+    empty()
+    bpy.ops.mesh.primitive_cube_add(size=1)
+    made = bpy.context.active_object
+    made.scale = (1.0, 1.0, 0.7)
+    bpy.ops.object.transform_apply(scale=True)
+    bevel = made.modifiers.new("bevel", "BEVEL")
+    bevel.width, bevel.segments = 0.09, 5
+    bpy.ops.object.modifier_apply(modifier="bevel")
+    for _ in range(4):
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.mesh.subdivide()
+        bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.object.shade_smooth()
+    made.name = "Box"
+    return made
+
+
+def baked_monkey(*descriptors: str) -> bpy.types.Object:
+    """The monkey with these descriptors as attributes and colors, by the panel's button."""
+    made = monkey()
+    settings = bpy.context.scene.paradesc
+    settings.descriptors = set(descriptors)
+    settings.radius_percent, settings.buffer_size = RADIUS_PERCENT, BUFFER
+    bpy.ops.paradesc.bake()
+    return made
+
+
+def drawn(made: bpy.types.Object, *words: str) -> np.ndarray:
+    """(height, width, 3) uint8: the command line's picture of an object, at half size."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = str(Path(folder) / "drawn.png")
+        if run(["bake", "--object", made.name, *words, "--output", file, "--quiet"]) != 0:
+            raise RuntimeError("the mesh was not baked")
+        return pixels_of(file)[::2, ::2]
+
+
+def pixels_of(file: str) -> np.ndarray:
+    """(height, width, 3) uint8 of an image file, top row first."""
+    image = bpy.data.images.load(file)
+    width, height = image.size
+    pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[::-1, :, :3]
+    bpy.data.images.remove(image)
+    return np.round(255 * pixels).astype(np.uint8)
+
+
+def trimmed(image: np.ndarray) -> np.ndarray:
+    """An image without the empty rows and columns around what is seen."""
+    seen = (image != BACKGROUND).any(axis=2)
+    rows, columns = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
+    top, left = max(rows[0] - MARGIN, 0), max(columns[0] - MARGIN, 0)
+    return image[top : rows[-1] + MARGIN, left : columns[-1] + MARGIN]

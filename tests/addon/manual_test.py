@@ -1,0 +1,182 @@
+"""The manual: short or complete as it promises, and no link, picture or command that leads nowhere."""
+
+import re
+import struct
+from dataclasses import fields
+from importlib.util import find_spec
+
+import pytest
+
+from paradesc import bridge
+from shapes import ADDON, ROOT
+
+MANUAL = ADDON / "manual"
+PICTURES = MANUAL / "pictures"
+REFERENCE = MANUAL / "reference.md"
+CHANGES = ADDON / "CHANGELOG.md"
+FOLDERS = ("", "addon", "blend_samples", "native", "tests")  # what lies elsewhere is made or not ours
+IN_BLENDER = pytest.mark.skipif(find_spec("bpy") is None, reason="needs Blender")
+HEADER = ROOT / "native" / "include" / "paradesc" / "paradesc.h"
+
+
+def pages():
+    """Every Markdown file of the project."""
+    found = [path for folder in FOLDERS[1:] for path in (ROOT / folder).rglob("*.md")]
+    return [*ROOT.glob("*.md"), *(path for path in found if "/out/" not in str(path) and "/lib/" not in str(path))]
+
+
+def without_code(text):
+    """A page's text without what stands in fences and between backticks."""
+    return re.sub(r"`[^`\n]*`", "", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S))
+
+
+def links(path):
+    """Where the links and pictures of a page lead, addresses on the web left out."""
+    found = re.findall(r"\]\(([^)\s]+)\)", without_code(path.read_text(encoding="utf-8")))
+    return [target for target in found if not re.match(r"[a-z]+:", target)]
+
+
+def anchors(path):
+    """The names of a page's headings, as the web shows them."""
+    text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.M | re.S)
+    heads = re.findall(r"^#+ (.+)$", text, re.M)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
+def section(text, title):
+    """What stands below a heading, up to the next one of its kind or above."""
+    found = re.search(rf"^(#+) {re.escape(title)}\n", text, re.M)
+    assert found, f"{title} has no section"
+    rest = text[found.end() :]
+    end = re.search(rf"^#{{1,{len(found[1])}}} ", rest, re.M)
+    return rest[: end.start()] if end else rest
+
+
+def members(struct_name):
+    """The members of a struct of the C interface."""
+    body = re.search(rf"typedef struct {struct_name} {{(.*?)^}}", HEADER.read_text(), re.M | re.S)[1]
+    body = re.sub(r"/\*.*?\*/", "", body, flags=re.S)
+    return [name for name in re.findall(r"(\w+);", body) if name != "struct_size"]
+
+
+# ---- README and links
+
+
+def test_readme_is_short():
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").split()) <= 600
+
+
+def test_every_link_leads_to_a_file_and_to_a_heading_in_it():
+    wrong = []
+    for page in pages():
+        for target in links(page):
+            name, _, anchor = target.partition("#")
+            file = (page.parent / name).resolve() if name else page
+            if not file.exists() or (anchor and anchor not in anchors(file)):
+                wrong.append(f"{page.relative_to(ROOT)}: {target}")
+    assert wrong == []
+
+
+def test_the_manual_leads_nowhere_outside_the_package():
+    inside = (MANUAL, PICTURES, PICTURES / "descriptors")
+    for page in (*MANUAL.glob("*.md"), CHANGES):
+        for target in links(page):
+            file = (page.parent / target.partition("#")[0]).resolve()
+            assert file == CHANGES or file.parent in inside or target.startswith("#"), f"{page.name}: {target}"
+
+
+def test_scripts_in_commands_exist():
+    for page in (ROOT / "README.md", *MANUAL.glob("*.md"), ROOT / "native" / "README.md", ROOT / "tests" / "README.md"):
+        for script in re.findall(r"bash ((?:\w+/)+\w+\.sh)", page.read_text(encoding="utf-8")):
+            assert (ROOT / script).is_file(), f"{page.name}: {script}"
+
+
+# ---- Pictures
+
+
+def test_every_picture_is_used_and_small():
+    used = {(page.parent / target).resolve() for page in pages() for target in links(page)}
+    for path in PICTURES.rglob("*.png"):
+        assert path in used, f"{path.name} is on no page"
+        assert path.stat().st_size < 400_000, path.name
+        width, height = struct.unpack(">II", path.read_bytes()[16:24])
+        assert min(width, height) > 100, path.name
+
+
+def test_every_picture_is_drawn_by_the_script():
+    script = (PICTURES / "make.sh").read_text()
+    for path in PICTURES.glob("*.png"):
+        assert path.stem.removeprefix("color_") in script, path.name
+    drawn = {path.stem for path in (PICTURES / "descriptors").glob("*.png")}
+    assert drawn == {row.name for row in bridge.descriptors()}
+
+
+# ---- The reference
+
+
+def test_every_descriptor_has_a_section_with_picture_name_unit_formula_and_source():
+    text = section(REFERENCE.read_text(encoding="utf-8"), "Descriptors")
+    units = {-2: "1/length²", -1: "1/length", 0: "without unit", 2: "length²", 3: "length³"}
+    for row in bridge.descriptors():
+        about = section(text, row.label)
+        assert f"(pictures/descriptors/{row.name}.png)" in about
+        assert f"`{row.name}`" in about
+        assert "- Formula: " in about
+        assert "- Source: " in about
+        if row.components == 1 and not row.map_degree:
+            assert units[row.length_power] in about, row.name
+
+
+def test_every_option_of_the_interface_is_in_the_reference():
+    text = section(REFERENCE.read_text(encoding="utf-8"), "Settings")
+    names = set(members("pdesc_options")) | {field.name for field in fields(bridge.Options)}
+    assert [name for name in sorted(names) if f"`{name}`" not in text] == []
+
+
+def test_every_count_of_the_reports_is_in_the_reference():
+    text = section(REFERENCE.read_text(encoding="utf-8"), "The report")
+    names = members("pdesc_mesh_report") + members("pdesc_field_report")
+    assert len(names) > 30
+    assert [name for name in names if f"`{name}`" not in text] == []
+
+
+@IN_BLENDER
+def test_every_setting_of_the_add_on_is_in_the_reference(registered):
+    import bpy
+
+    import paradesc
+
+    text = section(REFERENCE.read_text(encoding="utf-8"), "Settings")
+    kept = (bpy.types.PropertyGroup, bpy.types.AddonPreferences)
+    groups = [cls for module in paradesc.modules() for cls in module.classes if issubclass(cls, kept)]
+    groups.append(bpy.types.PropertyGroup.bl_rna_get_subclass_py("PARADESC_PG_settings"))
+    names = [name for cls in groups for name in cls.__annotations__]
+    assert len(names) > 60
+    assert [name for name in names if f"`{name}`" not in text] == []
+
+
+def test_every_option_of_the_command_line_is_in_the_reference():
+    from paradesc.commands.main import make_parser
+
+    text = REFERENCE.read_text(encoding="utf-8")
+    (commands,) = (action.choices for action in make_parser()._actions if getattr(action, "choices", None))
+    for name, parser in commands.items():
+        assert f"`{name}`" in text
+        for action in parser._actions:
+            for option in action.option_strings:
+                assert re.search(rf"`{option}\b", text), f"{name} {option}"
+
+
+@IN_BLENDER
+def test_every_preset_is_in_the_manual(registered):
+    from paradesc.settings import presets
+
+    text = section((MANUAL / "artists.md").read_text(encoding="utf-8"), "The first mask")
+    for name, preset in presets.PRESETS.items():
+        assert f"| {preset.label} |" in text
+        assert f"`{name}`" in REFERENCE.read_text(encoding="utf-8")
+
+
+def test_changes_name_this_version():
+    version = re.search(r"^project\(paradesc VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.M)[1]
+    assert section(CHANGES.read_text(encoding="utf-8"), version).strip()
