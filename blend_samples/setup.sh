@@ -10,7 +10,7 @@ RUN_PACKAGES=(libegl1 libegl-mesa0 libgl1-mesa-dri python3-venv
   libgl1 libx11-6 libxext6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgomp1)
 # Blender itself, its numpy, and a screen for it that nobody has to see.
 TEST_PACKAGES=(blender glslang-tools python3-numpy xvfb xauth)
-REQUIREMENTS=(bpy==4.2.23 numpy==1.26.4)
+REQUIREMENTS=(bpy==4.2.23 numpy==1.26.4 markdown==3.11.3) # markdown: packages contain the manual as web pages
 TEST_REQUIREMENTS=(pytest==8.4.2)
 
 fail() {

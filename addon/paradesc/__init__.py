@@ -32,6 +32,7 @@ MODULES = (
     "settings.properties",
     "settings.presets",
     "bake.operators",
+    "ui.manual",
     "ui.panel",
     "settings.looks",
     "show.recolor",

@@ -3,6 +3,7 @@
 # With PARADESC_ZIG the libraries come from Zig's compiler, one build a platform; without, the one for this system is packed.
 set(PARADESC_ZIG "" CACHE FILEPATH "Zig's compiler, for release builds: .../site-packages/ziglang/zig")
 set(PARADESC_PLATFORMS linux-x64 windows-x64 macos-arm64 macos-x64 CACHE STRING "Platforms of release builds")
+set(PARADESC_WEBSITE "" CACHE STRING "Address that packages link, as doc_url and website; none if empty")
 find_program(PARADESC_PYTHON python3 HINTS ${PROJECT_SOURCE_DIR}/.venv/bin)
 
 if(APPLE)
@@ -51,4 +52,5 @@ else()
 endif()
 add_custom_target(package_addon
   COMMAND ${PARADESC_PYTHON} ${PROJECT_SOURCE_DIR}/native/cmake/package.py --output ${PROJECT_BINARY_DIR}/packages ${arguments}
+          --website=${PARADESC_WEBSITE}
   DEPENDS ${libraries} USES_TERMINAL COMMENT "Packing the add-on" VERBATIM COMMAND_EXPAND_LISTS)

@@ -1,7 +1,8 @@
-"""Packs the add-on with native libraries: one zip for Blender before 4.2, one extension a platform, their index.
+"""Packs the add-on, its manual and native libraries: a zip for Blender before 4.2, an extension a platform, an index.
 
 Usage: package.py --output FOLDER (--folder PLATFORM=FOLDER)...    libraries of release builds, by platform
        package.py --output FOLDER --files FILE...                  those built for this system
+       package.py ... --website ADDRESS                            names an address for Blender to link
 
 Blender's own extension tool builds and validates: that of the Python module bpy if it is installed, else that of a
 Blender from 4.2 on.
@@ -10,6 +11,7 @@ Blender from 4.2 on.
 import argparse
 import ast
 import importlib.util
+import json
 import platform
 import re
 import shutil
@@ -18,6 +20,8 @@ import sys
 import tempfile
 import zipfile
 from pathlib import Path
+
+from manual import write_manual
 
 ROOT = Path(__file__).resolve().parents[2]
 ADDON = ROOT / "addon" / "paradesc"
@@ -80,10 +84,11 @@ def run(*words: object) -> None:
         sys.exit(f"package.py: {' '.join(map(str, words))} failed:\n{done.stdout}{done.stderr}")
 
 
-def stage(folder: Path, libraries: dict[str, list[Path]]) -> None:
-    """The add-on as it is installed, with the libraries of these platforms."""
+def stage(folder: Path, libraries: dict[str, list[Path]], website: str) -> None:
+    """The add-on as it is installed, with its manual and the libraries of these platforms."""
     shutil.copytree(ADDON, folder, ignore=LEFT_OUT)
     shutil.copy(ROOT / "LICENSE", folder)
+    write_manual(folder / "manual", ROOT / "addon")
     (folder / "lib").mkdir()
     for files in libraries.values():
         for file in files:
@@ -92,6 +97,22 @@ def stage(folder: Path, libraries: dict[str, list[Path]]) -> None:
     names = ", ".join(f'"{name}"' for name in libraries)
     text = re.sub(r"^platforms = .*$", f"platforms = [{names}]", manifest.read_text(encoding="utf-8"), flags=re.M)
     manifest.write_text(text, encoding="utf-8")
+    if website:
+        link_website(folder, website)
+
+
+def link_website(folder: Path, address: str) -> None:
+    """Names an address in the manifest and in bl_info."""
+    for name, line, link in (
+        ("blender_manifest.toml", r"^tagline = .*$", f"website = {json.dumps(address)}"),
+        ("__init__.py", r'^ +"category": .*$', f'    "doc_url": {json.dumps(address)},'),
+    ):
+        file = folder / name
+        text = file.read_text(encoding="utf-8")
+        found = re.search(line, text, re.M)
+        if found is None:
+            sys.exit(f"package.py: {name} has no line to put the website behind.")
+        file.write_text(f"{text[: found.end()]}\n{link}{text[found.end() :]}", encoding="utf-8")
 
 
 def write_zip(folder: Path, target: Path) -> None:
@@ -105,7 +126,7 @@ def write_zip(folder: Path, target: Path) -> None:
             archive.write(path, path.relative_to(folder.parent))
 
 
-def package(output: Path, libraries: dict[str, list[Path]]) -> list[Path]:
+def package(output: Path, libraries: dict[str, list[Path]], website: str) -> list[Path]:
     """Writes all packages into an empty folder and has them validated; returns the zips."""
     tool = extension_tool()
     tags = valid_tags(tool)
@@ -115,11 +136,11 @@ def package(output: Path, libraries: dict[str, list[Path]]) -> list[Path]:
     repository.mkdir(parents=True)
     zips = [output / f"{name}-legacy.zip"]
     with tempfile.TemporaryDirectory() as work:
-        stage(Path(work) / "legacy" / "paradesc", libraries)
+        stage(Path(work) / "legacy" / "paradesc", libraries, website)
         write_zip(Path(work) / "legacy" / "paradesc", zips[0])
         for platform_name, files in libraries.items():
             source = Path(work) / platform_name
-            stage(source, {platform_name: files})
+            stage(source, {platform_name: files}, website)
             target = repository / f"{name}-{platform_name}.zip"
             run(*tool, "build", "--source-dir", source, "--output-filepath", target, *tags)
             zips.append(target)
@@ -161,8 +182,9 @@ def main() -> int:
     parser.add_argument("--output", type=Path, required=True, help="emptied first")
     parser.add_argument("--folder", action="append", default=[], metavar="PLATFORM=FOLDER")
     parser.add_argument("--files", nargs="+", default=[], metavar="FILE")
+    parser.add_argument("--website", default="", metavar="ADDRESS", help="linked as doc_url and website; default: none")
     arguments = parser.parse_args()
-    for path in package(arguments.output.resolve(), given_libraries(arguments)):
+    for path in package(arguments.output.resolve(), given_libraries(arguments), arguments.website):
         sys.stdout.write(f"{path.stat().st_size:>9,} bytes  {path}\n")
     sys.stdout.write(f"repository       {arguments.output.resolve() / 'repository' / 'index.json'}\n")
     return 0

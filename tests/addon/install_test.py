@@ -9,6 +9,7 @@ import sys
 import zipfile
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from importlib.util import find_spec
 from pathlib import Path
 from threading import Thread
 
@@ -57,7 +58,14 @@ def copy_sources(root):
     shutil.copytree(
         ADDON / "paradesc", root / "addon" / "paradesc", ignore=shutil.ignore_patterns("lib", "__pycache__")
     )
-    for name in ("CMakeLists.txt", "LICENSE", "native/cmake/package.py"):
+    shutil.copytree(ADDON / "manual", root / "addon" / "manual")
+    for name in (
+        "CMakeLists.txt",
+        "LICENSE",
+        "addon/CHANGELOG.md",
+        "native/cmake/package.py",
+        "native/cmake/manual.py",
+    ):
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, root / name)
 
@@ -235,11 +243,31 @@ def test_enabling_and_disabling_twenty_times_leaks_nothing(packages, tmp_path):
 def test_zips_hold_the_addon_and_nothing_else(packed):
     expected = {str(path.relative_to(ADDON / "paradesc")) for path in (ADDON / "paradesc").rglob("*") if path.is_file()}
     expected = {name for name in expected if "__pycache__" not in name and not name.startswith("lib")}
-    expected |= {f"lib/{path.name}" for path in LIBRARIES} | {"LICENSE"}
+    expected |= {f"lib/{path.name}" for path in LIBRARIES} | {"LICENSE"} | names_of_the_manual()
     assert set(zipfile.ZipFile(packed["extension"]).namelist()) == expected
     legacy = zipfile.ZipFile(packed["legacy"]).namelist()
     assert {name for name in legacy if not name.endswith("/")} == {f"paradesc/{name}" for name in expected}
     assert legacy[0] == "paradesc/"  # or Blender would unpack a newer zip into the folder of the older one
+
+
+def names_of_the_manual():
+    """Every page and picture, as web pages where the Python package that makes them is there."""
+    pictures = ADDON / "manual" / "pictures"
+    names = {f"manual/pictures/{path.relative_to(pictures)}" for path in pictures.rglob("*.png")}
+    pages = {path.stem for path in (ADDON / "manual").glob("*.md")} | {"CHANGELOG"}
+    if find_spec("markdown") is None:
+        return names | {f"manual/{page}.md" for page in pages}
+    return names | {f"manual/{page.lower()}.html" for page in pages - {"README"}} | {"manual/index.html"}
+
+
+def test_packages_link_an_address_where_one_is_given(packed, tmp_path):
+    address = "https://example.org/paradesc"
+    linked = pack(ROOT, tmp_path / "linked", "--files", *LIBRARIES, f"--website={address}")
+    for zips, times in ((packed, 0), (linked, 1)):
+        manifest_text = zipfile.ZipFile(zips["extension"]).read("blender_manifest.toml").decode()
+        module = zipfile.ZipFile(zips["legacy"]).read("paradesc/__init__.py").decode()
+        assert manifest_text.count(f'website = "{address}"') == times
+        assert module.count(f'"doc_url": "{address}"') == times
 
 
 def test_sources_of_two_versions_are_not_packed(tmp_path):

@@ -4,6 +4,7 @@ import re
 import struct
 from dataclasses import fields
 from importlib.util import find_spec
+from types import SimpleNamespace
 
 import pytest
 
@@ -180,3 +181,71 @@ def test_every_preset_is_in_the_manual(registered):
 def test_changes_name_this_version():
     version = re.search(r"^project\(paradesc VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.M)[1]
     assert section(CHANGES.read_text(encoding="utf-8"), version).strip()
+
+
+# ---- In the package
+
+
+@pytest.fixture
+def write_manual(monkeypatch):
+    """The part of the packaging that makes the pages."""
+    monkeypatch.syspath_prepend(str(ROOT / "native" / "cmake"))
+    import manual
+
+    return manual.write_manual
+
+
+def test_every_link_of_the_web_pages_leads_to_a_file_and_to_a_heading_in_it(write_manual, tmp_path):
+    pytest.importorskip("markdown", reason="makes the web pages")
+    write_manual(tmp_path / "manual")
+    found = sorted((tmp_path / "manual").glob("*.html"))
+    assert {path.stem for path in found} == {"index", "artists", "reference", "pipelines", "values", "changelog"}
+    for page in found:
+        text = page.read_text(encoding="utf-8")
+        assert "<table>" in text or page.stem == "changelog"
+        for target in re.findall(r'(?:href|src)="([^"]+)"', text):
+            name, _, anchor = target.partition("#")
+            file = page.parent / name if name else page
+            assert file.is_file(), f"{page.name}: {target}"
+            assert not anchor or f'id="{anchor}"' in file.read_text(encoding="utf-8"), f"{page.name}: {target}"
+
+
+def test_without_the_library_for_web_pages_the_pages_go_as_they_are(write_manual, monkeypatch, tmp_path):
+    import manual
+
+    monkeypatch.setattr(manual, "find_spec", lambda _name: None)
+    write_manual(tmp_path / "manual")
+    for page in (tmp_path / "manual").glob("*.md"):
+        for target in links(page):
+            assert (page.parent / target.partition("#")[0]).exists(), f"{page.name}: {target}"
+    assert (tmp_path / "manual" / "README.md").is_file()
+
+
+@IN_BLENDER
+@pytest.mark.parametrize(("name", "operator"), [("index.html", "url_open"), ("README.md", "path_open"), ("", "")])
+def test_the_question_mark_opens_the_manual_that_is_there(registered, monkeypatch, tmp_path, name, operator):
+    import bpy
+
+    from paradesc.ui import manual
+
+    opened = []
+    calls = {
+        "url_open": lambda url: opened.append(("url_open", url)),
+        "path_open": lambda filepath: opened.append(("path_open", filepath)),
+    }
+    page = tmp_path / name
+    if name:
+        page.write_text("# The manual")
+    monkeypatch.setattr(manual, "FIRST_PAGES", (tmp_path / "missing.html", page))
+    assert bpy.ops.paradesc.manual.poll() == bool(name)
+    if name:
+        monkeypatch.setattr(bpy, "ops", SimpleNamespace(wm=SimpleNamespace(**calls)))
+        manual.PARADESC_OT_manual.execute(None, bpy.context)
+        assert opened == [(operator, page.as_uri() if operator == "url_open" else str(page))]
+
+
+@IN_BLENDER
+def test_a_source_tree_has_its_manual_too():
+    from paradesc.ui import manual
+
+    assert manual.first_page().resolve() == MANUAL / "README.md"

@@ -41,6 +41,10 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
     bl_label = "Paradesc"
     bl_idname = "PARADESC_PT_bake"
 
+    def draw_header_preset(self, _context: bpy.types.Context) -> None:
+        """The manual, at the right end of the panel's header."""
+        self.layout.operator("paradesc.manual", text="", icon="QUESTION", emboss=False)
+
     def draw(self, context: bpy.types.Context) -> None:
         """Preset, button, progress, and what stands in the way."""
         layout = self.layout
