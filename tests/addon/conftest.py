@@ -1,5 +1,6 @@
 """What the add-on's tests share: fixtures of the sphere, and the command line as a process."""
 
+import functools
 import json
 import os
 import subprocess
@@ -37,35 +38,55 @@ def registered():
     package.unregister()
 
 
-def command_line():
-    """The words before the command: this Blender's if the tests run in one, else the Python module's."""
+def blender_program():
+    """The words that start the Blender that the tests run in, in the background; none in its Python module."""
     try:
         import bpy
     except ImportError:
-        return [sys.executable, "-m", "paradesc"]
-    if not bpy.app.binary_path:
-        return [sys.executable, "-m", "paradesc"]
+        return []
+    return [bpy.app.binary_path, "-b", "--factory-startup"] if bpy.app.binary_path else []
+
+
+def command_line():
+    """The words before the command: this Blender's if the tests run in one, else the Python module's."""
+    program = blender_program()
     cli = str(ADDON / "paradesc" / "cli.py")
-    return [bpy.app.binary_path, "-b", "--factory-startup", "-P", cli, "--"]
+    return [*program, "-P", cli, "--"] if program else [sys.executable, "-m", "paradesc"]
+
+
+@functools.cache
+def said_by_blender():
+    """The lines that Blender itself leaves on its standard error stream in this place, whatever it is started for.
+
+    Without /etc/mtab, for one, it says that it could not get a list of mounted file-systems.
+    """
+    words = blender_program() or [sys.executable, "-c", "import bpy"]
+    done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120, check=False)
+    return frozenset(done.stderr.splitlines())
+
+
+def completed(words, cwd, env=None):
+    """Runs a program to its end; its standard error is without what Blender itself says in this place."""
+    done = subprocess.run(
+        list(map(str, words)),
+        cwd=cwd,
+        env=env,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    lines = done.stderr.splitlines(keepends=True)
+    done.stderr = "".join(line for line in lines if line.rstrip("\n") not in said_by_blender())
+    return done
 
 
 @pytest.fixture
 def paradesc(tmp_path):
     """Runs the command line in an empty folder."""
 
-    def run(*words, cwd=tmp_path):
-        return subprocess.run(
-            [*command_line(), *map(str, words)],
-            cwd=cwd,
-            env=environment(),
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=300,
-            check=False,
-        )
-
-    return run
+    return lambda *words, cwd=tmp_path: completed([*command_line(), *words], cwd, environment())
 
 
 def environment():
