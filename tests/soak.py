@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError, abi  # noqa: E402
 from paradesc.core import contexts, job  # noqa: E402
 from paradesc.core.stream import Stream  # noqa: E402
+from paradesc.core.threads import Worker  # noqa: E402
 from shapes import as_arrays, cube_sphere  # noqa: E402
 
 BACKENDS = ("software", "reference")
@@ -152,9 +154,9 @@ def whole(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.random.
 
 def in_thread(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.random.Generator) -> str:
     """On a thread of its own, as under Blender's window."""
-    worker = job.Worker(arrays, settings)
+    worker = Worker(partial(job.run, arrays, settings))
     worker.start()
-    worker.results()
+    worker.result()
     return "done in a thread"
 
 

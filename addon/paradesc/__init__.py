@@ -30,6 +30,7 @@ for _name in [name for name in sys.modules if name.startswith(__name__ + ".")]:
 MODULES = (
     "settings.preferences",
     "settings.properties",
+    "settings.animation",
     "settings.presets",
     "bake.operators",
     "ui.manual",
@@ -41,6 +42,8 @@ MODULES = (
     "show.channels",
     "ui.looks_panel",
     "show.overlay",
+    "animation.live_settings",
+    "animation.operators",
     "ui.animation_panel",
     "ui.live_panel",
     "animation.handlers",

@@ -46,7 +46,10 @@ def bake(target, folder, wanted, **request):
     """Bakes frames in this process; gives those that had to be made."""
     scene = bpy.context.scene
     given = {"settings": SETTINGS, **request}
-    with frames.FrameBaker(scene, target, frames.Request(folder=folder, **given)) as baker, frames.frame_kept(scene):
+    with (
+        frames.FrameBaker(scene, target, frames.FrameRequest(folder=folder, **given)) as baker,
+        frames.frame_kept(scene),
+    ):
         return [baker.run(task).frame for task in map(baker.prepare, wanted) if task is not None]
 
 
@@ -161,7 +164,7 @@ def test_frames_whose_vertices_are_lost_hold_those_of_the_evaluated_mesh(tmp_pat
     target = animated.swelling_sphere(steps=5)
     target.modifiers.new("Remesh", "REMESH").voxel_size = 0.5
     scene = bpy.context.scene
-    request = frames.Request(SETTINGS, tmp_path, "evaluated")
+    request = frames.FrameRequest(SETTINGS, tmp_path, "evaluated")
     with frames.FrameBaker(scene, target, request) as baker, frames.frame_kept(scene):
         done = [baker.run(baker.prepare(frame)) for frame in (1, 11)]
         assert len([note for note in baker.notes if "cannot be played" in note]) == 1

@@ -20,15 +20,17 @@ from shapes import ADDON, as_arrays, cube_sphere  # noqa: E402
 STARTERS = {"Thread", "Timer", "ThreadPoolExecutor", "ThreadPool", "ProcessPoolExecutor", "start_new_thread"}
 QUIT = """
 import sys, time
+from functools import partial
 sys.path[:0] = [{addon!r}, {numpy!r}, {tests!r}]
 import bpy
 import paradesc
 from paradesc import bridge
-from paradesc.core import job
+from paradesc.core import job, threads
 from shapes import as_arrays, cube_sphere
 paradesc.register()
 options = bridge.Options(radius=0.2, samples=4096)
-worker = job.Worker(as_arrays(*cube_sphere(40)), job.Settings(("mean_curvature",), options, {backend!r}))
+arrays, settings = as_arrays(*cube_sphere(40)), job.Settings(("mean_curvature",), options, {backend!r})
+worker = threads.Worker(partial(job.run, arrays, settings))
 worker.start()
 while worker.fraction < {fraction}:
     time.sleep(0.01)
@@ -52,7 +54,7 @@ def test_cancelled_anywhere_the_scene_is_as_before_and_the_next_bake_right(backe
         while batch.worker.fraction < fraction and not batch.worker.done:
             time.sleep(0.001)
         batch.cancel()
-        batch.abandon()
+        batch.close()
         assert batch.cancelled
         assert not batch.written
         assert fingerprint(target) == before

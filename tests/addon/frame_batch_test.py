@@ -57,8 +57,8 @@ def take_steps(running, until=lambda: False):
     seen = []
     while not running.done and not until():
         running.step()
-        if running.worker is not None and not running.worker.idle:
-            running.worker._thread.join()
+        if running.worker is not None:
+            running.worker.join()
         seen.append(running.fraction)
     return seen
 
@@ -82,7 +82,7 @@ def test_beside_the_window_the_files_are_the_same(pair, tmp_path):
         path.unlink()
     running = batch()
     seen = take_steps(running)
-    running.end()
+    running.close()
     assert {path.relative_to(tmp_path): path.read_bytes() for path in tmp_path.rglob("*.pdframe")} == expected
     assert running.made == 6
     assert seen == sorted(seen)
@@ -120,7 +120,7 @@ def test_the_scene_comes_back_to_the_part_of_a_frame_where_it_was(pair, beside):
     if beside:
         running = batch()
         take_steps(running)
-        running.end()
+        running.close()
     else:
         assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
     assert (scene.frame_current, scene.frame_subframe) == (7, 0.25)
@@ -134,7 +134,7 @@ def test_cancelling_keeps_the_frames_so_far_and_comes_back(pair):
     take_steps(running)
     assert running.done
     assert running.cancelled
-    running.end()
+    running.close()
     assert [len(cache.frames_in(folder)) for folder in folders(pair)] == [3, 2]
     assert bpy.context.scene.frame_current == 2
 
@@ -154,7 +154,7 @@ def test_an_object_that_is_removed_on_the_way_does_not_stop_the_others(pair):
     take_steps(running, until=lambda: running.made == 1)
     bpy.data.objects.remove(running.baker.target)
     take_steps(running)
-    running.end()
+    running.close()
     assert "gone" in running.failed[0].failure
     assert sorted(len(cache.frames_in(folder)) for folder in (small, large)) == [2, 3]
 
@@ -168,7 +168,7 @@ def test_live_values_wait_while_frames_are_baked_and_are_right_after(pair, monke
     if beside:
         running = batch()
         take_steps(running)
-        running.end()
+        running.close()
     else:
         assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
     assert not done

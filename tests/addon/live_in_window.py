@@ -17,10 +17,11 @@ words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 import animated  # noqa: E402
 from paradesc.animation import cache_places, handlers, live, pausing  # noqa: E402
+from paradesc.bake import modal  # noqa: E402
 from paradesc.files import cache  # noqa: E402
 from paradesc.scene import mesh_io  # noqa: E402
 from scene import attribute_values  # noqa: E402
-from window import PATIENCE, begin, prepare, say, view_context, wait_for  # noqa: E402
+from window import PATIENCE, baking, begin, prepare, say, view_context, wait_for  # noqa: E402
 
 NAME, SIZE, STEP = "mean_curvature", 32, 0.1
 RENDERED_BY: list[str] = []
@@ -124,6 +125,31 @@ def later_steps() -> Iterator[None]:
     say("without waiting, values followed")
 
 
+def start_frames() -> None:
+    """Presses Bake Frames; the panel knows how far it is."""
+    with bpy.context.temp_override(**view_context()):
+        assert bpy.ops.paradesc.bake_frames("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    assert baking()
+    assert "frame 1 of 1 to 3" in modal.progress_text(modal.ModalJob.running)
+    assert not bpy.ops.paradesc.bake.poll()
+
+
+def cancel_frames(folder: Path) -> Iterator[None]:
+    """Esc ends Bake Frames where it is, and brings the frame back."""
+    settings = bpy.context.scene.paradesc
+    former, settings.samples = settings.samples, 4096
+    start_frames()
+    yield
+    with bpy.context.temp_override(**view_context()):
+        bpy.context.window_manager.windows[0].event_simulate("ESC", "PRESS", x=700, y=500)
+    yield from wait_for(lambda: not baking())
+    settings.samples = former
+    assert len(cache.frames_in(folder)) < 3, "ended before it could be cancelled"
+    assert bpy.context.scene.frame_current == 2
+    assert not pausing.is_held()
+    say("cancelled frames with Esc")
+
+
 def bake_steps() -> Iterator[None]:
     """Frames are baked beside the window; live values wait, and are right after."""
     scene, computed = bpy.context.scene, []
@@ -133,9 +159,9 @@ def bake_steps() -> Iterator[None]:
     scene.frame_set(2)
     compute = live.Session.compute
     live.Session.compute = lambda *words: (computed.append(1), compute(*words))[1]
-    with bpy.context.temp_override(**view_context()):
-        assert bpy.ops.paradesc.bake_frames("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
     folder = cache_places.object_cache(scene, target())
+    yield from cancel_frames(folder)
+    start_frames()
     yield from wait_for(lambda: len(cache.frames_in(folder)) == 3 and not pausing.is_held())
     for _ in range(5):
         yield

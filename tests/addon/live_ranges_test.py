@@ -8,7 +8,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from live_values import NAME, count_computations, stretching_sphere, switch, values  # noqa: E402
 from paradesc.animation import handlers, painting  # noqa: E402
 from paradesc.core import color_maps  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.scene import mesh_io, record  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -138,6 +138,6 @@ def test_no_range_is_looked_for_while_one_is_held(stretching, monkeypatch):
 
 def test_the_legend_knows_unit_and_radius_of_live_values(stretching):
     switch(stretching)
-    drawn = mesh_io.stored_summary(stretching.data)["drawn"][NAME]
+    drawn = record.read(stretching.data)["drawn"][NAME]
     assert drawn["unit"] == "1/length"
     assert drawn["radius"] == pytest.approx(handlers.session_at(stretching).results.radius)

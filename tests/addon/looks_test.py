@@ -8,8 +8,8 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from mesh_io_test import made_up_results  # noqa: E402
 
 import paradesc  # noqa: E402
-from paradesc.core import color_maps  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.core import color_maps, job  # noqa: E402
+from paradesc.scene import mesh_io, record  # noqa: E402
 from paradesc.settings import looks  # noqa: E402
 from paradesc.show import channels, overlay, recolor  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
@@ -78,9 +78,13 @@ def test_range_that_is_none_is_one_sentence_and_changes_nothing(baked):
     assert fingerprint(baked) == before
 
 
-def test_next_bake_has_the_colors_of_the_scene(baked):
+def test_next_bake_has_the_colors_of_the_scene(baked, monkeypatch):
     group().color_map, group().span, group().percentile = "heat", "percentile", 0.0
-    mesh_io.write_results(baked, made_up_results(baked, NAMES))
+    results = made_up_results(baked, NAMES)
+    results.mesh_report["mean_edge"], results.field_report["undefined_vertices"] = 0.0, 0
+    results.field_reports = {"": results.field_report}
+    monkeypatch.setattr(job, "run", lambda *_words: results)
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
     shown = recolor.stored_range(baked.data, "curvedness")
     assert (shown.map_name, shown.minimum, shown.maximum) == ("heat", 0.0, 2.0)
     expected = color_maps.MAPS["heat"].function(attribute_values(baked.data, "curvedness").astype(float) / 2)
@@ -157,8 +161,8 @@ def test_descriptor_of_a_newer_version_is_left_alone(baked):
     mesh = baked.data
     for name, kind in (("wobbliness", "FLOAT"), ("wobbliness_color", "FLOAT_COLOR")):
         mesh.attributes.new(name, kind, "POINT")
-    stored = mesh_io.stored_summary(mesh)
-    mesh[mesh_io.PROPERTY] = {**stored, "attributes": [*stored["attributes"], "wobbliness", "wobbliness_color"]}
+    stored = record.read(mesh)
+    mesh[record.PROPERTY] = {**stored, "attributes": [*stored["attributes"], "wobbliness", "wobbliness_color"]}
     assert recolor.baked_names(mesh) == ["curvedness", "mean_curvature"]
     assert bpy.ops.paradesc.recolor(every=True) == {"FINISHED"}
 

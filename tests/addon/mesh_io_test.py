@@ -12,7 +12,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.scene import mesh_io, record  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
 
 SETTINGS = job.Settings(
@@ -187,7 +187,7 @@ def test_second_bake_overwrites_the_first(sphere_object):
 
 def test_summary_says_what_was_done(sphere_object):
     mesh_io.write_results(sphere_object, made_up_results(sphere_object))
-    stored = mesh_io.stored_summary(sphere_object.data)
+    stored = record.read(sphere_object.data)
     assert stored["settings"]["descriptors"] == ["mean_curvature"]
     assert stored["settings"]["radius"] == 0.02
     assert stored["warnings"].splitlines() == ["One.", "Two."]
@@ -198,7 +198,7 @@ def test_largest_seed_fits_the_summary(sphere_object):
     results = made_up_results(sphere_object)
     results.settings.options.seed = 2**32 - 1
     mesh_io.write_results(sphere_object, results)
-    assert mesh_io.stored_summary(sphere_object.data)["settings"]["seed"] == 2**32 - 1
+    assert record.read(sphere_object.data)["settings"]["seed"] == 2**32 - 1
 
 
 def test_own_attribute_of_another_type_is_replaced_and_said(sphere_object):

@@ -7,7 +7,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.bake import batch, operators  # noqa: E402
 from paradesc.core import job, spaces  # noqa: E402
-from paradesc.scene import mesh_io, targets  # noqa: E402
+from paradesc.scene import mesh_io, record, targets  # noqa: E402
 from paradesc.ui import panel  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint, small_bake  # noqa: E402
 
@@ -79,7 +79,7 @@ def test_a_mesh_that_fails_is_named_and_the_others_are_baked(spheres):
     made.finish(bpy.context)
     assert [piece.name for piece in made.written] == ["first"]
     assert operators.failures(made)[0].startswith('"second": ')
-    assert operators.summary(made).endswith('without "second"')
+    assert operators.bake_sentence(made).endswith('without "second"')
     assert fingerprint(second) == before
     assert "mean_curvature" in first.data.attributes
 
@@ -117,7 +117,7 @@ def test_cancelled_after_the_first_mesh_nothing_of_it_stays(spheres):
     assert made.current == 1
     made.step()
     made.cancel()
-    made.abandon()
+    made.close()
     assert made.done
     assert made.cancelled
     assert [fingerprint(target) for target in spheres] == before
@@ -149,7 +149,7 @@ def test_objects_that_share_a_mesh_at_different_scales_are_said(spheres):
     assert targets.shared_note([first, third])[0].startswith("2 objects share the mesh")
     bpy.context.scene.paradesc.space = "world"
     bpy.ops.paradesc.bake()
-    assert '"first" stands in the world' in mesh_io.stored_summary(first.data)["warnings"]
+    assert '"first" stands in the world' in record.read(first.data)["warnings"]
     third.scale = (-1.0, 1.0, 1.0)  # a mirror image has the same curvatures
     bpy.context.view_layer.update()
     assert targets.shared_note([first, third]) == []

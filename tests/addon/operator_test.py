@@ -1,5 +1,7 @@
 """The operator, the settings and the panel, inside Blender without a window."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,8 @@ import paradesc  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bake import operators  # noqa: E402
 from paradesc.core import job  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.core.threads import Worker  # noqa: E402
+from paradesc.scene import mesh_io, record  # noqa: E402
 from paradesc.settings import properties  # noqa: E402
 from paradesc.ui import panel  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
@@ -37,7 +40,7 @@ def test_last_run_says_that_a_radius_shows_facets(sphere_object):
     for radius, said in ((0.5, True), (1.5, False)):
         settings.radius_edges = radius
         assert bpy.ops.paradesc.bake() == {"FINISHED"}
-        assert ("0.5 of the mean edge" in mesh_io.stored_summary(sphere_object.data)["warnings"]) == said
+        assert ("0.5 of the mean edge" in record.read(sphere_object.data)["warnings"]) == said
 
 
 def test_registering_twice_leaves_nothing_behind():
@@ -149,7 +152,7 @@ def test_mesh_with_nan_is_one_sentence_and_changes_nothing(sphere_object):
 
 def test_report_lines_tell_the_last_run(sphere_object):
     bpy.ops.paradesc.bake()
-    text = "\n".join(panel.report_lines(mesh_io.stored_summary(sphere_object.data)))
+    text = "\n".join(panel.report_lines(record.read(sphere_object.data)))
     assert "Charts: 6" in text
     assert "Coverage: " in text
     assert "software" in text
@@ -165,9 +168,9 @@ def test_labels_are_wrapped_without_losing_words():
 
 def test_worker_gives_results_and_progress(sphere_object):
     arrays = mesh_io.read_object(sphere_object, corner_normals=False)
-    worker = job.Worker(arrays, properties.job_settings(bpy.context.scene.paradesc))
+    worker = Worker(partial(job.run, arrays, properties.job_settings(bpy.context.scene.paradesc)))
     worker.start()
-    results = worker.results()
+    results = worker.result()
     assert worker.done
     assert 0 < worker.fraction <= 1
     assert np.isfinite(results.values["mean_curvature"]).all()
@@ -175,19 +178,19 @@ def test_worker_gives_results_and_progress(sphere_object):
 
 def test_worker_cancelled_after_its_end_gives_no_results(sphere_object):
     arrays = mesh_io.read_object(sphere_object, corner_normals=False)
-    worker = job.Worker(arrays, properties.job_settings(bpy.context.scene.paradesc))
+    worker = Worker(partial(job.run, arrays, properties.job_settings(bpy.context.scene.paradesc)))
     worker.start()
-    worker.results()
+    worker.result()
     worker.cancel()
     with pytest.raises(bridge.ParadescError):
-        worker.results()
+        worker.result()
 
 
 def test_cancelled_worker_raises_cancelled(sphere_object):
     arrays = mesh_io.read_object(sphere_object, corner_normals=False)
-    worker = job.Worker(arrays, properties.job_settings(bpy.context.scene.paradesc))
+    worker = Worker(partial(job.run, arrays, properties.job_settings(bpy.context.scene.paradesc)))
     worker.cancel()
     worker.start()
     with pytest.raises(bridge.ParadescError) as caught:
-        worker.results()
+        worker.result()
     assert caught.value.status == bridge.abi.STATUS_CANCELLED

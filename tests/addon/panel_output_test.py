@@ -145,7 +145,7 @@ def test_cancelled_between_two_meshes_no_file_is_left(settings, tmp_path):
     assert re.fullmatch(r"[.]curves_other[.]exr[.][0-9a-f]{8}[.]part", part)
     assert whole == "curves_other.exr"
     made.step()
-    made.abandon()
+    made.close()
     assert names_in(tmp_path) == ["curves_other.exr"]
     assert (tmp_path / "curves_other.exr").read_bytes() == b"old"
 

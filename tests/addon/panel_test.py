@@ -8,8 +8,9 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc import bridge  # noqa: E402
-from paradesc.bake import batch, operators  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.animation.frame_batch import FrameBatch  # noqa: E402
+from paradesc.bake import batch, modal  # noqa: E402
+from paradesc.scene import mesh_io, record  # noqa: E402
 from paradesc.settings import properties  # noqa: E402
 from paradesc.ui import live_panel, panel  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
@@ -157,13 +158,22 @@ def test_a_missing_library_leaves_one_sentence_and_no_settings(monkeypatch):
     assert shown["prop"] == shown["operator"] == []
 
 
-def test_a_bake_under_way_shows_how_far_it_is_in_place_of_the_button(monkeypatch):
+@pytest.mark.parametrize("kind", ["bake", "frames"])
+def test_a_bake_under_way_shows_how_far_it_is_in_place_of_the_button(monkeypatch, tmp_path, kind):
     add_sphere()
-    monkeypatch.setattr(operators.PARADESC_OT_bake, "running", batch.Batch(bpy.context))
+    bpy.context.scene.paradesc_animation.cache_folder = str(tmp_path)
+    assert bpy.ops.paradesc.bake.poll()
+    assert bpy.ops.paradesc.bake_frames.poll()
+    job = batch.Batch(bpy.context) if kind == "bake" else FrameBatch(bpy.context, range(1, 3), tmp_path, beside=True)
+    monkeypatch.setattr(modal.ModalJob, "running", job)
     shown = drawn_by(panel.PARADESC_PT_bake)
     assert shown["progress"] == [0.0]
-    assert "(Esc cancels)" in " ".join(shown["label"])
+    words = " ".join(shown["label"])
+    assert words == {"bake": "read, 0%", "frames": "frame 1 of 1 to 2, read, 0%"}[kind] + " (Esc cancels)"
     assert "Bake Descriptors" not in shown["operator"]
+    assert not bpy.ops.paradesc.bake.poll()
+    assert not bpy.ops.paradesc.bake_frames.poll()
+    job.close()
 
 
 def test_last_run_is_there_only_while_the_values_are():
@@ -174,7 +184,7 @@ def test_last_run_is_there_only_while_the_values_are():
     lines = drawn_by(panel.PARADESC_PT_report)["label"]
     for words in ("Charts: 6", "Coverage: ", "Undefined vertices: 0", "– evaluate: ", "llvmpipe"):
         assert any(line.startswith(words) for line in lines), words
-    for name in mesh_io.written_attributes(target.data):
+    for name in record.attributes_of(target.data):
         target.data.attributes.remove(target.data.attributes[name])
     assert not panel.PARADESC_PT_report.poll(context())
 

@@ -11,7 +11,7 @@ from paradesc import bridge  # noqa: E402
 from paradesc.animation import cache_places, frames, handlers  # noqa: E402
 from paradesc.core import color_maps, job  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.scene import record  # noqa: E402
 from paradesc.ui import panel  # noqa: E402
 from scene import attribute_values  # noqa: E402
 
@@ -28,7 +28,7 @@ def swelling(tmp_path):
     scene.paradesc_animation.cache_folder = str(tmp_path)
     group = scene.paradesc
     group.radius_percent, group.samples, group.buffer_size, group.backend = 10.0, 64, 256, "software"
-    request = frames.Request(SETTINGS, cache_places.object_cache(scene, target))
+    request = frames.FrameRequest(SETTINGS, cache_places.object_cache(scene, target))
     with frames.FrameBaker(scene, target, request) as baker, frames.frame_kept(scene):
         for frame in (1, 6, 11):
             baker.run(baker.prepare(frame))
@@ -154,5 +154,5 @@ def test_live_values_follow_when_playback_is_left(swelling):
 
 def test_the_report_of_the_last_bake_is_not_asked_of_played_frames(swelling):
     play(swelling)
-    assert mesh_io.written_attributes(swelling.data)
+    assert record.attributes_of(swelling.data)
     assert not panel.PARADESC_PT_report.poll(bpy.context)

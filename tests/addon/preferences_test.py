@@ -4,7 +4,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.scene import record  # noqa: E402
 from paradesc.settings import properties  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
@@ -31,7 +31,7 @@ def test_a_limit_refuses_the_bake_in_one_sentence_and_is_no_part_of_the_scene(pr
     preferences.memory_limit = 0.001
     with pytest.raises(RuntimeError, match="memory limit"):
         bpy.ops.paradesc.bake()
-    assert not mesh_io.written_attributes(target.data)
+    assert not record.attributes_of(target.data)
     preferences.memory_limit = 2.5
     settings = properties.job_settings(bpy.context.scene.paradesc)
     assert settings.memory_limit == 2_500_000_000

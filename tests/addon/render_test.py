@@ -14,7 +14,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import bmesh  # noqa: E402
 
 from paradesc.animation import handlers, live  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.scene import record  # noqa: E402
 from processes import run_blender  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
@@ -149,7 +149,7 @@ def render_baked(target, path):
     """The same picture with a mesh in its place that has the present shape and was baked by the operator."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shape = bpy.data.meshes.new_from_object(target.evaluated_get(depsgraph))
-    for name in mesh_io.written_attributes(target.data):
+    for name in record.attributes_of(target.data):
         shape.attributes.remove(shape.attributes[name])
     still = bpy.data.objects.new("still", shape)
     bpy.context.collection.objects.link(still)

@@ -255,7 +255,7 @@ def test_material_makes_waves_of_a_flat_square(script, opened, name, share):
     assert not arrays.positions[:, 2].any()
     image = target.active_material.node_tree.nodes["Image Texture"].image
     assert image.packed_file is not None
-    surface_maps.add_maps(target, arrays, surface_maps.Sources(material=True))
+    surface_maps.add_maps(target, arrays, surface_maps.MapChoice(material=True))
     x, y = np.moveaxis(arrays.positions[:, :2].astype(float), 1, 0)
     expected = wave_curvature(script, x, y)
     inside = np.maximum(np.abs(x), np.abs(y)) < 0.9

@@ -62,13 +62,13 @@ def test_of_a_drawing_only_what_is_sound_is_kept():
 def test_a_mesh_with_a_damaged_property_is_read_without_an_error():
     bpy = pytest.importorskip("bpy", reason="needs Blender")
     from paradesc import bridge
-    from paradesc.scene import mesh_io
+    from paradesc.scene import record
     from paradesc.show import channels, recolor
 
     mesh = bpy.data.meshes.new("damaged")
-    mesh[mesh_io.PROPERTY] = a_summary(ranges={}, layout={"topology": 3})
+    mesh[record.PROPERTY] = a_summary(ranges={}, layout={"topology": 3})
     mesh[channels.OWN] = {"attributes": 5, "groups": ["a"]}
-    assert mesh_io.stored_layout(mesh) == {}
+    assert record.layout_of(mesh) == {}
     assert channels.own_names(mesh, "attributes") == []
     assert channels.own_names(mesh, "groups") == ["a"]
     with pytest.raises(bridge.ParadescError, match="bake it again"):

@@ -98,7 +98,7 @@ def connect_normal_map(tree, image, strength=1.0):
 def maps_of(target, **words):
     """The maps and the notes that one of the sources gives."""
     arrays = mesh_io.read_object(target, corner_normals=False)
-    notes = surface_maps.add_maps(target, arrays, surface_maps.Sources(**words))
+    notes = surface_maps.add_maps(target, arrays, surface_maps.MapChoice(**words))
     return arrays, notes
 
 

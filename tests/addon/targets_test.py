@@ -7,7 +7,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import bmesh  # noqa: E402
 
-from paradesc.scene import mesh_io, targets  # noqa: E402
+from paradesc.scene import mesh_io, record, targets  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, small_bake  # noqa: E402
 
 MODES = ["EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"]
@@ -177,7 +177,7 @@ def test_of_shape_keys_the_basis_is_measured_and_another_one_shown_is_said():
     add_keys(ball)
     bpy.ops.paradesc.bake()
     np.testing.assert_allclose(mean_curvature(ball), 0.5, rtol=0.1)
-    assert "the basis was measured" in mesh_io.stored_summary(ball.data)["warnings"]
+    assert "the basis was measured" in record.read(ball.data)["warnings"]
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT", "SCULPT"])
@@ -216,12 +216,12 @@ def test_object_space_does_without_the_scale_and_says_so_where_it_is_uneven():
     ball.scale = (2.0, 2.0, 2.0)
     bpy.ops.paradesc.bake()
     np.testing.assert_allclose(mean_curvature(ball), 0.5, rtol=0.1)
-    assert "scaled" not in mesh_io.stored_summary(ball.data)["warnings"]
+    assert "scaled" not in record.read(ball.data)["warnings"]
     ball.scale = (2.0, 1.0, 1.0)
     bpy.context.view_layer.update()
     bpy.ops.paradesc.bake()
     np.testing.assert_allclose(mean_curvature(ball), 0.5, rtol=0.1)
-    assert "measure in World, or apply the scale" in mesh_io.stored_summary(ball.data)["warnings"]
+    assert "measure in World, or apply the scale" in record.read(ball.data)["warnings"]
 
 
 def test_world_space_counts_the_scale_of_parents_and_mirroring():
@@ -233,7 +233,7 @@ def test_world_space_counts_the_scale_of_parents_and_mirroring():
     bpy.context.scene.paradesc.space = "world"
     bpy.ops.paradesc.bake()
     np.testing.assert_allclose(mean_curvature(ball), 0.25, rtol=0.1)
-    stored = mesh_io.stored_summary(ball.data)
+    stored = record.read(ball.data)
     assert stored["settings"]["space"] == "world"
     assert "scaled" not in stored["warnings"]
 

@@ -12,7 +12,7 @@ import paradesc  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
-from paradesc.scene import mesh_io, unwrap  # noqa: E402
+from paradesc.scene import mesh_io, record, unwrap  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
 
 OPTIONS = bridge.Options(radius=0.08, samples=64, buffer_size=512)
@@ -284,7 +284,7 @@ def test_layout_is_kept_hidden_and_is_no_uv_map(bare):
     assert attribute.is_internal
     assert attribute.domain == "CORNER"
     assert len(bare.data.uv_layers) == 0
-    assert unwrap.ATTRIBUTE not in mesh_io.stored_summary(bare.data)["attributes"]
+    assert unwrap.ATTRIBUTE not in record.read(bare.data)["attributes"]
 
 
 def test_kept_layout_is_used_again(bare, unwraps):
@@ -314,7 +314,7 @@ def test_kept_layout_survives_saving(bare, unwraps, tmp_path):
 
 def test_kept_layout_is_made_afresh_after_a_change_of_the_faces(bare, unwraps):
     bake(bare)
-    before = mesh_io.stored_layout(bare.data)
+    before = record.layout_of(bare.data)
     corners = np.empty(len(bare.data.loops), np.int32)
     bare.data.loops.foreach_get("vertex_index", corners)
     corners[:4] = np.roll(corners[:4], 1)  # the same counts, another first corner
@@ -322,7 +322,7 @@ def test_kept_layout_is_made_afresh_after_a_change_of_the_faces(bare, unwraps):
     bare.data.update(calc_edges=True)
     assert not read(bare).layout.kept
     bake(bare)
-    assert mesh_io.stored_layout(bare.data)["topology"] != before["topology"]
+    assert record.layout_of(bare.data)["topology"] != before["topology"]
     assert read(bare).layout.kept
 
 
@@ -344,7 +344,7 @@ def tamper_type(mesh):
 
 
 def tamper_property(mesh):
-    mesh[mesh_io.PROPERTY]["layout"] = 7
+    mesh[record.PROPERTY]["layout"] = 7
 
 
 @pytest.mark.parametrize("tamper", [tamper_values, tamper_domain, tamper_type, tamper_property])
@@ -391,7 +391,7 @@ def test_operator_bakes_without_a_uv_map(bare):
         blocks = data_blocks()
         assert bpy.ops.paradesc.bake() == {"FINISHED"}
         assert error_percent(attribute_values(bare.data, "mean_curvature")) < 1.0
-        assert "unwrapped a copy" in mesh_io.stored_summary(bare.data)["warnings"]
+        assert "unwrapped a copy" in record.read(bare.data)["warnings"]
         assert data_blocks() == blocks
     finally:
         paradesc.unregister()

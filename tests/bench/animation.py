@@ -56,7 +56,7 @@ def measure(arguments: argparse.Namespace) -> dict[str, object]:
     settings = job.Settings(tuple(arguments.descriptors.split(",")), options, arguments.backend)
     done = []
     with tempfile.TemporaryDirectory() as folder:
-        request = frames.Request(settings, Path(folder))
+        request = frames.FrameRequest(settings, Path(folder))
         with frames.FrameBaker(bpy.context.scene, target, request) as baker:
             for frame in range(1, arguments.frames + 1):
                 done.append(baker.run(baker.prepare(frame)))

@@ -4,8 +4,9 @@
     PYTHONPATH=addon python tests/bench/cancel.py --descriptors harris --cancels 40
 
 A cancel is heard at the next call of the progress callback, so the longest time between two calls bounds the wait:
-that is the first table, of a whole bake, by stage. The second cancels a worker (addon/paradesc/core/job.py) at so many
-moments spread over the bake, as Esc does, and measures until its thread has ended. Numbers of a quiet machine only.
+that is the first table, of a whole bake, by stage. The second cancels a worker (addon/paradesc/core/threads.py) at so
+many moments spread over the bake, as Esc does, and measures until its thread has ended. Numbers are of a quiet
+machine only.
 """
 
 import argparse
@@ -15,6 +16,7 @@ import sys
 import time
 from dataclasses import asdict, dataclass
 from datetime import date
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -25,6 +27,7 @@ from sampling_choices import read_obj
 from paradesc import bridge
 from paradesc.bridge import ParadescError
 from paradesc.core import job
+from paradesc.core.threads import Worker
 
 LIMIT = 0.1  # seconds
 
@@ -67,7 +70,7 @@ def gaps(arrays: bridge.MeshArrays, settings: job.Settings) -> tuple[list[Gap], 
 
 def cancel_after(arrays: bridge.MeshArrays, settings: job.Settings, seconds: float) -> Cancel | None:
     """Cancels a worker after so many seconds; None where it had ended."""
-    worker = job.Worker(arrays, settings)
+    worker = Worker(partial(job.run, arrays, settings))
     worker.start()
     time.sleep(seconds)
     if worker.done:
@@ -76,7 +79,7 @@ def cancel_after(arrays: bridge.MeshArrays, settings: job.Settings, seconds: flo
     begin = time.perf_counter()
     worker.cancel()
     try:
-        worker.results()
+        worker.result()
     except ParadescError:
         return Cancel(seconds, stage, fraction, time.perf_counter() - begin)
     raise AssertionError("A cancelled worker gave results.")

@@ -31,7 +31,7 @@ from paradesc.files import cache
 try:
     import bpy
 
-    from paradesc.scene import mesh_io, unwrap
+    from paradesc.scene import record, unwrap
     from paradesc.show import channels, recolor
     from paradesc.ui import panel
 except ImportError:
@@ -234,7 +234,7 @@ def read_range(source: random.Random, folder: Path) -> bool:
 
 
 def sound_summary() -> dict[str, object]:
-    """As mesh_io.summary() makes it."""
+    """As record.write() makes it."""
     return {
         "settings": {"radius": 0.02, "space": "world", "names": ["mean_curvature"]},
         "mesh_report": dict.fromkeys((*stored.MESH_REPORT, "parts", "diagonal"), 3),
@@ -294,11 +294,11 @@ def read_mesh(source: random.Random, content: object) -> None:
     """The readers of a mesh with this property."""
     mesh = bpy.data.meshes.new("fuzz")
     try:
-        for name in (mesh_io.PROPERTY, channels.OWN):
+        for name in (record.PROPERTY, channels.OWN):
             with suppress(TypeError, OverflowError, ValueError, KeyError):  # Blender does not hold it either
                 mesh[name] = content if source.random() < 0.9 else odd(source)
-        check_summary(mesh_io.stored_summary(mesh))
-        claim(all(isinstance(text, str) for text in mesh_io.stored_layout(mesh).values()), "a layout's name is no text")
+        check_summary(record.read(mesh))
+        claim(all(isinstance(text, str) for text in record.layout_of(mesh).values()), "a layout's name is no text")
         claim(all(isinstance(name, str) for name in channels.own_names(mesh, "attributes")), "a name is no text")
         for name in recolor.baked_names(mesh):
             try:

@@ -6,8 +6,7 @@ import bpy
 
 from ..files import cache
 from ..scene.mesh_io import refuse
-
-DEFAULT_CACHE = f"//{cache.DEFAULT_FOLDER}"
+from ..settings.animation import DEFAULT_CACHE
 
 
 def wanted_frames(scene: bpy.types.Scene) -> range:

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from .. import __version__
-from ..bridge import InputError, MeshArrays, ParadescError, abi
+from ..bridge import InputError, MeshArrays, ParadescError, ProgressFunction, abi
 from ..core import job
 from ..core.digests import digest
 from ..core.stream import Stream
@@ -30,7 +30,7 @@ OWN_VERTICES = (
 
 
 @dataclass
-class Request:
+class FrameRequest:
     """What to bake of one object."""
 
     settings: job.Settings
@@ -38,7 +38,7 @@ class Request:
     source: str = "deformed"
     relative: bool = False  # the change against the rest pose too
     force: bool = False  # also what is there
-    maps: surface_maps.Sources | None = None
+    maps: surface_maps.MapChoice | None = None
 
 
 @dataclass
@@ -65,7 +65,7 @@ class Done:
 class FrameBaker:
     """Bakes frames of one object, each from one native mesh; a frame that is there already is left as it is."""
 
-    def __init__(self, scene: bpy.types.Scene, target: bpy.types.Object, request: Request) -> None:
+    def __init__(self, scene: bpy.types.Scene, target: bpy.types.Object, request: FrameRequest) -> None:
         source_meshes.check_source(request.source)
         self.scene, self.target, self.request = scene, target, request
         self.object_name, self.mesh_name = target.name, target.data.name  # for run(), which may not ask Blender
@@ -159,7 +159,7 @@ class FrameBaker:
         notes = reading.notes if reading.own else [OWN_VERTICES]
         self.notes += [note for note in notes if note not in self.notes]
 
-    def run(self, task: Task, progress: job.ProgressFunction | None = None) -> Done:
+    def run(self, task: Task, progress: ProgressFunction | None = None) -> Done:
         """Computes and writes a frame."""
         try:
             rest = self.rest(progress) if self.request.relative else None
@@ -189,7 +189,7 @@ class FrameBaker:
                 f"The graphics device failed ({failure}); start again to go on from here, or choose another backend.",
             )
 
-    def rest(self, progress: job.ProgressFunction | None) -> job.Results:
+    def rest(self, progress: ProgressFunction | None) -> job.Results:
         """The original mesh's results, computed once."""
         if self._rest is None:
             self._rest = self.stream.compute(self.base.positions, progress, self.base.corner_normals)

@@ -409,6 +409,8 @@ def register() -> None:
         for hook in [hook for hook in hooks if is_same(hook, function)]:
             hooks.remove(hook)
         hooks.append(function)
+    if look_changed not in looks.LISTENERS:
+        looks.LISTENERS.append(look_changed)
 
 
 def unregister() -> None:
@@ -417,6 +419,8 @@ def unregister() -> None:
         hooks = getattr(bpy.app.handlers, name)
         if function in hooks:
             hooks.remove(function)
+    if look_changed in looks.LISTENERS:
+        looks.LISTENERS.remove(look_changed)
     for function in (follow_edits, collect):
         if bpy.app.timers.is_registered(function):
             bpy.app.timers.unregister(function)

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from ..bridge import MeshArrays, Options
+from ..bridge import MeshArrays, Options, ProgressFunction
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
-from ..core.job import ProgressFunction, Results, Settings, registry_row
+from ..core.job import Results, Settings, registry_row
 from ..core.latest import Latest, Outcome, is_cancelled
 from ..core.stream import Stream
-from ..scene import mesh_io, source_meshes, surface_maps
+from ..scene import mesh_io, record, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
 from . import frames, painting
@@ -30,7 +30,7 @@ APPENDING = {"SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY", "ARRAY"}
 
 
 @dataclass(frozen=True, eq=False)
-class Request:
+class LiveRequest:
     """What one computation is of."""
 
     arrays: MeshArrays  # of the undeformed mesh
@@ -39,7 +39,7 @@ class Request:
     settings: Settings
     quick: bool  # with buffers as small as the radius allows
 
-    def same(self, other: "Request | None") -> bool:
+    def same(self, other: "LiveRequest | None") -> bool:
         """True where the results are the same."""
         return (
             other is not None
@@ -54,12 +54,12 @@ class Session:
 
     def __init__(self) -> None:
         self.stream: Stream | None = None  # with prepared, the thread's while one computes
-        self.prepared: Request | None = None  # whose settings the stream has
+        self.prepared: LiveRequest | None = None  # whose settings the stream has
         self.topology: tuple[object, ...] = ()
         self.arrays: MeshArrays | None = None  # of the undeformed mesh
-        self.done: Request | None = None  # what the results are of
+        self.done: LiveRequest | None = None  # what the results are of
         self.results: Results | None = None
-        self.latest: Latest[Request, Results] = Latest(self.compute)
+        self.latest: Latest[LiveRequest, Results] = Latest(self.compute)
         self.scene_name = ""  # whose settings the newest request has
         self.painter = painting.Painter()
         self.seconds: dict[str, float] = {}  # of the last frame that was computed: read, compute, write
@@ -125,7 +125,7 @@ class Session:
         return self.wrote
 
     # In quotes: typing remembers what it is called with, and would keep bpy past Python's end, which crashes there.
-    def take(self, outcome: "Outcome[Request, Results] | None") -> bool:
+    def take(self, outcome: "Outcome[LiveRequest, Results] | None") -> bool:
         """Keeps the results of a request; False where there are none, or of a mesh that has become another."""
         if outcome is None or outcome.request.arrays is not self.arrays:
             return False
@@ -142,7 +142,7 @@ class Session:
         look = looks.scene_look(scene)
         self.results.look = look
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.asked_names(), self.found_range)
-        changed = self.painter.paint(target.data, self.values(target.data), ranges, fresh or self.unpainted)
+        changed = self.painter.paint(target.data, self.values(), ranges, fresh or self.unpainted)
         self.unpainted = False
         if changed:
             painting.tag_written(target.data, rendering)
@@ -153,13 +153,13 @@ class Session:
 
     def request(
         self, target: bpy.types.Object, evaluated: bpy.types.Object, scene: bpy.types.Scene, rendering: bool
-    ) -> Request:
+    ) -> LiveRequest:
         """What has to be computed of the object now."""
         settings = settings_for(scene, rendering)
         self.follow_mesh(target, settings)
         positions = deformed_positions(target, evaluated, rendering)
         normals = mesh_io.read_corner_normals(evaluated.data) if settings.options.normals == "mesh" else None
-        return Request(self.arrays, positions, normals, settings, is_quick(scene, rendering))
+        return LiveRequest(self.arrays, positions, normals, settings, is_quick(scene, rendering))
 
     def follow_mesh(self, target: bpy.types.Object, settings: Settings) -> None:
         """Begins again where anything but positions has changed; after edits everything is compared, else counts."""
@@ -169,7 +169,7 @@ class Session:
             return
         mesh_io.check_writable(target)
         arrays = mesh_io.read_object(target, settings.options.normals == "mesh", settings.backend != "reference")
-        surface_maps.add_maps(target, arrays, surface_maps.Sources(material=measures_maps(target)))
+        surface_maps.add_maps(target, arrays, surface_maps.MapChoice(material=measures_maps(target)))
         if arrays.maps is not None and arrays.maps.normals is not None:
             raise refuse("Live mode does not follow normal maps; switch Material Maps off.")
         self.edited = self.unsure = False
@@ -179,7 +179,7 @@ class Session:
             return
         self.topology, self.arrays = topology, arrays  # and the radius follows the new rest pose
 
-    def compute(self, request: Request, progress: ProgressFunction | None = None) -> Results:
+    def compute(self, request: LiveRequest, progress: ProgressFunction | None = None) -> Results:
         """The results at the radius of the undeformed mesh, which does not change with the pose. On any thread."""
         start = time.perf_counter()
         settings, prepared = request.settings, self.prepared
@@ -224,14 +224,14 @@ class Session:
         """What each value is called by the radius that was computed with, by what it is called."""
         return dict(zip(self.asked_names(), self.results.settings.value_names(), strict=True))
 
-    def values(self, mesh: bpy.types.Mesh) -> painting.Values:
+    def values(self) -> painting.Values:
         """The results as they are written."""
         results, names = self.results, self.computed_names()
         return painting.Values(
             {name: results.values[computed] for name, computed in names.items()},
             results.extras,
-            lambda ranges: mesh_io.summary(mesh, results, {names[name]: shown for name, shown in ranges.items()}),
-            lambda name, shown: mesh_io.drawing_of(shown, results, names[name]),
+            record.facts_of(results),
+            lambda name, shown: record.drawing_of(shown, results, names[name]),
         )
 
 

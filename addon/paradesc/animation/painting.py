@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
-from ..scene import mesh_io
+from ..scene import mesh_io, record
 
 # Steps of a color table, far below what 8 bits can show.
 TABLE_STEPS = 4096
@@ -20,8 +20,8 @@ class Values:
 
     shown: dict[str, np.ndarray]  # each (vertex_count,) or (vertex_count, 3) float32, with colors beside them
     extras: dict[str, np.ndarray]  # each (vertex_count,) float32, without
-    summary: Callable[[dict[str, ValueRange]], dict[str, object]]  # gives what mesh_io.summary() has
-    drawn: Callable[[str, ValueRange], dict[str, object]]  # gives what mesh_io.drawing_of() has
+    facts: dict[str, object]  # as record.facts_of() has them
+    drawn: Callable[[str, ValueRange], dict[str, object]]  # gives what record.drawing_of() has
 
     @property
     def names(self) -> list[str]:
@@ -46,7 +46,7 @@ class Painter:
             mesh_io.make_attributes(mesh, values.names, mesh_io.check_names(mesh, values.names))
             self.tables = {name: color_table(shown) for name, shown in ranges.items()}
             self.ranges = ranges
-            store_summary(mesh, values, ranges)
+            leave_record(mesh, values, ranges)
         self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
         for name, array in self.written.items():
             attribute = mesh.attributes[name]
@@ -87,19 +87,10 @@ def member_of(attribute: bpy.types.Attribute) -> str:
     return {"FLOAT_COLOR": "color", "FLOAT_VECTOR": "vector"}.get(attribute.data_type, "value")
 
 
-def store_summary(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange]) -> None:
+def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange]) -> None:
     """Says on the mesh what is written there, so that the attributes are known as ours."""
-    former = mesh_io.stored_summary(mesh)
-    drawn = {**former.get("drawn", {}), **{name: values.drawn(name, shown) for name, shown in ranges.items()}}
-    names = sorted({*mesh_io.written_attributes(mesh), *values.names})
-    mesh[mesh_io.PROPERTY] = {
-        **former,
-        **values.summary(ranges),
-        "layout": mesh_io.stored_layout(mesh),
-        "ranges": {name: [shown.minimum, shown.maximum] for name, shown in ranges.items()},
-        "drawn": drawn,
-        "attributes": [name for name in names if name in mesh.attributes],
-    }
+    drawn = {name: values.drawn(name, shown) for name, shown in ranges.items()}
+    record.write(mesh, values.facts, ranges, drawn, values.names)
     if mesh.color_attributes.active_color is None:
         mesh.color_attributes.active_color = mesh.color_attributes.get(next(iter(values.shown)) + "_color")
 

@@ -14,7 +14,7 @@ from ..core.color_maps import AUTOMATIC, Look, ValueRange
 from ..core.corners import ATTRIBUTE
 from ..core.job import UNDEFINED_MASK
 from ..files import cache
-from ..scene import mesh_io
+from ..scene import mesh_io, record
 from ..scene.mesh_io import refuse
 from ..settings import looks
 from . import cache_places, live, painting
@@ -138,7 +138,7 @@ class Player:
         """The frame as it is written."""
         shown = {name: self.frame.values[name] for name in self.shown_names()}
         extras = {name: values for name, values in self.frame.values.items() if name in EXTRAS}
-        return painting.Values(shown, extras, lambda _ranges: {}, self.drawing)
+        return painting.Values(shown, extras, {}, self.drawing)
 
     def drawing(self, name: str, shown: ValueRange) -> dict[str, object]:
         """What a legend needs to know, as far as the frame's file says so."""
@@ -147,4 +147,4 @@ class Player:
         on = settings.get("map_descriptor", "") if isinstance(settings, dict) else ""
         radius = radii.get(name) if isinstance(radii, dict) else None
         known = {"radius": float(radius)} if isinstance(radius, (int, float)) else {}
-        return {**mesh_io.drawing(shown), **known, "unit": legend.unit_of(name, str(on))}
+        return {**record.drawing(shown), **known, "unit": legend.unit_of(name, str(on))}

@@ -9,15 +9,16 @@ import bpy
 
 from ..bridge import ParadescError, abi
 from ..core import job
+from ..core.threads import Worker
 from ..files import bake_files
 from ..scene import mesh_io, modes, source_meshes, surface_maps, targets
-from ..settings import properties
+from ..settings import looks, properties
 
 IMAGE_STEM, BUFFERS_NAME = "paradesc", "paradesc_buffers"
 
 
 @dataclass
-class Piece:
+class MeshBake:
     """One mesh of a bake: which object stands for it, and what came of it."""
 
     key: tuple[str, str | None]  # the object's name and library: objects themselves do not outlive an undo
@@ -49,19 +50,16 @@ class Batch:
     def __init__(self, context: bpy.types.Context) -> None:
         """Takes the settings as they are now, and the chosen objects; raises where nothing can be computed."""
         group = context.scene.paradesc
-        self.request = targets.Request(
-            group.shape_key,
-            surface_maps.Sources(material=group.material_maps),
-            group.write_attributes,
-            context.scene.paradesc_animation.source,
-        )
+        maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
+        self.request = targets.ReadRequest(group.shape_key, maps, source)
+        self.write_attributes = group.write_attributes
         self.settings = properties.job_settings(group)
         job.check_descriptors(self.settings.descriptors)
         shared = targets.by_mesh(targets.chosen(context))
-        self.pieces = [Piece(key_of(objects[0]), [key_of(item) for item in objects]) for objects in shared]
+        self.pieces = [MeshBake(key_of(objects[0]), [key_of(item) for item in objects]) for objects in shared]
         self.places = file_places(group, [piece.name for piece in self.pieces])
         self.current = 0
-        self.worker: job.Worker | None = None
+        self.worker: Worker[job.Results] | None = None
         self.cancelled = False
 
     @property
@@ -93,11 +91,12 @@ class Batch:
             if piece.failure:
                 self.current += 1
         elif wait or self.worker.done:
+            self.worker.join()  # Ctrl-C here leaves the worker to close()
             worker, self.worker = self.worker, None
             self.current += 1
             self.attempt(piece, lambda piece: self.take(piece, worker))
 
-    def attempt(self, piece: Piece, action: Callable[[Piece], None]) -> None:
+    def attempt(self, piece: MeshBake, action: Callable[[MeshBake], None]) -> None:
         """Does something about one mesh; what goes wrong is its failure, and the others go on."""
         try:
             action(piece)
@@ -108,10 +107,10 @@ class Batch:
             if piece.files is not None:
                 piece.files.discard()
 
-    def start(self, piece: Piece) -> None:
+    def start(self, piece: MeshBake) -> None:
         """Reads a mesh and starts its worker."""
         target = piece.target()
-        if self.request.write_attributes:
+        if self.write_attributes:
             mesh_io.check_writable(target)
         read = targets.read(target, self.settings, self.request)
         piece.reading, piece.notes, arrays = read.reading, read.notes, read.measured
@@ -120,12 +119,12 @@ class Batch:
         image, buffers = self.places[self.current]
         piece.files = bake_files.Files(target.name, mesh_io.world_matrix(target), image, buffers)
         bake_files.check(piece.files, arrays, self.settings.backend)
-        self.worker = job.Worker(arrays, self.settings, partial(bake_files.run, piece.files))
+        self.worker = Worker(partial(bake_files.run, piece.files, arrays, self.settings))
         self.worker.start()
 
-    def take(self, piece: Piece, worker: job.Worker) -> None:
+    def take(self, piece: MeshBake, worker: Worker[job.Results]) -> None:
         """Keeps a worker's results until all are there."""
-        piece.results = worker.results()
+        piece.results = worker.result()
         piece.results.warnings += [*piece.results.facet_notes(), *piece.notes]
 
     def cancel(self) -> None:
@@ -134,9 +133,10 @@ class Batch:
         if self.worker is not None:
             self.worker.cancel()
 
-    def abandon(self) -> None:
-        """Cancels, waits, and takes away the files that lie aside."""
-        self.cancel()
+    def close(self) -> None:
+        """Cancels what is left, waits for it, and takes away the files that lie aside. Safe to call again."""
+        if not self.done:
+            self.cancel()
         while not self.done:
             self.step(wait=True)
         for piece in self.pieces:
@@ -144,32 +144,34 @@ class Batch:
                 piece.files.discard()
 
     def finish(self, context: bpy.types.Context) -> None:
-        """Writes every mesh' results, in object mode for that long."""
+        """Writes every mesh' results in the scene's colors, in object mode for that long."""
+        self.look = looks.scene_look(context.scene)
         with modes.object_mode():
             for piece in self.pieces:
                 if piece.results is not None:
                     self.attempt(piece, self.write)
 
-    def write(self, piece: Piece) -> None:
+    def write(self, piece: MeshBake) -> None:
         """Leaves one mesh' results where they belong, or nothing: files go first once the mesh has no objection."""
         target = piece.target()
-        if self.request.write_attributes and piece.reading.own:
+        if self.write_attributes and piece.reading.own:
             mesh_io.check_names(target.data, mesh_io.wanted_names(piece.results))
         try:
             piece.placed = piece.files.commit()
         except OSError as error:
             sentence = f"A file cannot be brought to its place ({error.strerror or error}): {error.filename}."
             raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence) from error
-        if self.request.write_attributes:
+        if self.write_attributes:
+            piece.results.look = self.look
             piece.notes += source_meshes.deliver(target, piece.results, piece.reading)
 
     @property
-    def written(self) -> list[Piece]:
+    def written(self) -> list[MeshBake]:
         """The meshes whose results are in place."""
         return [piece for piece in self.pieces if piece.results is not None]
 
     @property
-    def failed(self) -> list[Piece]:
+    def failed(self) -> list[MeshBake]:
         """The meshes that something is wrong with."""
         return [piece for piece in self.pieces if piece.failure]
 

@@ -7,104 +7,31 @@ from ..core import devices
 from ..scene import mesh_io, targets
 from ..scene.targets import obstacle
 from .batch import Batch, with_name
+from .modal import ModalJob
 
-# Seconds between two looks at the worker.
-TIMER_STEP = 0.1
 BRUSH_MODES = {"SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
-# Events that move the view; everything else waits until the bake has ended.
-VIEW_EVENTS = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
 
 
-class PARADESC_OT_bake(bpy.types.Operator):
+class PARADESC_OT_bake(ModalJob, bpy.types.Operator):
     """Compute the chosen descriptors at every vertex of the selected meshes, as attributes and colors"""
 
     bl_idname = "paradesc.bake"
     bl_label = "Bake Descriptors"
     bl_options = {"REGISTER", "UNDO"}
 
-    # What is under way in the window, for the panel; a bake is modal, so there is one at most.
-    running: Batch | None = None
-
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        """Says why it cannot run where it cannot."""
-        sentence = "A bake is running; Esc cancels it" if PARADESC_OT_bake.running else obstacle(context)
-        if sentence:
-            cls.poll_message_set(sentence)
-        return not sentence
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        """What stands in the way of reading or writing the selected meshes."""
+        return obstacle(context)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """The same steps in a row: for scripts and background mode, where timers never fire."""
-        if not self.begin(context):
-            return {"CANCELLED"}
-        try:
-            while not self.batch.done:
-                self.batch.step(wait=True)
-            return self.end(context)
-        except BaseException:  # Ctrl-C, for one
-            self.batch.abandon()
-            raise
+    def begin(self, context: bpy.types.Context, beside: bool) -> Batch:
+        """Beside a window or not, the same."""
+        return Batch(context)
 
-    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Starts; modal() goes on."""
-        if bpy.app.background:
-            return self.execute(context)
-        if not self.begin(context):
-            return {"CANCELLED"}
-        PARADESC_OT_bake.running = self.batch
-        manager = context.window_manager
-        self.timer = manager.event_timer_add(TIMER_STEP, window=context.window)
-        manager.progress_begin(0.0, 1.0)
-        manager.modal_handler_add(self)
-        self.show_progress(context)
-        return {"RUNNING_MODAL"}
-
-    def begin(self, context: bpy.types.Context) -> bool:
-        """Takes the settings and the selection; reports what is wrong with them."""
-        try:
-            self.batch = Batch(context)
-        except ParadescError as error:
-            self.report({"ERROR"}, error.sentence)
-            return False
-        return True
-
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Shows progress, cancels on Esc, and writes the results when all are there."""
-        if event.type == "ESC" and event.value == "PRESS":
-            self.batch.cancel()
-            return {"RUNNING_MODAL"}
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"} if event.type in VIEW_EVENTS else {"RUNNING_MODAL"}
-        try:
-            self.batch.step()
-            if self.batch.worker is None:  # the next mesh need not wait for the next turn
-                self.batch.step()
-            if not self.batch.done:
-                self.show_progress(context)
-                return {"RUNNING_MODAL"}
-            self.clean_up(context)
-            return self.end(context)
-        except BaseException:
-            self.cancel(context)
-            raise
-
-    def cancel(self, context: bpy.types.Context) -> None:
-        """Blender ends the operator itself, for one because another file is loaded."""
-        self.batch.abandon()
-        self.clean_up(context)
-
-    def show_progress(self, context: bpy.types.Context) -> None:
-        """In the cursor, the status bar and the panel."""
-        context.window_manager.progress_update(self.batch.fraction)
-        if context.workspace is not None:
-            context.workspace.status_text_set(f"Paradesc: {progress_text(self.batch)} (Esc cancels)")
-        redraw_sidebars(context)
-
-    def end(self, context: bpy.types.Context) -> set[str]:
+    def finish(self, context: bpy.types.Context) -> set[str]:
         """Writes all results and says what was found; after Esc nothing, of no mesh."""
-        batch = self.batch
+        batch = self.job
         if batch.cancelled:
-            batch.abandon()
             self.report({"INFO"}, "Cancelled; every mesh is as it was")
             return {"CANCELLED"}
         keep_for_undo(context)
@@ -120,19 +47,8 @@ class PARADESC_OT_bake(bpy.types.Operator):
             self.report({"WARNING"}, sentence)
         for path in [path for piece in batch.written for path in piece.placed]:
             self.report({"INFO"}, f"Wrote {path}")
-        self.report({"WARNING" if batch.failed else "INFO"}, summary(batch))
+        self.report({"WARNING" if batch.failed else "INFO"}, bake_sentence(batch))
         return {"FINISHED"}
-
-    def clean_up(self, context: bpy.types.Context) -> None:
-        """Takes the timer and the progress away."""
-        if PARADESC_OT_bake.running is None:
-            return
-        PARADESC_OT_bake.running = None
-        context.window_manager.event_timer_remove(self.timer)
-        context.window_manager.progress_end()
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
-        redraw_sidebars(context)
 
 
 def keep_for_undo(context: bpy.types.Context) -> None:
@@ -142,27 +58,12 @@ def keep_for_undo(context: bpy.types.Context) -> None:
         bpy.ops.ed.undo_push(message="Before Bake Descriptors")
 
 
-def progress_text(batch: Batch) -> str:
-    """How far a bake is, for people."""
-    return f"{batch.stage}, {batch.fraction:.0%}"
-
-
-def redraw_sidebars(context: bpy.types.Context) -> None:
-    """Lets the panel show how far the bake is."""
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                for region in area.regions:
-                    if region.type == "UI":
-                        region.tag_redraw()
-
-
 def failures(batch: Batch) -> list[str]:
     """One sentence for each mesh that failed."""
     return [with_name(piece.name, piece.failure) for piece in batch.failed]
 
 
-def summary(batch: Batch) -> str:
+def bake_sentence(batch: Batch) -> str:
     """What a bake did, in one line."""
     written = batch.written
     seconds = sum(piece.results.field_report["seconds_total"] for piece in written)

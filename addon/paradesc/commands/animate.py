@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..bridge import ProgressFunction
 from ..core import job, legend
 from ..core.standard_streams import quiet
 from ..files import cache
@@ -98,7 +99,7 @@ def bake_object(
     arguments: argparse.Namespace,
     folder: Path,
     wanted: range,
-    progress: job.ProgressFunction,
+    progress: ProgressFunction,
 ) -> dict[str, object]:
     """Bakes one object's frames; gives what there is to say about it."""
     import bpy
@@ -106,7 +107,7 @@ def bake_object(
     from ..animation import frames
 
     maps = map_sources(arguments)
-    request = frames.Request(
+    request = frames.FrameRequest(
         settings, folder, arguments.source, arguments.relative_to_rest, arguments.force, maps if maps.any else None
     )
     scene = bpy.context.scene
@@ -118,7 +119,7 @@ def bake_object(
         return report_of(baker, wanted, made)
 
 
-def bake_frames(baker: "FrameBaker", wanted: range, progress: job.ProgressFunction) -> "list[Done]":
+def bake_frames(baker: "FrameBaker", wanted: range, progress: ProgressFunction) -> "list[Done]":
     """Bakes one frame after the other; gives those that had to be made."""
     made = []
     for index, frame in enumerate(wanted):
@@ -131,7 +132,7 @@ def bake_frames(baker: "FrameBaker", wanted: range, progress: job.ProgressFuncti
     return made
 
 
-def part_of(progress: job.ProgressFunction, frame: int, index: int, count: int) -> Callable[[str, float], bool]:
+def part_of(progress: ProgressFunction, frame: int, index: int, count: int) -> Callable[[str, float], bool]:
     """The same progress for one of the frames."""
     return lambda stage, fraction: progress(f"frame {frame}: {stage}", (index + fraction) / count)
 

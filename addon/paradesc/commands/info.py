@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 def describe(target: "bpy.types.Object") -> dict[str, object]:
     """One object: facts, UV map, defects, and what suits it; a mesh that cannot be read has a sentence instead."""
-    from ..scene import mesh_io
+    from ..scene import mesh_io, record
 
     mesh = target.data
     row: dict[str, object] = {
@@ -72,7 +72,7 @@ def describe(target: "bpy.types.Object") -> dict[str, object]:
         "modifiers": [modifier.type for modifier in target.modifiers],
         "shape_keys": len(mesh.shape_keys.key_blocks) if mesh.shape_keys else 0,
         "uv_maps": [layer.name for layer in mesh.uv_layers],
-        "baked": mesh_io.written_attributes(mesh),
+        "baked": record.attributes_of(mesh),
         "obstacle": "",
     }
     try:

@@ -201,14 +201,13 @@ def scene_settings() -> "Iterator[bpy.types.Scene]":
     """The open scene with the panels' settings; they lie in the .blend, whether the add-on is enabled or not."""
     import bpy
 
-    from ..settings import looks, properties
-    from ..ui import animation_panel
+    from ..settings import animation, looks, properties
 
     if hasattr(bpy.types.Scene, "paradesc"):
         yield bpy.context.scene
         return
-    groups = (looks.PARADESC_PG_looks, animation_panel.PARADESC_PG_animation)
-    modules = (properties, looks, animation_panel)
+    groups = (looks.PARADESC_PG_looks, animation.PARADESC_PG_animation)
+    modules = (properties, looks, animation)
     for cls in groups:
         bpy.utils.register_class(cls)
     for module in modules:

@@ -9,7 +9,7 @@ from ..core.standard_streams import quiet
 if TYPE_CHECKING:
     import bpy
 
-    from ..scene.surface_maps import Sources
+    from ..scene.surface_maps import MapChoice
     from ..scene.targets import Read
 
 
@@ -18,20 +18,20 @@ def read_object(target: "bpy.types.Object", settings: job.Settings, arguments: a
     from ..scene import targets
 
     shape = arguments.shape_key or "basis"
-    request = targets.Request(shape, map_sources(arguments), source=arguments.source, remedy="give --space world")
+    request = targets.ReadRequest(shape, map_sources(arguments), source=arguments.source, remedy="give --space world")
     with quiet(arguments.verbose):
         read = targets.read(target, settings, request)
     read.notes += read.map_notes
     return read
 
 
-def map_sources(arguments: argparse.Namespace) -> "Sources":
+def map_sources(arguments: argparse.Namespace) -> "MapChoice":
     """Where displacement and normal map come from; compare has no such options."""
     from ..scene import surface_maps
 
     if not hasattr(arguments, "displacement"):
-        return surface_maps.Sources()
-    return surface_maps.Sources(
+        return surface_maps.MapChoice()
+    return surface_maps.MapChoice(
         arguments.displacement,
         arguments.midlevel,
         arguments.displacement_scale,

@@ -127,7 +127,7 @@ def spread_note(row: dict[str, object]) -> str:
 
 
 def compare(
-    arrays: bridge.MeshArrays, settings: job.Settings, progress: job.ProgressFunction | None = None
+    arrays: bridge.MeshArrays, settings: job.Settings, progress: bridge.ProgressFunction | None = None
 ) -> tuple[list[dict[str, object]], job.Results, job.Results]:
     """Rows of errors, one a descriptor, and the two results they come from."""
     device_settings = replace(settings, options=replace(settings.options, seam_error=True))
@@ -143,7 +143,7 @@ def compare(
     return rows, device, reference
 
 
-def staged(progress: job.ProgressFunction | None, name: str, start: float) -> job.ProgressFunction | None:
+def staged(progress: bridge.ProgressFunction | None, name: str, start: float) -> bridge.ProgressFunction | None:
     """The same progress for one of two halves of the work."""
     if progress is None:
         return None

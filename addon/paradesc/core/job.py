@@ -1,22 +1,18 @@
 """One bake from arrays to arrays: what the operator, the command line and the tests all run. Never imports bpy."""
 
-import threading
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
-from functools import partial
 
 import numpy as np
 
 from .. import bridge
-from ..bridge import abi
-from . import contexts, threads
+from ..bridge import ProgressFunction, abi
+from . import contexts
 from .color_maps import Look
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
 # Ends the names of values relative to the rest pose.
 CHANGE = "_change"
 
-ProgressFunction = Callable[[str, float], bool]
 # The attribute of vertices without a value.
 UNDEFINED_MASK = "paradesc_mask"
 
@@ -75,7 +71,7 @@ class Results:
     field_reports: dict[str, dict[str, float | int]] = field(default_factory=dict)  # by the suffix of each radius
     unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
     corners: Corners | None = None  # with the descriptor harris only
-    look: Look | None = None  # of the colors; None: as the scene has it, else as suits each descriptor
+    look: Look = field(default_factory=Look)  # of the colors
 
     @property
     def extras(self) -> dict[str, np.ndarray]:
@@ -286,54 +282,3 @@ def layout_sentence(layout: bridge.Layout, charts: int) -> str:
         done = f"Blender unwrapped a copy of it into {count} for the computation"
     unchanged = "" if layout.reason == "has no UV map" else ", and the map itself is unchanged"
     return f"The mesh {layout.reason}; {done}{unchanged}."
-
-
-class Worker:
-    """Runs one bake on a thread of its own, so that a window stays alive; ask it from the main thread."""
-
-    def __init__(
-        self, arrays: bridge.MeshArrays, settings: Settings, work: Callable[..., Results] | None = None
-    ) -> None:
-        """work: what to call with arrays, settings and progress; run() where none is given."""
-        self.stage = "start"
-        self.fraction = 0.0
-        self._cancelled = threading.Event()
-        self._results: Results | None = None
-        self._work = work or run
-        self._error: Exception | None = None
-        self._begin = partial(threads.start, "paradesc", partial(self._run, arrays, settings), self.cancel)
-        self._thread: threading.Thread | None = None
-
-    def start(self) -> None:
-        """Starts the thread."""
-        self._thread = self._begin()
-
-    @property
-    def done(self) -> bool:
-        """True once results() will not wait."""
-        return self._thread is not None and not self._thread.is_alive()
-
-    def cancel(self) -> None:
-        """Asks the native call to stop at its next tile."""
-        self._cancelled.set()
-
-    def results(self) -> Results:
-        """Waits for the end; gives the results or raises what went wrong. Cancelled is cancelled, however late."""
-        self._thread.join()
-        if self._cancelled.is_set():
-            raise bridge.ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
-        if self._error is not None:
-            raise self._error
-        if self._results is None:
-            raise bridge.ParadescError(abi.STATUS_UNKNOWN, "The computation ended without results.")
-        return self._results
-
-    def _run(self, arrays: bridge.MeshArrays, settings: Settings) -> None:
-        try:
-            self._results = self._work(arrays, settings, self._progress)
-        except Exception as error:  # noqa: BLE001 (raised again on the main thread by results())
-            self._error = error
-
-    def _progress(self, stage: str, fraction: float) -> bool:
-        self.stage, self.fraction = stage, fraction
-        return not self._cancelled.is_set()

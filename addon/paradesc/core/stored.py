@@ -25,7 +25,7 @@ WORDS = ("backend", "device", "fallback", "warnings")
 
 
 def checked(content: object) -> dict[str, object]:
-    """The part of it that has the form which mesh_io.summary() makes; empty where it says of no attributes."""
+    """The part of it that has the form which record.write() makes; empty where it says of no attributes."""
     names = content.get("attributes") if isinstance(content, dict) else None
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         return {}

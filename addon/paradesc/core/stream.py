@@ -61,7 +61,7 @@ class Stream:
     def compute(
         self,
         positions: np.ndarray,
-        progress: job.ProgressFunction | None = None,
+        progress: bridge.ProgressFunction | None = None,
         corner_normals: np.ndarray | None = None,
         corner_tangents: np.ndarray | None = None,
     ) -> job.Results:
@@ -99,7 +99,7 @@ class Stream:
             maps = replace(maps, corner_tangents=corner_tangents)
         return replace(self.arrays, positions=positions, corner_normals=corner_normals, maps=maps)
 
-    def mesh_at(self, arrays: MeshArrays, progress: job.ProgressFunction | None = None) -> bridge.Mesh:
+    def mesh_at(self, arrays: MeshArrays, progress: bridge.ProgressFunction | None = None) -> bridge.Mesh:
         """The native mesh with these positions: the one there is, or a new one."""
         if self._mesh is not None and arrays.corner_normals is None and self._contact.holds(arrays.positions):
             self._mesh.set_positions(arrays.positions)

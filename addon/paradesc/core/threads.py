@@ -1,4 +1,4 @@
-"""Threads that compute beside Blender; when Python ends they are stopped first.
+"""Threads that compute beside Blender, and can be asked to stop; when Python ends they are stopped first.
 
 A native call that is still under way then would call back into an interpreter that is gone, which aborts or hangs the
 process.
@@ -7,6 +7,11 @@ process.
 import atexit
 import threading
 from collections.abc import Callable
+from typing import Generic, TypeVar
+
+from ..bridge import ParadescError, ProgressFunction, abi
+
+Result = TypeVar("Result")
 
 # Seconds that the end of Python waits for a thread that was told to stop; it takes a tenth of one.
 PATIENCE = 30.0
@@ -37,3 +42,52 @@ def stop_all() -> None:
 
 
 atexit.register(stop_all)
+
+
+class Worker(Generic[Result]):
+    """One piece of work on a thread of its own, so that a window stays alive; ask it from the thread that made it."""
+
+    def __init__(self, work: Callable[[ProgressFunction], Result], name: str = "paradesc") -> None:
+        """work: called with a progress function, which gives False once the work is to stop."""
+        self.stage, self.fraction = "start", 0.0
+        self._work, self._name = work, name
+        self._cancelled = threading.Event()
+        self._result: Result | None = None
+        self._error: BaseException | None = None
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Starts the thread."""
+        self._thread = start(self._name, self._run, self.cancel)
+
+    @property
+    def done(self) -> bool:
+        """True once result() will not wait."""
+        return self._thread is not None and not self._thread.is_alive()
+
+    def cancel(self) -> None:
+        """Asks the native call to stop at its next tile."""
+        self._cancelled.set()
+
+    def join(self) -> None:
+        """Waits for the end."""
+        self._thread.join()
+
+    def result(self) -> Result:
+        """Waits for the end; gives the result or raises what went wrong. Cancelled is cancelled, however late."""
+        self.join()
+        if self._cancelled.is_set():
+            raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
+        if self._error is not None:
+            raise self._error
+        return self._result
+
+    def _run(self) -> None:
+        try:
+            self._result = self._work(self._progress)
+        except BaseException as error:  # noqa: BLE001 (raised again by result())
+            self._error = error
+
+    def _progress(self, stage: str, fraction: float) -> bool:
+        self.stage, self.fraction = stage, fraction
+        return not self._cancelled.is_set()

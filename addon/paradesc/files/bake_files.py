@@ -79,7 +79,7 @@ def refuse(sentence: str) -> ParadescError:
 
 
 def run(
-    files: Files, arrays: bridge.MeshArrays, settings: job.Settings, progress: job.ProgressFunction | None
+    files: Files, arrays: bridge.MeshArrays, settings: job.Settings, progress: bridge.ProgressFunction | None
 ) -> job.Results:
     """job.run(), then the files, aside; whoever asked brings them to their places or discards them."""
     if not files.any:
@@ -94,7 +94,7 @@ def run(
     return results
 
 
-def write(files: Files, baked: Baked, report: job.ProgressFunction) -> None:
+def write(files: Files, baked: Baked, report: bridge.ProgressFunction) -> None:
     """Writes image and buffers aside; asks between them whether to go on."""
     go_on(report, "write images", COMPUTING)
     if files.image is not None and files.image.suffix == ".png":
@@ -113,7 +113,7 @@ def write(files: Files, baked: Baked, report: job.ProgressFunction) -> None:
         go_on(report, "write buffers", 1.0)
 
 
-def go_on(report: job.ProgressFunction, stage: str, fraction: float) -> None:
+def go_on(report: bridge.ProgressFunction, stage: str, fraction: float) -> None:
     """Reports progress; raises where it says to stop."""
     if not report(stage, fraction):
         raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")

@@ -4,13 +4,9 @@ import bpy
 import numpy as np
 
 from ..bridge import InputError, MeshArrays, ParadescError, components
-from ..core import color_maps, legend, stored
+from ..core import color_maps
 from ..core.job import Results, registry_name, registry_row
-from ..settings import looks
-from . import modes, unwrap
-
-# Custom property of a mesh that says what was baked into it: settings, report, and the names of our attributes.
-PROPERTY = "paradesc"
+from . import modes, record, unwrap
 
 
 def refuse(sentence: str) -> InputError:
@@ -49,7 +45,7 @@ def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name:
     )
     reason = unwrap.fault(arrays.corner_uvs, arrays.triangle_corners)
     if reason:
-        arrays.layout = unwrap.layout(mesh, stored_layout(mesh), arrays, reason) if needs_uvs else None
+        arrays.layout = unwrap.layout(mesh, record.layout_of(mesh), arrays, reason) if needs_uvs else None
         arrays.corner_uvs = arrays.layout.uvs if arrays.layout else None
     return arrays
 
@@ -169,22 +165,6 @@ def check_writable(target: bpy.types.Object) -> None:
         )
 
 
-def stored_summary(mesh: bpy.types.Mesh) -> dict[str, object]:
-    """What summary() left on this mesh with the last bake; empty without one."""
-    content = mesh.get(PROPERTY)
-    return stored.checked(content.to_dict() if hasattr(content, "to_dict") else None)
-
-
-def stored_layout(mesh: bpy.types.Mesh) -> dict[str, str]:
-    """What a bake stored about the layout that it left on this mesh; empty without one."""
-    return stored_summary(mesh).get("layout", {})
-
-
-def written_attributes(mesh: bpy.types.Mesh) -> list[str]:
-    """Names of the attributes that earlier bakes left on this mesh."""
-    return list(stored_summary(mesh).get("attributes", []))
-
-
 def wanted_kind(name: str) -> tuple[str, str]:
     """Type and domain of an attribute of ours."""
     if name.endswith("_color"):
@@ -200,7 +180,7 @@ def wanted_names(results: Results) -> list[str]:
 
 def check_names(mesh: bpy.types.Mesh, names: list[str]) -> list[str]:
     """The names whose attribute has another type or domain and is ours to replace; refuses those that are not ours."""
-    ours = written_attributes(mesh)
+    ours = record.attributes_of(mesh)
     replaced = []
     for name in names:
         if name in mesh.uv_layers:
@@ -226,10 +206,11 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
             raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
         replaced = check_names(mesh, wanted_names(results))
         make_attributes(mesh, wanted_names(results), replaced)
-        layout = stored_layout(mesh) if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
+        layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
         shown = {name: shown_range(results, name) for name in results.values}
         write_values(mesh, results, shown)
-        mesh[PROPERTY] = {**summary(mesh, results, shown), "layout": layout}
+        drawn = {name: record.drawing_of(shown[name], results, name) for name in shown}
+        record.write(mesh, record.facts_of(results), shown, drawn, wanted_names(results), layout)
         mesh.update()
     return [f'The attribute "{name}" had another type or domain and was replaced.' for name in replaced]
 
@@ -287,47 +268,4 @@ def write_colors(mesh: bpy.types.Mesh, name: str, values: np.ndarray, shown: col
 
 def shown_range(results: Results, name: str) -> color_maps.ValueRange:
     """The range of values that the colors of a descriptor span."""
-    look = results.look or looks.scene_look(bpy.context.scene)
-    return color_maps.value_range(results.values[name], registry_row(name), results.radius_of(name), look)
-
-
-def drawing(shown: color_maps.ValueRange) -> dict[str, object]:
-    """How colors were made, beside their range."""
-    return {
-        "map": shown.map_name,
-        "diverging": shown.diverging,
-        **({} if shown.neutral is None else {"neutral": shown.neutral}),
-    }
-
-
-def drawing_of(shown: color_maps.ValueRange, results: Results, name: str) -> dict[str, object]:
-    """What a legend and a new coloring need to know of a descriptor's values, beside their range."""
-    return {
-        **drawing(shown),
-        "radius": results.radius_of(name),
-        "unit": legend.unit_of(name, results.settings.options.map_descriptor),
-    }
-
-
-def summary(mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.ValueRange]) -> dict[str, object]:
-    """What the custom property holds, with the ranges of the colors: plain numbers, strings and lists."""
-    names = sorted(set(written_attributes(mesh)) | set(wanted_names(results)))
-    earlier = stored_summary(mesh)
-    drawn = {name: drawing_of(shown[name], results, name) for name in shown}
-    return {
-        "settings": {name: storable(value) for name, value in results.settings.as_dict().items()},
-        "mesh_report": results.mesh_report,
-        "field_report": results.field_report,
-        "backend": results.backend,
-        "device": results.device,
-        "fallback": results.fallback,
-        "warnings": "\n".join(results.warnings),
-        "ranges": {**earlier.get("ranges", {}), **{name: [span.minimum, span.maximum] for name, span in shown.items()}},
-        "drawn": {**earlier.get("drawn", {}), **drawn},
-        "attributes": [name for name in names if name in mesh.attributes],
-    }
-
-
-def storable(value: object) -> object:
-    """The value, as a float where Blender's 32-bit custom properties cannot hold the integer."""
-    return float(value) if isinstance(value, int) and abs(value) >= 2**31 else value
+    return color_maps.value_range(results.values[name], registry_row(name), results.radius_of(name), results.look)

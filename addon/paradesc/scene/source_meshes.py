@@ -15,7 +15,7 @@ import numpy as np
 from ..bridge import MeshArrays
 from ..core.job import Results
 from ..core.source_kinds import NAMES
-from . import mesh_io
+from . import mesh_io, record
 from .mesh_io import refuse
 
 # Modifiers that make or take vertices or faces. Geometry Nodes may do either, which is tried.
@@ -296,14 +296,14 @@ def result_object(target: bpy.types.Object, arrays: MeshArrays) -> bpy.types.Obj
         raise refuse(f'The object "{target.name}" was changed while it was being computed; run it again.')
     mesh.name = name
     holder = bpy.data.objects.get(name)
-    if holder is not None and holder.get(mesh_io.PROPERTY) == target.name:
+    if holder is not None and holder.get(record.PROPERTY) == target.name:
         former = holder.data
         holder.data = mesh
         if former.users == 0:
             bpy.data.meshes.remove(former)
     else:
         holder = bpy.data.objects.new(name, mesh)
-        holder[mesh_io.PROPERTY] = target.name
+        holder[record.PROPERTY] = target.name
         for collection in target.users_collection or [bpy.context.scene.collection]:
             collection.objects.link(holder)
     holder.matrix_world = target.matrix_world

@@ -17,7 +17,7 @@ ORIGINAL_FACE = "paradesc_face"
 
 
 @dataclass
-class Sources:
+class MapChoice:
     """Where maps come from: files, or the object's material."""
 
     displacement: Path | None = None
@@ -32,14 +32,14 @@ class Sources:
         return self.material or self.displacement is not None or self.normal_map is not None
 
 
-def add_maps(target: bpy.types.Object, arrays: MeshArrays, sources: Sources) -> list[str]:
+def add_maps(target: bpy.types.Object, arrays: MeshArrays, choice: MapChoice) -> list[str]:
     """Puts the maps, and what they need of the mesh, into its arrays; gives a sentence about each."""
-    if not sources.any:
+    if not choice.any:
         return []
     if target.data.uv_layers.active is None:
         raise refuse(f'The mesh "{target.data.name}" has no UV map for displacement and normal maps; unwrap it.')
     maps = SurfaceMaps()
-    notes = read_material(target, maps) if sources.material else read_files(sources, maps)
+    notes = read_material(target, maps) if choice.material else read_files(choice, maps)
     if maps.normals is not None:
         maps.corner_tangents, arrays.corner_normals = read_tangent_space(target)
     arrays.maps = maps
@@ -49,17 +49,17 @@ def add_maps(target: bpy.types.Object, arrays: MeshArrays, sources: Sources) -> 
 # ---- Images
 
 
-def read_files(sources: Sources, maps: SurfaceMaps) -> list[str]:
+def read_files(choice: MapChoice, maps: SurfaceMaps) -> list[str]:
     """Fills the maps from image files, whose values are taken as they are; gives a sentence about each."""
     notes = []
-    if sources.displacement is not None:
-        pixels, fine = read_file(sources.displacement)
+    if choice.displacement is not None:
+        pixels, fine = read_file(choice.displacement)
         maps.heights = luminance(pixels)
-        maps.midlevel, maps.scale = sources.midlevel, sources.scale
-        notes += displacement_notes(sources.displacement.name, maps, fine)
-    if sources.normal_map is not None:
-        maps.normals = read_file(sources.normal_map)[0][..., :3]
-        notes.append(f'Normals are those of "{sources.normal_map.name}".')
+        maps.midlevel, maps.scale = choice.midlevel, choice.scale
+        notes += displacement_notes(choice.displacement.name, maps, fine)
+    if choice.normal_map is not None:
+        maps.normals = read_file(choice.normal_map)[0][..., :3]
+        notes.append(f'Normals are those of "{choice.normal_map.name}".')
     return notes
 
 

@@ -73,12 +73,11 @@ def unwritable(target: bpy.types.Object) -> str:
 
 
 @dataclass
-class Request:
-    """What else is asked of a bake than the computation's own settings; plain values, since it outlasts an undo."""
+class ReadRequest:
+    """How an object is read beside the computation's own settings; plain values, since it outlasts an undo."""
 
     shape_key: str = "basis"  # or "active"
-    maps: surface_maps.Sources = field(default_factory=surface_maps.Sources)
-    write_attributes: bool = True
+    maps: surface_maps.MapChoice = field(default_factory=surface_maps.MapChoice)
     source: str = "original"
     remedy: str = "measure in World"  # where an object's scale does not count
 
@@ -94,7 +93,7 @@ class Read:
     map_notes: list[str]  # and about each image
 
 
-def read(target: bpy.types.Object, settings: job.Settings, request: Request) -> Read:
+def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest) -> Read:
     """The object's mesh by its source, before or after modifiers; the mesh stays as it is."""
     needs_uvs = settings.backend != "reference"
     reading = source_meshes.read(target, request.source, settings.options.normals == "mesh", needs_uvs)

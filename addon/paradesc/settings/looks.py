@@ -1,5 +1,7 @@
 """How values become colors in one scene: the settings, and what they mean for the color maps."""
 
+from collections.abc import Callable
+
 import bpy
 
 from ..core.color_maps import AUTOMATIC, CLIPPED_PERCENT, MAPS, Look
@@ -22,6 +24,8 @@ PACKED_DOMAINS = [
     ("CORNER", "Face Corner", "One color a face corner, as most formats and older tools want it"),
 ]
 CHANNELS = ("red", "green", "blue", "alpha")
+# Called with the scene whose settings were changed: what follows them comes after them, and is not known here.
+LISTENERS: list[Callable[[bpy.types.Scene], None]] = []
 
 
 def redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
@@ -33,10 +37,8 @@ def redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
 
 def changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """Live values are shown so at once; what was baked, by Recolor."""
-    from ..animation import handlers
-
-    if hasattr(bpy.types.Object, "paradesc_live"):
-        handlers.look_changed(group.id_data)
+    for listener in LISTENERS:
+        listener(group.id_data)
 
 
 class PARADESC_PG_looks(bpy.types.PropertyGroup):

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from ..scene import mesh_io
+from ..scene import mesh_io, record
 from . import recolor
 from .node_groups import MARK, add_math, add_mix, add_node, add_socket, found_group, new_group
 
@@ -147,7 +147,7 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
     names = recolor.baked_names(mesh)
     concave, convex, mean = (first_of(names, word) for word in ("cavity", "convexity", "mean_curvature"))
     if mean and not (concave and convex):
-        stored = mesh_io.stored_summary(mesh)
+        stored = record.read(mesh)
         radius = stored.get("drawn", {}).get(mean, {}).get("radius", stored.get("field_report", {}).get("radius"))
         if radius is None:
             raise mesh_io.refuse(

@@ -3,7 +3,7 @@
 import bpy
 
 from ..core import color_maps, legend
-from ..scene import mesh_io
+from ..scene import record
 from . import materials, recolor
 
 BAR_WIDTH, BAR_HEIGHT, MARGIN, TEXT_SIZE, STEPS = 260, 12, 26, 12, 65
@@ -33,7 +33,7 @@ def name_in(shading: str, color_type: str, target: bpy.types.Object) -> str:
 
 def lines_of(mesh: bpy.types.Mesh, name: str) -> tuple[str, color_maps.ValueRange]:
     """The legend's title, and the range with its map."""
-    drawn = mesh_io.stored_summary(mesh).get("drawn", {}).get(name, {})
+    drawn = record.read(mesh).get("drawn", {}).get(name, {})
     return legend.title(name, drawn.get("unit", "")), recolor.stored_range(mesh, name)
 
 
@@ -47,7 +47,7 @@ def draw() -> None:
     if found is None:
         return
     target, name = found
-    if name not in mesh_io.stored_summary(target.data).get("ranges", {}):
+    if name not in record.read(target.data).get("ranges", {}):
         return
     title, shown = lines_of(target.data, name)
     scale = context.preferences.system.ui_scale

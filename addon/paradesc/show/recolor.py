@@ -7,7 +7,7 @@ from .. import bridge
 from ..bridge import ParadescError
 from ..core import color_maps, legend
 from ..core.job import registry_name, registry_row
-from ..scene import mesh_io, modes
+from ..scene import mesh_io, modes, record
 from ..settings import looks
 
 Item = tuple[str, str, str]
@@ -17,7 +17,7 @@ def baked_names(mesh: bpy.types.Mesh) -> list[str]:
     """The descriptors, by the names of their attributes, that bakes have left on this mesh with colors."""
     if bridge.missing_sentence():
         return []
-    ours, known = mesh_io.written_attributes(mesh), {row.name for row in bridge.descriptors()}
+    ours, known = record.attributes_of(mesh), {row.name for row in bridge.descriptors()}
     return [name for name in ours if f"{name}_color" in ours and registry_name(name) in known]
 
 
@@ -35,7 +35,7 @@ def shown_name(mesh: bpy.types.Mesh) -> str:
 
 def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
     """The range and map in which a descriptor's colors on this mesh were made."""
-    stored = mesh_io.stored_summary(mesh)
+    stored = record.read(mesh)
     if name not in stored.get("ranges", {}):
         raise mesh_io.refuse(f'The mesh "{mesh.name}" does not say any more which range "{name}" has; bake it again.')
     minimum, maximum = stored["ranges"][name]
@@ -59,14 +59,13 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     if mesh.attributes.get(f"{name}_color") is None:
         raise mesh_io.refuse(f'The mesh "{mesh.name}" has no colors "{name}_color" any more; bake them again.')
     values = stored_values(mesh, name)
-    stored = mesh_io.stored_summary(mesh)
+    stored = record.read(mesh)
     drawn = stored.get("drawn", {}).get(name, {})
     radius = drawn.get("radius", stored.get("field_report", {}).get("radius", 0.0))
     shown = color_maps.value_range(values, registry_row(name), radius, look)
     mesh_io.write_colors(mesh, name, values, shown)
-    ranges = {**stored.get("ranges", {}), name: [shown.minimum, shown.maximum]}
-    drawn = {**mesh_io.drawing(shown), **{word: drawn[word] for word in ("radius", "unit") if word in drawn}}
-    mesh[mesh_io.PROPERTY] = {**stored, "ranges": ranges, "drawn": {**stored.get("drawn", {}), name: drawn}}
+    drawn = {**record.drawing(shown), **{word: drawn[word] for word in ("radius", "unit") if word in drawn}}
+    record.write(mesh, {}, {name: shown}, {name: drawn})
     mesh.update()
     return shown
 

@@ -4,10 +4,9 @@ import bpy
 from mathutils import Vector
 
 from .. import bridge
-from ..bake import operators
-from ..bake.batch import Batch
+from ..bake.modal import ModalJob, Steps, progress_text
 from ..core import devices, spaces
-from ..scene import mesh_io, targets
+from ..scene import record, targets
 from ..settings import presets, properties
 
 # Mesh defects worth a line each when there are any: member of the mesh report, words for people.
@@ -56,7 +55,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         row.menu("PARADESC_MT_presets", text=presets.PARADESC_MT_presets.bl_label)
         row.operator("paradesc.add_preset", text="", icon="ADD")
         row.operator("paradesc.add_preset", text="", icon="REMOVE").remove_active = True
-        running = operators.PARADESC_OT_bake.running
+        running = ModalJob.running
         if running:
             draw_progress(context, layout, running)
             return
@@ -248,15 +247,15 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
     def poll(cls, context: bpy.types.Context) -> bool:
         """Only where there was one."""
         target = context.active_object
-        if target is None or target.type != "MESH" or "mesh_report" not in mesh_io.stored_summary(target.data):
+        if target is None or target.type != "MESH" or "mesh_report" not in record.read(target.data):
             return False  # frames of a cache have no report
-        left = mesh_io.written_attributes(target.data)  # the list outlives an undo in edit mode, the attributes do not
+        left = record.attributes_of(target.data)  # the list outlives an undo in edit mode, the attributes do not
         return any(name in target.data.attributes for name in left)
 
     def draw(self, context: bpy.types.Context) -> None:
         """One line a fact, warnings below."""
         column = self.layout.column(align=True)
-        stored = mesh_io.stored_summary(context.active_object.data)
+        stored = record.read(context.active_object.data)
         for fact in report_lines(stored):
             for line in wrapped(fact, line_length(context)):
                 column.label(text=line)
@@ -309,11 +308,11 @@ def button_text(count: int) -> str:
     return f"Bake {count} Meshes" if count > 1 else "Bake Descriptors"
 
 
-def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Batch) -> None:
-    """How far the bake is; Blender has a bar for it since 4.0."""
+def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
+    """How far the work is; Blender has a bar for it since 4.0."""
     if hasattr(layout, "progress"):
         layout.progress(factor=running.fraction, text=f"{running.fraction:.0%}", type="BAR")
-    sentence_lines(context, layout, f"{operators.progress_text(running)} (Esc cancels)", "SORTTIME")
+    sentence_lines(context, layout, f"{progress_text(running)} (Esc cancels)", "SORTTIME")
 
 
 def radius_words(scene: bpy.types.Scene, settings: bpy.types.PropertyGroup, target: bpy.types.Object) -> str:

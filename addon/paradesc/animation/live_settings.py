@@ -1,0 +1,129 @@
+"""Settings of live values and playback: what of them is kept in scenes and in objects, and what follows a change."""
+
+import bpy
+
+from . import handlers
+
+MODES = [
+    ("OFF", "Off", "Values stay as they were baked"),
+    ("LIVE", "Live", "Compute the values of the deformed shape at every frame, after every edit, and in renders"),
+    ("CACHE", "Cache", "Play the frames that Bake Frames left in the cache; nothing is computed"),
+]
+MISSING = [
+    ("HOLD", "Hold Nearest", "Show the values of the nearest frame that is there"),
+    ("COMPUTE", "Compute", "Compute them as live mode does"),
+]
+
+
+def mode_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """Starts or ends it."""
+    handlers.mode_changed(group.id_data)
+
+
+def settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """Brings all live objects up to date with the settings."""
+    handlers.refresh_window(handlers.live_objects(), watched=True)
+
+
+def range_changed(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """The same where somebody has set a range, which then stays."""
+    if not handlers.is_ours():
+        group.typed = True
+        settings_changed(group, context)
+
+
+class PARADESC_PG_live_range(bpy.types.PropertyGroup):
+    """The values that the two ends of a descriptor's colors stand for, at every frame and on every live object."""
+
+    name: bpy.props.StringProperty(name="Descriptor", description="Whose values these are")
+    minimum: bpy.props.FloatProperty(
+        name="From", description="Value at the lower end of the colors", precision=4, update=range_changed
+    )
+    maximum: bpy.props.FloatProperty(
+        name="To", description="Value at the upper end of the colors", precision=4, update=range_changed
+    )
+    typed: bpy.props.BoolProperty(name="Typed", description="Whether somebody has set this range", options={"HIDDEN"})
+
+
+class PARADESC_PG_live(bpy.types.PropertyGroup):
+    """Live mode's settings of one scene."""
+
+    samples: bpy.props.IntProperty(
+        name="Samples",
+        description="At most so many samples around every vertex in the viewport; fewer are faster",
+        default=16,
+        min=8,
+        max=4096,
+        update=settings_changed,
+    )
+    buffer_size: bpy.props.IntProperty(
+        name="Buffer Size",
+        description="At most so many texels along a side of the baked buffers in the viewport",
+        default=512,
+        min=64,
+        max=8192,
+        subtype="PIXEL",
+        update=settings_changed,
+    )
+    fast_seams: bpy.props.BoolProperty(
+        name="Fast over Seams",
+        description="Carry every sample over seams by itself in the viewport, less exactly than to take what is "
+        "connected. Faster where the surface often lies close to itself, as fingers, folds and scales do",
+        default=False,
+        update=settings_changed,
+    )
+    full_render: bpy.props.BoolProperty(
+        name="Full Quality in Renders",
+        description="Render with the settings of Quality and Method instead of these",
+        default=True,
+    )
+    wait: bpy.props.BoolProperty(
+        name="Wait for Values",
+        description="Show every frame with its own values, as slowly as they are computed. Without it, values follow "
+        "a moment later while you play, drag the current frame or edit. Renders always wait",
+        default=True,
+    )
+    missing: bpy.props.EnumProperty(
+        name="Missing Frames",
+        description="What is shown at frames that the cache lacks",
+        items=MISSING,
+        default="HOLD",
+        update=settings_changed,
+    )
+    ranges: bpy.props.CollectionProperty(
+        name="Ranges", description="What the colors of each descriptor span", type=PARADESC_PG_live_range
+    )
+    ranges_look: bpy.props.StringProperty(
+        name="Range Settings", description="The settings of Colors that the ranges follow from", options={"HIDDEN"}
+    )
+    lock_taken: bpy.props.BoolProperty(
+        name="Interface Locked", description="Live mode has switched on Render > Lock Interface", options={"HIDDEN"}
+    )
+
+
+class PARADESC_PG_live_object(bpy.types.PropertyGroup):
+    """Live mode of one object."""
+
+    mode: bpy.props.EnumProperty(
+        name="Update",
+        description="Where the object's values come from at every frame",
+        items=MODES,
+        default="OFF",
+        update=mode_changed,
+    )
+    sentence: bpy.props.StringProperty(name="Message", description="Why live values were switched off")
+
+
+classes = (PARADESC_PG_live_range, PARADESC_PG_live, PARADESC_PG_live_object)
+
+
+def register() -> None:
+    """Gives scenes and objects their settings."""
+    bpy.types.Scene.paradesc_live = bpy.props.PointerProperty(type=PARADESC_PG_live)
+    bpy.types.Object.paradesc_live = bpy.props.PointerProperty(type=PARADESC_PG_live_object)
+
+
+def unregister() -> None:
+    """Takes them away."""
+    del bpy.types.Object.paradesc_live
+    del bpy.types.Scene.paradesc_live

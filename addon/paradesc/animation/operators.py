@@ -1,0 +1,91 @@
+"""Bake Frames as an operator, the frames of all selected meshes into the cache; and taking ranges anew."""
+
+import bpy
+
+from .. import bridge
+from ..bake.batch import with_name
+from ..bake.modal import ModalJob
+from ..scene import targets
+from . import handlers
+from .cache_places import cache_root, wanted_frames
+from .frame_batch import FrameBatch
+
+# In which the mesh is that of the object.
+MODES = {"OBJECT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
+
+
+class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
+    """Compute the chosen descriptors of the selected meshes at every frame into the cache; what is there is kept"""
+
+    bl_idname = "paradesc.bake_frames"
+    bl_label = "Bake Frames"
+    bl_options = {"REGISTER"}
+    timer_step = 0.02  # a frame may take no longer
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        """Frames are read in modes only in which the mesh is that of the object."""
+        objects = targets.chosen(context)
+        modes = {item.mode for item in objects} - MODES
+        if bridge.missing_sentence() or not objects:
+            return bridge.missing_sentence() or "Select a mesh object first"
+        return f"Leave {min(modes).replace('_', ' ').lower()} mode first" if modes else ""
+
+    def begin(self, context: bpy.types.Context, beside: bool) -> FrameBatch:
+        """Takes the frames and the folder as well."""
+        return FrameBatch(context, wanted_frames(context.scene), cache_root(context.scene), beside)
+
+    def finish(self, _context: bpy.types.Context) -> set[str]:
+        """Comes back to the frame before, has colors span all frames, and says what there is now."""
+        batch = self.job
+        batch.close()
+        several = len(batch.pieces) > 1
+        for piece in batch.pieces:
+            for sentence in piece.notes:
+                self.report({"INFO"}, f'"{piece.name}": {sentence}' if several else sentence)
+        if batch.cancelled:
+            self.report({"INFO"}, "Cancelled; the frames so far are in the cache")
+            return {"CANCELLED"}
+        sentences = [with_name(piece.name, piece.failure) if several else piece.failure for piece in batch.failed]
+        if len(batch.failed) == len(batch.pieces):
+            self.report({"ERROR"}, "\n".join(sentences))
+            return {"CANCELLED"}
+        for sentence in sentences:
+            self.report({"WARNING"}, sentence)
+        batch.hold_ranges()
+        handlers.refresh_window(handlers.live_objects())
+        self.report({"INFO"}, frames_sentence(batch))
+        return {"FINISHED"}
+
+
+def frames_sentence(batch: FrameBatch) -> str:
+    """One line about all frames."""
+    sound = [piece for piece in batch.pieces if not piece.failure]
+    there = len(batch.wanted) * len(sound) - sum(piece.made for piece in sound)
+    folder = sound[0].folder if len(batch.pieces) == 1 else sound[0].folder.parent
+    objects = f" of {len(sound)} objects" if len(batch.pieces) > 1 else ""
+    return f"{batch.made} frames{objects} baked, {there} were there already: {folder}"
+
+
+class PARADESC_OT_live_range(bpy.types.Operator):
+    """Let the colors of all live objects span the values of this frame, those of played ones that of all frames"""
+
+    bl_idname = "paradesc.live_range"
+    bl_label = "Range of This Frame"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Says why it cannot run where it cannot."""
+        sentence = "" if handlers.live_objects() else "Switch an object to Live first"
+        if sentence:
+            cls.poll_message_set(sentence)
+        return not sentence
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Takes the ranges anew from what is there."""
+        handlers.take_ranges(context.scene)
+        return {"FINISHED"}
+
+
+classes = (PARADESC_OT_bake_frames, PARADESC_OT_live_range)

@@ -1,0 +1,167 @@
+"""Work that a window waits for, as an operator: progress in the panel, Esc, and the same steps in a row for scripts."""
+
+from typing import Protocol
+
+import bpy
+
+from ..bridge import ParadescError
+from ..core.threads import Worker
+
+# Events that move the view; everything else waits until the work has ended.
+VIEW_EVENTS = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
+
+
+class Steps(Protocol):
+    """Work in steps on the main thread, each of which may begin a worker or take in what one has ended with."""
+
+    worker: Worker | None
+    cancelled: bool
+
+    @property
+    def done(self) -> bool:
+        """Whether no step is left, or all is at rest after cancelling."""
+
+    @property
+    def fraction(self) -> float:
+        """The finished share of all the work."""
+
+    @property
+    def stage(self) -> str:
+        """What is being done, for people."""
+
+    def step(self, wait: bool = False) -> None:
+        """Goes on; wait: for the worker under way, which is otherwise looked at only."""
+
+    def cancel(self) -> None:
+        """Has the work end as soon as its worker has heard of it."""
+
+    def close(self) -> None:
+        """Cancels what is left, waits for it, and tidies up. Safe to call again."""
+
+
+class ModalJob:
+    """An operator around such work. The operator itself has obstacle(), begin() and finish()."""
+
+    # What is under way in the window, for the panel; a modal operator takes all events, so there is one at most.
+    running: Steps | None = None
+    # Seconds between two looks at the worker.
+    timer_step = 0.1
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        """Why it cannot run right now, as one sentence, or ""."""
+        raise NotImplementedError
+
+    def begin(self, context: bpy.types.Context, beside: bool) -> Steps:
+        """Takes the settings and the selection, or raises what is wrong with them; beside: a window lives."""
+        raise NotImplementedError
+
+    def finish(self, context: bpy.types.Context) -> set[str]:
+        """Leaves the results of self.job where they belong and says what was found; after Esc, only the latter."""
+        raise NotImplementedError
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Says why it cannot run where it cannot."""
+        sentence = "A bake is running; Esc cancels it" if ModalJob.running else cls.obstacle(context)
+        if sentence:
+            cls.poll_message_set(sentence)
+        return not sentence
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """The same steps in a row: for scripts and background mode, where timers never fire."""
+        if not self.has_begun(context, beside=False):
+            return {"CANCELLED"}
+        try:
+            while not self.job.done:
+                self.job.step(wait=True)
+            return self.finish(context)
+        finally:  # after Ctrl-C, for one
+            self.job.close()
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Starts; modal() goes on."""
+        if bpy.app.background:
+            return self.execute(context)
+        if not self.has_begun(context, beside=True):
+            return {"CANCELLED"}
+        ModalJob.running, self.shown = self.job, ""
+        manager = context.window_manager
+        self.timer = manager.event_timer_add(self.timer_step, window=context.window)
+        manager.progress_begin(0.0, 1.0)
+        manager.modal_handler_add(self)
+        self.show_progress(context)
+        return {"RUNNING_MODAL"}
+
+    def has_begun(self, context: bpy.types.Context, beside: bool) -> bool:
+        """Begins the work; reports what stands in the way."""
+        try:
+            self.job = self.begin(context, beside)
+        except ParadescError as error:
+            self.report({"ERROR"}, error.sentence)
+            return False
+        return True
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Shows progress, cancels on Esc, and finishes when all is done."""
+        if event.type == "ESC" and event.value == "PRESS":
+            self.job.cancel()
+            return {"RUNNING_MODAL"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"} if event.type in VIEW_EVENTS else {"RUNNING_MODAL"}
+        try:
+            self.job.step()
+            if self.job.worker is None:  # what comes next need not wait for the next turn
+                self.job.step()
+            if not self.job.done:
+                self.show_progress(context)
+                return {"RUNNING_MODAL"}
+            self.clean_up(context)
+            ended = self.finish(context)
+        except BaseException:
+            self.cancel(context)
+            raise
+        self.job.close()
+        return ended
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender ends the operator itself, for one because another file is loaded."""
+        self.job.close()
+        self.clean_up(context)
+
+    def show_progress(self, context: bpy.types.Context) -> None:
+        """In the cursor, the status bar and the panel."""
+        text = progress_text(self.job)
+        if text == self.shown:
+            return
+        self.shown = text
+        context.window_manager.progress_update(self.job.fraction)
+        if context.workspace is not None:
+            context.workspace.status_text_set(f"Paradesc: {text} (Esc cancels)")
+        redraw_sidebars(context)
+
+    def clean_up(self, context: bpy.types.Context) -> None:
+        """Takes the timer and the progress away."""
+        if ModalJob.running is None:
+            return
+        ModalJob.running = None
+        context.window_manager.event_timer_remove(self.timer)
+        context.window_manager.progress_end()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        redraw_sidebars(context)
+
+
+def progress_text(job: Steps) -> str:
+    """How far the work is, for people."""
+    return f"{job.stage}, {job.fraction:.0%}"
+
+
+def redraw_sidebars(context: bpy.types.Context) -> None:
+    """Lets the panel show how far the work is."""
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                for region in area.regions:
+                    if region.type == "UI":
+                        region.tag_redraw()

@@ -1,0 +1,94 @@
+"""What a mesh records of what was written to it: one custom property, read by panels, recolored meshes and later bakes.
+
+write() is the only way into it, whether a bake, a live frame or a new coloring has something to say.
+"""
+
+from collections.abc import Iterable
+
+import bpy
+
+from ..core import legend, stored
+from ..core.color_maps import ValueRange
+from ..core.job import Results
+
+# The custom property: settings, reports, how colors were made, and the names of our attributes.
+PROPERTY = "paradesc"
+
+
+def read(mesh: bpy.types.Mesh) -> dict[str, object]:
+    """What write() left on this mesh, checked; empty where it never was called."""
+    content = mesh.get(PROPERTY)
+    return stored.checked(content.to_dict() if hasattr(content, "to_dict") else None)
+
+
+def layout_of(mesh: bpy.types.Mesh) -> dict[str, str]:
+    """What a bake recorded about the layout that it left on this mesh; empty without one."""
+    return read(mesh).get("layout", {})
+
+
+def attributes_of(mesh: bpy.types.Mesh) -> list[str]:
+    """Names of the attributes that were left on this mesh."""
+    return list(read(mesh).get("attributes", []))
+
+
+def write(
+    mesh: bpy.types.Mesh,
+    facts: dict[str, object],
+    shown: dict[str, ValueRange],
+    drawn: dict[str, dict[str, object]],
+    names: Iterable[str] = (),
+    layout: dict[str, str] | None = None,
+) -> None:
+    """Adds to the record: facts of a computation, ranges and drawing of colors, names of attributes, a new layout.
+
+    What was there stays where nothing new is said of it; attributes that are gone are forgotten.
+    """
+    former = read(mesh)
+    known = sorted({*former.get("attributes", []), *names})
+    mesh[PROPERTY] = {
+        **former,
+        **facts,
+        "layout": former.get("layout", {}) if layout is None else layout,
+        "ranges": {**former.get("ranges", {}), **{name: [span.minimum, span.maximum] for name, span in shown.items()}},
+        "drawn": {**former.get("drawn", {}), **drawn},
+        "attributes": [name for name in known if name in mesh.attributes],
+    }
+
+
+# ---- What there is to say
+
+
+def facts_of(results: Results) -> dict[str, object]:
+    """What was computed, how, on what, and what limits it: plain numbers, strings and lists."""
+    return {
+        "settings": {name: storable(value) for name, value in results.settings.as_dict().items()},
+        "mesh_report": results.mesh_report,
+        "field_report": results.field_report,
+        "backend": results.backend,
+        "device": results.device,
+        "fallback": results.fallback,
+        "warnings": "\n".join(results.warnings),
+    }
+
+
+def drawing(shown: ValueRange) -> dict[str, object]:
+    """How colors were made, beside their range."""
+    return {
+        "map": shown.map_name,
+        "diverging": shown.diverging,
+        **({} if shown.neutral is None else {"neutral": shown.neutral}),
+    }
+
+
+def drawing_of(shown: ValueRange, results: Results, name: str) -> dict[str, object]:
+    """What a legend and a new coloring need to know of a descriptor's values, beside their range."""
+    return {
+        **drawing(shown),
+        "radius": results.radius_of(name),
+        "unit": legend.unit_of(name, results.settings.options.map_descriptor),
+    }
+
+
+def storable(value: object) -> object:
+    """The value, as a float where Blender's 32-bit custom properties cannot hold the integer."""
+    return float(value) if isinstance(value, int) and abs(value) >= 2**31 else value

@@ -1,0 +1,57 @@
+"""Which mesh of an object is measured, and at which frames: the settings of one scene."""
+
+import bpy
+
+from ..core.source_kinds import SOURCES
+from ..files import cache
+from .properties import path_options
+
+DEFAULT_CACHE = f"//{cache.DEFAULT_FOLDER}"
+
+
+class PARADESC_PG_animation(bpy.types.PropertyGroup):
+    """Which mesh, and which frames of it, in one scene."""
+
+    source: bpy.props.EnumProperty(
+        name="Source", description="Which mesh a single bake measures", items=list(SOURCES), default="original"
+    )
+    frame_source: bpy.props.EnumProperty(
+        name="Frame Source",
+        description="Which mesh is measured at each frame",
+        items=list(SOURCES[1:]),
+        default="deformed",
+    )
+    use_scene_range: bpy.props.BoolProperty(
+        name="Scene Range", description="Bake the frames from the scene's start to its end", default=True
+    )
+    frame_start: bpy.props.IntProperty(name="Start", description="First frame to bake", default=1)
+    frame_end: bpy.props.IntProperty(name="End", description="Last frame to bake", default=250)
+    frame_step: bpy.props.IntProperty(name="Step", description="Bake every so many frames", default=1, min=1)
+    cache_folder: bpy.props.StringProperty(
+        name="Cache",
+        description="Where frames are kept, in a folder for each object; // is the folder of the .blend",
+        subtype="DIR_PATH",
+        default=DEFAULT_CACHE,
+        options=path_options(),
+    )
+    relative_to_rest: bpy.props.BoolProperty(
+        name="Change Against Rest",
+        description="Also the change against the original mesh, as values of their own (mean_curvature_change)",
+        default=False,
+    )
+    overwrite: bpy.props.BoolProperty(
+        name="Bake Again", description="Compute frames again that are in the cache already", default=False
+    )
+
+
+classes = (PARADESC_PG_animation,)
+
+
+def register() -> None:
+    """Gives every scene its source and frames."""
+    bpy.types.Scene.paradesc_animation = bpy.props.PointerProperty(type=PARADESC_PG_animation)
+
+
+def unregister() -> None:
+    """Takes them away."""
+    del bpy.types.Scene.paradesc_animation
