@@ -34,6 +34,7 @@ LIBRARIES = {
 }
 SYSTEMS = {"Linux": "linux", "Windows": "windows", "Darwin": "macos"}
 MACHINES = {"x86_64": "x64", "AMD64": "x64", "arm64": "arm64", "aarch64": "arm64"}
+# The folders' pages are packed: whoever opens an installed add-on finds its way by them.
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.pyc", "lib")
 
 

@@ -3,9 +3,8 @@
 import argparse
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from .. import bridge
+from ..core import advice
 from .common import Parser, add_objects_options, add_output_options, check_outputs, open_input, print_notes
 from .options import add_input
 
@@ -22,14 +21,6 @@ DEFECTS = {
     "loose_vertices": "loose vertices",
     "unlinked_edges": "edges without a partner over the seam",
 }
-# A radius this many mean edges wide sees the surface, not its facets; but more of the diagonal is no neighborhood.
-RADIUS_IN_EDGES = 2.0
-LARGEST_RADIUS = 0.25
-USUAL_RADIUS = bridge.Options().radius
-LEAST_TEXELS = 4.0
-BUFFERS = (256, 512, 1024, 2048, 4096, 8192)
-# Of its square, the share that an unwrap of our own fills, about.
-UNWRAPPED_SHARE = 0.6
 
 
 def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
@@ -79,7 +70,7 @@ def describe(target: "bpy.types.Object") -> dict[str, object]:
         arrays = mesh_io.read_object(target, corner_normals=False, needs_uvs=False)
         with bridge.Context("reference") as context, context.mesh(arrays) as native:
             report = native.report()
-            hint = suggested(report, texels_per_length(arrays))
+            hint = advice.suggested(report, advice.texels_per_length(arrays))
             memory = expected_memory(native, hint)
     except bridge.ParadescError as error:
         return {**row, "obstacle": error.sentence, "vertices": len(mesh.vertices), "faces": len(mesh.polygons)}
@@ -116,43 +107,6 @@ def uv_map(mesh: "bpy.types.Mesh", arrays: bridge.MeshArrays, report: dict[str, 
         "fault": unwrap.fault(own, arrays.triangle_corners),
         "charts": report["charts"],
         "seam_edges": report["seam_edges"],
-    }
-
-
-def texels_per_length(arrays: bridge.MeshArrays) -> float:
-    """How long a unit of the surface is in the UV square: the median over triangles; of a mesh to unwrap, about."""
-    area = double_areas(arrays.positions[arrays.triangle_vertices])
-    if arrays.corner_uvs is None:
-        total = float(area.sum()) / 2
-        return float(np.sqrt(UNWRAPPED_SHARE / total)) if total > 0 else 0.0
-    uvs = arrays.corner_uvs[arrays.triangle_corners]
-    in_map = double_areas(np.concatenate([uvs, np.zeros((*uvs.shape[:2], 1), uvs.dtype)], axis=2))
-    sound = (area > 0) & (in_map > 0)
-    return float(np.median(np.sqrt(in_map[sound] / area[sound]))) if sound.any() else 0.0
-
-
-def double_areas(corners: np.ndarray) -> np.ndarray:
-    """(n,) float64 twice the areas of (n, 3, 3) triangles."""
-    corners = corners.astype(np.float64)
-    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-
-
-def suggested(report: dict[str, float], density: float) -> dict[str, object] | None:
-    """A radius, as a share of the diagonal, that sees the surface, and the smallest buffer it has four texels in."""
-    diagonal = report["diagonal"]
-    if not (diagonal > 0 and density > 0):
-        return None
-    radius = min(max(USUAL_RADIUS, RADIUS_IN_EDGES * report["mean_edge"] / diagonal), LARGEST_RADIUS)
-    radius = float(f"{radius:.3g}")
-    texels = {size: radius * diagonal * density * size for size in BUFFERS}
-    fitting = next((size for size in BUFFERS if texels[size] >= LEAST_TEXELS), BUFFERS[-1])
-    usual = bridge.Options().buffer_size
-    return {
-        "radius": radius,
-        "radius_unit": "diagonal",
-        "buffer": fitting,
-        "radius_in_texels": texels[fitting],
-        "smallest_radius_at_usual_buffer": LEAST_TEXELS / (density * usual * diagonal),
     }
 
 

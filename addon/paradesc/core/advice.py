@@ -1,0 +1,51 @@
+"""A mesh's report and UV map to the radius and the buffer that suit it. Never imports bpy."""
+
+import numpy as np
+
+from .. import bridge
+
+# A radius this many mean edges wide sees the surface, not its facets; but more of the diagonal is no neighborhood.
+RADIUS_IN_EDGES = 2.0
+LARGEST_RADIUS = 0.25
+USUAL_RADIUS = bridge.Options().radius
+LEAST_TEXELS = 4.0
+BUFFERS = (256, 512, 1024, 2048, 4096, 8192)
+# Of its square, the share that an unwrap of our own fills, about.
+UNWRAPPED_SHARE = 0.6
+
+
+def texels_per_length(arrays: bridge.MeshArrays) -> float:
+    """How long a unit of the surface is in the UV square: the median over triangles; of a mesh to unwrap, about."""
+    area = double_areas(arrays.positions[arrays.triangle_vertices])
+    if arrays.corner_uvs is None:
+        total = float(area.sum()) / 2
+        return float(np.sqrt(UNWRAPPED_SHARE / total)) if total > 0 else 0.0
+    uvs = arrays.corner_uvs[arrays.triangle_corners]
+    in_map = double_areas(np.concatenate([uvs, np.zeros((*uvs.shape[:2], 1), uvs.dtype)], axis=2))
+    sound = (area > 0) & (in_map > 0)
+    return float(np.median(np.sqrt(in_map[sound] / area[sound]))) if sound.any() else 0.0
+
+
+def double_areas(corners: np.ndarray) -> np.ndarray:
+    """(n,) float64 twice the areas of (n, 3, 3) triangles."""
+    corners = corners.astype(np.float64)
+    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+
+
+def suggested(report: dict[str, float], density: float) -> dict[str, object] | None:
+    """A radius, as a share of the diagonal, that sees the surface, and the smallest buffer it has four texels in."""
+    diagonal = report["diagonal"]
+    if not (diagonal > 0 and density > 0):
+        return None
+    radius = min(max(USUAL_RADIUS, RADIUS_IN_EDGES * report["mean_edge"] / diagonal), LARGEST_RADIUS)
+    radius = float(f"{radius:.3g}")
+    texels = {size: radius * diagonal * density * size for size in BUFFERS}
+    fitting = next((size for size in BUFFERS if texels[size] >= LEAST_TEXELS), BUFFERS[-1])
+    usual = bridge.Options().buffer_size
+    return {
+        "radius": radius,
+        "radius_unit": "diagonal",
+        "buffer": fitting,
+        "radius_in_texels": texels[fitting],
+        "smallest_radius_at_usual_buffer": LEAST_TEXELS / (density * usual * diagonal),
+    }
