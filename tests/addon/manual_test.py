@@ -92,6 +92,16 @@ def test_scripts_in_commands_exist():
             assert (ROOT / script).is_file(), f"{page.name}: {script}"
 
 
+def test_files_in_the_developers_page_exist():
+    folders = ("addon/paradesc", "addon/manual", "blend_samples", "native", "shaders", "tests")
+    there = [f"/{path.relative_to(ROOT)}" for folder in folders for path in (ROOT / folder).rglob("*.*")]
+    there += [f"/{path.name}" for path in ROOT.iterdir()]
+    known = re.compile(r"[\w./-]*\w(?:/|\.(?:cpp|h|def|glsl|frag|comp|py|sh|cmake|md|txt|toml))|[a-z]+(?:/\w+)+")
+    for word in sorted(set(re.findall(r"`([^`\n]+)`", (ROOT / "native" / "README.md").read_text(encoding="utf-8")))):
+        if known.fullmatch(word) and not word.startswith(("/", "build")):
+            assert any(f"/{word}" in path for path in there), word
+
+
 # ---- Pictures
 
 
