@@ -25,6 +25,7 @@ step() {
 }
 
 step "native tests" ctest --test-dir "$root/build" --output-on-failure --no-tests=error -j "$(nproc)"
+step "structure" "$python" -m pytest -q --rootdir "$root" "$root/tests/structure"
 step "fuzzing" bash "$root/tests/fuzz.sh"
 step "add-on in the Python module" "$python" -m pytest -q --rootdir "$root" "$root/tests/addon"
 if command -v blender >/dev/null; then

@@ -1,4 +1,4 @@
-"""What is computed of every mesh: the grid of radii, precisions and places, then one computation for every other option."""
+"""What is computed of every mesh: radii × precisions × places, then every other option once."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 RADII = (0.01, 0.02, 0.04)
 PRECISIONS = ("full", "half")
 PLACES = ("vertex", "texel")
-# Texels of the map, samples and buffers of everyday use (--quick); the whole takes the defaults of pdesc_options but for texels.
+# Texels of the map, samples and buffers of everyday use (--quick); else only texels are not the defaults.
 WHOLE = {"texels": 256}
 QUICK = {"texels": 64, "buffer_size": 256, "samples": 64}
 
@@ -70,7 +70,7 @@ class Case:
 
     name: str
     options: dict[str, Any] = field(default_factory=dict)
-    change: str = ""  # a function of shapes.CHANGES
+    change: str = ""  # a function of inputs.CHANGES
     backend: str = "software"
     alone: str = ""  # one descriptor instead of all
     buffers: bool = False  # the baked buffers and the layout, too

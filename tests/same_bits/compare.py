@@ -114,7 +114,8 @@ def main() -> int:
         counts.append(count)
         differences += found
         sentences += words
-        out(f"{count.mesh:28s} {count.cases:6d} {count.arrays:8,d} {count.values:14,d} {count.differing:12,d} {count.sentences:10d}\n")
+        out(f"{count.mesh:28s} {count.cases:6d} {count.arrays:8,d} {count.values:14,d}")
+        out(f" {count.differing:12,d} {count.sentences:10d}\n")
     values, differing = sum(count.values for count in counts), sum(count.differing for count in counts)
     worst = sorted(differences, key=lambda item: -item.values)
     out("".join(map(line, worst[: asked.rows])))

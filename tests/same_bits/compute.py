@@ -10,10 +10,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-import cases
 import numpy as np
-import shapes
 
+import cases
+import inputs
 from paradesc import bridge
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -102,23 +102,24 @@ class Recorder:
         """Every case of the software device."""
         todo = cases.grid(self.base)
         if not self.grid:
-            todo += cases.others(self.base, tuple(shapes.CHANGES), not self.quick)
+            todo += cases.others(self.base, tuple(inputs.CHANGES), not self.quick)
         if not self.grid and not self.quick and len(arrays.triangle_corners) <= FEW:
             todo += cases.singly(self.base, [row.name for row in self.rows])
         with self.contexts["software"].mesh(arrays) as mesh:
             self.keep_report("mesh", "report", mesh.report())
             for case in todo:
                 if case.change:
-                    shapes.CHANGES[case.change](mesh, arrays)
+                    inputs.CHANGES[case.change](mesh, arrays)
                 self.compute(mesh, case)
                 if case.change:
                     self.keep_report(case.name, "mesh", mesh.report())
-                    shapes.undo(mesh, arrays)
+                    inputs.undo(mesh, arrays)
         if not self.grid:
-            with self.contexts["software"].mesh(shapes.shaded(arrays)) as mesh:
+            with self.contexts["software"].mesh(inputs.shaded(arrays)) as mesh:
                 for normals in ("fitted", "max"):
                     given = self.base | {"normals": normals}
-                    self.compute(mesh, cases.Case(f"flat faces and sharp edges, normals {normals}", given, buffers=True))
+                    name = f"flat faces and sharp edges, normals {normals}"
+                    self.compute(mesh, cases.Case(name, given, buffers=True))
 
     def on_reference(self, arrays: bridge.MeshArrays) -> None:
         """Every case of the reference, on a small mesh."""
@@ -127,7 +128,7 @@ class Recorder:
         with self.contexts["reference"].mesh(arrays) as mesh:
             for case in cases.on_reference(self.base):
                 self.compute(mesh, case)
-            mesh.set_positions(shapes.bent(arrays))
+            mesh.set_positions(inputs.bent(arrays))
             options = self.base | {"radius": cases.RADII[0]}
             self.compute(mesh, cases.Case("reference, moved", options, backend="reference"))
 
@@ -145,7 +146,7 @@ def compute_file(path: Path, folder: Path, contexts: dict[str, bridge.Context], 
     """The file of one mesh, which is there only when it is whole."""
     start = time.perf_counter()
     recorder = Recorder(contexts, asked.quick, asked.grid)
-    recorder.record(shapes.read(path))
+    recorder.record(inputs.read(path))
     part = folder / f"{path.stem}.part"
     with part.open("wb") as file:
         np.savez(file, **recorder.arrays)

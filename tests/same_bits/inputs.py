@@ -1,4 +1,4 @@
-"""Shared meshes → arrays, and how a case changes a mesh that is there. Plain numpy; nothing here depends on the tree compared."""
+"""Shared meshes → arrays, and how a case changes a mesh that is there. Plain numpy, the same for both trees."""
 
 import json
 import math
