@@ -4,7 +4,6 @@ Importing the package imports no part of Blender; register() does.
 """
 
 import atexit
-import gc
 import sys
 from importlib import import_module
 from types import ModuleType
@@ -85,7 +84,7 @@ def unregister() -> None:
 
 def end(classes: list[type]) -> None:
     """Blender's Python module ends with a crash where classes, or properties with callbacks, are still there."""
+    from .settings.leaving import clear
+
     unregister()
-    for cls in classes:
-        getattr(cls, "__annotations__", {}).clear()
-    gc.collect()
+    clear(classes)

@@ -201,13 +201,14 @@ def scene_settings() -> "Iterator[bpy.types.Scene]":
     """The open scene with the panels' settings; they lie in the .blend, whether the add-on is enabled or not."""
     import bpy
 
-    from ..settings import animation, looks, properties
+    from ..settings import animation, leaving, looks, properties
 
     if hasattr(bpy.types.Scene, "paradesc"):
         yield bpy.context.scene
         return
     groups = (looks.PARADESC_PG_looks, animation.PARADESC_PG_animation)
     modules = (properties, looks, animation)
+    leaving.clear_at_end(list(groups))
     for cls in groups:
         bpy.utils.register_class(cls)
     for module in modules:
