@@ -33,9 +33,16 @@
 #define UNIT_FACES 14 // list, RGBA32F: unit normal of each triangle
 #define UNIT_MAP 15   // buffer, RGBA32F: gradient of a map, its value
 
-// Uniforms of every program that writes or reads the area element.
-#define LOCATION_AREA_UNIT 30
+// Uniforms of programs that take few. Programs over centers take EvaluateParams.
+#define LOCATION_BUFFER_SIZE 0
+#define LOCATION_FIRST 2 // invocation, and the one after the last
+#define LOCATION_LAST 3
+#define LOCATION_BLOCK_SIZE 8
+#define LOCATION_AREA_UNIT 30   // of every program that writes or reads the area element
 #define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
+
+// Uniform blocks.
+#define BLOCK_EVALUATE 0
 
 // Of the pass that displaces baked texels, which shares no dispatch with those above.
 #define UNIT_HEIGHTS 8 // image, R32F: displacement
@@ -86,7 +93,33 @@
 
 #ifdef __cplusplus
 namespace paradesc {
-struct alignas(16) CenterData {
+#define BLOCK_OF_VECTORS struct alignas(16)
+#else
+#define BLOCK_OF_VECTORS struct
+ivec2 list_place(int index) { return ivec2(index % LIST_ROW, index / LIST_ROW); }
+#endif
+
+// What one dispatch over centers is told.
+struct EvaluateParams {
+  int first; // centers from here on
+  int last;  // past the end
+  int total;
+  int samples;
+  float radius; // in buffer units, as are all lengths
+  float variate_share; // 0: no control variate
+  float adaptive;      // root mean square of the normals' deviation above which all samples are taken
+  float map_radius;    // at which the map was computed
+  float map_sigma;     // of Gaussian windows on it
+  float harris_k;
+  int reach_count;     // centers in BINDING_REACH
+  // Of samples that walk.
+  float enlargement;   // of the ellipse that they start in over the radius
+  int max_jumps;
+  int begin_sample; // those of this dispatch
+  int end_sample;
+  int marks_only;   // paper: the dispatches that find the charts to visit come before the others
+};
+BLOCK_OF_VECTORS CenterData {
   vec4 position_chart; // xyz in buffer units, w: chart
   vec4 normal_phase;   // xyz unit, w: rotation of the pattern in radians
   vec4 place;          // (u, v) of the evaluation; (u, v) just inside the chart where marches start
@@ -100,17 +133,17 @@ struct SupportData {
   float cut;  // above 0 where the mesh's boundary lies in the ball
   float lost; // area of what exceeds the iterations of a device
 };
-struct alignas(16) LeafData {
+BLOCK_OF_VECTORS LeafData {
   vec4 sphere; // around the points of its texels: middle, radius; below 0 where it has none
   vec4 area;   // the area element by which it is sampled, the least cosine between the normal of one texel and the others'
 };
-struct alignas(16) CellData {
+BLOCK_OF_VECTORS CellData {
   vec4 sphere; // as a leaf's
   vec4 cone;   // the normal of one texel, the least cosine between it and the others'
   vec4 area;   // of its surface
   LeafData leaf[CELL_LEAVES];
 };
-struct alignas(16) VisitData {
+BLOCK_OF_VECTORS VisitData {
   vec4 linear; // columns of the linear part of the maps over the seams crossed
   vec2 center; // carried by them, in texels
   int chart, seam;
@@ -118,49 +151,14 @@ struct alignas(16) VisitData {
   float crossing; // from the center to where the seam was met
   vec2 unused;
 };
-struct alignas(16) EdgeData {
+BLOCK_OF_VECTORS EdgeData {
   vec4 uv;     // u0, v0, u1, v1
   ivec4 owner; // chart, triangle, the numbers of its corners at (u0, v0) and (u1, v1)
 };
+
+#undef BLOCK_OF_VECTORS
+#ifdef __cplusplus
 } // namespace paradesc
-#else
-struct CenterData {
-  vec4 position_chart;
-  vec4 normal_phase;
-  vec4 place;
-  vec4 ellipse;
-};
-struct SupportData {
-  int first;
-  int middle;
-  int last;
-  int end;
-  float cut;
-  float lost;
-};
-struct LeafData {
-  vec4 sphere;
-  vec4 area;
-};
-struct CellData {
-  vec4 sphere;
-  vec4 cone;
-  vec4 area;
-  LeafData leaf[CELL_LEAVES];
-};
-struct VisitData {
-  vec4 linear;
-  vec2 center;
-  int chart, seam;
-  int next;
-  float crossing;
-  vec2 unused;
-};
-struct EdgeData {
-  vec4 uv;
-  ivec4 owner;
-};
-ivec2 list_place(int index) { return ivec2(index % LIST_ROW, index / LIST_ROW); }
 #endif
 
 #endif

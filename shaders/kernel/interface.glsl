@@ -1,14 +1,24 @@
-// All that a descriptor sees of the world: the center, one neighbor at a time, and at the end the support they made.
+// What descriptors see of the world: a center, one neighbor at a time, and at the end the support that the neighbors made.
+//
+// Everything in kernel/ is GLSL and C++ at once. So floats end in f, whole vectors are written without swizzles, parameters that a function
+// sets are OUT(type) or INOUT(type), and what is done for each neighbor chooses by mix(), not by branches: C++ adds eight of them at a time.
 #include "shared.h"
 #include "kernel/limits.h"
+
+#define PI 3.14159265358979f
+#ifndef __cplusplus
+#define OUT(type) out type
+#define INOUT(type) inout type
+#define NOT_A_NUMBER uintBitsToFloat(0x7fc00000u) // no constant: strict compilers take no built-in function for one
+#endif
 
 struct Center {
   vec3 position;
   vec3 normal;
-  float radius;
+  vec3 t1; // with t2: the coordinates in the tangent plane that neighbors are seen in
+  vec3 t2;
 #if MAP
-  float value;       // f at p
-  mat2x3 tangents;   // of the coordinates that neighbors are seen in
+  float value; // f at p
 #endif
 };
 
@@ -32,34 +42,25 @@ struct Neighbor {
 #endif
 };
 
-#if MAP
-layout(location = 12) uniform float sigma; // of Gaussian windows
-layout(location = 13) uniform float harris_k;
-layout(location = 14) uniform float map_radius; // at which f was computed
-#endif
-
 struct Support {
   float radius;
-  float area;      // sum of w
-  float scale;     // of sums over samples: 2 where adaptive sampling took half of them, else 1
-  vec3 shape;      // shape operator S: s_xx, s_xy, s_yy
-  vec2 eigenvalues; // of S, the larger first; NaN where it cannot be fitted
-  mat2x3 directions; // unit tangents that belong to them
-  float deviation; // of the second moments from those of a flat disk, relatively
-  float tolerance; // of that deviation
-  float variate;   // how far S may serve as control variate: 1 on a full disk, 0 where the support is cut or folded
-  float mean;      // H, K, k1 >= k2 by the estimator asked for
+  float area;         // sum of w
+  float scale;        // of sums over samples: 2 where adaptive sampling took half of them, else 1
+  vec3 shape;         // shape operator S: s_xx, s_xy, s_yy
+  vec2 eigenvalues;   // of S, the larger first; NaN where it cannot be fitted
+  vec3 direction_max; // unit tangents that belong to them
+  vec3 direction_min;
+  float deviation;    // of the second moments from those of a flat disk, relatively
+  float tolerance;    // of that deviation
+  float variate;      // how far S may serve as control variate: 1 on a full disk, 0 where the support is cut or folded
+  float mean;         // H, K, k1 >= k2 by the estimator asked for
   float gauss;
   float k1;
   float k2;
 };
 
-const float PI = 3.14159265358979;
-// No constant: strict compilers take no built-in function for one.
-#define NOT_A_NUMBER uintBitsToFloat(0x7fc00000u)
-
 // e^T S e and |S e|^2, summed over neighbors by the moments of e e^T (xx, xy, yy).
-float normal_curvature(vec3 shape, vec3 moments) { return shape.x * moments.x + 2.0 * shape.y * moments.y + shape.z * moments.z; }
+float normal_curvature(vec3 shape, vec3 moments) { return shape.x * moments.x + 2.0f * shape.y * moments.y + shape.z * moments.z; }
 vec3 square(vec3 shape) {
   return vec3(shape.x * shape.x + shape.y * shape.y, shape.y * (shape.x + shape.z), shape.y * shape.y + shape.z * shape.z);
 }
@@ -68,30 +69,27 @@ vec3 outer(vec2 v) { return vec3(v.x * v.x, v.x * v.y, v.y * v.y); }
 vec3 positive_direction(vec3 v) {
   vec3 size = abs(v);
   float largest = size.x >= size.y && size.x >= size.z ? v.x : size.y >= size.z ? v.y : v.z;
-  return largest < 0.0 ? -v : v;
+  return largest < 0.0f ? -v : v;
 }
 
 // The mean over directions of |S e|^2 and of kappa_S(e), as the moments of a full neighborhood have them. Where the distance along the
 // surface bounds it, its rim lies nearer by 1 - (kappa r)^2/24 where the surface bends.
 vec2 exact_means(Support support) {
   vec2 k = support.eigenvalues;
-  vec2 exact = vec2(0.5 * dot(k, k), 0.5 * (k.x + k.y));
+  vec2 exact = vec2(0.5f * dot(k, k), 0.5f * (k.x + k.y));
 #if GEODESIC_BALL
-  float h = exact.y, d = 0.5 * (k.x - k.y), square = support.radius * support.radius;
-  float square_mean = h * h + 0.5 * d * d; // of kappa^2
-  float cube_mean = h * (h * h + 1.5 * d * d);
-  exact -= square * vec2(h * h * d * d / 6.0, cube_mean / 6.0 - h * square_mean / 8.0);
+  float h = exact.y, d = 0.5f * (k.x - k.y), square = support.radius * support.radius;
+  float square_mean = h * h + 0.5f * d * d; // of kappa^2
+  float cube_mean = h * (h * h + 1.5f * d * d);
+  exact -= square * vec2(h * h * d * d / 6.0f, cube_mean / 6.0f - h * square_mean / 8.0f);
 #endif
   return exact;
 }
 
 // The part of a square of this area, at this distance, that lies nearer than the radius.
 float rim_share(float away, float radius, float area) {
-  return clamp((radius - away) * inversesqrt(max(area, 1e-20)) + 0.5, 0.0, 1.0);
+  return clamp((radius - away) * inversesqrt(max(area, 1e-20f)) + 0.5f, 0.0f, 1.0f);
 }
 
-// For a descriptor that follows from the support alone.
-#define DESCRIPTOR_WITHOUT_STATE                                                                                                    \
-  struct State { float none; };                                                                                                     \
-  void descriptor_init(out State state) { state.none = 0.0; }                                                                       \
-  void descriptor_add(inout State state, Center center, Neighbor neighbor) {}
+// A Gaussian window of the distance rho.
+float gaussian(float rho, float width) { return exp(-0.5f * rho * rho / (width * width)); }

@@ -1,8 +1,10 @@
 // descriptors.def, descriptor/operators.def → one table.
 #include "descriptor/registry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <sstream>
 #include <string>
 
 #include "support/error.h"
@@ -11,15 +13,15 @@ namespace paradesc {
 
 static std::span<const DescriptorRow> all_rows() {
   static const DescriptorRow rows[] = {
-#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components)                                   \
-  {#name, label, description, power, is_signed != 0, neutral, low, high, components},
+#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components, terms)                            \
+  {#name, label, description, power, is_signed != 0, neutral, low, high, components, terms},
 #include "descriptor/descriptors.def"
 #undef DESCRIPTOR
 #define VALUE MapNeeds::value
 #define WINDOW MapNeeds::window
 #define GRADIENT MapNeeds::gradient
-#define OPERATOR(name, label, description, power, degree, needs, is_signed, neutral, low, high, components)                      \
-  {#name, label, description, power, is_signed != 0, neutral, low, high, components, degree, needs},
+#define OPERATOR(name, label, description, power, degree, needs, is_signed, neutral, low, high, components, terms)               \
+  {#name, label, description, power, is_signed != 0, neutral, low, high, components, terms, degree, needs},
 #include "descriptor/operators.def"
 #undef OPERATOR
 #undef GRADIENT
@@ -32,6 +34,23 @@ static std::span<const DescriptorRow> all_rows() {
 std::span<const DescriptorRow> descriptors() { return all_rows().first(all_rows().size() - 1); }
 
 const DescriptorRow &descriptor_row(int index) { return all_rows()[index]; }
+
+std::vector<std::string> all_terms() {
+  std::vector<std::string> found;
+  for (const DescriptorRow &row : all_rows()) {
+    std::istringstream list(row.terms);
+    for (std::string name; list >> name;)
+      if (std::ranges::find(found, name) == found.end()) found.push_back(name);
+  }
+  return found;
+}
+
+bool uses_terms(int row, std::string_view terms) {
+  std::istringstream list(descriptor_row(row).terms);
+  for (std::string name; list >> name;)
+    if (name == terms) return true;
+  return false;
+}
 
 int gradient_row() { return static_cast<int>(all_rows().size()) - 1; }
 

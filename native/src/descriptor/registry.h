@@ -2,6 +2,9 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "engine/reference/reference.h"
 
@@ -21,6 +24,7 @@ struct DescriptorRow {
   double display_minimum;
   double display_maximum;
   int components;
+  const char *terms;  // what its kernel adds up: names of files in shaders/kernel/terms
   int map_degree = 0; // the unit has that of the map to this power; 0: not an operator
   MapNeeds needs = MapNeeds::nothing;
 };
@@ -31,6 +35,10 @@ std::span<const DescriptorRow> descriptors();
 // Any row, that of the map's gradient included, which is not for callers.
 const DescriptorRow &descriptor_row(int index);
 int gradient_row();
+
+// The files in shaders/kernel/terms, and whether a row needs one of them.
+std::vector<std::string> all_terms();
+bool uses_terms(int row, std::string_view terms);
 
 // Index of a row. Throws Error(INVALID_ARGUMENT) that lists the names there are.
 int find_descriptor(const char *name);

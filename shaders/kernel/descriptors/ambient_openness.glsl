@@ -1,6 +1,4 @@
 // V_o/(4 pi r^3/3), paper eq. (6): the share of the ball outside the surface.
-#include "kernel/terms/ball.glsl"
-struct State { BallTerms terms; };
-void descriptor_init(out State state) { ball_init(state.terms); }
-void descriptor_add(inout State state, Center center, Neighbor neighbor) { ball_add(state.terms, center, neighbor); }
-float descriptor_finish(State state, Center center, Support support) { return 1.0 - ball_share(state.terms, support); }
+float ambient_openness(Terms terms, Center center, Support support) {
+  return 1.0f - ball_share(terms.ball, support);
+}

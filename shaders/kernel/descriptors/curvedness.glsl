@@ -1,5 +1,4 @@
 // sqrt((k1^2 + k2^2)/2).
-DESCRIPTOR_WITHOUT_STATE
-float descriptor_finish(State state, Center center, Support support) {
-  return sqrt(0.5 * (support.k1 * support.k1 + support.k2 * support.k2));
+float curvedness(Terms terms, Center center, Support support) {
+  return sqrt(0.5f * (support.k1 * support.k1 + support.k2 * support.k2));
 }

@@ -1,5 +1,4 @@
 // K, by the shape operator or by paper eq. (11).
-DESCRIPTOR_WITHOUT_STATE
-float descriptor_finish(State state, Center center, Support support) {
+float gaussian_curvature(Terms terms, Center center, Support support) {
   return support.gauss;
 }

@@ -1,5 +1,4 @@
 // H, by the shape operator or by paper eq. (8).
-DESCRIPTOR_WITHOUT_STATE
-float descriptor_finish(State state, Center center, Support support) {
+float mean_curvature(Terms terms, Center center, Support support) {
   return support.mean;
 }

@@ -1,5 +1,4 @@
 // k2, by the shape operator or by paper eq. (10).
-DESCRIPTOR_WITHOUT_STATE
-float descriptor_finish(State state, Center center, Support support) {
+float principal_curvature_min(Terms terms, Center center, Support support) {
   return support.k2;
 }

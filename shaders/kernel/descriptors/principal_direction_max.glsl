@@ -1,3 +1,4 @@
 // The unit tangent along which the shape operator bends by k1. A direction has two signs: the largest component is positive.
-DESCRIPTOR_WITHOUT_STATE
-vec3 descriptor_finish(State state, Center center, Support support) { return positive_direction(support.directions[0]); }
+vec3 principal_direction_max(Terms terms, Center center, Support support) {
+  return positive_direction(support.direction_max);
+}

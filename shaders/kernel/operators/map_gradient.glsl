@@ -1,8 +1,6 @@
 // grad f as a vector in object space, of the least-squares quadratic: what operators on gradients read as a map.
-#include "kernel/terms/jet.glsl"
-struct State { JetTerms terms; };
-void descriptor_init(out State state) { jet_init(state.terms); }
-void descriptor_add(inout State state, Center center, Neighbor neighbor) { jet_add(state.terms, neighbor); }
-vec3 descriptor_finish(State state, Center center, Support support) {
-  return center.tangents * jet_finish(state.terms).plane.yz / support.radius;
+vec3 map_gradient(Terms terms, Center center, Support support) {
+  Jet jet = jet_finish(terms.jet);
+  if (!jet.exists) return vec3(NOT_A_NUMBER);
+  return (center.t1 * jet.plane.y + center.t2 * jet.plane.z) / support.radius;
 }

@@ -1,4 +1,12 @@
 // Terms of the geodesic area GA (paper eq. 11 to 14), and the Gaussian curvature that belongs to it.
+
+// The rim of the neighborhood's projection to the tangent plane, |x|^2 = r^2 (1 - RIM_BEND (kappa r)^2).
+#if GEODESIC_BALL
+#define RIM_BEND (1.0f / 3.0f)
+#else
+#define RIM_BEND (1.0f / 4.0f)
+#endif
+
 struct AreaTerms {
   float inside;     // area within r along the surface
   float projected;  // area of the neighborhood's projection to the tangent plane
@@ -6,9 +14,15 @@ struct AreaTerms {
   float moment;     // sum of w q^4
   vec4 moments;     // sum of w q^4: e1^4, e1^3 e2, e1^2 e2^2, e1 e2^3 (e2^4 is what is left)
 };
-void area_init(out AreaTerms terms) { terms = AreaTerms(0.0, 0.0, 0.0, 0.0, vec4(0.0)); }
-void area_add(inout AreaTerms terms, Center center, Neighbor neighbor) {
-  terms.inside += neighbor.area * rim_share(neighbor.geodesic, center.radius, neighbor.area);
+void area_init(OUT(AreaTerms) terms) {
+  terms.inside = 0.0f;
+  terms.projected = 0.0f;
+  terms.bend = 0.0f;
+  terms.moment = 0.0f;
+  terms.moments = vec4(0.0f);
+}
+void area_add(INOUT(AreaTerms) terms, Center center, Neighbor neighbor) {
+  terms.inside += neighbor.area * rim_share(neighbor.geodesic, params.radius, neighbor.area);
 #if FACES
   terms.projected += neighbor.weight * dot(center.normal, neighbor.face);
 #else
@@ -17,7 +31,7 @@ void area_add(inout AreaTerms terms, Center center, Neighbor neighbor) {
   float height = dot(center.normal, neighbor.offset);
   float flat_square = neighbor.rho * neighbor.rho - height * height;
   float square = neighbor.distance * neighbor.distance;
-  float outer = square / (center.radius * center.radius);
+  float outer = square / (params.radius * params.radius);
   float share = neighbor.weight * outer * outer * outer * outer; // what counts is the rim
   float weight = share * square * square;
   vec2 e = neighbor.direction;
@@ -27,25 +41,25 @@ void area_add(inout AreaTerms terms, Center center, Neighbor neighbor) {
 }
 // Sum of w q^4 kappa_S(e)^2.
 float area_explained(AreaTerms terms, vec3 s) {
-  float last = terms.moment - terms.moments.x - 2.0 * terms.moments.z; // (e1^2 + e2^2)^2 = 1
-  return dot(terms.moments, vec4(s.x * s.x, 4.0 * s.x * s.y, 2.0 * s.x * s.z + 4.0 * s.y * s.y, 4.0 * s.y * s.z)) + s.z * s.z * last;
+  float last = terms.moment - terms.moments.x - 2.0f * terms.moments.z; // (e1^2 + e2^2)^2 = 1
+  return dot(terms.moments, vec4(s.x * s.x, 4.0f * s.x * s.y, 2.0f * s.x * s.z + 4.0f * s.y * s.y, 4.0f * s.y * s.z)) + s.z * s.z * last;
 }
 // area is inside, or any sum over the neighborhood that goes with its area. Only its difference to the projected area is sampled, whose noise
 // is that of the same samples. The projection itself is a disk with the rim |x|^2 = r^2 (1 - c r^2); c is measured over all samples, with
 // the shape operator's RIM_BEND kappa^2 as control variate.
 float area_finish(AreaTerms terms, float area, Support support) {
-  if (!(support.variate > 0.0) || !(terms.moment > 0.0)) return support.scale * area;
+  if (!(support.variate > 0.0f) || !(terms.moment > 0.0f)) return support.scale * area;
   vec2 k = support.eigenvalues;
-  float mean = 0.125 * (3.0 * k.x * k.x + 2.0 * k.x * k.y + 3.0 * k.y * k.y); // of kappa^2
+  float mean = 0.125f * (3.0f * k.x * k.x + 2.0f * k.x * k.y + 3.0f * k.y * k.y); // of kappa^2
   float c = RIM_BEND * mean + (terms.bend - RIM_BEND * area_explained(terms, support.shape)) / terms.moment;
   float square = support.radius * support.radius;
-  float exact = PI * square * (1.0 - c * square);
+  float exact = PI * square * (1.0f - c * square);
   // Samples miss an area by a per cent, rarely by three. Where the difference is larger, the projection is no such disk, or the normals of
   // a displaced surface do not tell how it lies.
   float correction = support.variate * (exact - support.scale * terms.projected);
-  return support.scale * area + correction * (1.0 - smoothstep(0.04, 0.07, abs(correction) / (PI * square)));
+  return support.scale * area + correction * (1.0f - smoothstep(0.04f, 0.07f, abs(correction) / (PI * square)));
 }
 float area_gaussian_curvature(float area, float radius) {
   float square = radius * radius;
-  return 12.0 * (PI * square - area) / (PI * square * square);
+  return 12.0f * (PI * square - area) / (PI * square * square);
 }

@@ -3,7 +3,7 @@
 // and win.
 #include "shared.h"
 layout(std430, binding = BINDING_EDGES) readonly buffer Edges { EdgeData edges[]; };
-layout(location = 0) uniform int buffer_size;
+layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
 
 flat in int edge;
 layout(location = 0) out ivec2 ids;

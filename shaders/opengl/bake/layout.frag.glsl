@@ -1,7 +1,7 @@
 #version 450 core
 // Triangle in (u, v) → the texels whose centers it owns: its chart and number, and where in it each center lies.
 #include "opengl/bake/metric.glsl"
-layout(location = 0) uniform int buffer_size;
+layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
 
 flat in int triangle;
 layout(location = 0) out ivec2 ids;

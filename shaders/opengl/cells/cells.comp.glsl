@@ -8,9 +8,9 @@ layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CELLS) writeonly restrict buffer CellList { CellData cells[]; };
 layout(binding = UNIT_LABELS) uniform isampler2D labels;
 layout(binding = UNIT_BOXES) uniform isampler2D boxes;
-layout(location = 2) uniform int first;
-layout(location = 3) uniform int last;
-layout(location = 8) uniform int block_size;
+layout(location = LOCATION_FIRST) uniform int first;
+layout(location = LOCATION_LAST) uniform int last;
+layout(location = LOCATION_BLOCK_SIZE) uniform int block_size;
 
 vec4 sphere_around(vec3 low, vec3 high) {
   return low.x <= high.x ? vec4(0.5 * (low + high), 0.5 * length(high - low)) : vec4(0.0, 0.0, 0.0, -1.0);

@@ -6,8 +6,8 @@
 layout(local_size_x = GROUP_SIZE) in;
 layout(binding = UNIT_SAMPLES) uniform isamplerBuffer sample_list;
 layout(std430, binding = BINDING_POINTS) writeonly restrict buffer Points { vec4 points[]; };
-layout(location = 2) uniform int first;
-layout(location = 3) uniform int last;
+layout(location = LOCATION_FIRST) uniform int first;
+layout(location = LOCATION_LAST) uniform int last;
 
 void main() {
   int index = first + int(gl_GlobalInvocationID.x);

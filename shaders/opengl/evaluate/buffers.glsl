@@ -4,7 +4,7 @@
 layout(binding = UNIT_POSITION) uniform sampler2D positions;
 layout(binding = UNIT_NORMAL) uniform sampler2D normals;
 layout(binding = UNIT_IDS) uniform isampler2D ids;
-layout(location = 0) uniform int buffer_size;
+layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
 layout(location = LOCATION_AREA_UNIT) uniform float area_unit;
 
 // In space, from its area element.

@@ -58,7 +58,7 @@ void add_bare_samples(inout Sums sums, int range, int end_range, float share) {
     vec3 offset = point.xyz - sums.center.position;
     int triangle = int(normal.w);
     if (is_reached(triangle))
-      add_neighbor(sums, point.xyz, normal.xyz, triangle, share * point.w, dot(offset, offset) < point.w, -1.0, MAP_OF_BARE(i));
+      add_neighbor(sums, point.xyz, normal.xyz, face_of(triangle), share * point.w, dot(offset, offset) < point.w, -1.0, MAP_OF_BARE(i));
     ++i;
   }
 #endif

@@ -1,7 +1,7 @@
 // A pattern over the enlarged ellipse (paper 3.4, 4.1), each sample carried over the seams by itself.
 void sample_support(inout Sums sums, Place place) {
-  int i = begin_sample;
-  for (; i < end_sample; ++i) {
+  int i = params.begin_sample;
+  for (; i < params.end_sample; ++i) {
     PatternPlace goal = pattern_place(sample_number(i), place.rotation, place.index);
     Walk walk = walk_to(place, goal);
     if (walk.outcome == FOUND)
@@ -11,5 +11,5 @@ void sample_support(inout Sums sums, Place place) {
     else if (is_cut(walk, sums.center))
       sums.moments.cut += 1.0;
   }
-  lose_rest(sums, end_sample - i, samples);
+  lose_rest(sums, params.end_sample - i, params.samples);
 }

@@ -5,11 +5,10 @@ layout(binding = UNIT_BORDER) uniform isampler2D border;
 layout(binding = UNIT_BORDER_LIST) uniform isampler2D border_list;
 layout(binding = UNIT_BORDER_UV) uniform sampler2D border_uv;
 layout(binding = UNIT_LINKS) uniform sampler2D links;
-layout(location = 1) uniform int max_jumps;
 #if PAPER
 #define MOST_JUMPS 64 // the paper's pattern is repeated within max_jumps; marches go on and tell what that leaves out
 #else
-#define MOST_JUMPS max_jumps
+#define MOST_JUMPS params.max_jumps
 #endif
 
 const int FOUND = 0;

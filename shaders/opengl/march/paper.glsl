@@ -13,7 +13,7 @@ bool marking;
 
 // Remembers the chart that a walk has come to.
 void mark(Walk walk, int edge) {
-  if (!marking || walk.jumps > max_jumps) return;
+  if (!marking || walk.jumps > params.max_jumps) return;
   int seam = seams[edge];
   float crossing = length(walk.from - walk.origin);
   vec4 linear = vec4(walk.linear[0], walk.linear[1]);
@@ -76,13 +76,13 @@ bool on_chart(vec2 place, int chart) {
 
 // Fills the list of visits from the samples. True where one left the chart.
 bool mark_charts(inout Sums sums, Place place) {
-  if (begin_sample == 0) {
+  if (params.begin_sample == 0) {
     visit_count = 1;
     visits[first_visit] = VisitData(vec4(1.0, 0.0, 0.0, 1.0), place.center, place.chart, -1, first_visit, 0.0, vec2(0.0));
   }
   marking = true;
   bool left = false;
-  for (int i = begin_sample; i < end_sample; ++i) {
+  for (int i = params.begin_sample; i < params.end_sample; ++i) {
     Walk walk = walk_to(place, pattern_place(i, place.rotation, place.index));
     left = left || walk.jumps > 0 || walk.outcome == LOST;
     if (is_cut(walk, sums.center)) sums.moments.cut += 1.0;
@@ -107,7 +107,7 @@ void sample_visit(inout Sums sums, Place place, int visit, inout int taken) {
   vec2 center = visits[visit].center;
   int chart = visits[visit].chart;
   float factor = abs(m.x * m.w - m.y * m.z);
-  for (int i = begin_sample; i < end_sample; ++i, ++taken) {
+  for (int i = params.begin_sample; i < params.end_sample; ++i, ++taken) {
     PatternPlace goal = pattern_place(sample_number(i), place.rotation, place.index);
     vec2 there = center + ellipse * goal.disk;
     if (on_chart(there, chart) && is_nearest(visit, place.ellipse, there, length(goal.disk)))
@@ -117,17 +117,17 @@ void sample_visit(inout Sums sums, Place place, int visit, inout int taken) {
 
 // left: samples left the center's chart.
 void sample_support(inout Sums sums, Place place, bool left) {
-  int taken = 0, all = visit_count * (end_sample - begin_sample);
+  int taken = 0, all = visit_count * (params.end_sample - params.begin_sample);
   for (int k = first_visit; k < first_visit + visit_count; ++k) sample_visit(sums, place, k, taken);
   // Samples whose way leads on to charts that were not visited, or nowhere.
-  int i = begin_sample;
-  for (; left && i < end_sample; ++i) {
+  int i = params.begin_sample;
+  for (; left && i < params.end_sample; ++i) {
     PatternPlace goal = pattern_place(sample_number(i), place.rotation, place.index);
     if (!goal.inside) continue;
     Walk walk = walk_to(place, goal);
     if (walk.outcome == LOST || (walk.outcome == FOUND && walk.jumps > 0 && !is_visited(walk, place)))
       sums.moments.lost += place.area_space * goal.stretch * goal.stretch;
   }
-  lose_rest(sums, all - taken, all / max(end_sample - begin_sample, 1) * samples);
-  if (left) lose_rest(sums, end_sample - i, samples);
+  lose_rest(sums, all - taken, all / max(params.end_sample - params.begin_sample, 1) * params.samples);
+  if (left) lose_rest(sums, params.end_sample - i, params.samples);
 }

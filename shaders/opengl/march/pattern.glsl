@@ -26,5 +26,5 @@ struct PatternPlace {
 PatternPlace pattern_place(int i, mat2 rotation, int index) {
   vec2 place = rotation * pattern[i];
   float stretch = stretch_along(place, index);
-  return PatternPlace(place * stretch, stretch, length(place) * stretch * enlargement <= 1.0);
+  return PatternPlace(place * stretch, stretch, length(place) * stretch * params.enlargement <= 1.0);
 }

@@ -3,15 +3,12 @@
 // the straight way, relative to the center's (paper 4.1).
 #include "variant.glsl"
 #include "device.glsl"
+#include "opengl/evaluate/params.glsl"
 #include "opengl/march/march.glsl"
 #include "opengl/bake/metric.glsl"
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
 layout(std430, binding = BINDING_STRETCHES) writeonly restrict buffer Stretches { float stretches[]; };
-layout(location = 2) uniform int first;
-layout(location = 3) uniform int last;
-layout(location = 6) uniform float radius;
-layout(location = 7) uniform float enlargement;
 
 const int STEPS = 8;       // along the ellipse's own radius
 const float LARGEST = 4.0; // stretch
@@ -26,8 +23,8 @@ float length_in_space(vec2 step_uv, vec2 place, int chart) {
 }
 
 void main() {
-  int index = first * STRETCH_DIRECTIONS + int(gl_GlobalInvocationID.x);
-  if (index >= last * STRETCH_DIRECTIONS) return;
+  int index = params.first * STRETCH_DIRECTIONS + int(gl_GlobalInvocationID.x);
+  if (index >= params.last * STRETCH_DIRECTIONS) return;
   CenterData data = centers[index / STRETCH_DIRECTIONS];
   float size = float(buffer_size);
   float angle = 2.0 * 3.14159265358979 * float(index % STRETCH_DIRECTIONS) / float(STRETCH_DIRECTIONS);
@@ -40,7 +37,7 @@ void main() {
     walk.to = walk.from + walk.linear * way / float(STEPS);
     march(walk);
     if (walk.outcome != FOUND) break;
-    float span = length_in_space(walk.linear * way / size, walk.to, walk.chart) / (enlargement * radius);
+    float span = length_in_space(walk.linear * way / size, walk.to, walk.chart) / (params.enlargement * params.radius);
     if (span < 0.0) continue;
     stretch = clamp(1.0 / max(span, 1e-6), stretch, LARGEST);
     reached += span / float(STEPS);

@@ -3,9 +3,6 @@
 #include "opengl/march/march.glsl"
 #include "opengl/march/pattern.glsl"
 #include "opengl/march/chords.glsl"
-layout(location = 20) uniform int begin_sample;
-layout(location = 21) uniform int end_sample;
-layout(location = 22) uniform int marks_only; // paper: the dispatches that find the charts to visit come before the others
 
 struct Progress {
   Sums sums;
@@ -16,7 +13,7 @@ struct Progress {
 layout(std430, binding = BINDING_PROGRESS) restrict buffer Progresses { Progress progress[]; };
 
 // Adaptive sampling takes every other sample first, and the rest then.
-int first_half() { return (samples + 1) / 2; }
+int first_half() { return (params.samples + 1) / 2; }
 int sample_number(int i) {
 #if ADAPTIVE
   return i < first_half() ? 2 * i : 2 * (i - first_half()) + 1;
@@ -41,8 +38,8 @@ Place place_of(CenterData data, int index) {
   mat2 ellipse = mat2(data.ellipse.xy, data.ellipse.zw) * size;
   float angle = data.normal_phase.w;
   return Place(mat2(cos(angle), sin(angle), -sin(angle), cos(angle)), ellipse, data.place.xy * size, data.place.zw * size,
-               int(data.position_chart.w), index, PI * abs(determinant(ellipse)) / (float(samples) * size * size),
-               PI * enlargement * enlargement * radius * radius / float(samples));
+               int(data.position_chart.w), index, PI * abs(determinant(ellipse)) / (float(params.samples) * size * size),
+               PI * params.enlargement * params.enlargement * params.radius * params.radius / float(params.samples));
 }
 
 // A sample's own way over the seams, as far as it leads.
@@ -56,7 +53,7 @@ Walk walk_to(Place place, PatternPlace goal) {
 bool is_cut(Walk walk, Center center) {
   ivec2 texel;
   if (walk.outcome != BOUNDARY || !find_texel(walk.to, walk.chart, texel)) return false;
-  return length(texelFetch(positions, texel, 0).xyz - center.position) < radius;
+  return length(texelFetch(positions, texel, 0).xyz - center.position) < params.radius;
 }
 
 // A sample that its walk, or its pass, has brought to this place.
@@ -74,5 +71,5 @@ void add_sample(inout Sums sums, Place place, PatternPlace goal, vec2 there, int
 
 // What an iteration limit cut off, as parts of all samples.
 void lose_rest(inout Sums sums, int count, int of) {
-  if (count > 0) sums.moments.lost += PI * radius * radius * float(count) / float(of);
+  if (count > 0) sums.moments.lost += PI * params.radius * params.radius * float(count) / float(of);
 }

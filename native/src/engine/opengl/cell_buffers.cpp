@@ -19,7 +19,7 @@ static void use_program(const Gl &gl, ProgramCache &programs, const char *name, 
                              {{GL_COMPUTE_SHADER, std::string("opengl/cells/") + name + ".comp.glsl"}},
                              {{"variant.glsl", variant}}));
   buffer.bind();
-  gl.Uniform1i(0, buffer.size());
+  gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
   gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
 }
 
@@ -29,8 +29,8 @@ static void dispatch(const Gl &gl, int count, int64_t tile) {
   const auto size = static_cast<int>(std::clamp<int64_t>(tile / group * group, group, 65535 * group));
   for (int first = 0; first < count; first += size) {
     const int last = std::min(first + size, count);
-    gl.Uniform1i(2, first);
-    gl.Uniform1i(3, last);
+    gl.Uniform1i(LOCATION_FIRST, first);
+    gl.Uniform1i(LOCATION_LAST, last);
     gl.DispatchCompute(group_count(gl, last - first), 1, 1);
     if (last < count) gl.Finish();
   }
@@ -44,7 +44,7 @@ std::vector<CellData> CellBuffers::measure(const Gl &gl, ProgramCache &programs,
   gl.BindTextureUnit(UNIT_LABELS, labels_.id());
   gl.BindTextureUnit(UNIT_BOXES, boxes_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, measured_.id());
-  gl.Uniform1i(8, block_size_);
+  gl.Uniform1i(LOCATION_BLOCK_SIZE, block_size_);
   dispatch(gl, cell_count_, (int64_t{1} << 26) / (int64_t{block_size_} * block_size_)); // a cell has up to a block of texels
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.GetNamedBufferSubData(measured_.id(), 0, static_cast<GLsizeiptr>(cells.size() * sizeof(CellData)), cells.data());

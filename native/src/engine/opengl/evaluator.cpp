@@ -2,9 +2,9 @@
 #include "engine/opengl/evaluator.h"
 
 #include <algorithm>
-#include <string_view>
 
 #include "descriptor/registry.h"
+#include "engine/opengl/compose.h"
 #include "sample/pattern.h"
 
 namespace paradesc {
@@ -15,56 +15,9 @@ size_t EvaluateSettings::value_rows() const {
   return rows;
 }
 
-// Descriptors of areas share the sums of kernel/terms/area.glsl.
 bool EvaluateSettings::faces() const {
-  auto measures_area = [](int descriptor) {
-    const std::string file = std::string("kernel/descriptors/") + descriptor_row(descriptor).name + ".glsl";
-    return std::ranges::any_of(embedded_shaders(), [&](const EmbeddedShader &shader) {
-      return shader.path == file && std::string_view(shader.text).find("\"kernel/terms/area.glsl\"") != std::string_view::npos;
-    });
-  };
-  return !mapped && (estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR || std::ranges::any_of(descriptors, measures_area));
-}
-
-// Each descriptor's file defines the same names; they are told apart by renaming them while its text is compiled.
-std::string compose_descriptors(std::span<const int> asked) {
-  std::string text, members, init, add, finish;
-  int row = 0;
-  for (const int descriptor : asked) {
-    const DescriptorRow &registered = descriptor_row(descriptor);
-    const std::string name = registered.name;
-    for (const char *word : {"State", "descriptor_init", "descriptor_add", "descriptor_finish"})
-      text += std::string("#define ") + word + " " + word + "_" + name + "\n";
-    text +=
-        std::string("#include \"") + (registered.map_degree ? "kernel/operators/" : "kernel/descriptors/") + name + ".glsl\"\n";
-    for (const char *word : {"State", "descriptor_init", "descriptor_add", "descriptor_finish"})
-      text += std::string("#undef ") + word + "\n";
-    members += "  State_" + name + " " + name + ";\n";
-    init += "  descriptor_init_" + name + "(states." + name + ");\n";
-    add += "  descriptor_add_" + name + "(states." + name + ", center, neighbor);\n";
-    const std::string value = "descriptor_finish_" + name + "(states." + name + ", center, support)";
-    auto store = [&](const std::string &component) {
-      finish +=
-          "  results[(ROW_DESCRIPTORS + " + std::to_string(row++) + ") * total + index] = floatBitsToUint(" + component + ");\n";
-    };
-    if (registered.components == 1) {
-      store(value);
-      continue;
-    }
-    finish += "  vec3 value_" + name + " = " + value + ";\n";
-    for (const char *axis : {".x", ".y", ".z"}) store("value_" + name + axis);
-  }
-  // The results buffer is declared after this text, so the last step is a macro for main().
-  std::string macro;
-  for (const char c : finish) {
-    if (c == '\n') macro += " \\";
-    macro.push_back(c);
-  }
-  text += "struct States {\n" + members + "};\n";
-  text += "void states_init(out States states) {\n" + init + "}\n";
-  text += "void states_add(inout States states, Center center, Neighbor neighbor) {\n" + add + "}\n";
-  text += "#define STATES_FINISH \\\n" + macro + "\n";
-  return text;
+  const bool measures_area = std::ranges::any_of(descriptors, [](int row) { return uses_terms(row, "area"); });
+  return !mapped && (estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR || measures_area);
 }
 
 void Evaluator::set_borders(const Gl &gl, const BorderGrid &grid) {
@@ -141,7 +94,7 @@ static std::string variant_of(const EvaluateSettings &settings, const GeometryBu
 }
 
 // What samples read that are carried over seams by walks.
-void Evaluator::bind_walks(const Gl &gl, const EvaluateSettings &settings, int first, int last) const {
+void Evaluator::bind_walks(const Gl &gl) const {
   gl.BindTextureUnit(UNIT_BORDER, border_.id());
   gl.BindTextureUnit(UNIT_BORDER_LIST, border_list_.id());
   gl.BindTextureUnit(UNIT_BORDER_UV, border_uv_.id());
@@ -151,98 +104,110 @@ void Evaluator::bind_walks(const Gl &gl, const EvaluateSettings &settings, int f
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_VISITS, visits_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SEAMS, seams_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_STRETCHES, stretches_.id());
-  gl.Uniform1i(1, settings.max_jumps);
-  gl.Uniform1i(2, first);
-  gl.Uniform1i(3, last);
-  gl.Uniform1f(6, settings.radius);
-  gl.Uniform1f(7, settings.enlargement);
 }
 
 void Evaluator::find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer,
-                               const EvaluateSettings &settings, int first, int last) const {
+                               const EvaluateParams &params) const {
   gl.UseProgram(programs.get(gl, "stretch", {{GL_COMPUTE_SHADER, "opengl/march/stretch.comp.glsl"}},
                              {{"variant.glsl", "#define PAPER 0\n"}}));
   buffer.bind();
   buffer.bind_owners();
-  gl.Uniform1i(0, buffer.size());
-  bind_walks(gl, settings, first, last);
-  gl.DispatchCompute(group_count(gl, (last - first) * STRETCH_DIRECTIONS), 1, 1);
+  gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
+  bind_walks(gl);
+  gl.DispatchCompute(group_count(gl, (params.last - params.first) * STRETCH_DIRECTIONS), 1, 1);
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   check_gl(gl, "stretches");
 }
 
 // Samples that walk take their turns in several dispatches, and leave their sums to the next: software devices limit the
 // iterations of one.
-void Evaluator::dispatch_walks(const Gl &gl, GLuint program, const EvaluateSettings &settings, int count) {
+void Evaluator::dispatch_walks(const Gl &gl, GLuint program, const EvaluateSettings &settings, EvaluateParams params) {
   const GLuint block = gl.GetProgramResourceIndex(program, GL_SHADER_STORAGE_BLOCK, "Progresses");
   const GLenum property = GL_BUFFER_DATA_SIZE; // with one element
   GLint stride = 0;
   gl.GetProgramResourceiv(program, GL_SHADER_STORAGE_BLOCK, block, 1, &property, 1, nullptr, &stride);
-  const auto groups = group_count(gl, count);
+  const GLuint groups = group_count(gl, params.last - params.first);
   const size_t bytes = static_cast<size_t>(groups) * static_cast<size_t>(gl.limits.group_size) * static_cast<size_t>(stride);
   if (bytes > progress_bytes_) progress_.upload(gl, nullptr, progress_bytes_ = bytes, GL_STREAM_COPY);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PROGRESS, progress_.id());
   const bool adaptive = settings.adaptive > 0.0f;
   for (int marks = settings.relocation == PDESC_RELOCATION_PAPER ? 1 : 0; marks >= 0; --marks) {
-    gl.Uniform1i(22, marks);
     for (int begin = 0, end = 0; begin < settings.samples; begin = end) {
       end = std::min(begin + settings.samples_at_once, settings.samples);
       const int half = (settings.samples + 1) / 2;
       if (adaptive && begin < half) end = std::min(end, half);
-      gl.Uniform1i(20, begin);
-      gl.Uniform1i(21, end);
+      params.begin_sample = begin;
+      params.end_sample = end;
+      params.marks_only = marks;
+      params_.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
       gl.DispatchCompute(groups, 1, 1);
       gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
   }
 }
 
-void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
-                    int first, int last) {
-  const bool walks = settings.relocation != PDESC_RELOCATION_CONNECTED;
-  if (walks && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, settings, first, last);
-  const std::string variant = variant_of(settings, buffer, has_bare_, !walks && settings.cells->listed());
-  std::string name = "evaluate " + variant;
-  for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
-  const GLuint program =
-      programs.get(gl, name, {{GL_COMPUTE_SHADER, "opengl/evaluate/evaluate.comp.glsl"}},
-                   {{"variant.glsl", variant}, {"descriptors.glsl", compose_descriptors(settings.descriptors)}});
-  gl.UseProgram(program);
-  buffer.bind();
-  gl.Uniform1i(0, buffer.size());
-  gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
+EvaluateParams Evaluator::params_of(const EvaluateSettings &settings, int first, int last) const {
+  return {.first = first,
+          .last = last,
+          .total = count_,
+          .samples = settings.samples,
+          .radius = settings.radius,
+          .variate_share = settings.plain ? 0.0f : 1.0f,
+          .adaptive = settings.adaptive,
+          .map_radius = settings.map_radius,
+          .map_sigma = settings.map_sigma,
+          .harris_k = settings.harris_k,
+          .reach_count = reach_count_,
+          .enlargement = settings.enlargement,
+          .max_jumps = settings.max_jumps,
+          .begin_sample = 0,
+          .end_sample = settings.samples,
+          .marks_only = 0};
+}
+
+// What one program reads beside the geometry buffer.
+void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
-  if (walks) {
-    bind_walks(gl, settings, first, last);
+  if (settings.relocation != PDESC_RELOCATION_CONNECTED) {
+    bind_walks(gl);
   } else {
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SUPPORTS, supports_.id());
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
     gl.BindTextureUnit(UNIT_RANGES, ranges_.id());
     settings.cells->bind(gl);
   }
-  const GLint integers[] = {first, last, count_, settings.samples};
-  for (GLint i = 0; i < 4; ++i) gl.Uniform1i(i + 2, integers[i]);
-  gl.Uniform1f(6, settings.radius);
-  gl.Uniform1f(7, settings.enlargement);
-  gl.Uniform1i(9, static_cast<GLint>(settings.seed));
-  gl.Uniform1f(10, settings.plain ? 0.0f : 1.0f);
-  if (settings.adaptive > 0.0f) gl.Uniform1f(11, settings.adaptive);
   if (settings.map) {
     settings.map->bind();
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_CENTERS, map_centers_.id());
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_BARE, map_bare_.id());
-    gl.Uniform1f(12, settings.map_sigma);
-    gl.Uniform1f(13, settings.harris_k);
-    gl.Uniform1f(14, settings.map_radius);
   }
   if (settings.faces()) gl.BindTextureUnit(UNIT_FACES, faces_.id());
-  if (settings.exact) {
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_REACH, reach_.id());
-    gl.Uniform1i(15, reach_count_);
-  }
+  if (settings.exact) gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_REACH, reach_.id());
+}
+
+void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
+                    int first, int last) {
+  const bool walks = settings.relocation != PDESC_RELOCATION_CONNECTED;
+  const EvaluateParams params = params_of(settings, first, last);
+  params_.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, params_.id());
+  if (walks && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
+  const std::string variant = variant_of(settings, buffer, has_bare_, !walks && settings.cells->listed());
+  std::string name = "evaluate " + variant;
+  for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
+  const bool integral = settings.estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR;
+  const GLuint program = programs.get(gl, name, {{GL_COMPUTE_SHADER, "opengl/evaluate/evaluate.comp.glsl"}},
+                                      {{"variant.glsl", variant},
+                                       {"terms.glsl", compose_terms(settings.descriptors, integral)},
+                                       {"descriptors.glsl", compose_descriptors(settings.descriptors)}});
+  gl.UseProgram(program);
+  buffer.bind();
+  gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
+  gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
+  bind(gl, settings);
   if (walks)
-    dispatch_walks(gl, program, settings, last - first);
+    dispatch_walks(gl, program, settings, params);
   else
     gl.DispatchCompute(group_count(gl, last - first), 1, 1);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/opengl/geometry_buffer.h"
-#include "engine/opengl/program.h"
-#include "engine/opengl/map_buffer.h"
 #include "engine/opengl/cell_buffers.h"
+#include "engine/opengl/geometry_buffer.h"
+#include "engine/opengl/map_buffer.h"
+#include "engine/opengl/program.h"
 #include "sample/border_grid.h"
 #include "sample/connected_triangles.h"
 #include "sample/neighborhoods.h"
@@ -74,21 +74,20 @@ public:
   std::vector<float> read(const Gl &gl, const EvaluateSettings &settings) const;
 
 private:
-  void bind_walks(const Gl &gl, const EvaluateSettings &settings, int first, int last) const;
-  void dispatch_walks(const Gl &gl, GLuint program, const EvaluateSettings &settings, int count);
-  void find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
-                      int first, int last) const;
+  EvaluateParams params_of(const EvaluateSettings &settings, int first, int last) const;
+  void bind(const Gl &gl, const EvaluateSettings &settings) const;
+  void bind_walks(const Gl &gl) const;
+  void dispatch_walks(const Gl &gl, GLuint program, const EvaluateSettings &settings, EvaluateParams params);
+  void find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateParams &params) const;
 
   Texture border_;
   ListTexture border_list_, border_uv_, links_, faces_;
   BufferTexture ranges_;
-  Buffer centers_, pattern_, supports_, bare_, reach_, results_, seams_, visits_, stretches_, progress_, map_centers_, map_bare_;
+  Buffer params_, centers_, pattern_, supports_, bare_, reach_, results_, seams_, visits_, stretches_, progress_, map_centers_,
+      map_bare_;
   size_t progress_bytes_ = 0;
   bool has_bare_ = false;
   int count_ = 0, reach_count_ = 0;
 };
-
-// GLSL that composes the descriptors asked for into one dispatch.
-std::string compose_descriptors(std::span<const int> descriptors);
 
 } // namespace paradesc

@@ -137,7 +137,7 @@ void GeometryBuffer::draw_triangles(ProgramCache &programs, int first, int last)
   begin_drawing(GL_LEQUAL);
   gl_.UseProgram(programs.get(
       gl_, "layout", {{GL_VERTEX_SHADER, "opengl/bake/layout.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/layout.frag.glsl"}}));
-  gl_.Uniform1i(0, size_);
+  gl_.Uniform1i(LOCATION_BUFFER_SIZE, size_);
   gl_.BindTextureUnit(UNIT_PLACES, places_.id());
   gl_.DrawArrays(GL_TRIANGLES, 3 * first, 3 * (last - first));
   check_gl(gl_, "layout");
@@ -147,7 +147,7 @@ void GeometryBuffer::draw_borders(ProgramCache &programs) {
   begin_drawing(GL_LESS);
   gl_.UseProgram(programs.get(
       gl_, "edge", {{GL_VERTEX_SHADER, "opengl/bake/edge.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/edge.frag.glsl"}}));
-  gl_.Uniform1i(0, size_);
+  gl_.Uniform1i(LOCATION_BUFFER_SIZE, size_);
   gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_EDGES, drawing_->edges.id());
   gl_.DrawArrays(GL_TRIANGLES, 0, 6 * drawing_->edge_count);
   check_gl(gl_, "layout");

@@ -335,11 +335,11 @@ struct Row {
   void (*write)(const ReferenceNeighborhood &, float *out);
 };
 constexpr Row rows[] = {
-#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components)                                   \
+#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components, terms)                            \
   {components, [](const ReferenceNeighborhood &neighborhood, float *out) { store(reference_##name(neighborhood), out); }},
 #include "descriptor/descriptors.def"
 #undef DESCRIPTOR
-#define OPERATOR(name, label, description, power, degree, needs, is_signed, neutral, low, high, components)                      \
+#define OPERATOR(name, label, description, power, degree, needs, is_signed, neutral, low, high, components, terms)               \
   {components, [](const ReferenceNeighborhood &neighborhood, float *out) { store(reference_##name(neighborhood), out); }},
 #include "descriptor/operators.def"
 #undef OPERATOR

@@ -31,11 +31,11 @@ struct ReferenceNeighborhood {
 template <int components> using ReferenceValue = std::conditional_t<components == 1, double, dvec3>;
 
 // One of these for each row of descriptors.def and of descriptor/operators.def; each gives NaN where the value does not exist.
-#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components)                                   \
+#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components, terms)                            \
   ReferenceValue<components> reference_##name(const ReferenceNeighborhood &neighborhood);
 #include "descriptor/descriptors.def"
 #undef DESCRIPTOR
-#define OPERATOR(name, label, description, power, degree, needs, is_signed, neutral, low, high, components)                      \
+#define OPERATOR(name, label, description, power, degree, needs, is_signed, neutral, low, high, components, terms)               \
   ReferenceValue<components> reference_##name(const ReferenceNeighborhood &neighborhood);
 #include "descriptor/operators.def"
 #undef OPERATOR

@@ -1,0 +1,212 @@
+// Neighbors of a center → what they add up to → the support they make: its area, its shape operator, the curvatures that follow.
+#include "kernel/interface.glsl"
+#include "terms.glsl"
+
+struct Moments {
+  float area;
+  vec3 xx;       // sum of w x x^T, x in units of r
+  vec3 xy;       // sum of w: x1 y1, x1 y2 + x2 y1, x2 y2
+  float yy;      // sum of w |y|^2
+  float squares; // sum of w^2
+  float lost;    // area that is not seen: samples that end on no texel, or that a device has no iterations for
+  float cut;     // above 0 where the mesh's boundary lies within the ball
+};
+
+struct Sums {
+  Center center;
+  Moments moments;
+#if EXTRAPOLATED
+  BallTerms half_ball; // of half the radius
+#endif
+  Terms terms;
+};
+
+// An orthonormal pair of tangents (Duff et al. 2017).
+void tangents(vec3 n, OUT(vec3) t1, OUT(vec3) t2) {
+  float s = mix(-1.0f, 1.0f, n.z >= 0.0f);
+  float a = -1.0f / (s + n.z);
+  float b = n.x * n.y * a;
+  t1 = vec3(1.0f + s * n.x * n.x * a, s * b, -s * n.x);
+  t2 = vec3(b, s + n.y * n.y * a, -n.y);
+}
+
+// value: of the map at the center.
+void sums_init(OUT(Sums) sums, vec3 position, vec3 normal, float value) {
+  sums.center.position = position;
+  sums.center.normal = normal;
+  tangents(normal, sums.center.t1, sums.center.t2);
+#if MAP
+  sums.center.value = value;
+#endif
+  sums.moments.area = 0.0f;
+  sums.moments.xx = vec3(0.0f);
+  sums.moments.xy = vec3(0.0f);
+  sums.moments.yy = 0.0f;
+  sums.moments.squares = 0.0f;
+  sums.moments.lost = 0.0f;
+  sums.moments.cut = 0.0f;
+#if EXTRAPOLATED
+  ball_init(sums.half_ball);
+#endif
+  terms_init(sums.terms);
+}
+
+// ---- Adding
+
+// The distance along the surface by the normal curvature from p to q: the arc over the chord.
+float geodesic_distance(Center center, Neighbor neighbor) {
+  float square = neighbor.rho * neighbor.rho;
+  float bend = dot(neighbor.normal - center.normal, neighbor.offset) / max(square, 1e-30f); // kappa
+  return neighbor.rho * (1.0f + bend * bend * square / 24.0f);
+}
+
+// A tangent vector v of a place with normal m, turned with it into the tangent plane of n: no projection would keep its length.
+vec3 turn_to(vec3 n, vec3 m, vec3 v) { return v - (n + m) * (dot(n, v) / max(1.0f + dot(n, m), float(LEAST_TURN))); }
+
+// One place of the surface. face: the unit normal of its triangle, where FACES are asked for. near: nearer to the center than texels can
+// tell. geodesic: its distance along the surface where that is known, else below 0. map: gradient and value of f there, where there is a MAP.
+void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float area, bool near, float geodesic, vec4 map) {
+  Center center = sums.center;
+  Neighbor neighbor;
+  neighbor.offset = position - center.position;
+  neighbor.rho = length(neighbor.offset);
+  neighbor.normal = normal;
+#if FACES
+  neighbor.face = face;
+#endif
+  neighbor.area = area;
+  neighbor.geodesic = mix(geodesic, geodesic_distance(center, neighbor), geodesic < 0.0f);
+#if GEODESIC_BALL
+  neighbor.distance = neighbor.geodesic;
+#else
+  neighbor.distance = neighbor.rho;
+#endif
+  // A square that the rim cuts counts by the part of it that lies inside. Where none does all of this adds nothing: software devices would
+  // mask every sum that follows a return.
+  neighbor.weight = area * rim_share(neighbor.distance, params.radius, area);
+  neighbor.near = near || neighbor.rho == 0.0f;
+  vec2 x = vec2(dot(neighbor.offset, center.t1), dot(neighbor.offset, center.t2)) * (1.0f / params.radius);
+  vec2 y = vec2(dot(neighbor.normal, center.t1), dot(neighbor.normal, center.t2));
+  neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12f));
+  sums.moments.area += neighbor.weight;
+  sums.moments.squares += neighbor.weight * neighbor.weight;
+  sums.moments.xx += neighbor.weight * outer(x);
+  sums.moments.xy += neighbor.weight * vec3(x.x * y.x, x.x * y.y + x.y * y.x, x.y * y.y);
+  sums.moments.yy += neighbor.weight * dot(y, y);
+#if EXTRAPOLATED
+  Neighbor inner = neighbor;
+  inner.weight = area * rim_share(neighbor.distance, 0.5f * params.radius, area);
+  ball_add(sums.half_ball, center, inner);
+#endif
+#if MAP
+  bool unknown = isnan(map.w); // the map does not exist there
+  vec3 slope = params.map_radius * turn_to(center.normal, normal, vec3(map.x, map.y, map.z));
+  neighbor.weight = mix(neighbor.weight, 0.0f, unknown);
+  neighbor.place = x;
+  neighbor.value = mix(map.w - center.value, 0.0f, unknown);
+  neighbor.slope = vec2(dot(slope, center.t1), dot(slope, center.t2));
+#endif
+  terms_add(sums.terms, center, neighbor);
+}
+
+// ---- Finishing
+
+// Least squares: S minimizes the sum of w |S x - y|^2 over symmetric 2x2 matrices. False where x does not span the plane.
+bool fit_shape_operator(Moments m, OUT(vec3) shape) {
+  shape = vec3(0.0f);
+  float spread = m.xx.x * m.xx.z - m.xx.y * m.xx.y;
+  float trace = m.xx.x + m.xx.z;
+  if (!(spread > 1e-4f * trace * trace)) return false;
+  vec2 ratio = m.xx.y / vec2(m.xx.x, m.xx.z);
+  float s12 = (m.xy.y - ratio.x * m.xy.x - ratio.y * m.xy.z) / (trace - m.xx.y * (ratio.x + ratio.y));
+  shape = vec3((m.xy.x - s12 * m.xx.y) / m.xx.x, s12, (m.xy.z - s12 * m.xx.y) / m.xx.z);
+  return true;
+}
+
+// Whether the normals deviate from what the shape operator says by more than the threshold.
+bool is_rough(Moments m) {
+  vec3 shape;
+  if (!fit_shape_operator(m, shape)) return true;
+  float unexplained = m.yy - dot(shape, m.xy);
+  return unexplained > params.adaptive * params.adaptive * m.area;
+}
+
+// Eigenvalues and eigenvectors of S.
+void find_directions(Center center, INOUT(Support) support) {
+  float mean = 0.5f * (support.shape.x + support.shape.z);
+  vec2 gap = vec2(0.5f * (support.shape.x - support.shape.z), support.shape.y);
+  float half_gap = length(gap);
+  support.eigenvalues = vec2(mean + half_gap, mean - half_gap);
+  // Half of the angle of gap, from whichever of its two forms does not cancel.
+  vec2 e = gap.x >= 0.0f ? vec2(half_gap + gap.x, gap.y) : vec2(gap.y, half_gap - gap.x);
+  e = half_gap > 0.0f ? normalize(e) : vec2(1.0f, 0.0f);
+  support.direction_max = center.t1 * e.x + center.t2 * e.y;
+  support.direction_min = center.t2 * e.x - center.t1 * e.y;
+}
+
+// How far the second moments of a full disk may deviate. Few samples leave noise: of the rim, which 2 sqrt(pi n) of n cut.
+float disk_tolerance(Moments m) {
+  float share = m.squares / max(m.area * m.area, 1e-30f); // 1 / n
+  return max(float(DISK_DEVIATION), 6.0f * pow(share, 0.75f) - 0.09f);
+}
+
+Support unfitted_support(float area, float scale) {
+  Support support;
+  support.radius = params.radius;
+  support.area = area;
+  support.scale = scale;
+  support.shape = vec3(0.0f);
+  support.eigenvalues = vec2(NOT_A_NUMBER);
+  support.direction_max = vec3(NOT_A_NUMBER);
+  support.direction_min = vec3(NOT_A_NUMBER);
+  support.deviation = 1.0f;
+  support.tolerance = float(DISK_DEVIATION);
+  support.variate = 0.0f;
+  support.mean = NOT_A_NUMBER;
+  support.gauss = NOT_A_NUMBER;
+  support.k1 = NOT_A_NUMBER;
+  support.k2 = NOT_A_NUMBER;
+  return support;
+}
+
+#if INTEGRAL
+void find_curvatures(Sums sums, INOUT(Support) support) {
+  if (!(sums.moments.area > 0.0f)) return;
+  support.mean = ball_mean_curvature(sums.terms.ball, support);
+#if EXTRAPOLATED
+  Support half_support = support;
+  half_support.radius *= 0.5f;
+  support.mean = (4.0f * ball_mean_curvature(sums.half_ball, half_support) - support.mean) / 3.0f;
+#endif
+  support.gauss = area_gaussian_curvature(area_finish(sums.terms.area, sums.terms.area.inside, support), params.radius);
+  float root = sqrt(max(support.mean * support.mean - support.gauss, 0.0f));
+  support.k1 = support.mean + root;
+  support.k2 = support.mean - root;
+}
+#else
+void find_curvatures(Sums sums, INOUT(Support) support) {
+  support.k1 = support.eigenvalues.x;
+  support.k2 = support.eigenvalues.y;
+  support.mean = 0.5f * (support.k1 + support.k2);
+  support.gauss = support.k1 * support.k2;
+}
+#endif
+
+// scale: of the sums, where only half of the samples were taken.
+Support finish_support(Sums sums, float scale) {
+  Moments m = sums.moments;
+  Support support = unfitted_support(scale * m.area, scale);
+  if (fit_shape_operator(m, support.shape)) {
+    support.shape /= params.radius;
+    find_directions(sums.center, support);
+    // The control variate's exact mean is that of a full flat disk: second moments pi r^4/4 each.
+    float disk = 0.25f * PI * params.radius * params.radius;
+    vec3 off = abs(scale * m.xx / disk - vec3(1.0f, 0.0f, 1.0f));
+    support.deviation = max(max(off.x, off.z), off.y);
+    support.tolerance = disk_tolerance(m);
+    support.variate =
+        m.cut > 0.0f ? 0.0f : params.variate_share * (1.0f - smoothstep(support.tolerance, 3.0f * support.tolerance, support.deviation));
+  }
+  find_curvatures(sums, support);
+  return support;
+}

@@ -1,0 +1,15 @@
+// Terms of the bending energy (paper eq. 5): how far normals turn, and in which directions neighbors lie.
+struct BendingTerms {
+  float energy; // sum of w |n - n_i|^2/rho^2
+  vec3 moments; // sum of w e e^T
+};
+void bending_init(OUT(BendingTerms) terms) {
+  terms.energy = 0.0f;
+  terms.moments = vec3(0.0f);
+}
+void bending_add(INOUT(BendingTerms) terms, Center center, Neighbor neighbor) {
+  vec3 turn = center.normal - neighbor.normal;
+  float weight = mix(neighbor.weight, 0.0f, neighbor.near);
+  terms.energy += weight * dot(turn, turn) / mix(neighbor.rho * neighbor.rho, 1.0f, neighbor.near);
+  terms.moments += weight * outer(neighbor.direction);
+}
