@@ -9,6 +9,7 @@ from live_values import NAME, count_computations, stretching_sphere, switch, val
 from paradesc.animation import handlers, painting  # noqa: E402
 from paradesc.core import color_maps  # noqa: E402
 from paradesc.scene import mesh_io, record  # noqa: E402
+from paradesc.show import recolor  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -65,6 +66,17 @@ def test_range_of_this_frame_holds_all_live_objects(stretching):
     assert bpy.context.scene.paradesc_live.ranges[NAME].maximum < 0.7
     assert bpy.ops.paradesc.live_range() == {"FINISHED"}
     assert bpy.context.scene.paradesc_live.ranges[NAME].maximum > 0.9
+
+
+def test_what_was_baked_and_is_not_live_keeps_its_range_and_can_be_recolored(stretching):
+    bpy.context.scene.paradesc.descriptors = {"curvedness"}
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    before = recolor.stored_range(stretching.data, "curvedness")
+    bpy.context.scene.paradesc.descriptors = {NAME}
+    assert switch(stretching) == ""
+    assert {NAME, "curvedness"} <= set(record.read(stretching.data)["ranges"])
+    assert recolor.stored_range(stretching.data, "curvedness") == before
+    assert bpy.ops.paradesc.recolor(every=True) == {"FINISHED"}
 
 
 # ---- What the Colors panel says
