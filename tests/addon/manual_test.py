@@ -92,8 +92,9 @@ def test_the_manual_leads_nowhere_outside_the_package():
 
 
 def test_scripts_in_commands_exist():
-    for page in (ROOT / "README.md", *MANUAL.glob("*.md"), ROOT / "native" / "README.md", ROOT / "tests" / "README.md"):
-        for script in re.findall(r"bash ((?:\w+/)+\w+\.sh)", page.read_text(encoding="utf-8")):
+    for page in pages():
+        named = re.findall(r"(?:bash|python|-P) ((?:[\w-]+/)+[\w.-]+\.(?:sh|py))", page.read_text(encoding="utf-8"))
+        for script in (name for name in named if name.split("/")[0] in FOLDERS):
             assert (ROOT / script).is_file(), f"{page.name}: {script}"
 
 
