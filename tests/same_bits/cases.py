@@ -6,8 +6,9 @@ from typing import Any
 RADII = (0.01, 0.02, 0.04)
 PRECISIONS = ("full", "half")
 PLACES = ("vertex", "texel")
-# Texels of the map, samples and buffers of everyday use (--quick); else only texels are not the defaults.
+# The grid takes the defaults of pdesc_options but for texels; other options and --quick what takes less time.
 WHOLE = {"texels": 256}
+SMALL = {"texels": 128, "buffer_size": 512, "samples": 64}
 QUICK = {"texels": 64, "buffer_size": 256, "samples": 64}
 
 # One row a computation beside the grid, at the middle radius: what differs from the defaults.
@@ -49,7 +50,7 @@ OPTIONS: tuple[dict[str, Any], ...] = (
     {"map_descriptor": "mean_curvature"},
     {"map_descriptor": "euclidean_area", "map_sigma": 0.5, "harris_k": 0.1, "relocation": "affine"},
 )
-# Slow ones, left out by --quick.
+# Slow ones, on small meshes alone, and left out by --quick.
 SLOW: tuple[dict[str, Any], ...] = (
     {"geodesic": "chords", "relocation": "affine"},
     {"geodesic": "chords", "relocation": "paper", "distance": "geodesic"},

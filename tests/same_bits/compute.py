@@ -21,8 +21,8 @@ MESHES = ROOT.parent / "shared" / "meshes"
 QUICK_MESHES = ("fox", "pirate", "spot")
 # What depends on the clock, or is an expectation of memory and no result.
 LEFT_OUT = ("seconds_", "memory_megabytes")
-FEW = 1000  # triangles; the meshes of which every descriptor is computed alone, too
-FEW_FOR_REFERENCE = 6000
+FEW = 1000  # triangles of meshes of which every descriptor is computed alone, too
+SMALL = 6000  # those that the reference computes, too, and with slow options
 
 
 def arguments() -> argparse.Namespace:
@@ -50,7 +50,7 @@ class Recorder:
     def __init__(self, contexts: dict[str, bridge.Context], quick: bool, grid: bool) -> None:
         self.contexts, self.quick, self.grid = contexts, quick, grid
         self.arrays: dict[str, np.ndarray] = {}
-        self.base = cases.QUICK if quick else cases.WHOLE
+        self.whole, self.small = (cases.QUICK, cases.QUICK) if quick else (cases.WHOLE, cases.SMALL)
         self.rows = bridge.descriptors()
 
     def keep(self, case: str, what: str, values: object) -> None:
@@ -100,11 +100,12 @@ class Recorder:
 
     def on_device(self, arrays: bridge.MeshArrays) -> None:
         """Every case of the software device."""
-        todo = cases.grid(self.base)
+        todo = cases.grid(self.whole)
+        slow = not self.quick and len(arrays.triangle_corners) <= SMALL
         if not self.grid:
-            todo += cases.others(self.base, tuple(inputs.CHANGES), not self.quick)
+            todo += cases.others(self.small, tuple(inputs.CHANGES), slow)
         if not self.grid and not self.quick and len(arrays.triangle_corners) <= FEW:
-            todo += cases.singly(self.base, [row.name for row in self.rows])
+            todo += cases.singly(self.small, [row.name for row in self.rows])
         with self.contexts["software"].mesh(arrays) as mesh:
             self.keep_report("mesh", "report", mesh.report())
             for case in todo:
@@ -117,19 +118,19 @@ class Recorder:
         if not self.grid:
             with self.contexts["software"].mesh(inputs.shaded(arrays)) as mesh:
                 for normals in ("fitted", "max"):
-                    given = self.base | {"normals": normals}
+                    given = self.small | {"normals": normals}
                     name = f"flat faces and sharp edges, normals {normals}"
                     self.compute(mesh, cases.Case(name, given, buffers=True))
 
     def on_reference(self, arrays: bridge.MeshArrays) -> None:
         """Every case of the reference, on a small mesh."""
-        if self.grid or len(arrays.triangle_corners) > (FEW if self.quick else FEW_FOR_REFERENCE):
+        if self.grid or len(arrays.triangle_corners) > (FEW if self.quick else SMALL):
             return
         with self.contexts["reference"].mesh(arrays) as mesh:
-            for case in cases.on_reference(self.base):
+            for case in cases.on_reference(self.small):
                 self.compute(mesh, case)
             mesh.set_positions(inputs.bent(arrays))
-            options = self.base | {"radius": cases.RADII[0]}
+            options = self.small | {"radius": cases.RADII[0]}
             self.compute(mesh, cases.Case("reference, moved", options, backend="reference"))
 
     def record(self, arrays: bridge.MeshArrays) -> None:
