@@ -22,6 +22,8 @@ LIGHT = np.array([-0.45, 0.65, 0.62])
 SHADOW = 0.42
 # Pairs of triangle and pixel tested at a time: bounds the memory.
 PAIRS_AT_ONCE = 2_000_000
+# Of these, so many are computed with at a time: what lies between stays in the processor's cache.
+PAIRS_IN_CACHE = 65_536
 
 
 @dataclass
@@ -142,14 +144,11 @@ def rasterize_some(
     """Tests all pixels in the boxes of some triangles (k,) and writes the nearest hits to nearest and shown."""
     size = round(np.sqrt(len(shown)))
     counts = extent.prod(axis=1)
-    owner = np.repeat(np.arange(len(numbers)), counts)
-    place = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
-    column = first[owner, 0] + place % extent[owner, 0]
-    row = first[owner, 1] + place // extent[owner, 0]
-    weights = screen_weights(corners[owner, :, :2], column + 0.5, row + 0.5)
-    inside = (weights >= 0).all(axis=1)
-    owner, pixel = owner[inside], (row * size + column)[inside]
-    depth = (weights[inside] * corners[owner, :, 2]).sum(axis=1).astype(np.float32)
+    ends = np.cumsum(counts)
+    starts = range(0, int(ends[-1]), PAIRS_IN_CACHE)
+    found = [hits(start, min(start + PAIRS_IN_CACHE, int(ends[-1])), ends, corners, first, extent) for start in starts]
+    owner, column, row, depth = map(np.concatenate, zip(*found, strict=True))
+    pixel = row * size + column
     nearer = depth > nearest[pixel]
     owner, pixel, depth = owner[nearer], pixel[nearer], depth[nearer]
     order = np.argsort(depth, kind="stable")  # of several hits of one pixel the last, nearest one stays
@@ -157,13 +156,29 @@ def rasterize_some(
     shown[pixel[order]] = numbers[owner[order]]
 
 
+def hits(
+    start: int, stop: int, ends: np.ndarray, corners: np.ndarray, first: np.ndarray, extent: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Which of the pairs from start to stop hit: triangle, column, row, depth, each (k,); ends: (t,) of the pairs."""
+    pair = np.arange(start, stop)
+    owner = np.searchsorted(ends, pair, side="right")
+    place = pair - (ends - extent.prod(axis=1))[owner]
+    column = first[owner, 0] + place % extent[owner, 0]
+    row = first[owner, 1] + place // extent[owner, 0]
+    weights = screen_weights(corners[owner, :, :2], column + 0.5, row + 0.5)
+    inside = np.flatnonzero((weights[:, 0] >= 0) & (weights[:, 1] >= 0) & (weights[:, 2] >= 0))
+    owner = owner[inside]
+    depth = (weights[inside] * corners[owner, :, 2]).sum(axis=1).astype(np.float32)
+    return owner, column[inside], row[inside], depth
+
+
 def screen_weights(corners: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """(k, 3) barycentric weights of points x, y (k,) in triangles (k, 3, 2) of either winding; NaN without area."""
-    offset = corners - np.stack([x, y], axis=1)[:, None, :]
-    a, b, c = offset[:, 0], offset[:, 1], offset[:, 2]
-    parts = np.stack([cross(b, c), cross(c, a), cross(a, b)], axis=1)
+    (ax, ay), (bx, by), (cx, cy) = ((corners[:, index, 0] - x, corners[:, index, 1] - y) for index in range(3))
+    parts = (bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx)
+    whole = parts[0] + parts[1] + parts[2]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return parts / parts.sum(axis=1, keepdims=True)
+        return np.stack([part / whole for part in parts], axis=1)
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
