@@ -14,6 +14,7 @@ from shapes import ROOT, cube_sphere, write_obj
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
+from paradesc.core import color_maps  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
 
 QUICK = ("--radius", "0.06", "--samples", "64", "--buffer", "256", "--backend", "software")
@@ -89,7 +90,11 @@ def test_one_run_writes_every_kind_of_output_and_they_agree(paradesc, sphere_obj
     target = bpy.data.objects["sphere"]
     for name in (*NAMES, "coverage"):
         assert np.array_equal(attribute_values(target.data, name), arrays[name], equal_nan=True)
-    assert attribute_values(target.data, "mean_curvature_color").shape == (count, 4)
+    colors = attribute_values(target.data, "mean_curvature_color")
+    assert colors.shape == (count, 4)
+    written = np.stack([vertices[name] for name in ("red", "green", "blue")], axis=1)
+    np.testing.assert_allclose(written, 255 * color_maps.linear_to_srgb(colors[:, :3]), atol=0.51)
+    assert (written[:, 0] > written[:, 2].astype(int) + 50).all()  # the sphere is convex, which is red
     assert target.data.color_attributes.active_color.name == "mean_curvature_color"
     np.testing.assert_allclose(np.array(target.matrix_world), arrays["matrix_world"], atol=1e-6)
 
@@ -110,6 +115,7 @@ def test_sphere_is_right_through_the_command_line(paradesc, sphere_obj, tmp_path
     np.testing.assert_allclose(loaded(tmp_path / "out.npz")["mean_curvature"], 0.5, rtol=0.03)
 
 
+@pytest.mark.slow
 def test_same_command_gives_the_same_bytes(paradesc, sphere_obj, tmp_path):
     for name in ("a.npz", "b.npz"):
         accepted(paradesc("bake", sphere_obj, *QUICK, "--output", name))
@@ -117,6 +123,7 @@ def test_same_command_gives_the_same_bytes(paradesc, sphere_obj, tmp_path):
     assert all(np.array_equal(first[name], second[name]) for name in first)
 
 
+@pytest.mark.slow
 def test_seed_changes_the_samples(paradesc, sphere_obj, tmp_path):
     accepted(paradesc("bake", sphere_obj, *QUICK, "--output", "a.npz"))
     accepted(paradesc("bake", sphere_obj, *QUICK, "--seed", 7, "--output", "b.npz"))
@@ -124,6 +131,7 @@ def test_seed_changes_the_samples(paradesc, sphere_obj, tmp_path):
     assert not np.array_equal(first["mean_curvature"], second["mean_curvature"])
 
 
+@pytest.mark.slow
 def test_baked_ply_can_be_read_again(paradesc, sphere_obj, tmp_path):
     accepted(paradesc("bake", sphere_obj, *QUICK, "--output", "out.ply"))
     accepted(paradesc("bake", "out.ply", "--radius", "0.06", "--backend", "reference", "--output", "again.npz"))
@@ -167,6 +175,7 @@ def test_largest_object_of_an_imported_file_is_taken(paradesc, tmp_path):
     assert 'object "large"' in output
 
 
+@pytest.mark.slow
 def test_compare_prints_a_table_and_writes_its_rows(paradesc, tmp_path):
     names = ("mean_curvature", "curvedness")
     points, quads, uvs = cube_sphere(20)
@@ -234,6 +243,7 @@ def test_failure_leaves_the_blend_and_an_old_output_as_they_were(paradesc, two_s
     assert (tmp_path / "out.npz").read_bytes() == b"old"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "content", "word"),
     [
@@ -255,6 +265,7 @@ def test_bad_file_is_one_sentence(paradesc, tmp_path, name, content, word):
     assert not (tmp_path / "out.npz").exists()
 
 
+@pytest.mark.slow
 def test_mesh_without_uv_map_is_unwrapped_and_said(paradesc, tmp_path):
     points, quads, _ = cube_sphere()
     write_obj(tmp_path / "bare.obj", points, quads, None)
@@ -302,6 +313,7 @@ def test_comparing_the_reference_with_itself_is_refused(paradesc, sphere_obj):
     refused(paradesc("compare", sphere_obj, "--backend", "reference"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["degenerate_edge", "double_sided", "duplicate_edge", "zero_area_face", "zero_length_edge"]
 )
@@ -326,6 +338,7 @@ def test_infinite_coordinates_that_blender_sets_to_zero_leave_the_faces_with_are
     np.testing.assert_allclose(arrays["mean_curvature"][defined], 0.0, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_split_vertices_of_a_gltf_file_each_get_their_value(paradesc, tmp_path):
     accepted(
         paradesc(
@@ -346,6 +359,7 @@ def test_split_vertices_of_a_gltf_file_each_get_their_value(paradesc, tmp_path):
     assert np.nanmean(np.abs(values - first[place])) < 0.02 * spread
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["spot.obj", "bob.obj", "human.obj"])
 def test_real_mesh_has_no_visible_seams(paradesc, tmp_path, name):
     accepted(paradesc("compare", real_mesh(name), "--backend", "software", "--json", "rows.json"))
@@ -380,6 +394,7 @@ def test_script_runs_without_the_package_on_the_path(sphere_obj, tmp_path):
     accepted(completed(words, tmp_path))
 
 
+@pytest.mark.slow
 def test_interrupted_computation_is_one_sentence_and_writes_nothing(tmp_path):
     path = write_obj(tmp_path / "fine.obj", *cube_sphere(90))
     words = ["bake", path, "--radius", "0.3", "--samples", "4096", "--backend", "software", "--output", "out.npz"]

@@ -195,3 +195,8 @@ def test_linear_and_display_values_are_each_others_inverse():
     assert rgba.shape == (100, 4)
     assert (rgba[:, 3] == 1).all()
     np.testing.assert_allclose(color_maps.srgb_to_linear(np.array([0.5])), 0.21404, atol=1e-5)
+
+
+def test_colors_of_attributes_are_linear():
+    rgba = color_maps.linear_rgba(np.array([[0.5, 0.0, 1.0], [0.04, 1.0, 0.5]]))
+    np.testing.assert_allclose(rgba, [[0.21404, 0, 1, 1], [0.04 / 12.92, 1, 0.21404, 1]], atol=1e-5)

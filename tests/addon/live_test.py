@@ -77,6 +77,16 @@ def test_what_another_tool_wrote_over_is_put_back(stretching, monkeypatch):
     assert not done
 
 
+@pytest.mark.parametrize(("name", "member", "other"), [(NAME, "value", 99.0), (f"{NAME}_color", "color", (0, 1, 0, 1))])
+def test_one_value_alone_that_another_tool_wrote_over_is_put_back(stretching, name, member, other):
+    switch(stretching)
+    before = values(stretching, name)
+    setattr(stretching.data.attributes[name].data[3], member, other)
+    assert not np.array_equal(values(stretching, name), before)
+    bpy.context.scene.frame_set(1)
+    assert np.array_equal(values(stretching, name), before)
+
+
 def test_the_radius_does_not_change_with_the_pose(stretching):
     switch(stretching)
     rest = job.run(
@@ -86,6 +96,7 @@ def test_the_radius_does_not_change_with_the_pose(stretching):
     assert handlers.session_at(stretching).results.radius == pytest.approx(rest.radius, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_viewport_takes_smaller_buffers_where_the_radius_spans_texels_enough(stretching):
     settings, group = bpy.context.scene.paradesc, bpy.context.scene.paradesc_live
     settings.buffer_size = group.buffer_size = 1024
