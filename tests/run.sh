@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # The second command: installs what is needed, builds everything, and runs all tests: the native ones, 100,000 fuzzed inputs, the
 # add-on's in Blender's Python module, then the same in Blender's own executable, without and with a window.
+#   bash tests/run.sh --quick    builds, then only what is fast of the native tests and of the add-on's in the Python module
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
 
+case "$*" in "" | --quick) ;; *) fail "usage: bash tests/run.sh [--quick]" ;; esac
 install_packages "${BUILD_PACKAGES[@]}" "${RUN_PACKAGES[@]}" "${TEST_PACKAGES[@]}"
 make_environment "${REQUIREMENTS[@]}" "${TEST_REQUIREMENTS[@]}"
 build_library
@@ -24,6 +26,55 @@ step() {
   fi
 }
 
+# summary: how the steps ended; its own status is that of all of them.
+summary() {
+  echo
+  echo "==== Summary"
+  [ ${#passed[@]} -eq 0 ] || printf 'passed   %s\n' "${passed[@]}"
+  [ ${#skipped[@]} -eq 0 ] || printf 'skipped  %s\n' "${skipped[@]}"
+  [ ${#failed[@]} -eq 0 ] || printf 'FAILED   %s\n' "${failed[@]}"
+  echo "suites: ${#passed[@]} passed, ${#failed[@]} failed, ${#skipped[@]} skipped"
+  [ ${#failed[@]} -eq 0 ]
+}
+
+# half_of_native NUMBER: becomes every other one of the fast native tests, in one process, which makes each program once.
+half_of_native() {
+  local slow
+  slow=$(sed '/^#/d' "$root/tests/slow_native.txt" | paste -sd:)
+  GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=$1 exec "$root/build/paradesc_tests" --gtest_brief=1 --gtest_filter="-$slow"
+}
+
+# ended PROCESS LOG: waits for native tests, and shows their last words, or all of them if they failed or there were none.
+ended() {
+  local status=0
+  wait "$1" || status=$?
+  if [ $status -eq 0 ] && grep '^\[  PASSED  \] [1-9]' "$2"; then return 0; fi
+  cat "$2"
+  return $((status ? status : 1))
+}
+
+# quick: the fast tests, all side by side. The longest are waited for last.
+quick() {
+  local logs=$root/build/quick first second
+  mkdir -p "$logs"
+  half_of_native 0 >"$logs/first.log" 2>&1 </dev/null &
+  first=$!
+  half_of_native 1 >"$logs/second.log" 2>&1 </dev/null &
+  second=$!
+  trap 'kill $(jobs -p) 2>/dev/null' EXIT # of what an interrupt leaves behind
+  step "structure" "$python" -m pytest -q --rootdir "$root" "$root/tests/structure"
+  step "add-on in the Python module" "$python" -m pytest -q -m "not slow" --rootdir "$root" "$root/tests/addon"
+  step "native tests, one half" ended $first "$logs/first.log"
+  step "native tests, the other half" ended $second "$logs/second.log"
+  skipped+=("slow tests, fuzzing, Blender itself: bash tests/run.sh has them")
+}
+
+if [ "${1:-}" = --quick ]; then
+  quick
+  summary
+  exit
+fi
+
 step "native tests" ctest --test-dir "$root/build" --output-on-failure --no-tests=error -j "$(nproc)"
 step "structure" "$python" -m pytest -q --rootdir "$root" "$root/tests/structure"
 step "fuzzing" bash "$root/tests/fuzz.sh"
@@ -42,10 +93,4 @@ else
   skipped+=("add-on in Blender's window: blender or xvfb-run is not here")
 fi
 
-echo
-echo "==== Summary"
-[ ${#passed[@]} -eq 0 ] || printf 'passed   %s\n' "${passed[@]}"
-[ ${#skipped[@]} -eq 0 ] || printf 'skipped  %s\n' "${skipped[@]}"
-[ ${#failed[@]} -eq 0 ] || printf 'FAILED   %s\n' "${failed[@]}"
-echo "suites: ${#passed[@]} passed, ${#failed[@]} failed, ${#skipped[@]} skipped"
-[ ${#failed[@]} -eq 0 ]
+summary

@@ -90,6 +90,7 @@ def test_obj_reader_reads_quads_with_their_uvs(tmp_path):
     assert meshes.read_obj(write_obj(tmp_path / "bare.obj", points, quads)).corner_uvs is None
 
 
+@pytest.mark.slow
 def test_baseline_has_a_spheres_curvature_where_it_sees_many_vertices():
     surface = surfaces.sphere(vertices=4000)
     values, count = baseline.mean_curvature(surface.arrays, 0.4, surface.normals)
@@ -98,6 +99,7 @@ def test_baseline_has_a_spheres_curvature_where_it_sees_many_vertices():
     assert np.abs(values - 1).max() < 0.05
 
 
+@pytest.mark.slow
 @IN_PYTHON
 def test_a_section_is_written_and_kept_while_another_is_measured(tmp_path):
     with bridge.Context("auto") as context:

@@ -244,6 +244,7 @@ def start(*words, cwd):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_run_that_is_killed_and_started_again_gives_the_same_files(paradesc, cylinder_blend, tmp_path):
     count = int(os.environ.get("PARADESC_KILLED_FRAMES", "10"))
     words = ("animate", cylinder_blend, *QUICK, "--frames", f"1:{count}")

@@ -63,6 +63,7 @@ def test_cancelled_anywhere_the_scene_is_as_before_and_the_next_bake_right(backe
     assert np.array_equal(attribute_values(target.data, "mean_curvature"), expected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("backend", "fraction"), [("software", 0.05), ("software", 0.3), ("reference", 0.01)])
 def test_quitting_while_a_bake_runs_neither_hangs_nor_crashes(tmp_path, backend, fraction):
     numpy_folder = str(Path(np.__file__).parents[1])

@@ -204,6 +204,7 @@ def test_help_is_shown(paradesc):
     assert "--descriptors" in accepted(paradesc("bake", "--help"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [
@@ -328,6 +329,7 @@ def test_malformed_mesh_gives_results_for_its_sound_vertices(paradesc, tmp_path,
     assert report["field_report"]["undefined_vertices"] == int(np.isnan(arrays["mean_curvature"]).sum())
 
 
+@pytest.mark.slow
 def test_infinite_coordinates_that_blender_sets_to_zero_leave_the_faces_with_area(paradesc, tmp_path):
     accepted(paradesc("bake", real_mesh("malformed/infinite_coordinates.glb"), *QUICK, "--output", "out.npz"))
     arrays = loaded(tmp_path / "out.npz")

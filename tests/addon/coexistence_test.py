@@ -11,6 +11,7 @@ from scene import add_sphere, small_bake  # noqa: E402
 pytestmark = pytest.mark.usefixtures("registered")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_WORKBENCH"])
 def test_a_frame_looks_the_same_before_and_after_bakes(engine, tmp_path):
     target = add_sphere(steps=8)

@@ -52,6 +52,7 @@ def expect_the_eight(found, arrays, radius):
     assert np.abs(np.abs(places) - CORNER).max() < 0.5 * radius
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["software", "reference"])
 def test_the_corners_of_a_rounded_cube_are_found_on_two_atlases(backend):
     points, quads, uvs = rounded_cube()
@@ -114,6 +115,7 @@ def test_of_equal_neighbors_one_stays():
     assert list(corners.find_corners(positions, triangles, response, 2.0).vertices) == [2]
 
 
+@pytest.mark.slow
 def test_the_command_line_lists_and_paints_them(paradesc, tmp_path):
     points, quads, uvs = rounded_cube(16)
     mesh = write_obj(tmp_path / "cube.obj", points, quads, uvs)

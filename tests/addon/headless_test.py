@@ -168,6 +168,7 @@ def test_compare_fails_over_an_error_that_is_too_large(run, report, sphere_obj):
     assert report()["rows"][0]["descriptor"] == "mean_curvature"
 
 
+@pytest.mark.slow
 def test_terminated_computation_is_one_sentence_and_leaves_no_file(run, tmp_path):
     path = write_obj(tmp_path / "fine.obj", *cube_sphere(60))
     timer = threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGTERM))
@@ -394,6 +395,7 @@ sys.exit(code)
 """
 
 
+@pytest.mark.slow
 def test_script_bakes_as_the_panel_does_and_writes_files(tmp_path, report):
     script = tmp_path / "script.py"
     script.write_text(

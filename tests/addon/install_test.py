@@ -156,6 +156,7 @@ def names_in(package):
     return {re.sub("^paradesc/", "", name) for name in zipfile.ZipFile(package).namelist() if not name.endswith("/")}
 
 
+@pytest.mark.slow
 def test_legacy_zip_installs_and_bakes(packages, tmp_path):
     in_blender(tmp_path, "legacy", packages["legacy"])
     assert installed(tmp_path, "scripts/addons/paradesc") == names_in(packages["legacy"])
@@ -167,11 +168,13 @@ def test_extension_zip_installs_and_bakes(packages, tmp_path):
     assert installed(tmp_path, "extensions/user_default/paradesc") == names_in(packages["extension"])
 
 
+@pytest.mark.slow
 @EXTENSIONS
 def test_legacy_zip_installs_as_an_extension_too(packages, tmp_path):
     in_blender(tmp_path, "extension", packages["legacy"])
 
 
+@pytest.mark.slow
 @EXTENSIONS
 def test_extension_zip_of_another_system_is_refused_by_blender(tmp_path):
     library_file = tmp_path / "libparadesc-arm64.dylib"
@@ -190,6 +193,7 @@ UPDATES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["legacy", *(pytest.param(kind, marks=EXTENSIONS) for kind in ("extension", "index"))])
 def test_update_keeps_settings_and_presets_and_leaves_no_old_file(kind, packages, newer_packages, served, tmp_path):
     folder, module = UPDATES[kind]
@@ -210,6 +214,7 @@ def restarted(tmp_path, module):
     assert "after_restart done" in said, said
 
 
+@pytest.mark.slow
 @EXTENSIONS
 def test_repository_in_a_folder_installs_too(packages, tmp_path):
     in_blender(tmp_path, "remote", packages["index"].as_uri())
@@ -236,6 +241,7 @@ def extension_command(*words):
     return done.stdout
 
 
+@pytest.mark.slow
 def test_enabling_and_disabling_twenty_times_leaks_nothing(packages, tmp_path):
     in_blender(tmp_path, "cycles", packages["legacy"])
 
@@ -260,6 +266,7 @@ def names_of_the_manual():
     return names | {f"manual/{page.lower()}.html" for page in pages - {"README"}} | {"manual/index.html"}
 
 
+@pytest.mark.slow
 def test_packages_link_an_address_where_one_is_given(packed, tmp_path):
     address = "https://example.org/paradesc"
     linked = pack(ROOT, tmp_path / "linked", "--files", *LIBRARIES, f"--website={address}")

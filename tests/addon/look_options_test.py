@@ -38,6 +38,7 @@ def test_what_is_not_given_is_taken_from_elsewhere():
     assert parsed("--range", "0:1", otherwise=scene) == Look("heat", None, {"": (0.0, 1.0)}, False, 1.0)
 
 
+@pytest.mark.slow
 def test_picture_and_report_have_the_colors_asked_for(paradesc, sphere_obj, tmp_path):
     words = ["--output", "out.ply", "--json", "out.json", "--color-map", "grey", "--range=0:1"]
     process = paradesc("bake", sphere_obj, *QUICK, *words)

@@ -52,6 +52,7 @@ def bumpy():
     return points, quads, uvs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("evaluate", ["vertex", "texel"])
 def test_an_exr_looked_up_at_a_vertex_agrees_with_its_attribute(paradesc, tmp_path, evaluate):
     path = write_obj(tmp_path / "bumpy.obj", *bumpy())
@@ -123,6 +124,7 @@ def compositor(bpy, scene):
     return scene.node_tree, scene.node_tree.nodes.new("CompositorNodeComposite")
 
 
+@pytest.mark.slow
 def test_blender_finds_a_layer_a_descriptor(paradesc, sphere_obj, tmp_path):
     bpy = pytest.importorskip("bpy", reason="needs Blender")
     names = ("mean_curvature", "principal_direction_max")
@@ -181,6 +183,7 @@ def test_a_16_bit_png_of_an_operator_says_the_unit_on_its_map(tmp_path):
     assert texts["Description"].endswith("[1/length^2]")
 
 
+@pytest.mark.slow
 def test_a_16_bit_png_says_which_values_its_ends_are(paradesc, tmp_path):
     path = write_obj(tmp_path / "bumpy.obj", *bumpy())
     names = "mean_curvature,shape_index"
@@ -253,6 +256,7 @@ def test_a_map_of_texels_is_the_image_where_the_layout_is_the_uv_map():
     np.testing.assert_allclose(image[both], source[both], rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_stacked_charts_get_an_image_in_the_uv_map_and_a_note(paradesc, tmp_path):
     points, quads, uvs = cube_sphere()
     stacked = uvs.copy()
@@ -269,6 +273,7 @@ def test_stacked_charts_get_an_image_in_the_uv_map_and_a_note(paradesc, tmp_path
         np.testing.assert_allclose(image[inside], 0.5, rtol=0.05)
 
 
+@pytest.mark.slow
 def test_image_that_fits_no_uv_map_says_so(paradesc, tmp_path):
     path = write_obj(tmp_path / "bare.obj", *cube_sphere(4)[:2])
     process = paradesc("bake", path, *QUICK, "--map", "bare.exr")
@@ -292,6 +297,7 @@ def test_coordinates_beyond_the_unit_square_are_drawn_as_a_repeated_texture_show
     assert np.abs(image - expected)[both].mean() < 0.03 * span  # half the texels each way, for two tiles in the square
 
 
+@pytest.mark.slow
 def test_the_reference_makes_images_too_but_has_no_buffers(paradesc, sphere_obj, tmp_path):
     words = ("--radius", "0.06", "--backend", "reference", "--texels", "32")
     process = paradesc("bake", sphere_obj, *words, "--map", "out.exr")
@@ -319,6 +325,7 @@ def test_what_cannot_be_written_is_refused_before_anything_is_computed(paradesc,
     assert process.stderr.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_dumped_buffers_hold_what_was_baked(paradesc, sphere_obj, tmp_path):
     process = paradesc("bake", sphere_obj, *QUICK, "--dump-buffers", "dump")
     assert process.returncode == 0, process.stderr
@@ -339,6 +346,7 @@ def test_dumped_buffers_hold_what_was_baked(paradesc, sphere_obj, tmp_path):
     assert (arrays["neighbor"][arrays["neighbor"] >= 0] != arrays["chart"][arrays["neighbor"] >= 0]).all()
 
 
+@pytest.mark.slow
 def test_half_takes_less_memory_and_the_summary_says_so(paradesc, sphere_obj, tmp_path):
     for precision, size in (("full", "3.1 MB"), ("half", "2.1 MB")):
         process = paradesc("bake", sphere_obj, *QUICK, "--precision", precision, "--output", f"{precision}.npz")
@@ -348,6 +356,7 @@ def test_half_takes_less_memory_and_the_summary_says_so(paradesc, sphere_obj, tm
         np.testing.assert_allclose(half["mean_curvature"], full["mean_curvature"], rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_a_real_mesh_has_the_same_values_at_texels(tmp_path, paradesc):
     path = real_mesh("bob.obj")
     words = ("bake", path, "--radius", "0.05", "--samples", "64", "--buffer", "512", "--backend", "software")

@@ -92,6 +92,7 @@ def test_camera_stands_in_front_right_and_above():
     assert up[2] > 0.5
 
 
+@pytest.mark.slow
 def test_picture_shows_red_above_and_blue_below():
     arrays = as_arrays(*cube_sphere(20))
     colors = color_maps.colors(np.sign(arrays.positions[:, 2]), SHOWN)
@@ -117,6 +118,7 @@ def test_light_does_not_turn_over_at_the_silhouette():
     np.testing.assert_allclose(turned.shading, drawn.shading, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_views_stand_side_by_side():
     arrays = as_arrays(*cube_sphere(4))
     colors = np.full((len(arrays.positions), 3), 0.5)
@@ -125,6 +127,7 @@ def test_views_stand_side_by_side():
     assert image.shape == (2 * (picture.PANEL + picture.LEGEND), 3 * picture.PANEL, 3)
 
 
+@pytest.mark.slow
 def test_bad_coordinates_do_not_stop_the_picture():
     arrays = as_arrays(*cube_sphere(4))
     arrays.positions[0] = np.nan
@@ -133,6 +136,7 @@ def test_bad_coordinates_do_not_stop_the_picture():
     assert image.min() < 200
 
 
+@pytest.mark.slow
 def test_hundred_thousand_triangles_are_all_drawn():
     arrays = as_arrays(*cube_sphere(92))
     assert len(arrays.triangle_corners) > 100_000

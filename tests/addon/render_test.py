@@ -188,6 +188,7 @@ def move_vertices(target):
             item.keyframe_insert("co", frame=frame)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("deform", [bend_by_armature, stretch_by_key, move_vertices])
 def test_stills_and_animation_in_cycles_show_each_frames_values(deform, tmp_path):
     target = animated_scene("CYCLES", deform)

@@ -105,6 +105,7 @@ def euler_characteristic(faces):
     return len({vertex for face in faces for vertex in face}) - len(edges) // 2 + len(faces)
 
 
+@pytest.mark.slow
 def test_samples_are_numbered_small_explained_and_baked(script, folder):
     explained, baked = (SAMPLES / "README.md").read_text(), (SAMPLES / "bake.sh").read_text()
     for number, name in enumerate(script.SAMPLES, start=1):
@@ -136,6 +137,7 @@ def test_rim_is_wound_outward(opened):
     assert (a * np.cross(b, c)).sum() > 0  # six times the volume
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "charts"),
     [
@@ -172,6 +174,7 @@ def test_torus_has_the_curvature_of_a_torus(script, opened):
     np.testing.assert_allclose(curvature(arrays, 0.02, 512), expected, atol=0.012)
 
 
+@pytest.mark.slow
 def test_torus_without_uv_map_has_none_and_the_same_curvature(script, opened):
     target = opened("10_no_uv_map_torus")
     assert len(target.data.uv_layers) == 0
@@ -227,6 +230,7 @@ def test_udim_tiles_give_what_one_tile_gives(opened):
     np.testing.assert_allclose(found, 1, rtol=0.005)
 
 
+@pytest.mark.slow
 def test_mirrored_halves_share_a_uv_map_and_get_values_of_their_own(opened):
     plain, shared = base(opened("01_curvature_suzanne")), base(opened("07_mirrored_suzanne"))
     right = shared.positions[shared.triangle_vertices].mean(axis=1)[:, 0] > 0
@@ -278,6 +282,7 @@ def test_a_sphere_of_single_faces_is_a_sphere(opened):
     np.testing.assert_allclose(curvature(base(opened("11_fragmented_sphere")), 0.04, 512), 1, rtol=0.005)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".blend", ".obj"])
 def test_a_relative_path_is_that_of_the_working_directory_whatever_pwd_says(suffix, folder, tmp_path):
     (tmp_path / "here").mkdir()

@@ -18,6 +18,7 @@ from scene import add_sphere, attribute_values, empty_scene, saved_scene  # noqa
 QUICK = ("--radius", "0.08", "--samples", "32", "--buffer", "128", "--backend", "software")
 
 
+@pytest.mark.slow
 def test_all_objects_go_into_one_file_each_kind_in_its_way(run, report, tmp_path, three_objects):
     words = [word for name in ("a.npz", "a.ply", "a.png", "a.blend") for word in ("--output", name)]
     names = "mean_curvature,principal_direction_max"

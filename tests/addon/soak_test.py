@@ -16,6 +16,7 @@ import soak
 SHORT = {"warm_up": 0.4, "heap_per_bake": 40_000}
 
 
+@pytest.mark.slow
 def test_sixty_bakes_of_all_kinds_leave_nothing_behind(monkeypatch):
     monkeypatch.setattr(soak, "FINEST", 4)
     samples, ends = soak.soak(60, every=6)
@@ -44,6 +45,7 @@ def test_level_is_level():
     assert soak.growths(samples_of()) == []
 
 
+@pytest.mark.slow
 def test_a_field_that_stays_is_noticed(monkeypatch):
     before, large = soak.holdings(0, 0.0).heap, bytearray(8 * 2**20)
     if soak.holdings(0, 0.0).heap - before < 7:

@@ -135,6 +135,7 @@ def watched(tmp_path_factory):
     return folder, json.loads((folder / "watched.json").read_text())
 
 
+@pytest.mark.slow
 def test_a_bake_writes_only_where_the_user_said(watched):
     folder, seen = watched
     allowed = (str(folder / "asked"), str(folder / "user"), "/dev/null")
@@ -144,6 +145,7 @@ def test_a_bake_writes_only_where_the_user_said(watched):
     assert {path.name for path in (folder / "decoy").iterdir()} == {"libparadesc.so", "libOpenMeshCore.so.9.0"}
 
 
+@pytest.mark.slow
 def test_a_bake_leaves_nothing_in_the_home_but_the_drivers_own_cache(watched):
     folder, _ = watched
     found = {path.relative_to(folder / "home") for path in (folder / "home").rglob("*") if path.is_file()}

@@ -412,6 +412,7 @@ def test_the_operator_takes_the_materials_maps(target):
         paradesc.unregister()
 
 
+@pytest.mark.slow
 def test_the_command_line_displaces_by_a_file(paradesc, sphere_obj, tmp_path):
     path = save_image(tmp_path / "white.png", np.ones((2, 2, 3)))
     words = ("--displacement", path, "--midlevel", "0", "--displacement-scale", "0.5", "--output", "out.npz")
@@ -420,6 +421,7 @@ def test_the_command_line_displaces_by_a_file(paradesc, sphere_obj, tmp_path):
     np.testing.assert_allclose(loaded(tmp_path / "out.npz")["mean_curvature"], 1 / (RADIUS + 0.5), rtol=0.03)
 
 
+@pytest.mark.slow
 def test_the_command_line_takes_the_materials_maps(paradesc, target, tmp_path):
     image = make_image("up", np.ones((2, 2, 3)))
     image.pack()
@@ -430,6 +432,7 @@ def test_the_command_line_takes_the_materials_maps(paradesc, target, tmp_path):
     np.testing.assert_allclose(loaded(tmp_path / "out.npz")["mean_curvature"], 1 / (RADIUS + 1), rtol=0.03)
 
 
+@pytest.mark.slow
 def test_the_command_line_refuses_in_one_sentence(paradesc, sphere_obj, tmp_path):
     def run(*words):
         return paradesc("bake", sphere_obj, *QUICK, *words, "--output", "out.npz")

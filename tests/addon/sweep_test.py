@@ -31,6 +31,7 @@ def test_no_value_of_a_sphere_is_missing():
     assert all(row.whole == row.vertices > 0 and not row.planes for row in rows)
 
 
+@pytest.mark.slow
 def test_a_plane_has_no_shape_index_and_everything_else():
     points, quads, uvs = cube_sphere(4)
     arrays = as_arrays(points * (1, 1, 0), quads[:16], uvs[:16])
@@ -39,12 +40,14 @@ def test_a_plane_has_no_shape_index_and_everything_else():
     assert row.planes == row.whole > 0
 
 
+@pytest.mark.slow
 def test_a_uv_map_without_area_is_no_error_of_the_device():
     arrays = as_arrays(*cube_sphere(3))
     arrays.corner_uvs[:] = 0.5
     assert findings(sweep.bakes("point", arrays, (0.2,), **SMALL)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["double_sided", "zero_area_face", "degenerate_edge", "infinite_coordinates"])
 def test_malformed_meshes_have_values_or_are_refused(name):
     paths = sweep.files(MESHES, quick=True, only=(name,))

@@ -397,6 +397,7 @@ def test_operator_bakes_without_a_uv_map(bare):
         paradesc.unregister()
 
 
+@pytest.mark.slow
 def test_bunny_is_unwrapped_well():
     path = real_mesh("stanford-bunny.obj")
     empty_scene()
