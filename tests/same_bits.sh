@@ -48,7 +48,7 @@ built() {
   local library=$1/addon/paradesc/lib/libparadesc.so newer
   if [ -d "$1" ]; then
     [ -f "$library" ] || fail "$1 is not built: there is no $library."
-    newer=$(find "$1/native" "$1/shaders" -type f -newer "$library" -print -quit)
+    newer=$(find "$1/native" "$1/shaders" -regex '.*\.\(cpp\|h\|c\|def\|glsl\)' -newer "$library" -print -quit)
     [ -z "$newer" ] || fail "The library of $1 is older than $newer; build it."
     (cd "$1" && pwd)
     return

@@ -20,6 +20,7 @@ DIRECTION: tuple[tuple[str, ...], ...] = (
     ("bake",),
     ("sample",),
     ("engine",),  # engine.h, the seam
+    ("engine/kernels",),  # what shaders/kernel is in C++
     ("engine/opengl", "engine/reference", "engine/cpu"),
     ("engine/engines",),  # makes them
     ("compute",),
