@@ -93,11 +93,6 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
   sums.moments.xx += neighbor.weight * outer(x);
   sums.moments.xy += neighbor.weight * vec3(x.x * y.x, x.x * y.y + x.y * y.x, x.y * y.y);
   sums.moments.yy += neighbor.weight * dot(y, y);
-#if EXTRAPOLATED
-  Neighbor inner = neighbor;
-  inner.weight = area * rim_share(neighbor.distance, 0.5f * params.radius, area);
-  ball_add(sums.half_ball, center, inner);
-#endif
 #if MAP
   bool unknown = isnan(map.w); // the map does not exist there
   vec3 slope = params.map_radius * turn_to(center.normal, normal, vec3(map.x, map.y, map.z));
@@ -107,6 +102,11 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
   neighbor.slope = vec2(dot(slope, center.t1), dot(slope, center.t2));
 #endif
   terms_add(sums.terms, center, neighbor);
+#if EXTRAPOLATED
+  Neighbor inner = neighbor;
+  inner.weight = area * rim_share(neighbor.distance, 0.5f * params.radius, area);
+  ball_add(sums.half_ball, center, inner);
+#endif
 }
 
 // ---- Finishing

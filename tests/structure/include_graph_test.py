@@ -19,6 +19,7 @@ DIRECTION: tuple[tuple[str, ...], ...] = (
     ("gather",),
     ("bake",),
     ("sample",),
+    ("engine/kernels",),  # shaders/kernel as C++
     ("engine",),  # engine.h, the seam
     ("engine/kernels",),  # what shaders/kernel is in C++
     ("engine/opengl", "engine/reference", "engine/cpu"),

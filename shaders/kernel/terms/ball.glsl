@@ -27,5 +27,6 @@ float ball_mean_curvature(BallTerms terms, Support support) {
 }
 // V_r/(4 pi r^3/3), the share of the ball inside the surface.
 float ball_share(BallTerms terms, Support support) {
+  if (!(terms.rho > 0.0f)) return 0.0f; // of nothing; what clamp makes of NaN is up to the driver
   return clamp(0.5f - 3.0f / 16.0f * ball_mean_curvature(terms, support) * support.radius, 0.0f, 1.0f);
 }
