@@ -7,7 +7,7 @@
 #define MAX_MARCH_STEPS                                                                                                          \
   4096 // guard of the march; a straight line crosses at most 2 x 8192 texels between seams, far less in practice
 
-// Textures (sampler units).
+// Textures by their sampler units, each number once: a stage of a program may have 16 of them.
 #define UNIT_WEIGHTS 0     // buffer, RG32F: the texel's place in its triangle, by the weights of the corners 1 and 2
 #define UNIT_POSITION 1    // buffer, RGBA32F or RGBA16F: position, area element in units of area_unit (0: no surface)
 #define UNIT_NORMAL 2      // buffer, RGBA32F: unit normal; RGBA16F: half.glsl says how
@@ -15,23 +15,27 @@
 #define UNIT_BORDER 4      // buffer, RG32I: free texels around (or -number of border edges in this texel), first list entry
 #define UNIT_BORDER_LIST 5 // list, RG32I: border, chart
 #define UNIT_BORDER_UV 6   // list, RGBA32F: u0, v0, u1, v1 of each border, the chart on its left
-#define UNIT_LINKS 7 // list, RGBA32F, two a border: the matrix of M_e; its image of (u0, v0), twin (or -1 - kind), twin's chart
-
+#define UNIT_LINKS 7       // list, RGBA32F, two a border: the matrix of M_e; its image of (u0, v0), twin (or -1 - kind), twin's chart
 // Where cells are measured.
 #define UNIT_LABELS 8 // buffer, RG32I: the cell of each texel, or -1; the part of it that its chart covers, of 65536
 #define UNIT_BOXES 9  // list, RGBA32I: low texel, width and height of each cell's box
-// In the connected relocation.
-#define UNIT_SAMPLES 8 // buffer texture, RG32I: texel (x + 65536 y); the bits of the area in (u, v) that it stands for, a float
-#define UNIT_RANGES 9  // buffer texture, RG32I: first and end in UNIT_SAMPLES, or of the samples of BINDING_BARE
 // Of a layout, and what the mesh's points have there.
 #define UNIT_PLACES 10   // buffer texture, RGBA32F, two a triangle: (u, v) of its corners 0 and 1; (u, v) of corner 2, its chart
 #define UNIT_CORNERS 11  // buffer texture, RGBA32I: the bake vertices of each triangle's corners; the bits of 1 over its area in (u, v), twice
 #define UNIT_VERTICES 12 // buffer texture, RGBA32F, two a bake vertex: position; normal
 #define UNIT_VALUES 13   // buffer texture, RGBA32F: a map's value at each bake vertex
-
-#define UNIT_POINTS 13 // buffer texture, RGBA32F, two a sample of UNIT_SAMPLES: position, area; normal, how far a texel reaches in space
-#define UNIT_FACES 14 // list, RGBA32F: unit normal of each triangle
-#define UNIT_MAP 15   // buffer, RGBA32F: gradient of a map, its value
+// What neighborhoods are sampled from.
+#define UNIT_FACES 14   // list, RGBA32F: unit normal of each triangle
+#define UNIT_MAP 15     // buffer, RGBA32F: gradient of a map, its value
+#define UNIT_SAMPLES 16 // buffer texture, RG32I: texel (x + 65536 y); the bits of the area in (u, v) that it stands for, a float
+#define UNIT_RANGES 17  // buffer texture, RG32I: first and end in UNIT_SAMPLES, or of the samples of BINDING_BARE
+#define UNIT_POINTS 18  // buffer texture, RGBA32F, two a sample of UNIT_SAMPLES: position, area; normal, how far a texel reaches in space
+// Of the pass that displaces baked texels.
+#define UNIT_HEIGHTS 19  // image, R32F: displacement
+#define UNIT_COLORS 20   // image, RGBA32F: normal map
+#define UNIT_GIVEN 21    // list, RG32F: the caller's (u, v) of each bake vertex
+#define UNIT_TANGENTS 22 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
+#define UNIT_COUNT 23
 
 // Uniforms of programs that take few. Programs over centers take EvaluateParams.
 #define LOCATION_BUFFER_SIZE 0
@@ -44,31 +48,26 @@
 // Uniform blocks.
 #define BLOCK_EVALUATE 0
 
-// Of the pass that displaces baked texels, which shares no dispatch with those above.
-#define UNIT_HEIGHTS 8 // image, R32F: displacement
-#define UNIT_COLORS 9  // image, RGBA32F: normal map
-#define UNIT_GIVEN 13    // list, RG32F: the caller's (u, v) of each bake vertex
-#define UNIT_TANGENTS 14 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
-
-// Storage buffers.
+// Storage buffers, each number once: drivers often have 16.
 #define BINDING_CENTERS 0
-#define BINDING_PATTERN 1
-#define BINDING_RESULTS 2
-#define BINDING_EDGES 3      // chart-edge lines to rasterize
-#define BINDING_CELLS 4      // what was measured of each cell
-#define BINDING_SUPPORTS 5   // what was found of each center's neighborhood before sampling
-#define BINDING_POINTS 6     // where UNIT_POINTS is written
-#define BINDING_BARE 8       // samples of triangles that no texel carries, two vec4 each: position, area; normal and triangle
-#define BINDING_REACH 9      // of centers computed again: their numbers, where their triangles begin (one more), the triangles
-// In the affine and the paper's relocation, in place of the connected one's.
-#define BINDING_VISITS BINDING_SUPPORTS      // (centers of one dispatch, MAX_VISITS)
-#define BINDING_SEAMS 6                      // the seam of each border
-#define BINDING_STRETCHES 7                  // (centers, STRETCH_DIRECTIONS)
-#define BINDING_PROGRESS BINDING_BARE        // (centers of one dispatch)
-#define MAX_VISITS 64                        // charts, by way of a seam each, that one center's pattern is repeated on
-#define STRETCH_DIRECTIONS 16                // of the directional ellipse
-#define BINDING_MAP_CENTERS 12               // gradient and value of the map at each center
-#define BINDING_MAP_BARE 13                  // the same at the samples of BINDING_BARE
+#define BINDING_RESULTS 1
+#define BINDING_SUPPORTS 2     // what was found of each center's neighborhood before sampling
+#define BINDING_BARE 3         // samples of triangles that no texel carries
+#define BINDING_REACH 4        // of centers computed again: their numbers, where their triangles begin (one more), the triangles
+#define BINDING_MAP_CENTERS 5  // gradient and value of the map at each center
+#define BINDING_MAP_BARE 6     // the same at the samples of BINDING_BARE
+#define BINDING_EDGES 7        // chart-edge lines to rasterize
+#define BINDING_CELLS 8        // what was measured of each cell
+#define BINDING_POINTS 9       // where UNIT_POINTS is written
+// In the affine and the paper's relocation.
+#define BINDING_PATTERN 10
+#define BINDING_PROGRESS 11    // (centers of one dispatch)
+#define BINDING_STRETCHES 12   // (centers, STRETCH_DIRECTIONS)
+#define BINDING_SEAMS 13       // the seam of each border
+#define BINDING_VISITS 14      // (centers of one dispatch, MAX_VISITS)
+#define BINDING_COUNT 15
+#define STRETCH_DIRECTIONS 16  // of the directional ellipse
+#define MAX_VISITS 64          // charts, by way of a seam each, that one center's pattern is repeated on
 
 // llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): what
 // would go beyond this many counts as lost instead.
@@ -85,11 +84,11 @@
 #define ROW_AREA 2
 #define ROW_DESCRIPTORS 3
 
-// Values of a place's flags, added up.
-#define FLAG_CUT 1.0         // the mesh's boundary lies in the neighborhood
-#define FLAG_ALL_SAMPLES 2.0 // adaptive sampling took all samples
-#define FLAG_NO_DISK 4.0     // folded, or thin: something may have come in that is not connected within the ball
-#define FLAG_FAR_FROM_DISK 8.0 // and by far
+// Bits of a place's flags, a whole number among the results' floats.
+#define FLAG_CUT 1u           // the mesh's boundary lies in the neighborhood
+#define FLAG_ALL_SAMPLES 2u   // adaptive sampling took all samples
+#define FLAG_NO_DISK 4u       // folded, or thin: something may have come in that is not connected within the ball
+#define FLAG_FAR_FROM_DISK 8u // and by far
 
 #ifdef __cplusplus
 namespace paradesc {
@@ -120,10 +119,12 @@ struct EvaluateParams {
   int marks_only;   // paper: the dispatches that find the charts to visit come before the others
 };
 BLOCK_OF_VECTORS CenterData {
-  vec4 position_chart; // xyz in buffer units, w: chart
-  vec4 normal_phase;   // xyz unit, w: rotation of the pattern in radians
-  vec4 place;          // (u, v) of the evaluation; (u, v) just inside the chart where marches start
-  vec4 ellipse;        // columns of the 2x2 map from the unit disk to (u, v) offsets
+  vec3 position; // in buffer units
+  int chart;
+  vec3 normal;   // unit
+  float phase;   // rotation of the pattern in radians
+  vec4 place;    // (u, v) of the evaluation; (u, v) just inside the chart where marches start
+  vec4 ellipse;  // columns of the 2x2 map from the unit disk to (u, v) offsets
 };
 struct SupportData {
   int first;  // into the list of ranges: of all samples, or of the first half where sampling is adaptive
@@ -132,6 +133,12 @@ struct SupportData {
   int end;
   float cut;  // above 0 where the mesh's boundary lies in the ball
   float lost; // area of what exceeds the iterations of a device
+};
+BLOCK_OF_VECTORS BareSample {
+  vec3 position; // in buffer units
+  float area;
+  vec3 normal; // unit
+  int triangle;
 };
 BLOCK_OF_VECTORS LeafData {
   vec4 sphere; // around the points of its texels: middle, radius; below 0 where it has none

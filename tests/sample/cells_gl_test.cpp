@@ -227,13 +227,14 @@ TEST_F(CellsOfTexels, a_triangle_without_uv_area_is_carried_by_samples_of_its_ow
   for (const float radius : {0.05f, 0.3f, 10.0f}) {
     const BareSamples samples = sample_bare_triangles(cells, built.triangles, buffers.normals, buffers.frame, radius);
     ASSERT_EQ(samples.begin.size(), at(cells.count) + 1);
-    ASSERT_EQ(samples.point.size(), 2 * at(samples.begin.back()));
+    ASSERT_EQ(samples.samples.size(), at(samples.begin.back()));
     double area = 0;
     dvec3 moment(0);
-    for (size_t i = 0; i < samples.point.size(); i += 2) {
-      area += static_cast<double>(samples.point[i].w);
-      moment += dvec3(samples.point[i]) * static_cast<double>(samples.point[i].w);
-      EXPECT_NEAR(length(vec3(samples.point[i + 1])), 1.0f, 1e-5f);
+    for (const BareSample &sample : samples.samples) {
+      area += static_cast<double>(sample.area);
+      moment += dvec3(sample.position) * static_cast<double>(sample.area);
+      EXPECT_NEAR(length(sample.normal), 1.0f, 1e-5f);
+      EXPECT_EQ(sample.triangle, lost);
     }
     const dvec3 a(buffers.frame.to_buffer(built.position(24))), b(buffers.frame.to_buffer(built.position(25))),
         c(buffers.frame.to_buffer(built.position(26)));
@@ -249,7 +250,13 @@ TEST_F(CellsOfTexels, a_radius_as_small_as_floats_are_divides_a_triangle_without
   const Buffers buffers = bake(*thread, built, size);
   const Cells cells = cells_of(built, buffers, block);
   const auto samples_of = [&](float radius) {
-    return sample_bare_triangles(cells, built.triangles, buffers.normals, buffers.frame, radius).point;
+    std::vector<vec4> numbers;
+    for (const BareSample &sample :
+         sample_bare_triangles(cells, built.triangles, buffers.normals, buffers.frame, radius).samples) {
+      numbers.emplace_back(sample.position, sample.area);
+      numbers.emplace_back(sample.normal, static_cast<float>(sample.triangle));
+    }
+    return numbers;
   };
   const std::vector<vec4> expected = samples_of(1e-3f);
   EXPECT_EQ(expected.size(), 2u * 16 * 16);

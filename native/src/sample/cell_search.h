@@ -181,7 +181,7 @@ public:
         data.lost += measured_[taken.cell].area.x;
         continue;
       }
-      if (space_.halves || !space_.bare.point.empty()) taken_.push_back(taken);
+      if (space_.halves || !space_.bare.samples.empty()) taken_.push_back(taken);
       append(taken, space_.halves ? 0 : -1, data.first, ranges);
     }
     data.middle = data.last = static_cast<int32_t>(ranges.size());

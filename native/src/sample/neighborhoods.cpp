@@ -30,14 +30,13 @@ BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles
       auto add = [&](float a, float b) { // barycentric coordinates of corners 1 and 2
         if (mapped) {
           const SurfacePoint point = mapped->at(static_cast<int>(corner / 3), a, b);
-          samples.point.emplace_back(point.position, area * point.area_ratio);
-          samples.point.emplace_back(point.normal, 0.0f);
+          samples.samples.push_back({point.position, area * point.area_ratio, point.normal, 0});
           return;
         }
         const vec3 n = normals.corner(corner) * (1.0f - a - b) + normals.corner(corner + 1) * a + normals.corner(corner + 2) * b;
         const float span = length(n);
-        samples.point.emplace_back(p[0] + (p[1] - p[0]) * a + (p[2] - p[0]) * b, area);
-        samples.point.emplace_back(span > 0.0f ? n / span : normals.corner(corner), static_cast<float>(corner / 3));
+        samples.samples.push_back({p[0] + (p[1] - p[0]) * a + (p[2] - p[0]) * b, area,
+                                   span > 0.0f ? n / span : normals.corner(corner), static_cast<int32_t>(corner / 3)});
         samples.weights.emplace_back(a, b);
       };
       for (int i = 0; i < side; ++i)
@@ -47,7 +46,7 @@ BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles
           if (i + j + 1 < side) add((static_cast<float>(i) + 2.0f / 3.0f) * step, (static_cast<float>(j) + 2.0f / 3.0f) * step);
         }
     }
-    samples.begin.push_back(static_cast<int32_t>(samples.point.size() / 2));
+    samples.begin.push_back(static_cast<int32_t>(samples.samples.size()));
   }
   return samples;
 }
@@ -82,14 +81,14 @@ static std::vector<CellData> with_bare_samples(const SupportSpace &space) {
   std::vector<CellData> cells(space.measured.begin(), space.measured.end());
   for (size_t cell = 0; cell + 1 < space.bare.begin.size(); ++cell)
     for (int32_t k = space.bare.begin[cell]; k < space.bare.begin[cell + 1]; ++k) {
-      const vec4 point = space.bare.point[2 * static_cast<size_t>(k)], normal = space.bare.point[2 * static_cast<size_t>(k) + 1];
+      const BareSample &sample = space.bare.samples[static_cast<size_t>(k)];
       CellData &data = cells[cell];
       if (data.sphere.w < 0.0f) {
-        data.sphere = vec4(vec3(point), 0.0f);
-        data.cone = vec4(vec3(normal), 1.0f);
+        data.sphere = vec4(sample.position, 0.0f);
+        data.cone = vec4(sample.normal, 1.0f);
       }
-      data.sphere.w = std::max(data.sphere.w, length(vec3(point) - vec3(data.sphere)));
-      data.cone.w = std::min(data.cone.w, dot(vec3(data.cone), vec3(normal)));
+      data.sphere.w = std::max(data.sphere.w, length(sample.position - vec3(data.sphere)));
+      data.cone.w = std::min(data.cone.w, dot(vec3(data.cone), sample.normal));
     }
   return cells;
 }
@@ -247,7 +246,7 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
   constexpr int block = 64, alone = 512;
   most = std::min<size_t>(most, std::numeric_limits<int32_t>::max());
   std::atomic<size_t> all{0};
-  const std::vector<CellData> with_bare = space.bare.point.empty() ? std::vector<CellData>() : with_bare_samples(space);
+  const std::vector<CellData> with_bare = space.bare.samples.empty() ? std::vector<CellData>() : with_bare_samples(space);
   const std::span<const CellData> measured = with_bare.empty() ? space.measured : with_bare;
   const std::vector<CellLeaves> leaves = list_leaves(space, radius, threads);
   Groups groups = group(space.cells, measured, centers, radius);

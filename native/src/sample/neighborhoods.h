@@ -38,7 +38,7 @@ struct SupportCenter {
 // Triangles that no texel carries count all the same, by samples of their own.
 struct BareSamples {
   std::vector<int32_t> begin; // (cells + 1)
-  std::vector<vec4> point;    // two a sample: position in buffer units, area; normal, triangle (exact up to 2^24)
+  std::vector<BareSample> samples;
   std::vector<vec2> weights;  // (samples) of the triangle's corners 1 and 2: where the sample lies
 };
 

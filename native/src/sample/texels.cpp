@@ -147,11 +147,9 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
     const auto at_site = [&](size_t c) { return ellipses[charts.corner_site[c]]; };
     const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(place, at_site) * reach;
     const auto corner = 3 * static_cast<size_t>(place.triangle);
-    const auto chart = static_cast<float>(place.chart);
     centers.push_back(
-        {vec4(vec3((position - frame.center) * frame.scale), chart),
-         vec4(span > 0.0f ? normal / span : normals.corner(corner), pattern_rotation(static_cast<uint32_t>(place.texel), seed)),
-         layout_place(place, triangles, map.size), ellipse});
+        {vec3((position - frame.center) * frame.scale), place.chart, span > 0.0f ? normal / span : normals.corner(corner),
+         pattern_rotation(static_cast<uint32_t>(place.texel), seed), layout_place(place, triangles, map.size), ellipse});
   }
   return centers;
 }

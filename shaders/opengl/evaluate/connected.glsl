@@ -7,7 +7,7 @@ layout(binding = UNIT_RANGES) uniform isamplerBuffer ranges;
 layout(binding = UNIT_POINTS) uniform samplerBuffer points;
 #endif
 #if BARE
-layout(std430, binding = BINDING_BARE) readonly restrict buffer Bare { vec4 bare[]; };
+layout(std430, binding = BINDING_BARE) readonly restrict buffer Bare { BareSample bare[]; };
 #endif
 
 // i: one of the list's samples, part: 0 where it is only looked at because its neighbors are.
@@ -54,11 +54,11 @@ void add_bare_samples(inout Sums sums, int range, int end_range, float share) {
       i = next.x;
       end = next.y;
     }
-    vec4 point = bare[2 * i], normal = bare[2 * i + 1];
-    vec3 offset = point.xyz - sums.center.position;
-    int triangle = int(normal.w);
-    if (is_reached(triangle))
-      add_neighbor(sums, point.xyz, normal.xyz, face_of(triangle), share * point.w, dot(offset, offset) < point.w, -1.0, MAP_OF_BARE(i));
+    BareSample one = bare[i];
+    vec3 offset = one.position - sums.center.position;
+    if (is_reached(one.triangle))
+      add_neighbor(sums, one.position, one.normal, face_of(one.triangle), share * one.area, dot(offset, offset) < one.area, -1.0,
+                   MAP_OF_BARE(i));
     ++i;
   }
 #endif

@@ -134,9 +134,9 @@ void main() {
   CenterData data = centers[index];
   Sums sums;
 #if MAP
-  sums_init(sums, data.position_chart.xyz, data.normal_phase.xyz, map_centers[index].w);
+  sums_init(sums, data.position, data.normal, map_centers[index].w);
 #else
-  sums_init(sums, data.position_chart.xyz, data.normal_phase.xyz, 0.0);
+  sums_init(sums, data.position, data.normal, 0.0);
 #endif
   float scale;
   if (!take_samples(sums, data, index, scale)) return;
@@ -144,11 +144,11 @@ void main() {
   Moments m = sums.moments;
   Support support = finish_support(sums, scale);
   float coverage = m.area > 0.0 ? m.area / (m.area + m.lost) : 0.0;
-  float flags = (m.cut > 0.0 ? FLAG_CUT : 0.0) + (scale == 1.0 ? FLAG_ALL_SAMPLES : 0.0) +
-                (support.deviation > support.tolerance ? FLAG_NO_DISK : 0.0) +
-                (support.deviation > 2.0 * support.tolerance + 0.1 ? FLAG_FAR_FROM_DISK : 0.0);
+  uint flags = (m.cut > 0.0 ? FLAG_CUT : 0u) | (scale == 1.0 ? FLAG_ALL_SAMPLES : 0u) |
+               (support.deviation > support.tolerance ? FLAG_NO_DISK : 0u) |
+               (support.deviation > 2.0 * support.tolerance + 0.1 ? FLAG_FAR_FROM_DISK : 0u);
   results[ROW_COVERAGE * params.total + index] = floatBitsToUint(coverage);
-  results[ROW_FLAGS * params.total + index] = floatBitsToUint(flags);
+  results[ROW_FLAGS * params.total + index] = flags;
   results[ROW_AREA * params.total + index] = floatBitsToUint(support.area);
   STORE_DESCRIPTORS
 }

@@ -30,7 +30,7 @@ void main() {
   float angle = 2.0 * 3.14159265358979 * float(index % STRETCH_DIRECTIONS) / float(STRETCH_DIRECTIONS);
   vec2 way = mat2(data.ellipse.xy, data.ellipse.zw) * vec2(cos(angle), sin(angle)) * size;
   vec2 start = data.place.zw * size;
-  Walk walk = begin_walk(start, start, int(data.position_chart.w));
+  Walk walk = begin_walk(start, start, data.chart);
   float stretch = 1.0, reached = 0.0;
   for (int i = 1; i <= int(LARGEST) * STEPS; ++i) {
     walk.from = walk.to;

@@ -36,9 +36,9 @@ struct Place {
 Place place_of(CenterData data, int index) {
   float size = float(buffer_size);
   mat2 ellipse = mat2(data.ellipse.xy, data.ellipse.zw) * size;
-  float angle = data.normal_phase.w;
+  float angle = data.phase;
   return Place(mat2(cos(angle), sin(angle), -sin(angle), cos(angle)), ellipse, data.place.xy * size, data.place.zw * size,
-               int(data.position_chart.w), index, PI * abs(determinant(ellipse)) / (float(params.samples) * size * size),
+               data.chart, index, PI * abs(determinant(ellipse)) / (float(params.samples) * size * size),
                PI * params.enlargement * params.enlargement * params.radius * params.radius / float(params.samples));
 }
 

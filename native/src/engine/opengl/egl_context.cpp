@@ -169,8 +169,8 @@ static std::string read_limits(Gl &gl) {
                               {"texels of a buffer texture", limits.list_texels, 65536},
                               {"work groups", limits.work_groups, 65535},
                               {"bytes of a storage buffer", limits.storage_bytes, 1 << 27},
-                              {"storage buffers", bindings, BINDING_MAP_BARE + 1},
-                              {"textures", images, UNIT_MAP + 1}};
+                              {"storage buffers", bindings, BINDING_COUNT},
+                              {"textures", images, UNIT_COUNT}};
   for (const Promise &promise : promises)
     if (promise.found < promise.least)
       return "it takes " + std::to_string(promise.found) + " " + promise.name + ", and " + std::to_string(promise.least) +

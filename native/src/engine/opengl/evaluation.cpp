@@ -27,7 +27,7 @@ static void bake_map(Mesh &mesh, const Frame &frame, const MapValues &values) {
   std::vector<vec4> centers, bare;
   for (const int32_t point : frame.points) centers.push_back(values[point]);
   for (size_t i = 0; i < frame.bare.weights.size(); ++i) {
-    const auto triangle = static_cast<size_t>(frame.bare.point[2 * i + 1].w);
+    const auto triangle = static_cast<size_t>(frame.bare.samples[i].triangle);
     auto corner = [&](size_t k) { return values[mesh.half_edges.corner_point[3 * triangle + k]]; };
     const vec2 weights = frame.bare.weights[i];
     bare.push_back(corner(0) * (1.0f - weights.x - weights.y) + corner(1) * weights.x + corner(2) * weights.y);
@@ -118,7 +118,7 @@ static void evaluate_folded(Mesh &mesh, EvaluateSettings settings, double radius
   const double unit = frame.buffer_frame.scale * frame.buffer_frame.scale;
   Suspects folded;
   for (size_t i = 0; i < count; ++i)
-    if (raw[ROW_FLAGS * count + i] >= (frame.plain[i] ? FLAG_FAR_FROM_DISK : FLAG_NO_DISK))
+    if (flags_of(raw[ROW_FLAGS * count + i]) & (frame.plain[i] ? FLAG_FAR_FROM_DISK : FLAG_NO_DISK))
       folded.push_back(static_cast<int32_t>(i), frame.points[i], static_cast<double>(raw[ROW_AREA * count + i]) / unit);
   const Triangles &surface = surface_of(mesh, frame);
   const double tolerance = same_area(settings.samples) * pi * radius * radius;
@@ -179,9 +179,9 @@ static SiteResults read_results(Mesh &mesh, const EvaluateSettings &settings, co
   for (size_t i = 0; i < count; ++i) {
     unwritten += std::isnan(raw[ROW_FLAGS * count + i]);
     results.coverage.push_back(raw[ROW_COVERAGE * count + i]);
-    const float flags = raw[ROW_FLAGS * count + i];
-    results.boundary.push_back(std::fmod(flags, FLAG_ALL_SAMPLES) >= FLAG_CUT);
-    refined += std::fmod(flags, FLAG_NO_DISK) >= FLAG_ALL_SAMPLES;
+    const uint32_t flags = flags_of(raw[ROW_FLAGS * count + i]);
+    results.boundary.push_back((flags & FLAG_CUT) != 0);
+    refined += (flags & FLAG_ALL_SAMPLES) != 0;
   }
   if (unwritten > 0)
     throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics device left " + std::to_string(unwritten) + " of " +
@@ -338,7 +338,7 @@ SiteResults evaluate_at_texels(Mesh &mesh, const pdesc_options &options, std::sp
     if (connected) {
       std::vector<SupportCenter> centers;
       for (size_t i = first; i < last; ++i)
-        centers.push_back({vec3(frame.centers[i - first].position_chart), {}, mesh.device->cells.front()->texel_cells[i]});
+        centers.push_back({frame.centers[i - first].position, {}, mesh.device->cells.front()->texel_cells[i]});
       const double own_radius = static_cast<double>(settings.radius) / frame.buffer_frame.scale;
       set_supports(mesh, search_supports(mesh, options, own_radius, settings.samples, frame, centers), frame);
     }

@@ -34,8 +34,8 @@ void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const st
 }
 
 void Evaluator::set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare) {
-  bare_.upload(gl, bare.point, GL_STREAM_DRAW);
-  has_bare_ = !bare.point.empty();
+  bare_.upload(gl, bare.samples, GL_STREAM_DRAW);
+  has_bare_ = !bare.samples.empty();
   supports_.upload(gl, supports.center, GL_STREAM_DRAW);
   ranges_.upload(gl, supports.range, GL_STREAM_DRAW);
   check_gl(gl, "support upload");

@@ -1,6 +1,7 @@
 // Geometry buffers + evaluation points → descriptors at each point, in tiles that can be cancelled between.
 #pragma once
 
+#include <bit>
 #include <limits>
 #include <span>
 #include <string>
@@ -52,6 +53,9 @@ struct EvaluateSettings {
   // Rows of values among the results, after ROW_DESCRIPTORS.
   size_t value_rows() const;
 };
+
+// A number of ROW_FLAGS: bits of whole numbers, where the others are floats; NaN, as everywhere, where nothing was written.
+inline uint32_t flags_of(float number) { return std::bit_cast<uint32_t>(number); }
 
 // The part of the device's state that samples read beside the geometry buffer.
 class Evaluator {

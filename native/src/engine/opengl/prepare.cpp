@@ -91,8 +91,8 @@ void prepare_centers(Mesh &mesh, const pdesc_options &options, double radius, Fr
     if (!is_center(mesh, options, i)) continue;
     const Site &site = mesh.charts.sites[i];
     const auto point = static_cast<size_t>(site.point);
-    frame.centers.push_back({vec4(place_of(point), static_cast<float>(site.chart)),
-                             vec4(normals[point], pattern_rotation(static_cast<uint32_t>(site.point), options.seed)),
+    frame.centers.push_back({place_of(point), site.chart, normals[point],
+                             pattern_rotation(static_cast<uint32_t>(site.point), options.seed),
                              vec4(site.uv, march_start(site, options.buffer_size)),
                              connected ? vec4(0.0f) : ellipses[i] * (own_radius * frame.enlargement)});
     frame.sites.push_back(static_cast<int32_t>(i));
@@ -101,7 +101,7 @@ void prepare_centers(Mesh &mesh, const pdesc_options &options, double radius, Fr
   // What the UV map leaves out counts as well: cells lead there, samples carried by the map do not.
   for (size_t point = 0; connected && point < mesh.charts.point_site.size(); ++point) {
     if (mesh.charts.point_site[point] >= 0) continue;
-    frame.centers.push_back({vec4(place_of(point), -1.0f), vec4(normals[point], 0.0f), vec4(0.0f), vec4(0.0f)});
+    frame.centers.push_back({place_of(point), -1, normals[point], 0.0f, vec4(0.0f), vec4(0.0f)});
     frame.sites.push_back(-1);
     frame.points.push_back(static_cast<int32_t>(point));
   }
@@ -319,7 +319,7 @@ void prepare_supports(Mesh &mesh, const pdesc_options &options, double radius, i
     const std::span<const int32_t> sites =
         alone ? std::span(frame.sites).subspan(i, 1) : std::span(order).subspan(first, last - first);
     const int32_t half_edge = mesh.half_edges.point_half_edge[point];
-    centers.push_back({vec3(frame.centers[i].position_chart), sites,
+    centers.push_back({frame.centers[i].position, sites,
                        frame.sites[i] < 0 ? mesh.device->cells.front()->cells.triangle_cell[half_edge / 3] : -1});
   }
   Supports supports = search_supports(mesh, options, radius, samples, frame, centers);
