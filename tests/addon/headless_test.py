@@ -1,6 +1,7 @@
 """The command line for pipelines: reports, checks, exit codes, the manual, the add-on. Most run in this process."""
 
 import json
+import math
 import os
 import re
 import shlex
@@ -349,6 +350,11 @@ def test_blender_gets_the_command_where_it_knows_commands(run, monkeypatch, sphe
     cli_command.unregister()
     cli_command.unregister()
     assert taken == ["paradesc"]
+
+
+def test_what_is_no_number_is_null_in_reports():
+    text = results.json_text({"a": math.nan, "b": [math.inf, 1.5, {"c": -math.inf}], "d": ("x", True, None, 3)})
+    assert json.loads(text) == {"a": None, "b": [None, 1.5, {"c": None}], "d": ["x", True, None, 3]}
 
 
 @pytest.mark.skipif(not bpy.app.binary_path or bpy.app.version < (4, 2), reason="needs Blender 4.2's own executable")
