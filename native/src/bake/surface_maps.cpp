@@ -100,12 +100,12 @@ static vec3 look_up_height(const Displacement &map, vec2 uv) {
               0.5f * (height(0, 1) - height(0, -1)) / step.y);
 }
 
-static vec3 unit_or(vec3 v, vec3 other) {
-  const float span = length(v);
-  return span > 0.0f ? v / span : other;
-}
-
 namespace {
+
+// The formulas, which shaders are compiled from as well.
+struct Text {
+#include "kernel/displace.glsl"
+};
 
 // A triangle as the maps see it: of corner 0, and the differences of corners 1 and 2 to it.
 struct Patch {
@@ -115,7 +115,7 @@ struct Patch {
 };
 
 // A surface point and the two edges of its triangle, carried along.
-struct Displaced {
+struct DisplacedPoint {
   SurfacePoint point;
   vec3 edge1, edge2;
 };
@@ -131,25 +131,22 @@ static Patch patch_of(const Triangles &triangles, const Normals &normals, const 
           uvs[c], uvs[c + 1] - uvs[c], uvs[c + 2] - uvs[c]};
 }
 
-static Displaced displace(const Patch &patch, const Displacement *map, float scale, float a, float b) {
+static DisplacedPoint displace(const Patch &patch, const Displacement *map, float scale, float a, float b) {
   const vec3 raw = patch.normal + patch.turn1 * a + patch.turn2 * b;
   const float span = length(raw);
   const vec3 n = span > 0.0f ? raw / span : patch.normal;
-  Displaced result{{patch.position + patch.edge1 * a + patch.edge2 * b, n, 1.0f}, patch.edge1, patch.edge2};
+  DisplacedPoint result{{patch.position + patch.edge1 * a + patch.edge2 * b, n, 1.0f}, patch.edge1, patch.edge2};
   if (!map || !(span > 0.0f)) return result;
   const vec3 height = look_up_height(*map, patch.uv + patch.way1 * a + patch.way2 * b) * (map->scale * scale);
-  const vec2 slope(height.y, height.z);
-  auto flat = [&](vec3 v) { return v - n * dot(n, v); };
-  const vec3 change1 = flat(patch.turn1) * (height.x / span) + n * dot(slope, patch.way1);
-  const vec3 change2 = flat(patch.turn2) * (height.x / span) + n * dot(slope, patch.way2);
-  result.edge1 += change1;
-  result.edge2 += change2;
-  const vec3 t1 = flat(patch.edge1), t2 = flat(patch.edge2);
-  const float side = dot(cross(t1, t2), n) < 0.0f ? -1.0f : 1.0f;
-  const float base = length(cross(patch.edge1, patch.edge2));
+  Text text;
+  const Text::Displaced moved =
+      text.displace(patch.edge1, patch.edge2, text.change_of_edge(patch.turn1, patch.way1, n, span, height),
+                    text.change_of_edge(patch.turn2, patch.way2, n, span, height), n);
+  result.edge1 = moved.edge1;
+  result.edge2 = moved.edge2;
   result.point.position += n * height.x;
-  result.point.normal = unit_or(side * cross(t1 + change1, t2 + change2), n);
-  result.point.area_ratio = base > 0.0f ? length(cross(result.edge1, result.edge2)) / base : 1.0f;
+  result.point.normal = moved.normal;
+  result.point.area_ratio = moved.area_ratio;
   return result;
 }
 
@@ -168,7 +165,7 @@ static vec3 mapped_normal(const NormalMap &map, const Triangles &triangles, cons
   const vec4 tangent = map.corner_tangent[c] * rest + map.corner_tangent[c + 1] * a + map.corner_tangent[c + 2] * b;
   const vec3 bitangent = map.corner_tangent[c].w * cross(n, vec3(tangent));
   const vec4 color = look_up(map.colors, uvs[c] * rest + uvs[c + 1] * a + uvs[c + 2] * b) * 2.0f - 1.0f;
-  return unit_or(vec3(tangent) * color.x + bitangent * color.y + n * color.z, otherwise);
+  return Text().unit_or(vec3(tangent) * color.x + bitangent * color.y + n * color.z, otherwise);
 }
 
 SurfacePoint MappedSurface::at(int triangle, float a, float b) const {
@@ -205,7 +202,7 @@ SurfacePoint MappedSurface::at_corner(int corner, vec3 normal, float &shrinkage)
   } else {
     (place == 1 ? patch.turn1 : patch.turn2) += change;
   }
-  const Displaced displaced = displace(patch, map, static_cast<float>(frame_.scale), a, b);
+  const DisplacedPoint displaced = displace(patch, map, static_cast<float>(frame_.scale), a, b);
   shrinkage = shrinkage_of(patch.edge1, patch.edge2, displaced.edge1, displaced.edge2);
   SurfacePoint point = displaced.point;
   if (maps_.normal_map) point.normal = mapped_normal(*maps_.normal_map, triangles_, normals_, triangle, a, b, point.normal);
@@ -249,7 +246,7 @@ MappedPoints map_points(const SurfaceMaps &maps, const Triangles &triangles, con
   }
   for (size_t point = 0; point < points; ++point) {
     result.position.push_back(base(point) + offset[point] / std::max(weight[point], 1e-20f));
-    result.normal.push_back(unit_or(sum[point], normals.point[point]));
+    result.normal.push_back(Text().unit_or(sum[point], normals.point[point]));
   }
   result.shrinkage = largest_of_most(shrinkage);
   result.triangles = triangles;

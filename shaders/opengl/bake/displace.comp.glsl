@@ -1,7 +1,7 @@
 #version 450 core
-// One invocation, one baked texel → the same texel of the mapped surface: p + n h, its normal and its area element. The formulas are those of
-// bake/surface_maps.cpp, where they are explained.
+// One invocation, one baked texel → the same texel of the mapped surface: p + n h, its normal and its area element.
 #include "opengl/bake/owner.glsl"
+#include "kernel/displace.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = UNIT_GIVEN) uniform sampler2D given;
 layout(binding = UNIT_TANGENTS) uniform sampler2D tangents;
@@ -18,10 +18,6 @@ layout(location = 4) uniform float scale; // in buffer units
 vec2 given_of(int vertex) { return texelFetch(given, list_place(vertex), 0).xy; }
 vec4 tangent_of(int corner) { return texelFetch(tangents, list_place(2 * corner), 0); }
 vec3 frame_of(int corner) { return texelFetch(tangents, list_place(2 * corner + 1), 0).xyz; }
-vec3 unit_or(vec3 v, vec3 other) {
-  float span = length(v);
-  return span > 0.0 ? v / span : other;
-}
 
 // Pixels of whole numbers, repeated. Software devices divide floats many at a time, integers one by one.
 ivec4 wrapped(vec4 pixel, float size) { return ivec4(pixel - size * floor((pixel + 0.5) / size)); }
@@ -82,12 +78,9 @@ void main() {
   float ratio = 1.0;
   if (displaced != 0) {
     vec3 height = look_up_height(uv);
-    vec3 change1 = (turn1 - n * dot(n, turn1)) * (height.x / span) + n * dot(height.yz, way1);
-    vec3 change2 = (turn2 - n * dot(n, turn2)) * (height.x / span) + n * dot(height.yz, way2);
-    vec3 t1 = edge1 - n * dot(n, edge1), t2 = edge2 - n * dot(n, edge2);
-    float side = dot(cross(t1, t2), n) < 0.0 ? -1.0 : 1.0;
-    normal = unit_or(side * cross(t1 + change1, t2 + change2), n);
-    ratio = length(cross(edge1 + change1, edge2 + change2)) / max(length(cross(edge1, edge2)), 1e-30);
+    Displaced moved = displace(edge1, edge2, change_of_edge(turn1, way1, n, span, height), change_of_edge(turn2, way2, n, span, height), n);
+    normal = moved.normal;
+    ratio = moved.area_ratio;
     position += n * height.x;
   }
   if (normal_mapped != 0) normal = mapped_normal(3 * triangle, part, uv, normal);
