@@ -149,6 +149,15 @@ TEST_F(Api, near_seam_marks_the_seam_and_grows_with_the_radius) {
   }
 }
 
+TEST_F(Api, a_boundary_is_no_seam) {
+  TestMesh sheet = plane(1.0, 1.0, {.vertices = 100});
+  lay_out(sheet, {.charts = 1});
+  const Mesh mesh = make_mesh(context.get(), sheet);
+  std::vector<uint8_t> near(static_cast<size_t>(sheet.vertex_count), mask_sentinel);
+  ASSERT_EQ(pdesc_mesh_near_seam(mesh.get(), 0.5, near.data(), sheet.vertex_count), PDESC_OK) << pdesc_last_error();
+  EXPECT_EQ(near, std::vector<uint8_t>(near.size(), 0));
+}
+
 TEST_F(Api, a_distance_to_seams_that_is_none_is_refused) {
   const Mesh mesh = make_mesh(context.get(), ball);
   std::vector<uint8_t> near(static_cast<size_t>(ball.vertex_count), mask_sentinel);

@@ -1,0 +1,75 @@
+// Results at places → seam errors and masks of vertices, on places made by hand.
+#include "gather/field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace paradesc {
+namespace {
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+// Every vertex is a point of its own, but for those with point -1.
+HalfEdges one_point_each(std::vector<int32_t> vertex_point) {
+  HalfEdges half_edges;
+  half_edges.point_count = 0;
+  for (const int32_t point : vertex_point) half_edges.point_count = std::max(half_edges.point_count, point + 1);
+  half_edges.vertex_point = std::move(vertex_point);
+  return half_edges;
+}
+
+// Two places each of three points, and one of a fourth.
+SiteResults seven_places() {
+  SiteResults results;
+  results.point = {0, 0, 1, 1, 2, 2, 3};
+  results.primary = {1, 0, 1, 0, 1, 0, 1};
+  results.values = {{2.0f, 2.5f, 7.0f, nan, nan, nan, 3.0f}};
+  results.coverage = {1.0f, 1.0f, 0.89f, 1.0f, 0.2f, 0.91f, 0.9f};
+  results.boundary = {0, 1, 1, 0, 0, 0, 0};
+  return results;
+}
+
+Field gathered() {
+  Field field;
+  field.names = {"mean_curvature"};
+  gather(one_point_each({0, 1, 2, 3, -1}), seven_places(), true, 1, field);
+  return field;
+}
+
+TEST(Field, the_seam_error_is_how_far_the_places_of_a_vertex_are_apart) {
+  const Field field = gathered();
+  const std::vector<float> &error = field.seam_error.at(0);
+  EXPECT_EQ(error.at(0), 0.5f);
+  EXPECT_TRUE(std::isinf(error.at(1))) << "a value at one of two places";
+  EXPECT_TRUE(std::isnan(error.at(2))) << "a value at none of two places";
+  EXPECT_TRUE(std::isnan(error.at(3))) << "one place";
+  EXPECT_TRUE(std::isnan(error.at(4))) << "no face";
+}
+
+TEST(Field, a_vertex_has_value_coverage_and_mask_of_its_primary_place) {
+  const Field field = gathered();
+  EXPECT_EQ(field.values.at(0).at(0), 2.0f);
+  EXPECT_EQ(field.values.at(0).at(1), 7.0f);
+  EXPECT_EQ(field.values.at(1).at(2), 0.2f);
+  const std::vector<uint8_t> mask = {0, PDESC_MASK_BOUNDARY | PDESC_MASK_LOW_COVERAGE, PDESC_MASK_LOW_COVERAGE, 0,
+                                     PDESC_MASK_NO_FACE};
+  EXPECT_EQ(field.mask, mask) << "coverage is low below 0.9";
+  EXPECT_EQ(field.report.boundary_vertices, 1);
+  EXPECT_EQ(field.report.low_coverage_vertices, 2);
+}
+
+TEST(Field, a_point_without_a_place_has_no_texel) {
+  SiteResults results = seven_places();
+  results.primary[6] = 0;
+  Field field;
+  field.names = {"mean_curvature"};
+  gather(one_point_each({0, 1, 2, 3}), results, false, 1, field);
+  EXPECT_EQ(field.mask.at(3), PDESC_MASK_NO_TEXEL);
+  EXPECT_TRUE(std::isnan(field.values.at(0).at(3)));
+}
+
+} // namespace
+} // namespace paradesc
