@@ -1,0 +1,32 @@
+// The reference at some vertices of a mesh: where all would take minutes, some hundred take a second.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "support/run.h"
+#include "support/surfaces.h"
+
+namespace paradesc::test {
+
+// Everything is by place in the list of vertices.
+struct Oracle {
+  std::map<std::string, std::vector<double>> values; // by descriptor: (vertices, components)
+  std::vector<uint8_t> boundary;                     // (vertices) 1: the mesh's boundary lies within the radius
+  const std::vector<double> &operator[](const std::string &name) const { return values.at(name); }
+};
+
+// radius: in units of the positions. descriptors: of the surface, since operators want their map everywhere.
+Oracle ask_oracle(const TestMesh &mesh, double radius, const Settings &settings, std::span<const int32_t> vertices,
+                  std::span<const std::string> descriptors);
+
+// The values of these vertices, (vertices, components), of those of all.
+std::vector<float> pick(std::span<const float> values, std::span<const int32_t> vertices, size_t components = 1);
+
+// So many of the vertices, evenly spread over their numbers.
+std::vector<int32_t> some_of(std::span<const int32_t> vertices, size_t most);
+
+} // namespace paradesc::test
