@@ -1,6 +1,7 @@
 // Cancelling anywhere: while a mesh is made, and at every call of the callback, with what is computed afterwards.
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <string>
 #include <thread>
 
@@ -92,7 +93,7 @@ PDESC_ON_EACH_BACKEND(CancelAnywhere);
 
 TEST_P(CancelAnywhere, the_first_run_of_a_mesh_leaves_it_as_new) {
   const std::vector<float> expected = mean_curvature(make_mesh(context.get(), ball).get());
-  for (int call = 0;; call += 7) {
+  for (int call = 0;; ++call) {
     const Mesh mesh = make_mesh(context.get(), ball);
     if (!cancel_at(call, mesh.get())) break;
     expect_same_bits(mean_curvature(mesh.get()), expected);
@@ -104,7 +105,7 @@ TEST_P(CancelAnywhere, a_run_at_another_size_and_precision_leaves_what_was_baked
   const std::vector<float> expected = mean_curvature(mesh.get());
   const pdesc_options usual = options;
   bool cancelled = true;
-  for (int call = 0; cancelled; call += 23) {
+  for (int call = 0; cancelled; ++call) {
     options.buffer_size = 192;
     options.precision = PDESC_PRECISION_HALF;
     options.normals = PDESC_NORMALS_MAX;
@@ -114,20 +115,47 @@ TEST_P(CancelAnywhere, a_run_at_another_size_and_precision_leaves_what_was_baked
   }
 }
 
+// The size alone: nothing else says that what was baked for the last one does not hold.
+TEST_P(CancelAnywhere, a_run_at_another_size_alone_is_done_again_whole) {
+  const Mesh mesh = make_mesh(context.get(), ball);
+  const std::vector<float> expected = mean_curvature(mesh.get());
+  const pdesc_options usual = options;
+  options.buffer_size = 96;
+  const pdesc_options larger = options;
+  const std::vector<float> expected_larger = mean_curvature(make_mesh(context.get(), ball).get());
+  for (int call = 0; cancel_at(call, mesh.get()); ++call) {
+    expect_same_bits(mean_curvature(mesh.get()), expected_larger);
+    options = usual;
+    expect_same_bits(mean_curvature(mesh.get()), expected);
+    options = larger;
+  }
+}
+
 TEST_P(CancelAnywhere, new_positions_are_baked_whole_after_it) {
+  TestMesh bent = ball;
+  for (Vec3 &p : bent.points) p = {p.x + 0.3 * std::sin(2 * p.y), p.y, p.z + 0.2 * p.x * p.y};
+  round_to_float(bent);
+  const TestMesh *const shapes[] = {&bent, &ball};
+  std::vector<float> expected[2];
+  for (size_t i = 0; i < 2; ++i) expected[i] = mean_curvature(make_mesh(context.get(), *shapes[i]).get());
+  ASSERT_NE(expected[0], expected[1]);
   const Mesh mesh = make_mesh(context.get(), ball);
   (void)mean_curvature(mesh.get());
-  scale(ball, 3);
-  ASSERT_EQ(pdesc_mesh_set_positions(mesh.get(), ball.positions.data(), ball.vertex_count), PDESC_OK) << pdesc_last_error();
-  const std::vector<float> expected = mean_curvature(make_mesh(context.get(), ball).get());
-  for (int call = 0; cancel_at(call, mesh.get()); call += 23) expect_same_bits(mean_curvature(mesh.get()), expected);
+  bool cancelled = true;
+  for (int call = 0; cancelled; ++call) { // other positions every time, or there would be nothing to bake
+    const auto shape = static_cast<size_t>(call % 2);
+    ASSERT_EQ(pdesc_mesh_set_positions(mesh.get(), shapes[shape]->positions.data(), ball.vertex_count), PDESC_OK)
+        << pdesc_last_error();
+    cancelled = cancel_at(call, mesh.get());
+    expect_same_bits(mean_curvature(mesh.get()), expected[shape]);
+  }
 }
 
 TEST_P(CancelAnywhere, charts_that_overlap_are_laid_out_once_and_whole) {
   for (float &uv : ball.corner_uvs) uv = 0.5f * uv + (uv < 0.5f ? 0.25f : 0.0f);
   const std::vector<float> expected = mean_curvature(make_mesh(context.get(), ball).get());
   const char *name = "mean_curvature";
-  for (int call = 0;; call += 23) {
+  for (int call = 0;; ++call) {
     const Mesh mesh = make_mesh(context.get(), ball);
     if (!cancel_at(call, mesh.get())) break;
     pdesc_field *field = nullptr;
@@ -146,7 +174,7 @@ TEST_P(CancelAnywhere, charts_that_overlap_are_laid_out_once_and_whole) {
 TEST_P(CancelAnywhere, a_mesh_of_which_half_was_made_is_given_up) {
   input.user = nullptr;
   input.progress = Stop::call;
-  for (int call = 0;; call += 3) {
+  for (int call = 0;; ++call) {
     Stop stop{call};
     input.user = &stop;
     pdesc_mesh *mesh = never_mesh();

@@ -1,0 +1,135 @@
+// What a mesh keeps from one computation to the next, after what it was made of has changed: every result is that of a new mesh,
+// bit for bit.
+#include <cmath>
+
+#include "support/api_fixture.h"
+
+namespace paradesc::test {
+namespace {
+
+// Bent along one axis and sheared, so that no unit that goes with the size of the mesh hides it.
+void bend(TestMesh &mesh, double amount) {
+  for (Vec3 &p : mesh.points)
+    p = {p.x + amount * std::sin(2 * p.y), p.y + 0.5 * amount * p.z * p.z, p.z + 0.3 * amount * p.x * p.y};
+  round_to_float(mesh);
+}
+
+class Stale : public ::testing::TestWithParam<int32_t> {
+protected:
+  void SetUp() override {
+    std::string why_not;
+    context = open_context(GetParam(), why_not);
+    if (!context) GTEST_SKIP() << why_not;
+    mesh = ellipsoid(1, 0.8, 0.6, {.vertices = 600});
+    lay_out(mesh, {.charts = 6});
+    kept = make_mesh(context.get(), mesh);
+  }
+
+  Results run(pdesc_mesh *created, const Settings &settings) {
+    const pdesc_options options = options_of(settings);
+    std::vector<const char *> asked;
+    for (const std::string &name : names) asked.push_back(name.c_str());
+    pdesc_field *field = nullptr;
+    EXPECT_EQ(pdesc_compute(created, &options, asked.data(), static_cast<int32_t>(asked.size()), nullptr, nullptr, &field),
+              PDESC_OK)
+        << pdesc_last_error();
+    const Field owner(field);
+    return read_field(field, mesh.vertex_count, names, settings.seam_error != 0);
+  }
+
+  // Bends the kept mesh a little more and compares it with one that was never anything else.
+  void bend_and_compare(const Settings &settings, const char *what) {
+    SCOPED_TRACE(what);
+    const std::vector<float> before = run(kept.get(), settings)["mean_curvature"];
+    bend(mesh, 0.2);
+    ASSERT_EQ(pdesc_mesh_set_positions(kept.get(), mesh.positions.data(), mesh.vertex_count), PDESC_OK) << pdesc_last_error();
+    const Results now = run(kept.get(), settings), fresh = run(make_mesh(context.get(), mesh).get(), settings);
+    EXPECT_NE(now["mean_curvature"], before) << "the bend is to change something";
+    for (const auto &[name, values] : fresh.values) expect_same_bits(now[name], values);
+    for (const auto &[name, values] : fresh.seam_error) expect_same_bits(now.seam_error.at(name), values);
+    EXPECT_EQ(now.mask, fresh.mask);
+    EXPECT_EQ(now.report.radius, fresh.report.radius);
+    EXPECT_EQ(now.report.radius_in_texels, fresh.report.radius_in_texels);
+    EXPECT_EQ(now.report.covered_texels, fresh.report.covered_texels);
+  }
+
+  // Colors of a normal map that leans by `lean`, and tangents for it.
+  void set_normal_map(pdesc_mesh *created, float lean) {
+    std::vector<float> rgb, tangents;
+    for (int pixel = 0; pixel < 64; ++pixel)
+      for (const float value : {0.5f + lean * (pixel % 8 < 4 ? 1.0f : -1.0f), 0.5f + 0.5f * lean, 0.9f}) rgb.push_back(value);
+    for (size_t corner = 0; corner < mesh.corner_vertices.size(); ++corner)
+      for (const float value : {1.0f, 0.0f, 0.0f, 1.0f}) tangents.push_back(value);
+    ASSERT_EQ(
+        pdesc_mesh_set_normal_map(created, rgb.data(), 8, 8, tangents.data(), static_cast<int32_t>(mesh.corner_vertices.size())),
+        PDESC_OK)
+        << pdesc_last_error();
+  }
+
+  Context context;
+  TestMesh mesh;
+  Mesh kept;
+  std::vector<std::string> names{"mean_curvature", "principal_direction_max", "euclidean_area", "sphere_volume", "harris"};
+};
+PDESC_ON_EACH_BACKEND(Stale);
+
+TEST_P(Stale, a_bent_mesh_is_computed_as_a_new_one) {
+  const Settings usual{.radius = 0.1, .samples = 64, .buffer_size = 256};
+  bend_and_compare(usual, "as it is by default");
+  const bool on_device = GetParam() == PDESC_BACKEND_SOFTWARE;
+  if (!on_device) names.pop_back(); // the windows of an operator take the reference seconds each time
+  const auto with = [&](auto &&change) {
+    Settings settings = usual;
+    change(settings);
+    return settings;
+  };
+  bend_and_compare(with([](Settings &s) { s.normals = PDESC_NORMALS_MAX; }), "Max's normals");
+  bend_and_compare(with([](Settings &s) { s.radius = 0.05; }), "another radius");
+  bend_and_compare(with([](Settings &s) { s.distance = PDESC_DISTANCE_GEODESIC; }), "along the surface");
+  bend_and_compare(with([](Settings &s) { s.estimator = PDESC_ESTIMATOR_INTEGRAL; }), "integrals");
+  if (!on_device) return; // it has no UV map to go by
+  bend_and_compare(with([](Settings &s) { s.precision = PDESC_PRECISION_HALF; }), "half floats");
+  bend_and_compare(with([](Settings &s) { s.seam_error = 1; }), "every place of a vertex");
+  bend_and_compare(with([](Settings &s) { s.relocation = PDESC_RELOCATION_AFFINE; }), "samples that walk");
+  names.pop_back(); // operators work at vertices, and the paper's way is slow
+  bend_and_compare(with([](Settings &s) { s.relocation = PDESC_RELOCATION_PAPER; }), "the paper's way");
+  bend_and_compare(with([](Settings &s) {
+                     s.evaluate = PDESC_EVALUATE_TEXEL;
+                     s.texels = 64;
+                   }),
+                   "at texels");
+}
+
+TEST_P(Stale, a_normal_map_set_after_a_computation_counts) {
+  if (GetParam() == PDESC_BACKEND_REFERENCE) GTEST_SKIP() << "normal maps live in texture space";
+  const Settings settings{.radius = 0.1, .samples = 64, .buffer_size = 256};
+  std::vector<float> last = run(kept.get(), settings)["mean_curvature"];
+  for (const float lean : {0.2f, 0.1f}) {
+    const Mesh fresh = make_mesh(context.get(), mesh);
+    set_normal_map(kept.get(), lean);
+    set_normal_map(fresh.get(), lean);
+    const Results now = run(kept.get(), settings), expected = run(fresh.get(), settings);
+    for (const std::string &name : names) expect_same_bits(now[name], expected[name]);
+    EXPECT_NE(now["mean_curvature"], last) << "the map is to change something";
+    last = now["mean_curvature"];
+  }
+}
+
+TEST_P(Stale, a_displacement_set_after_a_computation_counts) {
+  if (GetParam() == PDESC_BACKEND_REFERENCE) GTEST_SKIP() << "displacement lives in texture space";
+  const Settings settings{.radius = 0.1, .samples = 64, .buffer_size = 256};
+  std::vector<float> last = run(kept.get(), settings)["mean_curvature"];
+  for (const double scale : {0.1, 0.2}) {
+    const Mesh fresh = make_mesh(context.get(), mesh);
+    const float heights[] = {0.0f, 1.0f, 0.5f, 0.25f};
+    for (pdesc_mesh *each : {kept.get(), fresh.get()})
+      ASSERT_EQ(pdesc_mesh_set_displacement(each, heights, 2, 2, 0.5, scale), PDESC_OK) << pdesc_last_error();
+    const Results now = run(kept.get(), settings), expected = run(fresh.get(), settings);
+    for (const std::string &name : names) expect_same_bits(now[name], expected[name]);
+    EXPECT_NE(now["mean_curvature"], last) << "the map is to change something";
+    last = now["mean_curvature"];
+  }
+}
+
+} // namespace
+} // namespace paradesc::test
