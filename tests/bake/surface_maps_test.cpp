@@ -1,6 +1,7 @@
 // Displacement against the surfaces that they stand for.
 #include "bake/mapped.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "support/api_fixture.h"
@@ -67,6 +68,26 @@ TEST_F(SurfaceMapsTest, displaced_cap_has_the_curvature_of_its_sphere) {
   // V_r of a sphere by eq. (8), whose H is exact there.
   const double share = 0.5 - 3.0 / 16.0 * h * 0.12;
   expect_near(results["sphere_volume_normalized"], share, 0.0001, inside);
+}
+
+// Corner normals say which side is outside; faces wound the other way must not turn those of the displaced surface.
+TEST_F(SurfaceMapsTest, a_displaced_mesh_wound_against_its_normals_keeps_them) {
+  const TestMesh mesh = unwrapped_plane(2000);
+  TestMesh reversed = mesh;
+  const auto swap_corners = [](auto &values, size_t width) {
+    for (size_t first = 0; first < values.size(); first += 3 * width)
+      std::swap_ranges(&values[first + width], &values[first + 2 * width], &values[first + 2 * width]);
+  };
+  swap_corners(reversed.corner_vertices, 1);
+  swap_corners(reversed.corner_uvs, 2);
+  swap_corners(reversed.corner_normals, 3);
+  const Settings settings{.radius = 0.12, .radius_unit = PDESC_RADIUS_ABSOLUTE, .normals = PDESC_NORMALS_MESH};
+  const Results expected = run(mesh, cap_map(512), settings, curvatures),
+                results = run(reversed, cap_map(512), settings, curvatures);
+  const auto inside = inside_the_cap(mesh, 0.15);
+  expect_near(expected["mean_curvature"], 1 / cap_radius, 0.001, inside);
+  // The same texels with the same normals, but for rounding: the rasterizer starts from another corner.
+  for (const std::string &name : curvatures) expect_near(results[name], as_double(expected[name]), 2e-3, inside);
 }
 
 TEST_F(SurfaceMapsTest, displaced_cap_is_measured_as_the_same_cap_in_geometry) {

@@ -73,6 +73,28 @@ TEST(Layout, no_two_charts_boxes_overlap_and_all_lie_in_the_unit_square) {
   }
 }
 
+// Half of the distance between two charts lies on either side of each: a buffer of 1024 has a texel and a half there.
+TEST(Layout, all_charts_keep_their_distance_from_all_sides_of_the_square) {
+  for (const Box &box : boxes(repacked(stacked_torus()))) {
+    EXPECT_GE(std::min(box.low.x, box.low.y), 1.49 / 1024);
+    EXPECT_LE(std::max(box.high.x, box.high.y), 1 - 1.49 / 1024);
+  }
+}
+
+// A stack of equal squares fills the square's rows and columns: some chart comes near to each of its sides.
+TEST(Layout, charts_that_fill_the_square_keep_their_distance_from_its_high_sides_too) {
+  const Built built = repacked(build(grid(8, 8, [](dvec2 place, int x, int y) { return place - dvec2(x, y); })));
+  Box all;
+  std::vector<Box> box = boxes(built);
+  for (const Box &each : box) all = {glm::min(all.low, each.low), glm::max(all.high, each.high)};
+  for (const double distance : {all.low.x, all.low.y, 1 - all.high.x, 1 - all.high.y}) EXPECT_GE(distance, 1.49 / 1024);
+  for (size_t i = 0; i < box.size(); ++i)
+    for (size_t j = 0; j < i; ++j) {
+      const dvec2 gap = glm::max(box[i].low - box[j].high, box[j].low - box[i].high);
+      EXPECT_GE(std::max(gap.x, gap.y), 2.99 / 1024) << i << " and " << j;
+    }
+}
+
 TEST(Layout, all_charts_are_scaled_alike_and_none_is_turned_over) {
   const Built before = stacked_torus(), after = repacked(before);
   const std::vector<double> old_areas = signed_areas(before), areas = signed_areas(after);
