@@ -1,11 +1,10 @@
-// The C edge and nothing else: checks handles and arguments, turns exceptions into codes and sentences.
+// The C edge and nothing else: checks handles and arguments; api_edge.h turns exceptions into codes and sentences.
 #include <cmath>
-#include <cstring>
-#include <new>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "api_edge.h"
 #include "compute/compute.h"
 #include "compute/passes.h"
 #include "descriptor/registry.h"
@@ -13,6 +12,11 @@
 #include "mesh/near_seam.h"
 #include "support/error.h"
 #include "support/live.h"
+
+std::string &paradesc::edge::last_error() {
+  thread_local std::string sentence;
+  return sentence;
+}
 
 struct pdesc_context {
   std::shared_ptr<paradesc::Context> context;
@@ -26,37 +30,8 @@ struct pdesc_field {
 
 namespace {
 
+using namespace paradesc::edge;
 using paradesc::Error;
-
-thread_local std::string last_error;
-
-// Runs a call's body; whatever it throws becomes a code and a sentence.
-template <class Body> int32_t guarded(const Body &body) noexcept {
-  try {
-    last_error.clear();
-    body();
-    last_error.clear(); // of calls from the progress callback
-    return PDESC_OK;
-  } catch (const Error &error) {
-    last_error = error.what();
-    return error.status();
-  } catch (const std::bad_alloc &) {
-    last_error = "Out of memory; use a smaller mesh or smaller buffers.";
-    return PDESC_ERROR_OUT_OF_MEMORY;
-  } catch (const std::exception &error) {
-    last_error = std::string("Internal error: ") + error.what() + "; please report it.";
-    return PDESC_ERROR_UNKNOWN;
-  } catch (...) {
-    last_error = "Internal error of unknown kind; please report it.";
-    return PDESC_ERROR_UNKNOWN;
-  }
-}
-
-[[noreturn]] void refuse(const std::string &sentence) { throw Error(PDESC_ERROR_INVALID_ARGUMENT, sentence); }
-
-void need(const void *pointer, const char *name) {
-  if (!pointer) refuse(std::string("The argument '") + name + "' is NULL; pass a valid pointer.");
-}
 
 // Never destroyed: other threads may still call while the process ends.
 paradesc::LiveHandles &live() {
@@ -90,39 +65,6 @@ public:
 private:
   paradesc::Context &context_;
 };
-
-// A caller may be older or newer than the library: what it did not pass keeps its default, what we do not know is left alone.
-template <class Struct> Struct read_struct(const Struct *given, void (*init)(Struct *), const char *name) {
-  Struct ours;
-  init(&ours);
-  if (!given) return ours;
-  if (given->struct_size < 2 * sizeof(uint32_t) || given->struct_size > 4096 || given->struct_size % alignof(Struct) != 0)
-    refuse(std::string(name) + ".struct_size is " + std::to_string(given->struct_size) + "; call " + name +
-           "_init before filling it.");
-  std::memcpy(static_cast<void *>(&ours), given, std::min<size_t>(given->struct_size, sizeof(Struct)));
-  return ours;
-}
-
-template <class Struct> void write_struct(Struct ours, Struct *out, const char *name) {
-  need(out, name);
-  const uint32_t size = out->struct_size;
-  if (size < sizeof(uint32_t) || size > 4096 || size % alignof(Struct) != 0) // half a member
-    refuse(std::string(name) + ".struct_size is " + std::to_string(size) + "; call " + name + "_init first.");
-  ours.struct_size = size;
-  std::memcpy(static_cast<void *>(out), &ours, std::min<size_t>(size, sizeof(Struct)));
-}
-
-template <class Struct> void zero_init(Struct *value) {
-  if (!value) return;
-  std::memset(static_cast<void *>(value), 0, sizeof *value);
-  value->struct_size = sizeof *value;
-}
-
-void check_range(const char *name, long long value, long long low, long long high) {
-  if (value < low || value > high)
-    refuse(std::string("The option ") + name + " is " + std::to_string(value) + "; choose from " + std::to_string(low) + " to " +
-           std::to_string(high) + ".");
-}
 
 void check_options(const pdesc_options &options) {
   if (!std::isfinite(options.radius) || options.radius <= 0.0)
@@ -187,7 +129,7 @@ void copy_texels(const std::vector<float> &texels, float *values, int64_t count)
 
 int32_t pdesc_abi_version(void) { return PDESC_ABI_VERSION; }
 const char *pdesc_version(void) { return PARADESC_VERSION; }
-const char *pdesc_last_error(void) { return last_error.c_str(); }
+const char *pdesc_last_error(void) { return last_error().c_str(); }
 
 void pdesc_descriptor_info_init(pdesc_descriptor_info *info) { zero_init(info); }
 

@@ -1,4 +1,4 @@
-// The one exception type: a status code and a sentence for people. Thrown anywhere inside, caught in api.cpp only.
+// The one exception type: a status code and a sentence for people. Thrown anywhere inside, caught in api_edge.h only.
 #pragma once
 
 #include <stdexcept>
