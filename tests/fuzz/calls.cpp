@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <thread>
 
 #include "bytes.h"
+#include "claims.h"
+#include "images.h"
 #include "mesh.h"
 #include "paradesc/paradesc.h"
 #include "passed.h"
@@ -27,25 +27,8 @@ namespace {
 
 constexpr bool on_device = PARADESC_FUZZ_BACKEND != PDESC_BACKEND_REFERENCE;
 constexpr bool mostly_stopped = PARADESC_FUZZ_STOPPED;
-constexpr float sentinel = -12345.678f; // stands in outputs before a call
 // Without a limit every mesh and computation asks the system what is free, for longer than many an input takes.
 constexpr int64_t usual_limit = int64_t{1} << 31;
-
-void claim(bool holds, const char *what) {
-  if (holds) return;
-  std::fprintf(stderr, "The interface broke its word: %s. Its last sentence: %s\n", what, pdesc_last_error());
-  std::abort();
-}
-
-// A code of the header, with one sentence exactly where it is a failure. True on success.
-bool done(int32_t status) {
-  claim(status >= PDESC_OK && status <= PDESC_ERROR_DEVICE_LOST, "a status is none of the header's");
-  claim(status != PDESC_ERROR_UNKNOWN, "an input led to a defect of the library");
-  const char *sentence = pdesc_last_error();
-  claim((status == PDESC_OK) == (*sentence == 0), "a failure has no sentence, or a success has one");
-  claim(status == PDESC_ERROR_UNSUPPORTED || !std::strchr(sentence, '\n'), "a sentence has several lines");
-  return status == PDESC_OK;
-}
 
 const char *any_descriptor(Bytes &bytes, bool rarely_wrong = true) {
   constexpr const char *wrong[] = {nullptr,    "",       "coverage", "mean",     "mean_curvature ", "%s%n",
@@ -188,7 +171,9 @@ private:
   FieldSlot &any_field() { return fields_[static_cast<size_t>(bytes_.below(2))]; }
 
   void call() {
-    switch (bytes_.below(20)) {
+    const int kind = bytes_.byte();
+    if (kind >= 240) return kind % 2 ? draw_image(bytes_) : fill_gutter(bytes_);
+    switch (kind % 20) {
     case 0:
       return create();
     case 1:

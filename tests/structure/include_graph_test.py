@@ -27,7 +27,8 @@ DIRECTION: tuple[tuple[str, ...], ...] = (
     ("compute",),
     ("memory",),
     ("context",),
-    ("api",),
+    ("api_edge",),
+    ("api", "api_images"),
     ("exports",),
 )
 RANK = {folder: rank for rank, row in enumerate(DIRECTION) for folder in row}

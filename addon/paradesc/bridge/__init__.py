@@ -29,6 +29,7 @@ from .options import (
     Options,
 )
 from .session import BUFFERS, Context, Field, Mesh, ProgressFunction
+from .uv_images import TexelMap, draw_uv_image, fill_gutter
 
 __all__ = [
     "ADAPTIVE_THRESHOLD",
@@ -57,8 +58,11 @@ __all__ = [
     "ParadescError",
     "ProgressFunction",
     "SurfaceMaps",
+    "TexelMap",
     "components",
     "descriptors",
+    "draw_uv_image",
+    "fill_gutter",
     "load_library",
     "missing_sentence",
     "without_devices",

@@ -232,6 +232,27 @@ class Memory(Structure):
     ]
 
 
+class UvImageInput(Structure):
+    """pdesc_uv_image_input"""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("size", c_int32),
+        ("triangle_count", c_int32),
+        ("value_count", c_int32),
+        ("components", c_int32),
+        ("threads", c_int32),
+        ("uvs", Float32Pointer),
+        ("triangle_values", Int32Pointer),
+        ("values", Float32Pointer),
+        ("map", Float32Pointer),
+        ("map_size", c_int32),
+        ("map_uvs", Float32Pointer),
+        ("progress", Progress),
+        ("user", c_void_p),
+    ]
+
+
 # Each struct with its C name; pdesc_<name>_init fills it with defaults.
 STRUCTS: dict[type[Structure], str] = {
     DescriptorInfo: "pdesc_descriptor_info",
@@ -241,6 +262,7 @@ STRUCTS: dict[type[Structure], str] = {
     ComputeOptions: "pdesc_options",
     FieldReport: "pdesc_field_report",
     Memory: "pdesc_memory",
+    UvImageInput: "pdesc_uv_image_input",
 }
 
 # name: (restype, argtypes), in the header's order
@@ -314,6 +336,13 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "pdesc_field_map_size": (c_int32, [FieldPointer]),  # field
     "pdesc_field_map": (c_int32, [FieldPointer, c_char_p, Float32Pointer, c_int64]),  # field, name, values, count
     "pdesc_field_destroy": (None, [FieldPointer]),  # field
+    "pdesc_uv_image_input_init": (None, [POINTER(UvImageInput)]),  # input
+    "pdesc_uv_image_draw": (c_int32, [POINTER(UvImageInput), Float32Pointer, c_int64]),  # input, image, count
+    "pdesc_uv_image_fill_gutter": (
+        c_int32,
+        # image, count, width, height, components, steps, threads
+        [Float32Pointer, c_int64, c_int32, c_int32, c_int32, c_int32, c_int32],
+    ),
 }
 
 

@@ -1,0 +1,67 @@
+"""Images over a UV map, drawn by the native library: numpy arrays in and out, no context and no device."""
+
+from ctypes import byref
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import abi
+from .arrays import address
+from .library import ParadescError, check, load_library, new_struct
+from .options import int32
+
+
+@dataclass(frozen=True)
+class TexelMap:
+    """What was evaluated at texels, and where the triangles lie in it."""
+
+    values: np.ndarray  # (M, M) or (M, M, 3) float32, rows from v = 0 up
+    layout: np.ndarray  # (triangle_count, 3, 2) float32
+
+
+def draw_uv_image(
+    uvs: np.ndarray, triangle_values: np.ndarray, values: np.ndarray, size: int, texels: TexelMap | None = None
+) -> np.ndarray:
+    """(N, N, 1 or 3) float32 of values (n,) or (n, 3) at the corners of triangles, rows from v = 0 up; NaN off them.
+
+    uvs: (triangle_count, 3, 2). triangle_values: (triangle_count, 3) which value each corner has.
+    """
+    library = load_library()
+    numbers = shaped(triangle_values, np.int32, "triangle_values", (-1, 3))
+    places = shaped(uvs, np.float32, "uvs", (len(numbers), 3, 2))
+    width = 3 if values.ndim == 2 else 1
+    column = shaped(values, np.float32, "values", (-1, 3) if width == 3 else (-1,))
+    native = new_struct(library, abi.UvImageInput)
+    native.size = int32(size, "number of texels")
+    native.triangle_count, native.value_count, native.components = len(numbers), len(column), width
+    native.uvs, native.triangle_values = address(places, abi.Float32Pointer), address(numbers, abi.Int32Pointer)
+    native.values = address(column, abi.Float32Pointer)
+    if texels is not None:
+        side = len(texels.values)
+        source = shaped(texels.values, np.float32, "the map", (side, side, 3) if width == 3 else (side, side))
+        layout = shaped(texels.layout, np.float32, "the layout", places.shape)
+        native.map, native.map_size = address(source, abi.Float32Pointer), side
+        native.map_uvs = address(layout, abi.Float32Pointer)
+    image = np.empty((max(size, 0), max(size, 0), width), np.float32)
+    check(library, library.pdesc_uv_image_draw(byref(native), address(image, abi.Float32Pointer), image.size))
+    return image
+
+
+def fill_gutter(image: np.ndarray, steps: int) -> np.ndarray:
+    """(height, width, c) float32 with rings of undefined texels filled from beside them, and 0 beyond the gutter."""
+    library = load_library()
+    filled = np.array(image, np.float32, order="C")
+    height, width, components = filled.shape
+    pointer = address(filled, abi.Float32Pointer)
+    check(library, library.pdesc_uv_image_fill_gutter(pointer, filled.size, width, height, components, steps, 0))
+    return filled
+
+
+def shaped(array: np.ndarray, kind: type, name: str, shape: tuple[int, ...]) -> np.ndarray:
+    """The array in the type wanted, copied only where it has to be; -1 stands for any length."""
+    result = np.ascontiguousarray(array, dtype=kind)
+    fits = result.ndim == len(shape) and all(want in (-1, have) for want, have in zip(shape, result.shape, strict=True))
+    if not fits:
+        wanted = str(shape).replace("-1", "n")
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"{name} has shape {result.shape}, but {wanted} is needed.")
+    return result

@@ -1,0 +1,30 @@
+// What has to hold whatever the input: where it does not, the fuzzer is told by an abort.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "paradesc/paradesc.h"
+
+namespace paradesc::fuzz {
+
+inline constexpr float sentinel = -12345.678f; // stands in outputs before a call
+
+inline void claim(bool holds, const char *what) {
+  if (holds) return;
+  std::fprintf(stderr, "The interface broke its word: %s. Its last sentence: %s\n", what, pdesc_last_error());
+  std::abort();
+}
+
+// A code of the header, with one sentence exactly where it is a failure. True on success.
+inline bool done(int32_t status) {
+  claim(status >= PDESC_OK && status <= PDESC_ERROR_DEVICE_LOST, "a status is none of the header's");
+  claim(status != PDESC_ERROR_UNKNOWN, "an input led to a defect of the library");
+  const char *sentence = pdesc_last_error();
+  claim((status == PDESC_OK) == (*sentence == 0), "a failure has no sentence, or a success has one");
+  claim(status == PDESC_ERROR_UNSUPPORTED || !std::strchr(sentence, '\n'), "a sentence has several lines");
+  return status == PDESC_OK;
+}
+
+} // namespace paradesc::fuzz
