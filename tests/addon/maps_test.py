@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from conftest import real_mesh
-from paradesc.bridge import Options
+from paradesc.bridge import Options, draw_uv_image, fill_gutter
 from paradesc.core import job
 from paradesc.files import exr, maps, png
 from paradesc.files.results import Baked
@@ -205,9 +205,8 @@ def test_a_16_bit_png_says_which_values_its_ends_are(paradesc, tmp_path):
         ("mean_curvature",), Options(radius=0.06, samples=64, buffer_size=256, texels=128), "software"
     )
     arrays = as_arrays(*bumpy())
-    exact = maps.fill_gutter(maps.image_of(Baked("", job.run(arrays, settings), arrays, np.eye(4)), "mean_curvature"))[
-        ::-1, :, 0
-    ]
+    image = maps.image_of(Baked("", job.run(arrays, settings), arrays, np.eye(4)), "mean_curvature")
+    exact = fill_gutter(image, maps.GUTTER)[::-1, :, 0]
     surface = exact != 0
     step = (row["maximum"] - row["minimum"]) / 65535
     # Half a step of 16 bits, and what an .obj's seven digits change.
@@ -225,7 +224,7 @@ def test_the_gutter_takes_what_lies_beside_it_and_ends():
     image = np.full((40, 40, 1), NONE)
     image[15:25, 15:20] = 3.0
     image[15:25, 20:25] = 5.0
-    filled = maps.fill_gutter(image, steps=4)[:, :, 0]
+    filled = fill_gutter(image, steps=4)[:, :, 0]
     assert (filled[11:29, 11:15] == 3.0).all()
     assert (filled[11:29, 25:29] == 5.0).all()
     assert not filled[:11].any()
@@ -235,15 +234,15 @@ def test_the_gutter_takes_what_lies_beside_it_and_ends():
 def test_triangles_on_any_tile_are_drawn_where_a_repeated_texture_shows_them():
     corner = np.array([[0.1, 0.1], [0.4, 0.1], [0.1, 0.4]])
     moved = [np.add(corner, offset) for offset in ([0, 0], [-6.5, 3.5], [0.75, 0])]
-    raster = maps.Raster(np.stack(moved), 40)
-    shown = np.full(1600, -1)
-    shown[raster.texels] = raster.triangles
-    shown = shown.reshape(40, 40)
+    corners = np.arange(9, dtype=np.int32).reshape(3, 3)
+    image = draw_uv_image(np.stack(moved), corners, np.repeat([0, 1, 2], 3), 40)
+    shown = np.where(np.isnan(image), -1, image)[:, :, 0]
     assert shown[6, 6] == 0
     assert shown[26, 26] == 1
     assert shown[5, 36] == 2
     assert shown[4, 2] == 2  # over the right side and in again from the left
-    np.testing.assert_allclose(raster.weights.sum(axis=1), 1, atol=1e-9)
+    np.testing.assert_allclose(shown, np.round(shown), atol=1e-6)  # weights add up to 1
+    assert set(np.unique(np.round(shown))) == {-1, 0, 1, 2}
 
 
 def test_a_map_of_texels_is_the_image_where_the_layout_is_the_uv_map():
