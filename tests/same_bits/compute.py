@@ -78,9 +78,10 @@ class Recorder:
             return
         with field:
             self.keep(case.name, "status", 0)
+            maps = texels and field.report()["places"] > 0  # else there is no map
             for name in [*names, "coverage"]:
                 self.keep(case.name, name, field.values(name))
-                if texels:
+                if maps:
                     self.keep(case.name, f"map of {name}", field.map(name))
                 if options.seam_error and name != "coverage":
                     self.keep(case.name, f"seam error of {name}", field.seam_error(name))
@@ -168,6 +169,7 @@ def main() -> int:
         sys.stderr.write(f"There is no mesh in {asked.meshes}.\n")
         return 2
     asked.folder.mkdir(parents=True, exist_ok=True)
+    np.seterr(all="ignore")  # of malformed meshes
     with bridge.Context("software") as software, bridge.Context("reference") as reference:
         sys.stdout.write(f"{asked.tree}: {software.device}\n")
         for path in paths:
