@@ -24,9 +24,9 @@ DIRECTION: tuple[tuple[str, ...], ...] = (
     ("engine/kernels",),  # what shaders/kernel is in C++
     ("engine/opengl", "engine/reference", "engine/cpu"),
     ("engine/engines",),  # makes them
+    ("context",),  # holds one of them
     ("compute",),
     ("memory",),
-    ("context",),
     ("api_edge",),
     ("api", "api_images"),
     ("exports",),
