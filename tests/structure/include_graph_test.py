@@ -19,7 +19,6 @@ DIRECTION: tuple[tuple[str, ...], ...] = (
     ("gather",),
     ("bake",),
     ("sample",),
-    ("engine/kernels",),  # shaders/kernel as C++
     ("engine",),  # engine.h, the seam
     ("engine/kernels",),  # what shaders/kernel is in C++
     ("engine/opengl", "engine/reference", "engine/cpu"),
