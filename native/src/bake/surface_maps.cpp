@@ -312,11 +312,12 @@ void SurfaceMapper::run(const Gl &gl, ProgramCache &programs, const GeometryBuff
   gl.BindTextureUnit(UNIT_COLORS, colors_.id());
   gl.BindTextureUnit(UNIT_GIVEN, given_.id());
   gl.BindTextureUnit(UNIT_TANGENTS, tangents_.id());
-  gl.Uniform1i(0, buffer.size());
-  gl.Uniform1i(1, maps.displacement ? 1 : 0);
-  gl.Uniform1i(2, maps.normal_map ? 1 : 0);
-  gl.Uniform1f(3, maps.displacement ? maps.displacement->midlevel : 0.0f);
-  gl.Uniform1f(4, maps.displacement ? maps.displacement->scale * static_cast<float>(input.frame.scale) : 0.0f);
+  gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
+  gl.Uniform1i(LOCATION_DISPLACED, maps.displacement ? 1 : 0);
+  gl.Uniform1i(LOCATION_NORMAL_MAPPED, maps.normal_map ? 1 : 0);
+  gl.Uniform1f(LOCATION_MIDLEVEL, maps.displacement ? maps.displacement->midlevel : 0.0f);
+  gl.Uniform1f(LOCATION_HEIGHT_SCALE,
+               maps.displacement ? maps.displacement->scale * static_cast<float>(input.frame.scale) : 0.0f);
   const auto groups = static_cast<GLuint>((buffer.size() + 7) / 8);
   gl.DispatchCompute(groups, groups, 1);
   gl.MemoryBarrier(GL_ALL_BARRIER_BITS);

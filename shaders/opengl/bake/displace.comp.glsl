@@ -7,13 +7,13 @@ layout(binding = UNIT_GIVEN) uniform sampler2D given;
 layout(binding = UNIT_TANGENTS) uniform sampler2D tangents;
 layout(binding = UNIT_HEIGHTS) uniform sampler2D heights;
 layout(binding = UNIT_COLORS) uniform sampler2D colors;
-layout(binding = 0) writeonly restrict uniform image2D positions;
-layout(binding = 1) writeonly restrict uniform image2D normals;
+layout(binding = IMAGE_POSITION) writeonly restrict uniform image2D positions;
+layout(binding = IMAGE_NORMAL) writeonly restrict uniform image2D normals;
 layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
-layout(location = 1) uniform int displaced;
-layout(location = 2) uniform int normal_mapped;
-layout(location = 3) uniform float midlevel;
-layout(location = 4) uniform float scale; // in buffer units
+layout(location = LOCATION_DISPLACED) uniform int displaced;
+layout(location = LOCATION_NORMAL_MAPPED) uniform int normal_mapped;
+layout(location = LOCATION_MIDLEVEL) uniform float midlevel;
+layout(location = LOCATION_HEIGHT_SCALE) uniform float scale;
 
 vec2 given_of(int vertex) { return texelFetch(given, list_place(vertex), 0).xy; }
 vec4 tangent_of(int corner) { return texelFetch(tangents, list_place(2 * corner), 0); }

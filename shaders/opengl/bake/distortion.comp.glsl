@@ -4,7 +4,7 @@
 #include "opengl/bake/metric.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = UNIT_IDS) uniform isampler2D ids;
-layout(binding = 0, rgba32f) writeonly restrict uniform image2D distortion;
+layout(binding = IMAGE_DISTORTION, rgba32f) writeonly restrict uniform image2D distortion;
 
 void main() {
   ivec2 texel = ivec2(gl_GlobalInvocationID.xy);

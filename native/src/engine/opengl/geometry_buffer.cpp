@@ -273,8 +273,8 @@ void GeometryBuffer::bind_owners() const {
 
 void GeometryBuffer::bind_to_rewrite() const {
   bind_owners();
-  gl_.BindImageTexture(0, position_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  gl_.BindImageTexture(1, normal_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  gl_.BindImageTexture(IMAGE_POSITION, position_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  gl_.BindImageTexture(IMAGE_NORMAL, normal_.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
 }
 
 static std::vector<vec4> read_image(const Gl &gl, GLuint texture, int size) {
@@ -288,7 +288,7 @@ std::vector<vec4> GeometryBuffer::read_distortion(ProgramCache &programs) const 
   const Texture distortion(gl_, size_, size_, GL_RGBA32F);
   gl_.UseProgram(programs.get(gl_, "distortion", {{GL_COMPUTE_SHADER, "opengl/bake/distortion.comp.glsl"}}));
   bind_owners();
-  gl_.BindImageTexture(0, distortion.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  gl_.BindImageTexture(IMAGE_DISTORTION, distortion.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   const auto groups = static_cast<GLuint>((size_ + 7) / 8);
   gl_.DispatchCompute(groups, groups, 1);
   gl_.MemoryBarrier(GL_ALL_BARRIER_BITS);
