@@ -1,6 +1,7 @@
 // Neighborhoods written down place by place, and every kernel's values there by C++: one neighbor at a time, and eight.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
