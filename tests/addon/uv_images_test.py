@@ -159,6 +159,7 @@ def test_maps_are_looked_up_to_the_bit(side, width):
         assert assert_as_expected(uvs, numbers, some_values(random, 30, width), 16, texels) > 0.3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["spot.obj", "fandisk.obj", "human.obj"])
 def test_real_meshes_are_drawn_to_the_bit(name):
     uvs, numbers, count = read_obj(real_mesh(name))
