@@ -4,10 +4,12 @@
 #include <iomanip>
 #include <iostream>
 #include <numbers>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
 #include "support/layout.h"
+#include "support/oracle.h"
 #include "support/percent_ae.h"
 #include "support/run.h"
 #include "support/surfaces.h"
@@ -26,17 +28,41 @@ protected:
     names = registered_descriptors();
   }
 
-  void expect_parity(const TestMesh &mesh, const Settings &settings) {
-    const Results fast = compute(software.get(), mesh, settings, names), oracle = compute(reference.get(), mesh, settings, names);
-    for (const std::string &name : names) {
-      const std::vector<double> expected = as_double(oracle[name]);
+  // The oracle is asked at some thousand vertices, and for operators, whose windows are wide, at some hundred: all would take it
+  // minutes.
+  Results expect_parity(const TestMesh &mesh, const Settings &settings) {
+    const Results fast = compute(software.get(), mesh, settings, names);
+    std::vector<std::string> of_surface, of_map;
+    for (const std::string &name : names) (map_degree_of(name) > 0 ? of_map : of_surface).push_back(name);
+    std::vector<int32_t> vertices(mesh.points.size());
+    std::iota(vertices.begin(), vertices.end(), 0);
+    compare(fast, mesh, settings, some_of(vertices, 2500), of_surface);
+    compare(fast, mesh, settings, clusters_of(mesh, 12, 40), of_map);
+    // Nothing is undefined but where there is no face, at every vertex.
+    for (size_t v = 0; v < mesh.points.size(); ++v)
+      for (const std::string &name : names)
+        EXPECT_EQ(std::isnan(fast[name][components_of(name) * v]), (fast.mask[v] & PDESC_MASK_NO_FACE) != 0)
+            << name << " at vertex " << v;
+    const auto loose = std::ranges::count_if(fast.mask, [](uint8_t mask) { return (mask & PDESC_MASK_NO_FACE) != 0; });
+    EXPECT_EQ(fast.report.undefined_vertices, loose);
+    EXPECT_NEAR(fast.report.radius, settings.radius * mesh.diagonal(), 1e-9 * fast.report.radius);
+    EXPECT_NEAR(fast.report.coverage_mean, 1, 0.01); // issue "Core"
+    return fast;
+  }
+
+  static void compare(const Results &fast, const TestMesh &mesh, const Settings &settings, const std::vector<int32_t> &vertices,
+                      const std::vector<std::string> &asked) {
+    const Oracle oracle = ask_oracle(mesh, fast.report.radius, settings, vertices, asked);
+    for (const std::string &name : asked) {
+      const std::vector<float> values = pick(fast[name], vertices, components_of(name));
+      const std::vector<double> &expected = oracle[name];
       if (components_of(name) == 3) {
-        expect_same_directions(fast[name], expected, oracle);
+        expect_same_directions(values, expected, oracle);
         continue;
       }
       const bool mask = name == "cavity" || name == "convexity"; // zero on half of all surfaces, and without a unit
-      const PercentAe error = percent_ae(fast[name], expected, {}, mask ? 1.0 : 0.0);
-      const double relative = relative_error(fast[name], expected);
+      const PercentAe error = percent_ae(values, expected, {}, mask ? 1.0 : 0.0);
+      const double relative = relative_error(values, expected);
       std::cout << std::left << std::setw(26) << name << std::fixed << std::setprecision(4) << "%AE mean " << error.mean
                 << "  p99 " << error.p99 << "  max " << error.max << "  relative " << relative << " %\n";
       RecordProperty(name, std::to_string(error.mean));
@@ -47,6 +73,9 @@ protected:
       for (const double value : expected)
         if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
       const bool by_itself = name == "euclidean_area" || name == "geodesic_area" || error.range < 0.01 * largest;
+      for (size_t v = 0; v < expected.size(); ++v)
+        ASSERT_EQ(std::isnan(values[v]), std::isnan(expected[v]))
+            << name << " at vertex " << vertices[v] << " is defined on one side only";
       // K of eq. (11) is a difference of areas over r^4: on these surfaces 0.04 % of GA are 4 % of K's range. What follows from H
       // and K is looked at in the test of integrals.
       if (settings.estimator == PDESC_ESTIMATOR_INTEGRAL && follows_from_k(name)) continue;
@@ -54,25 +83,28 @@ protected:
       // A product of four gradients has four times their relative error.
       const double allowed = of_areas ? 5.0 : PDESC_PARITY_PERCENT * (by_itself ? std::max(map_degree_of(name), 1) : 1);
       EXPECT_LE(by_itself ? relative : error.mean, allowed) << name;
-      for (size_t v = 0; v < expected.size(); ++v)
-        ASSERT_EQ(std::isnan(fast[name][v]), std::isnan(expected[v]))
-            << name << " at vertex " << v << " is defined on one side only";
+      // Half a normal distribution's mean is 0.8 of its deviation, and the worst of thousands beyond four; beside seams and where
+      // samples lie on the rim tails are heavier. Operators are held to their range over a few places, harris to its product of
+      // four. Measured on llvmpipe: 2.1 and 3.3, of operators 4.1 and 7.9, of harris 8.2 and 12.3 times what is allowed of the
+      // mean.
+      const double heavier = map_degree_of(name) > 1   ? 4
+                             : map_degree_of(name) > 0 ? 2
+                                                       : 1,
+                   unit = by_itself ? error.range / largest : 1;
+      EXPECT_LE(unit * error.p99, 3 * heavier * allowed) << name;
+      EXPECT_LE(unit * error.max, 5 * heavier * allowed) << name;
     }
-    EXPECT_NEAR(fast.report.radius, oracle.report.radius, 1e-9 * oracle.report.radius);
-    EXPECT_NEAR(fast.report.coverage_mean, 1, 0.01); // issue "Core"
-    EXPECT_EQ(oracle.report.coverage_mean, 1);
-    EXPECT_EQ(fast.report.undefined_vertices, oracle.report.undefined_vertices);
   }
 
   // Issue "All of the paper": the mean angle, weighted by |k1 - k2|, within 1 degree.
-  static void expect_same_directions(std::span<const float> values, std::span<const double> expected, const Results &oracle) {
+  static void expect_same_directions(std::span<const float> values, std::span<const double> expected, const Oracle &oracle) {
     double sum = 0, total = 0;
     for (size_t v = 0; 3 * v < values.size(); ++v) {
       double along = 0;
       for (size_t i = 3 * v; i < 3 * v + 3; ++i) along += static_cast<double>(values[i]) * expected[i];
       ASSERT_EQ(std::isnan(values[3 * v]), std::isnan(expected[3 * v])) << "vertex " << v << " has a direction on one side only";
       if (std::isnan(along)) continue;
-      const double weight = static_cast<double>(oracle["principal_curvature_max"][v] - oracle["principal_curvature_min"][v]);
+      const double weight = oracle["principal_curvature_max"][v] - oracle["principal_curvature_min"][v];
       sum += weight * std::acos(std::min(std::abs(along), 1.0)) * 57.29577951308232;
       total += weight;
     }
@@ -148,8 +180,11 @@ TEST_F(Parity, extrapolated_mean_curvature_agrees_with_the_oracle) {
 TEST_F(Parity, curvatures_of_the_integral_estimator_follow_from_volume_and_area) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 3000});
   lay_out(mesh, {.charts = 6});
+  const std::vector<std::string> followed{
+      "sphere_volume",           "geodesic_area",           "mean_curvature", "gaussian_curvature",
+      "principal_curvature_max", "principal_curvature_min", "shape_index",    "curvedness"};
   for (pdesc_context *context : {reference.get(), software.get()}) {
-    const Results results = compute(context, mesh, {.radius = 0.06, .estimator = PDESC_ESTIMATOR_INTEGRAL}, names);
+    const Results results = compute(context, mesh, {.radius = 0.06, .estimator = PDESC_ESTIMATOR_INTEGRAL}, followed);
     const double r = results.report.radius, pi = std::numbers::pi;
     for (size_t v = 0; v < mesh.points.size(); ++v) {
       const auto at = [&](const char *name) { return static_cast<double>(results[name][v]); };
@@ -174,20 +209,32 @@ TEST_F(Parity, adaptive_sampling_agrees_with_the_oracle) {
   expect_parity(mesh, {.radius = 0.04, .adaptive = 0.002, .map_sigma = 0.5});
 }
 
-TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_an_open_surface_with_loose_vertices) {
-  TestMesh mesh = saddle(1, {.vertices = 8000});
+// With three vertices that no face uses.
+TestMesh open_surface(int vertices) {
+  TestMesh mesh = saddle(1, {.vertices = vertices});
   lay_out(mesh, {.charts = 6});
-  const size_t loose = mesh.points.size();
   mesh.points.insert(mesh.points.end(), 3, Vec3{0.1, 0.2, 0.3});
   mesh.normals.insert(mesh.normals.end(), 3, Vec3{0, 0, 1});
   mesh.vertex_count += 3;
   round_to_float(mesh);
-  expect_parity(mesh, {});
+  return mesh;
+}
+
+TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_an_open_surface_with_loose_vertices) {
+  const TestMesh mesh = open_surface(8000);
+  const Results fast = expect_parity(mesh, {});
+  for (size_t v = 0; v < mesh.points.size(); ++v)
+    ASSERT_EQ((fast.mask[v] & PDESC_MASK_NO_FACE) != 0, v + 3 >= mesh.points.size()) << "vertex " << v;
+  EXPECT_EQ(fast.report.undefined_vertices, 3);
+}
+
+TEST_F(Parity, loose_vertices_are_undefined_on_both_sides) {
+  const TestMesh mesh = open_surface(1000);
   for (pdesc_context *context : {reference.get(), software.get()}) {
-    const Results results = compute(context, mesh, {}, names);
+    const Results results = compute(context, mesh, {.radius = 0.05}, names);
     for (size_t v = 0; v < mesh.points.size(); ++v) {
-      ASSERT_EQ((results.mask[v] & PDESC_MASK_NO_FACE) != 0, v >= loose) << "vertex " << v;
-      if (v < loose) continue;
+      ASSERT_EQ((results.mask[v] & PDESC_MASK_NO_FACE) != 0, v + 3 >= mesh.points.size()) << "vertex " << v;
+      if (v + 3 < mesh.points.size()) continue;
       for (const std::string &name : names) EXPECT_TRUE(std::isnan(results[name][components_of(name) * v])) << name;
     }
     EXPECT_EQ(results.report.undefined_vertices, 3);
@@ -198,7 +245,8 @@ TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_an_open_surface_with_l
 TEST_F(Parity, the_boundary_mask_agrees_with_the_oracle) {
   TestMesh mesh = cylinder(0.5, 2, {.vertices = 8000});
   lay_out(mesh, {.charts = 6});
-  const Results fast = compute(software.get(), mesh, {}, names), oracle = compute(reference.get(), mesh, {}, names);
+  const std::vector<std::string> any{"mean_curvature"};
+  const Results fast = compute(software.get(), mesh, {}, any), oracle = compute(reference.get(), mesh, {}, any);
   const double r = fast.report.radius;
   for (size_t v = 0; v < mesh.points.size(); ++v) {
     // A tenth of the radius on either side of the rim is left to the samples' spacing, r/16, and to the triangles' edges.
@@ -211,13 +259,14 @@ TEST_F(Parity, the_boundary_mask_agrees_with_the_oracle) {
 
 // Together they share one sampling, and must not share more.
 TEST_F(Parity, a_descriptor_alone_has_the_bits_it_has_among_the_others) {
-  TestMesh mesh = torus(1, 0.4, {.vertices = 3000});
+  TestMesh mesh = torus(1, 0.4, {.vertices = 800});
   lay_out(mesh, {.charts = 6});
+  const Settings settings{.radius = 0.08, .buffer_size = 512}; // some twenty vertices to a ball
   for (pdesc_context *context : {reference.get(), software.get()}) {
-    const Results together = compute(context, mesh, {.radius = 0.04}, names);
+    const Results together = compute(context, mesh, settings, names);
     for (const std::string &name : names) {
       SCOPED_TRACE(name);
-      expect_same_bits(compute(context, mesh, {.radius = 0.04}, std::span(&name, 1))[name], together[name]);
+      expect_same_bits(compute(context, mesh, settings, std::span(&name, 1))[name], together[name]);
     }
   }
 }

@@ -19,7 +19,7 @@ struct Oracle {
   const std::vector<double> &operator[](const std::string &name) const { return values.at(name); }
 };
 
-// radius: in units of the positions. descriptors: of the surface, since operators want their map everywhere.
+// radius: in units of the positions. Operators want their map around each of the vertices: ask for these where some lie together.
 Oracle ask_oracle(const TestMesh &mesh, double radius, const Settings &settings, std::span<const int32_t> vertices,
                   std::span<const std::string> descriptors);
 
@@ -28,5 +28,8 @@ std::vector<float> pick(std::span<const float> values, std::span<const int32_t> 
 
 // So many of the vertices, evenly spread over their numbers.
 std::vector<int32_t> some_of(std::span<const int32_t> vertices, size_t most);
+
+// Vertices in so many places of the mesh, so many of them in each.
+std::vector<int32_t> clusters_of(const TestMesh &mesh, size_t count, size_t size);
 
 } // namespace paradesc::test
