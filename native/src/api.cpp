@@ -6,11 +6,12 @@
 
 #include "api_edge.h"
 #include "compute/compute.h"
-#include "compute/passes.h"
+#include "compute/memory.h"
+#include "descriptor/passes.h"
 #include "descriptor/registry.h"
-#include "memory.h"
 #include "mesh/near_seam.h"
 #include "support/error.h"
+#include "support/free_memory.h"
 #include "support/live.h"
 
 std::string &paradesc::edge::last_error() {
@@ -212,7 +213,6 @@ int32_t pdesc_mesh_set_displacement(pdesc_mesh *mesh, const float *heights, int3
   return guarded([&] {
     need_live(mesh, "mesh");
     const Turn turn(*mesh->mesh->context);
-    ++mesh->mesh->version;
     paradesc::set_displacement(mesh->mesh->maps, mesh->mesh->triangles, heights, width, height, midlevel, scale);
   });
 }
@@ -222,7 +222,6 @@ int32_t pdesc_mesh_set_normal_map(pdesc_mesh *mesh, const float *rgb, int32_t wi
   return guarded([&] {
     need_live(mesh, "mesh");
     const Turn turn(*mesh->mesh->context);
-    ++mesh->mesh->version;
     paradesc::set_normal_map(mesh->mesh->maps, mesh->mesh->triangles, rgb, width, height, corner_tangents, corner_count);
   });
 }
@@ -244,7 +243,7 @@ int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *nea
     const Turn turn(*mesh->mesh->context);
     const paradesc::Mesh &ours = *mesh->mesh;
     check_length(vertex_count, static_cast<size_t>(ours.triangles.vertex_count));
-    const auto near = paradesc::vertices_near_seams(ours.triangles, ours.half_edges, ours.charts, radius);
+    const auto near = paradesc::vertices_near_seams(ours.triangles, ours.half_edges, ours.atlases.current().charts, radius);
     std::copy(near.begin(), near.end(), near_seam);
   });
 }
@@ -301,13 +300,13 @@ int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, 
     const Turn turn(*mesh->mesh->context);
     const paradesc::Context &context = *mesh->mesh->context;
     if (backend == PDESC_BACKEND_AUTO) backend = context.backend;
-    const paradesc::MemoryOfCompute needed = paradesc::memory_of_compute(*mesh->mesh, backend, ours, asked);
+    const paradesc::MemoryForecast needed = paradesc::forecast_memory_of(*mesh->mesh, backend, ours, asked);
     pdesc_memory found{};
     found.mesh = needed.mesh;
     found.host = needed.host;
     found.device = needed.device;
-    found.total = paradesc::total_of(needed, backend);
-    const int64_t allowed = paradesc::allowed_memory(context, needed.mesh);
+    found.total = needed.total();
+    const int64_t allowed = paradesc::allowed_memory(context.memory_limit, needed.mesh);
     found.allowed = allowed > INT64_MAX - needed.mesh ? INT64_MAX : needed.mesh + allowed;
     write_struct(found, memory, "pdesc_memory");
   });
@@ -318,7 +317,7 @@ int32_t pdesc_mesh_buffer_size(const pdesc_mesh *mesh) {
   guarded([&] {
     need_live(mesh, "mesh");
     const Turn turn(*mesh->mesh->context);
-    if (mesh->mesh->device && mesh->mesh->device->buffer) size = mesh->mesh->device->buffer->size();
+    size = paradesc::buffer_size(*mesh->mesh);
   });
   return size;
 }
@@ -338,7 +337,7 @@ int32_t pdesc_mesh_layout(const pdesc_mesh *mesh, float *uvs, int32_t triangle_c
     need_live(mesh, "mesh");
     need(uvs, "uvs");
     const Turn turn(*mesh->mesh->context);
-    const auto &corners = mesh->mesh->triangles.corner_uv;
+    const auto &corners = mesh->mesh->atlases.current().charts.corner_uv;
     if (corners.empty()) throw Error(PDESC_ERROR_INVALID_OPERATION, "The mesh has no UV map, and so no layout.");
     if (triangle_count != mesh->mesh->triangles.triangle_count)
       refuse("The array has room for " + std::to_string(triangle_count) + " triangles, but the mesh has " +

@@ -8,19 +8,19 @@
 #include <string>
 #include <thread>
 
-#include "engine/opengl/gl_thread.h"
+#include "engine/engines.h"
 #include "paradesc/paradesc.h"
 #include "support/error.h"
 
 namespace paradesc {
 
 struct Context {
-  std::atomic<int> backend = PDESC_BACKEND_REFERENCE; // the one in use
+  std::atomic<int> backend = PDESC_BACKEND_REFERENCE; // the engine's
   int asked = PDESC_BACKEND_AUTO;
   int device_index = -1;
   int threads = 0;
-  int64_t memory_limit = 0;     // as in pdesc_context_options
-  std::shared_ptr<GlThread> gl; // absent in the reference backend
+  int64_t memory_limit = 0;       // as in pdesc_context_options
+  std::shared_ptr<Engine> engine; // the one in use
   std::atomic<const char *> device = "";
   std::atomic<const char *> fallback = "";
   bool given_up = false;        // a device that worked at first failed later, as fallback says
@@ -30,6 +30,8 @@ struct Context {
   std::mutex mutex;                    // one call at a time
   std::atomic<std::thread::id> holder; // the thread that has it
 };
+
+Resources resources_of(const Context &context);
 
 // substitute: what tests make of the driver.
 std::shared_ptr<Context> make_context(const pdesc_context_options &options, DriverSubstitute substitute = {});

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "context.h"
-#include "memory.h"
 #include "compute/compute.h"
+#include "compute/memory.h"
+#include "context.h"
 #include "support/api_fixture.h"
 #include "support/free_memory.h"
 

@@ -28,7 +28,8 @@ Built stretched_patch() {
 
 std::vector<vec4> forms_of(const Built &built, const BufferFrame &frame = {}) {
   std::vector<vec4> forms;
-  for (size_t t = 0; t < at(built.triangles.triangle_count); ++t) forms.push_back(form_of(built.triangles, frame, t));
+  for (size_t t = 0; t < at(built.triangles.triangle_count); ++t)
+    forms.push_back(form_of(built.triangles, built.charts, frame, t));
   return forms;
 }
 

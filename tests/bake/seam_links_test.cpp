@@ -21,7 +21,7 @@ struct Link {
 
 Link link_of(const Built &built, const std::vector<vec4> &links, size_t border) {
   const dvec4 linear(links[2 * border]), rest(links[2 * border + 1]);
-  const auto [first, second] = border_ends(built.triangles, built.charts.borders[border]);
+  const auto [first, second] = border_ends(built.charts, built.charts.borders[border]);
   return {dmat2(linear.x, linear.y, linear.z, linear.w), built.uv(first), dvec2(rest.x, rest.y), rest.z, rest.w};
 }
 
@@ -140,7 +140,7 @@ TEST(SeamLinks, say_so_where_the_surface_ends_or_nothing_can_be_carried_over) {
 TEST(SeamLinks, a_border_runs_with_its_chart_on_the_left) {
   const Built built = plane_of_twelve_charts();
   for (const Border &border : built.charts.borders) {
-    const auto [first, second] = border_ends(built.triangles, border);
+    const auto [first, second] = border_ends(built.charts, border);
     EXPECT_GT(paradesc::cross(built.uv(second) - built.uv(first), built.uv(previous_corner(border.half_edge)) - built.uv(first)),
               0.0);
   }

@@ -26,7 +26,7 @@ struct Built {
   HalfEdges half_edges;
   Charts charts;
   vec3 position(int corner) const { return triangles.positions[at(triangles.corner_vertex[at(corner)])]; }
-  dvec2 uv(int corner) const { return dvec2(triangles.corner_uv[at(corner)]); }
+  dvec2 uv(int corner) const { return dvec2(charts.corner_uv[at(corner)]); }
 };
 
 inline Built build(Triangles triangles) {
@@ -43,7 +43,7 @@ inline Built build(const Shape &shape) {
   triangles.triangle_count = static_cast<int>(shape.faces.size() / 3);
   triangles.positions = shape.positions;
   triangles.corner_vertex = shape.faces;
-  triangles.corner_uv = shape.uvs;
+  triangles.given_uv = triangles.corner_uv = shape.uvs;
   triangles.half_edge_sharp.assign(shape.faces.size(), 0);
   return build(std::move(triangles));
 }

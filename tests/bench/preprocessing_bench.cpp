@@ -12,8 +12,8 @@
 #include <benchmark/benchmark.h>
 
 #include "bake/distortion.h"
-#include "engine/opengl/geometry_buffer.h"
 #include "bench/mesh_file.h"
+#include "engine/opengl/geometry_buffer.h"
 #include "engine/opengl/gl_thread.h"
 #include "mesh/cut.h"
 #include "mesh/halfedge.h"
@@ -53,7 +53,7 @@ std::vector<int32_t> bake_ids(const Made &made) {
   std::vector<int32_t> ids;
   thread.run([&](const Gl &gl, ProgramCache &programs) {
     GeometryBuffer buffer(gl, buffer_size);
-    buffer.begin_layout({made.triangles, made.charts, vertices, normals, frame});
+    buffer.begin_layout(made.charts, vertices);
     buffer.draw_triangles(programs, 0, buffer.triangle_count());
     buffer.draw_borders(programs);
     buffer.end_layout(programs);
@@ -71,7 +71,7 @@ const Made &made() {
     result.half_edges = build_half_edges(result.triangles);
     result.charts = build_charts(result.triangles, result.half_edges);
     result.rings = build_normal_rings(result.triangles, result.half_edges);
-    result.grid = build_border_grid(result.triangles, result.charts, buffer_size);
+    result.grid = build_border_grid(result.charts, buffer_size);
     try {
       result.ids = bake_ids(result);
     } catch (const std::exception &) { // no device: cells are skipped
@@ -105,7 +105,7 @@ void bake_vertices(benchmark::State &state) {
   measure(state, [](const Made &from) { return build_bake_vertices(from.triangles, from.charts, *from.rings.corner_fan); });
 }
 void border_grid(benchmark::State &state) {
-  measure(state, [](const Made &from) { return build_border_grid(from.triangles, from.charts, buffer_size); });
+  measure(state, [](const Made &from) { return build_border_grid(from.charts, buffer_size); });
 }
 void cells(benchmark::State &state) {
   if (made().ids.empty()) return state.SkipWithError("no OpenGL 4.5 device");
@@ -115,7 +115,7 @@ void cells(benchmark::State &state) {
 }
 // Where the UV map is under suspicion only.
 void cut(benchmark::State &state) {
-  measure(state, [](const Made &from) { return cut_charts(from.triangles, from.half_edges, from.charts); });
+  measure(state, [](const Made &from) { return cut_charts(from.half_edges, from.charts); });
 }
 void layout(benchmark::State &state) {
   measure(state, [](const Made &from) {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "context.h"
 #include "compute/compute.h"
+#include "context.h"
 #include "support/error.h"
 #include "support/layout.h"
 #include "support/run.h"
@@ -57,7 +57,7 @@ protected:
 
 TEST_F(Crowded, faces_that_each_fill_the_square_are_laid_out_before_they_are_drawn) {
   const auto native = before_drawing(reset(ball));
-  EXPECT_EQ(native->private_layout, PDESC_LAYOUT_OVERLAPS);
+  EXPECT_EQ(native->atlases.current().layout, PDESC_LAYOUT_OVERLAPS);
   const std::vector<int> rows{0};
   const paradesc::Field field = paradesc::compute(*native, options_of(settings), rows, [](const char *, double) { return true; });
   EXPECT_EQ(field.report.private_layout, PDESC_LAYOUT_OVERLAPS);
@@ -67,8 +67,8 @@ TEST_F(Crowded, faces_that_each_fill_the_square_are_laid_out_before_they_are_dra
 TEST_F(Crowded, what_fits_into_the_square_is_drawn_before_it_is_searched) {
   for (const TestMesh &mesh : {ball, folded(ball)}) {
     const auto native = before_drawing(mesh);
-    EXPECT_EQ(native->private_layout, PDESC_LAYOUT_GIVEN);
-    EXPECT_FALSE(native->overlap_free);
+    EXPECT_EQ(native->atlases.current().layout, PDESC_LAYOUT_GIVEN);
+    EXPECT_FALSE(native->atlases.known_free_of_overlaps());
   }
 }
 

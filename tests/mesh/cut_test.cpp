@@ -78,7 +78,7 @@ double shared_area(const Built &built, int a, int b) {
 
 // Cuts, and checks what holds for all cuts: the pieces' triangles share no area, and charts of the pieces are the pieces.
 Cuts checked_cuts(const Built &built) {
-  const Cuts cuts = cut_charts(built.triangles, built.half_edges, built.charts);
+  const Cuts cuts = cut_charts(built.half_edges, built.charts);
   double most = 0;
   for (int a = 0; a < built.triangles.triangle_count; ++a) {
     EXPECT_EQ(cuts.triangle_piece[at(a)] < 0, built.charts.triangle_chart[at(a)] < 0);
@@ -98,7 +98,7 @@ Cuts checked_cuts(const Built &built) {
     if (chart < 0) chart = charts.triangle_chart[t];
     EXPECT_EQ(chart, charts.triangle_chart[t]);
   }
-  EXPECT_EQ(cut_charts(built.triangles, built.half_edges, built.charts).triangle_piece, cuts.triangle_piece) << "the same again";
+  EXPECT_EQ(cut_charts(built.half_edges, built.charts).triangle_piece, cuts.triangle_piece) << "the same again";
   return cuts;
 }
 
@@ -149,7 +149,7 @@ TEST(Cut, a_spiral_half_over_itself_is_a_few_pieces) {
 
 TEST(Cut, a_strip_over_itself_many_times_is_as_many_pieces) {
   const Built built = build(spiral(50, 0, 2000));
-  const Cuts cuts = cut_charts(built.triangles, built.half_edges, built.charts);
+  const Cuts cuts = cut_charts(built.half_edges, built.charts);
   EXPECT_GE(pieces_of(cuts), 50);
   EXPECT_LE(pieces_of(cuts), 53);
 }
@@ -203,8 +203,8 @@ Shape dented_grid(int x, int y, double part) {
 TEST(Cut, one_overlap_among_twenty_thousand_triangles_is_found_wherever_it_lies) {
   for (const auto &[x, y] : {std::pair(1, 1), std::pair(98, 98), std::pair(50, 33), std::pair(99, 1), std::pair(17, 64)}) {
     const Built sound = build(dented_grid(x, y, 0.9)), folded = build(dented_grid(x, y, 1.2));
-    EXPECT_FALSE(cut_charts(sound.triangles, sound.half_edges, sound.charts).overlapping) << x << ", " << y;
-    EXPECT_TRUE(cut_charts(folded.triangles, folded.half_edges, folded.charts).overlapping) << x << ", " << y;
+    EXPECT_FALSE(cut_charts(sound.half_edges, sound.charts).overlapping) << x << ", " << y;
+    EXPECT_TRUE(cut_charts(folded.half_edges, folded.charts).overlapping) << x << ", " << y;
   }
 }
 
@@ -227,7 +227,7 @@ TEST(Cut, triangles_on_no_chart_belong_to_no_piece) {
 
 TEST(Cut, charts_end_between_pieces_by_a_seam_and_nowhere_else) {
   const Built built = build(spiral(3, 0));
-  const Cuts cuts = cut_charts(built.triangles, built.half_edges, built.charts);
+  const Cuts cuts = cut_charts(built.half_edges, built.charts);
   const Charts charts = build_charts(built.triangles, built.half_edges, cuts.triangle_piece);
   int between = 0;
   for (size_t h = 0; h < built.half_edges.twin.size(); ++h) {

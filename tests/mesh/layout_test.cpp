@@ -46,16 +46,18 @@ Built stacked_torus(double shrink = 1.0) {
   lay_out(mesh, {.charts = 24});
   Built built = build(mesh);
   const std::vector<Box> box = boxes(built);
+  std::vector<vec2> uvs;
   for (int corner = 0; corner < 3 * built.triangles.triangle_count; ++corner) {
     const int32_t chart = built.charts.triangle_chart[at(corner / 3)];
     const double scale = chart == built.charts.chart_count - 1 ? shrink : 1.0;
-    built.triangles.corner_uv[at(corner)] = vec2((built.uv(corner) - box[at(chart)].low) * scale);
+    uvs.push_back(vec2((built.uv(corner) - box[at(chart)].low) * scale));
   }
+  built.triangles.corner_uv = std::move(uvs);
   return build(std::move(built.triangles));
 }
 
 Built repacked(Built built) {
-  repack_charts(built.triangles, built.charts);
+  built.charts = repack_charts(built.triangles, built.charts).value();
   return built;
 }
 
@@ -129,10 +131,10 @@ TEST(Layout, a_tiny_chart_grows_so_that_it_does_not_fall_between_texels) {
 
 TEST(Layout, sites_follow_their_corners) {
   const Built before = stacked_torus(), after = repacked(before);
-  for (size_t corner = 0; corner < after.triangles.corner_uv.size(); ++corner) {
+  for (size_t corner = 0; corner < after.charts.corner_uv.size(); ++corner) {
     const int32_t site = after.charts.corner_site[corner];
     ASSERT_GE(site, 0);
-    EXPECT_LT(length(after.charts.sites[at(site)].uv - after.triangles.corner_uv[corner]), 1e-6f); // moved apart, both rounded
+    EXPECT_LT(length(after.charts.sites[at(site)].uv - after.charts.corner_uv[corner]), 1e-6f); // moved apart, both rounded
   }
   const double scale = std::sqrt(signed_areas(after)[0] / signed_areas(before)[0]);
   for (size_t i = 0; i < after.charts.sites.size(); ++i) {
@@ -148,7 +150,9 @@ TEST(Layout, what_links_charts_stays_what_it_is) {
   ASSERT_EQ(before.charts.borders.size(), after.charts.borders.size());
   for (size_t i = 0; i < before.charts.borders.size(); ++i)
     EXPECT_EQ(before.charts.borders[i].twin, after.charts.borders[i].twin);
-  EXPECT_EQ(build(after.triangles).charts.chart_count, 24) << "charts found afresh are the same";
+  Triangles laid_out = after.triangles;
+  laid_out.corner_uv = after.charts.corner_uv;
+  EXPECT_EQ(build(std::move(laid_out)).charts.chart_count, 24) << "charts found afresh are the same";
 }
 
 // ---- Texel densities
@@ -183,11 +187,11 @@ TEST(Layout, texel_densities_come_within_a_factor_of_two_of_the_median) {
 
 TEST(Layout, a_map_that_fills_the_square_is_left_as_it_is_where_a_gain_is_asked_for) {
   Built built = build(grid(8, 8, [](dvec2 place, int, int) { return place / 8.0; }));
-  const std::vector<vec2> before = built.triangles.corner_uv;
   EXPECT_FALSE(repack_charts(built.triangles, built.charts, 1.5));
-  EXPECT_EQ(built.triangles.corner_uv, before);
   Built small = build(grid(8, 8, [](dvec2 place, int, int) { return place / 80.0; }));
-  EXPECT_TRUE(repack_charts(small.triangles, small.charts, 1.5));
+  const std::optional<Charts> larger = repack_charts(small.triangles, small.charts, 1.5);
+  ASSERT_TRUE(larger);
+  small.charts = *larger;
   EXPECT_GT(boxes(small)[0].high.x - boxes(small)[0].low.x, 0.95);
 }
 
@@ -201,7 +205,7 @@ TEST(Layout, a_mesh_without_charts_is_left_as_it_is) {
 TEST(Layout, tens_of_thousands_of_charts_fit) {
   const Built built = repacked(build(grid(200, 150, [](dvec2 place, int x, int y) { return place - dvec2(x, y); })));
   ASSERT_EQ(built.charts.chart_count, 30000);
-  EXPECT_FALSE(cut_charts(built.triangles, built.half_edges, built.charts).overlapping);
+  EXPECT_FALSE(cut_charts(built.half_edges, built.charts).overlapping);
 }
 
 // ---- Charts that overlap themselves
@@ -223,7 +227,7 @@ TestMesh wrapped(TestMesh mesh, double turns = 2.3) {
 }
 
 Built cut_and_repacked(Built built) {
-  const Cuts cuts = cut_charts(built.triangles, built.half_edges, built.charts);
+  const Cuts cuts = cut_charts(built.half_edges, built.charts);
   EXPECT_GT(cuts.cut_charts, 0);
   built.charts = build_charts(built.triangles, built.half_edges, cuts.triangle_piece);
   return repacked(std::move(built));
@@ -247,7 +251,7 @@ TEST(Layout, pieces_of_a_chart_that_lay_on_itself_keep_their_triangles_shapes) {
     const double old_edge = length(before.uv(next_corner(corner)) - before.uv(corner));
     EXPECT_NEAR(length(after.uv(next_corner(corner)) - after.uv(corner)), scale[at(chart)] * old_edge, 1e-5) << "UVs are floats";
   }
-  EXPECT_FALSE(cut_charts(after.triangles, after.half_edges, after.charts).overlapping);
+  EXPECT_FALSE(cut_charts(after.half_edges, after.charts).overlapping);
 }
 
 class PrivateLayout : public OnSoftwareDevice {};

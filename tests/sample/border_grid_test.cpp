@@ -33,7 +33,7 @@ template <class Visit> void each_border_place(const BorderGrid &grid, const Visi
 
 TEST(BorderGrid, a_texel_lists_every_border_that_passes_through_it) {
   const Built built = plane_of_twelve_charts();
-  const BorderGrid grid = build_border_grid(built.triangles, built.charts, size);
+  const BorderGrid grid = build_border_grid(built.charts, size);
   ASSERT_EQ(grid.border_uv.size(), 48u);
   each_border_place(grid, [&](int32_t border, dvec2 place) {
     EXPECT_TRUE(borders_in(grid, static_cast<int>(place.x), static_cast<int>(place.y)).contains(border)) << border;
@@ -42,7 +42,7 @@ TEST(BorderGrid, a_texel_lists_every_border_that_passes_through_it) {
 
 TEST(BorderGrid, a_border_is_listed_only_where_it_passes) {
   const Built built = plane_of_twelve_charts();
-  const BorderGrid grid = build_border_grid(built.triangles, built.charts, size);
+  const BorderGrid grid = build_border_grid(built.charts, size);
   std::set<std::pair<int32_t, std::pair<int, int>>> near;
   each_border_place(grid, [&](int32_t border, dvec2 place) {
     // Ten places a texel, and the grid's own margin of a hundredth: a border cuts a corner by 0.15 at most unseen.
@@ -58,7 +58,7 @@ TEST(BorderGrid, a_border_is_listed_only_where_it_passes) {
 
 TEST(BorderGrid, texels_said_to_be_free_are_free) {
   const Built built = plane_of_twelve_charts();
-  const BorderGrid grid = build_border_grid(built.triangles, built.charts, size);
+  const BorderGrid grid = build_border_grid(built.charts, size);
   std::vector<double> nearest(static_cast<size_t>(size) * size, 1e9); // from anywhere in the texel to any border
   each_border_place(grid, [&](int32_t, dvec2 place) {
     for (int y = 0; y < size; ++y)
@@ -81,7 +81,7 @@ TEST(BorderGrid, texels_said_to_be_free_are_free) {
 
 TEST(BorderGrid, the_chart_lies_on_the_left_of_each_of_its_borders) {
   const Built built = plane_of_twelve_charts();
-  const BorderGrid grid = build_border_grid(built.triangles, built.charts, size);
+  const BorderGrid grid = build_border_grid(built.charts, size);
   for (size_t i = 0; i < grid.border_uv.size(); ++i) {
     const Border &border = built.charts.borders[i];
     const dvec4 uv(grid.border_uv[i]);
@@ -92,7 +92,7 @@ TEST(BorderGrid, the_chart_lies_on_the_left_of_each_of_its_borders) {
 }
 
 TEST(BorderGrid, without_borders_everything_is_free) {
-  const BorderGrid grid = build_border_grid({}, {}, 16);
+  const BorderGrid grid = build_border_grid({}, 16);
   EXPECT_EQ(grid.cells.size(), 512u);
   for (size_t i = 0; i < grid.cells.size(); i += 2) EXPECT_GE(grid.cells[i], 16);
 }

@@ -45,7 +45,7 @@ struct Baked {
       distortion = buffer.read_distortion(programs);
       ids = buffer.read_ids();
     });
-    cells = build_cells(ids, build_border_grid(triangles, charts, size), triangles, half_edges, charts, block);
+    cells = build_cells(ids, build_border_grid(charts, size), triangles, half_edges, charts, block);
   }
 
   double area() const {

@@ -42,7 +42,7 @@ SiteResults linear_results(const Built &built, const TexelMap &map) {
 
 TEST(TexelMap, has_every_texel_whose_center_lies_on_a_triangle_there) {
   const Built built = plane_of_twelve_charts();
-  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  const TexelMap map = build_texel_map(built.charts, size);
   int on_centers = 0;
   for (const TexelPlace &place : map.places) {
     const double gap = length(uv_of(built, place) - center_of(place.texel)) * size;
@@ -69,7 +69,7 @@ TEST(TexelMap, has_every_texel_whose_center_lies_on_a_triangle_there) {
 
 TEST(TexelMap, has_every_texel_that_a_chart_edge_passes_through) {
   const Built built = plane_of_twelve_charts();
-  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  const TexelMap map = build_texel_map(built.charts, size);
   for (const Border &border : built.charts.borders) {
     const dvec2 a = built.uv(border.half_edge), b = built.uv(next_corner(border.half_edge));
     for (int k = 0; k <= 200; ++k) {
@@ -82,13 +82,13 @@ TEST(TexelMap, has_every_texel_that_a_chart_edge_passes_through) {
 TEST(TexelMap, a_chart_smaller_than_a_texel_has_one) {
   const Built built = build(grid(
       2, 1, [](dvec2 place, int x, int) { return x == 0 ? place * 0.4 + 0.05 : dvec2(0.8) + (place - dvec2(1, 0)) * 1e-4; }));
-  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  const TexelMap map = build_texel_map(built.charts, size);
   EXPECT_TRUE(std::any_of(map.places.begin(), map.places.end(), [](const TexelPlace &place) { return place.triangle >= 2; }));
 }
 
 TEST(TexelLookup, is_exact_for_what_is_linear_and_stays_on_the_chart_of_each_place) {
   const Built built = plane_of_twelve_charts();
-  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  const TexelMap map = build_texel_map(built.charts, size);
   const SiteResults all = linear_results(built, map), found = look_up(map, all, built.charts, true);
   ASSERT_EQ(found.point.size(), built.charts.sites.size());
   std::map<int32_t, int> charts_of_point;
@@ -109,7 +109,7 @@ TEST(TexelLookup, is_exact_for_what_is_linear_and_stays_on_the_chart_of_each_pla
 
 TEST(TexelLookup, within_a_chart_a_linear_function_is_exact) {
   const Built built = build(grid(6, 6, [](dvec2 place, int, int) { return (place + 1.1) / 8.3; }));
-  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  const TexelMap map = build_texel_map(built.charts, size);
   SiteResults all;
   all.values.resize(1);
   for (const TexelPlace &place : map.places) all.values[0].push_back(static_cast<float>(uv_of(built, place).x));
@@ -128,7 +128,7 @@ TEST(TexelLookup, within_a_chart_a_linear_function_is_exact) {
 
 TEST(TexelLookup, undefined_texels_are_left_out_and_directions_do_not_cancel) {
   const Built built = build(grid(1, 1, [](dvec2 place, int, int) { return place * 0.5 + 0.25; }));
-  const TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  const TexelMap map = build_texel_map(built.charts, size);
   SiteResults all;
   all.values.resize(2);
   for (size_t i = 0; i < map.places.size(); ++i) {
@@ -159,7 +159,7 @@ SiteResults numbered_results(const TexelMap &map) {
 
 TEST(TexelLookup, takes_the_nearest_texel_where_none_lies_beside_the_place) {
   const Built built = build(grid(1, 1, [](dvec2 place, int, int) { return place * 0.5 + 0.25; }));
-  TexelMap map = build_texel_map(built.triangles, built.charts, size);
+  TexelMap map = build_texel_map(built.charts, size);
   const SiteResults all = numbered_results(map);
   const auto gap_of = [&](const TexelPlace &place, const Site &site) {
     return length(center_of(place.texel) - dvec2(site.uv)) * static_cast<double>(size);
@@ -179,7 +179,7 @@ TEST(TexelLookup, takes_the_nearest_texel_where_none_lies_beside_the_place) {
 
 TEST(TexelLookup, places_without_a_texel_of_their_chart_have_no_row) {
   const Built built = plane_of_twelve_charts();
-  const TexelMap map = build_texel_map(built.triangles, built.charts, 1);
+  const TexelMap map = build_texel_map(built.charts, 1);
   ASSERT_EQ(map.places.size(), 1u) << "all charts share one texel";
   SiteResults all = numbered_results(map);
   all.values = {{5.0f}, {0.6f, 0.8f, 0.0f}};

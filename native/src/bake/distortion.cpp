@@ -12,13 +12,13 @@ BufferFrame frame_of(const Box &box) {
   return {0.5 * (box.low + box.high), longest > 0.0 ? 1.0 / longest : 1.0};
 }
 
-vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t triangle) {
+vec4 form_of(const Triangles &triangles, const Charts &charts, const BufferFrame &frame, size_t triangle) {
   dvec3 p[3];
   dvec2 uv[3];
   for (size_t i = 0; i < 3; ++i) {
     const size_t corner = 3 * triangle + i;
     p[i] = dvec3(triangles.positions[triangles.corner_vertex[corner]]);
-    uv[i] = dvec2(triangles.corner_uv[corner]);
+    uv[i] = dvec2(charts.corner_uv[corner]);
   }
   const dvec3 e1 = (p[1] - p[0]) * frame.scale, e2 = (p[2] - p[0]) * frame.scale;
   const dvec2 d1 = uv[1] - uv[0], d2 = uv[2] - uv[0];
@@ -57,7 +57,7 @@ std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &ch
   std::vector<double> weight(count, 0.0);
   for (const int32_t corner : corners) {
     const auto site = static_cast<size_t>(charts.corner_site[corner]) / step;
-    const vec4 form = form_of(triangles, frame, static_cast<size_t>(corner / 3));
+    const vec4 form = form_of(triangles, charts, frame, static_cast<size_t>(corner / 3));
     const double determinant = static_cast<double>(form.w) * form.w;
     if (!(determinant > 0.0)) continue;
     const double angle = corner_angle(triangles, corner);

@@ -19,7 +19,7 @@ struct BufferFrame {
 BufferFrame frame_of(const Box &box);
 
 // E, F, G, |P_u x P_v| of a triangle on a chart.
-vec4 form_of(const Triangles &triangles, const BufferFrame &frame, size_t triangle);
+vec4 form_of(const Triangles &triangles, const Charts &charts, const BufferFrame &frame, size_t triangle);
 
 // (sites) columns of the 2x2 map from the unit disk to (u, v) offsets, for support radius 1: the square root of the mean inverse
 // metric over the triangles at the site, weighted by their angle there. step: of every so many sites only. corners: of these

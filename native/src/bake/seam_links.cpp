@@ -5,16 +5,14 @@
 
 namespace paradesc {
 
-static dvec2 uv_of(const Triangles &triangles, int corner) { return dvec2(triangles.corner_uv[corner]); }
+static dvec2 uv_of(const Charts &charts, int corner) { return dvec2(charts.corner_uv[corner]); }
 
-static dvec3 position_of(const Triangles &triangles, int corner) {
-  return dvec3(triangles.positions[triangles.corner_vertex[corner]]);
-}
+static dvec3 position_of(const Triangles &triangles, int corner) { return dvec3(triangles.position(corner)); }
 
-std::pair<int, int> border_ends(const Triangles &triangles, const Border &border) {
+std::pair<int, int> border_ends(const Charts &charts, const Border &border) {
   const int a = border.half_edge, b = next_corner(a), c = next_corner(b);
-  const dvec2 origin = uv_of(triangles, a);
-  const bool left = cross(uv_of(triangles, b) - origin, uv_of(triangles, c) - origin) > 0.0;
+  const dvec2 origin = uv_of(charts, a);
+  const bool left = cross(uv_of(charts, b) - origin, uv_of(charts, c) - origin) > 0.0;
   return left ? std::pair(a, b) : std::pair(b, a);
 }
 
@@ -27,9 +25,9 @@ static dmat2 unfold(const Triangles &triangles, int first, int second, int third
   return dmat2(dvec2(span, 0.0), dvec2(dot(spoke, edge) / span, side * length(cross(edge, spoke)) / span));
 }
 
-static dmat2 in_chart(const Triangles &triangles, int first, int second, int third) {
-  const dvec2 origin = uv_of(triangles, first);
-  return dmat2(uv_of(triangles, second) - origin, uv_of(triangles, third) - origin);
+static dmat2 in_chart(const Charts &charts, int first, int second, int third) {
+  const dvec2 origin = uv_of(charts, first);
+  return dmat2(uv_of(charts, second) - origin, uv_of(charts, third) - origin);
 }
 
 std::vector<vec4> seam_links(const Triangles &triangles, const Charts &charts) {
@@ -39,7 +37,7 @@ std::vector<vec4> seam_links(const Triangles &triangles, const Charts &charts) {
     links[2 * i + 1].z = -1.0f - static_cast<float>(border.kind);
     if (border.kind != BorderKind::seam) continue;
     const Border &twin = charts.borders[border.twin];
-    const auto [first, second] = border_ends(triangles, border);
+    const auto [first, second] = border_ends(charts, border);
     const int third = previous_corner(border.half_edge);
     // The twin runs the other way along the same edge.
     const bool forward = first == border.half_edge;
@@ -48,10 +46,10 @@ std::vector<vec4> seam_links(const Triangles &triangles, const Charts &charts) {
     const int far_third = previous_corner(twin.half_edge);
     const dmat2 near_plane = unfold(triangles, first, second, third, -1.0);
     const dmat2 far_plane = unfold(triangles, far_first, far_second, far_third, 1.0);
-    const dmat2 map = in_chart(triangles, far_first, far_second, far_third) * inverse(far_plane) * near_plane *
-                      inverse(in_chart(triangles, first, second, third));
+    const dmat2 map = in_chart(charts, far_first, far_second, far_third) * inverse(far_plane) * near_plane *
+                      inverse(in_chart(charts, first, second, third));
     links[2 * i] = vec4(map[0], map[1]);
-    links[2 * i + 1] = vec4(uv_of(triangles, far_first), static_cast<float>(border.twin), static_cast<float>(twin.chart));
+    links[2 * i + 1] = vec4(uv_of(charts, far_first), static_cast<float>(border.twin), static_cast<float>(twin.chart));
     if (!(std::isfinite(links[2 * i].x + links[2 * i].y + links[2 * i].z + links[2 * i].w)))
       links[2 * i + 1].z = -1.0f - static_cast<float>(BorderKind::unlinked);
   }

@@ -1,4 +1,4 @@
-// Height and normal images → displaced points, on the CPU for points and on the device for texels.
+// Height and normal images → displaced points.
 #include "bake/surface_maps.h"
 
 #include <algorithm>
@@ -6,7 +6,6 @@
 #include <limits>
 #include <string>
 
-#include "shared.h"
 #include "support/error.h"
 #include "support/parallel.h"
 
@@ -15,7 +14,7 @@ namespace paradesc {
 // ---- What the caller gives
 
 static void check_image(const Triangles &triangles, const char *name, int32_t width, int32_t height) {
-  if (triangles.corner_uv.empty())
+  if (triangles.given_uv.empty())
     throw Error(PDESC_ERROR_INVALID_OPERATION,
                 std::string("The mesh has no UV map, by which the ") + name + " would be looked up; unwrap it first.");
   constexpr int32_t largest = 32768;
@@ -123,7 +122,7 @@ struct DisplacedPoint {
 } // namespace
 
 static Patch patch_of(const Triangles &triangles, const Normals &normals, const BufferFrame &frame, int triangle) {
-  const std::vector<vec2> &uvs = triangles.given_uv.empty() ? triangles.corner_uv : triangles.given_uv;
+  const SharedArray<vec2> &uvs = triangles.given_uv;
   const auto c = static_cast<size_t>(3 * triangle);
   auto position = [&](size_t i) { return frame.to_buffer(triangles.positions[triangles.corner_vertex[i]]); };
   const vec3 p = position(c), n = normals.corner(c);
@@ -150,15 +149,14 @@ static DisplacedPoint displace(const Patch &patch, const Displacement *map, floa
   return result;
 }
 
-// Of the tangent space of the mesh's own normals where they were given, as the map was made in it; else of the fitted ones.
-static vec3 frame_normal(const Triangles &triangles, const Normals &normals, size_t corner) {
+vec3 frame_normal(const Triangles &triangles, const Normals &normals, size_t corner) {
   return triangles.corner_normal.empty() ? normals.corner(corner) : triangles.corner_normal[corner];
 }
 
 static vec3 mapped_normal(const NormalMap &map, const Triangles &triangles, const Normals &normals, int triangle, float a,
                           float b, vec3 otherwise) {
   const auto c = static_cast<size_t>(3 * triangle);
-  const std::vector<vec2> &uvs = triangles.given_uv.empty() ? triangles.corner_uv : triangles.given_uv;
+  const SharedArray<vec2> &uvs = triangles.given_uv;
   const float rest = 1.0f - a - b;
   const vec3 n = frame_normal(triangles, normals, c) * rest + frame_normal(triangles, normals, c + 1) * a +
                  frame_normal(triangles, normals, c + 2) * b;
@@ -257,71 +255,6 @@ MappedPoints map_points(const SurfaceMaps &maps, const Triangles &triangles, con
     result.triangles.positions[vertex] = vec3(dvec3(position) / frame.scale + frame.center);
   }
   return result;
-}
-
-// ---- Texels
-
-template <class Pixel> static Texture upload_image(const Gl &gl, const Image<Pixel> *image, GLenum format, GLenum channels) {
-  const Image<Pixel> nothing{1, 1, std::vector<Pixel>(1, Pixel(0.0f))};
-  const Image<Pixel> &used = image ? *image : nothing;
-  GLint limit = 0;
-  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
-  if (used.width > limit || used.height > limit)
-    throw Error(PDESC_ERROR_UNSUPPORTED, "The image of " + std::to_string(used.width) + " x " + std::to_string(used.height) +
-                                             " pixels is too large for this device, which takes " + std::to_string(limit) +
-                                             " a side; use a smaller one.");
-  Texture texture(gl, used.width, used.height, format);
-  gl.TextureSubImage2D(texture.id(), 0, 0, 0, used.width, used.height, channels, GL_FLOAT, used.pixels.data());
-  return texture;
-}
-
-void SurfaceMapper::upload_images(const Gl &gl, const SurfaceMaps &maps) {
-  if (version_ == maps.version) return;
-  heights_ = upload_image(gl, maps.displacement ? &maps.displacement->heights : nullptr, GL_R32F, GL_RED);
-  colors_ = upload_image(gl, maps.normal_map ? &maps.normal_map->colors : nullptr, GL_RGBA32F, GL_RGBA);
-  check_gl(gl, "upload of maps");
-  version_ = maps.version;
-}
-
-void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const SurfaceMaps &maps) {
-  const Triangles &triangles = input.triangles;
-  const std::vector<vec2> &uvs = triangles.given_uv.empty() ? triangles.corner_uv : triangles.given_uv;
-  std::vector<vec2> given;
-  given.reserve(input.vertices.corner.size());
-  for (const int32_t corner : input.vertices.corner) given.push_back(uvs[corner]);
-  given_.upload(gl, GL_RG32F, given.data(), given.size());
-  std::vector<vec4> tangents;
-  if (maps.normal_map) {
-    const std::vector<vec4> &own = maps.normal_map->corner_tangent;
-    tangents.reserve(2 * own.size());
-    for (size_t corner = 0; corner < own.size(); ++corner) {
-      tangents.push_back(own[corner]);
-      tangents.emplace_back(frame_normal(triangles, input.normals, corner), 0.0f);
-    }
-  }
-  tangents_.upload(gl, GL_RGBA32F, tangents.data(), tangents.size());
-}
-
-void SurfaceMapper::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const BakeInput &input,
-                        const SurfaceMaps &maps) {
-  upload_images(gl, maps);
-  upload_corners(gl, input, maps);
-  gl.UseProgram(programs.get(gl, "displace", {{GL_COMPUTE_SHADER, "opengl/bake/displace.comp.glsl"}}));
-  buffer.bind_to_rewrite();
-  gl.BindTextureUnit(UNIT_HEIGHTS, heights_.id());
-  gl.BindTextureUnit(UNIT_COLORS, colors_.id());
-  gl.BindTextureUnit(UNIT_GIVEN, given_.id());
-  gl.BindTextureUnit(UNIT_TANGENTS, tangents_.id());
-  gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
-  gl.Uniform1i(LOCATION_DISPLACED, maps.displacement ? 1 : 0);
-  gl.Uniform1i(LOCATION_NORMAL_MAPPED, maps.normal_map ? 1 : 0);
-  gl.Uniform1f(LOCATION_MIDLEVEL, maps.displacement ? maps.displacement->midlevel : 0.0f);
-  gl.Uniform1f(LOCATION_HEIGHT_SCALE,
-               maps.displacement ? maps.displacement->scale * static_cast<float>(input.frame.scale) : 0.0f);
-  const auto groups = static_cast<GLuint>((buffer.size() + 7) / 8);
-  gl.DispatchCompute(groups, groups, 1);
-  gl.MemoryBarrier(GL_ALL_BARRIER_BITS);
-  check_gl(gl, "displacement");
 }
 
 } // namespace paradesc

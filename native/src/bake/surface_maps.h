@@ -12,8 +12,10 @@
 #include <optional>
 #include <vector>
 
-#include "engine/opengl/geometry_buffer.h"
+#include "bake/distortion.h"
 #include "mesh/halfedge.h"
+#include "mesh/normals.h"
+#include "mesh/triangles.h"
 
 namespace paradesc {
 
@@ -69,6 +71,9 @@ private:
   const BufferFrame &frame_;
 };
 
+// The normal that a normal map is relative to at a corner: the mesh's own if it was given, as the map was made for it.
+vec3 frame_normal(const Triangles &triangles, const Normals &normals, size_t corner);
+
 // What the maps make of the points where descriptors are evaluated.
 struct MappedPoints {
   std::vector<vec3> position; // (point_count) buffer units
@@ -81,20 +86,5 @@ struct MappedPoints {
 // A point on a seam has a height and a normal from each of its corners: it gets their mean, weighted by angle.
 MappedPoints map_points(const SurfaceMaps &maps, const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
                         const BufferFrame &frame, int threads);
-
-// The device's part.
-class SurfaceMapper {
-public:
-  // Rewrites position, area element and normal of every texel of a buffer baked from this input.
-  void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const BakeInput &input, const SurfaceMaps &maps);
-
-private:
-  void upload_images(const Gl &gl, const SurfaceMaps &maps);
-  void upload_corners(const Gl &gl, const BakeInput &input, const SurfaceMaps &maps);
-
-  int version_ = 0;
-  Texture heights_, colors_;
-  ListTexture given_, tangents_;
-};
 
 } // namespace paradesc

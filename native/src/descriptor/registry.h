@@ -6,8 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/reference/reference.h"
-
 namespace paradesc {
 
 // What an operator reads of a map f beside the surface: its values within the radius, or within a Gaussian window, or gradients

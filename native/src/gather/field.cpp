@@ -125,18 +125,6 @@ static void count(const HalfEdges &half_edges, int threads, Field &field) {
   field.report.coverage_mean = all.with_face ? all.coverage / all.with_face : 0.0;
 }
 
-void append(SiteResults &all, SiteResults &&part) {
-  const auto add = [](auto &to, const auto &from) { to.insert(to.end(), from.begin(), from.end()); };
-  const auto before = static_cast<double>(all.coverage.size()), more = static_cast<double>(part.coverage.size());
-  all.refined_share = (all.refined_share * before + part.refined_share * more) / std::max(before + more, 1.0);
-  all.values.resize(part.values.size());
-  for (size_t i = 0; i < part.values.size(); ++i) add(all.values[i], part.values[i]);
-  add(all.point, part.point);
-  add(all.primary, part.primary);
-  add(all.coverage, part.coverage);
-  add(all.boundary, part.boundary);
-}
-
 void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_seam_error, int threads, Field &field) {
   const auto points = static_cast<size_t>(half_edges.point_count);
   std::vector<int32_t> primary(points, -1), vertex_place(half_edges.vertex_point.size());

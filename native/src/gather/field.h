@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mesh/charts.h"
+#include "descriptor/results.h"
 #include "mesh/halfedge.h"
 #include "paradesc/paradesc.h"
 
@@ -21,19 +21,6 @@ struct Field {
   pdesc_field_report report{};
   std::string warnings;
 };
-
-// One place of evaluation and what came out of it.
-struct SiteResults {
-  std::vector<int32_t> point;             // (places) point evaluated
-  std::vector<uint8_t> primary;           // (places) 1: the place that answers for the point
-  std::vector<std::vector<float>> values; // [descriptor][place, component], units of the positions
-  double refined_share = 1.0;             // of the places, where all samples were taken
-  std::vector<float> coverage;            // (places)
-  std::vector<uint8_t> boundary;          // (places)
-};
-
-// Adds the results of further places.
-void append(SiteResults &all, SiteResults &&part);
 
 // Every vertex takes its point's primary place. with_seam_error: also the spread over all places of a point.
 void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_seam_error, int threads, Field &field);

@@ -192,7 +192,8 @@ Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std
   charts.corner_site.assign(half_edges.twin.size(), -1);
   charts.half_edge_border.assign(half_edges.twin.size(), -1);
   charts.point_site.assign(half_edges.point_count, -1);
-  if (triangles.corner_uv.empty()) return charts;
+  charts.corner_uv = triangles.corner_uv;
+  if (charts.corner_uv.empty()) return charts;
 
   const UvAreas areas = measure(triangles, half_edges, threads, charts);
   const std::vector<int32_t> link = link_within_charts(triangles, half_edges, areas, triangle_piece, threads);

@@ -34,6 +34,7 @@ struct Site {
 
 struct Charts {
   int chart_count = 0;
+  SharedArray<vec2> corner_uv;           // (3 * triangle_count) where the corners lie in the layout; empty: no UV map
   std::vector<int32_t> triangle_chart;   // (triangle_count) -1: degenerate or without UV area
   std::vector<int32_t> corner_site;      // (3 * triangle_count) -1 where triangle_chart is -1
   std::vector<int32_t> half_edge_border; // (3 * triangle_count) index into borders, or -1

@@ -24,9 +24,9 @@ struct Outline {
   dvec2 low, high;
 };
 
-Outline outline(const Triangles &triangles, int32_t triangle) {
+Outline outline(const Charts &charts, int32_t triangle) {
   Outline result;
-  for (size_t i = 0; i < 3; ++i) result.corner[i] = dvec2(triangles.corner_uv[3 * triangle + i]);
+  for (size_t i = 0; i < 3; ++i) result.corner[i] = dvec2(charts.corner_uv[3 * triangle + i]);
   result.low = glm::min(glm::min(result.corner[0], result.corner[1]), result.corner[2]);
   result.high = glm::max(glm::max(result.corner[0], result.corner[1]), result.corner[2]);
   return result;
@@ -72,9 +72,9 @@ struct Range {
   dvec2 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
 };
 
-Range range_of(const Triangles &triangles) {
+Range range_of(const Charts &charts) {
   Range range;
-  for (const vec2 &uv : triangles.corner_uv) {
+  for (const vec2 &uv : charts.corner_uv) {
     range.low = glm::min(range.low, dvec2(uv));
     range.high = glm::max(range.high, dvec2(uv));
   }
@@ -82,16 +82,17 @@ Range range_of(const Triangles &triangles) {
 }
 
 // About two triangles a square; without lists where triangles are so long that squares would be full of them.
-Squares sort_into_squares(const Triangles &triangles, const Charts &charts) {
+Squares sort_into_squares(const Charts &charts) {
+  const auto triangle_count = static_cast<int32_t>(charts.triangle_chart.size());
   constexpr int64_t most_of_one = 16;
-  const Range range = range_of(triangles);
+  const Range range = range_of(charts);
   Squares squares;
-  squares.side = std::clamp(static_cast<int>(std::sqrt(0.5 * triangles.triangle_count)), 1, 4096);
+  squares.side = std::clamp(static_cast<int>(std::sqrt(0.5 * triangle_count)), 1, 4096);
   squares.low = range.low;
   squares.per_unit = squares.side / std::max({range.high.x - range.low.x, range.high.y - range.low.y, hair});
   const auto each_triangle = [&](const auto &visit) {
-    for (int32_t triangle = 0; triangle < triangles.triangle_count; ++triangle)
-      if (charts.triangle_chart[triangle] >= 0) visit(triangle, outline(triangles, triangle));
+    for (int32_t triangle = 0; triangle < triangle_count; ++triangle)
+      if (charts.triangle_chart[triangle] >= 0) visit(triangle, outline(charts, triangle));
   };
   int64_t count = 0;
   each_triangle([&](int32_t, const Outline &place) {
@@ -100,7 +101,7 @@ Squares sort_into_squares(const Triangles &triangles, const Charts &charts) {
     };
     count += squares_along(place.low.x, place.high.x, range.low.x) * squares_along(place.low.y, place.high.y, range.low.y);
   });
-  if (count > most_of_one * triangles.triangle_count) return squares;
+  if (count > most_of_one * triangle_count) return squares;
   squares.begin.assign((squares.side * squares.side) + 2, 0);
   each_triangle([&](int32_t, const Outline &place) { squares.each_met(place, [&](size_t i) { ++squares.begin[i + 2]; }); });
   std::partial_sum(squares.begin.begin(), squares.begin.end(), squares.begin.begin());
@@ -118,13 +119,13 @@ struct Overlaps {
 };
 
 // A pair is looked at where its common box begins, and nowhere else.
-void find_overlaps_in(const Triangles &triangles, const Charts &charts, const Squares &squares, size_t square,
-                      std::vector<Outline> &outlines, Overlaps &found) {
+void find_overlaps_in(const Charts &charts, const Squares &squares, size_t square, std::vector<Outline> &outlines,
+                      Overlaps &found) {
   outlines.clear();
   const int32_t first = squares.begin[square];
   for (int32_t i = first; i < squares.begin[square + 1]; ++i) {
     const int32_t triangle = squares.triangle[i], chart = charts.triangle_chart[triangle];
-    const Outline place = outline(triangles, triangle);
+    const Outline place = outline(charts, triangle);
     for (size_t k = 0; k < outlines.size(); ++k) {
       const dvec2 low = glm::max(place.low, outlines[k].low), high = glm::min(place.high, outlines[k].high);
       if (low.x > high.x || low.y > high.y) continue;
@@ -144,12 +145,12 @@ void find_overlaps_in(const Triangles &triangles, const Charts &charts, const Sq
 }
 
 // Which charts overlap, themselves or others; false where the squares are of no use for that.
-bool find_overlaps(const Triangles &triangles, const Charts &charts, int threads, Overlaps &found) {
-  const Squares squares = sort_into_squares(triangles, charts);
+bool find_overlaps(const Charts &charts, int threads, Overlaps &found) {
+  const Squares squares = sort_into_squares(charts);
   if (squares.begin.empty()) return false;
   parallel_blocks(squares.side * squares.side, threads, 4096, [&](int begin, int end) {
     std::vector<Outline> outlines;
-    for (auto square = begin; square < end; ++square) find_overlaps_in(triangles, charts, squares, square, outlines, found);
+    for (auto square = begin; square < end; ++square) find_overlaps_in(charts, squares, square, outlines, found);
   });
   return true;
 }
@@ -158,7 +159,7 @@ bool find_overlaps(const Triangles &triangles, const Charts &charts, int threads
 // large as it; each square knows the box around all below it. Small and large triangles may lie side by side.
 class Occupancy {
 public:
-  explicit Occupancy(const Triangles &triangles) : triangles_(triangles) {}
+  explicit Occupancy(const Charts &charts) : charts_(charts) {}
 
   // Triangles must lie between low and high.
   void set_range(dvec2 low, dvec2 high) {
@@ -172,7 +173,7 @@ public:
   }
 
   void insert(int32_t triangle) {
-    const Outline place = outline(triangles_, triangle);
+    const Outline place = outline(charts_, triangle);
     const dvec2 middle = 0.5 * (place.low + place.high);
     const double extent = std::max(place.high.x - place.low.x, place.high.y - place.low.y);
     int32_t node = 0;
@@ -189,7 +190,7 @@ public:
     nodes_[node].first = static_cast<int32_t>(items_.size()) - 1;
   }
 
-  bool overlaps(int32_t triangle) const { return overlaps(outline(triangles_, triangle), nodes_[0]); }
+  bool overlaps(int32_t triangle) const { return overlaps(outline(charts_, triangle), nodes_[0]); }
 
 private:
   struct Node {
@@ -217,12 +218,12 @@ private:
     if (place.high.x < node.low.x || place.high.y < node.low.y || place.low.x > node.high.x || place.low.y > node.high.y)
       return false;
     for (int32_t item = node.first; item >= 0; item = items_[item].next)
-      if (overlap(place, outline(triangles_, items_[item].triangle))) return true;
+      if (overlap(place, outline(charts_, items_[item].triangle))) return true;
     return std::any_of(node.child.begin(), node.child.end(),
                        [&](int32_t child) { return child >= 0 && overlaps(place, nodes_[child]); });
   }
 
-  const Triangles &triangles_;
+  const Charts &charts_;
   dvec2 low_{0.0};
   double side_ = 1.0;
   std::vector<Node> nodes_;
@@ -230,7 +231,7 @@ private:
 };
 
 struct Cutting {
-  const Triangles &triangles;
+  const Charts &charts;
   std::vector<int32_t> link;           // (3 * triangle_count) the half-edge across within the chart, or -1
   std::vector<int32_t> triangle_piece; // -1: of none yet
   std::vector<int32_t> asked;          // (triangle_count) the last piece that the triangle was asked to join
@@ -246,7 +247,7 @@ int32_t far_end(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
   seen[start] = 1;
   for (size_t i = 0; i < cutting.queue.size(); ++i) {
     const int32_t triangle = cutting.queue[i];
-    const Outline place = outline(cutting.triangles, triangle);
+    const Outline place = outline(cutting.charts, triangle);
     low = glm::min(low, place.low);
     high = glm::max(high, place.high);
     for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
@@ -299,8 +300,8 @@ bool cut_chart(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
 }
 
 // Whether triangles of two charts overlap; none of one chart do.
-bool charts_overlap(const Triangles &triangles, const Charts &charts, Occupancy &occupancy) {
-  const Range range = range_of(triangles);
+bool charts_overlap(const Charts &charts, Occupancy &occupancy) {
+  const Range range = range_of(charts);
   occupancy.set_range(range.low, range.high);
   occupancy.clear();
   for (int32_t triangle = 0; triangle < static_cast<int32_t>(charts.triangle_chart.size()); ++triangle) {
@@ -314,18 +315,18 @@ bool charts_overlap(const Triangles &triangles, const Charts &charts, Occupancy 
 
 } // namespace
 
-Cuts cut_charts(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts, int threads) {
+Cuts cut_charts(const HalfEdges &half_edges, const Charts &charts, int threads) {
   Overlaps overlaps{std::vector<std::atomic<uint8_t>>(charts.chart_count), false};
-  const bool known = find_overlaps(triangles, charts, threads, overlaps);
-  const size_t count = triangles.triangle_count;
-  Cutting cutting{triangles, half_edges.twin,     std::vector<int32_t>(count, -1), std::vector<int32_t>(count, -1),
-                  {},        Occupancy(triangles)};
+  const bool known = find_overlaps(charts, threads, overlaps);
+  const auto count = static_cast<int32_t>(charts.triangle_chart.size());
+  Cutting cutting{charts, half_edges.twin,  std::vector<int32_t>(count, -1), std::vector<int32_t>(count, -1),
+                  {},     Occupancy(charts)};
   for (size_t h = 0; h < cutting.link.size(); ++h)
     if (charts.half_edge_border[h] >= 0 || charts.triangle_chart[h / 3] < 0) cutting.link[h] = -1;
   std::vector<uint8_t> seen(count, 0);
   std::vector<int32_t> whole(charts.chart_count, -1); // the piece that a chart is as it is
   Cuts cuts;
-  for (int32_t start = 0; start < triangles.triangle_count; ++start) {
+  for (int32_t start = 0; start < count; ++start) {
     const int32_t chart = charts.triangle_chart[start];
     if (chart < 0 || seen[start]) continue;
     if (known && !overlaps.within[chart]) {
@@ -335,8 +336,7 @@ Cuts cut_charts(const Triangles &triangles, const HalfEdges &half_edges, const C
     }
     cuts.cut_charts += cut_chart(cutting, seen, start);
   }
-  cuts.overlapping =
-      cuts.cut_charts > 0 || (known ? overlaps.between.load() : charts_overlap(triangles, charts, cutting.occupancy));
+  cuts.overlapping = cuts.cut_charts > 0 || (known ? overlaps.between.load() : charts_overlap(charts, cutting.occupancy));
   cuts.triangle_piece = std::move(cutting.triangle_piece);
   return cuts;
 }

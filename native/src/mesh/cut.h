@@ -19,6 +19,6 @@ struct Cuts {
 // Exact but for a hair (2e-6 of the unit square). Pieces are connected over the chart's inner edges, and each is grown as far as
 // it goes; a chart that does not overlap itself is one piece. build_charts makes charts of the pieces.
 // threads as in pdesc_context_options.
-Cuts cut_charts(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts, int threads = 0);
+Cuts cut_charts(const HalfEdges &half_edges, const Charts &charts, int threads = 0);
 
 } // namespace paradesc

@@ -56,13 +56,13 @@ static std::vector<std::vector<int32_t>> corners_by_chart(const Triangles &trian
   return corners;
 }
 
-static Move turned(const Triangles &triangles, const std::vector<int32_t> &corners, double angle) {
+static Move turned(const Charts &charts, const std::vector<int32_t> &corners, double angle) {
   Move move;
   move.cosine = std::cos(angle);
   move.sine = std::sin(angle);
   dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
   for (const int32_t corner : corners) {
-    const dvec2 place = move.turn(triangles.corner_uv[corner]);
+    const dvec2 place = move.turn(charts.corner_uv[corner]);
     low = glm::min(low, place);
     high = glm::max(high, place);
   }
@@ -72,16 +72,16 @@ static Move turned(const Triangles &triangles, const std::vector<int32_t> &corne
 }
 
 // The turn, of a dozen tried, with the smallest box; upright, as boxes fill the square best.
-static Move best_turn(const Triangles &triangles, const std::vector<int32_t> &corners) {
+static Move best_turn(const Charts &charts, const std::vector<int32_t> &corners) {
   double best_angle = 0.0, smallest_area = std::numeric_limits<double>::infinity();
   for (int step = 0; step < 12; ++step) {
-    const Move move = turned(triangles, corners, step * pi / 24.0);
+    const Move move = turned(charts, corners, step * pi / 24.0);
     const double area = move.size.x * move.size.y;
     if (area >= smallest_area) continue;
     smallest_area = area;
     best_angle = step * pi / 24.0 + (move.size.x > move.size.y ? 0.5 * pi : 0.0);
   }
-  return turned(triangles, corners, best_angle);
+  return turned(charts, corners, best_angle);
 }
 
 static std::vector<Density> chart_densities(const Triangles &triangles, const Charts &charts) {
@@ -90,7 +90,7 @@ static std::vector<Density> chart_densities(const Triangles &triangles, const Ch
     const int32_t chart = charts.triangle_chart[triangle];
     if (chart < 0) continue;
     const auto corner = 3 * static_cast<size_t>(triangle);
-    auto uv = [&](size_t i) { return dvec2(triangles.corner_uv[corner + i]); };
+    auto uv = [&](size_t i) { return dvec2(charts.corner_uv[corner + i]); };
     auto position = [&](size_t i) { return dvec3(triangles.positions[triangles.corner_vertex[corner + i]]); };
     Density &density = result[chart];
     density.density += std::abs(cross(uv(1) - uv(0), uv(2) - uv(0)));
@@ -148,14 +148,14 @@ static std::vector<Move> pack_largest(std::vector<Move> moves, Spacing spacing) 
   return best;
 }
 
-static std::vector<Move> plan(const Triangles &triangles, const std::vector<std::vector<int32_t>> &corners,
+static std::vector<Move> plan(const Charts &charts, const std::vector<std::vector<int32_t>> &corners,
                               const std::vector<Density> &densities, int threads) {
   std::vector<Move> moves(corners.size());
   const double median = median_density(densities);
   parallel_blocks(static_cast<int>(corners.size()), threads, 1, [&](int begin, int) {
     const auto chart = static_cast<size_t>(begin);
     const double density = densities[chart].density;
-    moves[chart] = best_turn(triangles, corners[chart]);
+    moves[chart] = best_turn(charts, corners[chart]);
     moves[chart].evening = std::clamp(density, median / evenness, median * evenness) / density;
   });
   for (const Spacing spacing : spacings)
@@ -163,13 +163,13 @@ static std::vector<Move> plan(const Triangles &triangles, const std::vector<std:
   return {};
 }
 
-bool repack_charts(Triangles &triangles, Charts &charts, double least_gain, int threads) {
+std::optional<Charts> repack_charts(const Triangles &triangles, const Charts &charts, double least_gain, int threads) {
   const auto corners = corners_by_chart(triangles, charts);
-  if (corners.empty()) return false;
+  if (corners.empty()) return std::nullopt;
   std::vector<Density> densities = chart_densities(triangles, charts);
   const double before = median_density(densities);
-  std::vector<Move> moves = plan(triangles, corners, densities, threads);
-  if (moves.empty() && least_gain > 0.0) return false;
+  std::vector<Move> moves = plan(charts, corners, densities, threads);
+  if (moves.empty() && least_gain > 0.0) return std::nullopt;
   if (moves.empty())
     throw Error(PDESC_ERROR_UNSUPPORTED,
                 "The UV map overlaps itself and its " + std::to_string(corners.size()) +
@@ -180,19 +180,18 @@ bool repack_charts(Triangles &triangles, Charts &charts, double least_gain, int 
     moves[chart].place /= static_cast<double>(grid);
     densities[chart].density *= moves[chart].scale;
   }
-  if (median_density(densities) < least_gain * before) return false;
-  if (triangles.given_uv.empty()) triangles.given_uv = triangles.corner_uv;
+  if (median_density(densities) < least_gain * before) return std::nullopt;
+  Charts repacked = charts;
+  std::vector<vec2> uvs = charts.corner_uv.copy();
   for (size_t chart = 0; chart < corners.size(); ++chart)
-    for (const int32_t corner : corners[chart]) {
-      vec2 &uv = triangles.corner_uv[corner];
-      uv = moves[chart](uv);
-    }
-  for (Site &site : charts.sites) {
+    for (const int32_t corner : corners[chart]) uvs[corner] = moves[chart](uvs[corner]);
+  repacked.corner_uv = std::move(uvs);
+  for (Site &site : repacked.sites) {
     const Move &move = moves[site.chart];
     site.uv = move(site.uv);
     site.inside = move(site.inside);
   }
-  return true;
+  return repacked;
 }
 
 } // namespace paradesc

@@ -1,15 +1,16 @@
 // Charts → places of their own: a private layout in which no two charts share texture space. The caller's UV map is not touched.
 #pragma once
 
+#include <optional>
+
 #include "mesh/charts.h"
 #include "mesh/triangles.h"
 
 namespace paradesc {
 
-// Moves and turns every chart as a whole into the unit square, with a gutter between them. Seams, sites and borders stay what
-// they are. A chart that overlaps itself still does: cut it first. Changes nothing and returns false where half of the surface
-// would not get texels at least least_gain times as dense (in length) as it has. threads as in
-// pdesc_context_options.
-bool repack_charts(Triangles &triangles, Charts &charts, double least_gain = 0.0, int threads = 0);
+// The charts, each moved and turned as a whole into the unit square, with a gutter between them. Seams, sites and borders stay
+// what they are. A chart that overlaps itself still does: cut it first. None if half of the surface would not get texels at least
+// least_gain times as dense (in length) as it has. threads as in pdesc_context_options.
+std::optional<Charts> repack_charts(const Triangles &triangles, const Charts &charts, double least_gain = 0.0, int threads = 0);
 
 } // namespace paradesc

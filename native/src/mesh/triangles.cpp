@@ -104,31 +104,34 @@ void copy_corners(const pdesc_mesh_input &input, Triangles &triangles) {
   triangles.corner_vertex.resize(count);
   triangles.corner_count = input.corner_count;
   triangles.input_corner.assign(input.triangle_corners, input.triangle_corners + count);
-  if (input.corner_uvs) triangles.corner_uv.resize(count);
+  std::vector<vec2> uvs(input.corner_uvs ? count : 0);
   if (input.corner_normals) triangles.corner_normal.resize(count);
   for (size_t i = 0; i < count; ++i) {
     const size_t corner = at(input.triangle_corners[i]);
     triangles.corner_vertex[i] = input.corner_vertices[corner];
-    if (const float *uv = input.corner_uvs) triangles.corner_uv[i] = {uv[2 * corner], uv[2 * corner + 1]};
+    if (const float *uv = input.corner_uvs) uvs[i] = {uv[2 * corner], uv[2 * corner + 1]};
     if (const float *n = input.corner_normals) triangles.corner_normal[i] = {n[3 * corner], n[3 * corner + 1], n[3 * corner + 2]};
   }
+  triangles.given_uv = std::move(uvs);
 }
 
 // One scale for both axes keeps the layout's aspect. A layout that fits is moved as little as possible and never enlarged.
 void map_uvs_into_unit_square(Triangles &triangles) {
-  if (triangles.corner_uv.empty()) return;
-  dvec2 lowest(triangles.corner_uv[0]), highest = lowest;
-  for (const vec2 &uv : triangles.corner_uv) {
+  triangles.corner_uv = triangles.given_uv;
+  if (triangles.given_uv.empty()) return;
+  dvec2 lowest(triangles.given_uv[0]), highest = lowest;
+  for (const vec2 &uv : triangles.given_uv) {
     lowest = glm::min(lowest, dvec2(uv));
     highest = glm::max(highest, dvec2(uv));
   }
   triangles.uv_remapped = lowest.x < 0 || lowest.y < 0 || highest.x > 1 || highest.y > 1;
   if (!triangles.uv_remapped) return;
-  triangles.given_uv = triangles.corner_uv;
   const double scale = 1.0 / std::max({1.0, highest.x - lowest.x, highest.y - lowest.y});
   // Relative to the lowest corner: a layout far from the origin keeps its digits.
   const dvec2 origin = glm::clamp(lowest * scale, dvec2(0), glm::max(dvec2(0), 1.0 - (highest - lowest) * scale));
-  for (vec2 &uv : triangles.corner_uv) uv = glm::clamp(vec2(origin + (dvec2(uv) - lowest) * scale), 0.0f, 1.0f);
+  std::vector<vec2> inside = triangles.given_uv.copy();
+  for (vec2 &uv : inside) uv = glm::clamp(vec2(origin + (dvec2(uv) - lowest) * scale), 0.0f, 1.0f);
+  triangles.corner_uv = std::move(inside);
 }
 
 uint64_t edge_key(int32_t a, int32_t b) {

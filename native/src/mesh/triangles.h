@@ -6,6 +6,7 @@
 
 #include "paradesc/paradesc.h"
 #include "support/math.h"
+#include "support/shared_array.h"
 
 namespace paradesc {
 
@@ -14,13 +15,15 @@ struct Triangles {
   int triangle_count = 0;
   std::vector<vec3> positions;          // (vertex_count)
   std::vector<int32_t> corner_vertex;   // (3 * triangle_count)
-  std::vector<vec2> corner_uv;          // (3 * triangle_count) mapped into the unit square, or empty: no UV map
-  std::vector<vec2> given_uv;           // (3 * triangle_count) as the caller gave them, or empty: corner_uv is that
+  SharedArray<vec2> given_uv;           // (3 * triangle_count) as the caller gave them, or empty: no UV map
+  SharedArray<vec2> corner_uv;          // the same, moved into the unit square where it lies outside
   std::vector<int32_t> input_corner;    // (3 * triangle_count) the caller's corner
   int corner_count = 0;                 // of the caller's corners
   std::vector<vec3> corner_normal;      // (3 * triangle_count) or empty: none given
   std::vector<uint8_t> half_edge_sharp; // (3 * triangle_count) 1: the edge is marked sharp and this face is smooth
   bool uv_remapped = false;
+
+  vec3 position(int32_t corner) const { return positions[corner_vertex[corner]]; }
 };
 
 // Throws Error(INVALID_ARGUMENT) with the first offender.

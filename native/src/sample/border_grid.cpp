@@ -76,13 +76,13 @@ static void distance_transform(std::vector<float> &field, int size) {
   }
 }
 
-BorderGrid build_border_grid(const Triangles &triangles, const Charts &charts, int size) {
+BorderGrid build_border_grid(const Charts &charts, int size) {
   BorderGrid grid;
   grid.size = size;
   const size_t texels = static_cast<size_t>(size) * static_cast<size_t>(size);
   for (const Border &border : charts.borders) {
-    const auto [first, second] = border_ends(triangles, border);
-    grid.border_uv.emplace_back(triangles.corner_uv[first], triangles.corner_uv[second]);
+    const auto [first, second] = border_ends(charts, border);
+    grid.border_uv.emplace_back(charts.corner_uv[first], charts.corner_uv[second]);
   }
   std::vector<int32_t> begin(texels + 1, 0);
   auto visit_all = [&](const auto &visit) {

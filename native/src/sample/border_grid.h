@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "mesh/charts.h"
-#include "mesh/triangles.h"
 
 namespace paradesc {
 
@@ -18,7 +17,7 @@ struct BorderGrid {
   std::vector<vec4> border_uv; // (borders) u0, v0, u1, v1, the chart on the left
 };
 
-BorderGrid build_border_grid(const Triangles &triangles, const Charts &charts, int size);
+BorderGrid build_border_grid(const Charts &charts, int size);
 
 // (borders) the number of each one's seam, seen from its side: borders that follow one another on both sides are one seam. -1
 // where nothing is on the other side.

@@ -1,5 +1,5 @@
 // Cells → those within a ball around a center, connected or looked at for that, and their samples: the inner part of
-// find_supports.
+// find_neighborhoods.
 #pragma once
 
 #include <algorithm>
@@ -54,7 +54,7 @@ inline CellLeaves leaves_of(const CellData &cell, const CellStrides &strides, si
 // What one thread keeps from center to center.
 class CellSearch {
 public:
-  CellSearch(const SupportSpace &space, std::span<const CellData> measured, std::span<const CellLeaves> leaves, float radius)
+  CellSearch(const SearchSpace &space, std::span<const CellData> measured, std::span<const CellLeaves> leaves, float radius)
       : space_(space), cells_(space.cells), measured_(measured), leaves_(leaves), radius_(radius), balls_(radius),
         visited_(static_cast<size_t>(space.cells.count), 0) {}
 
@@ -83,7 +83,7 @@ public:
 
   // Whether all that was found within the center's ball faces its way and covers its tangent plane once: then it is connected
   // there. measure() comes before.
-  bool is_plain(vec3 center) const {
+  bool is_single_sheet(vec3 center) const {
     for (const int32_t k : inside_) {
       const Seen &seen = seen_[k];
       if (!seen.plain || (seen.at_boundary && meets_boundary(found_[k], center))) return false;
@@ -116,12 +116,12 @@ public:
   }
 
   // How many of the centers, from the first on, lie so near to it that they search at once.
-  size_t together(const std::vector<SupportCenter> &centers, std::span<const int32_t> members) const {
+  size_t together(const std::vector<SearchCenter> &centers, std::span<const int32_t> members) const {
     return balls_.leading(members.size(), 0.6f, [&](size_t i) { return centers[members[i]].position; });
   }
 
   // The cells of the connected part of each center's ball, for up to BallLanes::most centers at once; choose() tells them apart.
-  void run(const std::vector<SupportCenter> &centers, std::span<const int32_t> members, const std::vector<Bounds> &links,
+  void run(const std::vector<SearchCenter> &centers, std::span<const int32_t> members, const std::vector<Bounds> &links,
            const std::vector<vec3> &link_points) {
     come_.resize(visited_.size(), 0);
     pending_.resize(visited_.size(), 0);
@@ -135,7 +135,7 @@ public:
       return p;
     });
     for (size_t lane = 0; lane < members.size(); ++lane) {
-      const SupportCenter &center = centers[members[lane]];
+      const SearchCenter &center = centers[members[lane]];
       come_to(center.cell, uint32_t{1} << lane);
       for (const int32_t site : center.sites) come_to(cells_.site_cell[site], uint32_t{1} << lane);
     }
@@ -350,14 +350,14 @@ private:
   }
 
   // Those of the lanes whose center test() holds for.
-  template <class Test> uint32_t among(uint32_t lanes, const Test &test, const std::vector<SupportCenter> &centers) const {
+  template <class Test> uint32_t among(uint32_t lanes, const Test &test, const std::vector<SearchCenter> &centers) const {
     uint32_t passed = 0;
     BallLanes::for_each(lanes, [&](size_t lane) { passed |= uint32_t{test(centers[members_[lane]].position)} << lane; });
     return passed;
   }
 
   // Those of the lanes whose ball holds a place of the link.
-  uint32_t going_over(int32_t link, const Bounds &box, const std::vector<vec3> &points, const std::vector<SupportCenter> &centers,
+  uint32_t going_over(int32_t link, const Bounds &box, const std::vector<vec3> &points, const std::vector<SearchCenter> &centers,
                       uint32_t lanes) const {
     const float square = radius_ * radius_;
     const vec3 outside = glm::max(glm::max(box.low - together_.high, together_.low - box.high), vec3(0.0f));
@@ -395,7 +395,7 @@ private:
     return dvec3(space_.frame.to_buffer(space_.triangles.positions[space_.triangles.corner_vertex[corner]]));
   }
 
-  const SupportSpace &space_;
+  const SearchSpace &space_;
   const Cells &cells_;
   std::span<const CellData> measured_;
   std::span<const CellLeaves> leaves_;

@@ -61,7 +61,7 @@ class Builder {
 public:
   Builder(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles, const HalfEdges &half_edges,
           const Charts &charts, int block_size, int threads)
-      : map_(ids, grid, triangles), triangles_(triangles), half_edges_(half_edges), charts_(charts), size_(grid.size),
+      : map_(ids, grid, charts), triangles_(triangles), half_edges_(half_edges), charts_(charts), size_(grid.size),
         threads_(threads) {
     cells_.block_size = block_size;
   }
@@ -227,7 +227,7 @@ private:
     return {cell, part};
   }
 
-  dvec2 uv_of(int corner) const { return dvec2(triangles_.corner_uv[corner]) * static_cast<double>(size_); }
+  dvec2 uv_of(int corner) const { return dvec2(charts_.corner_uv[corner]) * static_cast<double>(size_); }
 
   // A little way into the chart, in texels: a place on a border lies on both sides of it.
   dvec2 nudged(vec2 uv, vec2 inside) const {
@@ -288,7 +288,7 @@ private:
     return best;
   }
 
-  vec3 position_of(int corner) const { return triangles_.positions[triangles_.corner_vertex[corner]]; }
+  vec3 position_of(int corner) const { return triangles_.position(corner); }
 
   // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and
   // over a seam the same place of the edge is on both sides.
@@ -421,10 +421,9 @@ Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const
   return Builder(ids, grid, triangles, half_edges, charts, block_size, threads).build();
 }
 
-std::vector<int32_t> find_cells(const Cells &cells, const std::vector<int32_t> &ids, const BorderGrid &grid,
-                                const Triangles &triangles, const Charts &charts, const std::vector<LayoutPlace> &places,
-                                int threads) {
-  const ChartMap map(ids, grid, triangles);
+std::vector<int32_t> find_cells(const Cells &cells, const std::vector<int32_t> &ids, const BorderGrid &grid, const Charts &charts,
+                                const std::vector<LayoutPlace> &places, int threads) {
+  const ChartMap map(ids, grid, charts);
   std::vector<int32_t> found(places.size());
   parallel_blocks(static_cast<int>(places.size()), threads, 1024, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {

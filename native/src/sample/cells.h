@@ -45,8 +45,7 @@ struct LayoutPlace {
 };
 
 // The cell that carries each place, or from where the surface leads there; -1: none does.
-std::vector<int32_t> find_cells(const Cells &cells, const std::vector<int32_t> &ids, const BorderGrid &grid,
-                                const Triangles &triangles, const Charts &charts, const std::vector<LayoutPlace> &places,
-                                int threads);
+std::vector<int32_t> find_cells(const Cells &cells, const std::vector<int32_t> &ids, const BorderGrid &grid, const Charts &charts,
+                                const std::vector<LayoutPlace> &places, int threads);
 
 } // namespace paradesc

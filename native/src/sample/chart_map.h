@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesh/triangles.h"
+#include "mesh/charts.h"
 #include "sample/border_grid.h"
 
 namespace paradesc {
@@ -20,8 +20,8 @@ inline int floor_of(double x) {
 // Where a place of a chart belongs, and whether two places of a chart are joined by a straight way on it.
 class ChartMap {
 public:
-  ChartMap(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles)
-      : ids_(ids), grid_(grid), triangles_(triangles), size_(grid.size) {}
+  ChartMap(const std::vector<int32_t> &ids, const BorderGrid &grid, const Charts &charts)
+      : ids_(ids), grid_(grid), charts_(charts), size_(grid.size) {}
 
   bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < size_ && y < size_; }
   size_t index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(size_) + static_cast<size_t>(x); }
@@ -35,7 +35,7 @@ public:
     const int32_t triangle = ids_[2 * index(x, y) + 1];
     if (!has_border(x, y) || triangle < 0) return center;
     dvec2 sum(0.0);
-    for (size_t i = 0; i < 3; ++i) sum += dvec2(triangles_.corner_uv[3 * static_cast<size_t>(triangle) + i]);
+    for (size_t i = 0; i < 3; ++i) sum += dvec2(charts_.corner_uv[3 * triangle + i]);
     const dvec2 way = sum * (size_ / 3.0) - center;
     return center + way * std::min(0.5, 0.02 / std::max(length(way), 1e-9));
   }
@@ -107,7 +107,7 @@ private:
 
   const std::vector<int32_t> &ids_;
   const BorderGrid &grid_;
-  const Triangles &triangles_;
+  const Charts &charts_;
   int size_;
 };
 

@@ -51,6 +51,13 @@ BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles
   return samples;
 }
 
+void Neighborhoods::permute(const std::vector<int32_t> &order_now) {
+  std::vector<SupportData> ordered;
+  ordered.reserve(center.size());
+  for (const int32_t i : order_now) ordered.push_back(center[i]);
+  center.swap(ordered);
+}
+
 namespace {
 
 // The ranges of some centers, before they are joined to one list.
@@ -77,7 +84,7 @@ static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec
 }
 
 // Cells that hold samples of bare triangles reach around these too, and face their way.
-static std::vector<CellData> with_bare_samples(const SupportSpace &space) {
+static std::vector<CellData> with_bare_samples(const SearchSpace &space) {
   std::vector<CellData> cells(space.measured.begin(), space.measured.end());
   for (size_t cell = 0; cell + 1 < space.bare.begin.size(); ++cell)
     for (int32_t k = space.bare.begin[cell]; k < space.bare.begin[cell + 1]; ++k) {
@@ -93,7 +100,7 @@ static std::vector<CellData> with_bare_samples(const SupportSpace &space) {
   return cells;
 }
 
-static std::vector<CellLeaves> list_leaves(const SupportSpace &space, float radius, int threads) {
+static std::vector<CellLeaves> list_leaves(const SearchSpace &space, float radius, int threads) {
   const int side = space.cells.block_size / 2;
   std::vector<CellLeaves> leaves(space.measured.size());
   parallel_blocks(static_cast<int>(leaves.size()), threads, 4096, [&](int begin, int end) {
@@ -104,7 +111,7 @@ static std::vector<CellLeaves> list_leaves(const SupportSpace &space, float radi
 }
 
 // The cell from which a center's group searches, or -1.
-static int32_t start_of(const Cells &cells, const SupportCenter &center) {
+static int32_t start_of(const Cells &cells, const SearchCenter &center) {
   if (center.cell >= 0) return center.cell;
   for (const int32_t site : center.sites)
     if (const int32_t cell = cells.site_cell[site]; cell >= 0) return cell;
@@ -122,7 +129,7 @@ struct Groups {
 
 } // namespace
 
-static Groups group(const Cells &cells, std::span<const CellData> measured, const std::vector<SupportCenter> &centers,
+static Groups group(const Cells &cells, std::span<const CellData> measured, const std::vector<SearchCenter> &centers,
                     float radius) {
   double spheres = 0.0;
   for (const CellData &cell : measured) spheres += static_cast<double>(std::max(cell.sphere.w, 0.0f));
@@ -156,7 +163,7 @@ namespace {
 // Some of a group's centers: how far they lie apart.
 struct Spread {
   vec3 low, high;
-  Spread(const std::vector<SupportCenter> &centers, std::span<const int32_t> members)
+  Spread(const std::vector<SearchCenter> &centers, std::span<const int32_t> members)
       : low(std::numeric_limits<float>::max()), high(-low) {
     for (const int32_t i : members) {
       low = glm::min(low, centers[i].position);
@@ -175,8 +182,8 @@ struct Spread {
 
 // The members of one group that lie near each other: first those that are connected to the first member's cell, then those
 // connected to the first of the others…
-static void search_together(CellSearch &search, const std::vector<SupportCenter> &centers, const std::vector<int32_t> &start,
-                            std::vector<int32_t> members, Supports &supports, Part &part) {
+static void search_together(CellSearch &search, const std::vector<SearchCenter> &centers, const std::vector<int32_t> &start,
+                            std::vector<int32_t> members, Neighborhoods &neighborhoods, Part &part) {
   std::vector<int32_t> others;
   while (!members.empty()) {
     const Spread spread(centers, members);
@@ -189,9 +196,9 @@ static void search_together(CellSearch &search, const std::vector<SupportCenter>
       }
       const vec3 position = centers[i].position;
       search.measure(position);
-      if (search.is_plain(position)) {
-        supports.center[i] = search.list(position, false, part.range);
-        supports.plain[i] = 1;
+      if (search.is_single_sheet(position)) {
+        neighborhoods.center[i] = search.list(position, false, part.range);
+        neighborhoods.single_sheet[i] = 1;
       } else {
         part.left.push_back(i);
       }
@@ -201,35 +208,35 @@ static void search_together(CellSearch &search, const std::vector<SupportCenter>
 }
 
 // A group, in halves until each lies within a part of the radius: the map may stretch a square to any length.
-static void search_in_halves(CellSearch &search, const std::vector<SupportCenter> &centers, const std::vector<int32_t> &start,
-                             std::span<int32_t> members, float radius, Supports &supports, Part &part) {
+static void search_in_halves(CellSearch &search, const std::vector<SearchCenter> &centers, const std::vector<int32_t> &start,
+                             std::span<int32_t> members, float radius, Neighborhoods &neighborhoods, Part &part) {
   constexpr float near = 0.6f;
   const Spread spread(centers, members);
   if (members.size() < 2 || spread.radius() <= near * radius)
-    return search_together(search, centers, start, {members.begin(), members.end()}, supports, part);
+    return search_together(search, centers, start, {members.begin(), members.end()}, neighborhoods, part);
   const int axis = spread.longest_axis();
   const float middle = spread.middle()[axis];
   const auto split =
       std::stable_partition(members.begin(), members.end(), [&](int32_t i) { return centers[i].position[axis] < middle; });
   const auto first = static_cast<size_t>(split - members.begin());
   if (first == 0 || first == members.size()) // as far apart as floats tell
-    return search_together(search, centers, start, {members.begin(), members.end()}, supports, part);
-  search_in_halves(search, centers, start, members.first(first), radius, supports, part);
-  search_in_halves(search, centers, start, members.subspan(first), radius, supports, part);
+    return search_together(search, centers, start, {members.begin(), members.end()}, neighborhoods, part);
+  search_in_halves(search, centers, start, members.first(first), radius, neighborhoods, part);
+  search_in_halves(search, centers, start, members.subspan(first), radius, neighborhoods, part);
 }
 
 // The parts' ranges one after another; places[i]: the centers of part i.
-static void join(std::vector<Part> &parts, const std::vector<std::span<const int32_t>> &places, Supports &supports) {
-  size_t all = supports.range.size();
+static void join(std::vector<Part> &parts, const std::vector<std::span<const int32_t>> &places, Neighborhoods &neighborhoods) {
+  size_t all = neighborhoods.range.size();
   for (const Part &part : parts) all += part.range.size();
-  supports.range.reserve(all);
+  neighborhoods.range.reserve(all);
   for (size_t i = 0; i < parts.size(); ++i) {
-    const auto offset = static_cast<int32_t>(supports.range.size());
+    const auto offset = static_cast<int32_t>(neighborhoods.range.size());
     for (const int32_t center : places[i]) {
-      SupportData &data = supports.center[center];
+      SupportData &data = neighborhoods.center[center];
       for (int32_t *at : {&data.first, &data.middle, &data.last, &data.end}) *at += offset;
     }
-    supports.range.insert(supports.range.end(), parts[i].range.begin(), parts[i].range.end());
+    neighborhoods.range.insert(neighborhoods.range.end(), parts[i].range.begin(), parts[i].range.end());
     parts[i].range = {}; // all together are as much again
   }
 }
@@ -241,8 +248,8 @@ static void join(std::vector<Part> &parts, const std::vector<std::span<const int
                                              "smaller radius, smaller buffers, or a UV map of fewer charts.");
 }
 
-Supports find_supports(const SupportSpace &space, const std::vector<SupportCenter> &centers, float radius, int threads,
-                       size_t most) {
+Neighborhoods find_neighborhoods(const SearchSpace &space, const std::vector<SearchCenter> &centers, float radius, int threads,
+                                 size_t most) {
   constexpr int block = 64, alone = 512;
   most = std::min<size_t>(most, std::numeric_limits<int32_t>::max());
   std::atomic<size_t> all{0};
@@ -255,9 +262,9 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
     const auto begin = static_cast<size_t>(groups.begin[first]);
     return std::span(groups.order).subspan(begin, static_cast<size_t>(groups.begin[last]) - begin);
   };
-  Supports supports;
-  supports.center.resize(centers.size());
-  supports.plain.resize(centers.size(), 0);
+  Neighborhoods neighborhoods;
+  neighborhoods.center.resize(centers.size());
+  neighborhoods.single_sheet.resize(centers.size(), 0);
   std::vector<Part> parts(static_cast<size_t>((count + block - 1) / block));
   std::vector<std::span<const int32_t>> places;
   for (int begin = 0; begin < count; begin += block) places.push_back(members_of(begin, std::min(begin + block, count)));
@@ -270,17 +277,17 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
       if (g == 0) // they start nowhere
         part.left.assign(members.begin(), members.end());
       else
-        search_in_halves(search, centers, groups.start, members, radius, supports, part);
+        search_in_halves(search, centers, groups.start, members, radius, neighborhoods, part);
       if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
     }
     parts[begin / block] = std::move(part);
   });
-  join(parts, places, supports);
-  supports.order = std::move(groups.order);
+  join(parts, places, neighborhoods);
+  neighborhoods.order = std::move(groups.order);
 
   std::vector<int32_t> left;
   for (const Part &part : parts) left.insert(left.end(), part.left.begin(), part.left.end());
-  if (left.empty()) return supports;
+  if (left.empty()) return neighborhoods;
   const std::vector<vec3> &link_points = space.link_points();
   const std::vector<Bounds> links = link_bounds(space.cells, link_points, threads);
   const auto rest = static_cast<int>(left.size());
@@ -300,14 +307,14 @@ Supports find_supports(const SupportSpace &space, const std::vector<SupportCente
       for (size_t lane = 0; lane < members.size(); ++lane) {
         const vec3 position = centers[members[lane]].position;
         const bool boundary = search.choose(lane, position);
-        supports.center[members[lane]] = search.list(position, boundary, part.range);
+        neighborhoods.center[members[lane]] = search.list(position, boundary, part.range);
       }
       if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
     }
     parts[begin / alone] = std::move(part);
   });
-  join(parts, places, supports);
-  return supports;
+  join(parts, places, neighborhoods);
+  return neighborhoods;
 }
 
 } // namespace paradesc

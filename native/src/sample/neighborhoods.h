@@ -22,14 +22,17 @@
 namespace paradesc {
 
 // The samples of each center's neighborhood.
-struct Supports {
-  std::vector<SupportData> center; // (centers)
-  std::vector<ivec2> range;        // first and end of samples, see SupportData
-  std::vector<uint8_t> plain;      // (centers) the surface in the ball faces one way; others searched by themselves
-  std::vector<int32_t> order;      // centers, so that those with common samples follow each other
+struct Neighborhoods {
+  std::vector<SupportData> center;   // (centers)
+  std::vector<ivec2> range;          // first and end of samples, see SupportData
+  std::vector<uint8_t> single_sheet; // (centers) the surface in the ball faces one way; others searched by themselves
+  std::vector<int32_t> order;        // centers, so that those with common samples follow each other
+
+  // Puts center order_now[i] in place i of `center`.
+  void permute(const std::vector<int32_t> &order_now);
 };
 
-struct SupportCenter {
+struct SearchCenter {
   vec3 position;                  // buffer units
   std::span<const int32_t> sites; // to start from
   int32_t cell;                   // to start from as well, or -1
@@ -47,7 +50,7 @@ BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles
                                   const BufferFrame &frame, float radius, const MappedSurface *mapped = nullptr);
 
 // What the search reads of a frame.
-struct SupportSpace {
+struct SearchSpace {
   const Cells &cells;
   const CellSamples &samples;
   std::span<const CellData> measured;
@@ -60,7 +63,7 @@ struct SupportSpace {
 
 // radius in buffer units. Throws Error(OUT_OF_MEMORY) where all neighborhoods together have more ranges than `most`, or than can
 // be counted.
-Supports find_supports(const SupportSpace &space, const std::vector<SupportCenter> &centers, float radius, int threads,
-                       size_t most = std::numeric_limits<int32_t>::max());
+Neighborhoods find_neighborhoods(const SearchSpace &space, const std::vector<SearchCenter> &centers, float radius, int threads,
+                                 size_t most = std::numeric_limits<int32_t>::max());
 
 } // namespace paradesc

@@ -17,9 +17,9 @@ namespace {
 
 // The layout in texels of the map.
 struct Raster {
-  const Triangles &triangles;
+  const Charts &charts;
   TexelMap &map;
-  dvec2 uv(int32_t corner) const { return dvec2(triangles.corner_uv[corner]) * static_cast<double>(map.size); }
+  dvec2 uv(int32_t corner) const { return dvec2(charts.corner_uv[corner]) * static_cast<double>(map.size); }
   size_t index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(map.size) + static_cast<size_t>(x); }
   // First and last texel whose center lies in [low, high].
   ivec2 range(double low, double high) const {
@@ -55,7 +55,7 @@ static void draw_triangle(const Raster &raster, int32_t triangle, int32_t chart,
 static void draw_border(const Raster &raster, const Border &border, size_t owned, std::vector<TexelPlace> &found,
                         std::vector<double> &distance) {
   constexpr double reach = 0.7072; // half a texel's diagonal
-  const auto [first, second] = border_ends(raster.triangles, border);
+  const auto [first, second] = border_ends(raster.charts, border);
   const int32_t triangle = border.half_edge / 3;
   const dvec2 a = raster.uv(first), way = raster.uv(second) - a;
   const double square = std::max(dot(way, way), 1e-30);
@@ -95,12 +95,12 @@ static void draw_border(const Raster &raster, const Border &border, size_t owned
   }
 }
 
-TexelMap build_texel_map(const Triangles &triangles, const Charts &charts, int size) {
+TexelMap build_texel_map(const Charts &charts, int size) {
   TexelMap map;
   map.size = size;
   map.place.assign(static_cast<size_t>(size) * static_cast<size_t>(size), -1);
-  const Raster raster{triangles, map};
-  for (int32_t t = 0; t < triangles.triangle_count; ++t)
+  const Raster raster{charts, map};
+  for (int32_t t = 0; t < static_cast<int32_t>(charts.triangle_chart.size()); ++t)
     if (const int32_t chart = charts.triangle_chart[t]; chart >= 0) draw_triangle(raster, t, chart, map.places);
   std::vector<double> distance;
   const size_t owned = map.places.size();
@@ -122,9 +122,9 @@ template <class Value, class At> static Value mix_corners(const TexelPlace &plac
 }
 
 // The place in the layout, and the same a little inside its triangle: on a border every direction would begin on an edge.
-static vec4 layout_place(const TexelPlace &place, const Triangles &triangles, int size) {
+static vec4 layout_place(const TexelPlace &place, const Charts &charts, int size) {
   const auto corner = 3 * static_cast<size_t>(place.triangle);
-  const auto at = [&](size_t c) { return triangles.corner_uv[c]; };
+  const auto at = [&](size_t c) { return charts.corner_uv[c]; };
   const vec2 uv = place.uv;
   const vec3 weights = weights_of(place);
   if (std::min({weights.x, weights.y, weights.z}) > 1e-4f) return vec4(uv, uv);
@@ -149,16 +149,16 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
     const auto corner = 3 * static_cast<size_t>(place.triangle);
     centers.push_back(
         {vec3((position - frame.center) * frame.scale), place.chart, span > 0.0f ? normal / span : normals.corner(corner),
-         pattern_rotation(static_cast<uint32_t>(place.texel), seed), layout_place(place, triangles, map.size), ellipse});
+         pattern_rotation(static_cast<uint32_t>(place.texel), seed), layout_place(place, charts, map.size), ellipse});
   }
   return centers;
 }
 
-std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Triangles &triangles, size_t first, size_t last) {
+std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Charts &charts, size_t first, size_t last) {
   std::vector<LayoutPlace> places;
   places.reserve(last - first);
   for (size_t i = first; i < last; ++i) {
-    const vec4 uv = layout_place(map.places[i], triangles, map.size);
+    const vec4 uv = layout_place(map.places[i], charts, map.size);
     places.push_back({vec2(uv.z, uv.w), map.places[i].triangle});
   }
   return places;
@@ -344,18 +344,18 @@ SiteResults look_up(const TexelMap &map, const SiteResults &results, const Chart
   return without_gaps(std::move(found));
 }
 
-void keep_map(const TexelMap &map, const SiteResults &results, Field &field) {
+std::vector<std::vector<float>> images_of(const TexelMap &map, const SiteResults &results) {
   const size_t texels = map.place.size(), places = map.places.size();
+  std::vector<std::vector<float>> images;
   auto add = [&](const std::vector<float> &values) {
     const size_t width = places ? values.size() / places : 1;
     std::vector<float> image(texels * width, nan);
-    for (size_t i = 0; i < values.size(); ++i)
-      image[static_cast<size_t>(map.places[i / width].texel) * width + i % width] = values[i];
-    field.maps.push_back(std::move(image));
+    for (size_t i = 0; i < values.size(); ++i) image[map.places[i / width].texel * width + i % width] = values[i];
+    images.push_back(std::move(image));
   };
   for (const auto &values : results.values) add(values);
   add(results.coverage);
-  field.map_size = map.size;
+  return images;
 }
 
 } // namespace paradesc

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bake/distortion.h"
-#include "gather/field.h"
+#include "descriptor/results.h"
 #include "mesh/charts.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
@@ -33,7 +33,7 @@ struct TexelMap {
   std::vector<int32_t> place;     // (size * size) index into places, or -1
 };
 
-TexelMap build_texel_map(const Triangles &triangles, const Charts &charts, int size);
+TexelMap build_texel_map(const Charts &charts, int size);
 
 // Places [first, last) as centers, p and n in 32 bits. ellipses: (sites), for the radius in buffer units times the enlargement;
 // empty where samples do not walk.
@@ -42,14 +42,14 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
                                       float reach, uint32_t seed, size_t first, size_t last);
 
 // Where in the layout those centers are: for find_cells.
-std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Triangles &triangles, size_t first, size_t last);
+std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Charts &charts, size_t first, size_t last);
 
 // results: at all places of the map → at the places of points in the UV map; each point's primary one only, unless all_sites.
 // Bilinear between texels of the site's own chart; beside its border, where some are missing or not at their centers, by a plane
 // fitted to those around. No row for a site with no texel of its chart near.
 SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites, int threads = 0);
 
-// Adds the map to the field: NaN where there is no surface. names: of results.values.
-void keep_map(const TexelMap &map, const SiteResults &results, Field &field);
+// An image of each row of values, then of the coverage: (size * size, components), NaN where there is no surface.
+std::vector<std::vector<float>> images_of(const TexelMap &map, const SiteResults &results);
 
 } // namespace paradesc

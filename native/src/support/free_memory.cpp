@@ -92,4 +92,10 @@ int64_t free_memory(const std::string &) {
 
 #endif
 
+int64_t allowed_memory(int64_t limit, int64_t held) {
+  if (limit > 0) return std::max<int64_t>(0, limit - held);
+  const int64_t free = free_memory();
+  return free < 0 ? std::numeric_limits<int64_t>::max() : free / 2;
+}
+
 } // namespace paradesc

@@ -10,4 +10,7 @@ namespace paradesc {
 // system does not say. root: where the system's files lie.
 int64_t free_memory(const std::string &root = "/");
 
+// Bytes that may be taken beside those held already: what the limit leaves, or, if it is 0, half of what is free.
+int64_t allowed_memory(int64_t limit, int64_t held);
+
 } // namespace paradesc

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/opengl/geometry_buffer.h"
 #include "bake/shapes.h"
+#include "engine/opengl/geometry_buffer.h"
 #include "engine/opengl/gl_thread.h"
 #include "mesh/normals.h"
 #include "sample/cells.h"
@@ -28,7 +28,7 @@ struct Buffers {
 };
 
 inline TexelCounts draw_layout(GeometryBuffer &buffer, ProgramCache &programs, const BakeInput &input) {
-  buffer.begin_layout(input);
+  buffer.begin_layout(input.charts, input.vertices);
   buffer.draw_triangles(programs, 0, buffer.triangle_count());
   buffer.draw_borders(programs);
   return buffer.end_layout(programs);
@@ -47,7 +47,8 @@ inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 
   const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
   buffers.normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
   for (size_t t = 0; t < at(built.triangles.triangle_count); ++t)
-    buffers.forms.push_back(built.charts.triangle_chart[t] < 0 ? vec4(0.0f) : form_of(built.triangles, buffers.frame, t));
+    buffers.forms.push_back(built.charts.triangle_chart[t] < 0 ? vec4(0.0f)
+                                                               : form_of(built.triangles, built.charts, buffers.frame, t));
   const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, *rings.corner_fan);
   thread.run([&](const Gl &gl, ProgramCache &programs) {
     GeometryBuffer buffer(gl, size, half);
@@ -63,8 +64,8 @@ inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 
 }
 
 inline Cells cells_of(const Built &built, const Buffers &buffers, int block) {
-  return build_cells(buffers.ids, build_border_grid(built.triangles, built.charts, buffers.size), built.triangles,
-                     built.half_edges, built.charts, block);
+  return build_cells(buffers.ids, build_border_grid(built.charts, buffers.size), built.triangles, built.half_edges, built.charts,
+                     block);
 }
 
 } // namespace paradesc::test

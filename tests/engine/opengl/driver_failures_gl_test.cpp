@@ -7,11 +7,13 @@
 #include <EGL/eglext.h>
 #include <gtest/gtest.h>
 
+#include "compute/compute.h"
 #include "context.h"
 #include "descriptor/registry.h"
 #include "engine/opengl/buffer.h"
 #include "engine/opengl/faults.h"
-#include "compute/compute.h"
+#include "engine/opengl/gl_thread.h"
+#include "shared.h"
 #include "support/layout.h"
 #include "support/run.h"
 #include "support/sentence.h"

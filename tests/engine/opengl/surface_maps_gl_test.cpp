@@ -1,5 +1,5 @@
 // Texels that the device displaces against the CPU's formulas at the same places.
-#include "bake/surface_maps.h"
+#include "engine/opengl/surface_mapper.h"
 
 #include <algorithm>
 #include <cmath>
@@ -119,7 +119,8 @@ protected:
         // A place in (u, v) is known to 1e-7; a slope divides by a pixel of 1/64.
         ASSERT_LT(glm::length(vec3(found) - expected.position), 2e-5f) << x << ", " << y;
         ASSERT_LT(glm::length(vec3(buffers.normal[at(y * size + x)]) - expected.normal), 2e-4f) << x << ", " << y;
-        ASSERT_NEAR(found.w / (form_of(built.triangles, buffers.frame, at(triangle)).w * expected.area_ratio), 1.0f, 2e-4f)
+        ASSERT_NEAR(found.w / (form_of(built.triangles, built.charts, buffers.frame, at(triangle)).w * expected.area_ratio), 1.0f,
+                    2e-4f)
             << x << ", " << y;
         (id < 0 ? lines : triangles) += 1;
       }

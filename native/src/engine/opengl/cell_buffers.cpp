@@ -84,15 +84,14 @@ std::vector<vec3> read_points(const Gl &gl, ProgramCache &programs, const Geomet
 void CellBuffers::set_samples(const Gl &gl, const CellSamples &samples) {
   samples_.upload(gl, samples.list);
   sample_count_ = static_cast<int>(samples.list.size());
-  forget_points();
   check_gl(gl, "sample upload");
 }
 
-void CellBuffers::list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, BufferTexture &points) {
+bool CellBuffers::list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, BufferTexture &points) const {
   const size_t texels = 2 * static_cast<size_t>(sample_count_);
-  if (listed() || sample_count_ > most_points || texels > static_cast<size_t>(gl.limits.list_texels) ||
+  if (sample_count_ > most_points || texels > static_cast<size_t>(gl.limits.list_texels) ||
       texels * sizeof(vec4) > static_cast<size_t>(gl.limits.storage_bytes))
-    return;
+    return false;
   points.upload(gl, GL_RGBA32F, nullptr, texels, GL_STREAM_COPY);
   use_program(gl, programs, "points", buffer);
   gl.BindTextureUnit(UNIT_SAMPLES, samples_.id());
@@ -100,12 +99,9 @@ void CellBuffers::list_points(const Gl &gl, ProgramCache &programs, const Geomet
   dispatch(gl, sample_count_, int64_t{1} << 24);
   gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
   check_gl(gl, "points of samples");
-  points_ = &points;
+  return true;
 }
 
-void CellBuffers::bind(const Gl &gl) const {
-  gl.BindTextureUnit(UNIT_SAMPLES, samples_.id());
-  if (points_) gl.BindTextureUnit(UNIT_POINTS, points_->id());
-}
+void CellBuffers::bind(const Gl &gl) const { gl.BindTextureUnit(UNIT_SAMPLES, samples_.id()); }
 
 } // namespace paradesc

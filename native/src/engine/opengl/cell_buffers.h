@@ -27,11 +27,8 @@ public:
   std::vector<CellData> measure(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
   void set_samples(const Gl &gl, const CellSamples &samples);
   // Points of the samples in the geometry buffer as it is now, for centers to fetch in place of its texels; not where they would
-  // take too much memory. points: where they go, the same for all cells of a mesh.
-  void list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, BufferTexture &points);
-  // The geometry buffer changes, or other cells have listed theirs.
-  void forget_points() { points_ = nullptr; }
-  bool listed() const { return points_ != nullptr; }
+  // take too much memory: then false. points: where they go.
+  bool list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, BufferTexture &points) const;
   void bind(const Gl &gl) const;
 
 private:
@@ -39,7 +36,6 @@ private:
   ListTexture boxes_;
   Buffer measured_;
   BufferTexture samples_;
-  const BufferTexture *points_ = nullptr;
   int cell_count_ = 0, block_size_ = 1, sample_count_ = 0;
 };
 

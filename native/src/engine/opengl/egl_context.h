@@ -1,17 +1,13 @@
 // A headless OpenGL 4.5 core context by EGL, current on the thread that makes it. libEGL is opened at first use.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 
+#include "engine/driver_substitute.h"
 #include "engine/opengl/gl.h"
 
 namespace paradesc {
-
-// What takes the place of libEGL.so.1 or of an entry point of EGL or OpenGL, by its name: how tests make a driver fail. Empty in
-// the library itself, and out of reach of its callers.
-using DriverSubstitute = std::function<void *(const char *name, void *found)>;
 
 class EglContext {
 public:

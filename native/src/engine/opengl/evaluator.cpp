@@ -33,11 +33,11 @@ void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const st
   seams_.upload(gl, seams);
 }
 
-void Evaluator::set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare) {
+void Evaluator::set_neighborhoods(const Gl &gl, const Neighborhoods &neighborhoods, const BareSamples &bare) {
   bare_.upload(gl, bare.samples, GL_STREAM_DRAW);
   has_bare_ = !bare.samples.empty();
-  supports_.upload(gl, supports.center, GL_STREAM_DRAW);
-  ranges_.upload(gl, supports.range, GL_STREAM_DRAW);
+  supports_.upload(gl, neighborhoods.center, GL_STREAM_DRAW);
+  ranges_.upload(gl, neighborhoods.range, GL_STREAM_DRAW);
   check_gl(gl, "support upload");
 }
 
@@ -176,6 +176,7 @@ void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
     gl.BindTextureUnit(UNIT_RANGES, ranges_.id());
     settings.cells->bind(gl);
+    if (settings.points) gl.BindTextureUnit(UNIT_POINTS, settings.points->id());
   }
   if (settings.map) {
     settings.map->bind();
@@ -193,7 +194,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   params_.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, params_.id());
   if (walks && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
-  const std::string variant = variant_of(settings, buffer, has_bare_, !walks && settings.cells->listed());
+  const std::string variant = variant_of(settings, buffer, has_bare_, settings.points != nullptr);
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   const bool integral = settings.estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR;

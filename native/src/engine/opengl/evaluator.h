@@ -24,23 +24,24 @@ struct EvaluateSettings {
   int samples;
   uint32_t seed;
   int max_jumps;
-  int pattern;                        // pdesc_pattern
-  int ellipse;                        // pdesc_ellipse
-  int samples_at_once;                // that walk in one dispatch
-  bool chords;                        // distances along the surface are sums of chords
-  float radius;                       // in buffer units
-  float enlargement;                  // of the sampling ellipse over the radius
-  int relocation;                     // pdesc_relocation
-  int estimator;                      // pdesc_estimator of the curvatures
-  bool plain;                         // no control variate
-  bool geodesic_ball;                 // the neighborhood ends where the distance along the surface exceeds the radius
-  float adaptive;                     // 0: all samples everywhere
-  bool mapped = false;                // the surface is displaced: its faces are not the mesh's
-  bool exact = false;                 // the centers of set_reach again, on the triangles they reach
-  const CellBuffers *cells = nullptr; // what samples of the connected relocation read
-  const MapBuffer *map = nullptr;     // what operators read
-  float map_radius = 0;               // at which it was computed, in buffer units
-  float map_sigma = 0;                // of their Gaussian windows, in buffer units
+  int pattern;                           // pdesc_pattern
+  int ellipse;                           // pdesc_ellipse
+  int samples_at_once;                   // that walk in one dispatch
+  bool chords;                           // distances along the surface are sums of chords
+  float radius;                          // in buffer units
+  float enlargement;                     // of the sampling ellipse over the radius
+  int relocation;                        // pdesc_relocation
+  int estimator;                         // pdesc_estimator of the curvatures
+  bool plain;                            // no control variate
+  bool geodesic_ball;                    // the neighborhood ends where the distance along the surface exceeds the radius
+  float adaptive;                        // 0: all samples everywhere
+  bool mapped = false;                   // the surface is displaced: its faces are not the mesh's
+  bool exact = false;                    // the centers of set_reach again, on the triangles they reach
+  const CellBuffers *cells = nullptr;    // what samples of the connected relocation read
+  const BufferTexture *points = nullptr; // the points of these samples, if they are listed
+  const MapBuffer *map = nullptr;        // what operators read
+  float map_radius = 0;                  // at which it was computed, in buffer units
+  float map_sigma = 0;                   // of their Gaussian windows, in buffer units
   float harris_k = 0;
 
   // Centers that one dispatch may hold: those that walk leave a kilobyte or two each between dispatches.
@@ -67,7 +68,7 @@ public:
   void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
   // (triangle_count) unit normals, for settings that ask for faces.
   void set_faces(const Gl &gl, const std::vector<vec4> &normals);
-  void set_supports(const Gl &gl, const Supports &supports, const BareSamples &bare);
+  void set_neighborhoods(const Gl &gl, const Neighborhoods &neighborhoods, const BareSamples &bare);
   // The map where it is not read from texels: at the centers, and at the samples of BareSamples.
   void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &bare);
   void set_reach(const Gl &gl, std::span<const int32_t> centers, const Reach &reach);

@@ -14,36 +14,6 @@
 
 namespace paradesc {
 
-BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &charts, const std::vector<int32_t> &corner_group) {
-  struct Key {
-    int32_t group, corner;
-    auto operator<=>(const Key &) const = default;
-  };
-  // Corners by site, those of one site by group.
-  std::vector<int32_t> begin(charts.sites.size() + 2, 0);
-  for (const int32_t site : charts.corner_site)
-    if (site >= 0) ++begin[site + 2];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Key> keys(static_cast<size_t>(begin.back()));
-  for (int32_t corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
-    const int32_t site = charts.corner_site[corner];
-    if (site < 0) continue;
-    const int32_t group = corner_group.empty() ? corner : corner_group[corner];
-    keys[begin[site + 1]++] = {group, corner};
-  }
-  BakeVertices vertices;
-  vertices.index.assign(static_cast<size_t>(3 * triangles.triangle_count), 0);
-  for (size_t site = 0; site < charts.sites.size(); ++site) {
-    const auto first = static_cast<size_t>(begin[site]), last = static_cast<size_t>(begin[site + 1]);
-    std::sort(keys.begin() + static_cast<ptrdiff_t>(first), keys.begin() + static_cast<ptrdiff_t>(last));
-    for (size_t i = first; i < last; ++i) {
-      if (i == first || keys[i].group != keys[i - 1].group) vertices.corner.push_back(keys[i].corner);
-      vertices.index[keys[i].corner] = static_cast<uint32_t>(vertices.corner.size() - 1);
-    }
-  }
-  return vertices;
-}
-
 static GLuint make_framebuffer(const Gl &gl, std::initializer_list<GLuint> colors) {
   constexpr GLenum targets[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   GLuint framebuffer = 0;
@@ -78,37 +48,37 @@ double GeometryBuffer::megabytes() const {
 
 // ---- The layout
 
-static std::vector<EdgeData> edge_data(const BakeInput &input) {
+static std::vector<EdgeData> edge_data(const Charts &charts) {
   std::vector<EdgeData> edges;
-  edges.reserve(input.charts.borders.size());
-  for (const Border &border : input.charts.borders) {
-    const auto [first, second] = border_ends(input.triangles, border);
+  edges.reserve(charts.borders.size());
+  for (const Border &border : charts.borders) {
+    const auto [first, second] = border_ends(charts, border);
     const auto a = static_cast<size_t>(first), b = static_cast<size_t>(second);
-    edges.push_back({vec4(input.triangles.corner_uv[a], input.triangles.corner_uv[b]),
-                     ivec4(border.chart, border.half_edge / 3, first % 3, second % 3)});
+    edges.push_back(
+        {vec4(charts.corner_uv[a], charts.corner_uv[b]), ivec4(border.chart, border.half_edge / 3, first % 3, second % 3)});
   }
   return edges;
 }
 
-void GeometryBuffer::begin_layout(const BakeInput &input) {
-  const auto count = static_cast<size_t>(input.triangles.triangle_count);
+void GeometryBuffer::begin_layout(const Charts &charts, const BakeVertices &vertices) {
+  const auto count = charts.triangle_chart.size();
   std::vector<vec4> places(2 * count, vec4(0.0f)); // of triangles on no chart: one point, which is not drawn
   std::vector<ivec4> corners(count, ivec4(0));
   area_in_map_ = 0.0;
   for (size_t t = 0; t < count; ++t) {
-    if (input.charts.triangle_chart[t] < 0) continue;
-    const vec2 *uv = &input.triangles.corner_uv[3 * t];
-    const uint32_t *vertex = &input.vertices.index[3 * t];
+    if (charts.triangle_chart[t] < 0) continue;
+    const vec2 *uv = &charts.corner_uv[3 * t];
+    const uint32_t *vertex = &vertices.index[3 * t];
     const double area = std::abs(cross(dvec2(uv[1]) - dvec2(uv[0]), dvec2(uv[2]) - dvec2(uv[0])));
     places[2 * t] = vec4(uv[0], uv[1]);
-    places[2 * t + 1] = vec4(uv[2], static_cast<float>(input.charts.triangle_chart[t]), 0.0f);
+    places[2 * t + 1] = vec4(uv[2], static_cast<float>(charts.triangle_chart[t]), 0.0f);
     corners[t] = ivec4(vertex[0], vertex[1], vertex[2], std::bit_cast<int32_t>(static_cast<float>(1.0 / area)));
     area_in_map_ += area;
   }
-  triangle_count_ = input.vertices.corner.empty() ? 0 : input.triangles.triangle_count;
+  triangle_count_ = vertices.corner.empty() ? 0 : static_cast<int>(count);
   places_.upload(gl_, GL_RGBA32F, places.data(), places.size(), GL_STATIC_DRAW);
   corners_.upload(gl_, GL_RGBA32I, corners.data(), corners.size(), GL_STATIC_DRAW);
-  const std::vector<EdgeData> edges = edge_data(input);
+  const std::vector<EdgeData> edges = edge_data(charts);
   drawing_ = std::make_unique<Drawing>();
   drawing_->edges.upload(gl_, edges);
   drawing_->edge_count = static_cast<GLsizei>(edges.size());

@@ -4,22 +4,15 @@
 #include <memory>
 #include <vector>
 
+#include "bake/bake_vertices.h"
 #include "bake/distortion.h"
 #include "engine/opengl/buffer.h"
 #include "engine/opengl/program.h"
-#include "mesh/charts.h"
+#include "mesh/atlas.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
 
 namespace paradesc {
-
-// A vertex of the bake: the corners of one site that share a normal. Depends on topology and on which corners share one.
-struct BakeVertices {
-  std::vector<int32_t> corner; // (bake vertices) one corner that stands for it
-  std::vector<uint32_t> index; // (3 * triangle_count) bake vertex of each corner; of triangles on no chart all the same
-};
-// corner_group: corners of one site with the same group share a normal; empty: none do.
-BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &charts, const std::vector<int32_t> &corner_group);
 
 // What is baked. A frame brings positions and normals; the rest is the layout's.
 struct BakeInput {
@@ -29,11 +22,6 @@ struct BakeInput {
   const Normals &normals;
   const BufferFrame &frame;
   int threads = 0;
-};
-
-struct TexelCounts {
-  int covered = 0;     // texels with at least one owner
-  int overlapping = 0; // texels that several triangles claim
 };
 
 // Triangles are drawn once for a layout, for who owns each texel and where in its owner it lies. A frame then takes a look at
@@ -47,7 +35,7 @@ public:
   GeometryBuffer &operator=(const GeometryBuffer &) = delete;
 
   // A layout, in steps between which a run may be cancelled: uploads, triangles so many at a time, borders, counts.
-  void begin_layout(const BakeInput &input);
+  void begin_layout(const Charts &charts, const BakeVertices &vertices);
   int triangle_count() const { return triangle_count_; }
   void draw_triangles(ProgramCache &programs, int first, int last);
   void draw_borders(ProgramCache &programs);

@@ -2,8 +2,8 @@
 // surface point that it holds.
 #pragma once
 
+#include "descriptor/passes.h"
 #include "engine/opengl/geometry_buffer.h"
-#include "compute/passes.h"
 #include "mesh/halfedge.h"
 
 #include "shared.h"

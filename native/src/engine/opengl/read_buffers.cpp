@@ -1,39 +1,10 @@
-// What can be read of a mesh between computes: its report, and the baked buffers (paper Fig. 1).
+// Baked buffers → values in units of the positions (paper Fig. 1).
 #include <cmath>
 #include <limits>
 
-#include "compute/compute.h"
-#include "support/error.h"
+#include "engine/opengl/texture_space.h"
 
 namespace paradesc {
-
-pdesc_mesh_report describe(const Mesh &mesh) {
-  pdesc_mesh_report report{};
-  report.vertex_count = mesh.triangles.vertex_count;
-  report.triangle_count = mesh.triangles.triangle_count;
-  report.loose_vertices = mesh.half_edges.loose_vertices;
-  report.welded_vertices = mesh.half_edges.welded_vertices;
-  report.degenerate_triangles = mesh.half_edges.degenerate_triangles;
-  report.zero_uv_area_triangles = mesh.charts.zero_uv_area_triangles;
-  report.flipped_triangles = mesh.charts.flipped_triangles;
-  report.nonmanifold_edges = mesh.half_edges.nonmanifold_edges;
-  report.nonmanifold_vertices = mesh.half_edges.nonmanifold_vertices;
-  report.boundary_edges = mesh.half_edges.boundary_edges;
-  report.charts = mesh.charts.chart_count;
-  report.seam_edges = mesh.charts.seam_edges;
-  report.self_seam_edges = mesh.charts.self_seam_edges;
-  report.unlinked_edges = mesh.charts.unlinked_edges;
-  report.parts = mesh.half_edges.parts;
-  report.uv_remapped = mesh.triangles.uv_remapped;
-  return report;
-}
-
-pdesc_mesh_report report_of(const Mesh &mesh) {
-  pdesc_mesh_report report = mesh.found;
-  report.diagonal = static_cast<float>(mesh.diagonal);
-  report.mean_edge = static_cast<float>(mesh.mean_edge);
-  return report;
-}
 
 static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
@@ -78,29 +49,28 @@ static ReadBuffer neighbor_charts(const std::vector<int32_t> &ids, const BorderG
   return read;
 }
 
-ReadBuffer read_buffer(Mesh &mesh, const std::string &name) {
-  if (!mesh.device || !mesh.device->buffer || mesh.device->normals_kind < 0)
-    throw Error(PDESC_ERROR_INVALID_OPERATION,
-                "This mesh has no baked buffers; compute on a backend other than the reference first.");
-  const DeviceMesh &device = *mesh.device;
+ReadBuffer TextureSpace::read_buffer(const std::string &name, const Atlas &atlas) {
+  if (!baked_.key() || baked_.key()->layout.atlas.atlas != atlas.version) refuse_to_read_buffers();
+  const BufferFrame &space = baked_.value();
+  const GeometryBuffer &buffer = *device_->buffer;
   ReadBuffer read;
-  mesh.gl->run([&](const Gl &, ProgramCache &programs) {
-    const std::vector<int32_t> ids = device.buffer->read_ids();
+  gl_->run([&](const Gl &, ProgramCache &programs) {
+    const std::vector<int32_t> ids = buffer.read_ids();
     if (name == "position")
-      read = vectors(device.buffer->read_position(), ids, device.frame.center, device.frame.scale);
+      read = vectors(buffer.read_position(), ids, space.center, space.scale);
     else if (name == "normal")
-      read = vectors(device.buffer->read_normal(), ids, dvec3(0.0), 1.0);
+      read = vectors(buffer.read_normal(), ids, dvec3(0.0), 1.0);
     else if (name == "distortion")
-      read = distortions(device.buffer->read_distortion(programs), ids, static_cast<float>(device.frame.scale));
+      read = distortions(buffer.read_distortion(programs), ids, static_cast<float>(space.scale));
     else if (name == "chart")
       read = chart_numbers(ids);
     else if (name == "neighbor")
-      read = neighbor_charts(ids, device.grid, mesh.charts);
+      read = neighbor_charts(ids, grid_.value(), atlas.charts);
     else
       throw Error(PDESC_ERROR_INVALID_ARGUMENT,
                   "There is no buffer '" + name + "'; choose position, normal, chart, neighbor or distortion.");
   });
-  read.size = device.buffer->size();
+  read.size = buffer.size();
   return read;
 }
 

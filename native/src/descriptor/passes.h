@@ -6,7 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "gather/field.h"
+#include "descriptor/results.h"
+#include "paradesc/paradesc.h"
 #include "support/math.h"
 
 namespace paradesc {
@@ -29,6 +30,9 @@ std::vector<Pass> plan_passes(std::span<const int> asked, int map_row);
 // order of asked.
 using RunPass = std::function<SiteResults(const Pass &pass, const MapValues *map, int number, int count)>;
 SiteResults run_passes(int point_count, std::span<const int> asked, int map_row, const RunPass &run);
+
+// How far a pass looks around.
+double reach_of(const Pass &pass, const pdesc_options &options, double radius);
 
 // The row of the map's descriptor (NULL: sphere_volume_normalized). Throws Error(INVALID_ARGUMENT) where it cannot be a map.
 int find_map(const char *name);

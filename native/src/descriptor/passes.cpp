@@ -1,5 +1,5 @@
 // Rows by what they need → passes; a pass' values → the map that the next one reads.
-#include "compute/passes.h"
+#include "descriptor/passes.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,6 +7,8 @@
 
 #include "descriptor/registry.h"
 #include "support/error.h"
+
+#include "kernel/limits.h"
 
 namespace paradesc {
 
@@ -81,6 +83,10 @@ SiteResults run_passes(int point_count, std::span<const int> asked, int map_row,
   SiteResults results = std::move(done[0].results);
   results.values = std::move(values);
   return results;
+}
+
+double reach_of(const Pass &pass, const pdesc_options &options, double radius) {
+  return pass.stage == Stage::windows ? WINDOW_REACH * options.map_sigma * radius : radius;
 }
 
 int find_map(const char *name) {

@@ -1,5 +1,5 @@
 // Which passes operators need, and what they hand on.
-#include "compute/passes.h"
+#include "descriptor/passes.h"
 
 #include <cmath>
 

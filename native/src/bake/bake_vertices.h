@@ -1,0 +1,22 @@
+// Charts → the vertices of the bake: what one texel interpolates between. Depends on topology, and on which corners share a
+// normal.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mesh/charts.h"
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+// A vertex of the bake stands for the corners of one site that share a normal.
+struct BakeVertices {
+  std::vector<int32_t> corner; // (bake vertices) one corner that stands for it
+  std::vector<uint32_t> index; // (3 * triangle_count) bake vertex of each corner; of triangles on no chart all the same
+};
+
+// corner_group: corners of one site with the same group share a normal; empty: none do.
+BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &charts, const std::vector<int32_t> &corner_group);
+
+} // namespace paradesc

@@ -1,0 +1,99 @@
+// What arrays there are, times their lengths. The factors are those of `tests/bench/memory.py`, which prints how far a peak is
+// from what is expected here.
+#include "compute/memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "engine/engines.h"
+#include "support/free_memory.h"
+
+namespace paradesc {
+
+int64_t bytes_of_input(const pdesc_mesh_input &input) {
+  const int64_t triangles = std::max(input.triangle_count, 0), vertices = std::max(input.vertex_count, 0);
+  const int64_t edges = std::max(input.sharp_edge_count, 0);
+  int64_t a_triangle = 220;               // corners, half-edges, charts, and lists of edges while these are found
+  if (input.corner_uvs) a_triangle += 60; // as given, and in the unit square
+  if (input.corner_normals) a_triangle += 36;
+  return triangles * a_triangle + vertices * 80 + edges * 8;
+}
+
+template <class... Lists> static int64_t bytes(const Lists &...lists) {
+  return static_cast<int64_t>(((lists.capacity() * sizeof(lists[0])) + ...));
+}
+
+static int64_t bytes_of(const Patches &p) {
+  return bytes(p.triangle_patch, p.begin, p.triangle, p.corner, p.point_begin, p.point, p.link_begin, p.link);
+}
+
+// Given, in the unit square, and in the layout; most are the same array.
+static int64_t bytes_of_uvs(const Triangles &t, const Charts &c) {
+  const int64_t one = static_cast<int64_t>(t.given_uv.size() * sizeof(vec2));
+  return one * (1 + (t.corner_uv.begin() != t.given_uv.begin()) + (c.corner_uv.begin() != t.corner_uv.begin()));
+}
+
+// What a mesh holds between computations.
+static int64_t bytes_of_mesh(const Mesh &mesh) {
+  const Triangles &t = mesh.triangles;
+  const HalfEdges &h = mesh.half_edges;
+  const Charts &c = mesh.atlases.current().charts;
+  return bytes(t.positions, t.corner_vertex, t.input_corner, t.corner_normal, t.half_edge_sharp) + bytes_of_uvs(t, c) +
+         bytes(h.corner_point, h.twin, h.point_vertex, h.point_half_edge, h.vertex_point, h.point_boundary) +
+         bytes(c.triangle_chart, c.corner_site, c.half_edge_border, c.sites, c.point_site, c.shared_sites, c.shared_corners,
+               c.borders) +
+         (mesh.patches ? bytes_of(*mesh.patches) : 0);
+}
+
+MemoryForecast forecast_memory_of(const Mesh &mesh, int backend, const pdesc_options &options, std::span<const int> descriptors) {
+  const Charts &charts = mesh.atlases.current().charts;
+  MemoryForecast memory = forecast_memory(
+      backend, {mesh.triangles.triangle_count, mesh.half_edges.point_count, static_cast<int64_t>(charts.sites.size()),
+                static_cast<int64_t>(charts.borders.size()), mesh.maps.any(), mesh.patches.has_value(), options, descriptors});
+  memory.mesh = bytes_of_mesh(mesh);
+  return memory;
+}
+
+static std::string in_words(int64_t bytes) {
+  const auto number = static_cast<double>(bytes);
+  char text[32];
+  if (bytes < 10'000'000)
+    std::snprintf(text, sizeof text, "%.0f kB", std::ceil(1e-3 * number));
+  else if (bytes < 1'000'000'000)
+    std::snprintf(text, sizeof text, "%.0f MB", std::ceil(1e-6 * number));
+  else
+    std::snprintf(text, sizeof text, "%.1f GB", 1e-9 * number);
+  return text;
+}
+
+void check_memory(const Context &context, const std::string &subject, const std::string &remedy, int64_t needed, int64_t held) {
+  const int64_t allowed = allowed_memory(context.memory_limit, held);
+  if (needed <= allowed) return;
+  const bool limited = context.memory_limit > 0;
+  throw Error(PDESC_ERROR_OUT_OF_MEMORY, subject + " needs about " + in_words(needed) + " of memory, and " + in_words(allowed) +
+                                             " may be used (" +
+                                             (limited ? "what the memory limit leaves" : "half of what is free") + "); " +
+                                             remedy + ", or " + (limited ? "set a higher limit." : "close other programs."));
+}
+
+void check_memory_of_input(const Context &context, const pdesc_mesh_input &input) {
+  check_memory(context,
+               "A mesh of " + std::to_string(input.triangle_count) + " triangles and " + std::to_string(input.vertex_count) +
+                   " vertices",
+               "use fewer triangles", bytes_of_input(input), 0);
+}
+
+void check_memory_of_compute(const Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors) {
+  const Engine &engine = *mesh.context->engine;
+  const MemoryForecast memory = forecast_memory_of(mesh, engine.backend(), options, descriptors);
+  const bool buffers = engine.abilities().texture_space;
+  const int64_t kept_for_others = mesh.session ? mesh.session->bytes_kept_for_others() : 0;
+  check_memory(*mesh.context,
+               "A computation on " + std::to_string(mesh.triangles.triangle_count) + " triangles" +
+                   (buffers ? " with buffers of " + std::to_string(options.buffer_size) + " texels a side" : std::string()),
+               buffers ? "use smaller buffers or fewer triangles" : "use fewer triangles", memory.total() - memory.mesh,
+               memory.mesh + kept_for_others);
+}
+
+} // namespace paradesc

@@ -1,0 +1,95 @@
+// Checks first, topology next; what depends on positions alone is measured again when they change.
+#include "compute/mesh.h"
+
+#include <string>
+
+#include "compute/memory.h"
+#include "support/cancel.h"
+#include "support/error.h"
+
+namespace paradesc {
+
+// The mesh and its UV map as they were given.
+static pdesc_mesh_report describe(const Triangles &triangles, const HalfEdges &half_edges, const Charts &charts) {
+  pdesc_mesh_report report{};
+  report.vertex_count = triangles.vertex_count;
+  report.triangle_count = triangles.triangle_count;
+  report.loose_vertices = half_edges.loose_vertices;
+  report.welded_vertices = half_edges.welded_vertices;
+  report.degenerate_triangles = half_edges.degenerate_triangles;
+  report.zero_uv_area_triangles = charts.zero_uv_area_triangles;
+  report.flipped_triangles = charts.flipped_triangles;
+  report.nonmanifold_edges = half_edges.nonmanifold_edges;
+  report.nonmanifold_vertices = half_edges.nonmanifold_vertices;
+  report.boundary_edges = half_edges.boundary_edges;
+  report.charts = charts.chart_count;
+  report.seam_edges = charts.seam_edges;
+  report.self_seam_edges = charts.self_seam_edges;
+  report.unlinked_edges = charts.unlinked_edges;
+  report.parts = half_edges.parts;
+  report.uv_remapped = triangles.uv_remapped;
+  return report;
+}
+
+pdesc_mesh_report report_of(const Mesh &mesh) {
+  pdesc_mesh_report report = mesh.found;
+  report.diagonal = static_cast<float>(mesh.extent.diagonal);
+  report.mean_edge = static_cast<float>(mesh.extent.mean_edge);
+  return report;
+}
+
+void check_triangle_count(const Context &context, int32_t triangles) {
+  const int32_t most = context.engine->abilities().most_triangles;
+  if (triangles > most)
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh has " + std::to_string(triangles) + " triangles, and graphics devices take " +
+                                             std::to_string(most) + "; use fewer, or the reference backend.");
+}
+
+std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
+  check_memory_of_input(*context, input);
+  if (context->asked != PDESC_BACKEND_AUTO) check_triangle_count(*context, input.triangle_count);
+  const CancelScope cancel([&] {
+    if (input.progress && !input.progress(input.user, "mesh", 0.0))
+      throw Error(PDESC_ERROR_CANCELLED, "Cancelled in stage mesh.");
+  });
+  auto mesh = std::make_unique<Mesh>();
+  const int threads = context->threads;
+  mesh->context = std::move(context);
+  mesh->triangles = read_triangles(input);
+  checkpoint();
+  mesh->half_edges = build_half_edges(mesh->triangles, threads);
+  mesh->atlases = Atlases(build_charts(mesh->triangles, mesh->half_edges, {}, threads));
+  checkpoint();
+  mesh->extent = measure_extent(mesh->triangles, mesh->half_edges, threads);
+  mesh->found = describe(mesh->triangles, mesh->half_edges, mesh->atlases.current().charts);
+  return mesh;
+}
+
+void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
+  set_positions(mesh.triangles, positions, vertex_count);
+  ++mesh.positions_version;
+  mesh.atlases.choose_primary_sites(mesh.triangles, mesh.context->threads);
+  mesh.extent = measure_extent(mesh.triangles, mesh.half_edges, mesh.context->threads);
+}
+
+const Normals &normals_of(Mesh &mesh, int32_t kind) {
+  const int threads = mesh.context->threads;
+  return mesh.normals.get({mesh.positions_version, kind}, [&] {
+    if (!mesh.rings) mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges, threads);
+    return compute_normals(mesh.triangles, mesh.half_edges, *mesh.rings, kind, threads);
+  });
+}
+
+const Patches &patches_of(Mesh &mesh) {
+  if (!mesh.patches) mesh.patches = build_patches(mesh.half_edges);
+  return *mesh.patches;
+}
+
+ReadBuffer read_buffer(Mesh &mesh, const std::string &name) {
+  if (!mesh.session) refuse_to_read_buffers();
+  return mesh.session->read_buffer(name, mesh.atlases.current());
+}
+
+int buffer_size(const Mesh &mesh) { return mesh.session ? mesh.session->buffer_size() : 0; }
+
+} // namespace paradesc

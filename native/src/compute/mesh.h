@@ -1,0 +1,50 @@
+// The caller's arrays → a mesh: its topology, its layout, and what an engine keeps of it between computations.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "context.h"
+#include "engine/engine.h"
+#include "support/keyed.h"
+
+namespace paradesc {
+
+struct Mesh {
+  std::shared_ptr<Context> context;
+  Triangles triangles;
+  HalfEdges half_edges;
+  Atlases atlases;
+  SurfaceMaps maps;
+  Extent extent;
+  uint64_t positions_version = 0;
+  pdesc_mesh_report found{}; // in the mesh and its UV map as they were given
+
+  // Stages that every engine reads, made when first asked for.
+  std::optional<NormalRings> rings;
+  std::optional<Patches> patches;
+  Keyed<std::pair<uint64_t, int32_t>, Normals> normals; // by the positions' version and pdesc_normals
+
+  std::shared_ptr<Engine> engine; // that the session is of: the context may have gone on to another since
+  std::unique_ptr<Session> session;
+
+  Mesh() = default;
+  Mesh(const Mesh &) = delete;
+  Mesh &operator=(const Mesh &) = delete;
+};
+
+std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input);
+void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count);
+pdesc_mesh_report report_of(const Mesh &mesh);
+const Normals &normals_of(Mesh &mesh, int32_t kind); // pdesc_normals
+const Patches &patches_of(Mesh &mesh);
+
+// As Session::read_buffer and buffer_size.
+ReadBuffer read_buffer(Mesh &mesh, const std::string &name);
+int buffer_size(const Mesh &mesh);
+
+// Throws Error(UNSUPPORTED) for more triangles than the context's engine takes.
+void check_triangle_count(const Context &context, int32_t triangles);
+
+} // namespace paradesc

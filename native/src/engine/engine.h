@@ -1,0 +1,116 @@
+// The seam between what is computed and what computes it: a mesh and options in, values at places of the surface out.
+//
+// An engine is opened once for a context; a session is what it keeps of one mesh between computations. Nothing outside an
+// engine's folder knows how it works; what it can do is asked (Abilities).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bake/surface_maps.h"
+#include "descriptor/results.h"
+#include "mesh/atlas.h"
+#include "mesh/extent.h"
+#include "mesh/normals.h"
+#include "mesh/patches.h"
+#include "support/progress.h"
+
+namespace paradesc {
+
+// What is beyond these is refused before a session is asked.
+struct Abilities {
+  bool texture_space = false; // it needs a UV map, has buffers to read, and knows the places of a point there apart
+  bool surface_maps = false;  // it follows displacement and normal maps
+  int32_t most_triangles = std::numeric_limits<int32_t>::max();
+};
+
+struct Resources {
+  int threads = 0;          // as in pdesc_context_options
+  int64_t memory_limit = 0; // likewise
+  int smallest_tile = 128;  // centers of the first dispatch, which no result may depend on
+};
+
+// A mesh at one moment, borrowed for one computation.
+struct Surface {
+  const Triangles &triangles;
+  const HalfEdges &half_edges;
+  const Normals &normals;
+  const SurfaceMaps &maps;
+  const Extent &extent;
+  Atlases &atlases;                         // an engine in texture space may ask for a better one
+  std::function<const Patches &()> patches; // made when first asked for
+  uint64_t positions_version;               // differs whenever positions do
+};
+
+// What is asked of it.
+struct Request {
+  const pdesc_options &options;
+  std::span<const int> descriptors; // rows of the registry
+  double radius;                    // in units of the positions
+};
+
+struct Computed {
+  SiteResults results;
+  pdesc_field_report report{};            // what the engine knows of it; the rest is 0
+  std::vector<std::vector<float>> images; // as images_of, if texels were evaluated
+  int image_size = 0;
+};
+
+// Values of a baked buffer (size * size, components), row by row from v = 0, in units of the positions; NaN where nothing is
+// (chart, neighbor: -1).
+struct ReadBuffer {
+  int size = 0, components = 1;
+  std::vector<float> values;
+};
+
+// Throws Error(INVALID_OPERATION).
+[[noreturn]] void refuse_to_read_buffers();
+
+class Session {
+public:
+  virtual ~Session() = default;
+  // Throws Error: CANCELLED, or what failed. The session stays usable.
+  virtual Computed compute(const Surface &surface, const Request &request, const Resources &resources,
+                           const Progress &progress) = 0;
+  // Texels along a side of the buffers that were baked last; 0: none are there.
+  virtual int buffer_size() const { return 0; }
+  // Throws Error(INVALID_OPERATION) if none are there, INVALID_ARGUMENT with the names there are.
+  virtual ReadBuffer read_buffer(const std::string &, const Atlas &) { refuse_to_read_buffers(); }
+  // Bytes that are kept for other radii: by chance, and so no part of what one computation takes.
+  virtual int64_t bytes_kept_for_others() const { return 0; }
+};
+
+class Engine {
+public:
+  virtual ~Engine() = default;
+  virtual int32_t backend() const = 0; // pdesc_backend
+  virtual const std::string &device() const = 0;
+  virtual Abilities abilities() const = 0;
+  virtual bool lost() const { return false; } // nothing more can be computed here
+  virtual std::unique_ptr<Session> open_session() = 0;
+};
+
+// What the memory of a computation follows from.
+struct ComputationSize {
+  int64_t triangles, points, sites, borders;
+  bool surface_maps; // the mesh has some
+  bool patches;      // they are made already
+  const pdesc_options &options;
+  std::span<const int> descriptors;
+};
+
+// Bytes at the peak of one computation.
+struct MemoryForecast {
+  int64_t mesh = 0;           // what a mesh holds between computations
+  int64_t host = 0;           // beside it
+  int64_t device = 0;         // textures and buffers
+  int64_t device_on_host = 0; // of the device's, what the host's memory holds: a software rasterizer's is all there
+  int64_t total() const { return mesh + host + device_on_host; } // of the host's
+};
+
+} // namespace paradesc

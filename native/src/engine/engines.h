@@ -1,0 +1,17 @@
+// Backends by number → engines. The one place that knows which engines there are.
+#pragma once
+
+#include <memory>
+
+#include "engine/driver_substitute.h"
+#include "engine/engine.h"
+
+namespace paradesc {
+
+// backend: any but AUTO. Throws Error(UNSUPPORTED) with what was found and what to do.
+std::shared_ptr<Engine> open_engine(int32_t backend, int device_index, int threads, const DriverSubstitute &substitute);
+
+// What a computation on that backend takes beside the mesh.
+MemoryForecast forecast_memory(int32_t backend, const ComputationSize &size);
+
+} // namespace paradesc

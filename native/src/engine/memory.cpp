@@ -1,0 +1,20 @@
+// The factors are those of `tests/bench/memory.py`, which prints how far a peak is from what is expected here.
+#include "engine/memory.h"
+
+#include "descriptor/registry.h"
+
+#include "shared.h"
+
+namespace paradesc {
+
+int64_t rows_of(std::span<const int> descriptors) {
+  int64_t rows = ROW_DESCRIPTORS;
+  for (const int descriptor : descriptors) rows += descriptor_row(descriptor).components;
+  return rows;
+}
+
+int64_t bytes_of_results(const ComputationSize &size) {
+  return 60 * size.triangles + 400 * size.points + 12 * rows_of(size.descriptors) * size.points;
+}
+
+} // namespace paradesc

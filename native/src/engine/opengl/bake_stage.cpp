@@ -1,0 +1,130 @@
+// Surface and atlas → buffers on the device: who owns each texel (a layout), and the point of the surface there (a frame).
+#include <algorithm>
+#include <cmath>
+
+#include "bake/seam_links.h"
+#include "engine/opengl/texture_space.h"
+#include "support/cancel.h"
+
+namespace paradesc {
+
+// One step on the device; a computation may be cancelled between steps.
+void TextureSpace::step(const Work &work) {
+  checkpoint();
+  gl_->run(work);
+}
+
+static int count_bare_triangles(const Charts &charts, const std::vector<int32_t> &ids) {
+  std::vector<uint8_t> seen(charts.triangle_chart.size(), 0);
+  for (size_t i = 0; i < ids.size(); i += 2)
+    if (ids[i] >= 0 && ids[i + 1] >= 0) seen[ids[i + 1]] = 1;
+  int bare = 0;
+  for (size_t i = 0; i < seen.size(); ++i) bare += charts.triangle_chart[i] >= 0 && !seen[i];
+  return bare;
+}
+
+void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
+  constexpr int drawn_at_once = 1 << 17; // triangles
+  const Charts &charts = job.charts();
+  const Normals &normals = job.surface.normals;
+  const int size = key.atlas.size;
+  const BorderGrid &grid = grid_.get(key.atlas, [&] { return build_border_grid(charts, size); });
+  const BakeVertices &vertices = vertices_.get({key.atlas.atlas, key.own_normals}, [&] {
+    return build_bake_vertices(job.surface.triangles, charts, key.own_normals ? std::vector<int32_t>() : *normals.corner_fan);
+  });
+  layout_.get(key, [&] {
+    BakedLayout layout;
+    step([&](const Gl &gl, ProgramCache &) {
+      device_->cells.clear();
+      baked_.clear();
+      if (!device_->buffer || device_->buffer->size() != size || device_->buffer->half() != key.half)
+        device_->buffer = std::make_unique<GeometryBuffer>(gl, size, key.half);
+      device_->evaluator.set_borders(gl, grid);
+      device_->buffer->begin_layout(charts, vertices);
+    });
+    const int count = device_->buffer->triangle_count();
+    for (int first = 0; first < count; first += drawn_at_once)
+      step([&](const Gl &gl, ProgramCache &programs) {
+        device_->buffer->draw_triangles(programs, first, std::min(first + drawn_at_once, count));
+        gl.Flush(); // the device draws these while the next are on their way
+      });
+    step([&](const Gl &, ProgramCache &programs) { device_->buffer->draw_borders(programs); });
+    step([&](const Gl &, ProgramCache &programs) { layout.counts = device_->buffer->end_layout(programs); });
+    step([&](const Gl &, ProgramCache &) { layout.bare_triangles = count_bare_triangles(charts, device_->buffer->read_ids()); });
+    return layout;
+  });
+}
+
+void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
+  constexpr int drawn_at_once = 1 << 20; // texels
+  const BakeInput input{job.surface.triangles, job.charts(), vertices_.value(),
+                        job.surface.normals,   frame.space,  job.resources.threads};
+  GeometryBuffer &buffer = *device_->buffer;
+  const int size = buffer.size(), rows = std::max(1, drawn_at_once / size);
+  for (const auto &set : device_->cells) {
+    set->measured.clear();
+    set->link_points.clear();
+  }
+  step([&](const Gl &, ProgramCache &) { buffer.upload(input); });
+  for (int first = 0; first < size; first += rows)
+    step([&](const Gl &gl, ProgramCache &programs) {
+      buffer.draw_surface(programs, first, std::min(first + rows, size));
+      gl.Flush();
+    });
+  if (frame.displaced)
+    step([&](const Gl &gl, ProgramCache &programs) { device_->mapper.run(gl, programs, buffer, input, job.surface.maps); });
+}
+
+Frame TextureSpace::bake(const Job &job) {
+  const Surface &surface = job.surface;
+  const pdesc_options &options = job.options();
+  Frame frame;
+  // Maps are applied to buffers of full precision.
+  frame.key.layout = {{surface.atlases.current().version, options.buffer_size},
+                      options.precision == PDESC_PRECISION_HALF && !surface.maps.any(),
+                      options.normals == PDESC_NORMALS_MESH};
+  frame.key.surface = {surface.positions_version, surface.maps.version, options.normals};
+  frame.space = frame_of(surface.extent.box);
+  if (surface.maps.any()) {
+    frame.displaced = &*displaced_.get(frame.key.surface, [&] {
+      return map_points(surface.maps, surface.triangles, surface.half_edges, surface.normals, frame.space, job.resources.threads);
+    });
+    frame.enlargement = ellipse_enlargement * frame.displaced->shrinkage;
+  } else {
+    displaced_.clear();
+  }
+  bake_layout(job, frame.key.layout);
+  baked_.get(frame.key, [&] {
+    bake_surface(job, frame);
+    return frame.space;
+  });
+  if (!job.connected()) frame.links = seam_links(surface.triangles, job.charts());
+  if (options.relocation == PDESC_RELOCATION_PAPER) frame.seams = number_seams(job.charts());
+  return frame;
+}
+
+// For radius 1, of every step-th site.
+std::vector<vec4> TextureSpace::ellipses(const Job &job, const BufferFrame &space, int step) {
+  const Charts &charts = job.charts();
+  const std::vector<int32_t> &corners =
+      ellipse_corners_.get({job.surface.atlases.current().version, step}, [&] { return corners_of_sites(charts, step); });
+  return sampling_ellipses(job.surface.triangles, charts, space, corners, step);
+}
+
+// None at texels, which are centers of their own; sets the frame's radius in texels.
+Centers TextureSpace::centers(const Job &job, Frame &frame, double radius) {
+  const pdesc_options &options = job.options();
+  const Charts &charts = job.charts();
+  // Samples that march need all ellipses; the median of their sizes does with some.
+  const size_t step = job.connected() ? std::max<size_t>(1, charts.sites.size() / 4096) : 1;
+  const std::vector<vec4> sizes = ellipses(job, frame.space, static_cast<int>(step));
+  const auto own_radius = static_cast<float>(radius * frame.space.scale);
+  const CenterOptions where{options.seam_error != 0, job.connected(), options.seed, options.buffer_size,
+                            own_radius * frame.enlargement};
+  frame.radius_in_texels = median_radius_in_texels(charts, where, own_radius, sizes, step);
+  if (options.evaluate == PDESC_EVALUATE_TEXEL) return {};
+  return list_centers({job.surface.triangles, job.surface.half_edges, charts, job.surface.normals, frame.space, frame.displaced},
+                      where, sizes);
+}
+
+} // namespace paradesc

@@ -1,0 +1,188 @@
+// Centers and their neighborhoods → descriptors, in tiles between which a computation can be cancelled.
+#include <algorithm>
+#include <cmath>
+
+#include "descriptor/registry.h"
+#include "engine/opengl/texture_space.h"
+#include "sample/ambiguous.h"
+
+namespace paradesc {
+
+// Samples that march in one dispatch. llvmpipe ends the loops of an invocation after 65535 iterations (shared.h), and the eight
+// invocations of its vector count together.
+static int samples_at_once(bool software, const pdesc_options &options) {
+  if (!software) return options.samples;
+  const int samples = options.relocation == PDESC_RELOCATION_PAPER ? 8 : 64; // each of them up to MAX_VISITS times
+  return options.geodesic == PDESC_GEODESIC_CHORDS ? samples / 8 : samples;
+}
+
+EvaluateSettings TextureSpace::settings_of(const Job &job, const Frame &frame) {
+  const pdesc_options &options = job.options();
+  EvaluateSettings settings{};
+  settings.samples = options.samples;
+  settings.seed = options.seed;
+  settings.max_jumps = options.max_jumps;
+  settings.pattern = options.pattern;
+  settings.ellipse = options.ellipse;
+  settings.samples_at_once = samples_at_once(software_, options);
+  settings.chords = options.geodesic == PDESC_GEODESIC_CHORDS;
+  settings.radius = static_cast<float>(job.request.radius * frame.space.scale);
+  settings.enlargement = job.connected() ? ellipse_enlargement : frame.enlargement;
+  settings.relocation = options.relocation;
+  if (job.connected()) settings.cells = cells().buffers.get();
+  settings.estimator = options.estimator;
+  settings.plain = options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE;
+  settings.mapped = frame.displaced != nullptr;
+  settings.geodesic_ball = options.distance == PDESC_DISTANCE_GEODESIC;
+  settings.adaptive = static_cast<float>(options.adaptive);
+  settings.map_radius = settings.radius;
+  settings.map_sigma = static_cast<float>(options.map_sigma) * settings.radius;
+  settings.harris_k = static_cast<float>(options.harris_k);
+  return settings;
+}
+
+// The map goes where samples find it: texels, centers, and triangles without texels.
+void TextureSpace::bake_map(const Job &job, const Centers &centers, const BareSamples &bare, const MapValues &values) {
+  const HalfEdges &half_edges = job.surface.half_edges;
+  std::vector<vec4> at_centers, at_bare;
+  for (const int32_t point : centers.points) at_centers.push_back(values[point]);
+  for (size_t i = 0; i < bare.weights.size(); ++i) {
+    const int32_t triangle = bare.samples[i].triangle;
+    auto corner = [&](int k) { return values[half_edges.corner_point[3 * triangle + k]]; };
+    const vec2 weights = bare.weights[i];
+    at_bare.push_back(corner(0) * (1.0f - weights.x - weights.y) + corner(1) * weights.x + corner(2) * weights.y);
+  }
+  gl_->run([&](const Gl &gl, ProgramCache &programs) {
+    if (!device_->map || device_->map->size() != device_->buffer->size())
+      device_->map = std::make_unique<MapBuffer>(gl, device_->buffer->size());
+    device_->map->bake(programs, *device_->buffer, {half_edges, vertices_.value(), values});
+    device_->evaluator.set_map(gl, at_centers, at_bare);
+  });
+}
+
+// Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
+void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress,
+                                  double from, double to) {
+  const int smallest_tile = job.resources.smallest_tile; // enough for every core of a software device
+  const int group = gl_->group_size();
+  int tile = smallest_tile;
+  for (int first = 0; first < count;) {
+    const int last = first + std::min({tile, count - first, settings.largest_tile(), gl_->largest_dispatch()});
+    Clock clock;
+    gl_->run([&](const Gl &gl, ProgramCache &programs) {
+      device_->evaluator.run(gl, programs, *device_->buffer, settings, first, last);
+    });
+    const double scale = std::clamp(0.03 / std::max(clock.lap(), 1e-4), 0.25, 4.0);
+    tile = std::max(smallest_tile, static_cast<int>(tile * scale) / group * group);
+    first = last;
+    check_cancel(progress, "evaluate", from + (to - from) * first / count);
+  }
+}
+
+// (triangle_count) unit normals; 0 for a triangle without area.
+static std::vector<vec4> face_normals(const Triangles &triangles) {
+  std::vector<vec4> normals(triangles.triangle_count);
+  for (int32_t t = 0; t < triangles.triangle_count; ++t) {
+    const dvec3 first(triangles.position(3 * t));
+    const dvec3 normal = cross(dvec3(triangles.position(3 * t + 1)) - first, dvec3(triangles.position(3 * t + 2)) - first);
+    const double size = length(normal);
+    normals[t] = size > 0.0 ? vec4(vec3(normal / size), 0.0f) : vec4(0.0f);
+  }
+  return normals;
+}
+
+// All of these centers, from one fraction of the whole to another.
+void TextureSpace::evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
+                            const std::vector<CenterData> &centers, const Progress &progress, double from, double to) {
+  gl_->run([&](const Gl &gl, ProgramCache &) {
+    device_->evaluator.set_links(gl, frame.links, frame.seams);
+    device_->evaluator.set_centers(gl, centers, settings);
+    if (settings.faces()) device_->evaluator.set_faces(gl, face_normals(job.surface.triangles));
+  });
+  evaluate_tiles(job, settings, static_cast<int>(centers.size()), progress, from, to);
+}
+
+std::vector<float> TextureSpace::read_rows(const EvaluateSettings &settings) {
+  std::vector<float> rows;
+  gl_->run([&](const Gl &gl, ProgramCache &) { rows = device_->evaluator.read(gl, settings); });
+  return rows;
+}
+
+SiteResults TextureSpace::read_results(const EvaluateSettings &settings, const Frame &frame, size_t count) {
+  const std::vector<float> rows = read_rows(settings);
+  SiteResults results;
+  results.values.resize(settings.descriptors.size());
+  size_t refined = 0, unwritten = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const uint32_t flags = flags_of(rows[ROW_FLAGS * count + i]);
+    unwritten += std::isnan(rows[ROW_FLAGS * count + i]);
+    results.coverage.push_back(rows[ROW_COVERAGE * count + i]);
+    results.boundary.push_back((flags & FLAG_CUT) != 0);
+    refined += (flags & FLAG_ALL_SAMPLES) != 0;
+  }
+  if (unwritten > 0)
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics device left " + std::to_string(unwritten) + " of " +
+                                             std::to_string(count) +
+                                             " places without a result; use another backend, and please report the device.");
+  results.refined_share = count ? static_cast<double>(refined) / static_cast<double>(count) : 1.0;
+  size_t row = ROW_DESCRIPTORS;
+  for (size_t k = 0; k < settings.descriptors.size(); ++k) {
+    const DescriptorRow &descriptor = descriptor_row(settings.descriptors[k]);
+    const auto unit = static_cast<float>(std::pow(frame.space.scale, -descriptor.length_power));
+    const auto width = static_cast<size_t>(descriptor.components);
+    results.values[k].resize(count * width);
+    for (size_t component = 0; component < width; ++component, ++row)
+      for (size_t i = 0; i < count; ++i) results.values[k][i * width + component] = rows[row * count + i] * unit;
+  }
+  return results;
+}
+
+// Computes centers again whose neighborhood is no disk, and not what is connected to them within the ball: on exactly that.
+void TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame,
+                                     const Centers &centers, const Progress &progress) {
+  const std::vector<float> rows = read_rows(settings);
+  const size_t count = centers.data.size();
+  const double unit = frame.space.scale * frame.space.scale;
+  AmbiguousCenters ambiguous;
+  for (size_t i = 0; i < count; ++i)
+    if (flags_of(rows[ROW_FLAGS * count + i]) & (centers.single_sheet[i] ? FLAG_FAR_FROM_DISK : FLAG_NO_DISK))
+      ambiguous.push_back(static_cast<int32_t>(i), centers.points[i], static_cast<double>(rows[ROW_AREA * count + i]) / unit);
+  const Surface &surface = job.surface;
+  const RecheckSpace space{job.triangles(frame), surface.half_edges,    radius,         surface.extent.mean_edge,
+                           settings.samples,     job.resources.threads, surface.patches};
+  settings.exact = true;
+  double from = 0.8;
+  recheck(std::move(ambiguous), space,
+          {[&](double done) { check_cancel(progress, "evaluate", from = 0.8 + 0.2 * done); },
+           [&](std::span<const int32_t> again, const Reach &triangles) {
+             gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_reach(gl, again, triangles); });
+             evaluate_tiles(job, settings, static_cast<int>(again.size()), progress, from, from);
+           }});
+}
+
+// (places, width) by the numbers that they had.
+template <class Value> static void put_back(const std::vector<int32_t> &order, std::vector<Value> &values) {
+  std::vector<Value> ordered(values.size());
+  const size_t width = order.empty() ? 1 : values.size() / order.size();
+  for (size_t i = 0; i < values.size(); ++i) ordered[order[i / width] * width + i % width] = values[i];
+  values.swap(ordered);
+}
+
+// In the order that the centers were listed in: passes are read together, and each may have had an order of its own.
+SiteResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
+                                           const Centers &centers, const Progress &progress) {
+  evaluate(job, settings, frame, centers.data, progress, 0.3, 0.8);
+  if (job.connected()) recheck_ambiguous(job, settings, radius, frame, centers, progress);
+  SiteResults results = read_results(settings, frame, centers.data.size());
+  results.point = centers.points;
+  for (size_t i = 0; i < centers.points.size(); ++i)
+    results.primary.push_back(job.charts().point_site[centers.points[i]] == centers.sites[i]);
+  for (std::vector<float> &values : results.values) put_back(centers.order, values);
+  put_back(centers.order, results.coverage);
+  put_back(centers.order, results.boundary);
+  put_back(centers.order, results.point);
+  put_back(centers.order, results.primary);
+  return results;
+}
+
+} // namespace paradesc

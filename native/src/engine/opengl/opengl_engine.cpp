@@ -1,0 +1,74 @@
+// A thread that owns a device, and a session in texture space for each mesh.
+#include "engine/opengl/opengl_engine.h"
+
+#include <algorithm>
+
+#include "descriptor/registry.h"
+#include "engine/memory.h"
+#include "engine/opengl/gl_thread.h"
+#include "engine/opengl/texture_space.h"
+
+#include "shared.h"
+
+namespace paradesc {
+
+namespace {
+
+class OpenglEngine final : public Engine {
+public:
+  OpenglEngine(bool software, int device_index, const DriverSubstitute &substitute)
+      : software_(software), thread_(std::make_shared<GlThread>(software, device_index, substitute)) {}
+  int32_t backend() const override { return software_ ? PDESC_BACKEND_SOFTWARE : PDESC_BACKEND_GPU; }
+  const std::string &device() const override { return thread_->device(); }
+  // Shaders carry triangles' numbers in floats, which are exact up to 2^24.
+  Abilities abilities() const override { return {.texture_space = true, .surface_maps = true, .most_triangles = 1 << 24}; }
+  bool lost() const override { return thread_->lost(); }
+  std::unique_ptr<Session> open_session() override { return open_texture_space(thread_, software_); }
+
+private:
+  bool software_;
+  std::shared_ptr<GlThread> thread_;
+};
+
+} // namespace
+
+std::shared_ptr<Engine> open_opengl_engine(bool software, int device_index, const DriverSubstitute &substitute) {
+  return std::make_shared<OpenglEngine>(software, device_index, substitute);
+}
+
+static bool reads_map(std::span<const int> descriptors) {
+  return std::ranges::any_of(descriptors, [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; });
+}
+
+static int64_t bytes_of_device(const ComputationSize &size) {
+  const pdesc_options &options = size.options;
+  const int64_t texels = int64_t{options.buffer_size} * options.buffer_size;
+  const int64_t a_texel = (options.precision == PDESC_PRECISION_HALF && !size.surface_maps ? 32 : 48) + 8 + 8 +
+                          8 // borders, cells, depth and owners of a layout
+                          + (reads_map(size.descriptors) ? 16 : 0);
+  const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? 32768 : size.sites;
+  int64_t bytes = texels * a_texel + size.triangles * 48 + size.sites * 32 + size.borders * 100 +
+                  centers * (200 + 4 * rows_of(size.descriptors));
+  if (options.relocation == PDESC_RELOCATION_CONNECTED) bytes += std::min<int64_t>(texels * 5 / 4, most_points) * 32;
+  if (reads_map(size.descriptors)) bytes += size.sites * 32;
+  if (options.relocation == PDESC_RELOCATION_PAPER) bytes += int64_t{16384} * MAX_VISITS * 64 + 16384 * 2048;
+  if (options.relocation == PDESC_RELOCATION_AFFINE) bytes += int64_t{65536} * 2048;
+  return bytes;
+}
+
+MemoryForecast forecast_opengl_memory(bool software, const ComputationSize &size) {
+  constexpr int64_t rasterizer = 45'000'000; // llvmpipe's lists of what to draw where
+  const pdesc_options &options = size.options;
+  MemoryForecast memory;
+  memory.device = bytes_of_device(size);
+  memory.device_on_host = software ? memory.device + rasterizer : 0;
+  memory.host = bytes_of_results(size) + int64_t{options.buffer_size} * options.buffer_size * 32 + size.triangles * 100 +
+                size.sites * 160 + size.borders * 300;
+  if (options.relocation == PDESC_RELOCATION_CONNECTED && options.evaluate == PDESC_EVALUATE_VERTEX)
+    memory.host += size.triangles * (size.patches ? 20 : 45); // patches, and what floods over them keep of each point
+  if (options.evaluate == PDESC_EVALUATE_TEXEL)
+    memory.host += int64_t{options.texels} * options.texels * (60 + 16 * rows_of(size.descriptors));
+  return memory;
+}
+
+} // namespace paradesc

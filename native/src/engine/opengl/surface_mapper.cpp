@@ -1,0 +1,72 @@
+// Images and corners as textures, one dispatch over all texels.
+#include "engine/opengl/surface_mapper.h"
+
+#include "shared.h"
+#include "support/error.h"
+
+namespace paradesc {
+
+template <class Pixel> static Texture upload_image(const Gl &gl, const Image<Pixel> *image, GLenum format, GLenum channels) {
+  const Image<Pixel> nothing{1, 1, std::vector<Pixel>(1, Pixel(0.0f))};
+  const Image<Pixel> &used = image ? *image : nothing;
+  GLint limit = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+  if (used.width > limit || used.height > limit)
+    throw Error(PDESC_ERROR_UNSUPPORTED, "The image of " + std::to_string(used.width) + " x " + std::to_string(used.height) +
+                                             " pixels is too large for this device, which takes " + std::to_string(limit) +
+                                             " a side; use a smaller one.");
+  Texture texture(gl, used.width, used.height, format);
+  gl.TextureSubImage2D(texture.id(), 0, 0, 0, used.width, used.height, channels, GL_FLOAT, used.pixels.data());
+  return texture;
+}
+
+void SurfaceMapper::upload_images(const Gl &gl, const SurfaceMaps &maps) {
+  if (version_ == maps.version) return;
+  heights_ = upload_image(gl, maps.displacement ? &maps.displacement->heights : nullptr, GL_R32F, GL_RED);
+  colors_ = upload_image(gl, maps.normal_map ? &maps.normal_map->colors : nullptr, GL_RGBA32F, GL_RGBA);
+  check_gl(gl, "upload of maps");
+  version_ = maps.version;
+}
+
+void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const SurfaceMaps &maps) {
+  const Triangles &triangles = input.triangles;
+  const SharedArray<vec2> &uvs = triangles.given_uv;
+  std::vector<vec2> given;
+  given.reserve(input.vertices.corner.size());
+  for (const int32_t corner : input.vertices.corner) given.push_back(uvs[corner]);
+  given_.upload(gl, GL_RG32F, given.data(), given.size());
+  std::vector<vec4> tangents;
+  if (maps.normal_map) {
+    const std::vector<vec4> &own = maps.normal_map->corner_tangent;
+    tangents.reserve(2 * own.size());
+    for (size_t corner = 0; corner < own.size(); ++corner) {
+      tangents.push_back(own[corner]);
+      tangents.emplace_back(frame_normal(triangles, input.normals, corner), 0.0f);
+    }
+  }
+  tangents_.upload(gl, GL_RGBA32F, tangents.data(), tangents.size());
+}
+
+void SurfaceMapper::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const BakeInput &input,
+                        const SurfaceMaps &maps) {
+  upload_images(gl, maps);
+  upload_corners(gl, input, maps);
+  gl.UseProgram(programs.get(gl, "displace", {{GL_COMPUTE_SHADER, "opengl/bake/displace.comp.glsl"}}));
+  buffer.bind_to_rewrite();
+  gl.BindTextureUnit(UNIT_HEIGHTS, heights_.id());
+  gl.BindTextureUnit(UNIT_COLORS, colors_.id());
+  gl.BindTextureUnit(UNIT_GIVEN, given_.id());
+  gl.BindTextureUnit(UNIT_TANGENTS, tangents_.id());
+  gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
+  gl.Uniform1i(LOCATION_DISPLACED, maps.displacement ? 1 : 0);
+  gl.Uniform1i(LOCATION_NORMAL_MAPPED, maps.normal_map ? 1 : 0);
+  gl.Uniform1f(LOCATION_MIDLEVEL, maps.displacement ? maps.displacement->midlevel : 0.0f);
+  gl.Uniform1f(LOCATION_HEIGHT_SCALE,
+               maps.displacement ? maps.displacement->scale * static_cast<float>(input.frame.scale) : 0.0f);
+  const auto groups = static_cast<GLuint>((buffer.size() + 7) / 8);
+  gl.DispatchCompute(groups, groups, 1);
+  gl.MemoryBarrier(GL_ALL_BARRIER_BITS);
+  check_gl(gl, "displacement");
+}
+
+} // namespace paradesc

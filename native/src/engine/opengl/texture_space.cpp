@@ -1,0 +1,179 @@
+// One computation in texture space, stage by stage; compute() is the table of contents.
+#include "engine/opengl/texture_space.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "descriptor/registry.h"
+#include "support/cancel.h"
+
+namespace paradesc {
+
+TextureSpace::~TextureSpace() {
+  gl_->run([&](const Gl &, ProgramCache &) { device_.reset(); });
+}
+
+int TextureSpace::buffer_size() const { return baked_.key() ? device_->buffer->size() : 0; }
+
+int64_t TextureSpace::bytes_kept_for_others() const {
+  const auto bytes = [](const auto &list) { return static_cast<int64_t>(list.capacity() * sizeof(list[0])); };
+  int64_t all = 0;
+  for (size_t i = 1; i < device_->cells.size(); ++i) {
+    const CellSet &set = *device_->cells[i];
+    all += 2 * (bytes(set.cells.label) + bytes(set.samples.list)) + bytes(set.measured.value()); // here and on the device
+  }
+  return all;
+}
+
+// Derivatives magnify the noise of what they are taken of, and their own.
+static int samples_of(const Pass &pass, const pdesc_options &options) {
+  const bool more = pass.stage == Stage::source || pass.stage == Stage::map;
+  return more ? std::max(options.samples, std::min(4 * options.samples, 4096)) : options.samples;
+}
+
+// A pattern over an enlarged ellipse has its samples farther apart: more of them keep as many within the ball.
+static int pattern_samples(const Job &job, const Frame &frame, int samples) {
+  if (!frame.displaced || job.connected()) return samples;
+  const auto shrinkage = static_cast<double>(frame.displaced->shrinkage);
+  return std::min(4096, static_cast<int>(std::ceil(samples * shrinkage * shrinkage)));
+}
+
+// The vertices, pass by pass: operators on a map come after what the map is made of.
+void TextureSpace::at_vertices(const Job &job, Frame &frame, Centers centers, Computed &computed) {
+  const pdesc_options &options = job.options();
+  const double radius = job.request.radius;
+  EvaluateSettings settings = settings_of(job, frame);
+  std::pair<double, int> prepared{radius, 0}; // for which radius centers are there, and for how many samples neighborhoods
+  BareSamples bare;
+  const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
+    const double reach = reach_of(pass, options, radius);
+    const int samples = pattern_samples(job, frame, samples_of(pass, options));
+    const auto before = std::exchange(prepared, {reach, samples});
+    if (before.first != reach) centers = this->centers(job, frame, reach);
+    if (job.connected() && before != prepared) bare = find_neighborhoods(job, frame, reach, samples, centers);
+    settings.radius = static_cast<float>(reach * frame.space.scale);
+    settings.samples = samples;
+    if (map) bake_map(job, centers, bare, *map);
+    settings.map = map ? device_->map.get() : nullptr;
+    settings.points = listed_points(job, frame);
+    settings.descriptors = pass.rows;
+    const Progress part = [&](const char *stage, double fraction) {
+      return job.progress(stage, 0.3 + 0.7 * (number + (fraction - 0.3) / 0.7) / count);
+    };
+    return evaluate_centers(job, settings, reach, frame, centers, part);
+  };
+  computed.results =
+      run_passes(job.surface.half_edges.point_count, job.request.descriptors, find_map(options.map_descriptor), run);
+  computed.report.places = static_cast<int32_t>(centers.data.size());
+}
+
+// The texels of a map, and the cells that they start from if these lead to neighborhoods: both depend on the layout alone.
+const TexelMap &TextureSpace::texel_map(const Job &job, const Frame &frame) {
+  const int size = job.options().texels;
+  const Charts &charts = job.charts();
+  const TexelMap &map = texels_.get({frame.key.layout.atlas.atlas, size}, [&] { return build_texel_map(charts, size); });
+  if (!job.connected()) return map;
+  cells().texel_cells.get(size, [&] {
+    std::vector<int32_t> ids;
+    gl_->run([&](const Gl &, ProgramCache &) { ids = device_->buffer->read_ids(); });
+    return find_cells(cells().cells, ids, grid_.value(), charts, texel_layout_places(map, charts, 0, map.places.size()),
+                      job.resources.threads);
+  });
+  return map;
+}
+
+static void refuse_beyond_texels(const Job &job, const Frame &frame) {
+  for (const int row : job.request.descriptors)
+    if (descriptor_row(row).needs != MapNeeds::nothing)
+      throw Error(PDESC_ERROR_INVALID_ARGUMENT, std::string("The operator ") + descriptor_row(row).name +
+                                                    " works on a map of values at vertices; choose to evaluate at vertices.");
+  if (frame.displaced)
+    throw Error(PDESC_ERROR_INVALID_ARGUMENT,
+                "Displacement and normal maps are followed at vertices only; choose to evaluate at vertices, or clear the maps.");
+}
+
+// The texels of a map, so many at a time that a computation can be cancelled between; then the vertices from there.
+void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
+  constexpr size_t batch = size_t{1} << 15;
+  refuse_beyond_texels(job, frame);
+  const Surface &surface = job.surface;
+  const Charts &charts = job.charts();
+  EvaluateSettings settings = settings_of(job, frame);
+  settings.descriptors = job.request.descriptors;
+  const TexelMap &map = texel_map(job, frame);
+  const std::vector<vec4> sizes = job.connected() ? std::vector<vec4>() : ellipses(job, frame.space, 1);
+  SiteResults all;
+  const size_t count = map.places.size();
+  for (size_t first = 0; first < count; first += batch) {
+    const size_t last = std::min(first + batch, count);
+    const std::vector<CenterData> centers = texel_centers(map, surface.triangles, charts, surface.normals, frame.space, sizes,
+                                                          settings.radius * ellipse_enlargement, job.options().seed, first, last);
+    if (job.connected()) {
+      const std::vector<int32_t> &starts = cells().texel_cells.value();
+      std::vector<SearchCenter> from;
+      for (size_t i = first; i < last; ++i) from.push_back({centers[i - first].position, {}, starts[i]});
+      const double own_radius = static_cast<double>(settings.radius) / frame.space.scale;
+      BareSamples bare;
+      const Neighborhoods found = search(job, frame, own_radius, settings.samples, from, bare);
+      upload(found, bare, frame);
+      settings.points = listed_points(job, frame);
+    }
+    const double share = 0.7 / static_cast<double>(count);
+    evaluate(job, settings, frame, centers, job.progress, 0.3 + share * static_cast<double>(first),
+             0.3 + share * static_cast<double>(last));
+    append(all, read_results(settings, frame, centers.size()));
+  }
+  computed.report.places = static_cast<int32_t>(count);
+  computed.images = images_of(map, all);
+  computed.image_size = map.size;
+  computed.results = look_up(map, all, charts, job.options().seam_error != 0, job.resources.threads);
+}
+
+Computed TextureSpace::compute(const Surface &surface, const Request &request, const Resources &resources,
+                               const Progress &progress) {
+  const Job job{surface, request, resources, progress};
+  const pdesc_options &options = request.options;
+  Computed computed;
+  pdesc_field_report &report = computed.report;
+  Clock clock;
+  surface.atlases.repack_if_overfull(surface.triangles, surface.half_edges, resources.threads);
+  report.seconds_prepare = clock.lap();
+  check_cancel(progress, "bake", 0.1);
+
+  Frame frame = bake(job);
+  Centers centers = this->centers(job, frame, request.radius);
+  if (surface.atlases.repack_if_needed(surface.triangles, surface.half_edges, layout_.value().counts, options.buffer_size,
+                                       frame.radius_in_texels, resources.threads)) {
+    frame = bake(job);
+    centers = this->centers(job, frame, request.radius);
+  }
+  report.radius_in_texels = frame.radius_in_texels; // passes with windows of their own change it
+  report.seconds_bake = clock.lap();
+  check_cancel(progress, "prepare", 0.2);
+
+  if (job.connected()) use_cells(job, frame);
+  report.seconds_prepare += clock.lap();
+  check_cancel(progress, "evaluate", 0.3);
+
+  if (options.evaluate == PDESC_EVALUATE_TEXEL)
+    at_texels(job, frame, computed);
+  else
+    at_vertices(job, frame, std::move(centers), computed);
+  const Atlas &atlas = surface.atlases.current();
+  report.private_layout = atlas.layout;
+  report.cut_charts = atlas.cut_charts;
+  report.overlapping_texels = layout_.value().counts.overlapping;
+  report.covered_texels = layout_.value().counts.covered;
+  report.bare_triangles = layout_.value().bare_triangles;
+  report.buffer_megabytes = device_->buffer->megabytes();
+  report.refined_share = computed.results.refined_share;
+  report.seconds_evaluate = clock.lap();
+  return computed;
+}
+
+std::unique_ptr<Session> open_texture_space(std::shared_ptr<GlThread> thread, bool software) {
+  return std::make_unique<TextureSpace>(std::move(thread), software);
+}
+
+} // namespace paradesc

@@ -1,0 +1,185 @@
+// A mesh in texture space (the paper's method): baked buffers, cells of their texels, neighborhoods among them, sums in shaders.
+//
+// Each stage is made by one function from inputs that it does not change, and is kept under its key (support/keyed.h).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bake/bake_vertices.h"
+#include "bake/distortion.h"
+#include "bake/surface_maps.h"
+#include "descriptor/passes.h"
+#include "engine/engine.h"
+#include "engine/opengl/cell_buffers.h"
+#include "engine/opengl/evaluator.h"
+#include "engine/opengl/geometry_buffer.h"
+#include "engine/opengl/gl_thread.h"
+#include "engine/opengl/map_buffer.h"
+#include "engine/opengl/surface_mapper.h"
+#include "sample/centers.h"
+#include "sample/neighborhoods.h"
+#include "sample/texels.h"
+#include "support/keyed.h"
+
+namespace paradesc {
+
+// ---- Keys: what a stage was made from
+
+struct AtlasSize {
+  int atlas; // its version
+  int size;  // texels along a side
+  bool operator==(const AtlasSize &) const = default;
+};
+
+struct LayoutKey {
+  AtlasSize atlas;
+  bool half;        // the buffers hold 16-bit floats
+  bool own_normals; // each corner has a normal of its own
+  bool operator==(const LayoutKey &) const = default;
+};
+
+struct SurfaceKey {
+  uint64_t positions; // their version
+  int maps;           // likewise
+  int32_t normals;    // pdesc_normals
+  bool operator==(const SurfaceKey &) const = default;
+};
+
+struct BakeKey {
+  LayoutKey layout;
+  SurfaceKey surface;
+  bool operator==(const BakeKey &) const = default;
+};
+
+struct PointsKey {
+  BakeKey bake;
+  uint64_t samples_version; // of the cells
+  bool operator==(const PointsKey &) const = default;
+};
+
+// ---- Values
+
+struct BakedLayout {
+  TexelCounts counts;
+  int bare_triangles = 0; // on charts, but without a texel
+};
+
+// The cells of one block size: each radius has its own.
+struct CellSet {
+  Cells cells;
+  std::unique_ptr<CellBuffers> buffers;
+  CellSamples samples;                            // for CellSamples::strides
+  uint64_t samples_version = 0;                   // differs from that of any other list of the session
+  Keyed<BakeKey, std::vector<CellData>> measured; // (cells)
+  Keyed<BakeKey, std::vector<vec3>> link_points;  // (cells.link_texel)
+  Keyed<int, std::vector<int32_t>> texel_cells;   // by the map's size: (places of texels) where their searches start
+};
+
+// The surface of one computation.
+struct Frame {
+  BakeKey key;
+  BufferFrame space;
+  const MappedPoints *displaced = nullptr; // where maps displace it
+  float enlargement = ellipse_enlargement; // of sampling ellipses over the radius
+  std::vector<vec4> links;                 // as seam_links, if samples march
+  std::vector<int32_t> seams;              // as number_seams, in the paper's relocation
+  double radius_in_texels = 0.0;
+};
+
+// What is borrowed for one computation.
+struct Job {
+  const Surface &surface;
+  const Request &request;
+  const Resources &resources;
+  const Progress &progress;
+  const pdesc_options &options() const { return request.options; }
+  bool connected() const { return request.options.relocation == PDESC_RELOCATION_CONNECTED; }
+  const Charts &charts() const { return surface.atlases.current().charts; }
+  const Triangles &triangles(const Frame &frame) const { // as they are measured
+    return frame.displaced ? frame.displaced->triangles : surface.triangles;
+  }
+};
+
+class TextureSpace final : public Session {
+public:
+  TextureSpace(std::shared_ptr<GlThread> thread, bool software) : gl_(std::move(thread)), software_(software) {}
+  ~TextureSpace() override;
+
+  Computed compute(const Surface &surface, const Request &request, const Resources &resources, const Progress &progress) override;
+  int buffer_size() const override;
+  ReadBuffer read_buffer(const std::string &name, const Atlas &atlas) override;
+  int64_t bytes_kept_for_others() const override;
+
+private:
+  using Work = std::function<void(const Gl &, ProgramCache &)>;
+
+  // What lives on the device: made, used and destroyed on its thread.
+  struct OnDevice {
+    std::unique_ptr<GeometryBuffer> buffer;
+    Evaluator evaluator;
+    std::unique_ptr<MapBuffer> map;              // if an operator was asked for
+    std::vector<std::unique_ptr<CellSet>> cells; // of the last radii, that of the last one first
+    BufferTexture points;                        // of samples, if centers fetch them often
+    SurfaceMapper mapper;
+  };
+
+  // bake_stage.cpp
+  Frame bake(const Job &job);
+  void bake_layout(const Job &job, const LayoutKey &key);
+  void bake_surface(const Job &job, const Frame &frame);
+  void step(const Work &work);
+  std::vector<vec4> ellipses(const Job &job, const BufferFrame &space, int step);
+  Centers centers(const Job &job, Frame &frame, double radius);
+
+  // neighborhood_stage.cpp
+  void use_cells(const Job &job, const Frame &frame);
+  CellSet &cells() { return *device_->cells.front(); }
+  const std::vector<CellData> &measured_cells(const Frame &frame);
+  const std::vector<vec3> &link_points(const Frame &frame);
+  void list_samples_for(const Job &job, const Frame &frame, float radius, int samples);
+  Neighborhoods search(const Job &job, const Frame &frame, double radius, int samples, const std::vector<SearchCenter> &centers,
+                       BareSamples &bare);
+  PointsKey points_key(const Frame &frame) { return {frame.key, cells().samples_version}; }
+  const BufferTexture *listed_points(const Job &job, const Frame &frame);
+  void upload(const Neighborhoods &neighborhoods, const BareSamples &bare, const Frame &frame);
+  BareSamples find_neighborhoods(const Job &job, const Frame &frame, double radius, int samples, Centers &centers);
+
+  // evaluate_stage.cpp
+  EvaluateSettings settings_of(const Job &job, const Frame &frame);
+  void evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame, const std::vector<CenterData> &centers,
+                const Progress &progress, double from, double to);
+  void evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress, double from,
+                      double to);
+  std::vector<float> read_rows(const EvaluateSettings &settings);
+  SiteResults read_results(const EvaluateSettings &settings, const Frame &frame, size_t count);
+  void recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame, const Centers &centers,
+                         const Progress &progress);
+  SiteResults evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
+                               const Centers &centers, const Progress &progress);
+  void bake_map(const Job &job, const Centers &centers, const BareSamples &bare, const MapValues &values);
+
+  // texture_space.cpp
+  void at_vertices(const Job &job, Frame &frame, Centers centers, Computed &computed);
+  void at_texels(const Job &job, Frame &frame, Computed &computed);
+  const TexelMap &texel_map(const Job &job, const Frame &frame);
+
+  std::shared_ptr<GlThread> gl_;
+  bool software_;
+  std::unique_ptr<OnDevice> device_ = std::make_unique<OnDevice>();
+
+  Keyed<AtlasSize, BorderGrid> grid_;
+  Keyed<std::pair<int, bool>, BakeVertices> vertices_; // by the atlas' version, and whether corners have normals of their own
+  Keyed<LayoutKey, BakedLayout> layout_;               // what the buffers' owners are
+  Keyed<SurfaceKey, std::optional<MappedPoints>> displaced_;
+  Keyed<BakeKey, BufferFrame> baked_;                                // what the buffers hold
+  Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas' version: of every so many sites
+  Keyed<AtlasSize, TexelMap> texels_;
+  uint64_t last_samples_version_ = 0;
+  Keyed<PointsKey, bool> listed_points_; // what device_->points holds
+};
+
+std::unique_ptr<Session> open_texture_space(std::shared_ptr<GlThread> thread, bool software);
+
+} // namespace paradesc

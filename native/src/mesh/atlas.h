@@ -1,0 +1,56 @@
+// Charts + what a bake counts of their texels → the layout in use: the caller's UV map, or a private one in which no two places
+// of the surface share texture space, or which fills more of the square.
+#pragma once
+
+#include <optional>
+
+#include "mesh/charts.h"
+#include "mesh/halfedge.h"
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+struct Atlas {
+  Charts charts;
+  int32_t layout = PDESC_LAYOUT_GIVEN; // pdesc_layout
+  int32_t cut_charts = 0;              // charts that overlapped themselves, and were cut for a layout of their own
+  int version = 0;                     // differs from that of every other atlas of the mesh
+};
+
+struct TexelCounts {
+  int covered = 0;     // texels with at least one owner
+  int overlapping = 0; // texels that several triangles claim
+};
+
+// The atlas that a mesh has at the moment. A private layout is made at most once, and then kept: it helps at every size and
+// radius, or at none.
+class Atlases {
+public:
+  Atlases() = default;
+  explicit Atlases(Charts charts) { atlas_.charts = std::move(charts); }
+
+  const Atlas &current() const { return atlas_; }
+  // The positions have changed.
+  void choose_primary_sites(const Triangles &triangles, int threads) { weigh_sites(triangles, threads, atlas_.charts); }
+  // Separates what overlaps if the map has more area than its square has: it would take as many times longer to draw. Costs
+  // nothing after the first time.
+  void repack_if_overfull(const Triangles &triangles, const HalfEdges &half_edges, int threads);
+  // True if the atlas is another one now. A count of overlapping texels only raises the suspicion: rasterizers round, and small
+  // triangles of a sound map may share a texel too.
+  bool repack_if_needed(const Triangles &triangles, const HalfEdges &half_edges, const TexelCounts &counts, int buffer_size,
+                        double radius_in_texels, int threads);
+
+  // No place of the layout belongs to two triangles, whatever rasterizers round: it has been searched.
+  bool known_free_of_overlaps() const { return known_free_of_overlaps_; }
+
+private:
+  bool separate_overlaps(const Triangles &triangles, const HalfEdges &half_edges, int threads);
+  void replace(Charts charts, int32_t layout, int32_t cut_charts);
+
+  Atlas atlas_;
+  bool area_is_known_ = false; // and does not exceed the square, or has been seen to
+  bool known_free_of_overlaps_ = false;
+  bool filling_was_tried_ = false;
+};
+
+} // namespace paradesc

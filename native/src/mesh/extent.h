@@ -1,0 +1,17 @@
+// Positions → how large a mesh is, and how fine.
+#pragma once
+
+#include "mesh/halfedge.h"
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+struct Extent {
+  Box box;
+  double diagonal = 0.0; // of the box
+  double mean_edge = 0.0;
+};
+
+Extent measure_extent(const Triangles &triangles, const HalfEdges &half_edges, int threads);
+
+} // namespace paradesc

@@ -1,0 +1,78 @@
+// Compares areas first, by patches where triangles are many and small: most ambiguous centers have the area that they should.
+#include "sample/ambiguous.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/distortion.h"
+#include "sample/centers.h"
+#include "sample/patch_areas.h"
+
+namespace paradesc {
+
+void AmbiguousCenters::push_back(int32_t center, int32_t point, double area) {
+  centers.push_back(center);
+  points.push_back(point);
+  areas.push_back(area);
+}
+
+AmbiguousCenters AmbiguousCenters::part(size_t first, size_t last) const {
+  const auto cut = [&](const auto &all) {
+    return std::decay_t<decltype(all)>(all.begin() + static_cast<ptrdiff_t>(first), all.begin() + static_cast<ptrdiff_t>(last));
+  };
+  return {cut(centers), cut(points), cut(areas)};
+}
+
+void AmbiguousCenters::filter(const std::function<bool(size_t)> &keep) {
+  size_t kept = 0;
+  for (size_t i = 0; i < centers.size(); ++i) {
+    if (!keep(i)) continue;
+    centers[kept] = centers[i];
+    points[kept] = points[i];
+    areas[kept++] = areas[i];
+  }
+  centers.resize(kept);
+  points.resize(kept);
+  areas.resize(kept);
+}
+
+// Relative tolerance on a disk's area: samples of a folded place miss some per cent, few samples more.
+static double area_tolerance(int samples) {
+  return std::max(0.06, 1.1 * std::pow(samples / static_cast<double>(ellipse_enlargement * ellipse_enlargement), -0.75));
+}
+
+// Patches are worth it if floods over triangles would look at each triangle several times. They are exact enough from 300
+// vertices in a ball on: those that its rim cuts off by chance make 1 % of its area.
+static bool floods_are_long(const RecheckSpace &space, size_t points) {
+  const double triangles = pi * space.radius * space.radius / (0.43 * space.mean_edge * space.mean_edge); // in a ball
+  return triangles > 600.0 && static_cast<double>(points) * std::min(triangles, static_cast<double>(MAX_REACH)) >
+                                  16.0 * static_cast<double>(space.triangles.triangle_count);
+}
+
+// Drops centers that have nearly the area that patches find.
+static void drop_by_patches(const RecheckSpace &space, double tolerance, AmbiguousCenters &centers) {
+  PatchAreas patches(space.patches(), space.half_edges, space.triangles, space.radius, space.threads);
+  const std::vector<double> found = patches.run(centers.points);
+  centers.filter([&](size_t i) { return !(found[i] >= 0.0 && std::abs(found[i] - centers.areas[i]) < 0.5 * tolerance); });
+}
+
+void recheck(AmbiguousCenters centers, const RecheckSpace &space, const Recheck &again) {
+  constexpr size_t batch = 2048;
+  const double tolerance = area_tolerance(space.samples) * pi * space.radius * space.radius;
+  if (floods_are_long(space, centers.points.size())) drop_by_patches(space, tolerance, centers);
+  ReachSearch search(space.triangles, space.half_edges, space.radius, MAX_REACH, space.threads);
+  for (size_t first = 0; first < centers.centers.size(); first += batch) {
+    again.before_batch(static_cast<double>(first) / static_cast<double>(centers.centers.size()));
+    AmbiguousCenters suspects = centers.part(first, std::min(first + batch, centers.centers.size()));
+    Reach reach = search.run(suspects.points, {suspects.areas, tolerance});
+    Reach others{{0}, std::move(reach.triangle), {}};
+    suspects.filter([&](size_t i) {
+      if (reach.begin[i] == reach.begin[i + 1]) return false;
+      others.begin.push_back(reach.begin[i + 1]);
+      return true;
+    });
+    if (!suspects.centers.empty()) again.compute(suspects.centers, others);
+  }
+}
+
+} // namespace paradesc

@@ -1,0 +1,56 @@
+// Places of points in the UV map → the centers that a texture-space engine evaluates at vertices.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bake/distortion.h"
+#include "bake/surface_maps.h"
+#include "mesh/atlas.h"
+#include "mesh/normals.h"
+
+#include "shared.h"
+
+namespace paradesc {
+
+// The sampling ellipse reaches beyond the ball: curvature leaves the rim of one that just touches it empty.
+inline constexpr float ellipse_enlargement = 1.25f;
+
+// The surface at one moment, in the units of the buffers.
+struct CenterSpace {
+  const Triangles &triangles;
+  const HalfEdges &half_edges;
+  const Charts &charts;
+  const Normals &normals;
+  const BufferFrame &frame;
+  const MappedPoints *displaced; // where maps displace the surface, else null
+};
+
+struct Centers {
+  std::vector<CenterData> data;
+  std::vector<int32_t> sites; // -1: the point has no place in the UV map
+  std::vector<int32_t> points;
+  std::vector<int32_t> order;        // the number that each center had when the list was made
+  std::vector<uint8_t> single_sheet; // as in Neighborhoods, once these are found
+
+  // Puts center order[i] in place i.
+  void permute(const std::vector<int32_t> &order_now);
+};
+
+// What decides where centers lie.
+struct CenterOptions {
+  bool every_site;    // a center for each of a point's places in the UV map, else for its primary one
+  bool connected;     // points without a place in the UV map get one too, and none has an ellipse
+  uint32_t seed;      // of the pattern's rotations
+  int buffer_size;    // texels along a side
+  float ellipse_size; // the radius in buffer units, times the enlargement
+};
+
+// ellipses: (sites) for radius 1; not read in the connected relocation.
+Centers list_centers(const CenterSpace &space, const CenterOptions &options, const std::vector<vec4> &ellipses);
+
+// The median over the centers' sites of the radius (in buffer units) in texels. ellipses: of every step-th site, for radius 1.
+double median_radius_in_texels(const Charts &charts, const CenterOptions &options, float radius,
+                               const std::vector<vec4> &ellipses, size_t step);
+
+} // namespace paradesc

@@ -1,0 +1,33 @@
+// How far a computation has come, told to its caller, who may stop it; and how long its parts took.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "support/error.h"
+
+namespace paradesc {
+
+// progress(stage, fraction) returns false to cancel.
+using Progress = std::function<bool(const char *stage, double fraction)>;
+
+// Throws Error(CANCELLED) if the caller says stop.
+inline void check_cancel(const Progress &progress, const char *stage, double fraction) {
+  if (!progress(stage, fraction)) throw Error(PDESC_ERROR_CANCELLED, std::string("Cancelled in stage ") + stage + ".");
+}
+
+class Clock {
+public:
+  // Seconds since the last lap, or since the clock was made.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
+  }
+
+private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+} // namespace paradesc
