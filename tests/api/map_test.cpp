@@ -179,6 +179,18 @@ TEST_F(Maps, a_map_of_a_direction_has_three_components) {
   EXPECT_GT(seen, 300);
 }
 
+// Without a place there is no result to draw: names read beyond the maps.
+TEST_F(Maps, a_mesh_without_area_in_the_uv_map_has_maps_of_undefined_texels) {
+  TestMesh mesh = torus(1.0, 0.4, {.vertices = 400});
+  lay_out(mesh, {.charts = 6});
+  for (float &coordinate : mesh.corner_uvs) coordinate = 0.5f;
+  const Mesh created = make_mesh(software.get(), mesh);
+  const Settings settings{.radius = 0.1, .buffer_size = 64, .evaluate = PDESC_EVALUATE_TEXEL, .texels = 16};
+  const Field field = compute_field(created.get(), settings, "principal_direction_min");
+  for (const float value : map_of(field.get(), "principal_direction_min", 3)) ASSERT_TRUE(std::isnan(value)) << value;
+  for (const float value : map_of(field.get(), "coverage")) ASSERT_TRUE(std::isnan(value)) << value;
+}
+
 TEST_F(Maps, what_works_at_vertices_alone_is_refused_at_texels) {
   TestMesh mesh = sphere(1, {.vertices = 400});
   lay_out(mesh, {.charts = 6});

@@ -25,7 +25,6 @@ DIRECTION: tuple[tuple[str, ...], ...] = (
     ("engine/engines",),  # makes them
     ("context",),  # holds one of them
     ("compute",),
-    ("memory",),
     ("api_edge",),
     ("api", "api_images"),
     ("exports",),

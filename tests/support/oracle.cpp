@@ -4,7 +4,7 @@
 #include <limits>
 #include <numeric>
 
-#include "compute/passes.h"
+#include "descriptor/passes.h"
 #include "descriptor/registry.h"
 #include "engine/reference/reference.h"
 #include "kernel/limits.h"

@@ -248,28 +248,39 @@ static void join(std::vector<Part> &parts, const std::vector<std::span<const int
                                              "smaller radius, smaller buffers, or a UV map of fewer charts.");
 }
 
-Neighborhoods find_neighborhoods(const SearchSpace &space, const std::vector<SearchCenter> &centers, float radius, int threads,
-                                 size_t most) {
-  constexpr int block = 64, alone = 512;
-  most = std::min<size_t>(most, std::numeric_limits<int32_t>::max());
+namespace {
+
+// What both passes over the centers read, and how many ranges they have listed.
+struct Passes {
+  const SearchSpace &space;
+  std::span<const CellData> measured;
+  std::span<const CellLeaves> leaves;
+  const std::vector<SearchCenter> &centers;
+  float radius;
+  int threads;
+  size_t most;
   std::atomic<size_t> all{0};
-  const std::vector<CellData> with_bare = space.bare.samples.empty() ? std::vector<CellData>() : with_bare_samples(space);
-  const std::span<const CellData> measured = with_bare.empty() ? space.measured : with_bare;
-  const std::vector<CellLeaves> leaves = list_leaves(space, radius, threads);
-  Groups groups = group(space.cells, measured, centers, radius);
+
+  void count(size_t added) {
+    if ((all += added) > most) refuse_ranges(centers.size(), most);
+  }
+};
+
+} // namespace
+
+// Group by group. Returns the centers that are left to search_alone().
+static std::vector<int32_t> search_groups(Passes &passes, Groups &groups, Neighborhoods &neighborhoods) {
+  constexpr int block = 64;
   const auto count = static_cast<int>(groups.begin.size()) - 1;
   auto members_of = [&](int first, int last) {
     const auto begin = static_cast<size_t>(groups.begin[first]);
     return std::span(groups.order).subspan(begin, static_cast<size_t>(groups.begin[last]) - begin);
   };
-  Neighborhoods neighborhoods;
-  neighborhoods.center.resize(centers.size());
-  neighborhoods.single_sheet.resize(centers.size(), 0);
   std::vector<Part> parts(static_cast<size_t>((count + block - 1) / block));
   std::vector<std::span<const int32_t>> places;
   for (int begin = 0; begin < count; begin += block) places.push_back(members_of(begin, std::min(begin + block, count)));
-  parallel_blocks(count, threads, block, [&](int begin, int end) {
-    CellSearch search(space, measured, leaves, radius);
+  parallel_blocks(count, passes.threads, block, [&](int begin, int end) {
+    CellSearch search(passes.space, passes.measured, passes.leaves, passes.radius);
     Part part; // of its own: neighboring vectors share cache lines
     for (int g = begin; g < end; ++g) {
       const size_t before = part.range.size();
@@ -277,43 +288,59 @@ Neighborhoods find_neighborhoods(const SearchSpace &space, const std::vector<Sea
       if (g == 0) // they start nowhere
         part.left.assign(members.begin(), members.end());
       else
-        search_in_halves(search, centers, groups.start, members, radius, neighborhoods, part);
-      if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
+        search_in_halves(search, passes.centers, groups.start, members, passes.radius, neighborhoods, part);
+      passes.count(part.range.size() - before);
     }
     parts[begin / block] = std::move(part);
   });
   join(parts, places, neighborhoods);
-  neighborhoods.order = std::move(groups.order);
-
   std::vector<int32_t> left;
   for (const Part &part : parts) left.insert(left.end(), part.left.begin(), part.left.end());
-  if (left.empty()) return neighborhoods;
-  const std::vector<vec3> &link_points = space.link_points();
-  const std::vector<Bounds> links = link_bounds(space.cells, link_points, threads);
-  const auto rest = static_cast<int>(left.size());
-  parts.assign(static_cast<size_t>((rest + alone - 1) / alone), {});
-  places.clear();
+  return left;
+}
+
+// Each of these centers by the links from its own cell.
+static void search_alone(Passes &passes, std::span<const int32_t> left, Neighborhoods &neighborhoods) {
+  constexpr int alone = 512;
+  const std::vector<vec3> &link_points = passes.space.link_points();
+  const std::vector<Bounds> links = link_bounds(passes.space.cells, link_points, passes.threads);
+  std::vector<Part> parts((left.size() + alone - 1) / alone);
+  std::vector<std::span<const int32_t>> places;
   for (size_t first = 0; first < left.size(); first += alone)
-    places.push_back(std::span<const int32_t>(left).subspan(first, std::min<size_t>(alone, left.size() - first)));
-  parallel_blocks(rest, threads, alone, [&](int begin, int end) {
-    CellSearch search(space, measured, leaves, radius);
+    places.push_back(left.subspan(first, std::min<size_t>(alone, left.size() - first)));
+  parallel_blocks(static_cast<int>(left.size()), passes.threads, alone, [&](int begin, int) {
+    CellSearch search(passes.space, passes.measured, passes.leaves, passes.radius);
     Part part;
-    for (std::span<const int32_t> others = std::span(left).subspan(static_cast<size_t>(begin), static_cast<size_t>(end - begin));
-         !others.empty();) {
-      const std::span<const int32_t> members = others.first(search.together(centers, others));
+    for (std::span<const int32_t> others = places[begin / alone]; !others.empty();) {
+      const std::span<const int32_t> members = others.first(search.together(passes.centers, others));
       others = others.subspan(members.size());
-      search.run(centers, members, links, link_points);
+      search.run(passes.centers, members, links, link_points);
       const size_t before = part.range.size();
       for (size_t lane = 0; lane < members.size(); ++lane) {
-        const vec3 position = centers[members[lane]].position;
+        const vec3 position = passes.centers[members[lane]].position;
         const bool boundary = search.choose(lane, position);
         neighborhoods.center[members[lane]] = search.list(position, boundary, part.range);
       }
-      if ((all += part.range.size() - before) > most) refuse_ranges(centers.size(), most);
+      passes.count(part.range.size() - before);
     }
     parts[begin / alone] = std::move(part);
   });
   join(parts, places, neighborhoods);
+}
+
+Neighborhoods find_neighborhoods(const SearchSpace &space, const std::vector<SearchCenter> &centers, float radius, int threads,
+                                 size_t most) {
+  const std::vector<CellData> with_bare = space.bare.samples.empty() ? std::vector<CellData>() : with_bare_samples(space);
+  const std::span<const CellData> measured = with_bare.empty() ? space.measured : with_bare;
+  const std::vector<CellLeaves> leaves = list_leaves(space, radius, threads);
+  Passes passes{space, measured, leaves, centers, radius, threads, std::min<size_t>(most, std::numeric_limits<int32_t>::max())};
+  Groups groups = group(space.cells, measured, centers, radius);
+  Neighborhoods neighborhoods;
+  neighborhoods.center.resize(centers.size());
+  neighborhoods.single_sheet.resize(centers.size(), 0);
+  const std::vector<int32_t> left = search_groups(passes, groups, neighborhoods);
+  neighborhoods.order = std::move(groups.order);
+  if (!left.empty()) search_alone(passes, left, neighborhoods);
   return neighborhoods;
 }
 

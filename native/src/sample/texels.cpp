@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "bake/seam_links.h"
+#include "descriptor/registry.h"
 #include "sample/pattern.h"
 #include "support/parallel.h"
 
@@ -344,17 +345,17 @@ SiteResults look_up(const TexelMap &map, const SiteResults &results, const Chart
   return without_gaps(std::move(found));
 }
 
-std::vector<std::vector<float>> images_of(const TexelMap &map, const SiteResults &results) {
-  const size_t texels = map.place.size(), places = map.places.size();
+std::vector<std::vector<float>> images_of(const TexelMap &map, const SiteResults &results, std::span<const int> descriptors) {
   std::vector<std::vector<float>> images;
-  auto add = [&](const std::vector<float> &values) {
-    const size_t width = places ? values.size() / places : 1;
-    std::vector<float> image(texels * width, nan);
+  auto add = [&](const std::vector<float> &values, size_t width) {
+    std::vector<float> image(map.place.size() * width, nan);
     for (size_t i = 0; i < values.size(); ++i) image[map.places[i / width].texel * width + i % width] = values[i];
     images.push_back(std::move(image));
   };
-  for (const auto &values : results.values) add(values);
-  add(results.coverage);
+  for (size_t i = 0; i < descriptors.size(); ++i)
+    add(results.values.empty() ? std::vector<float>() : results.values[i],
+        static_cast<size_t>(descriptor_row(descriptors[i]).components));
+  add(results.coverage, 1);
   return images;
 }
 

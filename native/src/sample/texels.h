@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bake/distortion.h"
@@ -49,7 +50,8 @@ std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Charts &
 // fitted to those around. No row for a site with no texel of its chart near.
 SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites, int threads = 0);
 
-// An image of each row of values, then of the coverage: (size * size, components), NaN where there is no surface.
-std::vector<std::vector<float>> images_of(const TexelMap &map, const SiteResults &results);
+// An image of each descriptor, then of the coverage: (size * size, components), NaN where there is no surface. A map without
+// places has no results at all.
+std::vector<std::vector<float>> images_of(const TexelMap &map, const SiteResults &results, std::span<const int> descriptors);
 
 } // namespace paradesc

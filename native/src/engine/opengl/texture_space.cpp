@@ -125,7 +125,7 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
     append(all, read_results(settings, frame, centers.size()));
   }
   computed.report.places = static_cast<int32_t>(count);
-  computed.images = images_of(map, all);
+  computed.images = images_of(map, all, job.request.descriptors);
   computed.image_size = map.size;
   computed.results = look_up(map, all, charts, job.options().seam_error != 0, job.resources.threads);
 }

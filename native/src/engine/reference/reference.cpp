@@ -435,16 +435,10 @@ static dvec3 positive_direction(dvec3 v) {
   return largest < 0 ? -v : v;
 }
 
-dvec3 reference_principal_direction_max(const ReferenceNeighborhood &neighborhood) {
-  return positive_direction(neighborhood.direction_max);
-}
+dvec3 reference_principal_direction_max(const ReferenceNeighborhood &found) { return positive_direction(found.direction_max); }
 
-dvec3 reference_principal_direction_min(const ReferenceNeighborhood &neighborhood) {
-  return positive_direction(neighborhood.direction_min);
-}
+dvec3 reference_principal_direction_min(const ReferenceNeighborhood &found) { return positive_direction(found.direction_min); }
 
-double reference_euclidean_area(const ReferenceNeighborhood &neighborhood) {
-  return neighborhood.area > 0 ? neighborhood.area : undefined;
-}
+double reference_euclidean_area(const ReferenceNeighborhood &found) { return found.area > 0 ? found.area : undefined; }
 
 } // namespace paradesc
