@@ -45,10 +45,11 @@ done
 
 # built TREE: the folder of a tree whose library is there, and not older than its sources.
 built() {
-  local library=$1/addon/paradesc/lib/libparadesc.so newer
+  local library=$1/addon/paradesc/lib/libparadesc.so linked=$1/build/libparadesc.so newer
   if [ -d "$1" ]; then
     [ -f "$library" ] || fail "$1 is not built: there is no $library."
-    newer=$(find "$1/native" "$1/shaders" -regex '.*\.\(cpp\|h\|c\|def\|glsl\)' -newer "$library" -print -quit)
+    [ "$linked" -nt "$library" ] || linked=$library # the same again is not copied
+    newer=$(find "$1/native" "$1/shaders" -regex '.*\.\(cpp\|h\|c\|def\|glsl\)' -newer "$linked" -print -quit)
     [ -z "$newer" ] || fail "The library of $1 is older than $newer; build it."
     (cd "$1" && pwd)
     return
