@@ -36,9 +36,9 @@ bool Atlases::separate_overlaps(const Triangles &triangles, const HalfEdges &hal
 
 void Atlases::repack_if_overfull(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
   constexpr double square = 1.001; // and what roundings add
-  if (area_is_known_ || atlas_.layout != PDESC_LAYOUT_GIVEN || known_free_of_overlaps_) return;
+  if (area_was_compared_ || atlas_.layout != PDESC_LAYOUT_GIVEN || known_free_of_overlaps_) return;
   if (area_in_map(atlas_.charts) > square) separate_overlaps(triangles, half_edges, threads);
-  area_is_known_ = true;
+  area_was_compared_ = true;
 }
 
 bool Atlases::repack_if_needed(const Triangles &triangles, const HalfEdges &half_edges, const TexelCounts &counts,

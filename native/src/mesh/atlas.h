@@ -48,7 +48,7 @@ private:
   void replace(Charts charts, int32_t layout, int32_t cut_charts);
 
   Atlas atlas_;
-  bool area_is_known_ = false; // and does not exceed the square, or has been seen to
+  bool area_was_compared_ = false; // with that of the square
   bool known_free_of_overlaps_ = false;
   bool filling_was_tried_ = false;
 };

@@ -51,6 +51,8 @@ static ReadBuffer neighbor_charts(const std::vector<int32_t> &ids, const BorderG
 
 ReadBuffer TextureSpace::read_buffer(const std::string &name, const Atlas &atlas) {
   if (!baked_.key() || baked_.key()->layout.atlas.atlas != atlas.version) refuse_to_read_buffers();
+  const BorderGrid *grid = grid_.find(baked_.key()->layout.atlas);
+  if (!grid) refuse_to_read_buffers(); // a computation with other buffers ended before it baked them
   const BufferFrame &space = baked_.value();
   const GeometryBuffer &buffer = *device_->buffer;
   ReadBuffer read;
@@ -65,7 +67,7 @@ ReadBuffer TextureSpace::read_buffer(const std::string &name, const Atlas &atlas
     else if (name == "chart")
       read = chart_numbers(ids);
     else if (name == "neighbor")
-      read = neighbor_charts(ids, grid_.value(), atlas.charts);
+      read = neighbor_charts(ids, *grid, atlas.charts);
     else
       throw Error(PDESC_ERROR_INVALID_ARGUMENT,
                   "There is no buffer '" + name + "'; choose position, normal, chart, neighbor or distortion.");
