@@ -85,6 +85,24 @@ TEST(Reach, area_is_that_of_the_triangles_within_the_ball) {
   EXPECT_NEAR(reach.area[0], std::sqrt(r * r - 1) + r * r * std::asin(1 / r), 0.03 * 2 * r); // "to a few per cent"
 }
 
+// A point before a long edge whose ends lie far outside of the ball; behind it another triangle, and behind that one a third.
+TEST(Reach, an_edge_that_passes_through_the_ball_is_crossed) {
+  const std::vector<float> positions{0, 0, 0, -5, 0.5f, 0, 5, 0.5f, 0, 0, 6, 0, 9, 6, 0};
+  const std::vector<int32_t> corners{0, 2, 1, 1, 2, 3, 3, 2, 4}, triangle_corners{0, 1, 2, 3, 4, 5, 6, 7, 8};
+  pdesc_mesh_input input;
+  pdesc_mesh_input_init(&input);
+  input.vertex_count = 5;
+  input.corner_count = 9;
+  input.triangle_count = 3;
+  input.positions = positions.data();
+  input.corner_vertices = corners.data();
+  input.triangle_corners = triangle_corners.data();
+  const Triangles triangles = read_triangles(input);
+  const HalfEdges half_edges = build_half_edges(triangles);
+  const std::vector<int32_t> points{half_edges.vertex_point[0]};
+  EXPECT_EQ(ReachSearch(triangles, half_edges, 1.0, 100, 1).run(points).triangle, (std::vector<int32_t>{0, 1}));
+}
+
 TEST(Reach, triangles_are_sorted_and_come_once) {
   const Hairpin hairpin;
   const std::vector<int32_t> found = hairpin.reached(Hairpin::length, 6.0);

@@ -147,6 +147,23 @@ TEST(TexelLookup, undefined_texels_are_left_out_and_directions_do_not_cancel) {
   }
 }
 
+// Directions a tenth of a radian to either side, each other one with the other sign: what were added up would lie across.
+TEST(TexelLookup, directions_of_either_sign_have_their_mean) {
+  const Built built = build(grid(1, 1, [](dvec2 place, int, int) { return place * 0.5 + 0.25; }));
+  const TexelMap map = build_texel_map(built.charts, size);
+  SiteResults all;
+  all.values.resize(1);
+  for (const TexelPlace &place : map.places) {
+    const float sign = (place.texel % size + place.texel / size) % 2 != 0 ? -1.0f : 1.0f;
+    for (const float part : {sign * std::cos(0.1f), std::sin(0.1f), 0.0f}) all.values[0].push_back(part);
+  }
+  all.coverage.assign(map.places.size(), 1.0f);
+  all.boundary.assign(map.places.size(), 0);
+  const SiteResults found = look_up(map, all, built.charts, false);
+  ASSERT_EQ(found.point.size(), 4u);
+  for (size_t i = 0; i < 4; ++i) EXPECT_GT(std::abs(found.values[0][3 * i]), 0.97f) << i;
+}
+
 // Values are the numbers of places.
 SiteResults numbered_results(const TexelMap &map) {
   SiteResults results;
