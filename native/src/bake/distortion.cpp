@@ -28,13 +28,6 @@ vec4 form_of(const Triangles &triangles, const Charts &charts, const BufferFrame
   return vec4(dot(p_u, p_u), dot(p_u, p_v), dot(p_v, p_v), length(cross(p_u, p_v)));
 }
 
-static double corner_angle(const Triangles &triangles, int corner) {
-  auto position = [&](int c) { return dvec3(triangles.positions[triangles.corner_vertex[c]]); };
-  const dvec3 p = position(corner);
-  const dvec3 a = position(next_corner(corner)) - p, b = position(previous_corner(corner)) - p;
-  return std::atan2(length(cross(a, b)), dot(a, b));
-}
-
 // The symmetric square root of a positive 2x2 matrix (xx, xy, yy).
 static vec4 square_root(dvec3 m) {
   const double root = std::sqrt(std::max(m.x * m.z - m.y * m.y, 0.0));
@@ -60,7 +53,7 @@ std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &ch
     const vec4 form = form_of(triangles, charts, frame, static_cast<size_t>(corner / 3));
     const double determinant = static_cast<double>(form.w) * form.w;
     if (!(determinant > 0.0)) continue;
-    const double angle = corner_angle(triangles, corner);
+    const double angle = surface_angle(triangles, corner);
     inverse[site] += angle / determinant * dvec3(form.z, -form.y, form.x);
     weight[site] += angle;
   }
