@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import bpy
 
-from ..bake.batch import key_of
+from ..bake.pieces import Piece, Pieces, key_of
 from ..bridge import ParadescError, abi
 from ..core import job
 from ..core.threads import Worker
@@ -20,23 +20,15 @@ from . import frames, handlers, painting, pausing
 
 
 @dataclass
-class ObjectFrames:
-    """One object's frames: which object, and what came of it."""
+class ObjectFrames(Piece):
+    """One object's frames: which object they are of, and what came of them."""
 
-    key: tuple[str, str | None]  # the object's name and library
     folder: Path
     cache_key: str = ""  # of its frames
     made: int = 0
-    failure: str = ""  # one sentence
-    notes: list[str] = field(default_factory=list)
-
-    @property
-    def name(self) -> str:
-        """The object's name."""
-        return self.key[0]
 
 
-class FrameBatch:
+class FrameBatch(Pieces):
     """What Bake Frames does step by step, all on the main thread but the computation itself. Live values wait."""
 
     def __init__(self, context: bpy.types.Context, wanted: range, root: Path, beside: bool) -> None:
@@ -48,19 +40,17 @@ class FrameBatch:
         job.check_descriptors(self.settings.descriptors)
         self.options = (group.frame_source, group.relative_to_rest, group.overwrite)
         self.material_maps = scene.paradesc.material_maps
-        self.pieces = pieces_of(targets.chosen(context), root)
-        self.current = self.next = 0  # which piece, and which of the wanted frames
+        super().__init__(pieces_of(targets.chosen(context), root))
+        self.next = 0  # which of the wanted frames
         self.baker: frames.FrameBaker | None = None
-        self.worker: Worker[frames.Done] | None = None
-        self.cancelled = False
         self.scene_name, self.former = scene.name, (scene.frame_current, scene.frame_subframe)
         self._open = ExitStack()  # of the piece under way
         self._held = pausing.hold()
 
     @property
-    def done(self) -> bool:
-        """Whether every object has its frames or has failed, or all is at rest after cancelling."""
-        return self.baker is None and (self.cancelled or self.current == len(self.pieces))
+    def under_way(self) -> bool:
+        """An object stays open from its first frame to its last, also between two workers."""
+        return self.baker is not None
 
     @property
     def fraction(self) -> float:
@@ -120,9 +110,7 @@ class FrameBatch:
     def advance(self, piece: ObjectFrames) -> None:
         """Takes in a frame and begins the next one; after the last one leaves the object."""
         if self.worker is not None:
-            self.worker.join()  # Ctrl-C here leaves the worker to close()
-            worker, self.worker = self.worker, None
-            worker.result()
+            self.join().result()
             piece.made += 1
         if self.cancelled or self.next == len(self.wanted):
             self.leave(piece, "")
@@ -143,18 +131,9 @@ class FrameBatch:
         opened, self._open = self._open, ExitStack()
         opened.close()
 
-    def cancel(self) -> None:
-        """Ends the bake as soon as the worker has heard of it; the frames so far stay."""
-        self.cancelled = True
-        if self.worker is not None:
-            self.worker.cancel()
-
     def close(self) -> None:
         """Cancels what is left, goes back to the frame before, and lets live values go on. Safe to call again."""
-        if not self.done:
-            self.cancel()
-        while not self.done:
-            self.step(wait=True)
+        self.settle()
         if self._held is None:
             return
         pausing.release(self._held)
@@ -179,11 +158,6 @@ class FrameBatch:
     def made(self) -> int:
         """Frames that had to be computed."""
         return sum(piece.made for piece in self.pieces)
-
-    @property
-    def failed(self) -> list[ObjectFrames]:
-        """The objects that something is wrong with."""
-        return [piece for piece in self.pieces if piece.failure]
 
 
 def pieces_of(objects: list[bpy.types.Object], root: Path) -> list[ObjectFrames]:

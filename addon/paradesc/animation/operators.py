@@ -3,8 +3,8 @@
 import bpy
 
 from .. import bridge
-from ..bake.batch import with_name
 from ..bake.modal import ModalJob
+from ..bake.pieces import with_name
 from ..scene import targets
 from . import handlers
 from .cache_places import cache_root, wanted_frames

@@ -13,27 +13,20 @@ from ..core.threads import Worker
 from ..files import bake_files
 from ..scene import mesh_io, modes, source_meshes, surface_maps, targets
 from ..settings import looks, properties
+from .pieces import ObjectKey, Piece, Pieces, key_of
 
 IMAGE_STEM, BUFFERS_NAME = "paradesc", "paradesc_buffers"
 
 
 @dataclass
-class MeshBake:
+class MeshBake(Piece):
     """One mesh of a bake: which object stands for it, and what came of it."""
 
-    key: tuple[str, str | None]  # the object's name and library: objects themselves do not outlive an undo
-    sharing: list[tuple[str, str | None]]  # all chosen objects with this mesh
+    sharing: list[ObjectKey]  # all chosen objects with this mesh
     files: bake_files.Files | None = None
     reading: source_meshes.Reading | None = None
     results: job.Results | None = None
-    failure: str = ""  # one sentence
-    notes: list[str] = field(default_factory=list)
     placed: list[Path] = field(default_factory=list)  # files that were written
-
-    @property
-    def name(self) -> str:
-        """The object's name, for sentences."""
-        return self.key[0]
 
     def target(self) -> bpy.types.Object:
         """The object, or one sentence where it is gone."""
@@ -44,7 +37,7 @@ class MeshBake:
         return found
 
 
-class Batch:
+class Batch(Pieces):
     """What the bake operator does step by step, all on the main thread but the computation itself."""
 
     def __init__(self, context: bpy.types.Context) -> None:
@@ -56,16 +49,8 @@ class Batch:
         self.settings = properties.job_settings(group)
         job.check_descriptors(self.settings.descriptors)
         shared = targets.by_mesh(targets.chosen(context))
-        self.pieces = [MeshBake(key_of(objects[0]), [key_of(item) for item in objects]) for objects in shared]
+        super().__init__([MeshBake(key_of(objects[0]), [key_of(item) for item in objects]) for objects in shared])
         self.places = file_places(group, [piece.name for piece in self.pieces])
-        self.current = 0
-        self.worker: Worker[job.Results] | None = None
-        self.cancelled = False
-
-    @property
-    def done(self) -> bool:
-        """Whether every mesh has been computed or has failed, or the bake is cancelled and at rest."""
-        return self.worker is None and (self.cancelled or self.current == len(self.pieces))
 
     @property
     def fraction(self) -> float:
@@ -91,8 +76,7 @@ class Batch:
             if piece.failure:
                 self.current += 1
         elif wait or self.worker.done:
-            self.worker.join()  # Ctrl-C here leaves the worker to close()
-            worker, self.worker = self.worker, None
+            worker = self.join()
             self.current += 1
             self.attempt(piece, lambda piece: self.take(piece, worker))
 
@@ -127,24 +111,15 @@ class Batch:
         piece.results = worker.result()
         piece.results.warnings += [*piece.results.facet_notes(), *piece.notes]
 
-    def cancel(self) -> None:
-        """Ends the bake as soon as the worker has heard of it; nothing will be written."""
-        self.cancelled = True
-        if self.worker is not None:
-            self.worker.cancel()
-
     def close(self) -> None:
         """Cancels what is left, waits for it, and takes away the files that lie aside. Safe to call again."""
-        if not self.done:
-            self.cancel()
-        while not self.done:
-            self.step(wait=True)
+        self.settle()
         for piece in self.pieces:
             if piece.files is not None:
                 piece.files.discard()
 
     def finish(self, context: bpy.types.Context) -> None:
-        """Writes every mesh' results in the scene's colors, in object mode for that long."""
+        """Writes the results of every mesh in the scene's colors, in object mode for that long."""
         self.look = looks.scene_look(context.scene)
         with modes.object_mode():
             for piece in self.pieces:
@@ -152,7 +127,7 @@ class Batch:
                     self.attempt(piece, self.write)
 
     def write(self, piece: MeshBake) -> None:
-        """Leaves one mesh' results where they belong, or nothing: files go first once the mesh has no objection."""
+        """Puts one mesh's results where they belong, or nothing: files go first, once the mesh can take its share."""
         target = piece.target()
         if self.write_attributes and piece.reading.own:
             mesh_io.check_names(target.data, mesh_io.wanted_names(piece.results))
@@ -169,21 +144,6 @@ class Batch:
     def written(self) -> list[MeshBake]:
         """The meshes whose results are in place."""
         return [piece for piece in self.pieces if piece.results is not None]
-
-    @property
-    def failed(self) -> list[MeshBake]:
-        """The meshes that something is wrong with."""
-        return [piece for piece in self.pieces if piece.failure]
-
-
-def with_name(name: str, failure: str) -> str:
-    """The sentence about an object, with its name in front where the sentence lacks it."""
-    return failure if f'"{name}"' in failure else f'"{name}": {failure}'
-
-
-def key_of(target: bpy.types.Object) -> tuple[str, str | None]:
-    """What bpy.data.objects finds an object by."""
-    return target.name, target.library.filepath if target.library is not None else None
 
 
 # ---- Files

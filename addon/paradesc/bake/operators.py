@@ -6,8 +6,9 @@ from ..bridge import ParadescError, abi
 from ..core import devices
 from ..scene import mesh_io, targets
 from ..scene.targets import obstacle
-from .batch import Batch, with_name
+from .batch import Batch
 from .modal import ModalJob
+from .pieces import with_name
 
 BRUSH_MODES = {"SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 

@@ -1,0 +1,84 @@
+"""What bakes of meshes and of frames have in common: objects in a row, of which one is under way, with its worker."""
+
+from dataclasses import dataclass, field
+
+import bpy
+
+from ..core.threads import Worker
+
+ObjectKey = tuple[str, str | None]  # an object's name and library: objects themselves do not outlive an undo
+
+
+@dataclass
+class Piece:
+    """One object of a bake: which one it is, and what was wrong with it or is to be said of it."""
+
+    key: ObjectKey
+    failure: str = field(default="", kw_only=True)  # one sentence
+    notes: list[str] = field(default_factory=list, kw_only=True)
+
+    @property
+    def name(self) -> str:
+        """The object's name, for sentences."""
+        return self.key[0]
+
+
+# Not Generic: typing would keep every Pieces[…] and its class until Python ends, after bpy, and Blender's module crashes
+# there if the process ends while a bake runs.
+class Pieces:
+    """Pieces one after another. Whoever extends this has step(), which goes on with the current one, and fraction."""
+
+    def __init__(self, pieces: list[Piece]) -> None:
+        """Nothing is under way yet."""
+        self.pieces = pieces
+        self.current = 0  # how many pieces are behind us
+        self.worker: Worker | None = None
+        self.cancelled = False
+
+    @property
+    def under_way(self) -> bool:
+        """Whether the current piece has been begun."""
+        return self.worker is not None
+
+    @property
+    def done(self) -> bool:
+        """Whether every piece has been computed or has failed, or the bake is cancelled and at rest."""
+        return not self.under_way and (self.cancelled or self.current == len(self.pieces))
+
+    @property
+    def failed(self) -> list[Piece]:
+        """The pieces that something is wrong with."""
+        return [piece for piece in self.pieces if piece.failure]
+
+    def step(self, wait: bool = False) -> None:
+        """Goes on with the current piece; wait: for the worker under way, which is otherwise looked at only."""
+        raise NotImplementedError
+
+    def join(self) -> Worker:
+        """Waits for the worker and lets go of it; Ctrl-C meanwhile leaves it to settle()."""
+        self.worker.join()
+        worker, self.worker = self.worker, None
+        return worker
+
+    def cancel(self) -> None:
+        """Ends the bake as soon as the worker has heard of it."""
+        self.cancelled = True
+        if self.worker is not None:
+            self.worker.cancel()
+
+    def settle(self) -> None:
+        """Cancels what is left and waits until all is at rest. Safe to call again."""
+        if not self.done:
+            self.cancel()
+        while not self.done:
+            self.step(wait=True)
+
+
+def with_name(name: str, failure: str) -> str:
+    """The sentence about an object, with its name in front where the sentence lacks it."""
+    return failure if f'"{name}"' in failure else f'"{name}": {failure}'
+
+
+def key_of(target: bpy.types.Object) -> ObjectKey:
+    """What bpy.data.objects finds an object by."""
+    return target.name, target.library.filepath if target.library is not None else None
