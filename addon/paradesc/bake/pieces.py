@@ -23,8 +23,8 @@ class Piece:
         return self.key[0]
 
 
-# Not Generic: typing would keep every Pieces[…] and its class until Python ends, after bpy, and Blender's module crashes
-# there if the process ends while a bake runs.
+# Not Generic: typing would keep every Pieces[…] and its class until Python ends, after bpy is gone, and Blender's module
+# then crashes if the process ends while a bake runs.
 class Pieces:
     """Pieces one after another. Whoever extends this has step(), which goes on with the current one, and fraction."""
 
