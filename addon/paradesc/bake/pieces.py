@@ -23,7 +23,7 @@ class Piece:
         return self.key[0]
 
 
-# Not Generic: typing would keep every Pieces[…] and its class until Python ends, after bpy is gone, and Blender's module
+# Not Generic: typing would keep every Pieces[…] and its class until Python ends, after bpy is gone. Blender's module
 # then crashes if the process ends while a bake runs.
 class Pieces:
     """Pieces one after another. Whoever extends this has step(), which goes on with the current one, and fraction."""
