@@ -8,7 +8,7 @@ import sys
 from importlib import import_module
 from types import ModuleType
 
-# Read by Blender before 4.2 without running this file: literals only. The manifest tells later ones.
+# Blender before 4.2 reads this without running the file, so it holds literals only. Later versions read the manifest.
 bl_info = {
     "name": "Paradesc",
     "author": "The Paradesc authors",
@@ -25,7 +25,8 @@ __version__ = ".".join(map(str, bl_info["version"]))
 for _name in [name for name in sys.modules if name.startswith(__name__ + ".")]:
     del sys.modules[_name]
 
-# In the order in which they refer to each other. Each has classes; what else it needs, register() and unregister().
+# These stand in the order in which they refer to each other. Each has classes, and register() and unregister() if it
+# needs more.
 MODULES = (
     "settings.preferences",
     "settings.properties",
@@ -70,7 +71,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes back what register() did, in reverse order; nothing where it has been taken back."""
+    """Takes back what register() did, in reverse order; does nothing if that was done already."""
     import bpy
 
     if not hasattr(bpy.types.Scene, "paradesc"):
@@ -83,7 +84,7 @@ def unregister() -> None:
 
 
 def end(classes: list[type]) -> None:
-    """Blender's Python module ends with a crash where classes, or properties with callbacks, are still there."""
+    """Unregisters all: Blender's Python module crashes at its end if classes or properties with callbacks remain."""
     from .settings.leaving import clear
 
     unregister()

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-if __name__ == "__main__":  # run by Blender as a script: find the package that this file lies in
+if __name__ == "__main__":  # Blender runs this as a script, and has to find the package of this file
     sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
     from paradesc.commands.main import main
 else:

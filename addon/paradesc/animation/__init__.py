@@ -1,1 +1,1 @@
-"""Values of a mesh that moves: frames baked ahead, frames played back, and live values."""
+"""Gives values to a mesh that moves: frames baked ahead, frames played back, and live values."""

@@ -1,4 +1,4 @@
-"""Which frames of a scene are baked, and in which folders they lie."""
+"""Says which frames of a scene are baked, and in which folders they lie."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Frames of several objects into their caches, object after object, the computation on a thread beside the window."""
+"""Bakes frames of several objects into their caches, one object after the other, on a thread beside the window."""
 
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -29,10 +29,10 @@ class ObjectFrames(Piece):
 
 
 class FrameBatch(Pieces):
-    """What Bake Frames does step by step, all on the main thread but the computation itself. Live values wait."""
+    """Does Bake Frames step by step, all on the main thread except the computation. Live values wait meanwhile."""
 
     def __init__(self, context: bpy.types.Context, wanted: range, root: Path, beside: bool) -> None:
-        """Takes the settings and the chosen objects; beside: a window lives, and computing goes on beside it."""
+        """Takes the settings and the chosen objects; beside: a window has to go on while this computes."""
         scene = context.scene
         group = scene.paradesc_animation
         self.wanted, self.beside = wanted, beside
@@ -82,7 +82,7 @@ class FrameBatch(Pieces):
             self.attempt(piece, self.advance)
 
     def attempt(self, piece: ObjectFrames, action: Callable[[ObjectFrames], None]) -> None:
-        """Does something about one object; what goes wrong is its failure, and the others go on."""
+        """Does one step for an object; if it goes wrong, that is the failure of this object, and the others go on."""
         try:
             action(piece)
         except ReferenceError:
@@ -122,7 +122,7 @@ class FrameBatch(Pieces):
             self.worker.start()
 
     def leave(self, piece: ObjectFrames, failure: str) -> None:
-        """Closes an object; the next one is next."""
+        """Closes an object and goes on to the next one."""
         piece.failure = failure
         if self.baker is not None:
             piece.notes = list(self.baker.notes)
@@ -156,12 +156,12 @@ class FrameBatch(Pieces):
 
     @property
     def made(self) -> int:
-        """Frames that had to be computed."""
+        """How many frames had to be computed."""
         return sum(piece.made for piece in self.pieces)
 
 
 def pieces_of(objects: list[bpy.types.Object], root: Path) -> list[ObjectFrames]:
-    """A piece an object, each with a folder of its own."""
+    """Makes a piece for each object, each with a folder of its own."""
     pieces: list[ObjectFrames] = []
     for item in objects:
         piece = ObjectFrames(key_of(item), cache.object_folder(root, item.name))

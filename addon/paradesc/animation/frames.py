@@ -1,7 +1,7 @@
-"""Frames of an animated object to files of a frame cache: what the animate command and the Bake Frames operator run.
+"""Bakes frames of an animated object into files of a frame cache, for the animate command and the Bake Frames operator.
 
-prepare() needs Blender's main thread, run() none. Radii are those of the rest pose in all frames, so that values of one
-frame can be compared with those of another.
+prepare() needs Blender's main thread, run() runs on any. Radii are those of the rest pose in all frames, so that values
+of one frame can be compared with those of another.
 """
 
 import time
@@ -36,8 +36,8 @@ class FrameRequest:
     settings: job.Settings
     folder: Path  # of this object's frames
     source: str = "deformed"
-    relative: bool = False  # the change against the rest pose too
-    force: bool = False  # also what is there
+    relative: bool = False  # keeps the change against the rest pose too
+    force: bool = False  # computes frames again that are there
     maps: surface_maps.MapChoice | None = None
 
 
@@ -90,7 +90,7 @@ class FrameBaker:
             raise
 
     def make_key(self) -> str:
-        """Of everything that the frames have in common."""
+        """Makes the key of everything that the frames have in common."""
         maps = self.base.maps
         rest = digest(self.base.positions) if self.request.relative else ""
         images = digest(maps.heights) + f"{maps.midlevel!r} {maps.scale!r}" if maps is not None else ""
@@ -98,7 +98,7 @@ class FrameBaker:
         return cache.key_of(self.base, self.stream.settings, names=self.names(), **more)
 
     def names(self) -> list[str]:
-        """What the values are called, by the radius that was asked for."""
+        """The names of the values, after the radius that was asked for."""
         return self.request.settings.value_names()
 
     def add_maps(self, arrays: MeshArrays) -> None:
@@ -111,7 +111,7 @@ class FrameBaker:
         self.notes += [note for note in notes if note not in self.notes]
 
     def prepare(self, frame: int) -> Task | None:
-        """Goes to the frame and reads the object there; None where its file is there already. Main thread only."""
+        """Goes to the frame and reads the object there; None if its file exists already. Main thread only."""
         start = time.perf_counter()
         with self.evaluating():
             self.scene.frame_set(frame)
@@ -134,7 +134,7 @@ class FrameBaker:
 
     @contextmanager
     def evaluating(self) -> Iterator[None]:
-        """What counts while frames are evaluated: for a run without a window, hold it over all frames."""
+        """Hides modifiers that are not measured during evaluation; without a window, hold it over all frames."""
         with pausing.held(), self.hiding() as hidden:
             if hidden:
                 names = source_meshes.quoted(hidden)
@@ -147,7 +147,7 @@ class FrameBaker:
         return source_meshes.only_deforming(self.target) if self.request.source == "deformed" else nullcontext([])
 
     def take(self, reading: source_meshes.Reading) -> None:
-        """Keeps a frame's reading for the next one, and what it has to say."""
+        """Keeps a frame's reading, which saves work at the next frame, and its notes."""
         if reading.arrays.corner_vertices is not self.base.corner_vertices:
             if self.request.relative:
                 raise refuse(
@@ -181,7 +181,7 @@ class FrameBaker:
         return Done(task.frame, path, seconds, f"{results.backend}: {results.device}", results.warnings)
 
     def check_method(self, results: job.Results) -> None:
-        """Refuses what the reference computed where a device has failed: the frames have one method in common."""
+        """Refuses what the reference computed because a device failed: all frames have one method in common."""
         if self.by_device and results.backend == "reference":
             failure = results.fallback.rstrip(".")
             raise ParadescError(
@@ -190,7 +190,7 @@ class FrameBaker:
             )
 
     def rest(self, progress: ProgressFunction | None) -> job.Results:
-        """The original mesh's results, computed once."""
+        """The results of the original mesh, which are computed once."""
         if self._rest is None:
             self._rest = self.stream.compute(self.base.positions, progress, self.base.corner_normals)
         return self._rest
@@ -232,7 +232,7 @@ class FrameBaker:
 
 @contextmanager
 def frame_kept(scene: bpy.types.Scene) -> Iterator[None]:
-    """Comes back to the current frame, whatever happens."""
+    """Comes back to the frame that was current, whatever happens."""
     frame, part = scene.frame_current, scene.frame_subframe
     try:
         yield

@@ -1,8 +1,8 @@
-"""Blender's events to live values: frames, edits, renders, undo and files. No handler ever raises.
+"""Updates live values at Blender's events: frames, edits, renders, undo and files. No handler ever raises.
 
-A frame's handler runs after modifiers were evaluated; where it writes, Blender evaluates once more, so what it leaves
-is what is drawn and rendered. In a window, renders call it from a thread of their own, for which the interface has to
-be locked.
+The handler of a frame runs after modifiers were evaluated. If it writes, Blender evaluates once more, so the new values
+are drawn and rendered. With a window, renders call it from a thread of their own, for which the interface has to be
+locked.
 """
 
 import logging
@@ -57,7 +57,7 @@ def forget_all() -> None:
 def live_objects() -> list[bpy.types.Object]:
     """The objects that have live values switched on; listed afresh when objects came, went or were renamed.
 
-    Of those that share a mesh, as linked duplicates do, the first: its values would not be those of the others.
+    Of objects that share a mesh, as linked duplicates do, only the first counts: the mesh can hold the values of one.
     """
     objects = bpy.data.objects
     found = [objects.get((name, None)) for name, _ in STATE.listed]
@@ -77,12 +77,12 @@ def live_objects() -> list[bpy.types.Object]:
 
 
 def holder_of(target: bpy.types.Object) -> bpy.types.Object | None:
-    """Another live object that the mesh of this one is left to."""
+    """Another live object with the same mesh, whose values the mesh holds instead of this one's."""
     return next((item for item in live_objects() if item.data == target.data and item != target), None)
 
 
 def is_live(target: bpy.types.Object) -> bool:
-    """Local meshes that are switched on; linked ones could not keep what is written."""
+    """Whether live values are on for a local mesh; a linked mesh could not keep what is written to it."""
     return target.type == "MESH" and target.library is None and target.paradesc_live.mode != "OFF"
 
 
@@ -91,7 +91,7 @@ def is_live(target: bpy.types.Object) -> bool:
 
 @contextmanager
 def our_turn(wait: bool) -> Iterator[bool]:
-    """Gives True to one thread at a time, and False to what it calls itself by what it writes."""
+    """Gives True to one thread at a time, and False to the events that its own writing causes."""
     if is_ours() or not STATE.turn.acquire(blocking=wait):
         yield False
         return
@@ -111,9 +111,9 @@ def is_ours() -> bool:
 def refresh(
     scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, targets: list[bpy.types.Object], watched: bool = False
 ) -> None:
-    """Brings the values of these objects up to date. Renders wait for their turn, other events do without.
+    """Brings the values of these objects up to date. Renders wait for their turn, other events give up.
 
-    watched: somebody looks on, and may see values a moment later where the scene does not wait for them.
+    watched: somebody looks at a window, and may see values a moment later unless the scene waits for them.
     """
     wait = not watched or waits(scene, depsgraph)
     with our_turn(wait=depsgraph.mode == "RENDER") as ours:
@@ -124,7 +124,7 @@ def refresh(
 
 
 def waits(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Whether values have to be there at once: wherever something else than a person at a window asks."""
+    """Whether values have to be there at once: always, unless a person at a window asks."""
     return bpy.app.background or depsgraph.mode == "RENDER" or STATE.rendering or scene.paradesc_live.wait
 
 
@@ -135,14 +135,14 @@ def is_watched() -> bool:
 
 
 def refresh_one(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, target: bpy.types.Object, wait: bool) -> None:
-    """One object; what goes wrong switches it off and is said in the panel, and in a farm's log."""
+    """Refreshes one object. An error switches it off, and is reported in the panel and in the log of a farm."""
     with switching_off(target):
         session_of(target).refresh(target, depsgraph, scene, wait)
 
 
 @contextmanager
 def switching_off(target: bpy.types.Object) -> Iterator[None]:
-    """What goes wrong in it with an object ends its live values; an object that is gone is forgotten."""
+    """Ends an object's live values if something goes wrong inside; an object that is gone is forgotten."""
     try:
         yield
     except ParadescError as error:
@@ -154,7 +154,7 @@ def switching_off(target: bpy.types.Object) -> Iterator[None]:
 
 
 def collect(wait: bool = False) -> float | None:
-    """A timer: shows what has been computed beside the window; seconds until the next look, or None at the end."""
+    """Runs as a timer: shows what was computed beside the window; gives the seconds until the next call, or None."""
     if STATE.rendering:
         return EDIT_DELAY
     with our_turn(wait=False) as ours:
@@ -167,7 +167,7 @@ def collect(wait: bool = False) -> float | None:
 
 
 def start_timer(function: Callable[[], float | None], seconds: float) -> None:
-    """Has Blender's window call it, unless it does so already."""
+    """Has Blender call this timer, unless it does so already."""
     if not bpy.app.background and not bpy.app.timers.is_registered(function):
         bpy.app.timers.register(function, first_interval=seconds)
 
@@ -188,7 +188,7 @@ def session_of(target: bpy.types.Object) -> live.Session | playback.Player:
 
 
 def switch_off(target: bpy.types.Object, sentence: str) -> None:
-    """Ends the live values of an object and says why; nothing where it is gone."""
+    """Ends the live values of an object and says why; does nothing if the object is gone."""
     try:
         LOG.error('%s: live values of "%s" are switched off. %s', "Paradesc", target.name, sentence)
         target.paradesc_live.mode = "OFF"
@@ -198,7 +198,7 @@ def switch_off(target: bpy.types.Object, sentence: str) -> None:
 
 
 def refresh_window(targets: list[bpy.types.Object], watched: bool = False) -> None:
-    """Brings objects up to date in what the windows show, or, without one, in the current view layer."""
+    """Brings objects up to date in what the windows show, or without a window in the current view layer."""
     if is_ours() or STATE.rendering:
         return
     windows = bpy.context.window_manager.windows
@@ -214,7 +214,7 @@ def refresh_window(targets: list[bpy.types.Object], watched: bool = False) -> No
 
 
 def place_of(target: bpy.types.Object, shown: list[Place]) -> Place | None:
-    """Which of the scenes shown an object's values are of: a mesh holds those of one, of where a frame changed last."""
+    """The shown scene whose values the object has. A mesh holds those of one scene: where a frame changed last."""
     session = session_at(target)
     known = "" if session is None else session.scene_name
     there = [place for place in shown if live.evaluated_object(target, place[1].depsgraph) is not None]
@@ -222,7 +222,7 @@ def place_of(target: bpy.types.Object, shown: list[Place]) -> Place | None:
 
 
 def take_ranges(scene: bpy.types.Scene) -> None:
-    """Has the colors of all live objects span the values that are there now, those of played ones all frames."""
+    """Makes the colors of all live objects span their present values, and those of played objects all frames."""
     forget_ranges()
     refresh_window(live_objects())
     look = looks.scene_look(scene)
@@ -233,13 +233,13 @@ def take_ranges(scene: bpy.types.Scene) -> None:
 
 
 def forget_ranges() -> None:
-    """Has the ranges of caches read again."""
+    """Makes the ranges of caches be read again."""
     for session in STATE.sessions.values():
         session.forget_ranges()
 
 
 def look_changed(scene: bpy.types.Scene) -> None:
-    """The settings of the colors were changed: they hold for live objects at once."""
+    """Applies changed color settings to live objects at once."""
     if not live_objects():
         return
     if painting.keeps_ranges(scene.paradesc_live, looks.scene_look(scene)):
@@ -252,7 +252,7 @@ def look_changed(scene: bpy.types.Scene) -> None:
 
 
 def mode_changed(target: bpy.types.Object) -> None:
-    """Live values of an object were switched on or off."""
+    """Reacts to live values of an object being switched on or off."""
     other = holder_of(target)  # before this one counts
     STATE.object_count = -1
     if other is not None and is_live(target):
@@ -273,7 +273,7 @@ def shared_sentence(other: bpy.types.Object) -> str:
 
 
 def lock_interface(scene: bpy.types.Scene, needed: bool) -> None:
-    """Locks the interface during renders while it is needed, and gives back what was set before."""
+    """Locks the interface during renders while live values need that, and afterwards restores what was set."""
     group = scene.paradesc_live
     if needed and not scene.render.use_lock_interface:
         scene.render.use_lock_interface = group.lock_taken = True
@@ -286,7 +286,7 @@ def lock_interface(scene: bpy.types.Scene, needed: bool) -> None:
 
 @persistent
 def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
-    """Another frame was evaluated. Between the frames of a render, motion blur asks for shapes only."""
+    """Follows another frame. Between the frames of a render, motion blur needs shapes only, so nothing is done."""
     targets = live_objects()
     if not targets or depsgraph is None or (pausing.is_held() and depsgraph.mode != "RENDER"):
         return
@@ -298,7 +298,7 @@ def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = Non
 
 @persistent
 def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
-    """Something was edited: if it was the shape of a live object, its values follow when the hand rests."""
+    """Follows an edit: if it changed the shape of a live object, its values follow once editing pauses."""
     targets = live_objects()
     if not targets and scene.paradesc_live.lock_taken and not STATE.rendering:
         lock_interface(scene, needed=False)  # the last one was deleted
@@ -325,7 +325,7 @@ def edited_objects(targets: list[bpy.types.Object], depsgraph: bpy.types.Depsgra
 
 
 def follow_edits() -> float | None:
-    """A timer: seconds until the next look, or None when values have followed."""
+    """Runs as a timer: gives the seconds until the next call, or None once values have followed."""
     if STATE.edited_at is None:
         return None
     left = STATE.edited_at + EDIT_DELAY - time.monotonic()
@@ -344,7 +344,7 @@ def follow_edits() -> float | None:
 
 @persistent
 def on_render_start(scene: bpy.types.Scene, _depsgraph: object = None) -> None:
-    """A render begins: from here on the windows' events wait."""
+    """Notes that a render begins: from now on the events of windows wait."""
     STATE.rendering = True
     if any(item in live_objects() for item in scene.objects if item.type == "MESH"):
         lock_interface(scene, needed=True)
@@ -352,26 +352,26 @@ def on_render_start(scene: bpy.types.Scene, _depsgraph: object = None) -> None:
 
 @persistent
 def on_render_frame(scene: bpy.types.Scene, _depsgraph: object = None) -> None:
-    """A frame of a render begins."""
+    """Notes that a frame of a render begins."""
     STATE.render_time = scene.frame_current_final
 
 
 @persistent
 def on_render_end(_scene: bpy.types.Scene, _depsgraph: object = None) -> None:
-    """A render ended, or was cancelled."""
+    """Notes that a render ended or was cancelled."""
     STATE.rendering, STATE.render_time = False, None
 
 
 @persistent
 def on_load_start(*_ignored: object) -> None:
-    """Another file takes this one's place."""
+    """Forgets everything, because another file is being loaded."""
     forget_all()
     STATE.edited_at, STATE.render_time, STATE.rendering = None, None, False
 
 
 @persistent
 def on_save(*_ignored: object) -> None:
-    """The file is saved: with the values that belong to its frame."""
+    """Makes sure that the file is saved with the values of its frame."""
     for _ in range(3):  # what is computed, what waits, and that nothing is left
         if not any(session.busy for session in STATE.sessions.values()):
             break
@@ -380,7 +380,7 @@ def on_save(*_ignored: object) -> None:
 
 @persistent
 def on_undo(*_ignored: object) -> None:
-    """Names, topology and values may be others now."""
+    """Looks at everything again, because names, topology and values may have changed."""
     STATE.object_count = -1
     for session in STATE.sessions.values():
         session.edited = True
@@ -403,7 +403,7 @@ classes = ()
 
 
 def register() -> None:
-    """Hangs the handlers in, once each."""
+    """Adds each handler to Blender, once."""
     for name, function in HANDLERS.items():
         hooks = getattr(bpy.app.handlers, name)
         for hook in [hook for hook in hooks if is_same(hook, function)]:
@@ -414,7 +414,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes them out, and frees what they kept."""
+    """Removes the handlers, and frees what they kept."""
     for name, function in HANDLERS.items():
         hooks = getattr(bpy.app.handlers, name)
         if function in hooks:
@@ -428,5 +428,5 @@ def unregister() -> None:
 
 
 def is_same(hook: object, function: object) -> bool:
-    """The same handler, also of an earlier import of the add-on."""
+    """Whether this is our handler, even from an earlier import of the add-on."""
     return (getattr(hook, "__module__", ""), getattr(hook, "__name__", "")) == (function.__module__, function.__name__)

@@ -1,7 +1,7 @@
-"""Live mode: an object's deformed positions at every frame to values and colors of its mesh.
+"""Live mode: computes values and colors of a mesh from its deformed positions at every frame.
 
-A session keeps what lasts from frame to frame. Its steps are called by handlers.py; errors are ParadescError, which the
-handlers turn into a sentence in the panel.
+A session keeps what lasts from frame to frame. handlers.py calls its steps, and turns a ParadescError into a sentence
+in the panel.
 """
 
 import time
@@ -21,9 +21,9 @@ from ..scene.mesh_io import refuse
 from ..settings import looks, properties
 from . import frames, painting
 
-# In these modes Blender works on copies of a mesh, or keeps tables of its own: results wait until they are left.
+# In these modes Blender works on a copy of the mesh, or keeps tables of its own, so results wait until the mode ends.
 WAITING_MODES = {"EDIT", "SCULPT", "VERTEX_PAINT"}
-# Smaller buffers save nothing more, and a radius of fewer texels costs accuracy.
+# Smaller buffers would save no time, and a radius of fewer texels would cost accuracy.
 SMALLEST_BUFFER, ENOUGH_TEXELS = 256, 5.5
 # Modifiers that only append vertices: the original ones come first, in their order (tested).
 APPENDING = {"SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY", "ARRAY"}
@@ -31,7 +31,7 @@ APPENDING = {"SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY", "ARRAY"}
 
 @dataclass(frozen=True, eq=False)
 class LiveRequest:
-    """What one computation is of."""
+    """What one computation needs."""
 
     arrays: MeshArrays  # of the undeformed mesh
     positions: np.ndarray  # (vertex_count, 3) float32
@@ -40,7 +40,7 @@ class LiveRequest:
     quick: bool  # with buffers as small as the radius allows
 
     def same(self, other: "LiveRequest | None") -> bool:
-        """True where the results are the same."""
+        """Whether the results would be the same."""
         return (
             other is not None
             and self.arrays is other.arrays
@@ -53,7 +53,7 @@ class Session:
     """What one live object keeps from frame to frame. It holds arrays only: Blender's own data moves with undo."""
 
     def __init__(self) -> None:
-        self.stream: Stream | None = None  # with prepared, the thread's while one computes
+        self.stream: Stream | None = None  # while a thread computes, this and prepared belong to it
         self.prepared: LiveRequest | None = None  # whose settings the stream has
         self.topology: tuple[object, ...] = ()
         self.arrays: MeshArrays | None = None  # of the undeformed mesh
@@ -66,7 +66,7 @@ class Session:
         self.read_seconds = self.compute_seconds = 0.0
         self.note = ""  # for the panel
         self.edited = False  # the mesh has to be compared as a whole
-        self.unsure = False  # the same once the hand rests: most likely it was our own writing
+        self.unsure = False  # the same once editing pauses; most likely it was our own writing
         self.wrote = False  # since Blender last told of an edit
         self.unpainted = False  # the results are not on the mesh yet
 
@@ -77,7 +77,7 @@ class Session:
         self.results = self.done = None
 
     def close_stream(self) -> None:
-        """The same while nothing else computes."""
+        """Frees the native mesh while nothing computes."""
         if self.stream is not None:
             self.stream.close()
         self.stream = self.prepared = None
@@ -90,10 +90,10 @@ class Session:
     def refresh(
         self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, wait: bool = True
     ) -> bool:
-        """Leaves on the object's mesh the values of its shape in the depsgraph; False where nothing had to change.
+        """Writes the values of the depsgraph's shape to the object's mesh; False if nothing had to change.
 
-        Without wait they follow, by collect() or by the next call, whichever comes first when they have been computed;
-        what was never computed is waited for.
+        Without wait, collect() or the next call writes them, whichever comes first once they have been computed. The
+        very first values are always waited for.
         """
         start = time.perf_counter()
         rendering = depsgraph.mode == "RENDER"
@@ -114,7 +114,7 @@ class Session:
         return self.show(target, scene, rendering, fresh)
 
     def collect(self, target: bpy.types.Object, wait: bool = False) -> bool:
-        """Leaves on the mesh what has been computed meanwhile; False where nothing had to change."""
+        """Writes to the mesh what has been computed meanwhile; False if nothing had to change."""
         taken, scene = self.take(self.latest.step(wait)), bpy.data.scenes.get(self.scene_name)
         if not taken:
             return False
@@ -124,9 +124,9 @@ class Session:
         self.wrote = self.show(target, scene, False, True)
         return self.wrote
 
-    # In quotes: typing remembers what it is called with, and would keep bpy past Python's end, which crashes there.
+    # The type is in quotes because typing remembers it, and would keep bpy alive past Python's end, which crashes.
     def take(self, outcome: "Outcome[LiveRequest, Results] | None") -> bool:
-        """Keeps the results of a request; False where there are none, or of a mesh that has become another."""
+        """Keeps the results of a request; False if there are none, or if the mesh has become another one."""
         if outcome is None or outcome.request.arrays is not self.arrays:
             return False
         if outcome.error is not None:
@@ -137,7 +137,7 @@ class Session:
         return True
 
     def show(self, target: bpy.types.Object, scene: bpy.types.Scene, rendering: bool, fresh: bool) -> bool:
-        """Leaves the results on the mesh; False where they are there already."""
+        """Writes the results to the mesh; False if they are there already."""
         start = time.perf_counter()
         look = looks.scene_look(scene)
         self.results.look = look
@@ -162,7 +162,7 @@ class Session:
         return LiveRequest(self.arrays, positions, normals, settings, is_quick(scene, rendering))
 
     def follow_mesh(self, target: bpy.types.Object, settings: Settings) -> None:
-        """Begins again where anything but positions has changed; after edits everything is compared, else counts."""
+        """Begins again if anything but positions has changed. After edits it compares all, otherwise only counts."""
         topology = topology_of(target, settings)
         known = self.arrays is not None and topology == self.topology
         if known and not self.edited and (self.results is None or self.painter.is_there(target.data)):
@@ -180,7 +180,7 @@ class Session:
         self.topology, self.arrays = topology, arrays  # and the radius follows the new rest pose
 
     def compute(self, request: LiveRequest, progress: ProgressFunction | None = None) -> Results:
-        """The results at the radius of the undeformed mesh, which does not change with the pose. On any thread."""
+        """Computes at the radius of the undeformed mesh, which does not change with the pose. Runs on any thread."""
         start = time.perf_counter()
         settings, prepared = request.settings, self.prepared
         if self.stream is None or device_of(self.stream.settings) != device_of(settings):
@@ -203,7 +203,7 @@ class Session:
         return results
 
     def forget_ranges(self) -> None:
-        """Nothing is kept of them."""
+        """Does nothing, because a session keeps no ranges."""
 
     def found_ranges(self, look: Look) -> dict[str, ValueRange]:
         """The range of each descriptor in these results."""
@@ -217,15 +217,15 @@ class Session:
         )
 
     def asked_names(self) -> list[str]:
-        """What each value is called, by the radius that was asked for."""
+        """The name of each value, after the radius that was asked for."""
         return self.done.settings.value_names()
 
     def computed_names(self) -> dict[str, str]:
-        """What each value is called by the radius that was computed with, by what it is called."""
+        """For each such name, the name after the radius that was computed with."""
         return dict(zip(self.asked_names(), self.results.settings.value_names(), strict=True))
 
     def values(self) -> painting.Values:
-        """The results as they are written."""
+        """The results in the form in which they are written."""
         results, names = self.results, self.computed_names()
         return painting.Values(
             {name: results.values[computed] for name, computed in names.items()},
@@ -239,7 +239,7 @@ class Session:
 
 
 def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
-    """The scene's settings: in the viewport with what live mode makes of them for speed."""
+    """The scene's settings; in the viewport live mode changes them for speed."""
     settings = properties.job_settings(scene.paradesc)
     group = scene.paradesc_live
     if settings.space != "object":
@@ -256,7 +256,7 @@ def settings_for(scene: bpy.types.Scene, rendering: bool) -> Settings:
 
 
 def is_quick(scene: bpy.types.Scene, rendering: bool) -> bool:
-    """Whether live mode's own, quicker settings hold."""
+    """Whether live mode's own, quicker settings apply."""
     return not (rendering and scene.paradesc_live.full_render)
 
 
@@ -269,12 +269,12 @@ def with_fewer_texels(options: Options, radius_in_texels: float) -> Options:
 
 
 def device_of(settings: Settings) -> tuple[str, int, int]:
-    """What a native mesh cannot change."""
+    """The settings that a native mesh cannot change: its device."""
     return (settings.backend, settings.device_index, settings.memory_limit)
 
 
 def measures_maps(target: bpy.types.Object) -> bool:
-    """Whether a scene of the object has its material's maps measured."""
+    """Whether any scene of the object measures its material's maps."""
     return any(scene.paradesc.material_maps for scene in target.users_scene)
 
 
@@ -282,7 +282,7 @@ def measures_maps(target: bpy.types.Object) -> bool:
 
 
 def topology_of(target: bpy.types.Object, settings: Settings) -> tuple[object, ...]:
-    """What changes with most changes of a mesh besides its positions, and can be looked at every frame."""
+    """A summary that changes with most changes of a mesh except its positions, and is quick enough for every frame."""
     mesh = target.data
     layer = mesh.uv_layers.active
     counts = (len(mesh.vertices), len(mesh.edges), len(mesh.loops), len(mesh.polygons))
@@ -291,14 +291,14 @@ def topology_of(target: bpy.types.Object, settings: Settings) -> tuple[object, .
 
 
 def identity(datablock: bpy.types.ID) -> object:
-    """What only this one has in this session, whatever it is called; before Blender 4.2 also its name has to stay."""
+    """Identifies an object or mesh in this session, even if it is renamed; before Blender 4.2 its name has to stay."""
     if hasattr(datablock, "session_uid"):
         return datablock.session_uid
     return (datablock.name, datablock.as_pointer())
 
 
 def evaluated_object(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Object | None:
-    """The object as the depsgraph has it; None where it has not, or where its mesh is being worked on."""
+    """The object as the depsgraph has it; None if it is not there, or if its mesh is being edited."""
     if target.mode in WAITING_MODES:
         return None
     evaluated = target.evaluated_get(depsgraph)
@@ -317,7 +317,7 @@ def deformed_positions(target: bpy.types.Object, evaluated: bpy.types.Object, re
 
 
 def keeps_vertices(target: bpy.types.Object, rendering: bool, count: int, found: int) -> bool:
-    """True where the modifiers in use leave the original vertices first."""
+    """Whether the modifiers in use keep the original vertices, and keep them first."""
     used = [item for item in target.modifiers if (item.show_render if rendering else item.show_viewport)]
     if any(item.type == "MIRROR" and any(item.use_bisect_axis) for item in used):
         return False  # it may well make as many as it cuts away

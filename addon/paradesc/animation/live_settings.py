@@ -1,4 +1,4 @@
-"""Settings of live values and playback: what of them is kept in scenes and in objects, and what follows a change."""
+"""Settings of live values and playback, which scenes and objects keep, and what happens when they change."""
 
 import bpy
 
@@ -16,7 +16,7 @@ MISSING = [
 
 
 def mode_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """Starts or ends it."""
+    """Starts or ends live values."""
     handlers.mode_changed(group.id_data)
 
 
@@ -26,7 +26,7 @@ def settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context
 
 
 def range_changed(group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
-    """The same where somebody has set a range, which then stays."""
+    """Does the same after somebody has set a range, which then stays."""
     if not handlers.is_ours():
         group.typed = True
         settings_changed(group, context)

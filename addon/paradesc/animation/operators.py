@@ -1,4 +1,4 @@
-"""Bake Frames as an operator, the frames of all selected meshes into the cache; and taking ranges anew."""
+"""The operators that bake frames of all selected meshes into the cache, and that take ranges anew."""
 
 import bpy
 
@@ -10,7 +10,7 @@ from . import handlers
 from .cache_places import cache_root, wanted_frames
 from .frame_batch import FrameBatch
 
-# In which the mesh is that of the object.
+# In these modes the mesh is that of the object.
 MODES = {"OBJECT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
 
@@ -24,7 +24,7 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """Frames are read in modes only in which the mesh is that of the object."""
+        """Refuses modes in which the mesh is not that of the object."""
         objects = targets.chosen(context)
         modes = {item.mode for item in objects} - MODES
         if bridge.missing_sentence() or not objects:
@@ -36,7 +36,7 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
         return FrameBatch(context, wanted_frames(context.scene), cache_root(context.scene), beside)
 
     def finish(self, _context: bpy.types.Context) -> set[str]:
-        """Comes back to the frame before, has colors span all frames, and says what there is now."""
+        """Comes back to the frame before, makes colors span all frames, and says which frames there are now."""
         batch = self.job
         batch.close()
         several = len(batch.pieces) > 1

@@ -1,4 +1,4 @@
-"""Values and their colors to the attributes of a mesh, frame after frame, by ranges that stay."""
+"""Writes values and their colors to the attributes of a mesh, frame after frame, with ranges that stay."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
@@ -16,7 +16,7 @@ TABLE_STEPS = 4096
 
 @dataclass
 class Values:
-    """What one frame has to leave on a mesh."""
+    """What one frame writes to a mesh."""
 
     shown: dict[str, np.ndarray]  # each (vertex_count,) or (vertex_count, 3) float32, with colors beside them
     extras: dict[str, np.ndarray]  # each (vertex_count,) float32, without
@@ -25,20 +25,20 @@ class Values:
 
     @property
     def names(self) -> list[str]:
-        """Of all attributes."""
+        """The names of all attributes."""
         return [name for shown in self.shown for name in (shown, f"{shown}_color")] + list(self.extras)
 
 
 @dataclass
 class Painter:
-    """What was written last, so that nothing is written twice. It holds arrays only: Blender's data moves with undo."""
+    """Remembers what it wrote last, to write nothing twice. It holds arrays only: undo moves Blender's own data."""
 
     ranges: dict[str, ValueRange] = field(default_factory=dict)
     tables: dict[str, np.ndarray] = field(default_factory=dict)
     written: dict[str, np.ndarray] = field(default_factory=dict)  # (n,) float32 by attribute
 
     def paint(self, mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
-        """Fills the attributes, made where they are missing; False where they hold all of it already."""
+        """Fills the attributes, and makes those that are missing; False if they hold all of it already."""
         complete = has_all(mesh, values.names)
         if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
             return False
@@ -54,11 +54,11 @@ class Painter:
         return True
 
     def is_there(self, mesh: bpy.types.Mesh) -> bool:
-        """True where the mesh has all attributes that were left on it."""
+        """Whether the mesh still has all attributes that were written."""
         return has_all(mesh, self.written)
 
     def is_written(self, mesh: bpy.types.Mesh) -> bool:
-        """True where the attributes are as they were left: neither undone nor written by anything else."""
+        """Whether the attributes are as they were written: neither undone nor changed by anything else."""
         for name, values in self.written.items():
             attribute, found = mesh.attributes.get(name), np.empty(values.size, np.float32)
             if attribute is None or mesh_io.wanted_kind(name) != (attribute.data_type, attribute.domain):
@@ -78,12 +78,12 @@ class Painter:
 
 
 def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:
-    """True where the mesh has attributes of all these names."""
+    """Whether the mesh has attributes of all these names."""
     return all(mesh.attributes.get(name) is not None for name in names)
 
 
 def member_of(attribute: bpy.types.Attribute) -> str:
-    """The member that foreach_get and foreach_set take of an attribute of ours."""
+    """The member of our attributes that foreach_get and foreach_set read and write."""
     return {"FLOAT_COLOR": "color", "FLOAT_VECTOR": "vector"}.get(attribute.data_type, "value")
 
 
@@ -96,7 +96,7 @@ def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRa
 
 
 def tag_written(mesh: bpy.types.Mesh, rendering: bool) -> None:
-    """Has Blender evaluate the mesh again with its new attributes.
+    """Makes Blender evaluate the mesh again with its new attributes.
 
     A render's copies of the mesh and its shape keys are then made afresh from the originals, whose animated values are
     those of the window's frame, and Blender does not animate a frame twice: touching the animation makes it.
@@ -115,8 +115,8 @@ def locked_ranges(
 ) -> dict[str, ValueRange]:
     """The ranges that hold at every frame, by name.
 
-    Those that the look fixes; else those that the scene has stored, and what is found where it has none. What was
-    stored of values that the look saw otherwise is forgotten.
+    These are the ranges that the look fixes; else those that the scene has stored, or those that are found if it has
+    none. Ranges that were stored for another look are forgotten.
     """
     if look.ranges:
         return {name: found(name, look) for name in names}
@@ -134,7 +134,7 @@ def locked_ranges(
 
 
 def follow_look(group: bpy.types.PropertyGroup, look: Look) -> None:
-    """Forgets the stored ranges where they are none for this look."""
+    """Forgets the stored ranges if they do not fit this look."""
     if not keeps_ranges(group, look):
         group.ranges.clear()
     if group.ranges_look != look_key(look):
@@ -142,17 +142,17 @@ def follow_look(group: bpy.types.PropertyGroup, look: Look) -> None:
 
 
 def keeps_ranges(group: bpy.types.PropertyGroup, look: Look) -> bool:
-    """Whether the stored ranges go on with this look: nothing but the color map is another, or it fixes its own."""
+    """Whether the stored ranges stay with this look: only the color map differs, or the look fixes its own ranges."""
     return bool(look.ranges) or group.ranges_look in ("", look_key(look))
 
 
 def look_key(look: Look) -> str:
-    """What ranges follow from."""
+    """The parts of a look that ranges follow from."""
     return repr((look.percentile, look.symmetric, look.neutral))
 
 
 def hold_ranges(group: bpy.types.PropertyGroup, look: Look, found: dict[str, ValueRange]) -> None:
-    """Stores these ranges, but for those that somebody has typed."""
+    """Stores these ranges, except those that somebody has typed."""
     follow_look(group, look)
     stored = {item.name: item for item in group.ranges}
     for name, shown in found.items():
@@ -164,7 +164,7 @@ def hold_ranges(group: bpy.types.PropertyGroup, look: Look, found: dict[str, Val
 
 
 def take_ranges(group: bpy.types.PropertyGroup, found: Iterable[dict[str, ValueRange]]) -> None:
-    """Stores ranges that hold those of all objects, instead of what was stored."""
+    """Replaces the stored ranges by ones that contain those of all objects."""
     spans: dict[str, list[ValueRange]] = {}
     for ranges in found:
         for name, shown in ranges.items():
@@ -175,14 +175,14 @@ def take_ranges(group: bpy.types.PropertyGroup, found: Iterable[dict[str, ValueR
 
 
 def add_range(group: bpy.types.PropertyGroup, name: str, minimum: float, maximum: float) -> bpy.types.PropertyGroup:
-    """One more range."""
+    """Adds a range to those stored."""
     item = group.ranges.add()
     item.name, item.minimum, item.maximum = name, minimum, maximum
     return item
 
 
 def above(value: float) -> float:
-    """The next value that floats of 32 bits can tell: a range is never empty."""
+    """The next larger 32-bit float, so that a range is never empty."""
     return float(np.nextafter(np.float32(value), np.float32(np.inf)))
 
 

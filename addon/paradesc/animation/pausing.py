@@ -1,4 +1,4 @@
-"""While frames are evaluated for a bake, live values wait: nobody sees them, and they would be computed twice."""
+"""Makes live values wait while frames are evaluated for a bake: nobody sees them, and they would be computed twice."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,26 +7,26 @@ _holds: list[object] = []
 
 
 def hold() -> object:
-    """Has live values wait until release() is given what this gives."""
+    """Makes live values wait until release() gets what this returns."""
     held = object()
     _holds.append(held)
     return held
 
 
 def release(held: object) -> None:
-    """Lets them go on, unless somebody else holds them."""
+    """Lets live values go on, unless somebody else holds them."""
     if held in _holds:
         _holds.remove(held)
 
 
 def is_held() -> bool:
-    """Whether they wait."""
+    """Whether live values wait."""
     return bool(_holds)
 
 
 @contextmanager
 def held() -> Iterator[None]:
-    """Has them wait for a while."""
+    """Makes live values wait inside the with statement."""
     mine = hold()
     try:
         yield

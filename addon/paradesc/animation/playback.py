@@ -1,6 +1,6 @@
-"""Playback: frames of an object's cache to values and colors of its mesh; nothing is computed.
+"""Playback: shows frames of an object's cache as values and colors of its mesh, without computing.
 
-Frames that the cache lacks are held from the nearest one, or computed by a live session, as the scene says.
+For frames that the cache lacks, the nearest one is shown or a live session computes, as the scene says.
 """
 
 import time
@@ -19,7 +19,7 @@ from ..scene.mesh_io import refuse
 from ..settings import looks
 from . import cache_places, live, painting
 
-# What has no colors beside it.
+# These values have no colors.
 EXTRAS = ("coverage", ATTRIBUTE, UNDEFINED_MASK)
 
 
@@ -49,8 +49,8 @@ class Player:
     def refresh(
         self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, wait: bool = True
     ) -> bool:
-        """Leaves on the object's mesh the values of the scene's frame, at once; False where nothing had to change."""
-        if live.evaluated_object(target, depsgraph) is None:  # of another scene, for one, whose frame is not ours
+        """Writes the values of the scene's frame to the object's mesh, at once; False if nothing had to change."""
+        if live.evaluated_object(target, depsgraph) is None:  # for example in another scene, whose frame is not ours
             return False
         self.scene_name = scene.name
         start = time.perf_counter()
@@ -73,7 +73,7 @@ class Player:
         return changed
 
     def find(self, folder: Path, wanted: int) -> Path | None:
-        """The file of the frame, or of the nearest one, the earlier of two; says which."""
+        """The file of the frame, or of the nearest one (the earlier of two), and says which frame it is."""
         found = cache.frame_path(folder, wanted)
         self.note = ""
         if found.is_file():
@@ -87,7 +87,7 @@ class Player:
         return there[nearest]
 
     def read(self, path: Path, target: bpy.types.Object) -> bool:
-        """Reads the file unless it is the one that was read last; False then."""
+        """Reads the file; False if it is the one that was read last."""
         stamp = (path, path.stat().st_mtime_ns)
         if stamp == self.shown and self.frame is not None:
             return False
@@ -103,7 +103,7 @@ class Player:
         return True
 
     def compute(self, target: bpy.types.Object, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene) -> bool:
-        """The values of a frame that is not there, live."""
+        """Computes the values of a missing frame by a live session."""
         if scene.paradesc_live.missing != "COMPUTE":
             raise refuse(f"{self.note} Bake frames first, or let missing ones be computed.")
         if self.session is None:
@@ -115,7 +115,7 @@ class Player:
         return changed
 
     def forget_ranges(self) -> None:
-        """Has the ranges over all frames read again."""
+        """Makes the ranges over all frames be read again."""
         self.ranged = None
 
     def found_ranges(self, look: Look) -> dict[str, ValueRange]:
@@ -131,17 +131,17 @@ class Player:
         return replace(shown, minimum=low, maximum=high)
 
     def shown_names(self) -> list[str]:
-        """Of the values that have colors."""
+        """The names of the values that have colors."""
         return [name for name in self.frame.values if name not in EXTRAS]
 
     def values(self) -> painting.Values:
-        """The frame as it is written."""
+        """The frame in the form in which it is written to the mesh."""
         shown = {name: self.frame.values[name] for name in self.shown_names()}
         extras = {name: values for name, values in self.frame.values.items() if name in EXTRAS}
         return painting.Values(shown, extras, {}, self.drawing)
 
     def drawing(self, name: str, shown: ValueRange) -> dict[str, object]:
-        """What a legend needs to know, as far as the frame's file says so."""
+        """What a legend needs to know, as far as the frame's file has it."""
         info = self.frame.info
         settings, radii = info.get("settings"), info.get("radius")
         on = settings.get("map_descriptor", "") if isinstance(settings, dict) else ""

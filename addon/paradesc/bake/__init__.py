@@ -1,1 +1,1 @@
-"""Baking of objects in Blender, one after another."""
+"""Bakes objects in Blender, one after another."""

@@ -1,4 +1,4 @@
-"""A bake of several meshes, one worker after another on the computation's side, everything written at the end."""
+"""Bakes several meshes, with one worker after another, and writes everything at the end."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -29,7 +29,7 @@ class MeshBake(Piece):
     placed: list[Path] = field(default_factory=list)  # files that were written
 
     def target(self) -> bpy.types.Object:
-        """The object, or one sentence where it is gone."""
+        """The object; raises one sentence if it is gone."""
         found = bpy.data.objects.get(self.key)
         if found is None or found.type != "MESH":
             sentence = f'The object "{self.name}" is gone; nothing was written.'
@@ -38,10 +38,10 @@ class MeshBake(Piece):
 
 
 class Batch(Pieces):
-    """What the bake operator does step by step, all on the main thread but the computation itself."""
+    """Does the work of the bake operator step by step, all on the main thread except the computation itself."""
 
     def __init__(self, context: bpy.types.Context) -> None:
-        """Takes the settings as they are now, and the chosen objects; raises where nothing can be computed."""
+        """Takes the settings as they are now, and the chosen objects; raises if nothing can be computed."""
         group = context.scene.paradesc
         maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
         self.request = targets.ReadRequest(group.shape_key, maps, source)
@@ -81,7 +81,7 @@ class Batch(Pieces):
             self.attempt(piece, lambda piece: self.take(piece, worker))
 
     def attempt(self, piece: MeshBake, action: Callable[[MeshBake], None]) -> None:
-        """Does something about one mesh; what goes wrong is its failure, and the others go on."""
+        """Does one step for a mesh; if it goes wrong, that is the failure of this mesh, and the others go on."""
         try:
             action(piece)
         except ParadescError as error:
@@ -119,7 +119,7 @@ class Batch(Pieces):
                 piece.files.discard()
 
     def finish(self, context: bpy.types.Context) -> None:
-        """Writes the results of every mesh in the scene's colors, in object mode for that long."""
+        """Writes the results of every mesh in the scene's colors; object mode lasts that long."""
         self.look = looks.scene_look(context.scene)
         with modes.object_mode():
             for piece in self.pieces:
@@ -150,7 +150,7 @@ class Batch(Pieces):
 
 
 def file_places(group: bpy.types.PropertyGroup, names: list[str]) -> list[tuple[Path | None, Path | None]]:
-    """The image and the folder of buffers of each object; of several each has its own, by its name."""
+    """The image and the folder of buffers of each object; if there are several, each has its own, named after it."""
     image = whole_path(group.image_path, "image", IMAGE_STEM) if group.write_image else None
     buffers = whole_path(group.buffers_path, "folder", BUFFERS_NAME) if group.write_buffers else None
     if image is not None:
@@ -168,7 +168,7 @@ def file_places(group: bpy.types.PropertyGroup, names: list[str]) -> list[tuple[
 
 
 def file_words(names: list[str]) -> list[str]:
-    """What each object adds to the names of its files: nothing where there is only one, else a word of its own."""
+    """What each object adds to the names of its files: nothing if there is only one, else a word of its own."""
     if len(names) == 1:
         return [""]
     words: list[str] = []
@@ -182,7 +182,7 @@ def file_words(names: list[str]) -> list[str]:
 
 
 def whole_path(text: str, what: str, name: str) -> Path:
-    """A path of the panel; beside the .blend where it begins with //. A folder gets the name."""
+    """A path of the panel; // stands for the folder of the .blend. If it is a folder, the name is added."""
     if not text.strip():
         raise bake_files.refuse(f"The {what} has no path; give one under Output.")
     if text.startswith("//") and not bpy.data.filepath:

@@ -1,4 +1,4 @@
-"""Work that a window waits for, as an operator: progress in the panel, Esc, and the same steps in a row for scripts."""
+"""Runs work that a window waits for, with progress in the panel and Esc; scripts take the same steps in a row."""
 
 from typing import Protocol
 
@@ -19,7 +19,7 @@ class Steps(Protocol):
 
     @property
     def done(self) -> bool:
-        """Whether no step is left, or all is at rest after cancelling."""
+        """Whether no step is left, or the work is at rest after cancelling."""
 
     @property
     def fraction(self) -> float:
@@ -30,10 +30,10 @@ class Steps(Protocol):
         """What is being done, for people."""
 
     def step(self, wait: bool = False) -> None:
-        """Goes on; wait: for the worker under way, which is otherwise looked at only."""
+        """Takes the next step; wait: waits for the worker under way, at which it otherwise only looks."""
 
     def cancel(self) -> None:
-        """Has the work end as soon as its worker has heard of it."""
+        """Makes the work end as soon as its worker notices."""
 
     def close(self) -> None:
         """Cancels what is left, waits for it, and tidies up. Safe to call again."""
@@ -42,7 +42,7 @@ class Steps(Protocol):
 class ModalJob:
     """An operator around such work. The operator itself has obstacle(), begin() and finish()."""
 
-    # What is under way in the window, for the panel; a modal operator takes all events, so there is one at most.
+    # The work under way in the window, for the panel. A modal operator takes all events, so there is at most one.
     running: Steps | None = None
     # Seconds between two looks at the worker.
     timer_step = 0.1
@@ -53,11 +53,11 @@ class ModalJob:
         raise NotImplementedError
 
     def begin(self, context: bpy.types.Context, beside: bool) -> Steps:
-        """Takes the settings and the selection, or raises what is wrong with them; beside: a window lives."""
+        """Takes the settings and the selection, or raises what is wrong with them; beside: there is a window."""
         raise NotImplementedError
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Leaves the results of self.job where they belong and says what was found; after Esc, only the latter."""
+        """Writes the results of self.job and says what was found; after Esc it only says so."""
         raise NotImplementedError
 
     @classmethod
@@ -69,18 +69,18 @@ class ModalJob:
         return not sentence
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """The same steps in a row: for scripts and background mode, where timers never fire."""
+        """Takes the same steps in a row, for scripts and background mode, where timers never fire."""
         if not self.has_begun(context, beside=False):
             return {"CANCELLED"}
         try:
             while not self.job.done:
                 self.job.step(wait=True)
             return self.finish(context)
-        finally:  # after Ctrl-C, for one
+        finally:  # also after Ctrl-C
             self.job.close()
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Starts; modal() goes on."""
+        """Starts the work; modal() goes on with it."""
         if bpy.app.background:
             return self.execute(context)
         if not self.has_begun(context, beside=True):
@@ -125,12 +125,12 @@ class ModalJob:
         return ended
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Blender ends the operator itself, for one because another file is loaded."""
+        """Cleans up when Blender ends the operator itself, for example because another file is loaded."""
         self.job.close()
         self.clean_up(context)
 
     def show_progress(self, context: bpy.types.Context) -> None:
-        """In the cursor, the status bar and the panel."""
+        """Shows it at the cursor, in the status bar and in the panel."""
         text = progress_text(self.job)
         if text == self.shown:
             return
@@ -141,7 +141,7 @@ class ModalJob:
         redraw_sidebars(context)
 
     def clean_up(self, context: bpy.types.Context) -> None:
-        """Takes the timer and the progress away."""
+        """Removes the timer and the progress."""
         if ModalJob.running is None:
             return
         ModalJob.running = None

@@ -1,4 +1,4 @@
-"""The bake operator: the selected meshes, one after another beside a living window, in one step to undo."""
+"""The bake operator: it bakes the selected meshes one after another while the window goes on, as one step to undo."""
 
 import bpy
 
@@ -26,11 +26,11 @@ class PARADESC_OT_bake(ModalJob, bpy.types.Operator):
         return obstacle(context)
 
     def begin(self, context: bpy.types.Context, beside: bool) -> Batch:
-        """Beside a window or not, the same."""
+        """Takes settings and selection, with or without a window."""
         return Batch(context)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
-        """Writes all results and says what was found; after Esc nothing, of no mesh."""
+        """Writes all results and says what was found; after Esc it writes no mesh at all."""
         batch = self.job
         if batch.cancelled:
             self.report({"INFO"}, "Cancelled; every mesh is as it was")
@@ -53,7 +53,7 @@ class PARADESC_OT_bake(ModalJob, bpy.types.Operator):
 
 
 def keep_for_undo(context: bpy.types.Context) -> None:
-    """In brush modes, a step of undo to come back to: their own steps hold strokes, not the attributes of a mesh."""
+    """Adds a step of undo in brush modes, because their own steps hold strokes, not the attributes of a mesh."""
     active = context.active_object
     if active is not None and active.mode in BRUSH_MODES and not bpy.app.background:
         bpy.ops.ed.undo_push(message="Before Bake Descriptors")
@@ -88,14 +88,14 @@ class PARADESC_OT_make_local(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only where one is not."""
+        """Only if one of them is not local."""
         found = any(targets.unwritable(target) for target in targets.chosen(context))
         if not found:
             cls.poll_message_set("Every chosen mesh is local already")
         return found
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Object and mesh, where they are linked or overrides; whatever else they use stays linked."""
+        """Makes objects and meshes local if they are linked or overrides; whatever else they use stays linked."""
         names = []
         copies: dict[bpy.types.Mesh, bpy.types.Mesh] = {}
         try:
@@ -109,14 +109,14 @@ class PARADESC_OT_make_local(bpy.types.Operator):
 
 
 def make_local(target: bpy.types.Object, copies: dict[bpy.types.Mesh, bpy.types.Mesh]) -> bpy.types.Object:
-    """The object, local, with a local mesh; copies holds the meshes that have been made so far."""
+    """Gives the object, made local, with a local mesh; copies holds the meshes that have been made so far."""
     if target.library is not None:
         if any(item.override_library and item.override_library.reference == target for item in bpy.data.objects):
             sentence = f'Overrides follow the linked object "{target.name}"; make those local, or remove them first.'
             raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
         target = target.make_local()
     if target.data.override_library is not None:
-        target.data.override_library.destroy()  # a copy would be an override again; this leaves what it was of
+        target.data.override_library.destroy()  # a copy would be an override again; this keeps its contents
     mesh = target.data
     if mesh.library is not None:
         copies[mesh] = copies.get(mesh) or mesh.copy()
@@ -139,11 +139,11 @@ class PARADESC_OT_choose_device(bpy.types.Operator):
 
     @classmethod
     def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
-        """What the device is, or why it is not there."""
+        """Says what the device is, or why it is not there."""
         return devices.about(asked.backend)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Sets both members."""
+        """Sets the backend and the index of the device."""
         group = context.scene.paradesc
         group.backend, group.device_index = self.backend, self.index
         return {"FINISHED"}

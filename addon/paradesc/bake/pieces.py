@@ -11,7 +11,7 @@ ObjectKey = tuple[str, str | None]  # an object's name and library: objects them
 
 @dataclass
 class Piece:
-    """One object of a bake: which one it is, and what was wrong with it or is to be said of it."""
+    """One object of a bake: which one it is, what failed, and notes about it."""
 
     key: ObjectKey
     failure: str = field(default="", kw_only=True)  # one sentence
@@ -51,7 +51,7 @@ class Pieces:
         return [piece for piece in self.pieces if piece.failure]
 
     def step(self, wait: bool = False) -> None:
-        """Goes on with the current piece; wait: for the worker under way, which is otherwise looked at only."""
+        """Goes on with the current piece; wait: waits for the worker under way, at which it otherwise only looks."""
         raise NotImplementedError
 
     def join(self) -> Worker:
@@ -75,10 +75,10 @@ class Pieces:
 
 
 def with_name(name: str, failure: str) -> str:
-    """The sentence about an object, with its name in front where the sentence lacks it."""
+    """The sentence about an object, with its name in front unless the sentence has it."""
     return failure if f'"{name}"' in failure else f'"{name}": {failure}'
 
 
 def key_of(target: bpy.types.Object) -> ObjectKey:
-    """What bpy.data.objects finds an object by."""
+    """The key by which bpy.data.objects finds an object."""
     return target.name, target.library.filepath if target.library is not None else None

@@ -1,4 +1,4 @@
-"""Meshes as numpy arrays, and the C structs and pointers through which the native library reads them."""
+"""Holds meshes as numpy arrays, and makes the C structs and pointers through which the native library reads them."""
 
 import ctypes
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ from .library import ParadescError, new_struct
 
 @dataclass
 class Layout:
-    """A UV layout made for the computation, where a mesh has no usable UV map of its own."""
+    """A UV layout made for the computation, because the mesh has no usable UV map of its own."""
 
     uvs: np.ndarray  # (corner_count, 2) float32
     reason: str  # what the mesh's own map is lacking: "has no UV map"
-    topology: str  # a name for the way the faces hang together that the layout fits
-    kept: bool  # found in the mesh, where an earlier bake left it
+    topology: str  # names the way in which the faces are connected, which the layout fits
+    kept: bool  # an earlier bake left it in the mesh
 
 
 @dataclass
@@ -84,7 +84,7 @@ def native_mesh(library: ctypes.CDLL, arrays: MeshArrays) -> tuple[abi.MeshInput
 
 
 def contiguous(array: np.ndarray, kind: type, name: str, width: int) -> np.ndarray:
-    """(n,) or (n, width) array of the type wanted, copied only where it has to be."""
+    """(n,) or (n, width) array of the type wanted, copied only if necessary."""
     result = np.ascontiguousarray(array, dtype=kind)
     shape_fits = result.ndim == 1 if width == 1 else result.ndim == 2 and result.shape[1] == width
     if not shape_fits:
@@ -94,7 +94,7 @@ def contiguous(array: np.ndarray, kind: type, name: str, width: int) -> np.ndarr
 
 
 def image(pixels: np.ndarray | None, name: str, dimensions: int) -> tuple[np.ndarray | None, object, int, int]:
-    """An image's pixels, which have to live as long as they are read, their address, height and width."""
+    """An image's pixels, which have to stay alive while they are read, with their address, height and width."""
     if pixels is None:
         return None, abi.Float32Pointer(), 0, 0
     array = np.ascontiguousarray(pixels, dtype=np.float32)

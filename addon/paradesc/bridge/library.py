@@ -14,7 +14,7 @@ from typing import TypeVar
 from .. import __version__
 from . import abi
 
-# By sys.platform; one zip serves both kinds of Mac.
+# The library of each sys.platform; one zip serves both kinds of Mac.
 LIBRARY_NAMES = {
     "linux": "libparadesc.so",
     "win32": "paradesc.dll",
@@ -22,11 +22,11 @@ LIBRARY_NAMES = {
 }
 # What release packages hold libraries for; platform.machine() by sys.platform.
 MACHINES = {"linux": ("x86_64",), "win32": ("AMD64",), "darwin": ("x86_64", "arm64")}
-# Libraries that libparadesc needs; loaded first, from the same folder, where they lie there.
+# libparadesc needs these libraries; they are loaded first if they are in the same folder.
 COMPANION_NAMES = ("libOpenMeshCore.so.9.0",)
 # Bytes kept free behind every struct: a newer library of the same ABI version may know more members than abi.py.
 GROWTH_ROOM = 256
-# A library that is loaded stays so: an add-on that was updated beside it meets the old one.
+# A library stays loaded, so an add-on that is updated meanwhile meets the old one.
 REMEDY = "restart Blender if you have just updated the add-on, else install both from one release"
 
 Struct = TypeVar("Struct", bound=ctypes.Structure)
@@ -89,7 +89,7 @@ def library_path() -> Path:
 
 
 def without_devices() -> str:
-    """What to expect where the library of this system uses no graphics devices, as one sentence; "" where it does."""
+    """One sentence about what to expect if the library of this system uses no graphics devices; "" if it does."""
     if sys.platform == "linux":
         return ""
     return "On this system the exact reference computes, which is slower than a graphics device."
@@ -129,7 +129,7 @@ def open_library(path: Path) -> ctypes.CDLL:
 
 
 def absent_sentence(path: Path) -> str:
-    """What to do where there is no library."""
+    """Says what to do if there is no library."""
     if platform.machine() not in MACHINES.get(sys.platform, ()):
         return f"native library missing – {offer()}; elsewhere build it with cmake, so that {path} exists."
     return (
@@ -139,7 +139,7 @@ def absent_sentence(path: Path) -> str:
 
 
 def offer() -> str:
-    """What release packages there are, and what this is."""
+    """Says which release packages there are, and what this system is."""
     return (
         "release packages are for Linux and Windows on x86-64 and for macOS, and this is "
         f"{platform.system()} on {platform.machine()}"
@@ -147,7 +147,7 @@ def offer() -> str:
 
 
 def unlocked(path: Path) -> Path:
-    """The file to load. Windows locks it, so it loads a copy, lest the add-on could be neither updated nor removed."""
+    """The file to load: on Windows a copy, as Windows locks it and the add-on has to be updated and removed."""
     if sys.platform != "win32":
         return path
     content = path.read_bytes()
@@ -204,7 +204,7 @@ def text(raw: bytes | None) -> str:
 
 
 def new_struct(library: ctypes.CDLL, kind: type[Struct]) -> Struct:
-    """A struct with the library's defaults, and room behind it for members that only the library knows."""
+    """A struct with the library's defaults, and room behind it for members that only a newer library knows."""
     room = (ctypes.c_ubyte * (sizeof(kind) + GROWTH_ROOM))()
     struct = kind.from_buffer(room)
     getattr(library, abi.STRUCTS[kind] + "_init")(byref(struct))
@@ -237,5 +237,5 @@ def descriptors() -> tuple[Descriptor, ...]:
 
 
 def components(name: str) -> int:
-    """Values a vertex has of a descriptor: 1 or 3."""
+    """How many values of a descriptor a vertex has: 1 or 3."""
     return next((row.components for row in descriptors() if row.name == name), 1)

@@ -1,4 +1,4 @@
-"""How to compute: the names that every choice has in Python, and the options as the C struct of them."""
+"""Defines how to compute: the names of all choices in Python, and the options as a C struct."""
 
 import ctypes
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ PATTERNS = {"golden-angle": abi.PATTERN_GOLDEN_ANGLE, "stratified": abi.PATTERN_
 ELLIPSES = {"center": abi.ELLIPSE_CENTER, "directional": abi.ELLIPSE_DIRECTIONAL}
 EVALUATIONS = {"vertex": abi.EVALUATE_VERTEX, "texel": abi.EVALUATE_TEXEL}
 PRECISIONS = {"full": abi.PRECISION_FULL, "half": abi.PRECISION_HALF}
-# Options that are a name: their choices, and what to call them in a sentence.
+# The choices of each option that is a name, and what a sentence calls the option.
 CHOICES = {
     "radius_unit": (RADIUS_UNITS, "radius unit"),
     "normals": (NORMALS, "kind of normals"),
@@ -56,7 +56,7 @@ NUMBERS = {
     "max_jumps": "number of jumps",
     "texels": "number of texels",
 }
-# Of --adaptive without a number: radians.
+# What --adaptive means without a number, in radians.
 ADAPTIVE_THRESHOLD = 0.05
 
 
@@ -108,7 +108,7 @@ def native_options(library: ctypes.CDLL, options: Options) -> abi.ComputeOptions
 
 
 def choice(names: dict[str, int], name: str, what: str) -> int:
-    """The number of a named choice; ParadescError lists the names there are."""
+    """The number of a named choice; a ParadescError lists the names that exist."""
     if name not in names:
         sentence = f'There is no {what} "{name}"; choose one of {", ".join(names)}.'
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
@@ -116,7 +116,7 @@ def choice(names: dict[str, int], name: str, what: str) -> int:
 
 
 def int32(value: int, what: str) -> int:
-    """The value itself where it fits the C type; ctypes would cut it silently."""
+    """The value itself if it fits the C type; ctypes would cut it silently."""
     if not -(2**31) <= value < 2**31:
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"The {what} {value} is out of range.")
     return value

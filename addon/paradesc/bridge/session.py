@@ -40,11 +40,11 @@ class Field:
         return [line for line in text(self._library.pdesc_field_warnings(self._pointer)).splitlines() if line.strip()]
 
     def values(self, name: str) -> np.ndarray:
-        """(vertex_count,) float32 of a descriptor or "coverage", (vertex_count, 3) of a vector; NaN where undefined."""
+        """(vertex_count,) float32 of a descriptor or "coverage", (vertex_count, 3) of a vector; NaN if undefined."""
         return self._read(self._library.pdesc_field_values, name, components(name))
 
     def seam_error(self, name: str) -> np.ndarray:
-        """(vertex_count,) float32 largest difference between a vertex' places in the UV map; NaN with one place."""
+        """(vertex_count,) float32 largest difference between a vertex's places in the UV map; NaN with one place."""
         return self._read(self._library.pdesc_field_seam_error, name)
 
     def mask(self) -> np.ndarray:
@@ -120,7 +120,7 @@ class Mesh:
         del array
 
     def set_maps(self, maps: SurfaceMaps) -> None:
-        """Both of them."""
+        """Sets both maps."""
         self.set_displacement(maps.heights, maps.midlevel, maps.scale)
         self.set_normal_map(maps.normals, maps.corner_tangents)
 
@@ -257,7 +257,7 @@ class Context:
 
 
 def progress_callback(progress: ProgressFunction | None, caught: list[BaseException]) -> object:
-    """A C callback that keeps what the Python one raised (Ctrl-C, for one) and cancels then."""
+    """A C callback that keeps what the Python one raised (for example Ctrl-C), and then cancels."""
     if progress is None:
         return abi.Progress()
 

@@ -1,9 +1,9 @@
-"""The commands of the command line, a module each: add_command() declares its options, run() does it."""
+"""The commands of the command line, one module each: add_command() declares the options, run() runs the command."""
 
 from importlib import import_module
 from types import ModuleType
 
-# In the order of the help.
+# They stand in the order of the help.
 COMMANDS = ("bake", "animate", "compare", "info", "list")
 
 

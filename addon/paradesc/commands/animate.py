@@ -1,4 +1,4 @@
-"""paradesc animate: frames of an animation to a folder of files, resumable and on any number of machines."""
+"""paradesc animate: bakes frames of an animation into a folder of files, resumably and on any number of machines."""
 
 import argparse
 import os
@@ -53,7 +53,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
-    """Bakes the frames that are missing; gives the report of what there is then."""
+    """Bakes the frames that are missing; gives the report of all that are there then."""
     settings_of(arguments)
     chosen = parse_frames(arguments.frames)
     if arguments.all and arguments.object:
@@ -101,7 +101,7 @@ def bake_object(
     wanted: range,
     progress: ProgressFunction,
 ) -> dict[str, object]:
-    """Bakes one object's frames; gives what there is to say about it."""
+    """Bakes one object's frames; gives its part of the report."""
     import bpy
 
     from ..animation import frames
@@ -133,7 +133,7 @@ def bake_frames(baker: "FrameBaker", wanted: range, progress: ProgressFunction) 
 
 
 def part_of(progress: ProgressFunction, frame: int, index: int, count: int) -> Callable[[str, float], bool]:
-    """The same progress for one of the frames."""
+    """Turns the progress of one frame into that of all."""
     return lambda stage, fraction: progress(f"frame {frame}: {stage}", (index + fraction) / count)
 
 
@@ -167,7 +167,7 @@ def make_folder(folder: Path) -> None:
 
 
 def report_of(baker: "FrameBaker", wanted: range, made: "list[Done]") -> dict[str, object]:
-    """Everything about an object's frames but its values."""
+    """The report on an object's frames: everything except values."""
     frames = [done.frame for done in made]
     seconds = {stage: sum(done.seconds[stage] for done in made) / len(made) for stage in STAGES} if made else {}
     return {
@@ -184,7 +184,7 @@ def report_of(baker: "FrameBaker", wanted: range, made: "list[Done]") -> dict[st
 
 
 def print_summary(report: dict, settings: job.Settings) -> None:
-    """What was made, in a few lines."""
+    """Prints what was made, in a few lines."""
     print(f'object "{report["object"]}": {len(report["made"]):,} frames made, {len(report["kept"]):,} kept')
     if report["made"]:
         seconds = report["seconds_per_frame"]

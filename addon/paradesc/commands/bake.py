@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 
 def check(arguments: argparse.Namespace) -> None:
-    """Refuses whatever makes no sense before any file is opened."""
+    """Refuses what makes no sense, before any file is opened."""
     settings_of(arguments)
     check_files(arguments)
     if arguments.all and arguments.object:
@@ -118,7 +118,7 @@ def saves_scene(arguments: argparse.Namespace) -> bool:
 def bake_objects(
     targets: list["bpy.types.Object"], settings: job.Settings, arguments: argparse.Namespace
 ) -> list[results.Baked]:
-    """Computes each object; those that share a mesh share its results, unless what is measured is the object's own."""
+    """Computes each object. Objects that share a mesh share its results, unless modifiers or scale make them differ."""
     from ..scene import mesh_io
 
     look = asked_look(arguments)
@@ -149,7 +149,7 @@ def bake_objects(
 
 
 def asked_look(arguments: argparse.Namespace) -> Look:
-    """The look of the options, what is not given being the scene's where its settings are asked for."""
+    """The look that the options ask for; with --scene-settings the scene supplies what is not given."""
     if not arguments.scene_settings:
         return look_of(arguments)
     from ..settings.looks import scene_look
@@ -160,7 +160,7 @@ def asked_look(arguments: argparse.Namespace) -> Look:
 
 @contextmanager
 def named(target: "bpy.types.Object", count: int) -> Iterator[None]:
-    """Adds to an error which of several objects it is about."""
+    """Adds to an error which object it is about, if there are several."""
     try:
         yield
     except bridge.InputError as error:
@@ -177,7 +177,7 @@ def open_file() -> Path | None:
 
 
 def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked], source: str) -> None:
-    """Leaves the results where they belong; of several objects with one mesh, those of the first."""
+    """Writes the results where they belong; if several objects share a mesh, those of the first."""
     from ..scene import source_meshes
     from ..scene import targets as groups
 
@@ -188,7 +188,7 @@ def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Bake
 
 
 def warnings_of(baked: list[results.Baked]) -> list[str]:
-    """Everything that limits the results; of several objects with their names."""
+    """Everything that limits the results; with the names of the objects if there are several."""
     several = len(baked) > 1
     return [
         f"{one.object_name}: {sentence}" if several else sentence for one in baked for sentence in one.results.warnings
@@ -218,7 +218,7 @@ def failed_checks(arguments: argparse.Namespace, baked: list[results.Baked], war
 
 
 def print_summary(baked: results.Baked) -> None:
-    """What was found, in a few lines."""
+    """Prints what was found, in a few lines."""
     found = baked.results
     mesh, field = found.mesh_report, found.field_report
     print(

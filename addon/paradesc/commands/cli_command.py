@@ -3,12 +3,12 @@
 from .main import main
 
 classes = ()
-# What Blender gave for the command, to take it back by.
+# What Blender returned for the command; it is needed to remove the command.
 handles: list[object] = []
 
 
 def register() -> None:
-    """Makes the command known to a Blender that knows commands."""
+    """Adds the command, if this Blender has commands."""
     import bpy
 
     if hasattr(bpy.utils, "register_cli_command"):
@@ -16,7 +16,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes it away."""
+    """Removes the command."""
     import bpy
 
     while handles:

@@ -42,7 +42,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def exit_code(error: BaseException) -> int:
-    """What the process ends with after this error."""
+    """The exit code of the process after this error."""
     if isinstance(error, UsageError):
         return EXIT_USAGE
     if isinstance(error, InputError):
@@ -56,7 +56,7 @@ def exit_code(error: BaseException) -> int:
 
 
 def add_output_options(parser: argparse.ArgumentParser) -> None:
-    """What a command says, and where."""
+    """Adds the options about what a command prints, and where."""
     parser.add_argument(
         "--json", metavar="FILE", type=Path, help="write a report as JSON, also when it fails; - prints it"
     )
@@ -65,7 +65,7 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
 
 
 def check_outputs(paths: list[Path]) -> None:
-    """Refuses what cannot be written before anything is computed; "-" is the standard output."""
+    """Refuses outputs that cannot be written, before anything is computed; "-" is the standard output."""
     for fault in [file_fault(path) for path in paths if str(path) != "-"]:
         if fault:
             raise UsageError(fault)
@@ -80,14 +80,14 @@ def check_overwriting(paths: list[Path], given: Path | None, force: bool) -> Non
 
 @dataclass
 class Opened:
-    """The objects to work on, and sentences about how they came to be."""
+    """The objects to work on, and sentences about how they were found."""
 
     objects: list["bpy.types.Object"]
     notes: list[str] = field(default_factory=list)
 
 
 def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
-    """Opens the input; without one the open scene is meant. Gives whether it was imported, and sentences about that."""
+    """Opens the input, or takes the open scene. Gives whether a file was imported, and sentences about that."""
     scene_is_open = "bpy" in sys.modules  # in Blender, and in scripts that made a scene
     try:
         with quiet(arguments.verbose):
@@ -106,7 +106,7 @@ def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
 
 
 def open_object(arguments: argparse.Namespace) -> "bpy.types.Object":
-    """Opens the input and picks one object, --object or the one that stands out; prints how that came to be."""
+    """Opens the input and picks --object or the one that stands out; prints how it was found."""
     imported, notes = open_input(arguments)
     from ..scene import scene_io
 
@@ -128,7 +128,7 @@ def open_objects(arguments: argparse.Namespace) -> Opened:
 
 
 def add_objects_options(parser: argparse.ArgumentParser) -> None:
-    """Which objects: none, one, several or all."""
+    """Adds the options that choose objects: none, one, several or all."""
     parser.add_argument(
         "--object", action="append", default=[], metavar="NAME",
         help="a mesh object; give it again for more (default: a .blend's active one, else the largest)",
@@ -137,13 +137,13 @@ def add_objects_options(parser: argparse.ArgumentParser) -> None:
 
 
 def print_notes(sentences: list[str]) -> None:
-    """What limits the results, a line each."""
+    """Prints what limits the results, one line each."""
     for sentence in filter(None, sentences):
         print(f"note: {sentence}")
 
 
 def fallback_note(fallback: str, backend: str) -> str:
-    """Why no better device computed, in which what to do without one is left out: it is done. "" where one did."""
+    """Why no better device computed, or "". It leaves out what to do without one, because that is done already."""
     return f"{fallback.partition(';')[0].rstrip('.')}; the {backend} backend computed." if fallback else ""
 
 
@@ -161,7 +161,7 @@ class Progress:
         self.signals = Signals()
 
     def __call__(self, stage: str, fraction: float) -> bool:
-        """Shows the stage and the percentage; False once the work is to stop."""
+        """Shows the stage and the percentage; False once the work has to stop."""
         now = time.monotonic()
         if self.shown and now - self.time > 0.1:
             self.time = now

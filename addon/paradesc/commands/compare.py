@@ -1,4 +1,4 @@
-"""paradesc compare: a device's results against the reference's, as a table of errors."""
+"""paradesc compare: compares a device's results with the reference's, as a table of errors."""
 
 import argparse
 
@@ -87,7 +87,7 @@ def failed_checks(rows: list[dict[str, object]], largest: float | None) -> list[
 
 
 def print_table(rows: list[dict[str, object]]) -> None:
-    """One line a descriptor."""
+    """Prints one line for each descriptor."""
     print(f"{'descriptor':26}" + "".join(f"{title:>14}" for _, title in COLUMNS))
     for row in rows:
         cells = "".join(

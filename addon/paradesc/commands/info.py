@@ -1,4 +1,4 @@
-"""paradesc info: what the meshes of a file are, what is wrong with them, and which radius and buffer suit them."""
+"""paradesc info: describes the meshes of a file, what is wrong with them, and which radius and buffer suit them."""
 
 import argparse
 from typing import TYPE_CHECKING
@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 
 def describe(target: "bpy.types.Object") -> dict[str, object]:
-    """One object: facts, UV map, defects, and what suits it; a mesh that cannot be read has a sentence instead."""
+    """Describes one object: facts, UV map, defects, and what suits it; or says why the mesh cannot be read."""
     from ..scene import mesh_io, record
 
     mesh = target.data
@@ -92,7 +92,7 @@ def describe(target: "bpy.types.Object") -> dict[str, object]:
 
 
 def expected_memory(native: bridge.Mesh, hint: dict[str, object] | None) -> dict[str, int]:
-    """Bytes that a bake at what is suggested would take, on a software rasterizer, which has no memory of its own."""
+    """Bytes that a bake at the suggested settings would take on a software rasterizer, which uses the host's memory."""
     options = bridge.Options(buffer_size=int(hint["buffer"])) if hint else bridge.Options()
     return native.memory(["mean_curvature"], options, "software")
 
@@ -111,7 +111,7 @@ def uv_map(mesh: "bpy.types.Mesh", arrays: bridge.MeshArrays, report: dict[str, 
 
 
 def print_object(row: dict[str, object]) -> None:
-    """A few lines."""
+    """Prints an object in a few lines."""
     if row["obstacle"]:
         print(f'object "{row["object"]}": {row["obstacle"]}')
         return

@@ -1,4 +1,4 @@
-"""paradesc list: the descriptors and the devices there are."""
+"""paradesc list: shows all descriptors and all devices."""
 
 import argparse
 
@@ -31,7 +31,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 
 def describe(row: bridge.Descriptor) -> dict[str, object]:
-    """A descriptor for the report."""
+    """Describes a descriptor for the report."""
     kind = "operator" if row.map_degree > 0 else "direction" if row.components == 3 else "scalar"
     return {
         "name": row.name,
@@ -46,6 +46,6 @@ def describe(row: bridge.Descriptor) -> dict[str, object]:
 
 
 def describe_device(row: devices.Device) -> dict[str, object]:
-    """A device for the report; one that is the only one of its backend needs no index."""
+    """Describes a device for the report; the only device of a backend needs no index."""
     index = None if row.index < 0 else row.index
     return {"backend": row.backend, "index": index, "device": row.name, "missing": row.missing}

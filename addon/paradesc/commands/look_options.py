@@ -9,7 +9,7 @@ from ..core.color_maps import AUTOMATIC, MAPS, Look
 
 
 def add_look_options(parser: argparse.ArgumentParser) -> None:
-    """Color map and range of .blend, .ply and .png outputs."""
+    """Adds the options for the color map and range of .blend, .ply and .png outputs."""
     group = parser.add_argument_group("colors")
     add = group.add_argument
     add("--color-map", choices=(AUTOMATIC, *MAPS), help="default: by the descriptor's sign")
@@ -23,7 +23,7 @@ def add_look_options(parser: argparse.ArgumentParser) -> None:
 
 
 def look_of(arguments: argparse.Namespace, otherwise: Look | None = None) -> Look:
-    """The look that these options ask for; what is not given is as otherwise, or as suits each descriptor."""
+    """The look that these options ask for; otherwise is the look of what is not given."""
     look = otherwise or Look()
     if arguments.range or arguments.percentile is not None:
         look = replace(look, percentile=arguments.percentile, ranges=dict(arguments.range))
@@ -33,7 +33,7 @@ def look_of(arguments: argparse.Namespace, otherwise: Look | None = None) -> Loo
 
 
 def fixed_range(text: str) -> tuple[str, tuple[float, float]]:
-    """A descriptor's name, "" for all, and two numbers: of "curvedness=0:3" or "-1:1"."""
+    """Parses "curvedness=0:3" or "-1:1" into a descriptor's name ("" for all) and two numbers."""
     name, _, bounds = text.rpartition("=")
     try:
         low, high = map(finite, bounds.split(":"))
@@ -49,7 +49,7 @@ def fixed_range(text: str) -> tuple[str, tuple[float, float]]:
 
 
 def finite(text: str) -> float:
-    """A number, neither infinite nor NaN."""
+    """Parses a number that is neither infinite nor NaN."""
     value = float(text)
     if not math.isfinite(value):
         raise ValueError(text)
@@ -57,7 +57,7 @@ def finite(text: str) -> float:
 
 
 def percentile(text: str) -> float:
-    """A share in per cent of which there can be two."""
+    """Parses a percentage below 50, which can be left out on both sides."""
     value = float(text)
     if not 0 <= value < 50:
         raise argparse.ArgumentTypeError(f"{text} is no share that can lie on either side; give one from 0 to below 50")

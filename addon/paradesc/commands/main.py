@@ -1,4 +1,4 @@
-"""Runs one command of the command line: words in, an exit code, a JSON report and sentences out."""
+"""Runs one command of the command line: turns its words into an exit code, a JSON report and sentences."""
 
 import argparse
 import contextlib
@@ -15,7 +15,7 @@ from . import COMMANDS, modules
 from .common import EXIT_CHECK, EXIT_FAILED, EXIT_OK, EXIT_USAGE, Parser, UsageError, exit_code
 from .signals import Signals, Terminated
 
-# Of the JSON reports. A number more says that a key has another meaning or is gone; new keys may come without.
+# The schema of the JSON reports. It grows if a key changes its meaning or goes, but not if a key is new.
 SCHEMA = 1
 
 
@@ -32,7 +32,7 @@ def make_parser() -> Parser:
 
 
 def main(words: list[str]) -> int:
-    """Runs one command; gives the exit code. Whatever fails is one sentence on the standard error stream."""
+    """Runs one command; gives the exit code. Any failure is one sentence on the standard error stream."""
     try:
         arguments, unknown = make_parser().parse_known_args(words)
         if unknown:
@@ -71,7 +71,7 @@ def sentence_of(error: BaseException) -> str:
 
 @contextlib.contextmanager
 def muted(arguments: argparse.Namespace) -> Iterator[None]:
-    """Prints nothing with --quiet, or where the standard output belongs to the JSON report."""
+    """Mutes prints with --quiet, or if the standard output belongs to the JSON report."""
     if not getattr(arguments, "quiet", False) and not prints_json(arguments):
         yield
         return
@@ -85,7 +85,7 @@ def prints_json(arguments: argparse.Namespace) -> bool:
 
 
 def reports_over_input(arguments: argparse.Namespace) -> bool:
-    """Whether the report would take the place of the input or of the open .blend, as that of a failure would too."""
+    """Whether the report, even that of a failure, would overwrite the input or the open .blend."""
     path: Path | None = getattr(arguments, "json", None)
     if path is None or prints_json(arguments):
         return False
@@ -121,13 +121,13 @@ def write_report(arguments: argparse.Namespace, content: dict[str, object], code
 
 
 def fail(arguments: argparse.Namespace, sentence: str, code: int) -> int:
-    """Says why, also in the report; a report that cannot be written is not worth a second sentence."""
+    """Says why it failed, also in the report; if the report cannot be written, that gets no second sentence."""
     with contextlib.suppress(ParadescError):
         write_report(arguments, {}, code, " ".join(sentence.split()))
     return say(sentence, code)
 
 
 def say(sentence: str, code: int) -> int:
-    """Says why, on one line."""
+    """Says why it failed, on one line."""
     print("paradesc: " + " ".join(sentence.split()), file=sys.stderr)
     return code

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def add_mesh_options(parser: argparse.ArgumentParser) -> None:
-    """One object of a file, and how to compute."""
+    """Adds the options for one object of a file, and for how to compute."""
     add_input(parser)
     parser.add_argument(
         "--object", metavar="NAME", help="the mesh object (default: a .blend's active one, else the largest)"
@@ -27,7 +27,7 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_source(parser: argparse.ArgumentParser, default: str) -> None:
-    """Which mesh of an object is measured; opened_settings() takes it from elsewhere where it is not given."""
+    """Adds --source, the mesh of an object that is measured; opened_settings() supplies it if it is not given."""
     parser.add_argument(
         "--source", choices=source_kinds.NAMES,
         help="the object's own mesh, as deforming modifiers and shape keys move it, or after all modifiers "
@@ -37,13 +37,13 @@ def add_source(parser: argparse.ArgumentParser, default: str) -> None:
 
 
 def add_input(parser: argparse.ArgumentParser) -> None:
-    """The file."""
+    """Adds the input file."""
     known = ".blend, .obj, .ply, .stl, .glb, .gltf, .fbx or .usd; in Blender: the open file"
     parser.add_argument("input", nargs="?", metavar="INPUT", type=Path, help=known)
 
 
 def add_computation_options(parser: argparse.ArgumentParser) -> None:
-    """What to compute, and how; what is not given is None, and settings_of() takes it from elsewhere."""
+    """Adds what to compute, and how; what is not given is None, and settings_of() supplies it."""
     add = parser.add_argument
     add("--scene-settings", action="store_true",
         help="take what is not given here from the panel's settings in the .blend")  # fmt: skip
@@ -92,7 +92,7 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
 
 
 def radii(text: str) -> tuple[float, ...]:
-    """Numbers between commas."""
+    """Parses numbers between commas."""
     try:
         return tuple(float(word) for word in text.split(","))
     except ValueError:
@@ -100,7 +100,7 @@ def radii(text: str) -> tuple[float, ...]:
 
 
 def gigabytes(text: str) -> int:
-    """Bytes of a positive number of gigabytes."""
+    """Parses a positive number of gigabytes into bytes."""
     try:
         size = 1e9 * float(text)
     except ValueError:
@@ -111,7 +111,7 @@ def gigabytes(text: str) -> int:
 
 
 def add_map_options(parser: argparse.ArgumentParser) -> None:
-    """Images that change what is measured; the reference has no texels for them, so compare does without."""
+    """Adds images that change what is measured. compare has none, because the reference has no texels for them."""
     add = parser.add_argument
     add("--displacement", metavar="IMAGE", type=Path, help="displace the surface by (value - midlevel) scale")
     add("--midlevel", type=float, default=0.5, metavar="X", help="of the displacement (default: 0.5)")
@@ -121,7 +121,7 @@ def add_map_options(parser: argparse.ArgumentParser) -> None:
 
 
 def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None) -> job.Settings:
-    """The computation's settings, base where an option is not given; unknown descriptors are refused here."""
+    """The computation's settings; base supplies what is not given. Unknown descriptors are refused here."""
     base = base or job.Settings()
     names = base.descriptors
     if arguments.descriptors is not None:
@@ -144,16 +144,16 @@ def settings_of(arguments: argparse.Namespace, base: job.Settings | None = None)
 
 
 def given_or(arguments: argparse.Namespace, name: str, otherwise: object) -> object:
-    """An option that was given, else something else; not every command has every option."""
+    """An option if it was given, else the other value; not every command has every option."""
     value = getattr(arguments, name, None)
     return otherwise if value is None else value
 
 
 def opened_settings(arguments: argparse.Namespace) -> job.Settings:
-    """The same once the file is open: what is not given comes from --preset, else from the scene, else the defaults.
+    """The settings once the file is open: what is not given comes from --preset, else the scene, else the defaults.
 
-    --scene-settings also says which source and shape key and whether material maps and the change against rest are
-    measured, where no option does.
+    --scene-settings also supplies the source, the shape key, and whether material maps and the change against rest
+    are measured, unless an option does.
     """
     base = None
     usual = getattr(arguments, "usual_source", "original")
@@ -179,7 +179,7 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
 
 
 def with_preset(name: str | None, base: job.Settings | None) -> job.Settings | None:
-    """The settings with what one of the panel's presets says about what and how; where it runs stays."""
+    """The settings with one of the panel's presets for what and how to compute; the device stays."""
     if name is None:
         return base
     from ..settings import presets
@@ -198,7 +198,7 @@ def with_preset(name: str | None, base: job.Settings | None) -> job.Settings | N
 
 @contextmanager
 def scene_settings() -> "Iterator[bpy.types.Scene]":
-    """The open scene with the panels' settings; they lie in the .blend, whether the add-on is enabled or not."""
+    """The open scene with the panels' settings, which are in the .blend whether or not the add-on is enabled."""
     import bpy
 
     from ..settings import animation, leaving, looks, properties

@@ -1,4 +1,4 @@
-"""The files of a bake: which there are to be, and writing them, whole or not at all."""
+"""Decides which files a bake writes, and writes each whole or not at all."""
 
 import argparse
 import re
@@ -9,13 +9,13 @@ from ..files import maps, results
 from ..files.results import Baked, folder_fault, write_whole
 from .common import UsageError, check_outputs, check_overwriting
 
-# Of one object, or of several as one in world space.
+# These hold one object, or several as one in world space.
 WRITERS: dict[str, Callable[[Path, Baked], None]] = {".ply": results.write_ply, ".png": results.write_picture}
 OUTPUT_SUFFIXES = (".npz", *WRITERS, ".exr", ".blend")
 
 
 def add_output_files(parser: argparse.ArgumentParser) -> None:
-    """The files to write."""
+    """Adds the options for the files to write."""
     add = parser.add_argument
     output = ".blend, .npz, .ply, .png (picture) or .exr (image over the UV map); give it again for more"
     image = "write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor)"
@@ -45,7 +45,7 @@ def check_files(arguments: argparse.Namespace) -> None:
 
 
 def files_of(arguments: argparse.Namespace) -> list[Path]:
-    """Everything that is to be written, but folders."""
+    """All files that will be written, without folders."""
     return arguments.output + arguments.map + [path for path in (arguments.json, arguments.corners) if path]
 
 
@@ -84,7 +84,7 @@ def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, 
 
 
 def write_images(path: Path, baked: list[Baked]) -> list[dict[str, object]]:
-    """Writes the images over the UV map of each object, of several each with its name; what the report says of them."""
+    """Writes the images over the UV map of each object, named if there are several; gives what the report says."""
     rows: list[dict[str, object]] = []
     for one in baked:
         own = path if len(baked) == 1 else path.with_name(f"{path.stem}_{file_name(one, baked)}{path.suffix}")
@@ -105,7 +105,7 @@ def write_images(path: Path, baked: list[Baked]) -> list[dict[str, object]]:
 
 
 def folder_of(folder: Path, one: Baked, baked: list[Baked]) -> Path:
-    """Where the buffers of one object go: the folder itself, or of several one in it."""
+    """The folder for the buffers of one object: the given one, or if there are several objects, one in it."""
     if len(baked) == 1:
         return folder
     folder.mkdir(exist_ok=True)
@@ -113,7 +113,7 @@ def folder_of(folder: Path, one: Baked, baked: list[Baked]) -> Path:
 
 
 def file_name(one: Baked, baked: list[Baked]) -> str:
-    """An object's name as a part of a file's; a number follows where two would be alike."""
+    """An object's name as part of a file name; a number follows if two would be equal."""
     names = [re.sub(r"[^\w.-]+", "_", other.object_name) for other in baked]
     place = next(number for number, other in enumerate(baked) if other is one)
     before = names[:place].count(names[place])

@@ -1,4 +1,4 @@
-"""An object as the options ask for it: its shape, the images that change it, and the space it is measured in."""
+"""Reads an object as the options ask: its shape, the images that change it, and the space it is measured in."""
 
 import argparse
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM to exceptions, or to a wish to stop that the work asks for. Never imports bpy."""
+"""Turns Ctrl-C and SIGTERM into exceptions, or into a flag that the work looks at. Never imports bpy."""
 
 import ctypes
 import signal
@@ -17,7 +17,7 @@ class Terminated(BaseException):
 
 
 class Signals:
-    """Takes both signals for a while. Either they raise, or, since no exception may pass through C, stopped says so."""
+    """Handles both signals for a while. They raise, or set stopped where an exception would have to pass through C."""
 
     def __init__(self, raises: bool = False) -> None:
         self.raises = raises
@@ -26,11 +26,11 @@ class Signals:
 
     def __enter__(self) -> "Signals":
         if threading.current_thread() is not threading.main_thread():
-            return self  # signals are the main thread's
+            return self  # only the main thread gets signals
         for number in NUMBERS:
             python, native = signal.getsignal(number), swap_native(number, signal.SIG_IGN)
             if python is None and native is None:
-                continue  # set by C, and not to be brought back from here
+                continue  # C has set it, and Python cannot restore it
             self.former.append((number, python, native))
             signal.signal(number, self.stop)
         return self
@@ -43,20 +43,20 @@ class Signals:
         self.former.clear()
 
     def stop(self, number: int, _frame: "FrameType | None") -> None:
-        """Remembers the signal until it is asked for, or raises."""
+        """Remembers the signal until somebody looks, or raises."""
         self.stopped = Terminated if number == signal.SIGTERM else KeyboardInterrupt
         if self.raises:
             raise self.stopped
 
 
 def swap_native(number: int, handler: int) -> int | None:
-    """Sets the C handler of a signal and gives the former one, which Python does not know of where Blender set it."""
+    """Sets the C handler of a signal and gives the former one, which Python does not know if Blender has set it."""
     swap = native_function()
     return None if swap is None else (swap(number, int(handler)) or 0)
 
 
 def native_function() -> Callable[[int, int], int | None] | None:
-    """C's signal(), where it can be reached."""
+    """C's signal(), if it can be reached."""
     try:
         function = ctypes.CDLL(None).signal
     except (OSError, TypeError, AttributeError):

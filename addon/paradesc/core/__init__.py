@@ -1,1 +1,1 @@
-"""What a computation is, and how it runs: settings, results, threads, values, colors. Never imports bpy."""
+"""Says what a computation is and runs it: settings, results, threads, values, colors. Never imports bpy."""

@@ -1,21 +1,22 @@
-"""A mesh's report and UV map to the radius and the buffer that suit it. Never imports bpy."""
+"""Suggests a radius and a buffer that suit a mesh, by its report and its UV map. Never imports bpy."""
 
 import numpy as np
 
 from .. import bridge
 
-# A radius this many mean edges wide sees the surface, not its facets; but more of the diagonal is no neighborhood.
+# A radius of this many mean edges sees the surface and not its facets; a larger share of the diagonal is no longer
+# a neighborhood.
 RADIUS_IN_EDGES = 2.0
 LARGEST_RADIUS = 0.25
 USUAL_RADIUS = bridge.Options().radius
 LEAST_TEXELS = 4.0
 BUFFERS = (256, 512, 1024, 2048, 4096, 8192)
-# Of its square, the share that an unwrap of our own fills, about.
+# About the share of its square that an unwrap of our own fills.
 UNWRAPPED_SHARE = 0.6
 
 
 def texels_per_length(arrays: bridge.MeshArrays) -> float:
-    """How long a unit of the surface is in the UV square: the median over triangles; of a mesh to unwrap, about."""
+    """How long a unit of the surface is in the UV square, the median over triangles; an estimate without a map."""
     area = double_areas(arrays.positions[arrays.triangle_vertices])
     if arrays.corner_uvs is None:
         total = float(area.sum()) / 2
@@ -33,7 +34,7 @@ def double_areas(corners: np.ndarray) -> np.ndarray:
 
 
 def suggested(report: dict[str, float], density: float) -> dict[str, object] | None:
-    """A radius, as a share of the diagonal, that sees the surface, and the smallest buffer it has four texels in."""
+    """A radius that sees the surface, as a share of the diagonal, and the smallest buffer with four texels in it."""
     diagonal = report["diagonal"]
     if not (diagonal > 0 and density > 0):
         return None

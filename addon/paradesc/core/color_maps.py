@@ -1,7 +1,7 @@
-"""Values to colors: perceptually uniform color maps, and the range of values that they span.
+"""Turns values into colors: perceptually uniform color maps, and the range of values that they span.
 
 viridis is the map of Stéfan van der Walt and Nathaniel Smith (CC0), at 17 of its 256 places. All others are formulas in
-Björn Ottosson's OKLab space (public domain): lightness changes evenly, and of diverging maps alike to both sides.
+Björn Ottosson's OKLab space (public domain): lightness changes evenly, and in diverging maps equally to both sides.
 """
 
 import math
@@ -12,11 +12,11 @@ import numpy as np
 
 from ..bridge import Descriptor
 
-# Shown where a value does not exist.
+# The color of a value that does not exist.
 UNDEFINED_COLOR = (0.5, 0.5, 0.5)
 # Share of the values, in percent, that is left outside the range on either side.
 CLIPPED_PERCENT = 2.5
-# Curvatures below this share of 1/radius (squared for 1/length^2) are rounding: a plane stays neutral.
+# Curvatures below this share of 1/radius (squared for 1/length^2) are rounding, so that a plane stays neutral.
 FLATNESS = 1e-4
 
 VIRIDIS = np.array(
@@ -29,7 +29,7 @@ VIRIDIS = np.array(
     ]
 )  # fmt: skip
 
-# Shown where a value does not exist in maps with grey in them.
+# The color of a value that does not exist, in maps that contain grey.
 UNDEFINED_IN_GREY = (0.55, 0.38, 0.72)
 # The names for "what suits the descriptor", and for its own range or the percentiles of its values.
 AUTOMATIC = "auto"
@@ -38,7 +38,7 @@ SEQUENTIAL, DIVERGING = "viridis", "blue-red"
 
 @dataclass(frozen=True)
 class ColorMap:
-    """A way from shares in [0, 1] to colors."""
+    """Turns shares in [0, 1] into colors."""
 
     name: str
     label: str
@@ -55,7 +55,7 @@ class ValueRange:
     minimum: float
     maximum: float
     diverging: bool
-    neutral: float | None = None  # shown by the middle of a diverging map; where there is none, halfway
+    neutral: float | None = None  # the middle of a diverging map shows it; without one, halfway
     map_name: str = AUTOMATIC
 
     @property
@@ -64,7 +64,7 @@ class ValueRange:
         return MAPS.get(self.map_name) or MAPS[DIVERGING if self.diverging else SEQUENTIAL]
 
     def shares(self, values: np.ndarray) -> np.ndarray:
-        """(n,) finite values to places in the color map: a diverging one changes equally fast on both sides."""
+        """Turns (n,) finite values into places in the color map: a diverging one changes equally fast on both sides."""
         held = np.clip(values, self.minimum, self.maximum)
         if not self.color_map.diverging or self.neutral is None:
             return (held - self.minimum) / (self.maximum - self.minimum)
@@ -132,7 +132,7 @@ def viridis(share: np.ndarray) -> np.ndarray:
 
 
 def line(start: tuple[float, float, float], end: tuple[float, float, float]) -> Callable[[np.ndarray], np.ndarray]:
-    """A straight line in OKLab between two colors given as lightness, chroma, hue: the most even map there is."""
+    """A straight line in OKLab between two colors given as lightness, chroma, hue: no map is more even."""
 
     def function(share: np.ndarray) -> np.ndarray:
         ends = [
@@ -189,7 +189,7 @@ MAPS = {
 
 
 def value_range(values: np.ndarray, descriptor: Descriptor, radius: float, look: Look | None = None) -> ValueRange:
-    """The range to show for (n,) values: as the look has it, else the registry's if that is fixed, else percentiles."""
+    """The range to show for (n,) values: that of the look, else the registry's if it has one, else percentiles."""
     look = look or Look()
     neutral = neutral_value(descriptor, look)
     bounds = look.fixed(descriptor)
@@ -216,7 +216,7 @@ def neutral_value(descriptor: Descriptor, look: Look) -> float | None:
 
 
 def percentiles(values: np.ndarray, percent: float) -> tuple[float, float]:
-    """What (n,) values lie between but for a percentage on either side."""
+    """The two bounds of (n,) values that leave a percentage outside on either side."""
     finite = np.asarray(values, np.float64)[np.isfinite(values)]
     return (0.0, 0.0) if finite.size == 0 else tuple(np.percentile(finite, [percent, 100 - percent]))
 
@@ -239,9 +239,9 @@ def smallest_half(descriptor: Descriptor, radius: float) -> float:
 
 
 def colors(values: np.ndarray, shown: ValueRange) -> np.ndarray:
-    """(n,) values to (n, 3) float32 display colors; grey, or in grey maps violet, where undefined.
+    """Turns (n,) values into (n, 3) float32 display colors; undefined ones are grey, or violet in grey maps.
 
-    Of (n, 3) directions, which have two signs, the components' sizes are red, green and blue.
+    For (n, 3) directions, which have no sign, the sizes of the components are red, green and blue.
     """
     values = np.asarray(values, np.float64)
     if values.ndim == 2:

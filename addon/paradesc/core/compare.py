@@ -1,11 +1,10 @@
 """Compares the results of a device with those of the reference: the one definition of error, in percent.
 
-%AE = 100 |x - reference| / (P97.5(reference) - P2.5(reference)), over the vertices with a face. A value undefined on
-both sides is left out; undefined on one side only counts 100.
+%AE = 100 |x - reference| / (P97.5(reference) - P2.5(reference)), over the vertices with a face. A value that is
+undefined on both sides is left out; one that is undefined on one side only counts as 100.
 
-Where the reference has one value everywhere, its size stands in for that range. Between the two lie surfaces whose
-values hardly differ, such as the vertices of a fine sphere: a small error is a large share of their range, which is
-what this measures; their rows say so by their spread. Never imports bpy.
+If the reference has one value everywhere, its size stands in for that range. On surfaces whose values hardly differ,
+such as a fine sphere, a small error is a large share of the range; the spread of a row tells. Never imports bpy.
 """
 
 from dataclasses import dataclass, replace
@@ -16,12 +15,12 @@ from .. import bridge
 from ..bridge import Descriptor, abi
 from . import job
 
-# Below this share of its largest value the reference's range counts as none: the surface has one value everywhere.
+# If the reference's range is a smaller share of its largest value, the surface counts as having one value everywhere.
 CONSTANT_SHARE = 1e-3
-# Curvature times radius (to the unit's power) that a plane's rounding stays below.
+# On a plane, rounding stays below this curvature times radius (to the unit's power).
 PLANE_SHARE = 1e-4
 UNDEFINED_ERROR = 100.0
-# Values that differ by a smaller share of the largest one hardly differ.
+# Values whose range is a smaller share of the largest one hardly differ.
 SMALL_SPREAD = 0.05
 
 
@@ -35,7 +34,7 @@ class Errors:
 
 
 def denominator(reference: np.ndarray, descriptor: Descriptor, radius: float) -> float:
-    """What errors are measured against: the range of the (n,) defined reference values, or what stands in for it."""
+    """The denominator of errors: the range of the (n,) defined reference values, or what stands in for it."""
     if reference.size == 0:
         return 1.0
     largest = float(np.abs(reference).max())
@@ -66,9 +65,9 @@ def percent_errors(
 
 
 def angle_errors(values: np.ndarray, reference: job.Results, with_face: np.ndarray, name: str) -> Errors:
-    """Angle in degrees between (n, 3) directions, without regard to sign.
+    """Angle in degrees between (n, 3) directions, whatever their sign.
 
-    Weighted by |k1 - k2| over its mean where the reference computed those too: a sphere has no principal directions.
+    It is weighted by |k1 - k2| over its mean if the reference computed both: a sphere has no principal directions.
     """
     expected = reference.values[name]
     along = np.abs(np.einsum("ij,ij->i", values.astype(np.float64), expected.astype(np.float64)))
@@ -129,7 +128,7 @@ def spread_note(row: dict[str, object]) -> str:
 def compare(
     arrays: bridge.MeshArrays, settings: job.Settings, progress: bridge.ProgressFunction | None = None
 ) -> tuple[list[dict[str, object]], job.Results, job.Results]:
-    """Rows of errors, one a descriptor, and the two results they come from."""
+    """Rows of errors, one for each descriptor, and the two results that they compare."""
     device_settings = replace(settings, options=replace(settings.options, seam_error=True))
     device = job.run(arrays, device_settings, staged(progress, "device", 0.0))
     if device.backend == "reference":
@@ -144,7 +143,7 @@ def compare(
 
 
 def staged(progress: bridge.ProgressFunction | None, name: str, start: float) -> bridge.ProgressFunction | None:
-    """The same progress for one of two halves of the work."""
+    """Turns the progress of one half of the work into that of both."""
     if progress is None:
         return None
     return lambda stage, fraction: progress(f"{name}, {stage}", start + fraction / 2)

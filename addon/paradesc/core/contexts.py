@@ -1,7 +1,7 @@
-"""Native contexts, each with its device and its compiled programs, kept for the next one who asks. Never imports bpy.
+"""Keeps native contexts, with their devices and compiled programs, for whoever asks next. Never imports bpy.
 
-Calls on one context wait for each other, so that a bake has one for itself while it lasts; streams that are asked one
-after the other, as live objects are, share one. What nobody uses is kept, one a device, until close_idle().
+Calls on one context wait for each other, so a bake has one for itself while it lasts. Streams that are asked one after
+the other, such as live objects, share one. One unused context of each device is kept until close_idle().
 """
 
 import threading
@@ -11,7 +11,7 @@ from types import TracebackType
 from .. import bridge
 from ..bridge import ParadescError, abi
 
-# What says nothing against the device that it happened on.
+# These errors say nothing against the device on which they happened.
 HARMLESS = {abi.STATUS_CANCELLED, abi.STATUS_INVALID_ARGUMENT, abi.STATUS_INVALID_OPERATION}
 
 Key = tuple[str, int, int]  # backend and device, as asked for, and the memory limit
@@ -37,7 +37,7 @@ class Pool:
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def take(self, key: Key, shared: bool) -> Slot:
-        """A context of this device: where shared, the one that others share already, else one that is idle, or new."""
+        """A context of this device: if shared, the one that others share already; else an idle one, or a new one."""
         with self.lock:
             found = next(
                 (slot for slot in self.used if shared and slot.shared and slot.sound and slot.key == key), None
@@ -53,7 +53,7 @@ class Pool:
         return slot
 
     def give_back(self, slot: Slot) -> None:
-        """One user less; the last one leaves the context to the next, unless it went wrong or stood in for another."""
+        """Removes a user. The last one leaves the context to the next, unless it failed or replaced another device."""
         with self.lock:
             slot.users -= 1
             if slot.users > 0:
@@ -70,14 +70,14 @@ POOL = Pool()
 
 
 class Lease:
-    """A context for a while; meshes made of it are closed by whoever made them."""
+    """A context for a while. Whoever makes meshes of it has to close them."""
 
     def __init__(self, backend: str, device_index: int, shared: bool = False, memory_limit: int = 0) -> None:
         self._slot: Slot | None = POOL.take((backend, device_index, memory_limit), shared)
         self.context = self._slot.context
 
     def failed(self, error: BaseException) -> None:
-        """Has the context not used again where its device may be the reason."""
+        """Prevents the context from being used again if its device may be the reason of the error."""
         if self._slot is not None and not (isinstance(error, ParadescError) and error.status in HARMLESS):
             self._slot.sound = False
 

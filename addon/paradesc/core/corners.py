@@ -1,4 +1,4 @@
-"""The Harris response at the vertices → corners: what no vertex around exceeds. Never imports bpy."""
+"""Finds corners: vertices whose Harris response no vertex around exceeds. Never imports bpy."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import numpy as np
 
 THRESHOLD = 0.05  # of the largest response
 ATTRIBUTE = "harris_corner"
-WINDOW_REACH = 2.0  # sigma to where the response looks: corners nearer to each other cannot be told apart
+WINDOW_REACH = 2.0  # in sigma; how far the response looks: nearer corners cannot be told apart
 
 
 @dataclass
@@ -14,7 +14,7 @@ class Corners:
     """The corners of one mesh, the strongest first."""
 
     vertices: np.ndarray  # (corner_count,) int32, one of each corner's vertices
-    painted: np.ndarray  # (vertex_count,) float32: 1 at corners, at every vertex that lies there, else 0
+    painted: np.ndarray  # (vertex_count,) float32: 1 at every vertex that lies at a corner, else 0
 
 
 def find_corners(
@@ -22,9 +22,9 @@ def find_corners(
 ) -> Corners:
     """Vertices whose response is above threshold times the largest, and that no other exceeds within the radius.
 
-    Within means in the part of the mesh connected to them by edges in the ball. Of equal ones the first counts. A
-    surface without corners has a largest response too: compare responses where that matters. positions (n, 3),
-    triangles (m, 3), response (n,) with NaN where there is none.
+    Within means in the part of the mesh that edges in the ball connect to them. Of equal vertices the first counts.
+    Even a surface without corners has a largest response: compare responses if that matters. positions (n, 3),
+    triangles (m, 3), response (n,) with NaN if there is none.
     """
     _, first, point = np.unique(positions, axis=0, return_index=True, return_inverse=True)
     point = point.reshape(-1)
@@ -95,7 +95,7 @@ def has_higher(
 
 
 def listed(corners: Corners, positions: np.ndarray, response: np.ndarray) -> list[dict[str, object]]:
-    """Plain numbers for a file, a row a corner: vertex, position, response."""
+    """Plain numbers for a file, one row for each corner: vertex, position, response."""
     return [
         {"vertex": int(vertex), "position": [float(x) for x in positions[vertex]], "response": float(response[vertex])}
         for vertex in corners.vertices

@@ -1,4 +1,4 @@
-"""What can compute here: every device of every backend, asked for once. Never imports bpy."""
+"""Lists what can compute here: every device of every backend, looked for once. Never imports bpy."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -39,7 +39,7 @@ def found() -> tuple[Device, ...]:
 
 
 def graphics_cards() -> list[Device]:
-    """Each card; one row that says why where there is none."""
+    """Each graphics card; if there is none, one row that says why."""
     cards: list[Device] = []
     for index in range(MOST):
         try:
@@ -60,7 +60,7 @@ def first_of(backend: str) -> Device:
 
 
 def about(backend: str) -> str:
-    """What a backend is, and why it is missing where it is."""
+    """Says what a backend is, or why it is missing."""
     rows = [row.missing for row in found() if row.backend == backend and row.missing] if backend != "auto" else []
     return " – ".join([ABOUT.get(backend, ""), *rows]).rstrip(".")
 

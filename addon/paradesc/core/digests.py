@@ -1,4 +1,4 @@
-"""Arrays to names for their contents. Never imports bpy."""
+"""Turns arrays into names for their contents. Never imports bpy."""
 
 import hashlib
 

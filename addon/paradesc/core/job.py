@@ -1,4 +1,4 @@
-"""One bake from arrays to arrays: what the operator, the command line and the tests all run. Never imports bpy."""
+"""Runs one bake from arrays to arrays, for the operator, the command line and the tests. Never imports bpy."""
 
 from dataclasses import asdict, dataclass, field, replace
 
@@ -13,7 +13,7 @@ from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 # Ends the names of values relative to the rest pose.
 CHANGE = "_change"
 
-# The attribute of vertices without a value.
+# The attribute that marks vertices without a value.
 UNDEFINED_MASK = "paradesc_mask"
 
 
@@ -21,7 +21,7 @@ UNDEFINED_MASK = "paradesc_mask"
 class Settings:
     """What to compute, how and where.
 
-    Further radii than the options' own are computed on the same baked buffers; all values are then named after theirs.
+    Radii beside the options' own are computed on the same baked buffers; all values are then named after their radius.
     """
 
     descriptors: tuple[str, ...] = ("mean_curvature",)
@@ -34,13 +34,13 @@ class Settings:
     memory_limit: int = 0  # bytes, 0: half of what is free; of the machine and not of the results, so not in as_dict()
 
     def value_names(self) -> list[str]:
-        """What the results are called: the descriptors, at each radius if there are several."""
+        """The names of the results: the descriptors, at each radius if there are several."""
         radii = (self.options.radius, *self.more_radii)
         suffixes = [radius_suffix(radius) for radius in radii] if self.more_radii else [""]
         return [name + suffix for suffix in suffixes for name in self.descriptors]
 
     def as_dict(self) -> dict[str, object]:
-        """Flat, of plain types: for JSON and for Blender's custom properties."""
+        """The settings without nesting and with plain types, for JSON and for Blender's custom properties."""
         flat: dict[str, object] = {"descriptors": list(self.descriptors)}
         flat.update(asdict(self.options))
         flat.update(backend=self.backend, device_index=self.device_index, more_radii=list(self.more_radii))
@@ -75,7 +75,7 @@ class Results:
 
     @property
     def extras(self) -> dict[str, np.ndarray]:
-        """What is written beside the descriptors, each (vertex_count,) float32."""
+        """The values that are written beside the descriptors, each (vertex_count,) float32."""
         painted = {} if self.corners is None else {ATTRIBUTE: self.corners.painted}
         return {"coverage": self.coverage, UNDEFINED_MASK: self.undefined, **painted}
 
@@ -106,7 +106,7 @@ class Results:
         return float(self.report_of(name)["radius"])
 
     def facet_notes(self) -> list[str]:
-        """Says where a radius is too small for what the mesh has to show."""
+        """Warns if the smallest radius is below the mean edge, where values show facets."""
         edge = self.mesh_report["mean_edge"]
         least = min(report["radius"] for report in self.field_reports.values())
         if least >= edge:
@@ -121,7 +121,7 @@ def radius_suffix(radius: float) -> str:
 
 
 def registry_name(name: str) -> str:
-    """The descriptor that values of this name are of: mean_curvature of mean_curvature_r0.02 and of its _change."""
+    """The descriptor of values of this name: mean_curvature for mean_curvature_r0.02 and for its _change."""
     known = {row.name for row in bridge.descriptors()}
     if name not in known:
         name = name.removesuffix(CHANGE)
@@ -130,7 +130,7 @@ def registry_name(name: str) -> str:
 
 
 def registry_row(name: str) -> bridge.Descriptor:
-    """The registry's row of a descriptor, at whatever radius; of a change it is signed, about zero."""
+    """The registry's row of a descriptor, at whatever radius; that of a change is signed, about zero."""
     found = next(row for row in bridge.descriptors() if row.name == registry_name(name))
     if name == found.name or not name.endswith(CHANGE):
         return found
@@ -203,7 +203,7 @@ def run_on(
 
 
 def add_corners(results: Results, arrays: bridge.MeshArrays) -> None:
-    """Finds the corners where Harris responses are there, of several radii those of the first."""
+    """Finds the corners if there are Harris responses; with several radii, those of the first."""
     name = next((name for name in results.values if registry_name(name) == "harris"), None)
     if name is None:
         return
@@ -219,7 +219,7 @@ def run_radii(
     progress: ProgressFunction | None,
     with_buffers: bool,
 ) -> Results:
-    """One computation a radius, all from the same baked buffers. Coverage and mask are the worst of all."""
+    """Computes each radius from the same baked buffers. Coverage and mask are the worst of all radii."""
     radii = (settings.options.radius, *settings.more_radii)
     if len(set(map(radius_suffix, radii))) < len(radii):
         raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, "A radius is asked for twice.")
@@ -256,14 +256,14 @@ def run_radii(
 
 
 def part_of(progress: ProgressFunction | None, index: int, count: int) -> ProgressFunction | None:
-    """The same progress for one of several equal parts of the work."""
+    """Turns the progress of one of several equal parts into that of the whole."""
     if progress is None:
         return None
     return lambda stage, fraction: progress(stage, (index + fraction) / count)
 
 
 def keep_texels(results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix: str, with_buffers: bool) -> None:
-    """Adds what lies in texture space: the maps of texel evaluation, and the baked buffers where asked for."""
+    """Adds what lies in texture space: the maps of texel evaluation, and the baked buffers if asked for."""
     if results.settings.options.evaluate == "texel":
         names = (*results.settings.descriptors, "coverage")
         results.maps.update({name + suffix: found.map(name) for name in names})

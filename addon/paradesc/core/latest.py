@@ -1,6 +1,6 @@
-"""The newest of many requests to its results, on a thread of its own; older ones are dropped. Never imports bpy.
+"""Works on the newest of many requests, on a thread of its own, and drops older ones. Never imports bpy.
 
-Everything but the work itself is called by one thread. Requests begin, and results are handed over, in step() only.
+One thread calls everything except the work itself. Only step() begins requests and hands over results.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ Result = TypeVar("Result")
 
 @dataclass
 class Outcome(Generic[Request, Result]):
-    """What came of a request: the result, or what went wrong."""
+    """The outcome of a request: the result, or the error."""
 
     request: Request
     result: Result | None = None
@@ -40,15 +40,15 @@ class Latest(Generic[Request, Result]):
 
     @property
     def newest(self) -> Request | None:
-        """The newest request that nothing has come of yet."""
+        """The newest request without an outcome yet."""
         return self._under_way if self._waiting is None else self._waiting
 
     def ask(self, request: Request) -> None:
-        """Takes the place of what waits."""
+        """Replaces the request that waits."""
         self._waiting = request
 
     def step(self, wait: bool = False) -> Outcome[Request, Result] | None:
-        """What came of the request under way if that has ended; begins the one that waits."""
+        """Gives the outcome of the request under way if it has ended, and begins the one that waits."""
         ended = None
         if self._worker is not None and (wait or self._worker.done):
             ended = outcome_of(self._under_way, self._worker)
@@ -60,7 +60,7 @@ class Latest(Generic[Request, Result]):
         return ended
 
     def settle(self) -> None:
-        """Forgets what waits, ends what is under way at its next tile, and waits for that: the work's own is free."""
+        """Forgets the request that waits, stops the one under way at its next tile, and waits for that."""
         self._waiting = None
         if self._worker is not None:
             self._worker.cancel()
@@ -69,7 +69,7 @@ class Latest(Generic[Request, Result]):
 
 
 def outcome_of(request: Request, worker: Worker[Result]) -> Outcome[Request, Result]:
-    """What a worker has made of a request."""
+    """The outcome of a worker that has ended."""
     try:
         return Outcome(request, worker.result())
     except Exception as error:  # noqa: BLE001 (handed over to the thread that asks)
@@ -77,5 +77,5 @@ def outcome_of(request: Request, worker: Worker[Result]) -> Outcome[Request, Res
 
 
 def is_cancelled(error: BaseException) -> bool:
-    """Whether this says no more than that somebody cancelled."""
+    """Whether this outcome only says that somebody cancelled."""
     return isinstance(error, ParadescError) and error.status == abi.STATUS_CANCELLED

@@ -1,10 +1,10 @@
-"""What a legend says: title, unit and numbers of a range of colors. For pictures and the viewport alike. No bpy."""
+"""Says what a legend shows: title, unit and numbers of a range of colors, for pictures and the viewport. No bpy."""
 
 from .. import bridge
 from . import color_maps
 from .job import registry_name, registry_row
 
-# Under the title of directions, whose colors have no scale.
+# The line under the title of directions, whose colors have no scale.
 DIRECTIONS = "sizes of x, y, z as red, green, blue"
 
 
@@ -14,25 +14,25 @@ def title(name: str, unit: str) -> str:
 
 
 def label(name: str) -> str:
-    """The descriptor as menus have it."""
+    """The descriptor as menus show it."""
     return registry_row(name).label + variant(name).removesuffix(", change")  # whose label says so
 
 
 def variant(name: str) -> str:
-    """What these values are besides their descriptor, in words: ", radius 0.02" where there are several."""
+    """What distinguishes these values from others of their descriptor: ", radius 0.02" if there are several."""
     rest = name.removeprefix(registry_name(name))
     words = [f"radius {part[1:]}" if part[0] == "r" and part[1:2].isdigit() else part for part in rest.split("_")[1:]]
     return "".join(f", {word}" for word in words)
 
 
 def unit_of(name: str, map_descriptor: str) -> str:
-    """The unit of a descriptor's values; of operators, on the map that they worked on."""
+    """The unit of a descriptor's values; that of an operator depends on its map."""
     stem = registry_name(name)
     return next((row.unit_on(map_descriptor) for row in bridge.descriptors() if row.name == stem), "")
 
 
 def ticks(shown: color_maps.ValueRange) -> list[tuple[float, str]]:
-    """Where along the bar, in [0, 1], which number stands: both ends, and the neutral value or the middle."""
+    """The places along the bar, in [0, 1], and their numbers: both ends, and the neutral value or the middle."""
     span = shown.maximum - shown.minimum
     middle = shown.neutral
     if middle is None or not (0.15 <= (middle - shown.minimum) / span <= 0.85):
@@ -41,5 +41,5 @@ def ticks(shown: color_maps.ValueRange) -> list[tuple[float, str]]:
 
 
 def number(value: float, span: float) -> str:
-    """A value in three digits; what is nothing against the range is 0."""
+    """A value in three digits; if it is negligible against the range, it is 0."""
     return "0" if abs(value) < 1e-6 * span else f"{value:.3g}"

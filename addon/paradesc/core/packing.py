@@ -1,12 +1,12 @@
-"""Charts of a layout, moved apart: each keeps its shape, all get one scale and gutters. Never imports bpy."""
+"""Moves the charts of a layout apart: each keeps its shape, and all get one scale and gutters. Never imports bpy."""
 
 import numpy as np
 
-# Between charts, as a fraction of the side: four texels of 1024.
+# The gutter between charts as a fraction of the side: four texels of 1024.
 GUTTER = 0.004
-# With very many charts gutters get narrower: this share of the side, at most, in a row of equal charts.
+# With very many charts gutters get narrower: in a row of equal charts they take at most this share of the side.
 LARGEST_GUTTER_SHARE = 0.25
-# Halvings of the interval in which the scale is searched.
+# How often the interval in which the scale is searched is halved.
 SCALE_STEPS = 30
 
 

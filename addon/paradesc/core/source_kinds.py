@@ -1,4 +1,4 @@
-"""Which mesh of an object can be measured: names, and what menus say of them. Never imports bpy."""
+"""Names the meshes of an object that can be measured, and what menus say about them. Never imports bpy."""
 
 SOURCES = (
     ("original", "Original", "The object's own mesh, before shape keys and modifiers"),

@@ -1,10 +1,10 @@
-"""A mesh in object space to the mesh as it stands in the world, for measuring there. Never imports bpy."""
+"""Brings a mesh from object space into world space, to measure it there. Never imports bpy."""
 
 import numpy as np
 
 from ..bridge import MeshArrays, ParadescError, abi
 
-# Scales along the axes that differ by less than this share are called the same.
+# Scales along the axes count as equal if they differ by less than this share.
 EVEN = 1e-4
 
 
@@ -20,7 +20,7 @@ def is_even(matrix: np.ndarray) -> bool:
 
 
 def to_world(arrays: MeshArrays, matrix: np.ndarray, name: str) -> None:
-    """Brings the arrays of an object of that name into world space, but for its place.
+    """Brings the arrays of an object of that name into world space, except for its location.
 
     A mirroring matrix is taken as its negative: the surface comes out as its own mirror image, which has the same
     curvatures, areas and volumes, while the inside stays the inside. Directions become those of the world.
@@ -40,7 +40,7 @@ def to_world(arrays: MeshArrays, matrix: np.ndarray, name: str) -> None:
 
 
 def maps_to_world(arrays: MeshArrays, linear: np.ndarray, name: str) -> None:
-    """The same for displacement and normal maps, which follow an even scale only."""
+    """Does the same for displacement and normal maps, which can follow an even scale only."""
     if not is_even(linear):
         sentence = (
             f'The object "{name}" is scaled differently along its axes, which displacement and normal maps cannot '

@@ -34,6 +34,6 @@ def quiet(verbose: bool) -> Iterator[None]:
 
 
 def flush_c() -> None:
-    """Writes what C's own buffers still hold, where Python can reach the C library of the process."""
+    """Writes what C's own buffers still hold, if Python can reach the C library of the process."""
     with contextlib.suppress(OSError, TypeError, AttributeError):
         ctypes.CDLL(None).fflush(None)

@@ -1,4 +1,4 @@
-"""What a bake left in a mesh's custom property, checked before use: the file may be of another version, or edited.
+"""Checks what a bake left in a mesh's custom property: the file may be of another version, or edited.
 
 Never imports bpy.
 """
@@ -7,7 +7,7 @@ import math
 
 from . import color_maps
 
-# What is shown of a report; a file that lacks one of these has no report.
+# The panel shows these members of a report; without one of them there is no report.
 MESH_REPORT = (
     "vertex_count",
     "triangle_count",
@@ -25,7 +25,7 @@ WORDS = ("backend", "device", "fallback", "warnings")
 
 
 def checked(content: object) -> dict[str, object]:
-    """The part of it that has the form which record.write() makes; empty where it says of no attributes."""
+    """The part of it that has the form of record.write(); empty if it names no attributes."""
     names = content.get("attributes") if isinstance(content, dict) else None
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         return {}
@@ -63,7 +63,7 @@ def is_report(value: object, members: tuple[str, ...]) -> bool:
 
 
 def ranges(value: object) -> dict[str, list[float]]:
-    """By name a lower and a larger upper number."""
+    """The valid ranges by name: a lower and a larger upper number."""
     found = {}
     for name, span in as_dict(value).items():
         if isinstance(span, (list, tuple)) and len(span) == 2 and all(map(is_number, span)) and span[0] < span[1]:
@@ -72,7 +72,7 @@ def ranges(value: object) -> dict[str, list[float]]:
 
 
 def drawn(value: object) -> dict[str, dict[str, object]]:
-    """By name how its colors were made: whatever of it is not what drawing_of() makes is left out."""
+    """How colors were made, by name; leaves out whatever is not what drawing_of() makes."""
     sound = {
         "map": lambda given: isinstance(given, str) and given in (color_maps.AUTOMATIC, *color_maps.MAPS),
         "diverging": lambda given: isinstance(given, (bool, int)),

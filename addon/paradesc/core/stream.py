@@ -1,8 +1,8 @@
-"""One mesh whose positions change from frame to frame: device, adjacency and charts are kept, positions are streamed.
+"""Computes one mesh whose positions change from frame to frame: keeps device, adjacency and charts, streams positions.
 
-Whatever else depends on the positions (which vertices coincide, which triangles have no area, a private layout, normals
-and tangents of the mesh's own) makes the native mesh anew, so that every frame has the bits of a bake of its own,
-whichever frames came before. Never imports bpy.
+If anything else that depends on the positions changes (which vertices coincide, which triangles have no area, a
+private layout, the mesh's own normals and tangents), the native mesh is made anew. So every frame has the bits of a
+bake of its own, whatever frames came before. Never imports bpy.
 """
 
 from dataclasses import replace
@@ -14,20 +14,20 @@ from .. import bridge
 from ..bridge import MeshArrays, ParadescError, abi
 from . import job
 
-# As native/src/mesh/halfedge.cpp has it: twice the area against the square of the longest edge.
+# The bound of native/src/mesh/halfedge.cpp: twice the area against the square of the longest edge.
 NO_AREA = 1e-12
-# Below this, floats of 32 bits cannot tell, and doubles are asked.
+# Below this, 32-bit floats cannot decide, so doubles do.
 SMALL_AREA = 1e-3
-# Triangles that are looked at together: their numbers stay in the processor's cache.
+# So many triangles are looked at together that their numbers stay in the processor's cache.
 BLOCK = 16384
 # As native/src/prepare.cpp has them: buffers are laid out afresh below this share of texels and these texels a radius.
 SPARSE_SHARE, SPARSE_TEXELS = 0.15, 4.0
-# Everything but positions that a mesh is made of.
+# Everything that makes a mesh except positions.
 TOPOLOGY = ("corner_vertices", "triangle_corners", "corner_uvs", "triangle_smooth", "sharp_edges")
 
 
 class Stream:
-    """A native mesh for the positions of one object, frame after frame; shared: on the device that others share."""
+    """A native mesh for the positions of one object, frame after frame; shared: uses the device that others share."""
 
     def __init__(self, arrays: MeshArrays, settings: job.Settings, shared: bool = False) -> None:
         job.check_descriptors(settings.descriptors)
@@ -45,7 +45,7 @@ class Stream:
         return self._context.backend
 
     def matches(self, arrays: MeshArrays) -> bool:
-        """True where nothing but positions (and normals and tangents, which follow them) differs."""
+        """Whether only positions differ (and normals and tangents, which follow them)."""
         return (
             len(arrays.positions) == len(self.arrays.positions)
             and all(same(getattr(arrays, name), getattr(self.arrays, name)) for name in TOPOLOGY)
@@ -53,7 +53,7 @@ class Stream:
         )
 
     def replace(self, arrays: MeshArrays) -> None:
-        """Another mesh on the same device."""
+        """Takes another mesh on the same device."""
         job.check_uvs(arrays, self.backend)
         self.forget()
         self.arrays = arrays
@@ -65,7 +65,7 @@ class Stream:
         corner_normals: np.ndarray | None = None,
         corner_tangents: np.ndarray | None = None,
     ) -> job.Results:
-        """The results at (vertex_count, 3) positions, to the bit those of job.run on a mesh that has them.
+        """Computes at (vertex_count, 3) positions; the results have the bits of job.run on a mesh that has them.
 
         The mesh's own normals (corner_count, 3) are needed with them where the settings ask for those or a normal map
         is set; the tangents (corner_count, 4) with a normal map.
@@ -85,7 +85,7 @@ class Stream:
     def moved(
         self, positions: np.ndarray, corner_normals: np.ndarray | None, corner_tangents: np.ndarray | None
     ) -> MeshArrays:
-        """The mesh at these positions; refuses positions of another mesh, and normals that stayed behind."""
+        """The mesh at these positions; refuses positions of another mesh, and normals that are missing."""
         positions = np.ascontiguousarray(positions, np.float32)
         if positions.shape != self.arrays.positions.shape:
             wanted = len(self.arrays.positions)
@@ -100,7 +100,7 @@ class Stream:
         return replace(self.arrays, positions=positions, corner_normals=corner_normals, maps=maps)
 
     def mesh_at(self, arrays: MeshArrays, progress: bridge.ProgressFunction | None = None) -> bridge.Mesh:
-        """The native mesh with these positions: the one there is, or a new one."""
+        """The native mesh with these positions: the existing one, or a new one."""
         if self._mesh is not None and arrays.corner_normals is None and self._contact.holds(arrays.positions):
             self._mesh.set_positions(arrays.positions)
             return self._mesh
@@ -111,7 +111,7 @@ class Stream:
         return self._mesh
 
     def forget(self) -> None:
-        """Has the native mesh made anew for the next frame."""
+        """Makes sure that the next frame makes the native mesh anew."""
         if self._mesh is not None:
             self._mesh.close()
             self._mesh = None
@@ -129,7 +129,7 @@ class Stream:
 
 
 class Contact:
-    """Which vertices coincide and which triangles have no area: what adjacency takes from positions."""
+    """What adjacency takes from positions: which vertices coincide and which triangles have no area."""
 
     def __init__(self, arrays: MeshArrays) -> None:
         triangles = arrays.triangle_vertices.T.astype(np.intp)
@@ -145,7 +145,7 @@ class Contact:
         self.flat = self.without_area(columns)
 
     def holds(self, positions: np.ndarray) -> bool:
-        """True where the same vertices coincide at these (vertex_count, 3) positions and no other triangle is flat."""
+        """Whether the same vertices coincide at these (vertex_count, 3) positions, and no other triangle is flat."""
         columns = columns_of(positions)
         together = np.array_equal(columns[:, self.later], columns[:, self.earlier])
         apart = distinct(place_keys(columns)) == self.group_count
@@ -164,17 +164,17 @@ class Contact:
 
 
 def starts(triangles: np.ndarray) -> range:
-    """Where blocks of the (3, k) triangles begin."""
+    """The indices at which blocks of the (3, k) triangles begin."""
     return range(0, triangles.shape[1], BLOCK)
 
 
 def columns_of(positions: np.ndarray) -> np.ndarray:
-    """(3, n) of (n, 3), each coordinate in a row."""
+    """Turns (n, 3) into (3, n), each coordinate in a row."""
     return np.ascontiguousarray(positions.T)
 
 
 def area_and_edge(columns: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(k,) squares of twice the area, and of the longest edge, of (3, k) triangles at (3, n) positions, as precise."""
+    """(k,) squares of twice the area and of the longest edge of (3, k) triangles, precise as the (3, n) positions."""
     corners = [[column.take(vertices) for vertices in triangles] for column in columns]
     ab = [second - first for first, second, _ in corners]
     ac = [third - first for first, _, third in corners]
@@ -189,7 +189,7 @@ def square_of(vectors: list[np.ndarray]) -> np.ndarray:
 
 
 def place_keys(columns: np.ndarray) -> np.ndarray:
-    """(n,) uint64 equal where (3, n) positions are; elsewhere equal by chance, once in 2^64."""
+    """(n,) uint64 that are equal if (3, n) positions are, and otherwise only by chance, once in 2^64."""
     bits = (columns + np.float32(0)).view(np.uint32)  # adding zero makes -0 and 0 one
     keys = np.zeros(bits.shape[1], np.uint64)
     for axis in bits:
@@ -205,9 +205,9 @@ def distinct(keys: np.ndarray) -> int:
 
 
 def goes_on(results: job.Results) -> bool:
-    """True where a mesh made at other positions would be the same: nothing was taken apart, nor laid out afresh.
+    """Whether a mesh made at other positions would be the same: nothing was taken apart, nor laid out afresh.
 
-    Where several fans of faces meet in a vertex, the widest answers for it; a private layout follows areas.
+    If several fans of faces meet in a vertex, the widest stands for it; a private layout follows areas.
     """
     if results.mesh_report["nonmanifold_vertices"]:
         return False
@@ -221,12 +221,12 @@ def goes_on(results: job.Results) -> bool:
 
 
 def same(first: np.ndarray | None, second: np.ndarray | None) -> bool:
-    """Equal arrays, or none twice."""
+    """Whether two arrays are equal, or both are missing."""
     return first is second or (first is not None and second is not None and np.array_equal(first, second))
 
 
 def same_images(first: bridge.SurfaceMaps | None, second: bridge.SurfaceMaps | None) -> bool:
-    """The same displacement and normal map, or none twice."""
+    """Whether displacement and normal map are equal, or both are missing."""
     if first is None or second is None:
         return first is second
     return (

@@ -1,7 +1,7 @@
-"""Threads that compute beside Blender, and can be asked to stop; when Python ends they are stopped first.
+"""Runs threads that compute beside Blender, can be asked to stop, and are stopped before Python ends.
 
-A native call that is still under way then would call back into an interpreter that is gone, which aborts or hangs the
-process.
+A native call that is still under way then would call back into an interpreter that is gone, and the process would
+abort or hang.
 """
 
 import atexit
@@ -13,7 +13,7 @@ from ..bridge import ParadescError, ProgressFunction, abi
 
 Result = TypeVar("Result")
 
-# Seconds that the end of Python waits for a thread that was told to stop; it takes a tenth of one.
+# At its end Python waits so many seconds for a thread that was told to stop; the thread takes a tenth of one.
 PATIENCE = 30.0
 
 _running: dict[threading.Thread, Callable[[], None]] = {}
@@ -35,7 +35,7 @@ def start(name: str, work: Callable[[], None], cancel: Callable[[], None]) -> th
 
 
 def stop_all() -> None:
-    """Has every such thread stop, and waits for it."""
+    """Stops every such thread, and waits for it."""
     for thread, cancel in list(_running.items()):
         cancel()
         thread.join(PATIENCE)
@@ -45,10 +45,10 @@ atexit.register(stop_all)
 
 
 class Worker(Generic[Result]):
-    """One piece of work on a thread of its own, so that a window stays alive; ask it from the thread that made it."""
+    """One piece of work on a thread of its own, so that a window goes on; use it from the thread that made it."""
 
     def __init__(self, work: Callable[[ProgressFunction], Result], name: str = "paradesc") -> None:
-        """work: called with a progress function, which gives False once the work is to stop."""
+        """Takes the work, which is called with a progress function that gives False once it has to stop."""
         self.stage, self.fraction = "start", 0.0
         self._work, self._name = work, name
         self._cancelled = threading.Event()
@@ -62,7 +62,7 @@ class Worker(Generic[Result]):
 
     @property
     def done(self) -> bool:
-        """True once result() will not wait."""
+        """Whether result() returns without waiting."""
         return self._thread is not None and not self._thread.is_alive()
 
     def cancel(self) -> None:
@@ -74,7 +74,7 @@ class Worker(Generic[Result]):
         self._thread.join()
 
     def result(self) -> Result:
-        """Waits for the end; gives the result or raises what went wrong. Cancelled is cancelled, however late."""
+        """Waits for the end; gives the result or raises the error. After cancel() it always raises, however late."""
         self.join()
         if self._cancelled.is_set():
             raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
