@@ -1,1 +1,1 @@
-"""Results to files and back: arrays, meshes, images, frames on disk. Never imports bpy."""
+"""Writes results to files and reads them back: arrays, meshes, images, frames. Never imports bpy."""

@@ -1,4 +1,4 @@
-"""One bake with its files: images over the UV map and the baked buffers, kept aside until all is done. No bpy."""
+"""Runs one bake with its files, images over the UV map and the baked buffers, kept aside until all is done. No bpy."""
 
 import shutil
 from dataclasses import dataclass, field
@@ -12,13 +12,13 @@ from ..core import job
 from . import maps
 from .results import Baked, file_fault, folder_fault, part_path
 
-# Share of the progress that the computation itself has where files follow.
+# The computation has this share of the progress if files follow.
 COMPUTING = 0.8
 
 
 @dataclass
 class Files:
-    """What is to be written of one object, and what lies aside so far."""
+    """What will be written of one object, and what lies aside so far."""
 
     object_name: str
     matrix_world: np.ndarray  # (4, 4)
@@ -28,11 +28,11 @@ class Files:
 
     @property
     def any(self) -> bool:
-        """Whether there is anything to write."""
+        """Whether any file will be written."""
         return self.image is not None or self.buffers is not None
 
     def part(self, path: Path) -> Path:
-        """Where a file or folder is written first, beside its place."""
+        """The place beside its own where a file or folder is written first."""
         place = part_path(path)
         self.aside.append((place, path))
         return place
@@ -53,7 +53,7 @@ class Files:
         return placed
 
     def discard(self) -> None:
-        """Takes away what lies aside; what was at its place stays."""
+        """Removes what lies aside; earlier files at their places stay."""
         for place, _ in self.aside:
             if place.is_dir():
                 shutil.rmtree(place, ignore_errors=True)
@@ -81,7 +81,7 @@ def refuse(sentence: str) -> ParadescError:
 def run(
     files: Files, arrays: bridge.MeshArrays, settings: job.Settings, progress: bridge.ProgressFunction | None
 ) -> job.Results:
-    """job.run(), then the files, aside; whoever asked brings them to their places or discards them."""
+    """Runs job.run(), then writes the files aside; the caller commits or discards them."""
     if not files.any:
         return job.run(arrays, settings, progress)
     report = progress or (lambda _stage, _fraction: True)
@@ -95,7 +95,7 @@ def run(
 
 
 def write(files: Files, baked: Baked, report: bridge.ProgressFunction) -> None:
-    """Writes image and buffers aside; asks between them whether to go on."""
+    """Writes image and buffers aside; between them it asks whether to go on."""
     go_on(report, "write images", COMPUTING)
     if files.image is not None and files.image.suffix == ".png":
         paths = maps.png_paths(files.image, list(baked.results.values))
@@ -114,6 +114,6 @@ def write(files: Files, baked: Baked, report: bridge.ProgressFunction) -> None:
 
 
 def go_on(report: bridge.ProgressFunction, stage: str, fraction: float) -> None:
-    """Reports progress; raises where it says to stop."""
+    """Reports progress; raises if the answer is to stop."""
     if not report(stage, fraction):
         raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")

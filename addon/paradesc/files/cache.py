@@ -1,10 +1,10 @@
-"""Values of one object, a file a frame: written whole or not at all, checked before use, merged by copying.
+"""Keeps values of one object, one file for each frame: written whole or not at all, checked before use.
 
 A file is MAGIC, the length of the header (8 bytes), the header, the arrays one after the other, and the SHA-256 of all
 before it. Numbers are little-endian. The header is JSON: version, key (of settings and mesh: frames of one key belong
 together), frame, input (of the positions that were measured), vertex_count, arrays (name, columns, rows of 32-bit
 floats each) and info, which is for readers. There is no index: ranges and lists of frames come from the files that are
-there. Never imports bpy.
+there, so caches are merged by copying files. Never imports bpy.
 """
 
 import hashlib
@@ -32,12 +32,12 @@ LARGEST_COUNT = 1 << 31
 LAST_FRAME = 1 << 20  # Blender's own limit is 1,048,574
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.+-]{0,62}")
 FILE_NAME = re.compile(r"frame_(-?\d{1,7})" + re.escape(SUFFIX))
-# Each frame's distribution is kept at so many evenly spaced ranks, from which the range over all frames follows.
+# Each frame keeps its distribution at so many evenly spaced ranks; the range over all frames follows from these.
 QUANTILES = 257
 FRAMES = re.compile(r"(-?\d+)(?::(-?\d+))?(?::(\d+))?")
 MOST_FRAMES = 1_000_000
 RANGE_FILE = "range.json"
-# Beside the .blend, where nothing else is said.
+# The folder beside the .blend, if no other is given.
 DEFAULT_FOLDER = "paradesc_cache"
 
 
@@ -55,7 +55,7 @@ class Frame:
 
     @property
     def vertex_count(self) -> int:
-        """Of the mesh that the values belong to."""
+        """The number of vertices of the mesh that the values belong to."""
         return len(next(iter(self.values.values()), ()))
 
 
@@ -63,18 +63,18 @@ class Frame:
 
 
 def frame_path(folder: Path, frame: int) -> Path:
-    """Where a frame's file lies."""
+    """The path of a frame's file."""
     return folder / f"frame_{frame:05d}{SUFFIX}"
 
 
 def object_folder(folder: Path, name: str) -> Path:
-    """Where an object's frames lie; a name that a file system may not keep gets its hash beside it."""
+    """The folder of an object's frames; a name that some file system would change gets its hash added."""
     plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)[:80]
     return folder / (plain if plain == name else f"{plain}_{hashlib.sha256(name.encode()).hexdigest()[:8]}")
 
 
 def frames_in(folder: Path) -> dict[int, Path]:
-    """The files that are there by frame, in order; what they hold is not looked at."""
+    """The files that are there, by frame and in order; their contents are not looked at."""
     try:
         names = sorted(path.name for path in folder.iterdir())
     except FileNotFoundError:
@@ -86,7 +86,7 @@ def frames_in(folder: Path) -> dict[int, Path]:
 
 
 def parse_frames(text: str) -> range:
-    """The frames of A:B, A:B:STEP or A, with B among them."""
+    """The frames of A:B, A:B:STEP or A; B is included."""
     found = FRAMES.fullmatch(text.strip())
     if not found:
         raise ValueError(f'"{text}" is no range of frames; give A:B or A:B:STEP, for example 1:250.')
@@ -97,7 +97,7 @@ def parse_frames(text: str) -> range:
 
 
 def frame_range(first: int, last: int, step: int) -> range:
-    """All frames from first to last; raises ValueError where there is none, or far too many."""
+    """All frames from first to last; raises ValueError if there are none, or far too many."""
     if step < 1:
         raise ValueError("The step between frames must be at least 1.")
     if last < first:
@@ -111,9 +111,9 @@ def frame_range(first: int, last: int, step: int) -> range:
 
 
 def key_of(arrays: MeshArrays, settings: job.Settings, **more: object) -> str:
-    """A name for all that frames of one cache have in common: the mesh but for its positions, and how it is measured.
+    """A name for what frames of one cache have in common: the mesh without its positions, and how it is measured.
 
-    Which device computes is left out, so that machines can share the work; the reference is another method.
+    The device is left out, so that machines can share the work; the reference counts, because its method differs.
     """
     content = settings.as_dict()
     content["method"] = "reference" if content.pop("backend") == "reference" else "texture space"
@@ -134,7 +134,7 @@ def key_of(arrays: MeshArrays, settings: job.Settings, **more: object) -> str:
 
 
 def summarize(values: np.ndarray) -> tuple[np.ndarray, int]:
-    """(QUANTILES,) float32 of (n,) values at evenly spaced ranks, and how many are defined; (0,) where none is."""
+    """(QUANTILES,) float32 of (n,) values at evenly spaced ranks, and how many are defined; (0,) if none is."""
     finite = np.sort(values[np.isfinite(values)])
     if finite.size == 0:
         return np.empty(0, np.float32), 0
@@ -174,7 +174,7 @@ def write_frame(folder: Path, content: Frame) -> Path:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Writes beside the path, then puts it in place; what a power cut leaves of it, the checksum finds."""
+    """Writes beside the path and then puts the file in place; the checksum detects what a power cut leaves."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -183,20 +183,20 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def sweep(folder: Path) -> None:
-    """Takes away what runs that were killed left unfinished a day ago or longer."""
+    """Removes unfinished files of killed runs that are a day old or older."""
     for path in folder.glob(f".frame_*{SUFFIX}.*.part"):
         try:
             if path.stat().st_mtime < time.time() - 86400:
                 path.unlink()
         except OSError:
-            continue  # another machine was faster
+            continue  # another machine has removed it already
 
 
 # ---- Reading
 
 
 def read_frame(path: Path) -> Frame:
-    """What a file holds, after everything about it has been checked; one sentence where anything is wrong."""
+    """What a file holds, once everything in it has been checked; raises one sentence if anything is wrong."""
     try:
         content = path.read_bytes()
     except FileNotFoundError as error:
@@ -210,7 +210,7 @@ def read_frame(path: Path) -> Frame:
 
 
 def decode(content: bytes, path: Path) -> Frame:
-    """Raises ValueError, TypeError or KeyError where the bytes are not what encode() makes."""
+    """Turns bytes of encode() into a frame; raises ValueError, TypeError or KeyError for any others."""
     start = len(MAGIC) + 8
     if len(content) < start + DIGEST_BYTES or content[: len(MAGIC)] != MAGIC:
         raise ValueError("it does not begin as one")
@@ -243,7 +243,7 @@ def decode(content: bytes, path: Path) -> Frame:
 
 
 def check_header(header: object, path: Path) -> None:
-    """Raises where a header is not one of ours, or of another frame than the file's name says."""
+    """Raises if a header is not one of ours, or of another frame than the file's name says."""
     if not isinstance(header, dict) or not isinstance(header.get("info"), dict):
         raise ValueError("its header is none")
     if type(header["version"]) is not int or header["version"] != VERSION:
@@ -274,13 +274,13 @@ def check_header(header: object, path: Path) -> None:
 
 
 def check_whole(number: object, lowest: int, highest: int, what: str) -> None:
-    """Raises where it is no whole number of this range."""
+    """Raises unless it is a whole number in this range."""
     if type(number) is not int or not lowest <= number <= highest:
         raise ValueError(f"its {what} is wrong")
 
 
 def kept(folder: Path, frame: int, key: str, content: str) -> bool:
-    """True where this frame of this key and input is there and whole."""
+    """Whether this frame is there, whole, and of this key and input."""
     path = frame_path(folder, frame)
     try:
         found = read_frame(path)
@@ -307,13 +307,13 @@ def ranges(frames: Iterable[Frame], look: color_maps.Look | None = None) -> dict
         try:
             row = job.registry_row(name)
         except StopIteration:
-            continue  # coverage, and values of a newer version
+            continue  # coverage, or values of a newer version
         found[name] = color_maps.value_range(pool(parts), row, radii[name], look)
     return found
 
 
 def read_fixed(folder: Path) -> dict[str, tuple[float, float]]:
-    """Ranges that the user set for this folder, by name; "" is for all others."""
+    """Ranges that the user set for this folder, by name; "" stands for all others."""
     path = folder / RANGE_FILE
     try:
         content = json.loads(path.read_text()) if path.is_file() else {}
@@ -326,21 +326,21 @@ def read_fixed(folder: Path) -> dict[str, tuple[float, float]]:
 
 
 def write_fixed(folder: Path, fixed: dict[str, tuple[float, float]]) -> None:
-    """Sets ranges for this folder, instead of those that follow from its frames."""
+    """Sets ranges for this folder; they replace those that follow from its frames."""
     write_whole(folder / RANGE_FILE, (json.dumps(fixed, sort_keys=True) + "\n").encode())
 
 
 def locked_ranges(
     folders: Iterable[Path], key: str = "", look: color_maps.Look | None = None
 ) -> dict[str, color_maps.ValueRange]:
-    """The one range for each name over all sound frames in these folders, of this key where one is given."""
+    """One range for each name over all sound frames in these folders; of this key if one is given."""
     return ranges_over([(folder, key) for folder in folders], look)
 
 
 def ranges_over(
     places: Iterable[tuple[Path, str]], look: color_maps.Look | None = None
 ) -> dict[str, color_maps.ValueRange]:
-    """The one range for each name over all sound frames in folders, in each of a key of its own; "": of any."""
+    """One range for each name over all sound frames in folders, each with its own key; "" takes any key."""
     places = list(places)
     frames = []
     for folder, key in places:
@@ -348,7 +348,7 @@ def ranges_over(
             try:
                 frame = read_frame(path)
             except ParadescError:
-                continue  # it is baked again with the next run
+                continue  # the next run bakes it again
             if key in ("", frame.key):
                 frames.append(replace(frame, values={}))
     found = ranges(frames, look)
@@ -362,7 +362,7 @@ def ranges_over(
 
 
 def pool(parts: list[tuple[np.ndarray, int]]) -> np.ndarray:
-    """(m,) values distributed as all frames' together: each brings so many of its ranks as it has values."""
+    """(m,) values distributed as those of all frames: each frame adds ranks in proportion to its number of values."""
     most = max((count for _, count in parts), default=0)
     chosen = [np.empty(0, np.float32)]
     for quantiles, count in parts:
@@ -374,7 +374,7 @@ def pool(parts: list[tuple[np.ndarray, int]]) -> np.ndarray:
 
 
 def reason(error: Exception) -> str:
-    """What an error says, as a part of one line: it may quote the file."""
+    """The text of an error, fit for one line: it may quote the file."""
     return " ".join(str(error).split())[:200]
 
 

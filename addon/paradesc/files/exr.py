@@ -8,7 +8,7 @@ import numpy as np
 
 MAGIC, VERSION = 20000630, 2
 FLOAT, ZIP, INCREASING_Y = 2, b"\x03", b"\x00"
-BLOCK_LINES = 16  # of ZIP compression
+BLOCK_LINES = 16  # lines that are compressed together
 
 
 def attribute(name: str, kind: str, value: bytes) -> bytes:
@@ -17,7 +17,7 @@ def attribute(name: str, kind: str, value: bytes) -> bytes:
 
 
 def header(names: list[str], width: int, height: int) -> bytes:
-    """The magic number and all attributes that a file must have; channels in alphabetical order."""
+    """The magic number and all attributes that a file must have, with channels in alphabetical order."""
     channels = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", FLOAT, 0, 1, 1) for name in names) + b"\0"
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
     attributes = [
@@ -34,10 +34,10 @@ def header(names: list[str], width: int, height: int) -> bytes:
 
 
 def compress(raw: bytes) -> bytes:
-    """OpenEXR's ZIP: even bytes before odd ones, differences, zlib; the bytes themselves where that is no shorter."""
+    """Compresses as OpenEXR's ZIP: even bytes before odd ones, differences, zlib; not at all if that is no shorter."""
     content = np.frombuffer(raw, np.uint8)
     parted = np.concatenate([content[0::2], content[1::2]])
-    parted[1:] = parted[1:] - parted[:-1] + np.uint8(128)  # the right side is taken whole first; modulo 256
+    parted[1:] = parted[1:] - parted[:-1] + np.uint8(128)  # numpy evaluates the right side first; modulo 256
     packed = zlib.compress(parted.tobytes(), 6)
     return packed if len(packed) < len(raw) else raw
 

@@ -1,4 +1,4 @@
-"""Results as images over the UV map, 32-bit float EXR and 16-bit PNG; and pictures of the baked buffers."""
+"""Writes results as images over the UV map (32-bit float EXR, 16-bit PNG), and pictures of the baked buffers."""
 
 from pathlib import Path
 
@@ -11,13 +11,13 @@ from . import exr, png
 from .results import Baked, write_whole
 
 SUFFIXES = (".exr", ".png")
-# Texels around each chart that take the values beside them: filtering and a few mipmaps show no seam then.
+# So many texels around each chart take the values beside them, so that filtering and a few mipmaps show no seam.
 GUTTER = 8
 WHOLE_16 = 65535
 
 
 def user_uvs(baked: Baked) -> np.ndarray:
-    """(triangle_count, 3, 2) of the mesh's UV map."""
+    """(triangle_count, 3, 2) UV coordinates of the mesh's UV map."""
     if baked.arrays.corner_uvs is None:
         sentence = "The mesh has no UV map to make an image in; unwrap it."
         raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
@@ -37,7 +37,7 @@ def image_of(baked: Baked, name: str) -> np.ndarray:
 
 
 def notes(baked: Baked) -> list[str]:
-    """What limits the images."""
+    """Says what limits the images."""
     if baked.arrays.layout is not None:
         return [
             "Images show the layout that was made for the computation: they fit no UV map of the mesh; unwrap it first."
@@ -48,7 +48,7 @@ def notes(baked: Baked) -> list[str]:
 
 
 def channels_of(baked: Baked) -> dict[str, np.ndarray]:
-    """(N, N) float32 channels, top row first. One descriptor: Y, or R G B. Several: a layer each, .V or .X .Y .Z."""
+    """(N, N) float32 channels, top row first: Y, or R G B, for one descriptor; .V or .X .Y .Z for each of several."""
     names = list(baked.results.values)
     channels = {}
     for name in names:
@@ -66,14 +66,14 @@ def write_exr(path: Path, baked: Baked) -> None:
 
 
 def png_paths(path: Path, names: list[str]) -> dict[str, Path]:
-    """Where each descriptor's PNG goes: the path itself for one, else <stem>_<descriptor>.png."""
+    """The path of each descriptor's PNG: the given path if there is one descriptor, else <stem>_<descriptor>.png."""
     if len(names) == 1:
         return {names[0]: path}
     return {name: path.with_name(f"{path.stem}_{name}{path.suffix}") for name in names}
 
 
 def stored_range(values: np.ndarray, components: int) -> tuple[float, float]:
-    """The values that 0 and 65535 stand for: -1 and 1 of a direction, else the smallest and the largest there are."""
+    """The values that 0 and 65535 stand for: -1 and 1 for a direction, else the smallest and the largest value."""
     finite = values[np.isfinite(values)]
     if components == 3:
         return -1.0, 1.0
@@ -98,14 +98,14 @@ def write_png(path: Path, baked: Baked, name: str) -> dict[str, object]:
 
 
 def chart_colors(charts: np.ndarray) -> np.ndarray:
-    """(…) chart numbers to (…, 3) display colors: one at random each, dark grey for -1."""
+    """Turns (…) chart numbers into (…, 3) display colors: a random one each, dark grey for -1."""
     number = np.asarray(charts, np.int64)
     colors = np.random.default_rng(1).uniform(0.25, 1.0, (max(int(number.max()), 0) + 1, 3))
     return np.where(number[..., None] < 0, 0.12, colors[np.maximum(number, 0)])
 
 
 def widened(numbers: np.ndarray) -> np.ndarray:
-    """(N, N) numbers with -1 for none, each a texel wider on every side: a line of one texel is hard to see."""
+    """Makes (N, N) numbers (-1 for none) a texel wider on every side, because a line of one texel is hard to see."""
     padded = np.pad(numbers, 1, constant_values=-1)
     height, width = numbers.shape
     return np.max([padded[y : y + height, x : x + width] for y in range(3) for x in range(3)], axis=0)
@@ -121,7 +121,7 @@ def pictures_of(baked: Baked) -> dict[str, np.ndarray]:
     neighbor = widened(buffers["neighbor"])
     stretch = buffers["distortion"][:, :, :2]
     largest = np.nanpercentile(stretch, 97.5)
-    angle = np.mod(buffers["distortion"][:, :, 2:3] / np.pi, 1.0)  # of a line: half a turn is none
+    angle = np.mod(buffers["distortion"][:, :, 2:3] / np.pi, 1.0)  # a line's: half a turn changes nothing
     views = {
         "position": np.where(none, 0.12, (position - low) / max(float((high - low).max()), 1e-30)),
         "normal": np.where(none, 0.12, 0.5 + 0.5 * buffers["normal"]),

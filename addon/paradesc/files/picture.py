@@ -17,12 +17,12 @@ SUPERSAMPLING = 2
 AZIMUTH, ELEVATION = 32.0, 18.0
 HALF_FIELD = np.tan(np.radians(14.0))  # tangent of half the field of view
 MARGIN = 0.94
-# Direction to the light in camera axes (right, up, towards the viewer), and how dark the shadow side is.
+# The direction to the light in camera axes (right, up, towards the viewer), and how dark the shadow side is.
 LIGHT = np.array([-0.45, 0.65, 0.62])
 SHADOW = 0.42
-# Pairs of triangle and pixel tested at a time: bounds the memory.
+# So many pairs of triangle and pixel are tested at a time, which bounds the memory.
 PAIRS_AT_ONCE = 2_000_000
-# Of these, so many are computed with at a time: what lies between stays in the processor's cache.
+# So many of these are computed at a time that intermediate results stay in the processor's cache.
 PAIRS_IN_CACHE = 65_536
 
 
@@ -36,7 +36,7 @@ class View:
 
 
 def compose(points: np.ndarray, triangles: np.ndarray, views: list[View]) -> np.ndarray:
-    """The views side by side with their legends: (height, width, 3) uint8. points: (n, 3) in world space."""
+    """Puts the views side by side with their legends: (height, width, 3) uint8. points: (n, 3) in world space."""
     drawn = Drawing(points, triangles, PANEL)
     columns = min(len(views), COLUMNS)
     rows = -(-len(views) // columns)
@@ -50,7 +50,7 @@ def compose(points: np.ndarray, triangles: np.ndarray, views: list[View]) -> np.
 
 
 def draw_legend(area: np.ndarray, view: View) -> None:
-    """The color bar with its numbers, and the title, into the (LEGEND, PANEL, 3) strip below a view."""
+    """Draws the color bar with its numbers, and the title, into the (LEGEND, PANEL, 3) strip below a view."""
     if view.shown is None:
         for text, top in ((view.title, 8), (legend.DIRECTIONS, 34)):
             lettering.draw_text(area, text, (area.shape[1] - lettering.text_width(text, 2)) // 2, top, 2, INK)
@@ -80,7 +80,7 @@ class Drawing:
         self.shading = shade(camera, self.triangles, self.corners, self.weights, faces_viewer(screen, self.corners))
 
     def paint(self, colors: np.ndarray) -> np.ndarray:
-        """(n, 3) display colors of the vertices to a (size, size, 3) uint8 image."""
+        """Turns (n, 3) display colors of the vertices into a (size, size, 3) uint8 image."""
         side = self.size * SUPERSAMPLING
         image = np.full((side * side, 3), BACKGROUND, np.float32)
         image[self.pixels] = blend(colors.astype(np.float32), self.corners, self.weights) * self.shading[:, None]
@@ -98,7 +98,7 @@ def camera_axes() -> np.ndarray:
 
 
 def project(points: np.ndarray, triangles: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """World points (n, 3) in camera axes, and on the screen: x, y in pixels from the top left, 1/distance."""
+    """Projects world points (n, 3): camera axes, and screen (x, y in pixels from the top left, 1/distance)."""
     camera = np.nan_to_num(points.astype(np.float64), posinf=0, neginf=0) @ camera_axes().T
     used = camera[np.unique(triangles)] if len(triangles) else np.zeros((1, 3))
     center = (used.min(axis=0) + used.max(axis=0)) / 2
@@ -113,7 +113,7 @@ def project(points: np.ndarray, triangles: np.ndarray, size: int) -> tuple[np.nd
 
 
 def rasterize(screen: np.ndarray, triangles: np.ndarray, size: int) -> np.ndarray:
-    """(size * size,) int32: the triangle nearest to the viewer at each pixel's center, -1 where there is none."""
+    """(size * size,) int32: the triangle nearest to the viewer at each pixel's center, or -1."""
     corners = screen[triangles]  # (t, 3, 3)
     first = np.clip(np.ceil(corners[:, :, :2].min(axis=1) - 0.5), 0, size).astype(np.int64)
     last = np.clip(np.floor(corners[:, :, :2].max(axis=1) - 0.5), -1, size - 1).astype(np.int64)
@@ -159,7 +159,7 @@ def rasterize_some(
 def hits(
     start: int, stop: int, ends: np.ndarray, corners: np.ndarray, first: np.ndarray, extent: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Which of the pairs from start to stop hit: triangle, column, row, depth, each (k,); ends: (t,) of the pairs."""
+    """The pairs from start to stop that hit: triangle, column, row, depth, each (k,); ends: (t,) of the pairs."""
     pair = np.arange(start, stop)
     owner = np.searchsorted(ends, pair, side="right")
     place = pair - (ends - extent.prod(axis=1))[owner]
@@ -187,7 +187,7 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def perspective_weights(screen: np.ndarray, corners: np.ndarray, pixels: np.ndarray, size: int) -> np.ndarray:
-    """(k, 3) float32 weights of the corners (k, 3) at the pixels (k,), right in space instead of on the screen."""
+    """(k, 3) float32 weights of the corners (k, 3) at the pixels (k,), correct in space and not just on the screen."""
     weights = screen_weights(screen[corners][:, :, :2], pixels % size + 0.5, pixels // size + 0.5)
     weights *= screen[corners][:, :, 2]
     return (weights / weights.sum(axis=1, keepdims=True)).astype(np.float32)
@@ -209,7 +209,7 @@ def shade(
 ) -> np.ndarray:
     """(k,) brightness of the pixels: soft Lambert light on smooth normals, both sides of a face alike.
 
-    Which side is seen is up to the face: near silhouettes, smooth normals of faces that are seen point away.
+    The face decides which side is seen: near silhouettes, smooth normals of visible faces may point away.
     """
     normals = blend(smooth_normals(camera, triangles), corners, weights)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
@@ -220,7 +220,7 @@ def shade(
 
 
 def smooth_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """(n, 3) float32 area-weighted normals; points at one place share theirs."""
+    """(n, 3) float32 area-weighted normals; points at one place share a normal."""
     _, place = np.unique(points, axis=0, return_inverse=True)
     place = place.reshape(-1)
     corners = points[triangles]

@@ -41,7 +41,7 @@ def encode_png16(image: np.ndarray, texts: dict[str, str]) -> bytes:
     rows[:, 1:] = flat
     rows[1:, 1:] -= flat[:-1]
     header = struct.pack(">IIBBBBB", width, height, SIXTEEN_BITS, GREY if channels == 1 else RGB, 0, 0, 0)
-    # A texture is data: without a gamma of 1, programs that heed gamma would bend the values.
+    # A texture is data, so it gets a gamma of 1: otherwise programs that apply gamma would change the values.
     notes = b"".join(chunk(b"tEXt", f"{key}\0{text}".encode("latin-1")) for key, text in texts.items())
     content = chunk(b"IDAT", zlib.compress(rows.tobytes(), 6))
     start = SIGNATURE + chunk(b"IHDR", header) + chunk(b"gAMA", struct.pack(">I", 100000))

@@ -20,13 +20,13 @@ from . import picture, png
 
 @dataclass
 class Baked:
-    """One object's results with all that the files need of the object."""
+    """One object's results, with all that files need to know about the object."""
 
     object_name: str
     results: Results
     arrays: bridge.MeshArrays
     matrix_world: np.ndarray  # (4, 4) float64
-    notes: list[str] = field(default_factory=list)  # what was done to get here, beside the results' own warnings
+    notes: list[str] = field(default_factory=list)  # what was done to the input, beside the results' own warnings
     reading: object = None  # sources.Reading: where the results belong in the scene
 
     def shown(self, name: str) -> color_maps.ValueRange:
@@ -56,7 +56,7 @@ def arrays_of(baked: Baked) -> dict[str, np.ndarray]:
 
 
 def write_ply(path: Path, baked: Baked) -> None:
-    """A binary PLY in object space: vertices with the first descriptor's colors, and every value as a property."""
+    """Writes a binary PLY in object space: vertices with the first descriptor's colors, and all values."""
     values = {}
     for name, array in {**baked.results.values, **baked.results.extras}.items():
         if array.ndim == 1:
@@ -84,7 +84,7 @@ def write_ply(path: Path, baked: Baked) -> None:
 
 
 def write_picture(path: Path, baked: Baked) -> None:
-    """A PNG with one view a descriptor, in world space."""
+    """Writes a PNG with one view for each descriptor, in world space."""
     matrix = baked.matrix_world
     points = baked.arrays.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     views = []
@@ -95,7 +95,7 @@ def write_picture(path: Path, baked: Baked) -> None:
 
 
 def write_npz_of_all(path: Path, baked: list[Baked]) -> None:
-    """The same of several objects, each name after its object's and a slash."""
+    """Writes several objects; each name follows that of its object and a slash."""
     with path.open("wb") as file:
         np.savez(
             file, **{f"{one.object_name}/{name}": array for one in baked for name, array in arrays_of(one).items()}
@@ -103,7 +103,7 @@ def write_npz_of_all(path: Path, baked: list[Baked]) -> None:
 
 
 def joined(baked: list[Baked]) -> Baked:
-    """Several objects as one in world space, with one range of colors; directions are turned along."""
+    """Joins several objects into one in world space, with one range of colors; directions are turned along."""
     first = baked[0].results
     positions, corner_vertices, triangle_corners = [], [], []
     vertices = corners_before = 0
@@ -136,7 +136,7 @@ def world_values(baked: Baked, name: str) -> np.ndarray:
 
 
 def report(baked: Baked) -> dict[str, object]:
-    """Everything about a bake of one object but its values and what is the same for all objects."""
+    """The report on one object of a bake, without values and without what is the same for all objects."""
     results = baked.results
     ranges = {}
     for name, values in results.values.items():
@@ -165,7 +165,7 @@ def report(baked: Baked) -> dict[str, object]:
 
 
 def listed_corners(baked: Baked) -> list[dict[str, object]]:
-    """Vertex, position and response of each corner, the strongest first; none where harris was not asked for."""
+    """Vertex, position and response of each corner, the strongest first; none unless harris was asked for."""
     found = baked.results.corners
     return [] if found is None else corners.listed(found, baked.arrays.positions, baked.results.values["harris"])
 
@@ -181,12 +181,12 @@ def json_text(content: object) -> str:
 
 
 def part_path(path: Path) -> Path:
-    """Where a file or folder is written first, beside its place; another one for everybody who writes it."""
+    """The place beside its own where a file or folder is written first; every writer has another one."""
     return path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
 
 
 def file_fault(path: Path) -> str:
-    """Why no file can be written there, as one sentence, or ""."""
+    """One sentence about why no file can be written there, or ""."""
     folder = path.absolute().parent
     if not folder.is_dir():
         return f'There is no folder "{folder}" to write "{path.name}" into.'
@@ -196,7 +196,7 @@ def file_fault(path: Path) -> str:
 
 
 def folder_fault(path: Path) -> str:
-    """Why no folder of files can be made there, as one sentence, or ""."""
+    """One sentence about why no folder of files can be made there, or ""."""
     folder = path.absolute().parent
     if not folder.is_dir():
         return f'There is no folder "{folder}" to write "{path.name}" into.'
@@ -204,7 +204,7 @@ def folder_fault(path: Path) -> str:
 
 
 def write_whole(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
-    """Writes beside the path first: a failure leaves no half file, and an old one as it was."""
+    """Writes beside the path first: a failure leaves no half file, and keeps an old file as it was."""
     temporary = part_path(path)
     try:
         writer(temporary, content)
@@ -218,7 +218,7 @@ def write_whole(path: Path, content: object, writer: Callable[[Path, Any], objec
 
 
 def finite_only(content: object) -> object:
-    """The same with None for NaN and infinity, which JSON cannot hold."""
+    """Replaces NaN and infinity, which JSON cannot hold, by None."""
     if isinstance(content, dict):
         return {name: finite_only(value) for name, value in content.items()}
     if isinstance(content, (list, tuple)):

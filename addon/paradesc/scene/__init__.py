@@ -1,1 +1,1 @@
-"""Blender's objects to arrays, and results to their meshes."""
+"""Turns Blender's objects into arrays, and writes results to their meshes."""

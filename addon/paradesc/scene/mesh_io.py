@@ -1,4 +1,4 @@
-"""Blender's mesh to arrays, and results to Blender's attributes: float32 numpy through foreach_get and foreach_set."""
+"""Reads Blender's meshes into arrays and writes results to attributes, by foreach_get and foreach_set on numpy."""
 
 import bpy
 import numpy as np
@@ -22,7 +22,7 @@ def read_object(target: bpy.types.Object, corner_normals: bool, needs_uvs: bool 
     mesh = target.data
     if mesh.is_editmode:
         target.update_from_editmode()
-        copy = mesh.copy()  # of an edited mesh Blender hides the attributes' values, of its copy it does not
+        copy = mesh.copy()  # Blender hides the attributes' values of an edited mesh, but not of its copy
         try:
             return read_mesh(copy, corner_normals, needs_uvs, mesh.name)
         finally:
@@ -31,7 +31,7 @@ def read_object(target: bpy.types.Object, corner_normals: bool, needs_uvs: bool 
 
 
 def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name: str) -> MeshArrays:
-    """A mesh's triangles as arrays; the mesh stays as it is."""
+    """Reads a mesh's triangles as arrays; the mesh stays as it is."""
     if len(mesh.polygons) == 0:
         raise refuse(f'The mesh "{name}" has no faces; there is no surface to measure.')
     arrays = MeshArrays(
@@ -58,7 +58,7 @@ def read_array(collection: object, member: str, kind: type, width: int = 1) -> n
 
 
 def read_positions(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(vertex_count, 3) float32; before Blender 3.5 positions are no attribute."""
+    """(vertex_count, 3) float32; before Blender 3.5 positions are not an attribute."""
     attribute = mesh.attributes.get("position")
     if attribute is not None:
         return read_array(attribute.data, "vector", np.float32, 3)
@@ -74,7 +74,7 @@ def read_corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def has_triangles_only(mesh: bpy.types.Mesh) -> bool:
-    """Whether every face is a triangle, with its corners where its number says; older files may have them elsewhere."""
+    """Whether every face is a triangle with its corners in order; older files may have them elsewhere."""
     count = len(mesh.polygons)
     if len(mesh.loops) != 3 * count:
         return False
@@ -84,7 +84,7 @@ def has_triangles_only(mesh: bpy.types.Mesh) -> bool:
 
 
 def read_triangle_corners(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(triangle_count, 3) int32, as Blender divides faces; it is slow to hand that over, and not asked without need."""
+    """(triangle_count, 3) int32 as Blender divides faces; that is slow to read, so a mesh of triangles avoids it."""
     if has_triangles_only(mesh):
         return np.arange(len(mesh.loops), dtype=np.int32).reshape(-1, 3)
     mesh.calc_loop_triangles()
@@ -109,7 +109,7 @@ def read_corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def read_smooth(mesh: bpy.types.Mesh) -> np.ndarray | None:
-    """(triangle_count,) uint8, 0 where flat shaded; None where everything is smooth."""
+    """(triangle_count,) uint8, 0 for flat shading; None if everything is smooth."""
     attribute = mesh.attributes.get("sharp_face")
     if attribute is not None:
         face_smooth = ~read_array(attribute.data, "value", bool)
@@ -121,7 +121,7 @@ def read_smooth(mesh: bpy.types.Mesh) -> np.ndarray | None:
 
 
 def read_triangle_faces(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(triangle_count,) int32 faces that the triangles are parts of; before Blender 3.6 by the slower way."""
+    """(triangle_count,) int32 face of each triangle; before Blender 3.6 in a slower way."""
     if has_triangles_only(mesh):
         return np.arange(len(mesh.polygons), dtype=np.int32)
     if hasattr(mesh, "loop_triangle_polygons"):
@@ -130,7 +130,7 @@ def read_triangle_faces(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def read_sharp_edges(mesh: bpy.types.Mesh) -> np.ndarray | None:
-    """(sharp_edge_count, 2) int32 vertex pairs, or None without one."""
+    """(sharp_edge_count, 2) int32 vertex pairs, or None if there are none."""
     attribute = mesh.attributes.get("sharp_edge")
     if attribute is not None:
         sharp = read_array(attribute.data, "value", bool)
@@ -147,7 +147,7 @@ def read_sharp_edges(mesh: bpy.types.Mesh) -> np.ndarray | None:
 
 
 def world_matrix(target: bpy.types.Object) -> np.ndarray:
-    """(4, 4) float64 object space to world space."""
+    """(4, 4) float64 matrix from object space to world space."""
     return np.array(target.matrix_world, np.float64)
 
 
@@ -166,20 +166,20 @@ def check_writable(target: bpy.types.Object) -> None:
 
 
 def wanted_kind(name: str) -> tuple[str, str]:
-    """Type and domain of an attribute of ours."""
+    """The type and domain that one of our attributes has to have."""
     if name.endswith("_color"):
         return ("FLOAT_COLOR", "POINT")
     return ("FLOAT_VECTOR" if components(registry_name(name)) == 3 else "FLOAT", "POINT")
 
 
 def wanted_names(results: Results) -> list[str]:
-    """Every attribute that these results become."""
+    """The names of all attributes that these results become."""
     names = [name for descriptor in results.values for name in (descriptor, f"{descriptor}_color")]
     return [*names, *results.extras]
 
 
 def check_names(mesh: bpy.types.Mesh, names: list[str]) -> list[str]:
-    """The names whose attribute has another type or domain and is ours to replace; refuses those that are not ours."""
+    """The names whose attribute is ours but has another type or domain; refuses attributes that are not ours."""
     ours = record.attributes_of(mesh)
     replaced = []
     for name in names:
@@ -198,7 +198,7 @@ def check_names(mesh: bpy.types.Mesh, names: list[str]) -> list[str]:
 
 
 def write_results(target: bpy.types.Object, results: Results) -> list[str]:
-    """Leaves the results on the object's mesh; gives sentences about what was replaced. On failure nothing changes."""
+    """Writes the results to the object's mesh; gives sentences about what it replaced. A failure changes nothing."""
     check_writable(target)
     mesh = target.data
     with modes.object_mode(target):
@@ -239,7 +239,7 @@ def make_attributes(mesh: bpy.types.Mesh, names: list[str], replaced: list[str])
 
 
 def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
-    """Makes one attribute of ours; gives the name that Blender gave it."""
+    """Makes one of our attributes; gives the name that Blender chose."""
     attribute = mesh.attributes.new(name, *wanted_kind(name))
     if attribute is None:
         raise refuse(f'Blender made no attribute "{name}" on the mesh "{mesh.name}".')
@@ -247,7 +247,7 @@ def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
 
 
 def write_values(mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.ValueRange]) -> None:
-    """Fills the attributes, which exist; making one moves the others' values, so nothing is held across."""
+    """Fills the attributes, which exist by now: making one would move the values of the others in memory."""
     for name, values in results.values.items():
         member = "value" if values.ndim == 1 else "vector"
         mesh.attributes[name].data.foreach_set(member, np.ascontiguousarray(values, np.float32).ravel())

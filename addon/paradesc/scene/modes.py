@@ -1,4 +1,4 @@
-"""Object mode for a while, and back: attributes can be read and written there only."""
+"""Switches to object mode for a while: attributes can be read and written only there."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -8,9 +8,9 @@ import bpy
 
 @contextmanager
 def object_mode(target: bpy.types.Object | None = None) -> Iterator[None]:
-    """Object mode for an object, or the active one, and all that share its mode.
+    """Puts an object, or the active one, and all that share its mode into object mode.
 
-    The mode, which objects are in it, the selection and the active object come back.
+    Afterwards the mode, the objects in it, the selection and the active object are as before.
     """
     objects = bpy.context.view_layer.objects
     active = objects.active

@@ -1,6 +1,6 @@
-"""What a mesh records of what was written to it: one custom property, read by panels, recolored meshes and later bakes.
+"""Records on a mesh what was written to it, in a custom property for panels, recoloring and later bakes.
 
-write() is the only way into it, whether a bake, a live frame or a new coloring has something to say.
+Bakes, live frames and recoloring all write it by write().
 """
 
 from collections.abc import Iterable
@@ -11,23 +11,23 @@ from ..core import legend, stored
 from ..core.color_maps import ValueRange
 from ..core.job import Results
 
-# The custom property: settings, reports, how colors were made, and the names of our attributes.
+# The custom property has settings, reports, how colors were made, and the names of our attributes.
 PROPERTY = "paradesc"
 
 
 def read(mesh: bpy.types.Mesh) -> dict[str, object]:
-    """What write() left on this mesh, checked; empty where it never was called."""
+    """What write() left on this mesh, checked; empty if it was never called."""
     content = mesh.get(PROPERTY)
     return stored.checked(content.to_dict() if hasattr(content, "to_dict") else None)
 
 
 def layout_of(mesh: bpy.types.Mesh) -> dict[str, str]:
-    """What a bake recorded about the layout that it left on this mesh; empty without one."""
+    """What a bake recorded about the layout that it left on this mesh; empty if there is none."""
     return read(mesh).get("layout", {})
 
 
 def attributes_of(mesh: bpy.types.Mesh) -> list[str]:
-    """Names of the attributes that were left on this mesh."""
+    """The names of our attributes that are still on this mesh."""
     return list(read(mesh).get("attributes", []))
 
 
@@ -41,7 +41,7 @@ def write(
 ) -> None:
     """Adds to the record: facts of a computation, ranges and drawing of colors, names of attributes, a new layout.
 
-    What was there stays where nothing new is said of it; attributes that are gone are forgotten.
+    Earlier entries stay unless there are new ones; attributes that are gone are forgotten.
     """
     former = read(mesh)
     known = sorted({*former.get("attributes", []), *names})
@@ -59,7 +59,7 @@ def write(
 
 
 def facts_of(results: Results) -> dict[str, object]:
-    """What was computed, how, on what, and what limits it: plain numbers, strings and lists."""
+    """Says what was computed, how, on what, and what limits it, as plain numbers, strings and lists."""
     return {
         "settings": {name: storable(value) for name, value in results.settings.as_dict().items()},
         "mesh_report": results.mesh_report,
@@ -72,7 +72,7 @@ def facts_of(results: Results) -> dict[str, object]:
 
 
 def drawing(shown: ValueRange) -> dict[str, object]:
-    """How colors were made, beside their range."""
+    """How colors were made, apart from their range."""
     return {
         "map": shown.map_name,
         "diverging": shown.diverging,
@@ -81,7 +81,7 @@ def drawing(shown: ValueRange) -> dict[str, object]:
 
 
 def drawing_of(shown: ValueRange, results: Results, name: str) -> dict[str, object]:
-    """What a legend and a new coloring need to know of a descriptor's values, beside their range."""
+    """What a legend and recoloring need to know about a descriptor's values, apart from their range."""
     return {
         **drawing(shown),
         "radius": results.radius_of(name),
@@ -90,5 +90,5 @@ def drawing_of(shown: ValueRange, results: Results, name: str) -> dict[str, obje
 
 
 def storable(value: object) -> object:
-    """The value, as a float where Blender's 32-bit custom properties cannot hold the integer."""
+    """The value; as a float if Blender's 32-bit custom properties cannot hold the integer."""
     return float(value) if isinstance(value, int) and abs(value) >= 2**31 else value

@@ -1,4 +1,4 @@
-"""Opens what the command line is given as a Blender scene, and saves it."""
+"""Opens the input of the command line as a Blender scene, and saves it."""
 
 import re
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from ..bridge import ParadescError, abi
 from ..core.standard_streams import quiet
 from .mesh_io import read_positions, refuse
 
-# The operators that import a suffix, with their own defaults; the first that this Blender has is taken.
+# The operators that import a suffix, with their own defaults; the first one that this Blender has is used.
 IMPORTERS = {
     ".obj": ("wm.obj_import", "import_scene.obj"),
     ".ply": ("wm.ply_import", "import_mesh.ply"),
@@ -27,12 +27,12 @@ IMPORTERS = {
     ".usdz": ("wm.usd_import",),
 }
 SUFFIXES = (".blend", *IMPORTERS)
-# Corners of an STL file nearer than this share of the diagonal are one vertex: numbers in text have few digits.
+# Corners of an STL file nearer than this share of the diagonal become one vertex: numbers in text have few digits.
 WELD_SHARE = 1e-6
 
 
 def open_scene(path: Path, verbose: bool = False) -> list[str]:
-    """Makes the file the open scene, anything but a .blend imported into an empty one; says what was done to it."""
+    """Makes the file the open scene, importing all but .blend into an empty one; says what was done to it."""
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise refuse(f'"{path}" is none of {", ".join(SUFFIXES)}.')
@@ -40,7 +40,7 @@ def open_scene(path: Path, verbose: bool = False) -> list[str]:
         raise refuse(f'There is no file "{path}".')
     try:
         with quiet(verbose):
-            whole = path.absolute()  # of the rest Blender would ask $PWD, which need not be the working directory
+            whole = path.absolute()  # Blender would resolve it by $PWD, which may not be the working directory
             if suffix == ".blend":
                 bpy.ops.wm.open_mainfile(filepath=str(whole), load_ui=False)
                 return []
@@ -65,7 +65,7 @@ def find_importer(suffix: str) -> object:
 
 
 def has_operator(name: str) -> bool:
-    """Whether this Blender has the operator; bpy.ops itself gives one for any name."""
+    """Whether this Blender has the operator; bpy.ops itself answers to any name."""
     category, _, member = name.partition(".")
     try:
         getattr(getattr(bpy.ops, category), member).get_rna_type()
@@ -75,7 +75,7 @@ def has_operator(name: str) -> bool:
 
 
 def weld_meshes() -> list[str]:
-    """Joins the corners of an STL file's triangles, each of which stands by itself, into a surface; says so."""
+    """Welds the separate triangles of an STL file into a surface; says so."""
     sentences = []
     for mesh in bpy.data.meshes:
         triangles = len(mesh.polygons)
@@ -96,7 +96,7 @@ def weld_meshes() -> list[str]:
 
 
 def reason(error: Exception) -> str:
-    """What Blender says is wrong, in one sentence without its final dot; of a traceback the exception alone."""
+    """What Blender says is wrong, as one sentence without its final dot; of a traceback only the exception."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     lines = [line for line in lines if not line.startswith("Location: ")]
     raised = [
@@ -108,7 +108,7 @@ def reason(error: Exception) -> str:
 
 @contextmanager
 def numpy_bool() -> Iterator[None]:
-    """Gives numpy 1.24 to 1.26 their former np.bool for a while: the glTF importer of Blender 3.4 asks for it."""
+    """Gives numpy 1.24 to 1.26 their former np.bool for a while: the glTF importer of Blender 3.4 needs it."""
     if "bool" in np.__dict__:
         yield
         return
@@ -125,7 +125,7 @@ def mesh_objects() -> list[bpy.types.Object]:
 
 
 def choose_object(name: str | None, prefer_active: bool) -> bpy.types.Object:
-    """The mesh object of that name; without a name the active one if preferred, else the one with the most vertices."""
+    """The mesh object of that name; without a name the active one if preferred, else that with the most vertices."""
     meshes = mesh_objects()
     if name is not None:
         return find_object(name)
@@ -170,13 +170,13 @@ def all_objects() -> tuple[list[bpy.types.Object], list[str]]:
 
 
 def bone_shapes() -> set[bpy.types.Object]:
-    """Objects that bones are drawn as; the importer of glTF makes one."""
+    """The objects whose shape bones are drawn with; the importer of glTF makes one."""
     rigs = [item for item in bpy.context.scene.objects if item.type == "ARMATURE" and item.pose]
     return {bone.custom_shape for rig in rigs for bone in rig.pose.bones if bone.custom_shape}
 
 
 def save_blend(path: Path, verbose: bool = False) -> None:
-    """Saves the open scene as a .blend, which Blender does beside it first; the open scene keeps its own name."""
+    """Saves the open scene as a .blend, which Blender writes beside it first; the open scene keeps its own name."""
     try:
         with quiet(verbose):
             bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True, check_existing=False)

@@ -1,8 +1,8 @@
-"""An object as it is measured: its own mesh, that mesh deformed by modifiers, or what the whole stack makes of it.
+"""Reads an object as it is measured: its own mesh, that mesh deformed by modifiers, or what the whole stack makes.
 
-Results go to the object's own vertices wherever these are found again: deforming modifiers keep them; others are asked
-by a temporary attribute that only vertices which come through unmixed still carry. Where vertices are lost, results go
-to an object of their own.
+Results go to the object's own vertices if these are found again. Deforming modifiers keep them. For others, a temporary
+attribute tells: only vertices that come through unmixed still carry it. If vertices are lost, results go to an object
+of their own.
 """
 
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ from ..core.source_kinds import NAMES
 from . import mesh_io, record
 from .mesh_io import refuse
 
-# Modifiers that make or take vertices or faces. Geometry Nodes may do either, which is tried.
+# Modifiers that make or remove vertices or faces. Geometry Nodes may do either, which is tried out.
 GENERATING = {
     "ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "FLUID", "MASK", "MESH_TO_VOLUME",
     "MIRROR", "MULTIRES", "OCEAN", "PARTICLE_INSTANCE", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE",
@@ -42,7 +42,7 @@ class Reading:
 
 
 def check_source(source: str) -> None:
-    """Refuses a source that there is not."""
+    """Refuses a source that does not exist."""
     if source not in NAMES:
         raise refuse(f'There is no source "{source}"; choose from {", ".join(NAMES)}.')
 
@@ -57,7 +57,7 @@ def read(
 ) -> Reading:
     """The object's mesh by this source, in object space at the current frame; the scene stays as it is.
 
-    For frame after frame: base, the original as it was read, and the former frame's reading save reading them again.
+    base, the original as it was read, and the former frame's reading save reading them again at each frame.
     """
     check_source(source)
 
@@ -81,13 +81,13 @@ def read(
 
 
 def moved(mesh: bpy.types.Mesh, base: MeshArrays) -> MeshArrays:
-    """The same faces where the mesh has their vertices, with its normals where base has any."""
+    """The faces of base at the mesh's positions, with the mesh's normals if base has any."""
     normals = None if base.corner_normals is None else mesh_io.read_corner_normals(mesh)
     return replace(base, positions=mesh_io.read_positions(mesh), corner_normals=normals)
 
 
 def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
-    """The object's own faces, given as base, where its deforming modifiers and shape keys move them."""
+    """Reads the object's own faces (base) at the positions to which deforming modifiers and shape keys move them."""
     with only_deforming(target) as hidden, evaluated_mesh(target) as mesh:
         if not same_vertices(mesh, target.data):
             names = quoted([modifier.name for modifier in shown_modifiers(target)])
@@ -100,7 +100,7 @@ def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
 
 
 def placed(target: bpy.types.Object, arrays: MeshArrays) -> Reading:
-    """The arrays that the whole stack of modifiers made, with where their results go."""
+    """The arrays that the whole stack of modifiers made, and where their results go."""
     vertices = origins(target, arrays)
     count, lost = len(target.data.vertices), int((vertices < 0).sum())
     made = f"The modifiers make {len(arrays.positions):,} vertices of {count:,}"
@@ -128,7 +128,7 @@ def check_maps(reading: Reading) -> None:
 
 @contextmanager
 def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
-    """The mesh after modifiers at the current frame; it exists for this long only."""
+    """The mesh after modifiers at the current frame; it exists only inside the with statement."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = target.evaluated_get(depsgraph)
     if not evaluated.is_evaluated:
@@ -148,7 +148,7 @@ def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
 
 @contextmanager
 def only_deforming(target: bpy.types.Object) -> Iterator[list[str]]:
-    """Hides modifiers that change vertices or faces for a while; gives their names. Shown again whatever happens."""
+    """Hides modifiers that change vertices or faces for a while; gives their names. It always shows them again."""
     generating = [modifier for modifier in shown_modifiers(target) if modifier.type in GENERATING]
     hidden: list[bpy.types.Modifier] = []
     try:
@@ -177,7 +177,7 @@ def hide(modifiers: list[bpy.types.Modifier], hidden: list[bpy.types.Modifier]) 
 
 
 def shown_modifiers(target: bpy.types.Object) -> list[bpy.types.Modifier]:
-    """Those that count at the moment."""
+    """The modifiers that count at the moment."""
     return [modifier for modifier in target.modifiers if modifier.show_viewport]
 
 
@@ -202,7 +202,7 @@ def same_corners(arrays: MeshArrays, others: MeshArrays) -> bool:
 
 
 def origins(target: bpy.types.Object, arrays: MeshArrays) -> np.ndarray:
-    """(original_count,) int64 vertex of the evaluated mesh that each original vertex became, the first; -1: none."""
+    """(original_count,) int64 first vertex of the evaluated mesh that each original vertex became, or -1."""
     count = len(target.data.vertices)
     if count >= EXACT:
         return np.full(count, -1, np.int64)
@@ -219,7 +219,7 @@ def origins(target: bpy.types.Object, arrays: MeshArrays) -> np.ndarray:
 
 
 def matched(carried: np.ndarray, marks: np.ndarray) -> np.ndarray:
-    """(count,) int64 first row of carried (n, 3) that is each row of marks (count, 3), whose first column counts."""
+    """(count,) int64 first row of carried (n, 3) that equals each row of marks (count, 3), numbered in column 0."""
     count = len(marks)
     first = carried[:, 0]
     plausible = np.isfinite(first) & (first >= 0) & (first < count)
@@ -253,7 +253,7 @@ def marked(mesh: bpy.types.Mesh, marks: np.ndarray) -> Iterator[None]:
 
 
 def deliver(target: bpy.types.Object, results: Results, reading: Reading) -> list[str]:
-    """Leaves the results where they belong; gives sentences about that and what was replaced."""
+    """Writes the results where they belong; gives sentences about that and about what was replaced."""
     if reading.own:
         return mesh_io.write_results(target, on_original(results, reading))
     holder = result_object(target, reading.arrays)
@@ -261,7 +261,7 @@ def deliver(target: bpy.types.Object, results: Results, reading: Reading) -> lis
 
 
 def on_original(results: Results, reading: Reading) -> Results:
-    """The same results at the object's own vertices."""
+    """Brings the results to the object's own vertices."""
     if reading.vertices is None:
         return results
     at = reading.vertices
@@ -285,7 +285,7 @@ def on_original(results: Results, reading: Reading) -> Results:
 
 
 def result_object(target: bpy.types.Object, arrays: MeshArrays) -> bpy.types.Object:
-    """The object "<name>_paradesc" with the evaluated mesh; one from an earlier bake is filled anew."""
+    """The object "<name>_paradesc" with the evaluated mesh; an object of an earlier bake gets the new mesh."""
     name = target.name + RESULT_SUFFIX
     depsgraph = bpy.context.evaluated_depsgraph_get()
     mesh = bpy.data.meshes.new_from_object(

@@ -1,4 +1,4 @@
-"""Displacement and normal maps of an object: images from files or from its material, and its corners' tangents."""
+"""Reads displacement and normal maps of an object, from files or from its material, and its corners' tangents."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,7 @@ ORIGINAL_FACE = "paradesc_face"
 
 @dataclass
 class MapChoice:
-    """Where maps come from: files, or the object's material."""
+    """Where maps come from: from files, or from the object's material."""
 
     displacement: Path | None = None
     midlevel: float = 0.5
@@ -28,7 +28,7 @@ class MapChoice:
 
     @property
     def any(self) -> bool:
-        """Whether there is one."""
+        """Whether there is any map."""
         return self.material or self.displacement is not None or self.normal_map is not None
 
 
@@ -64,7 +64,7 @@ def read_files(choice: MapChoice, maps: SurfaceMaps) -> list[str]:
 
 
 def displacement_notes(name: str, maps: SurfaceMaps, fine: bool) -> list[str]:
-    """Says by what the surface was displaced, and what limits an image that is not fine."""
+    """Says by what the surface was displaced, and what limits an image of few bits."""
     notes = [f'The surface is displaced by "{name}", midlevel {maps.midlevel:g}, scale {maps.scale:g}.']
     if not fine and len(np.unique(maps.heights)) > 2:
         notes.append(f'"{name}" has 8 bits, each step of which is a slope of its own; use 16 bits or floats.')
@@ -72,7 +72,7 @@ def displacement_notes(name: str, maps: SurfaceMaps, fine: bool) -> list[str]:
 
 
 def read_file(path: Path) -> tuple[np.ndarray, bool]:
-    """(height, width, 4) float32 values of a file as they are, rows bottom-up; whether they have more than 8 bits."""
+    """(height, width, 4) float32 values of a file as they are, rows bottom-up, and whether that is over 8 bits."""
     if not path.is_file():
         raise refuse(f'There is no image "{path}".')
     try:
@@ -117,7 +117,7 @@ def read_linear(image: bpy.types.Image) -> np.ndarray:
     """(height, width, 4) float32 as a material sees the image: sRGB made linear, data as they are."""
     pixels = read_pixels(image, image.name)
     space = image.colorspace_settings
-    # Floats become linear when Blender loads them.
+    # Blender makes floats linear when it loads them.
     if image.is_float or space.is_data or space.name.startswith(("Raw", "Linear")):
         return pixels
     if space.name != "sRGB":
@@ -132,7 +132,7 @@ def read_linear(image: bpy.types.Image) -> np.ndarray:
 def read_material(target: bpy.types.Object, maps: SurfaceMaps) -> list[str]:
     """Fills the maps from the object's material; gives a sentence about each."""
     material = single_material(target)
-    uses_nodes = bpy.app.version >= (5, 0, 0) or material.use_nodes  # nothing else since Blender 5.0
+    uses_nodes = bpy.app.version >= (5, 0, 0) or material.use_nodes  # since Blender 5.0 every material does
     output = material.node_tree.get_output_node("ALL") if uses_nodes and material.node_tree else None
     notes = []
     if output is not None:
@@ -230,7 +230,7 @@ def with_strength(colors: np.ndarray, strength: float) -> np.ndarray:
 
 
 def source_of(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
-    """The output that feeds an input, through reroutes; None where nothing does."""
+    """The output that feeds an input, through reroutes; None if nothing does."""
     while socket.is_linked:
         origin = socket.links[0].from_socket
         if origin.node.type != "REROUTE":
@@ -269,7 +269,7 @@ def image_of(
 
 
 def check_uv_map(target: bpy.types.Object, name: str, node: bpy.types.Node) -> None:
-    """Refuses a map that lies on another UV map than the active one, which is the one that is baked."""
+    """Refuses a map on another UV map than the active one, which alone is baked."""
     layers = target.data.uv_layers
     used = name or next((layer.name for layer in layers if layer.active_render), layers.active.name)
     if used != layers.active.name:
@@ -286,7 +286,7 @@ def read_tangent_space(target: bpy.types.Object) -> tuple[np.ndarray, np.ndarray
     """(corner_count, 4) float32 tangents with the bitangent's sign, by MikkTSpace, and (corner_count, 3) normals."""
     if target.data.is_editmode:
         target.update_from_editmode()
-    mesh = target.data.copy()  # what Blender computes stays on the copy
+    mesh = target.data.copy()  # what Blender computes here stays on the copy
     try:
         normals = mesh_io.read_corner_normals(mesh)
         if len(mesh.loops) == 0 or read_array(mesh.polygons, "loop_total", np.int32).max() <= 4:
@@ -310,7 +310,7 @@ def calculate_tangents(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def tangents_of_polygons(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(corner_count, 4) float32 of a mesh with larger faces, which are cut; a corner asks the parts of its face."""
+    """(corner_count, 4) float32 of a mesh with larger faces. They are cut, and a corner takes the tangent of a part."""
     count = len(mesh.vertices)
     keys = corner_faces(mesh) * count + mesh_io.read_corner_vertices(mesh)
     cut = bmesh.new()

@@ -1,4 +1,4 @@
-"""The selection to the meshes that are baked, each once; what stands in the way; reading them."""
+"""Turns the selection into the meshes that are baked, each once; says what stands in the way; reads them."""
 
 from dataclasses import dataclass, field, replace
 
@@ -10,19 +10,19 @@ from ..bridge import ParadescError, abi
 from ..core import job, spaces
 from . import mesh_io, source_meshes, surface_maps
 
-# Modes in which the mesh can be read, and that can be left and entered again.
+# In these modes the mesh can be read, and they can be left and entered again.
 MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
 
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The mesh objects that a bake is about: the selected ones, the active one first; in other modes those in it."""
+    """The mesh objects that a bake takes: the selected ones, the active one first; in other modes those in the mode."""
     active = context.active_object
     if active is not None and active.type == "MESH" and active.mode == "EDIT":
         edited = [item for item in context.view_layer.objects if item.type == "MESH" and item.mode == "EDIT"]
         return sorted(edited, key=lambda item: item != active)
     if active is not None and active.mode != "OBJECT":
         return [active] if active.type == "MESH" else []
-    selected = getattr(context, "selected_objects", None)  # what a script has put there; none in handlers
+    selected = getattr(context, "selected_objects", None)  # a script may have put them there; handlers have none
     if selected is None:
         selected = context.view_layer.objects.selected
     found = [item for item in selected if item.type == "MESH"]
@@ -40,7 +40,7 @@ def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
 
 
 def obstacle(context: bpy.types.Context) -> str:
-    """Why nothing can be baked right now, as one sentence, or ""."""
+    """One sentence about why nothing can be baked right now, or ""."""
     missing = bridge.missing_sentence()
     if missing:
         return missing
@@ -74,12 +74,12 @@ def unwritable(target: bpy.types.Object) -> str:
 
 @dataclass
 class ReadRequest:
-    """How an object is read beside the computation's own settings; plain values, since it outlasts an undo."""
+    """How an object is read, apart from the settings of the computation; plain values, since it outlasts an undo."""
 
     shape_key: str = "basis"  # or "active"
     maps: surface_maps.MapChoice = field(default_factory=surface_maps.MapChoice)
     source: str = "original"
-    remedy: str = "measure in World"  # where an object's scale does not count
+    remedy: str = "measure in World"  # what a sentence suggests if the scale does not count
 
 
 @dataclass
@@ -134,7 +134,7 @@ def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) 
 
 
 def shared_note(sharing: list[bpy.types.Object], space: str = "world", source: str = "original") -> list[str]:
-    """Says which object's modifiers or scale counted, where objects share a mesh but not these."""
+    """Says which object's modifiers or scale counted, if objects share a mesh but not these."""
     first, *others = sharing
     if others and source != "original":
         return [f'{len(sharing)} objects share the mesh "{first.data.name}"; it was measured as "{first.name}" has it.']

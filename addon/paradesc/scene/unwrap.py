@@ -1,4 +1,4 @@
-"""A mesh without a usable UV map to a layout for the computation: Blender's unwrap of a copy, kept out of sight."""
+"""Makes a layout for a mesh without a usable UV map: Blender unwraps a copy, and the layout is kept out of sight."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,19 +11,20 @@ from ..bridge import InputError, Layout, MeshArrays, ParadescError, abi
 from ..core import packing
 from ..core.digests import digest
 
-# Three floats a corner (u, v, 0): two would be one more UV map since Blender 3.5. Names that begin with ".hide" stay
-# out of Blender's own lists of attributes.
+# It has three floats a corner (u, v, 0), because two would be one more UV map since Blender 3.5. Blender's own lists
+# leave out attributes whose names begin with ".hide".
 ATTRIBUTE = ".hide_paradesc_uv"
-# A map is of no use when fewer of the triangles than this share have an area in it.
+# A map is unusable if a smaller share of the triangles than this has an area in it.
 LEAST_SHARE_WITH_AREA = 0.01
-# Between directions of one chart. Up to here no chart of the meshes tried overlaps itself, from 55 degrees on some do.
+# The angle between directions of one chart. Up to here no chart of the tested meshes overlaps itself; from 55 degrees
+# on some do.
 ANGLE_LIMIT = radians(50)
-# Of the scene, the object and the mesh that exist for the time of the unwrap.
+# The name of the scene, object and mesh that exist only during the unwrap.
 TEMPORARY = "Paradesc unwrap"
 
 
 def fault(uvs: np.ndarray | None, triangle_corners: np.ndarray) -> str:
-    """What the (corner_count, 2) UV map is lacking, as "has …", or "" where it is usable."""
+    """What the (corner_count, 2) UV map lacks, as "has …", or "" if it is usable."""
     if uvs is None:
         return "has no UV map"
     if not np.isfinite(uvs).all():
@@ -34,7 +35,7 @@ def fault(uvs: np.ndarray | None, triangle_corners: np.ndarray) -> str:
 
 
 def has_uv_area(uvs: np.ndarray, triangle_corners: np.ndarray) -> bool:
-    """Whether triangles enough have an area in the UV map: most often a part of them says so."""
+    """Whether enough triangles have an area in the UV map; most often a part of them is enough to tell."""
     needed = LEAST_SHARE_WITH_AREA * len(triangle_corners)
     parts = (triangle_corners[::16], triangle_corners)
     return any(np.count_nonzero(uv_areas(uvs, part)) >= needed for part in parts)
@@ -48,7 +49,7 @@ def uv_areas(uvs: np.ndarray, triangle_corners: np.ndarray) -> np.ndarray:
 
 
 def layout(mesh: bpy.types.Mesh, stored: dict[str, str], arrays: MeshArrays, reason: str) -> Layout:
-    """The layout that stored describes if it is there and fits, else a fresh one; the mesh stays as it is."""
+    """The layout that stored describes, if it is there and fits, else a new one; the mesh stays as it is."""
     starts = face_starts(mesh)
     key = topology(arrays.corner_vertices, starts)
     uvs = kept_uvs(mesh, stored, key)
@@ -62,7 +63,7 @@ def layout(mesh: bpy.types.Mesh, stored: dict[str, str], arrays: MeshArrays, rea
 
 
 def topology(corner_vertices: np.ndarray, starts: np.ndarray) -> str:
-    """A name for the way faces hang together: the (corner_count,) vertices and the (face_count,) first corners."""
+    """A name for how faces are connected: the (corner_count,) vertices and the (face_count,) first corners."""
     return digest(corner_vertices, starts)
 
 
@@ -83,7 +84,7 @@ def kept_uvs(mesh: bpy.types.Mesh, stored: dict[str, str], key: str) -> np.ndarr
 
 
 def keep(mesh: bpy.types.Mesh, made: Layout) -> dict[str, str]:
-    """Leaves the layout in the mesh; gives what has to be stored beside it, empty where the mesh has changed since."""
+    """Keeps the layout in the mesh; gives what has to be stored beside it, or nothing if the mesh has changed since."""
     corner_vertices = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corner_vertices)
     if topology(corner_vertices, face_starts(mesh)) != made.topology:
@@ -106,7 +107,7 @@ def keep(mesh: bpy.types.Mesh, made: Layout) -> dict[str, str]:
 
 
 def read_uvs(layer: bpy.types.MeshUVLoopLayer) -> np.ndarray:
-    """(corner_count, 2) float32; before Blender 3.5 by the slower way."""
+    """(corner_count, 2) float32; before Blender 3.5 in a slower way."""
     collection, member = (layer.uv, "vector") if hasattr(layer, "uv") else (layer.data, "uv")
     uvs = np.empty(2 * len(collection), np.float32)
     collection.foreach_get(member, uvs)
@@ -121,7 +122,7 @@ def face_starts(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def lay_out(arrays: MeshArrays, starts: np.ndarray) -> np.ndarray:
-    """(corner_count, 2) float32 layout of faces whose corners lie in a row from starts on; zero for broken faces."""
+    """(corner_count, 2) float32 layout of faces whose corners follow each other from starts; 0 for broken faces."""
     sizes = np.diff(np.append(starts, len(arrays.corner_vertices)))
     if (sizes < 3).any():
         raise failure("its faces are not stored in a row")
@@ -140,7 +141,7 @@ def lay_out(arrays: MeshArrays, starts: np.ndarray) -> np.ndarray:
 
 
 def has_area(arrays: MeshArrays) -> bool:
-    """True if any triangle is wider than rounding."""
+    """Whether any triangle is wider than rounding."""
     first, second, third = (arrays.positions[arrays.triangle_vertices[:, k]].astype(np.float64) for k in range(3))
     squared = ((second - first) ** 2).sum(axis=1) + ((third - first) ** 2).sum(axis=1)
     return bool((np.linalg.norm(np.cross(second - first, third - first), axis=1) > 1e-6 * squared).any())
@@ -155,7 +156,7 @@ def failure(why: str) -> ParadescError:
 def weld(
     positions: np.ndarray, corner_vertices: np.ndarray, face_of_corner: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (n, 3) and corners with vertices at one place made one, as files split them; faces stay whole."""
+    """Merges vertices at one place, which files split: gives positions (n, 3) and corners. Faces stay whole."""
     order = np.lexsort(positions.T)
     along = positions[order]
     first = np.append(True, (along[1:] != along[:-1]).any(axis=1))
@@ -171,7 +172,7 @@ def weld(
 
 
 def repeating_faces(corner_vertices: np.ndarray, face_of_corner: np.ndarray) -> np.ndarray:
-    """(face_count,) bool: the face uses a vertex twice."""
+    """(face_count,) bool: whether the face uses a vertex twice."""
     order = np.lexsort((corner_vertices, face_of_corner))
     vertices, faces = corner_vertices[order], face_of_corner[order]
     again = (vertices[1:] == vertices[:-1]) & (faces[1:] == faces[:-1])
@@ -181,7 +182,7 @@ def repeating_faces(corner_vertices: np.ndarray, face_of_corner: np.ndarray) -> 
 
 
 def unwrapped(positions: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """(corner_count, 2) float32 layout by Blender's operators, on a mesh that exists for that long only."""
+    """(corner_count, 2) float32 layout by Blender's operators, on a mesh that exists only meanwhile."""
     mesh = bpy.data.meshes.new(TEMPORARY)
     try:
         fill(mesh, positions, corner_vertices, sizes)
@@ -217,7 +218,7 @@ def fill(mesh: bpy.types.Mesh, positions: np.ndarray, corner_vertices: np.ndarra
 
 @contextmanager
 def edit_mode(mesh: bpy.types.Mesh) -> Iterator[None]:
-    """Edit mode on the mesh in a scene of its own: the open scene, its selection and its modes are not touched."""
+    """Enters edit mode on the mesh in a scene of its own, so that the open scene, its selection and modes stay."""
     scene = bpy.data.scenes.new(TEMPORARY)
     target = bpy.data.objects.new(TEMPORARY, mesh)
     try:
@@ -238,10 +239,10 @@ def edit_mode(mesh: bpy.types.Mesh) -> Iterator[None]:
 
 
 def run_operator() -> None:
-    """Charts by direction, projected.
+    """Makes charts by direction and projects them.
 
-    Flattening each by its angles after that takes ten times as long for a fifth of the error, and makes charts overlap.
-    Packing is not left to Blender: with gutters it takes minutes for thousands of charts in 3.4.
+    Flattening each by its angles would take ten times as long for a fifth of the error, and make charts overlap.
+    Blender does not pack them: with gutters its 3.4 takes minutes for thousands of charts.
     """
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.uv.smart_project(angle_limit=ANGLE_LIMIT, island_margin=0.0)

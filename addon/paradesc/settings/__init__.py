@@ -1,1 +1,1 @@
-"""What is chosen in Blender: a scene's settings, looks, presets, preferences."""
+"""Defines what people choose in Blender: a scene's settings, looks, presets, preferences."""

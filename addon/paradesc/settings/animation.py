@@ -1,4 +1,4 @@
-"""Which mesh of an object is measured, and at which frames: the settings of one scene."""
+"""The settings of a scene that say which mesh of an object is measured, and at which frames."""
 
 import bpy
 
@@ -53,5 +53,5 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes them away."""
+    """Removes them."""
     del bpy.types.Scene.paradesc_animation

@@ -1,4 +1,4 @@
-"""How values become colors in one scene: the settings, and what they mean for the color maps."""
+"""The settings of a scene that say how values become colors, and what they mean for the color maps."""
 
 from collections.abc import Callable
 
@@ -24,7 +24,7 @@ PACKED_DOMAINS = [
     ("CORNER", "Face Corner", "One color a face corner, as most formats and older tools want it"),
 ]
 CHANNELS = ("red", "green", "blue", "alpha")
-# Called with the scene whose settings were changed: what follows them comes after them, and is not known here.
+# Called with the scene whose settings were changed. Folders that come later add themselves, unknown to this one.
 LISTENERS: list[Callable[[bpy.types.Scene], None]] = []
 
 
@@ -36,7 +36,7 @@ def redraw(_group: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
 
 
 def changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """Live values are shown so at once; what was baked, by Recolor."""
+    """Recolors live values at once; baked values wait for Recolor."""
     for listener in LISTENERS:
         listener(group.id_data)
 
@@ -115,14 +115,14 @@ class PARADESC_PG_looks(bpy.types.PropertyGroup):
 
 
 def fault(group: bpy.types.PropertyGroup) -> str:
-    """What is wrong with the settings, as one sentence, or ""."""
+    """One sentence about what is wrong with the settings, or ""."""
     if group.span == "fixed" and not group.maximum > group.minimum:
         return f"The range ends at {group.maximum:g}, which is not above {group.minimum:g}; set a larger maximum."
     return ""
 
 
 def look_of(group: bpy.types.PropertyGroup) -> Look:
-    """The settings as the color maps take them; a range that is none counts as automatic."""
+    """The settings as the color maps take them; an invalid range counts as automatic."""
     fixed = group.span == "fixed" and not fault(group)
     return Look(
         color_map=group.color_map,
@@ -134,7 +134,7 @@ def look_of(group: bpy.types.PropertyGroup) -> Look:
 
 
 def scene_look(scene: bpy.types.Scene) -> Look:
-    """How a scene's colors are asked for; as suits each descriptor where the add-on is not registered."""
+    """The look that a scene asks for; the default look if the add-on is not registered."""
     group = getattr(scene, "paradesc_looks", None)
     return Look() if group is None else look_of(group)
 
@@ -148,5 +148,5 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes them away."""
+    """Removes them."""
     del bpy.types.Scene.paradesc_looks

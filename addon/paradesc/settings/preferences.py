@@ -1,8 +1,8 @@
-"""What holds for this machine rather than for a scene: the add-on's own preferences."""
+"""The add-on's own preferences, which apply to this machine and not to a scene."""
 
 import bpy
 
-# Blender knows the preferences by the name of the add-on's package, of which this folder is a part.
+# Blender finds the preferences by the name of the add-on's package, which contains this folder.
 ADDON = __package__.rpartition(".")[0]
 GIGABYTE = 1_000_000_000
 
@@ -24,13 +24,13 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
     )
 
     def draw(self, _context: bpy.types.Context) -> None:
-        """The one setting."""
+        """Draws the one setting."""
         self.layout.use_property_split = True
         self.layout.prop(self, "memory_limit")
 
 
 def memory_limit() -> int:
-    """Bytes that a computation may take, 0 where nobody has set a limit or the add-on is not enabled but imported."""
+    """Bytes that a computation may take; 0 if nobody has set a limit, or if the add-on is imported but not enabled."""
     addon = bpy.context.preferences.addons.get(ADDON)
     preferences = None if addon is None else addon.preferences
     return 0 if preferences is None else round(preferences.memory_limit * GIGABYTE)

@@ -1,4 +1,4 @@
-"""Presets: what people come for, each by one click, and the user's own by Blender's preset system."""
+"""Presets for common purposes, by one click each, and the user's own by Blender's preset system."""
 
 from dataclasses import dataclass, field
 
@@ -9,7 +9,7 @@ from .. import bridge
 from . import properties
 
 SUBFOLDER = "paradesc"
-# What belongs to the machine or to an object, not to a purpose; nor does where results go.
+# These belong to the machine or to an object and not to a purpose, or say where results go.
 NO_PRESET = {"backend", "device_index", "material_maps", "space", "shape_key"}
 
 
@@ -58,7 +58,7 @@ def members() -> list[str]:
 
 
 def apply(group: bpy.types.PropertyGroup, name: str) -> Preset:
-    """Sets the settings of one of our presets; what it does not name gets its default, the rest stays."""
+    """Applies one of our presets. Members of presets that it does not name get their default; other settings stay."""
     preset = PRESETS[name]
     for member in members():
         group.property_unset(member)
@@ -87,11 +87,11 @@ class PARADESC_OT_preset(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
-        """Only with the native library, whose descriptors are chosen."""
+        """Needs the native library, whose descriptors a preset chooses."""
         return not bridge.missing_sentence()
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Sets everything, and says what for."""
+        """Applies the preset, and says what it is for."""
         preset = apply(context.scene.paradesc, self.name)
         PARADESC_MT_presets.bl_label = preset.label
         self.report({"INFO"}, f"{preset.label}: {preset.purpose}")
@@ -107,7 +107,7 @@ class PARADESC_MT_presets(bpy.types.Menu):
     preset_operator = "script.execute_preset"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Ours, then the user's own."""
+        """Draws our presets, then the user's own."""
         for name, preset in PRESETS.items():
             self.layout.operator("paradesc.preset", text=preset.label).name = name
         if bpy.utils.preset_paths(SUBFOLDER):
@@ -126,7 +126,7 @@ class PARADESC_OT_add_preset(AddPresetBase, bpy.types.Operator):
 
     @property
     def preset_values(self) -> list[str]:
-        """What is kept."""
+        """The settings that a preset keeps."""
         return [f"paradesc.{name}" for name in members()]
 
 

@@ -77,14 +77,14 @@ PRECISIONS = [
 ]
 BACKENDS = [(name, devices.TITLES[name], devices.ABOUT[name]) for name in bridge.BACKENDS]
 DEFAULT_DESCRIPTOR = "mean_curvature"
-HIGHEST_BIT = 30  # of the positive numbers that Blender keeps
+HIGHEST_BIT = 30  # the highest bit of positive numbers that Blender keeps
 NO_DESCRIPTOR = ("missing", "None", "The native library is missing", 1)
 
 
 def descriptor_items() -> list[tuple[str, str, str, int]]:
     """Menu items (name, label, description, bit) of the native registry.
 
-    Files keep the bits: those of operators on maps count down from the highest, so that a row more in either table of
+    Files keep the bits. Those of operators on maps count down from the highest, so that a new row in either table of
     the registry moves none.
     """
     if bridge.missing_sentence():
@@ -105,17 +105,17 @@ def map_items() -> list[tuple[str, str, str]]:
 
 
 def with_unit(row: bridge.Descriptor) -> str:
-    """A descriptor's description, with its unit where it has one."""
+    """A descriptor's description, with its unit if it has one."""
     return row.description + (f" [{row.unit}]" if row.unit else "")
 
 
 def default_of(items: list[tuple], wanted: str) -> str:
-    """The wanted item where there is one, else the first."""
+    """The wanted item if there is one, else the first."""
     return wanted if any(item[0] == wanted for item in items) else items[0][0]
 
 
 def descriptor_members() -> dict[str, object]:
-    """What to compute."""
+    """The settings that say what to compute."""
     items, maps = descriptor_items(), map_items()
     return {
         "descriptors": bpy.props.EnumProperty(
@@ -150,7 +150,7 @@ def descriptor_members() -> dict[str, object]:
 
 
 def neighborhood_members() -> dict[str, object]:
-    """How far to look around, and in which space."""
+    """The settings that say how far to look around, and in which space."""
     return {
         "radius_percent": bpy.props.FloatProperty(
             name="Radius",
@@ -186,7 +186,7 @@ def neighborhood_members() -> dict[str, object]:
 
 
 def quality_members() -> dict[str, object]:
-    """How exactly, from what, and on which device."""
+    """The settings that say how exactly, from what, and on which device to compute."""
     return {
         "samples": bpy.props.IntProperty(
             name="Samples",
@@ -224,7 +224,7 @@ def quality_members() -> dict[str, object]:
 
 
 def method_members() -> dict[str, object]:
-    """What researchers compare; the defaults are the most exact."""
+    """The settings that researchers compare; the defaults are the most exact."""
     choices = (
         ("estimator", "Curvatures", "How curvatures are computed", ESTIMATORS),
         ("variance_reduction", "Control", "What integrals are helped by", VARIANCE_REDUCTIONS),
@@ -251,13 +251,13 @@ def method_members() -> dict[str, object]:
 
 
 def path_options() -> set[str]:
-    """Says that // stands for the .blend's folder, which Blender wants to be told since 4.5."""
+    """The option that // stands for the .blend's folder, which Blender needs since 4.5."""
     known = "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
     return {"PATH_SUPPORTS_BLEND_RELATIVE"} if known else set()
 
 
 def output_members() -> dict[str, object]:
-    """Where results go."""
+    """The settings that say where results go."""
     return {
         "write_attributes": bpy.props.BoolProperty(
             name="Attributes",
@@ -294,12 +294,12 @@ def output_members() -> dict[str, object]:
     }  # fmt: skip
 
 
-# Each becomes a sub-panel; the first four make a preset, device and folders excepted.
+# Each of these becomes a sub-panel. The first four make a preset, without device and folders.
 GROUPS = (descriptor_members, neighborhood_members, quality_members, method_members, output_members)
 
 
 def make_settings() -> type:
-    """The class of the settings, with the registry as it is now."""
+    """Makes the class of the settings, with the registry as it is now."""
     annotations = {name: member for group in GROUPS for name, member in group().items()}
     body = {"__annotations__": annotations, "__doc__": "Paradesc's settings of one scene.", "__module__": __name__}
     return type("PARADESC_PG_settings", (bpy.types.PropertyGroup,), body)
@@ -311,12 +311,12 @@ def radius_member(group: bpy.types.PropertyGroup) -> str:
 
 
 def scaled_radius(group: bpy.types.PropertyGroup, radius: float) -> float:
-    """A radius as the panel has it, in the unit of the computation: of the diagonal, a share."""
+    """A radius of the panel in the unit of the computation, where a share of the diagonal replaces percent."""
     return radius / 100 if group.radius_unit == "diagonal" else radius
 
 
 def more_radii(group: bpy.types.PropertyGroup) -> tuple[float, ...]:
-    """The further radii in the unit of the computation; one sentence about what is no number."""
+    """The further radii in the unit of the computation; raises one sentence about what is not a number."""
     radii = []
     for word in group.more_radii.replace(";", ",").split(","):
         try:
@@ -352,7 +352,7 @@ def job_settings(group: bpy.types.PropertyGroup) -> Settings:
     )
 
 
-# The settings' class is made by register(), when the native library has been laid in place.
+# register() makes the class of the settings, once the native library is in place.
 classes = ()
 
 
@@ -364,6 +364,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes them away."""
+    """Removes them."""
     del bpy.types.Scene.paradesc
     bpy.utils.unregister_class(bpy.types.PropertyGroup.bl_rna_get_subclass_py("PARADESC_PG_settings"))

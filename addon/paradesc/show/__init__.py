@@ -1,1 +1,1 @@
-"""What a bake leaves on a mesh made visible: colors, materials, channels, overlay."""
+"""Makes visible what a bake leaves on a mesh: colors, materials, channels, overlay."""

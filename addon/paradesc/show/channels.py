@@ -1,4 +1,4 @@
-"""Stored values to other places, on request: packed channels, face corners, a vertex group, the sculpt mask."""
+"""Copies stored values to other places on request: packed channels, face corners, a vertex group, the sculpt mask."""
 
 import bmesh
 import bpy
@@ -10,7 +10,7 @@ from ..scene import mesh_io
 from ..settings.looks import CHANNELS, PACKED_DOMAINS
 from . import recolor
 
-# Custom property of a mesh: the attributes and vertex groups that this file made, which it may write again.
+# The custom property of a mesh with the attributes and vertex groups that this file made and may write again.
 OWN = "paradesc_made"
 SCULPT_MASK = ".sculpt_mask"
 SUFFIX_CORNER = "_corner_color"
@@ -21,21 +21,21 @@ EXPORT_PREFIX = "_"
 
 
 def own_names(mesh: bpy.types.Mesh, kind: str) -> list[str]:
-    """What was made here: kind is "attributes" or "groups"."""
+    """The names that this file made; kind is "attributes" or "groups"."""
     content = mesh.get(OWN)
     names = content.to_dict().get(kind) if hasattr(content, "to_dict") else None
     return [name for name in names if isinstance(name, str)] if isinstance(names, list) else []
 
 
 def remember(mesh: bpy.types.Mesh, kind: str, name: str) -> None:
-    """Says on the mesh that this is ours."""
+    """Notes on the mesh that this is ours."""
     kept = {each: own_names(mesh, each) for each in ("attributes", "groups")}
     kept[kind] = sorted({*kept[kind], name})
     mesh[OWN] = {each: names for each, names in kept.items() if names}
 
 
 def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bpy.types.Attribute:
-    """The attribute of that name if it is ours, made anew where type or domain differ; refuses what is not ours."""
+    """The attribute of that name, made anew if type or domain differ; refuses an attribute that is not ours."""
     if not name:
         raise mesh_io.refuse("The attribute has no name; give it one.")
     attribute = mesh.attributes.get(name)
@@ -65,9 +65,9 @@ def float_names(mesh: bpy.types.Mesh) -> list[str]:
 
 
 def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
-    """(n,) float32 in [0, 1]: a descriptor by the range that its colors span, any other attribute as it is.
+    """(n,) float32 in [0, 1]: a descriptor over the range that its colors span, any other attribute as it is.
 
-    Where a value does not exist, it is that of the neutral value, or 0.
+    A value that does not exist becomes neutral, or 0.
     """
     if name not in float_names(mesh):
         raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" with one float a vertex.')
@@ -83,7 +83,7 @@ def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
 
 
 def spread(mesh: bpy.types.Mesh, values: np.ndarray, domain: str) -> np.ndarray:
-    """(n, k) values of the vertices, or those of the face corners at them."""
+    """(n, k) values of the vertices, or copied to their face corners."""
     return values if domain == "POINT" else values[mesh_io.read_corner_vertices(mesh)]
 
 
@@ -91,7 +91,7 @@ def spread(mesh: bpy.types.Mesh, values: np.ndarray, domain: str) -> np.ndarray:
 
 
 def pack(mesh: bpy.types.Mesh, names: list[str], attribute_name: str, kind: str, domain: str) -> None:
-    """Up to four attributes become the channels of a color attribute; an empty name is 0, in alpha 1."""
+    """Packs up to four attributes into the channels of a color attribute; an empty name is 0, or 1 in alpha."""
     if not any(names):
         raise mesh_io.refuse("No channel has values; choose a descriptor for at least one.")
     rgba = np.zeros((len(mesh.vertices), 4), np.float32)
@@ -114,7 +114,7 @@ def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
 
 
 def vertex_group(target: bpy.types.Object, name: str) -> None:
-    """A vertex group of the descriptor's name, with its values from 0 to 1 as weights."""
+    """Makes a vertex group of the descriptor's name, with its values from 0 to 1 as weights."""
     mesh, group = target.data, target.vertex_groups.get(name)
     if group is not None and name not in own_names(mesh, "groups"):
         raise mesh_io.refuse(
@@ -132,7 +132,7 @@ def vertex_group(target: bpy.types.Object, name: str) -> None:
 
 
 def sculpt_mask(target: bpy.types.Object, name: str, replace: bool) -> None:
-    """The descriptor's values from 0 to 1 as the mask of sculpt mode, where 1 is protected."""
+    """Writes the descriptor's values from 0 to 1 as the mask of sculpt mode, where 1 is protected."""
     mesh = target.data
     weights = shares(mesh, name)
     painted = mask_values(mesh)
@@ -147,7 +147,7 @@ def sculpt_mask(target: bpy.types.Object, name: str, replace: bool) -> None:
 
 
 def mask_values(mesh: bpy.types.Mesh) -> np.ndarray | None:
-    """(n,) float32 of the sculpt mask, or None where the mesh has none."""
+    """(n,) float32 of the sculpt mask, or None if the mesh has none."""
     if bpy.app.version >= (4, 1, 0):
         attribute = mesh.attributes.get(SCULPT_MASK)
         return None if attribute is None else mesh_io.read_array(attribute.data, "value", np.float32)
@@ -178,7 +178,7 @@ def make_paint_mask(target: bpy.types.Object) -> None:
 
 
 def export_copies(mesh: bpy.types.Mesh) -> list[str]:
-    """Copies every descriptor's values under names with an underscore, as glTF wants them: where undefined, neutral."""
+    """Copies all values under names with an underscore, as glTF needs them; undefined ones become neutral."""
     made = []
     for name in recolor.baked_names(mesh):
         if recolor.is_direction(name):
@@ -197,12 +197,12 @@ def export_copies(mesh: bpy.types.Mesh) -> list[str]:
 
 
 class NeedsShown(recolor.NeedsBake):
-    """What works on the descriptor that is shown."""
+    """What operators on the descriptor that is shown have in common."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
-        """Takes the descriptor whose colors are active, else the first."""
+        """Runs on the descriptor whose colors are active, else on the first."""
         name = recolor.shown_name(target.data) or recolor.baked_names(target.data)[0]
         self.report({"INFO"}, self.write(target, name))
 
@@ -215,7 +215,7 @@ class PARADESC_OT_pack(recolor.NeedsBake, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
-        """As the scene's settings say."""
+        """Packs as the scene's settings say."""
         group = context.scene.paradesc_looks
         names = [getattr(group, f"pack_{channel}") for channel in CHANNELS]
         pack(target.data, names, group.pack_name, group.pack_kind, group.pack_domain)

@@ -1,4 +1,4 @@
-"""Geometry Nodes that read a raw attribute: examples to start from, added as a modifier of the active object."""
+"""Adds Geometry Nodes that read a raw attribute, as a modifier of the active object and as examples to start from."""
 
 import bpy
 
@@ -11,7 +11,7 @@ MATH = "ShaderNodeMath"
 
 
 def build(kind: str, name: str, low: float, high: float) -> bpy.types.NodeTree:
-    """A group that reads the attribute and does one thing by it: "swell", "keep" or "mark"."""
+    """Makes a group that reads the attribute and does one thing by it: "swell", "keep" or "mark"."""
     tree = new_group(TREE, f"Paradesc {kind} by {name}")
     add_socket(tree, "Geometry", "geometry")
     add_socket(tree, "Geometry", "geometry", output=True)
@@ -44,7 +44,7 @@ def named_attribute(tree: bpy.types.NodeTree, name: str, place: tuple[float, flo
 def compare(
     tree: bpy.types.NodeTree, operation: str, place: tuple[float, float], first: bpy.types.NodeSocket, second: object
 ) -> bpy.types.NodeSocket:
-    """Whether one number is above or below another; of values that do not exist neither is true."""
+    """Compares whether one number is above or below another; for values that do not exist neither is true."""
     node = add_node(tree, "FunctionNodeCompare", place, data_type="FLOAT", operation=operation)
     tree.links.new(first, node.inputs[0])
     if isinstance(second, bpy.types.NodeSocket):
@@ -55,7 +55,7 @@ def compare(
 
 
 def swell(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs) -> bpy.types.Node:
-    """Moves vertices along their normals by the value; those without one, by the mask, stay."""
+    """Moves vertices along their normals by the value; the mask keeps those without a value in place."""
     link = tree.links.new
     mapped = add_node(tree, "ShaderNodeMapRange", (-280, -200))
     link(value, mapped.inputs["Value"])

@@ -1,4 +1,4 @@
-"""Materials that show descriptors, on a slot of their own: the user's stay, and one click gives the faces back."""
+"""Makes materials that show descriptors, on a slot of their own: the user's stay, and one click restores them."""
 
 import bpy
 import numpy as np
@@ -7,15 +7,15 @@ from ..scene import mesh_io, record
 from . import recolor
 from .node_groups import MARK, add_math, add_mix, add_node, add_socket, found_group, new_group
 
-# Face attribute that remembers which slot each face had before.
+# The face attribute that remembers which slot each face had before.
 FORMER_SLOTS = ".hide_paradesc_slots"
-# Custom property of a material of ours: the descriptor it shows.
+# The custom property of our materials that names the descriptor they show.
 DESCRIPTOR = "paradesc_descriptor"
 CAVITY_GROUP = "Paradesc Cavity"
 TREE = "ShaderNodeTree"
 # What node groups and materials look like before the user changes them.
 CLAY, DIRT, WEAR = (0.35, 0.20, 0.11, 1.0), (0.025, 0.014, 0.008, 1.0), (0.78, 0.62, 0.46, 1.0)
-# Where the masks begin and where they are full, of curvature times radius: most of a surface is a little convex.
+# Where the masks begin and where they are full, in curvature times radius: most of a surface is a little convex.
 RAMPS = {"Cavity": (0.03, 0.4), "Edge": (0.2, 0.7)}
 
 
@@ -23,18 +23,18 @@ RAMPS = {"Cavity": (0.03, 0.4), "Edge": (0.2, 0.7)}
 
 
 def own_slots(mesh: bpy.types.Mesh) -> list[int]:
-    """The slots that hold materials of ours."""
+    """The slots that hold our materials."""
     return [index for index, item in enumerate(mesh.materials) if item is not None and DESCRIPTOR in item]
 
 
 def shown_descriptor(target: bpy.types.Object) -> str:
-    """The descriptor that an object's faces show by a material of ours, or ""."""
+    """The descriptor that an object's faces show by one of our materials, or ""."""
     found = own_slots(target.data)
     return target.data.materials[found[0]][DESCRIPTOR] if found else ""
 
 
 def assign(mesh: bpy.types.Mesh, material: bpy.types.Material) -> None:
-    """Gives all faces a slot with this material; which slots they had is remembered. Not in edit mode."""
+    """Gives all faces a slot with this material and remembers which slots they had. Not in edit mode."""
     found = own_slots(mesh)
     if found:
         former = mesh.materials[found[0]]
@@ -60,7 +60,7 @@ def keep_slots(mesh: bpy.types.Mesh) -> None:
 
 
 def take_back(mesh: bpy.types.Mesh) -> None:
-    """Gives the faces their former slots again and takes ours away. Not in edit mode."""
+    """Gives the faces their former slots again and removes ours. Not in edit mode."""
     attribute = mesh.attributes.get(FORMER_SLOTS)
     if attribute is not None and (attribute.data_type, attribute.domain) == ("INT", "FACE"):
         mesh.polygons.foreach_set("material_index", mesh_io.read_array(attribute.data, "value", np.int32))
@@ -73,7 +73,7 @@ def take_back(mesh: bpy.types.Mesh) -> None:
 
 
 def discard(material: bpy.types.Material | None) -> None:
-    """Removes a material of ours that nothing uses any more."""
+    """Removes one of our materials if nothing uses it any more."""
     if material is not None and material.users == 0 and DESCRIPTOR in material:
         bpy.data.materials.remove(material)
 
@@ -82,7 +82,7 @@ def discard(material: bpy.types.Material | None) -> None:
 
 
 def color_material(name: str, flat: bool) -> bpy.types.Material:
-    """A material that shows the colors of a descriptor: lit, or exactly as they are."""
+    """Makes a material that shows the colors of a descriptor: lit, or exactly as they are."""
     material, nodes = new_material(f"Paradesc {name}" + (" flat" if flat else ""), name)
     tree = material.node_tree
     color = add_node(tree, "ShaderNodeAttribute", (-300, 0), attribute_name=f"{name}_color").outputs["Color"]
@@ -97,7 +97,7 @@ def color_material(name: str, flat: bool) -> bpy.types.Material:
 
 
 def cavity_material(mesh: bpy.types.Mesh) -> bpy.types.Material:
-    """A clay with dirt in its hollows and worn edges."""
+    """Makes a clay with dirt in its hollows and worn edges."""
     group, settings = cavity_group(mesh)
     material, output = new_material("Paradesc cavity", "cavity")
     tree = material.node_tree
@@ -109,7 +109,7 @@ def cavity_material(mesh: bpy.types.Mesh) -> bpy.types.Material:
 
 
 def new_material(name: str, descriptor: str) -> tuple[bpy.types.Material, bpy.types.Node]:
-    """A material of ours with nothing but its output node."""
+    """Makes a material with only its output node."""
     material = bpy.data.materials.new(name)
     if material.node_tree is None:  # never since Blender 5
         material.use_nodes = True
@@ -120,7 +120,7 @@ def new_material(name: str, descriptor: str) -> tuple[bpy.types.Material, bpy.ty
 
 
 def add_principled(tree: bpy.types.NodeTree) -> bpy.types.Node:
-    """A dull surface, whose highlights do not hide colors."""
+    """Adds a dull surface, whose highlights do not hide colors."""
     shader = add_node(tree, "ShaderNodeBsdfPrincipled", (0, 0))
     shader.inputs["Roughness"].default_value = 0.75
     name = "Specular IOR Level" if "Specular IOR Level" in shader.inputs else "Specular"
@@ -131,7 +131,7 @@ def add_principled(tree: bpy.types.NodeTree) -> bpy.types.Node:
 def add_group(
     tree: bpy.types.NodeTree, group: bpy.types.NodeTree, settings: dict[str, float], place: tuple[float, float]
 ) -> bpy.types.Node:
-    """A node of a group, with some of its inputs set."""
+    """Adds a node of a group, with some of its inputs set."""
     node = add_node(tree, "ShaderNodeGroup", place, node_tree=group, width=190, label="Paradesc Cavity")
     for name, value in settings.items():
         node.inputs[name].default_value = value
@@ -141,8 +141,8 @@ def add_group(
 def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, float]]:
     """The node group that turns what was baked on a mesh into masks and a color, and the inputs that this mesh needs.
 
-    It reads cavity and convexity where both were baked, else mean curvature, times the radius, else the one of the two
-    that there is; the other is 0 until it is baked.
+    It reads cavity and convexity if both were baked, else mean curvature times the radius, else the one of the two that
+    was baked; the other is then 0.
     """
     names = recolor.baked_names(mesh)
     concave, convex, mean = (first_of(names, word) for word in ("cavity", "convexity", "mean_curvature"))
@@ -174,7 +174,7 @@ def first_of(names: list[str], word: str) -> str:
 
 
 def build_cavity(title: str, attributes: tuple[str, str]) -> bpy.types.NodeTree:
-    """Attributes -> masks between 0 and 1 -> dirt and wear mixed into a base color."""
+    """Turns attributes into masks between 0 and 1, and mixes dirt and wear into a base color."""
     tree = new_group(TREE, title)
     for name, color in (("Base Color", CLAY), ("Cavity Color", DIRT), ("Edge Color", WEAR)):
         add_socket(tree, name, "color", color)
@@ -190,7 +190,7 @@ def build_cavity(title: str, attributes: tuple[str, str]) -> bpy.types.NodeTree:
     color = given["Base Color"]
     for index, (word, value) in enumerate(zip(RAMPS, raw_masks(tree, attributes, given), strict=True)):
         height = -300.0 * index
-        # The larger of a value and 0: also where the value does not exist.
+        # The larger of a value and 0, which is 0 if the value does not exist.
         value = add_math(tree, "ShaderNodeMath", "MAXIMUM", (-300, height), value, 0.0)
         ramp = add_node(tree, "ShaderNodeValToRGB", (-120, height), label=word)
         ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[1].position = RAMPS[word]
@@ -207,7 +207,7 @@ def build_cavity(title: str, attributes: tuple[str, str]) -> bpy.types.NodeTree:
 def raw_masks(
     tree: bpy.types.NodeTree, attributes: tuple[str, str], given: bpy.types.NodeOutputs
 ) -> list[bpy.types.NodeSocket]:
-    """How concave and how convex the surface is: as baked, or mean curvature times radius with either sign."""
+    """How concave and how convex the surface is: as baked, or by mean curvature times radius of either sign."""
     if attributes[1]:
         return [
             add_node(tree, "ShaderNodeAttribute", (-600, -300 * index), attribute_name=name).outputs["Fac"]
@@ -222,7 +222,7 @@ def raw_masks(
 
 
 def base_shader(material: bpy.types.Material | None) -> bpy.types.Node | None:
-    """The node whose base color a material shows, if it is plain to see."""
+    """The first Principled BSDF of a material whose output is used; its base color is what the material shows."""
     if material is None or material.node_tree is None:
         return None
     nodes = [node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED"]
@@ -230,7 +230,7 @@ def base_shader(material: bpy.types.Material | None) -> bpy.types.Node | None:
 
 
 def own_node(shader: bpy.types.Node) -> bpy.types.Node | None:
-    """The cavity group before a shader's base color, if it is there."""
+    """The cavity group in front of a shader's base color, if it is there."""
     socket = shader.inputs["Base Color"]
     node = socket.links[0].from_node if socket.is_linked else None
     tree = getattr(node, "node_tree", None)

@@ -1,9 +1,9 @@
-"""Builds node trees alike in Blender 3.4 and later, whose interfaces of groups differ."""
+"""Builds the same node trees in Blender 3.4 and later, whose interfaces of groups differ."""
 
 import bpy
 
 SOCKETS = {"color": "NodeSocketColor", "float": "NodeSocketFloat", "geometry": "NodeSocketGeometry"}
-# Custom property of node groups and materials of ours: what they are, whatever their name.
+# The custom property of our node groups and materials that says what they are, whatever their name.
 MARK = "paradesc_kind"
 
 
@@ -15,7 +15,7 @@ def new_group(kind: str, name: str) -> bpy.types.NodeTree:
 
 
 def found_group(kind: str, name: str) -> bpy.types.NodeTree | None:
-    """The group of ours that was made under this name earlier, if it is still there and local."""
+    """Our group that was made under this name earlier, if it is still there and local."""
     for group in bpy.data.node_groups:
         if group.bl_idname == kind and group.get(MARK) == name and group.library is None:
             return group
@@ -25,7 +25,7 @@ def found_group(kind: str, name: str) -> bpy.types.NodeTree | None:
 def add_socket(
     group: bpy.types.NodeTree, name: str, kind: str, default: object = None, *, output: bool = False
 ) -> None:
-    """One more input or output of a group; a float's default comes with its bounds: (default, minimum, maximum)."""
+    """Adds an input or output to a group; a float's default comes with its bounds: (default, minimum, maximum)."""
     if hasattr(group, "interface"):
         side = "OUTPUT" if output else "INPUT"
         socket = group.interface.new_socket(name=name, in_out=side, socket_type=SOCKETS[kind])
@@ -38,7 +38,7 @@ def add_socket(
 
 
 def add_node(tree: bpy.types.NodeTree, kind: str, place: tuple[float, float], **members: object) -> bpy.types.Node:
-    """One more node, with its members set."""
+    """Adds a node and sets its members."""
     node = tree.nodes.new(kind)
     node.location = place
     for name, value in members.items():
@@ -49,7 +49,7 @@ def add_node(tree: bpy.types.NodeTree, kind: str, place: tuple[float, float], **
 def add_math(
     tree: bpy.types.NodeTree, kind: str, operation: str, place: tuple[float, float], *inputs: object
 ) -> bpy.types.NodeSocket:
-    """A math node of numbers and sockets; gives its result."""
+    """Adds a math node for numbers and sockets; gives its result."""
     node = add_node(tree, kind, place, operation=operation)
     for index, value in enumerate(inputs):
         if isinstance(value, bpy.types.NodeSocket):
@@ -66,7 +66,7 @@ def add_mix(
     first: bpy.types.NodeSocket,
     second: bpy.types.NodeSocket,
 ) -> bpy.types.NodeSocket:
-    """A mix of two colors; gives the result."""
+    """Adds a mix of two colors; gives the result."""
     node = add_node(tree, "ShaderNodeMix", place, data_type="RGBA")
     ends = [socket for socket in node.inputs if socket.type == "RGBA"]
     for start, end in ((factor, node.inputs[0]), (first, ends[0]), (second, ends[1])):

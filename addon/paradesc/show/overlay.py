@@ -1,4 +1,4 @@
-"""The legend in the viewport: a color bar with numbers, wherever the active object shows colors of ours."""
+"""Draws the legend in the viewport, a color bar with numbers, if the active object shows our colors."""
 
 import bpy
 
@@ -13,7 +13,7 @@ _state: dict[str, object] = {}
 
 
 def shown_descriptor(context: bpy.types.Context) -> tuple[bpy.types.Object, str] | None:
-    """The active object and the descriptor whose colors it shows in this viewport; None where it shows none."""
+    """The active object and the descriptor whose colors it shows in this viewport; None if it shows none."""
     target, space = context.active_object, context.space_data
     if target is None or target.type != "MESH" or not target.visible_get(viewport=space):
         return None
@@ -22,7 +22,7 @@ def shown_descriptor(context: bpy.types.Context) -> tuple[bpy.types.Object, str]
 
 
 def name_in(shading: str, color_type: str, target: bpy.types.Object) -> str:
-    """The descriptor that an object shows in such a shading, or ""."""
+    """The descriptor that an object shows with this shading, or ""."""
     if shading == "SOLID" and (color_type == "VERTEX" or target.mode == "VERTEX_PAINT"):
         return recolor.shown_name(target.data)
     if shading in {"MATERIAL", "RENDERED"}:
@@ -64,7 +64,7 @@ def draw() -> None:
 
 
 def free_span(area: bpy.types.Area, window: bpy.types.Region) -> tuple[float, float]:
-    """From where to where, in pixels of the region, no other region lies over the viewport."""
+    """The span in pixels of the region where no other region lies over the viewport."""
     left, right = 0.0, float(window.width)
     for region in area.regions:
         if region.type == "TOOLS" and region.width > 1 and region.x <= window.x:
@@ -75,7 +75,7 @@ def free_span(area: bpy.types.Area, window: bpy.types.Region) -> tuple[float, fl
 
 
 def draw_bar(x: float, y: float, width: float, scale: float, shown: color_maps.ValueRange) -> None:
-    """The colors, on a dark ground that holds the texts as well."""
+    """Draws the colors on a dark ground, which holds the texts as well."""
     import gpu
     import numpy as np
     from gpu_extras.batch import batch_for_shader
@@ -98,7 +98,7 @@ def draw_bar(x: float, y: float, width: float, scale: float, shown: color_maps.V
 
 
 def draw_texts(x: float, y: float, width: float, scale: float, title: str, ticks: list[tuple[float, str]]) -> None:
-    """The title above the bar, the numbers below it."""
+    """Draws the title above the bar and the numbers below it."""
     import blf
 
     blf.size(0, TEXT_SIZE * scale, *(() if bpy.app.version >= (4, 0, 0) else (72,)))
@@ -117,13 +117,13 @@ classes = ()
 
 
 def register() -> None:
-    """Has Blender call draw(); without a window there is nothing to draw in."""
+    """Makes Blender call draw(), unless there is no window to draw in."""
     if not bpy.app.background:
         _state["handle"] = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_PIXEL")
 
 
 def unregister() -> None:
-    """Takes the call away."""
+    """Ends these calls."""
     handle = _state.pop("handle", None)
     if handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")

@@ -1,4 +1,4 @@
-"""What a bake left on a mesh, shown in other colors: from the stored values, without computing anything again."""
+"""Shows what a bake left on a mesh in other colors, from the stored values, without computing anything again."""
 
 import bpy
 import numpy as np
@@ -22,7 +22,7 @@ def baked_names(mesh: bpy.types.Mesh) -> list[str]:
 
 
 def is_direction(name: str) -> bool:
-    """True of values that are vectors, whose colors have no scale."""
+    """Whether the values are vectors, whose colors have no scale."""
     return registry_row(name).components == 3
 
 
@@ -45,7 +45,7 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
 
 
 def stored_values(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
-    """(n,) or (n, 3) float32 values of an attribute of ours; not in edit mode, where Blender hides them."""
+    """(n,) or (n, 3) float32 values of one of our attributes; not in edit mode, where Blender hides them."""
     attribute = mesh.attributes.get(name)
     if attribute is None or (attribute.data_type, attribute.domain) != mesh_io.wanted_kind(name):
         raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" any more; bake them again.')
@@ -55,7 +55,7 @@ def stored_values(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
 
 
 def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_maps.ValueRange:
-    """Makes a descriptor's colors again as the look has it; gives their range. Not in edit mode."""
+    """Makes a descriptor's colors again by the look; gives their range. Not in edit mode."""
     if mesh.attributes.get(f"{name}_color") is None:
         raise mesh_io.refuse(f'The mesh "{mesh.name}" has no colors "{name}_color" any more; bake them again.')
     values = stored_values(mesh, name)
@@ -78,7 +78,7 @@ def show(mesh: bpy.types.Mesh, name: str) -> None:
 
 
 def obstacle(context: bpy.types.Context) -> str:
-    """Why there is nothing to show on the active object, as one sentence, or ""."""
+    """One sentence about why there is nothing to show on the active object, or ""."""
     target = context.active_object
     if target is None or target.type != "MESH":
         return "Select a mesh object first"
@@ -88,7 +88,7 @@ def obstacle(context: bpy.types.Context) -> str:
 
 
 def baked_targets(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The active object and whatever else is selected of meshes with results; of several with one mesh the first."""
+    """The active object and the other selected meshes with results; the first one if several share a mesh."""
     found: dict[bpy.types.Mesh, bpy.types.Object] = {}
     for target in [context.active_object, *context.selected_objects]:
         if target.type == "MESH" and baked_names(target.data):
@@ -97,7 +97,7 @@ def baked_targets(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 class NeedsBake:
-    """What operators on baked meshes have in common: they are grey without one, and failures are one sentence."""
+    """What operators on baked meshes share: they are grey without such a mesh, and failures are one sentence."""
 
     whole_selection = False  # or the active object alone
 
@@ -110,7 +110,7 @@ class NeedsBake:
         return not sentence
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Runs in object mode for a while, in which attributes can be read and written."""
+        """Runs in object mode, where attributes can be read and written."""
         found = baked_targets(context) if self.whole_selection else [context.active_object]
         failures = 0
         with modes.object_mode():
@@ -141,7 +141,7 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
     )
 
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
-        """One descriptor, or all of this mesh."""
+        """Recolors one descriptor, or all of this mesh."""
         group = context.scene.paradesc_looks
         if looks.fault(group):
             raise mesh_io.refuse(looks.fault(group))
@@ -152,7 +152,7 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
             recolor(mesh, name, looks.look_of(group))
 
 
-# Blender wants the strings of such items kept alive.
+# Blender needs the strings of such items to stay alive.
 _items: list[Item] = []
 
 
@@ -175,7 +175,7 @@ class PARADESC_OT_show(NeedsBake, bpy.types.Operator):
     name: bpy.props.EnumProperty(name="Descriptor", description="Whose colors to show", items=name_items)
 
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
-        """Makes its colors the active ones, wherever it was baked."""
+        """Makes its colors the active ones on each mesh for which it was baked."""
         if self.name in baked_names(target.data):
             show(target.data, self.name)
 
@@ -188,7 +188,7 @@ class PARADESC_OT_view_colors(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only in a viewport."""
+        """Works only in a viewport."""
         return context.area is not None and context.area.type == "VIEW_3D"
 
     def execute(self, context: bpy.types.Context) -> set[str]:

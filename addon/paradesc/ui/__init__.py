@@ -1,1 +1,1 @@
-"""The panels of the sidebar, drawn from what the other folders offer."""
+"""Draws the panels of the sidebar from what the other folders offer."""

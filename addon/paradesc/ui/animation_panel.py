@@ -17,7 +17,7 @@ class PARADESC_PT_animation(SidebarPanel, bpy.types.Panel):
     bl_parent_id = "PARADESC_PT_bake"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Source, frames, cache, button."""
+        """Draws source, frames, cache and button."""
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -40,7 +40,7 @@ class PARADESC_PT_animation(SidebarPanel, bpy.types.Panel):
 
 
 def cache_lines(scene: bpy.types.Scene, target: bpy.types.Object | None) -> list[str]:
-    """How many frames the cache has of an object; by their names alone, as panels are drawn often."""
+    """Says how many frames of an object the cache has, by file names alone, because panels are drawn often."""
     if target is None or target.type != "MESH":
         return []
     try:

@@ -18,11 +18,11 @@ class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only for meshes."""
+        """Shows only for meshes."""
         return context.active_object is not None and context.active_object.type == "MESH"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """The switch, what was said, settings, ranges and time."""
+        """Draws the switch, its sentence, settings, ranges and time."""
         layout, target = self.layout, context.active_object
         icon = "ERROR" if target.paradesc_live.sentence else "INFO"
         layout.row().prop(target.paradesc_live, "mode", expand=True)
@@ -65,7 +65,7 @@ def live_sentence(target: bpy.types.Object) -> str:
 
 
 def draw_ranges(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
-    """What the colors span."""
+    """Draws what the colors span."""
     group, look = context.scene.paradesc_live, looks.scene_look(context.scene)
     column = layout.column(align=True)
     column.label(text="Colors at every frame:")
@@ -83,7 +83,7 @@ def draw_ranges(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
 
 
 def draw_time(layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
-    """What the last frame took."""
+    """Draws how long the last frame took."""
     session = handlers.session_at(target)
     if session is None or not session.seconds:
         return
@@ -94,7 +94,7 @@ def draw_time(layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
 
 
 def draw_lock(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
-    """Warns where the user has taken the lock away."""
+    """Warns if the user has removed the lock."""
     if not scene.render.use_lock_interface:
         column = layout.column(align=True)
         column.label(text="Rendering in a window needs:", icon="ERROR")

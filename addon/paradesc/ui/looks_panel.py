@@ -18,7 +18,7 @@ class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
     bl_parent_id = "PARADESC_PT_bake"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Which descriptor, which map, which range."""
+        """Draws descriptor, map and range."""
         layout, group = self.layout, context.scene.paradesc_looks
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -68,7 +68,7 @@ class PARADESC_PT_materials(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, _context: bpy.types.Context) -> None:
-        """A button each."""
+        """Draws one button for each."""
         column = self.layout.column(align=True)
         row = column.row(align=True)
         row.operator("paradesc.make_material", text="Colors", icon="MATERIAL").kind = "colors"
@@ -89,7 +89,7 @@ class PARADESC_PT_channels(SidebarPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """What is shown to one place, or four values to one attribute."""
+        """Draws the buttons that copy what is shown, and the settings that pack four values into one attribute."""
         layout, group = self.layout, context.scene.paradesc_looks
         column = layout.column(align=True)
         column.operator("paradesc.vertex_group", icon="GROUP_VERTEX")
@@ -112,7 +112,7 @@ class PARADESC_PT_channels(SidebarPanel, bpy.types.Panel):
 
 
 def label(name: str) -> str:
-    """The descriptor in words; several radii keep theirs."""
+    """The descriptor in words, with its radius if there are several."""
     if not name:
         return "Choose what to show"
     return legend.label(name)

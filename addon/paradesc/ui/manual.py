@@ -4,7 +4,7 @@ from pathlib import Path
 
 import bpy
 
-# Web pages in a package, the pages that these are made of in a package without and in a source tree.
+# A package has web pages; a package without them and a source tree have the Markdown pages.
 PACKAGE = Path(__file__).resolve().parents[1]
 FIRST_PAGES = (
     PACKAGE / "manual" / "index.html",
@@ -27,7 +27,7 @@ class PARADESC_OT_manual(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
-        """Says why there is none."""
+        """Says if there is no manual."""
         there = first_page() is not None
         if not there:
             cls.poll_message_set("This copy of the add-on has no manual; install a package")

@@ -9,7 +9,7 @@ from ..core import devices, spaces
 from ..scene import record, targets
 from ..settings import presets, properties
 
-# Mesh defects worth a line each when there are any: member of the mesh report, words for people.
+# Mesh defects that get a line each if there are any: the member of the mesh report, and words for people.
 DEFECTS = (
     ("loose_vertices", "vertices without a face"),
     ("degenerate_triangles", "triangles without area"),
@@ -18,16 +18,16 @@ DEFECTS = (
     ("nonmanifold_edges", "non-manifold edges"),
     ("nonmanifold_vertices", "non-manifold vertices"),
 )
-# Stages of a bake that are timed: member of the field report, words for people.
+# Stages of a bake that are timed: the member of the field report, and words for people.
 STAGES = (("seconds_prepare", "mesh"), ("seconds_bake", "bake"), ("seconds_evaluate", "evaluate"))
 # Operators that look at their map through Gaussian windows.
 WINDOWED = {"difference_of_gaussians", "harris"}
-# Of a line in the sidebar, in pixels at Blender's own scale: a character, what lies beside the text, an icon.
+# Widths in the sidebar, in pixels at Blender's own scale: a character, what lies beside the text, an icon.
 CHARACTER, MARGIN, ICON = 5.5, 46, 28
 
 
 class SidebarPanel:
-    """Where all panels are: the Paradesc tab of the 3D viewport's sidebar."""
+    """The place of all panels: the Paradesc tab of the 3D viewport's sidebar."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -41,11 +41,11 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
     bl_idname = "PARADESC_PT_bake"
 
     def draw_header_preset(self, _context: bpy.types.Context) -> None:
-        """The manual, at the right end of the panel's header."""
+        """Draws the button for the manual at the right end of the panel's header."""
         self.layout.operator("paradesc.manual", text="", icon="QUESTION", emboss=False)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Preset, button, progress, and what stands in the way."""
+        """Draws preset, button, progress, and what stands in the way."""
         layout = self.layout
         missing = bridge.missing_sentence()
         if missing:
@@ -77,11 +77,11 @@ class SettingsPanel(SidebarPanel):
 
     @classmethod
     def poll(cls, _context: bpy.types.Context) -> bool:
-        """Only with the native library: the descriptors are its own."""
+        """Needs the native library, which has the descriptors."""
         return not bridge.missing_sentence()
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Blender's two columns, without the dots for animation."""
+        """Draws in Blender's two columns, without the dots for animation."""
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
         self.draw_settings(context, self.layout, context.scene.paradesc)
@@ -95,7 +95,7 @@ class PARADESC_PT_descriptor(SettingsPanel, bpy.types.Panel):
     bl_order = 0
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """The registry in three groups, and the options of the operators that are chosen."""
+        """Draws the registry in three groups, and the options of the chosen operators."""
         layout.use_property_split = False
         for title, rows in descriptor_groups():
             layout.label(text=title)
@@ -122,7 +122,7 @@ class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
     bl_order = 10
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """Radius and unit, what that is as a length, further radii, and in which space."""
+        """Draws radius and unit, what that is as a length, further radii, and the space."""
         column = layout.column(align=True)
         column.prop(settings, properties.radius_member(settings))
         column.prop(settings, "radius_unit")
@@ -149,7 +149,7 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
     bl_order = 20
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """Samples, buffers, normals, device."""
+        """Draws samples, buffers, normals and device."""
         for name in ("samples", "adaptive", "buffer_size", "precision", "normals", "material_maps"):
             layout.prop(settings, name)
         split = layout.split(factor=0.4)
@@ -169,7 +169,7 @@ class PARADESC_MT_devices(bpy.types.Menu):
     bl_label = "Device"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Every device there is; a backend without one is grey, and its tooltip says why."""
+        """Draws every device; a backend without one is grey, and its tooltip says why."""
         settings = context.scene.paradesc
         current = (settings.backend, settings.device_index)
         for backend, index, label, there in [
@@ -192,7 +192,7 @@ class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """Estimators, distance, evaluation; what belongs to one choice only is grey with the others."""
+        """Draws estimators, distance and evaluation; what belongs to one choice is grey with the others."""
         carried = settings.relocation != "connected"
         for name, active in (
             ("estimator", True),
@@ -221,7 +221,7 @@ class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """Attributes, images and buffers, each with what belongs to it."""
+        """Draws attributes, images and buffers, each with its options."""
         layout.use_property_split = False
         layout.prop(settings, "write_attributes")
         for name, members in (
@@ -245,7 +245,7 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """Only where there was one."""
+        """Shows only if there was a bake."""
         target = context.active_object
         if target is None or target.type != "MESH" or "mesh_report" not in record.read(target.data):
             return False  # frames of a cache have no report
@@ -253,7 +253,7 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
         return any(name in target.data.attributes for name in left)
 
     def draw(self, context: bpy.types.Context) -> None:
-        """One line a fact, warnings below."""
+        """Draws one line for each fact, and warnings below."""
         column = self.layout.column(align=True)
         stored = record.read(context.active_object.data)
         for fact in report_lines(stored):
@@ -293,7 +293,7 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
 
 
 def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:
-    """The registry in groups with a title each, as its own facts tell them apart."""
+    """The registry in groups with a title each, which follow from what the registry says."""
     rows = bridge.descriptors()
     groups = [
         ("Of the Surface, Any Number", [row for row in rows if row.components == 1 and not row.map_degree]),
@@ -304,19 +304,19 @@ def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:
 
 
 def button_text(count: int) -> str:
-    """What the button says of so many meshes."""
+    """The text of the button for so many meshes."""
     return f"Bake {count} Meshes" if count > 1 else "Bake Descriptors"
 
 
 def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
-    """How far the work is; Blender has a bar for it since 4.0."""
+    """Draws how far the work is; Blender has a bar for it since 4.0."""
     if hasattr(layout, "progress"):
         layout.progress(factor=running.fraction, text=f"{running.fraction:.0%}", type="BAR")
     sentence_lines(context, layout, f"{progress_text(running)} (Esc cancels)", "SORTTIME")
 
 
 def radius_words(scene: bpy.types.Scene, settings: bpy.types.PropertyGroup, target: bpy.types.Object) -> str:
-    """What the radius is as a length in the scene, where the number does not say it and a scale is even; else ""."""
+    """The radius as a length in the scene, unless the number says it or the scale is uneven; then ""."""
     in_world = settings.space == "world"
     if not spaces.is_even(target.matrix_world) or settings.radius_unit == "mean-edge":
         return ""
@@ -330,7 +330,7 @@ def radius_words(scene: bpy.types.Scene, settings: bpy.types.PropertyGroup, targ
 
 
 def length_words(scene: bpy.types.Scene, length: float) -> str:
-    """A length of the scene in its own units."""
+    """A length in words, in the units of the scene."""
     units = scene.unit_settings
     if units.system == "NONE":
         return f"{length:.4g}"
@@ -338,20 +338,20 @@ def length_words(scene: bpy.types.Scene, length: float) -> str:
 
 
 def sentence_lines(context: bpy.types.Context, layout: bpy.types.UILayout, sentence: str, icon: str) -> None:
-    """A sentence in lines, the first with an icon."""
+    """Draws a sentence in lines, the first with an icon."""
     column = layout.column(align=True)
     for index, line in enumerate(wrapped(sentence, line_length(context, ICON))):
         column.label(text=line, icon="BLANK1" if index else icon)
 
 
 def line_length(context: bpy.types.Context, taken: int = 0) -> int:
-    """How many characters fit beside each other in the sidebar as wide as it is."""
+    """How many characters fit beside each other at the present width of the sidebar."""
     width = context.region.width / context.preferences.system.ui_scale
     return max(int((width - MARGIN - taken) / CHARACTER), 16)
 
 
 def texels(field: dict[str, float]) -> str:
-    """The radius in texels, where a device had any."""
+    """The radius in texels, if a device used any."""
     return f" ({field['radius_in_texels']:.1f} texels)" if field["radius_in_texels"] > 0 else ""
 
 
