@@ -1,11 +1,11 @@
-"""Frames per second of baking an armature's frames into a cache, by stage, on a cylinder of 35,000 vertices.
+"""Measures frames per second of baking an armature's frames into a cache, by stage, on a cylinder of 35,000 vertices.
 
 PYTHONPATH=addon python tests/bench/animation.py --json animation.json
 PYTHONPATH=addon python tests/bench/animation.py --rings 64 --sides 64 --frames 5 --samples 64
 
-depsgraph: Blender's evaluation; read: evaluated mesh to arrays; upload: positions to the library, and what has to be
-checked of them; prepare, bake, evaluate: the library's own; write: the frame's file. The first frame is shown apart: it
-builds adjacency and charts, and compiles.
+depsgraph is Blender's evaluation; read turns the evaluated mesh into arrays; upload checks positions and hands them to
+the library; prepare, bake and evaluate are the library's own; write makes the frame's file. The first frame has a row
+of its own, because it builds adjacency and charts, and compiles.
 """
 
 import argparse
@@ -29,7 +29,7 @@ from paradesc.core import job  # noqa: E402
 
 
 def parse() -> argparse.Namespace:
-    """The words of the command line."""
+    """Parses the words of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rings", type=int, default=175)
     parser.add_argument("--sides", type=int, default=200)
@@ -82,7 +82,7 @@ def measure(arguments: argparse.Namespace) -> dict[str, object]:
 
 
 def say(line: str) -> None:
-    """One line of the table."""
+    """Prints one line of the table."""
     sys.stdout.write(line + "\n")
 
 

@@ -1,8 +1,8 @@
-"""Inside Blender's Python module: what Python adds to a bake, and the time of Dirty Vertex Colors, on one mesh.
+"""Measures in Blender's Python module what Python adds to a bake, and the time of Dirty Vertex Colors, on one mesh.
 
 python tests/bench/blender_times.py MESH.npz [BACKEND]     prints a line of JSON; run.py calls it
 
-Overhead: everything but the native library's own calls, whose time is taken at the border to it.
+The overhead is everything except the native library's own calls, whose time is taken at the border to it.
 """
 
 import json
@@ -36,7 +36,7 @@ class Border:
             setattr(native, name, self.timed(getattr(native, name)))
 
     def timed(self, function: object) -> object:
-        """The same function, its time added up."""
+        """The same function, whose time is added up."""
 
         def call(*arguments: object) -> object:
             start = time.perf_counter()
@@ -49,7 +49,7 @@ class Border:
 
 
 def make_object(path: str) -> bpy.types.Object:
-    """An object with the UV map of a file of numpy arrays."""
+    """Makes an object with a UV map from a file of numpy arrays."""
     with np.load(path) as file:
         positions, vertices, uvs = file["positions"], file["corner_vertices"], file["corner_uvs"]
     mesh = bpy.data.meshes.new("Bench")
@@ -71,7 +71,7 @@ def make_object(path: str) -> bpy.types.Object:
 
 
 def overhead(target: bpy.types.Object, backend: str) -> dict[str, float]:
-    """Of the fastest of several bakes: reading the mesh, the bridge, writing the values; seconds."""
+    """Seconds of the fastest of several bakes for reading the mesh, the bridge, and writing the values."""
     border = Border()
     settings = job.Settings((NAME,), bridge.Options(samples=8, buffer_size=256), backend)
     best: dict[str, float] = {}
@@ -98,7 +98,7 @@ def overhead(target: bpy.types.Object, backend: str) -> dict[str, float]:
 
 
 def whole_bake(target: bpy.types.Object, backend: str) -> dict[str, float]:
-    """Writing everything that a bake leaves in the mesh: values, colors, mask, summary; seconds."""
+    """Seconds for writing everything that a bake leaves in the mesh: values, colors, mask, summary."""
     settings = job.Settings((NAME,), bridge.Options(samples=8, buffer_size=256), backend)
     results = job.run(mesh_io.read_object(target, corner_normals=False), settings)
     taken = []

@@ -1,12 +1,12 @@
-"""How long a bake goes on after it was cancelled, at any time from start to end, on a mesh of a million triangles.
+"""Measures how long a bake goes on after a cancel at any time from start to end, on a mesh of a million triangles.
 
     PYTHONPATH=addon python tests/bench/cancel.py [--triangles 1000000] [--mesh FILE.obj] [--json FILE]
     PYTHONPATH=addon python tests/bench/cancel.py --descriptors harris --cancels 40
 
-A cancel is heard at the next call of the progress callback, so the longest time between two calls bounds the wait:
-that is the first table, of a whole bake, by stage. The second cancels a worker (addon/paradesc/core/threads.py) at so
-many moments spread over the bake, as Esc does, and measures until its thread has ended. Numbers are of a quiet
-machine only.
+A cancel is noticed at the next call of the progress callback, so the longest time between two calls bounds the wait.
+The first table shows that time for each stage of a whole bake. The second cancels a worker
+(addon/paradesc/core/threads.py) at many moments spread over the bake, as Esc does, and measures until its thread has
+ended. The numbers mean something on a quiet machine only.
 """
 
 import argparse
@@ -69,7 +69,7 @@ def gaps(arrays: bridge.MeshArrays, settings: job.Settings) -> tuple[list[Gap], 
 
 
 def cancel_after(arrays: bridge.MeshArrays, settings: job.Settings, seconds: float) -> Cancel | None:
-    """Cancels a worker after so many seconds; None where it had ended."""
+    """Cancels a worker after so many seconds; None if it had ended by then."""
     worker = Worker(partial(job.run, arrays, settings))
     worker.start()
     time.sleep(seconds)
@@ -86,7 +86,7 @@ def cancel_after(arrays: bridge.MeshArrays, settings: job.Settings, seconds: flo
 
 
 def main(words: list[str] | None = None) -> int:
-    """Prints both tables; 1 where a wait is longer than it may be."""
+    """Prints both tables; gives 1 if a wait is too long."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--triangles", type=int, default=1_000_000)
     parser.add_argument("--mesh", type=Path, help="a .obj, subdivided, instead of a torus")

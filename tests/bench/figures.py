@@ -1,4 +1,4 @@
-"""What was measured → the ratios that are asked for, each beside its target; without a part, None and the reason."""
+"""Turns what was measured into the required ratios beside their targets; without a part, into None and a reason."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ class Figure:
 
     target: float
     at_least: bool  # the target is a lower bound, not an upper one
-    parts: tuple[str, ...]  # of what was measured, for the reason where it is missing
+    parts: tuple[str, ...]  # what it is made of, to give the reason if a part is missing
     value: Callable[[Measured], float]
     meaning: str
 
@@ -31,7 +31,7 @@ def speedup(detail: dict, way: str) -> float:
 
 
 def best_speedup(detail: dict) -> float:
-    """The same of the fastest way that keeps the error."""
+    """The speedup of the fastest way that keeps the error."""
     good = [way for way in WAYS if way in detail and detail[way]["error"] <= ALLOWED_ERROR]
     return max(speedup(detail, way) for way in good or ["fewest"])
 
@@ -43,14 +43,14 @@ def share(gather: dict) -> float:
 
 
 def preprocessing(detail: dict) -> float:
-    """Seconds per million triangles of all that a later frame finds done."""
+    """Seconds per million triangles for everything that later frames need not do again."""
     frame = detail["at_256"]["seconds"]
     once = detail["once"]
     return (once["mesh"] + max(0.0, once["first_frame"] - frame)) / (1e-6 * detail["triangles"])
 
 
 def over_peer(name: str) -> Callable[[Measured], float]:
-    """A peer's time over our whole frame on the same mesh."""
+    """A peer's time over the time of our whole frame on the same mesh."""
     return lambda m: m["peers"][name]["seconds"] / m["bunny"]["at_256"]["seconds"]
 
 
@@ -131,7 +131,7 @@ FIGURES: dict[str, Figure] = {
     ),
 }
 
-# Said beside them; no targets.
+# Figures that stand beside them and have no targets.
 BESIDE: dict[str, Callable[[Measured], float]] = {
     "speedup_100k_256_samples": lambda m: speedup(m["detail_100k"], "at_256"),
     "speedup_1m_256_samples": lambda m: speedup(m["detail_1m"], "at_256"),
@@ -159,7 +159,7 @@ BESIDE: dict[str, Callable[[Measured], float]] = {
 
 
 def figures(measured: Measured, reasons: dict[str, str]) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Every key's value or None, and why it is None; reasons: why parts are missing, by part."""
+    """Every key's value or None, and why it is None; reasons says for each part why it is missing."""
     values: dict[str, float | None] = {}
     why: dict[str, str] = {}
     for name, figure in FIGURES.items():
@@ -172,7 +172,7 @@ def figures(measured: Measured, reasons: dict[str, str]) -> tuple[dict[str, floa
 
 
 def beside(measured: Measured) -> dict[str, float]:
-    """What can be said of BESIDE."""
+    """The figures of BESIDE that can be computed."""
     found = {}
     for name, value in BESIDE.items():
         try:
@@ -183,5 +183,5 @@ def beside(measured: Measured) -> dict[str, float]:
 
 
 def rounded(value: float) -> float:
-    """Four significant digits."""
+    """Rounds to four significant digits."""
     return float(f"{value:.4g}")

@@ -1,4 +1,4 @@
-"""Frames per second of live mode by stage: a mesh bent by an armature, frame after frame, in Blender without a window.
+"""Measures frames per second of live mode, by stage, on a mesh that an armature bends, in Blender without a window.
 
 PYTHONPATH=addon python tests/bench/live.py --samples 16 32 64 --buffers 256 512 --json live.json
 """
@@ -26,7 +26,7 @@ FRAMES = 8
 
 @dataclass
 class Row:
-    """What one setting costs: the least of all frames, in milliseconds; its error in percent of the values' range."""
+    """What one setting costs, as the least of all frames in milliseconds, and its error in percent of the range."""
 
     samples: int
     buffer_size: int
@@ -46,7 +46,7 @@ class Row:
 
 
 def bumpy_cylinder(rings: int, sides: int) -> bpy.types.Object:
-    """An open cylinder along z with bumps, one chart whose seam runs along it."""
+    """Makes an open cylinder along z with bumps, as one chart whose seam runs along it."""
     z, turn = np.meshgrid(np.arange(rings) / (rings - 1), np.arange(sides) / sides, indexing="ij")
     angle = 2 * np.pi * turn
     radius = RADIUS + BUMP * np.sin(4 * angle) * np.sin(12 * np.pi * z)
@@ -66,7 +66,7 @@ def bumpy_cylinder(rings: int, sides: int) -> bpy.types.Object:
 
 
 def bend(target: bpy.types.Object) -> None:
-    """Two bones with smooth weights; the upper one turns from the first frame to the last."""
+    """Adds two bones with smooth weights, of which the upper one turns from the first frame to the last."""
     armature = bpy.data.objects.new("bones", bpy.data.armatures.new("bones"))
     bpy.context.collection.objects.link(armature)
     bpy.context.view_layer.objects.active = armature
@@ -102,7 +102,7 @@ def cpu_seconds(frame: int) -> float:
 
 
 def reference_values(target: bpy.types.Object) -> np.ndarray:
-    """(vertex_count,) what the oracle computes of the present shape."""
+    """(vertex_count,) values of the reference for the present shape."""
     settings = handlers.session_at(target).stream.settings
     arrays = mesh_io.read_object(target, corner_normals=False)
     evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get())
@@ -111,7 +111,7 @@ def reference_values(target: bpy.types.Object) -> np.ndarray:
 
 
 def measure(target: bpy.types.Object, samples: int, buffer_size: int, expected: np.ndarray, rounds: int) -> Row:
-    """All frames several times over; the least of each stage, for other programs only ever add."""
+    """Measures all frames several times; the least of each stage counts, because other programs can only add to it."""
     scene = bpy.context.scene
     scene.paradesc_live.samples, scene.paradesc_live.buffer_size = samples, buffer_size
     scene.frame_set(FRAMES)
@@ -140,7 +140,7 @@ def measure(target: bpy.types.Object, samples: int, buffer_size: int, expected: 
 
 
 def main() -> int:
-    """Prints a row a setting."""
+    """Prints one row for each setting."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rings", type=int, default=250)
     parser.add_argument("--sides", type=int, default=140)

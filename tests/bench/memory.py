@@ -3,8 +3,8 @@
     PYTHONPATH=addon python tests/bench/memory.py
     PYTHONPATH=addon python tests/bench/memory.py --triangles 1000000 --buffers 1024 --backend reference
 
-Bytes are those over what the process had with a context, its programs and the mesh's own arrays. "of expected" has to
-stay at or below 1, lest the limit lets through what does not fit; native/src/memory.cpp has the constants.
+Bytes come on top of what the process had with a context, its programs and the mesh's own arrays. "of expected" has to
+stay at or below 1, or the limit would let through what does not fit; native/src/compute/memory.cpp has the constants.
 """
 
 import argparse
@@ -32,18 +32,18 @@ CHOICES = (
 
 
 def trim() -> None:
-    """Gives back what was freed, lest it is taken for memory that nothing needs."""
+    """Gives back what was freed, so that it does not count as memory in use."""
     ctypes.CDLL(None).malloc_trim(0)
 
 
 def resident() -> int:
-    """Bytes that something needs now, which are the peak from now on."""
+    """Bytes in use now; the peak is counted from here."""
     trim()
     return timing.resident()
 
 
 def measure(case: dict[str, object]) -> dict[str, float]:
-    """One mesh, one computation."""
+    """Measures one mesh and one computation."""
     options = Options(**case["options"])
     descriptors = case["descriptors"]
     mesh = torus(case["triangles"], *case.get("charts", (10, 6)))
@@ -73,7 +73,7 @@ def measure(case: dict[str, object]) -> dict[str, float]:
 
 
 def cases(arguments: argparse.Namespace) -> list[dict[str, object]]:
-    """Every number of triangles with every buffer, and the choices that take memory of their own."""
+    """Every number of triangles with every buffer, and every option that takes memory of its own."""
     plain = [
         {"triangles": count, "backend": arguments.backend, "descriptors": DESCRIPTORS, "options": {"buffer_size": size}}
         for count in arguments.triangles
@@ -90,7 +90,7 @@ def cases(arguments: argparse.Namespace) -> list[dict[str, object]]:
 
 
 def say(line: str) -> None:
-    """One line, at once."""
+    """Prints one line at once."""
     sys.stdout.write(line + "\n")
     sys.stdout.flush()
 

@@ -1,4 +1,4 @@
-"""The parts of a run: each measures one thing on one mesh and leaves a dictionary that figures.py makes ratios of."""
+"""The parts of a run. Each measures one thing on one mesh and gives a dictionary of which figures.py makes ratios."""
 
 import json
 import os
@@ -42,7 +42,7 @@ PEER_MESH = 12000  # vertices of the torus on which errors against the closed fo
 
 @dataclass
 class Run:
-    """What all parts share, and what they found."""
+    """What all parts share, and what they have found."""
 
     bench: timing.Bench
     build: Path
@@ -58,7 +58,7 @@ class Run:
 
     @contextmanager
     def part(self, *names: str):
-        """What cannot be measured is a reason, for all these parts, and not the end."""
+        """Goes on if something cannot be measured, and keeps the reason for all these parts."""
         start, cpu = time.perf_counter(), cpu_time()
         say(f"{names[0]} … ")
         try:
@@ -78,7 +78,7 @@ def cpu_time() -> float:
 
 
 def say(text: str) -> None:
-    """Progress, for people."""
+    """Prints progress for people."""
     sys.stderr.write(text)
     sys.stderr.flush()
 
@@ -96,7 +96,7 @@ def open_run(arguments: object):
 def against_baseline(
     run: Run, arrays: MeshArrays, fraction: float, normals: tuple[str, ...] = ("fitted",), texels: bool = False
 ) -> dict:
-    """One mesh: the baseline, and our frames at the fewest samples and at 256, at texels too; with their errors."""
+    """Measures the baseline and our frames: with the fewest samples, with 256, at texels; and their errors."""
     path = programs.write_mesh(run.folder / "mesh", arrays)
     radius = fraction * meshes.diagonal(arrays)
     taken, found = programs.object_space(run.build, path, radius, run.baseline_seconds, run.reference_points)
@@ -114,7 +114,7 @@ def against_baseline(
             "reference_points": len(truth.vertices),
             "at_256": timing.with_error(run.bench.frame(mesh, arrays, options, repeats=1 if big else 2), truth),
         }
-    # Another, as small buffers may have the mesh laid out afresh.
+    # This is another mesh, because small buffers may have laid the first one out afresh.
     mesh, _ = run.bench.mesh(arrays, replace(options, buffer_size=timing.SMALLER[0]))
     with mesh:
         fewest = timing.cheapest(mesh, arrays, options, truth)
@@ -140,13 +140,13 @@ def torus(run: Run, triangles: int, charts: int = 2) -> MeshArrays:
 
 
 def detail(run: Run, triangles: int, name: str) -> None:
-    """Fig. 11 left: one smooth shape, r = 4 %."""
+    """Measures Fig. 11, left: one smooth shape, r = 4 %."""
     with run.part(name):
         run.measured[name] = against_baseline(run, torus(run, triangles), 0.04, ("fitted", "max"))
 
 
 def radius(run: Run, triangles: int = 600_000, radii: tuple[float, float] = (0.01, 0.08)) -> None:
-    """Fig. 11 right: the radius grown eight times."""
+    """Measures Fig. 11, right: the radius grows eight times."""
     with run.part("radius"):
         arrays = torus(run, triangles)
         options = Options(radius=radii[0])
@@ -163,7 +163,7 @@ def radius(run: Run, triangles: int = 600_000, radii: tuple[float, float] = (0.0
 
 
 def bunny(run: Run) -> MeshArrays | None:
-    """A scan as users have it: the whole frame at r = 2 %."""
+    """Measures a scan as users have it: the whole frame at r = 2 %."""
     with run.part("bunny"):
         arrays, sentence = meshes.with_charts("stanford-bunny")
         if arrays is None:
@@ -174,7 +174,7 @@ def bunny(run: Run) -> MeshArrays | None:
 
 
 def together(run: Run) -> None:
-    """Eight descriptors from one sampling; three radii of one frame."""
+    """Measures eight descriptors from one sampling, and three radii of one frame."""
     with run.part("together"):
         arrays = torus(run, 70_000)
         options = Options(radius=THREE_RADII[1])
@@ -188,7 +188,7 @@ def together(run: Run) -> None:
 
 
 def three_radii(mesh: bridge.Mesh, positions: np.ndarray, options: Options) -> None:
-    """One frame at three radii, as job.run_radii asks for them."""
+    """Measures one frame at three radii, as job.run_radii computes them."""
     mesh.set_positions(positions)
     for fraction in THREE_RADII:
         with mesh.compute((NAME,), replace(options, radius=fraction)) as found:
@@ -196,7 +196,7 @@ def three_radii(mesh: bridge.Mesh, positions: np.ndarray, options: Options) -> N
 
 
 def fastest(action: Callable[[int], object], times: int = 5) -> float:
-    """Seconds of the fastest of several turns, which the action is told."""
+    """Seconds of the fastest of several turns; the action gets the number of its turn."""
     taken = []
     for turn in range(1, times + 1):
         start = time.perf_counter()
@@ -206,7 +206,7 @@ def fastest(action: Callable[[int], object], times: int = 5) -> float:
 
 
 def gather(run: Run, name: str, charts: int) -> None:
-    """An evaluation at 256 samples beside the bare fetches of as many, at the same vertices of the same layout."""
+    """Measures an evaluation with 256 samples and the bare fetches of as many, at the same vertices and layout."""
     with run.part(name):
         arrays = torus(run, 100_000, charts)
         options = Options(radius=0.02)
@@ -225,13 +225,13 @@ def gather(run: Run, name: str, charts: int) -> None:
 
 
 def memory(run: Run, triangles: int = 1_000_000) -> None:
-    """Of a mesh and a frame, in a process of their own."""
+    """Measures the memory of a mesh and a frame in a process of their own."""
     with run.part("memory"):
         run.measured["memory"] = timing.memory_of_its_own(int(run.scale * triangles), run.backend)
 
 
 def blender(run: Run, arrays: MeshArrays | None) -> None:
-    """Python's overhead and Dirty Vertex Colors, in a process of their own."""
+    """Measures Python's overhead and Dirty Vertex Colors in a process of their own."""
     with run.part("python", "dirty"):
         given = torus(run, 70_000) if arrays is None else arrays
         path = run.folder / "blender.npz"
@@ -254,7 +254,7 @@ def blender(run: Run, arrays: MeshArrays | None) -> None:
 
 
 def others(run: Run, arrays: MeshArrays | None) -> None:
-    """Every peer: time and error on the bunny, error against the closed form on a torus."""
+    """Measures every peer: time and error on the bunny, and the error against the closed form on a torus."""
     if arrays is None:
         run.reasons |= dict.fromkeys(peers.PEERS, run.reasons["bunny"])
         return
@@ -286,7 +286,7 @@ def others(run: Run, arrays: MeshArrays | None) -> None:
 
 
 def ours(run: Run, surface: surfaces.Surface, closed: programs.Values) -> None:
-    """The same errors of ours and of the baseline."""
+    """Measures the same errors for us and for the baseline."""
     with run.part("errors on the torus"):
         options = Options(radius=0.02)
         mesh, _ = run.bench.mesh(surface.arrays, options)
@@ -304,7 +304,7 @@ def ours(run: Run, surface: surfaces.Surface, closed: programs.Values) -> None:
 
 
 def peer_error(found: peers.Found, truth: programs.Values, radius: float) -> float | None:
-    """Mean %AE at the vertices that both have; None where a peer has no H."""
+    """Mean %AE at the vertices that both have; None if a peer has no H."""
     if found.values is None:
         return None
     vertices = np.arange(len(found.values)) if found.vertices is None else found.vertices
@@ -314,7 +314,7 @@ def peer_error(found: peers.Found, truth: programs.Values, radius: float) -> flo
 def common_error(
     found: programs.Values, truth: programs.Values, radius: float, either_sign: bool = False
 ) -> float | None:
-    """Mean %AE at the vertices that both have; None where these are too few."""
+    """Mean %AE at the vertices that both have; None if these are too few."""
     _, here, there = np.intersect1d(found.vertices, truth.vertices, return_indices=True)
     if len(here) < FEWEST_IN_COMMON:
         return None

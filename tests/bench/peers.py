@@ -1,7 +1,7 @@
-"""Other programs' curvature of the same mesh: seconds, and H where they have one. Each is optional.
+"""Times other programs' curvature of the same mesh, and takes their H if they have one. Each is optional.
 
-Conventions of sign differ, so the sign that agrees better with the truth is taken. Nothing is counted but the call that
-computes: not its import, nor making its mesh.
+Conventions of sign differ, so the sign that agrees better with the truth is taken. Only the call that computes counts,
+and neither the import nor making the mesh.
 """
 
 import math
@@ -19,7 +19,7 @@ SAMPLED = 1000  # vertices that the slowest are timed at
 
 @dataclass
 class Found:
-    """What a peer took for all vertices, and its H at some."""
+    """How long a peer took for all vertices, and its H at some."""
 
     seconds: float
     values: np.ndarray | None  # (n,) H
@@ -28,7 +28,7 @@ class Found:
 
 
 def timed(action: Callable[[], object]) -> tuple[float, object]:
-    """Seconds by the clock, and what came out."""
+    """Seconds by the clock, and the result."""
     start = time.perf_counter()
     result = action()
     return time.perf_counter() - start, result
@@ -40,7 +40,7 @@ def points_and_faces(arrays: MeshArrays) -> tuple[np.ndarray, np.ndarray]:
 
 
 def libigl(arrays: MeshArrays, rings: int) -> Found:
-    """Quadrics fitted to rings of the mesh."""
+    """Runs libigl, which fits quadrics to rings of the mesh."""
     import igl
 
     points, faces = points_and_faces(arrays)
@@ -49,7 +49,7 @@ def libigl(arrays: MeshArrays, rings: int) -> Found:
 
 
 def pymeshlab_directions(arrays: MeshArrays, method: str, radius: float | None) -> Found:
-    """One of its fits within a ball; its own scale, a tenth of the diagonal, where no radius is given."""
+    """Runs one of its fits within a ball; without a radius at its own scale, a tenth of the diagonal."""
     import pymeshlab
 
     meshes = pymeshlab_set(arrays)
@@ -60,7 +60,7 @@ def pymeshlab_directions(arrays: MeshArrays, method: str, radius: float | None) 
 
 
 def pymeshlab_discrete(arrays: MeshArrays) -> Found:
-    """Cotangents over one ring."""
+    """Runs its cotangents over one ring."""
     meshes = pymeshlab_set(arrays)
     seconds, _ = timed(lambda: meshes.compute_scalar_by_discrete_curvature_per_vertex(curvaturetype="Mean Curvature"))
     return Found(seconds, pymeshlab_values(meshes, arrays))
@@ -75,13 +75,13 @@ def pymeshlab_set(arrays: MeshArrays) -> object:
 
 
 def pymeshlab_values(meshes: object, arrays: MeshArrays) -> np.ndarray | None:
-    """(n,) H, unless it threw vertices away."""
+    """(n,) H, unless it has removed vertices."""
     values = meshes.current_mesh().vertex_scalar_array()
     return values if len(values) == len(arrays.positions) else None
 
 
 def trimesh_measure(arrays: MeshArrays, radius: float) -> Found:
-    """The curvature of the edges in a ball, over the area of a disk; at some vertices, for it takes a minute."""
+    """Takes the curvature of the edges in a ball over the area of a disk, at some vertices only: it is slow."""
     import trimesh
 
     points, faces = points_and_faces(arrays)
@@ -94,7 +94,7 @@ def trimesh_measure(arrays: MeshArrays, radius: float) -> Found:
 
 
 def vtk_mean(arrays: MeshArrays) -> Found:
-    """Angles of edges over one ring."""
+    """Runs its angles of edges over one ring."""
     import vtk
     from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 
@@ -136,12 +136,12 @@ PEERS: dict[str, tuple[str, str, Callable[[MeshArrays, float], Found]]] = {
     "trimesh": ("trimesh, ball measure, the same radius", "trimesh", trimesh_measure),
     "vtk": ("VTK, mean curvature", "vtk", lambda mesh, _: vtk_mean(mesh)),
 }
-# Of them, those whose H is that of the same radius.
+# Those of them whose H is at the same radius.
 SAME_RADIUS = ("pymeshlab_quadric", "pymeshlab_pca_same_radius", "trimesh")
 
 
 def with_sign(values: np.ndarray, truth: np.ndarray) -> np.ndarray:
-    """(n,) values, or their negative, whichever agrees better with the (n,) truth."""
+    """(n,) values or their negatives, whichever agree better with the (n,) truth."""
     both = np.isfinite(values) & np.isfinite(truth)
     product = np.dot(values[both] - values[both].mean(), truth[both] - truth[both].mean()) if both.any() else 1.0
     return -values if product < 0 else values

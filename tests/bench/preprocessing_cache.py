@@ -1,12 +1,12 @@
-"""Is preprocessing worth keeping in a .blend? Seconds to make it again against those to load, check and take it over.
+"""Measures whether preprocessing is worth keeping in a .blend: seconds to make it again, and to load and check it.
 
     cmake -S . -B build -DPARADESC_BENCHMARKS=ON && ninja -C build
     PYTHONPATH=addon python tests/bench/preprocessing_cache.py --bench build/paradesc_preprocessing_bench --json FILE
-    PYTHONPATH=addon python tests/bench/preprocessing_cache.py --bench … --mesh ../shared/meshes/human.obj
+    PYTHONPATH=addon python tests/bench/preprocessing_cache.py --bench … --mesh human.obj
 
-Needs Blender's module bpy. Every time is the least of several, by the clock and of all cores (which other programs
-on the machine disturb less); steps are those of preprocessing_bench.cpp. Peak memory is that of a process of its own
-that reads the mesh and computes once.
+It needs Blender's module bpy. Every time is the least of several, by the clock and of all cores (which other programs
+on the machine disturb less). The steps are those of preprocessing_bench.cpp. Peak memory is that of a process of its
+own that reads the mesh and computes once.
 """
 
 import argparse
@@ -28,7 +28,7 @@ from timing import resident, status_bytes
 
 from paradesc.bridge import Context, MeshArrays, Options
 
-# What a file could keep of each step; cells depend on the device's rasterizer, the buffer and the radius as well.
+# A file could keep these results of each step; cells also depend on the device's rasterizer, the buffer and the radius.
 STEPS = {
     "half_edges": ["twin", "corner_point", "point_vertex", "point_half_edge", "vertex_point"],
     "charts": ["triangle_chart", "corner_site", "half_edge_border", "point_site"],
@@ -41,7 +41,7 @@ DOMAINS = {"POINT": "vertices", "CORNER": "loops", "FACE": "polygons"}
 
 
 def torus(triangles: int, across: int = 10, around: int = 6) -> MeshArrays:
-    """A torus of across x around charts with gutters, of about as many triangles."""
+    """A torus of across × around charts with gutters, with about that many triangles."""
     columns, rows = (
         max(int(np.sqrt(triangles / 2 * ratio)) // part, 1) * part for ratio, part in ((5 / 3, across), (0.6, around))
     )
@@ -63,13 +63,13 @@ def torus(triangles: int, across: int = 10, around: int = 6) -> MeshArrays:
 
 
 def mesh_of(positions: np.ndarray, corners: np.ndarray, uvs: np.ndarray) -> MeshArrays:
-    """Three corners a triangle, in a row."""
+    """A mesh with three corners for each triangle, one after the other."""
     faces = np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
     return MeshArrays(positions.astype(np.float32), corners.astype(np.int32), faces, uvs.astype(np.float32))
 
 
 def subdivided(mesh: MeshArrays, triangles: int) -> MeshArrays:
-    """Each triangle cut into four at its edges' middles, until there are as many."""
+    """Cuts each triangle into four at the middles of its edges, until there are that many."""
     while len(mesh.triangle_corners) < triangles:
         corners = mesh.corner_vertices[mesh.triangle_corners]
         ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1).astype(
@@ -89,7 +89,7 @@ def subdivided(mesh: MeshArrays, triangles: int) -> MeshArrays:
 
 
 def four_of(corner: np.ndarray, middle: np.ndarray) -> np.ndarray:
-    """(n, 4, 3, …) three at the corners and one between the middles; middle i lies after corner i."""
+    """(n, 4, 3, …) triangles: three at the corners and one between the middles; middle i follows corner i."""
     rows = [(corner[:, i], middle[:, i], middle[:, (i + 2) % 3]) for i in range(3)] + [
         tuple(middle[:, i] for i in range(3))
     ]
@@ -100,7 +100,7 @@ Seconds = dict[str, float]  # by the clock ("wall") and of all cores ("cpu")
 
 
 def least(action: Callable[[], object], times: int = 3) -> Seconds:
-    """Of the fastest run."""
+    """The times of the fastest run."""
     wall, cpu = [], []
     for _ in range(times):
         start = time.perf_counter(), time.process_time()
@@ -111,7 +111,7 @@ def least(action: Callable[[], object], times: int = 3) -> Seconds:
 
 
 def total(*seconds: Seconds) -> Seconds:
-    """Their sum."""
+    """The sum of these times."""
     return {kind: sum(one[kind] for one in seconds) for kind in ("wall", "cpu")}
 
 
@@ -188,7 +188,7 @@ def make_object(mesh: MeshArrays) -> object:
 
 
 def keep(arrays: dict[str, np.ndarray], mesh: object) -> None:
-    """Attributes where a domain has as many elements, else a custom property."""
+    """Stores arrays as attributes if a domain has that many elements, else as a custom property."""
     for name, values in arrays.items():
         domain = next((key for key, member in DOMAINS.items() if len(getattr(mesh, member)) == len(values)), None)
         if domain:
@@ -198,7 +198,7 @@ def keep(arrays: dict[str, np.ndarray], mesh: object) -> None:
 
 
 def fetch(names: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The arrays from the open file's mesh."""
+    """Reads the arrays from the open file's mesh."""
     import bpy
 
     mesh = bpy.data.meshes["Bench"]
@@ -214,9 +214,9 @@ def fetch(names: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def digest(mesh: MeshArrays, kept: dict[str, np.ndarray], kind: str) -> str:
-    """Of all that the arrays depend on, and of them: the file may have been edited.
+    """A digest of the arrays and of all that they depend on, because the file may have been edited.
 
-    Triangles without area and vertices at one place make positions part of that.
+    Positions are part of that: triangles without area and vertices at one place depend on them.
     """
     found = hashlib.new(kind)
     for array in (mesh.positions, mesh.corner_vertices, mesh.triangle_corners, mesh.corner_uvs, *kept.values()):
@@ -228,13 +228,13 @@ def digest(mesh: MeshArrays, kept: dict[str, np.ndarray], kind: str) -> str:
 
 
 def measure_memory(path: Path) -> dict[str, float]:
-    """Of reading the mesh and one compute: bytes over what the process had with its arrays and a device."""
+    """Bytes that reading the mesh and one compute add to a process with its arrays and a device."""
     with np.load(path) as file:
         mesh = MeshArrays(*(file[name] for name in ("positions", "corners", "faces", "uvs")))
     with Context("software") as context:
         context.mesh(torus(1000)).compute(
             ["mean_curvature"], Options(samples=8)
-        ).close()  # programs, and threads' stacks
+        ).close()  # makes programs and the stacks of threads
         before = resident()
         start = time.perf_counter()
         native = context.mesh(mesh)
@@ -252,7 +252,7 @@ def measure_memory(path: Path) -> dict[str, float]:
 
 
 def memory_of_its_own(mesh: MeshArrays, folder: Path) -> dict[str, float]:
-    """measure_memory in a fresh process."""
+    """Runs measure_memory in a fresh process."""
     path = folder / "mesh.npz"
     np.savez(
         path, positions=mesh.positions, corners=mesh.corner_vertices, faces=mesh.triangle_corners, uvs=mesh.corner_uvs
@@ -265,7 +265,7 @@ def memory_of_its_own(mesh: MeshArrays, folder: Path) -> dict[str, float]:
 
 
 def processor() -> str:
-    """Its name, and how many there are."""
+    """The name of the processor, and how many there are."""
     names = [
         line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line
     ]
@@ -273,7 +273,7 @@ def processor() -> str:
 
 
 def measure(arguments: argparse.Namespace, mesh: MeshArrays, folder: Path) -> dict[str, object]:
-    """Everything about one mesh."""
+    """Measures everything about one mesh."""
     steps, kept = run_bench(arguments.bench.resolve(), mesh, folder, arguments.repetitions)
     files = measure_files(mesh, kept, folder)
     million = 1e-6 * len(mesh.triangle_corners)

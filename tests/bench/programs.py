@@ -1,4 +1,4 @@
-"""The native programs of the benchmarks: built where they are not there, run, and what they print as numbers."""
+"""Builds the native programs of the benchmarks if they are missing, runs them, and reads what they print."""
 
 import json
 import os
@@ -15,7 +15,7 @@ OBJECT_SPACE, GATHER = "paradesc_object_space", "paradesc_gather_bench"
 
 
 class MissingError(Exception):
-    """What cannot be measured here, as a sentence."""
+    """A sentence about what cannot be measured here."""
 
 
 @dataclass
@@ -27,7 +27,7 @@ class Values:
 
 
 def write_mesh(path: Path, arrays: MeshArrays) -> Path:
-    """The file that mesh_file.h reads: three corners a triangle, in a row."""
+    """Writes the file that mesh_file.h reads: three corners for each triangle, one after the other."""
     corners = arrays.triangle_corners.ravel()
     vertices = arrays.corner_vertices[corners]
     uvs = np.zeros((len(corners), 2), np.float32) if arrays.corner_uvs is None else arrays.corner_uvs[corners]
@@ -64,7 +64,7 @@ def object_space(
     methods: str = "both",
     normals: str = "fitted",
 ) -> tuple[dict[str, dict], dict[str, Values]]:
-    """What the baseline and the reference took, and what they found, by method; radius in units of the positions."""
+    """Times and values of the baseline and the reference, by method; radius in units of the positions."""
     words = [str(program(build, OBJECT_SPACE)), methods, str(mesh), repr(radius), "normals", normals]
     words += ["seconds", str(seconds), "points", str(points)]
     files = {method: mesh.with_suffix(f".{method}") for method in ("baseline", "reference")}
@@ -78,14 +78,14 @@ def object_space(
 
 
 def read_values(path: Path) -> Values:
-    """A file of paradesc_object_space."""
+    """Reads a file of paradesc_object_space."""
     data = path.read_bytes()
     count = int(np.frombuffer(data, np.int32, 1)[0])
     return Values(np.frombuffer(data, np.int32, count, 4), np.frombuffer(data, np.float32, count, 4 + 4 * count))
 
 
 def gather(build: Path, mesh: Path, texels: float, samples: int, size: int, gpu: bool) -> dict[str, dict]:
-    """Seconds of the bare fetches at a mesh's vertices, by the way they are fetched; texels: of the radius."""
+    """Seconds of the bare fetches at a mesh's vertices, by the way of fetching; texels: how many the radius spans."""
     setting = {"MESH": mesh, "TEXELS": texels, "SAMPLES": samples, "SIZE": size} | ({"GPU": 1} if gpu else {})
     environment = os.environ | {f"PARADESC_BENCH_{name}": str(value) for name, value in setting.items()}
     out = mesh.with_suffix(".gather")

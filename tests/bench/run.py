@@ -1,13 +1,12 @@
-"""Times of the native library against the baseline, against other programs, and against the bare fetches of the device.
+"""Times the native library against the baseline, other programs, and the bare fetches of the device.
 
     .venv/bin/python tests/bench/run.py --quick --json FILE      # the ratios that are asked for, in under five minutes
     .venv/bin/python tests/bench/run.py --quick --page           # and tests/bench/REPORT.md, its plot, README's table
     .venv/bin/python tests/bench/run.py --sweep detail --sweep charts --page
 
-FILE has the device, the CPU, the date, the commit and one key a ratio, null with a reason where a part is missing;
-the parts themselves are in it, too. A sweep takes minutes, and leaves results/<sweep>.json. --page puts together what
-is there.
-Other programs on the machine make every figure worthless: the load before the run is in the file.
+FILE has the device, the CPU, the date, the commit and one key for each ratio (null with a reason if a part is missing),
+and the parts themselves. A sweep takes minutes, and writes results/<sweep>.json; --page puts together all that are
+there. Other programs on the machine make every figure worthless, so the file also has the load before the run.
 """
 
 import argparse
@@ -31,7 +30,7 @@ import sweeps  # noqa: E402
 
 
 def parse(words: list[str] | None) -> argparse.Namespace:
-    """The words of the command line."""
+    """Parses the words of the command line."""
     lines = __doc__.splitlines()
     parser = argparse.ArgumentParser(
         description=lines[0], epilog="\n".join(lines[1:]), formatter_class=argparse.RawDescriptionHelpFormatter
@@ -59,7 +58,7 @@ def parse(words: list[str] | None) -> argparse.Namespace:
 
 
 def about(run: parts.Run, command: str) -> dict[str, object]:
-    """Where, when and on what."""
+    """Says where, when and on what this was measured."""
     context = run.bench.context
     return {
         "device": f"{context.backend}: {context.device}",
@@ -73,7 +72,7 @@ def about(run: parts.Run, command: str) -> dict[str, object]:
 
 
 def quick(run: parts.Run, with_peers: bool) -> None:
-    """Everything that the ratios are made of."""
+    """Measures everything of which the ratios are made."""
     arrays = parts.bunny(run)
     parts.detail(run, 100_000, "detail_100k")
     parts.detail(run, 1_000_000, "detail_1m")
@@ -89,7 +88,7 @@ def quick(run: parts.Run, with_peers: bool) -> None:
 
 
 def content(run: parts.Run, stamp: dict[str, object]) -> dict[str, object]:
-    """The JSON file."""
+    """The content of the JSON file."""
     values, why = figures.figures(run.measured, run.reasons)
     return {
         **stamp,
@@ -104,7 +103,7 @@ def content(run: parts.Run, stamp: dict[str, object]) -> dict[str, object]:
 
 
 def show(found: dict[str, object]) -> None:
-    """The ratios beside their targets."""
+    """Prints the ratios beside their targets."""
     for name, figure in figures.FIGURES.items():
         value = found[name]
         wanted = f"{'≥' if figure.at_least else '≤'} {figure.target:g}"

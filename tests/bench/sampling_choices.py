@@ -1,8 +1,8 @@
-"""Sampling choices of the native library on real meshes: error, coverage and seconds of each, as a table.
+"""Compares sampling choices on real meshes, as a table of error, coverage and seconds.
 
-PYTHONPATH=addon python tests/bench/sampling_choices.py choices ../shared/meshes/spot.obj
-PYTHONPATH=addon python tests/bench/sampling_choices.py jumps ../shared/meshes/spot.obj ../shared/meshes/bob.obj
-PYTHONPATH=addon python tests/bench/sampling_choices.py fragments ../shared/meshes/stanford-bunny.obj \\
+PYTHONPATH=addon python tests/bench/sampling_choices.py choices spot.obj
+PYTHONPATH=addon python tests/bench/sampling_choices.py jumps spot.obj bob.obj
+PYTHONPATH=addon python tests/bench/sampling_choices.py fragments stanford-bunny.obj \\
     --charts 500 --radius 0.1 0.16 --samples 64 --no-errors
 """
 
@@ -33,7 +33,7 @@ CHOICES = {
 
 
 def read_obj(path: Path) -> MeshArrays:
-    """Triangles, fans of larger faces, and UVs of a Wavefront file."""
+    """Reads the triangles (fans of larger faces) and UVs of a Wavefront file."""
     points, uvs, corners, corner_uvs = [], [], [], []
     for line in path.read_text().splitlines():
         kind, *words = line.split() or [""]
@@ -57,7 +57,7 @@ def read_obj(path: Path) -> MeshArrays:
 
 
 def triangles_beside(faces: np.ndarray) -> list[list[int]]:
-    """For each triangle those that share an edge with it."""
+    """For each triangle, those that share an edge with it."""
     beside: list[list[int]] = [[] for _ in faces]
     sides: dict[tuple[int, int], int] = {}
     for triangle, face in enumerate(faces.tolist()):
@@ -70,8 +70,8 @@ def triangles_beside(faces: np.ndarray) -> list[list[int]]:
 
 
 def grow_charts(faces: np.ndarray, points: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Chart of each triangle, and the charts' normals: grown by distance from triangles drawn at random, none tilted by
-    more than 60 degrees."""
+    """Gives each triangle's chart and the charts' normals. Charts grow by distance from triangles drawn at random, and
+    none tilts by more than 60 degrees."""
     corners = points[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
@@ -101,7 +101,7 @@ def grow_charts(faces: np.ndarray, points: np.ndarray, count: int) -> tuple[np.n
 
 
 def fragment(mesh: MeshArrays, count: int) -> MeshArrays:
-    """The same mesh with an atlas of `count` charts or more: each projected to its first triangle's plane."""
+    """The same mesh with an atlas of `count` charts or more, each projected to the plane of its first triangle."""
     faces = mesh.corner_vertices[mesh.triangle_corners]
     chart, normals = grow_charts(faces, mesh.positions.astype(float), count)
     flat = np.zeros((len(faces), 3, 2))
@@ -134,7 +134,7 @@ def percent_error(values: np.ndarray, expected: np.ndarray) -> float:
 
 
 def measure(context: Context, mesh: MeshArrays, options: Options, expected: dict[str, np.ndarray]) -> str:
-    """One row: coverage, its least, vertices below 0.9, seconds of evaluation, error of each descriptor in expected."""
+    """Measures one row: coverage, its least, vertices below 0.9, seconds of evaluation, and errors against expected."""
     with context.mesh(mesh) as loaded, loaded.compute(DESCRIPTORS, options) as field:
         report, coverage = field.report(), field.values("coverage")
         found = f"{np.nanmean(coverage):.4f} | {np.nanmin(coverage):.3f} | {(coverage < 0.9).sum()}"
@@ -143,13 +143,13 @@ def measure(context: Context, mesh: MeshArrays, options: Options, expected: dict
 
 
 def reference(mesh: MeshArrays, options: Options) -> dict[str, np.ndarray]:
-    """The oracle's values by descriptor."""
+    """The reference's values by descriptor."""
     with Context("reference") as context, context.mesh(mesh) as loaded, loaded.compute(DESCRIPTORS, options) as field:
         return {name: field.values(name) for name in DESCRIPTORS}
 
 
 def print_rows(mesh: MeshArrays, rows: dict[str, Options], context: Context, with_errors: bool) -> None:
-    """A row for each of the options, with errors against the oracle where asked."""
+    """Prints a row for each of the options, with errors against the reference if asked."""
     known: dict[str, dict[str, np.ndarray]] = {}
     for name, options in rows.items():
         if with_errors and options.estimator not in known:
@@ -160,7 +160,7 @@ def print_rows(mesh: MeshArrays, rows: dict[str, Options], context: Context, wit
 
 
 def options_of_reference(options: Options) -> Options:
-    """What the oracle has to know of them."""
+    """Those of the options that the reference reads."""
     return Options(radius=options.radius, estimator=options.estimator)
 
 

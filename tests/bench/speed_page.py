@@ -1,4 +1,4 @@
-"""The JSON files of run.py → tests/bench/REPORT.md, a plot of the peers, and the table in README.md."""
+"""Turns the JSON files of run.py into tests/bench/REPORT.md, a plot of the peers, and the table in README.md."""
 
 import json
 from pathlib import Path
@@ -15,7 +15,7 @@ QUICK, PLOT = "quick.json", "peers.png"
 
 
 def write(results: Path, readme: Path | None) -> None:
-    """REPORT.md beside the folder of results, its plot and README's part, of what there is in it."""
+    """Writes REPORT.md beside the folder of results, its plot, and README's part, from all results that are there."""
     quick = results / QUICK
     found = json.loads(quick.read_text()) if quick.is_file() else None
     lines = ["# Speed", "", *intro()]
@@ -36,7 +36,7 @@ def write(results: Path, readme: Path | None) -> None:
 
 
 def intro() -> list[str]:
-    """What the figures are."""
+    """Says what the figures are."""
     return [
         "Written by `tests/bench/run.py`; [tests/README.md](../README.md#benchmarks) says how. Our times are "
         "whole frames, from positions in Python to results in Python, without what depends on topology and UV "
@@ -52,7 +52,7 @@ def intro() -> list[str]:
 
 
 def stamp_lines(found: dict) -> list[str]:
-    """Where and when."""
+    """Says where and when this was measured."""
     words = [found[name] for name in ("date", "device")]
     words.append(f"{found['cpu']} × {found['cores']}")
     words.append(f"commit {found['commit']}, load before {found['load_before']}, `{found['command']}`")
@@ -60,7 +60,7 @@ def stamp_lines(found: dict) -> list[str]:
 
 
 def ratio_lines(found: dict) -> list[str]:
-    """Every key beside its target."""
+    """Shows every key beside its target."""
     rows = []
     for name, figure in figures.FIGURES.items():
         value = found.get(name)
@@ -100,7 +100,7 @@ def percent(value: float | None) -> str:
 
 
 def peer_table(found: dict) -> list[str]:
-    """Time and error side by side."""
+    """Shows time and error side by side."""
     lines = [
         "| mean curvature of stanford-bunny | ms | error % | error on a torus % | |",
         "| --- | ---: | ---: | ---: | --- |",
@@ -112,7 +112,7 @@ def peer_table(found: dict) -> list[str]:
 
 
 def peer_lines(found: dict, image: str) -> list[str]:
-    """The peers' section."""
+    """Writes the section about peers."""
     lines = ["## Other programs", ""]
     lines += [
         "69 451 triangles, r = 2 % of the diagonal for those that take a radius. *Error*: against the reference on the"
@@ -132,7 +132,7 @@ def peer_lines(found: dict, image: str) -> list[str]:
 
 
 def stage_lines(found: dict) -> list[str]:
-    """Where the time goes."""
+    """Shows where the time goes."""
     rows = []
     for part, kinds in (
         ("detail_100k", ("fewest", "max_normals", "at_texels", "at_256")),
@@ -172,9 +172,9 @@ def stage_lines(found: dict) -> list[str]:
 
 
 def plot(found: dict, path: Path) -> bool:
-    """Time against error, on the torus where the truth is known; False without matplotlib."""
+    """Plots time against error on the torus, where the truth is known; False without matplotlib."""
     every = [(label, 1e3 * seconds, closed) for label, seconds, _, closed, _ in peer_rows(found) if closed]
-    rows = [row for row in every if row[2] < 100]  # beyond it is another unit, not an error
+    rows = [row for row in every if row[2] < 100]  # a larger one means another unit, not an error
     if page.pyplot is None or len(rows) < 3:
         return False
     figure, axes = page.pyplot.subplots(figsize=(7.2, 4.0), constrained_layout=True)
@@ -223,7 +223,7 @@ def readme_lines(found: dict) -> list[str]:
 
 
 def fill(readme: Path, lines: list[str]) -> None:
-    """Puts lines between README's markers, where they are."""
+    """Puts lines between README's markers, if they are there."""
     text = readme.read_text()
     if START in text and END in text:
         before, rest = text.split(START, 1)

@@ -1,4 +1,4 @@
-"""The performance half of the paper, figure by figure: what takes minutes, and its part of the page."""
+"""Measures the performance half of the paper, figure by figure, in minutes, and writes its part of the page."""
 
 import time
 from collections.abc import Callable
@@ -36,7 +36,7 @@ def milliseconds(seconds: float) -> float:
 
 
 def detail(run: parts.Run, out: page.Section) -> None:
-    """Fig. 11 left."""
+    """Measures Fig. 11, left."""
     out.say(
         "A torus, irregularly triangulated, eight charts, r = 4 % of the diagonal, mean curvature. Frames from "
         "positions to results in Python, without preprocessing on both sides; the baseline on all cores, extrapolated "
@@ -87,7 +87,7 @@ def detail(run: parts.Run, out: page.Section) -> None:
 
 
 def radius(run: parts.Run, out: page.Section) -> None:
-    """Fig. 11 right."""
+    """Measures Fig. 11, right."""
     arrays = parts.torus(run, 600_000)
     out.say("The same shape at 600 K triangles. Times relative to the smallest radius are the paper's figures.")
     rows, first = [], None
@@ -104,7 +104,7 @@ def radius(run: parts.Run, out: page.Section) -> None:
 
 
 def samples(run: parts.Run, out: page.Section) -> None:
-    """Tables 1 and 2, Fig. 12."""
+    """Measures Tables 1 and 2, and Fig. 12."""
     arrays, atlas = meshes.with_charts("stanford-bunny")
     if arrays is None:
         out.lacks(atlas)
@@ -146,7 +146,7 @@ def samples(run: parts.Run, out: page.Section) -> None:
 
 
 def charts(run: parts.Run, out: page.Section) -> None:
-    """Fig. 13: one chart against many."""
+    """Measures Fig. 13: one chart against many."""
     out.say("A torus of 50 K triangles, 256 samples; `affine` and `paper` carry samples over up to eight seams.")
     rows = []
     for blocks in (1, 2, 4, 6, 10):
@@ -167,7 +167,7 @@ def charts(run: parts.Run, out: page.Section) -> None:
 
 
 def models(run: parts.Run, out: page.Section) -> None:
-    """The average over models."""
+    """Measures the average over models."""
     out.say(
         "Models as they are, and subdivided by Loop's scheme to more than 300 K triangles; r = 4 %, the fewest samples "
         "that keep half a percent. *Texels*: evaluated at so many along the map and looked up at vertices, as the "

@@ -1,4 +1,4 @@
-"""Frames of the native library through the Python bridge: seconds by stage, error against the reference, memory."""
+"""Measures frames through the Python bridge: seconds by stage, error against the reference, memory."""
 
 import json
 import os
@@ -20,15 +20,15 @@ from paradesc.files.results import registry_row
 NAME = "mean_curvature"
 STAGES = ("prepare", "bake", "evaluate", "total")
 FEWEST = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
-SMALLER = (256, 512)  # texels along buffers that may do
-TEXELS = (128, 256, 512, 1024)  # along maps that may do
-FIRST_FRAMES = 3  # of meshes made anew, where each takes no more than so many seconds
+SMALLER = (256, 512)  # texels along buffers that may be enough
+TEXELS = (128, 256, 512, 1024)  # texels along maps that may be enough
+FIRST_FRAMES = 3  # of meshes made anew, if each takes no more than so many seconds
 LONG = 4.0
-MOST_OF_SMALLER = 48  # samples that are tried in these: a neighborhood has hardly more texels there
+MOST_OF_SMALLER = 48  # most samples tried with these: a neighborhood has hardly more texels there
 
 
 class Bench:
-    """A device, warmed up: programs compiled, threads there."""
+    """A device that is warmed up: its programs are compiled and its threads exist."""
 
     def __init__(self, backend: str = "auto") -> None:
         self.context = Context(backend)
@@ -37,7 +37,7 @@ class Bench:
         self._warm: set[tuple] = set()
 
     def warm(self, names: tuple[str, ...], options: Options) -> None:
-        """Compiles what these descriptors and options need, on a mesh of their own."""
+        """Compiles what these descriptors and options need, on another mesh."""
         key = (names, options.relocation, options.estimator, options.evaluate, options.precision, options.adaptive > 0)
         if key not in self._warm:
             with self.context.mesh(small_torus()) as mesh:
@@ -45,8 +45,8 @@ class Bench:
             self._warm.add(key)
 
     def mesh(self, arrays: MeshArrays, options: Options) -> tuple[Mesh, dict[str, float]]:
-        """The native mesh after its first frame, and the seconds of everything that a later frame finds done: the least
-        of several meshes, as a frame's are."""
+        """The native mesh after its first frame, and the seconds of everything that later frames need not do again, as
+        the least of several meshes."""
         self.warm((NAME,), options)
         once: dict[str, float] = {}
         for turn in range(FIRST_FRAMES):
@@ -79,19 +79,19 @@ class Bench:
 
 
 def positions_of(arrays: MeshArrays, turn: int) -> np.ndarray:
-    """(n, 3) the mesh's positions in even turns, others in odd ones: what has not moved need not be baked again."""
+    """(n, 3) the mesh's positions in even turns, others in odd ones, because a mesh that stays is not baked again."""
     return arrays.positions if turn % 2 == 0 else arrays.positions * np.float32(1 + 1e-5)
 
 
 def small_torus() -> MeshArrays:
-    """A mesh to warm up with."""
+    """A mesh to warm up the device with."""
     import surfaces
 
     return surfaces.torus(600).arrays
 
 
 def timed(mesh: Mesh, positions: np.ndarray, names: tuple[str, ...], options: Options) -> dict:
-    """One frame: upload, compute, results in numpy. Seconds by the clock, of all cores, and by stage."""
+    """Times one frame: upload, compute, results in numpy. Seconds by the clock, of all cores, and by stage."""
     start, cpu = time.perf_counter(), time.process_time()
     mesh.set_positions(positions)
     with mesh.compute(names, options) as field:
@@ -113,7 +113,7 @@ def timed(mesh: Mesh, positions: np.ndarray, names: tuple[str, ...], options: Op
 
 
 def percent_error(values: np.ndarray, truth: np.ndarray, radius: float) -> float:
-    """Mean %AE of H, (n,) each, by the one definition (compare.py)."""
+    """Mean %AE of H, (n,) each, by the definition in compare.py."""
     everywhere = np.ones(len(truth), bool)
     found = compare.percent_errors(values, truth, everywhere, registry_row(NAME), radius)
     return float(np.nanmean(found.percent))
@@ -134,7 +134,7 @@ def cheapest(mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) ->
 
 
 def cheapest_texels(mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> Options:
-    """The same, evaluated at the texels of the smallest map that will do; the largest where none does."""
+    """The same at the texels of the smallest map that is good enough; of the largest if none is."""
     for size in TEXELS:
         tried = replace(options, evaluate="texel", texels=size)
         if error_of(mesh, arrays, replace(tried, samples=FEWEST[-1]), truth) <= ALLOWED_ERROR:
@@ -164,7 +164,7 @@ def status_bytes(name: str) -> int:
 
 
 def resident() -> int:
-    """Bytes in memory, which are the peak from now on where the system lets us."""
+    """Bytes in memory; the peak is counted from here if the system allows that."""
     with suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
     return status_bytes("VmRSS")
@@ -192,7 +192,7 @@ def measure_memory(triangles: int, backend: str) -> dict[str, float]:
 
 
 def memory_of_its_own(triangles: int, backend: str) -> dict[str, float]:
-    """measure_memory in a process of its own."""
+    """Runs measure_memory in a process of its own."""
     words = [sys.executable, __file__, "--memory", str(triangles), backend]
     paths = os.pathsep.join(path for path in sys.path if path)
     done = subprocess.run(words, capture_output=True, text=True, check=False, env=os.environ | {"PYTHONPATH": paths})

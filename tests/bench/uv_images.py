@@ -1,10 +1,10 @@
-"""Seconds for an image over a mesh's UV map and for its gutter, of this add-on and of another folder of it in turns.
+"""Times an image over a mesh's UV map and its gutter, by this add-on and by another version of it in turns.
 
-    PYTHONPATH=addon python tests/bench/uv_images.py ../shared/meshes/human.obj
-    PYTHONPATH=addon python tests/bench/uv_images.py ../shared/meshes/human.obj --other ../before/addon
+    PYTHONPATH=addon python tests/bench/uv_images.py human.obj
+    PYTHONPATH=addon python tests/bench/uv_images.py human.obj --other ../before/addon
 
-Values are those of a wave, linear on triangles. Each turn is a process of its own. The other add-on may be one of the
-time when they all lay in one folder and images were drawn in Python; all pixels are compared.
+Values are those of a wave, linear on triangles. Each turn is a process of its own. The other add-on may be so old that
+all its modules are in one folder and Python draws the images. All pixels are compared.
 """
 
 import argparse
@@ -47,7 +47,7 @@ def now() -> tuple[float, float]:
 
 
 def steps_of_this_version(uvs, vertices, values):
-    """The two steps as functions: of the number of texels, and of the image."""
+    """The two steps as functions, one of the number of texels and one of the image."""
     try:
         from paradesc import bridge
         from paradesc.files import maps
@@ -66,7 +66,7 @@ def steps_of_this_version(uvs, vertices, values):
 
 
 def write_inputs(mesh: Path, path: Path) -> None:
-    """What is drawn, as a .npz file."""
+    """Writes what is drawn as a .npz file."""
     from sampling_choices import read_obj
 
     arrays = read_obj(mesh)

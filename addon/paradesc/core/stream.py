@@ -20,7 +20,8 @@ NO_AREA = 1e-12
 SMALL_AREA = 1e-3
 # So many triangles are looked at together that their numbers stay in the processor's cache.
 BLOCK = 16384
-# As native/src/prepare.cpp has them: buffers are laid out afresh below this share of texels and these texels a radius.
+# The bounds of native/src/mesh/atlas.cpp: charts are laid out afresh if they cover a smaller share of texels, or if the
+# radius spans fewer texels.
 SPARSE_SHARE, SPARSE_TEXELS = 0.15, 4.0
 # Everything that makes a mesh except positions.
 TOPOLOGY = ("corner_vertices", "triangle_corners", "corner_uvs", "triangle_smooth", "sharp_edges")
