@@ -12,18 +12,18 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-# Torus: radii of ring and tube, faces around both, charts around both.
+# The torus: radii of ring and tube, faces around both, charts around both.
 RING, TUBE = 1.0, 0.4
 RING_FACES, TUBE_FACES = 160, 80
 RING_CHARTS, TUBE_CHARTS = 4, 4
-# The part of its cell in the UV map that a chart's circumcircle takes up: the rest keeps charts apart.
+# The part of its cell in the UV map that a chart's circumcircle takes; the rest keeps charts apart.
 CHART_SHARE = 0.94
 SUZANNE_LEVELS = 2
 # A wheel: windows between spokes, and a hole in its hub. Every hole is a handle of the surface: genus 20.
 RIM_WINDOWS = 19
 RIM_LEVELS = 2
 SPOKE_SHARE = 0.42  # of the angle from one spoke to the next
-# Of each circle of the wheel: radius, height of its middle, half of its thickness.
+# For each circle of the wheel: radius, height of its middle, half of its thickness.
 RIM_CIRCLES = np.array(
     [
         [0.15, 0.10, 0.10],
@@ -35,13 +35,13 @@ RIM_CIRCLES = np.array(
     ]
 )
 SPOKES = range(1, 3)  # between the second circle and the fourth
-# A tube along z that as many bones bend by as much in all, back and forth over as many frames.
+# A tube along z that so many bones bend by so much in all, back and forth over so many frames.
 TUBE_RADIUS, TUBE_LENGTH, TUBE_COLUMNS, TUBE_ROWS = 0.4, 4.0, 48, 80
 BONES, BEND = 10, radians(120)
 FRAMES = 24
 SPHERE_STEPS = 24  # quads along a side of the cube that became the sphere
 LONG = 2.0  # what the shape key multiplies z by
-FRAGMENT_SHARE = 0.8  # of its cell that a chart of a single face takes up
+FRAGMENT_SHARE = 0.8  # of its cell that the chart of a single face takes
 # A square from -1 to 1 whose image has waves a cos(2 pi x) cos(2 pi y).
 SQUARE_STEPS, WAVE_PIXELS, WAVE_HEIGHT = 64, 256, 0.06
 WAVE_MIDLEVEL, WAVE_SCALE = 0.5, 0.12
@@ -92,7 +92,7 @@ def torus_faces() -> np.ndarray:
 
 
 def build(name: str, points: np.ndarray, faces: np.ndarray, uvs: np.ndarray | None) -> bpy.types.Object:
-    """A smooth shaded object of points (n, 3) and faces (m, k), with the UVs (m, k, 2) of their corners."""
+    """Makes a smooth shaded object of points (n, 3) and faces (m, k), with the UVs (m, k, 2) of their corners."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(points.tolist(), [], faces.tolist())
     if uvs is not None:
@@ -104,17 +104,17 @@ def build(name: str, points: np.ndarray, faces: np.ndarray, uvs: np.ndarray | No
 
 
 def make_torus() -> bpy.types.Object:
-    """A closed torus whose UV map has RING_CHARTS * TUBE_CHARTS charts."""
+    """Makes a closed torus whose UV map has RING_CHARTS * TUBE_CHARTS charts."""
     return build("torus", torus_points(), torus_faces(), torus_uvs(np.random.default_rng(0)))
 
 
 def make_bare_torus() -> bpy.types.Object:
-    """The same torus without any UV map."""
+    """Makes the same torus without any UV map."""
     return build("torus", torus_points(), torus_faces(), None)
 
 
 def make_suzanne() -> bpy.types.Object:
-    """Blender's monkey, subdivided and unwrapped at an angle at which no chart overlaps itself."""
+    """Makes Blender's monkey, subdivided and unwrapped at an angle at which no chart overlaps itself."""
     bpy.ops.mesh.primitive_monkey_add()
     made = bpy.context.active_object
     made.name = "suzanne"
@@ -124,7 +124,7 @@ def make_suzanne() -> bpy.types.Object:
 
 
 def subdivide(made: bpy.types.Object, levels: int) -> None:
-    """Puts the subdivided surface, smooth shaded, in the place of the object's mesh."""
+    """Replaces the object's mesh by the subdivided surface, smooth shaded."""
     modifier = made.modifiers.new("subdivision", "SUBSURF")
     modifier.levels = levels
     mesh = bpy.data.meshes.new_from_object(made.evaluated_get(bpy.context.evaluated_depsgraph_get()))
@@ -135,7 +135,7 @@ def subdivide(made: bpy.types.Object, levels: int) -> None:
 
 
 def unwrap(made: bpy.types.Object, angle: float) -> None:
-    """Smart UV Project over the whole mesh of the active object; angle: radians within one chart."""
+    """Runs Smart UV Project on the whole mesh of the active object; angle: radians within one chart."""
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.uv.smart_project(angle_limit=angle, island_margin=0.01)
@@ -170,7 +170,7 @@ def rim_cage() -> tuple[np.ndarray, list[list[int]]]:
 
 
 def make_rim() -> bpy.types.Object:
-    """A wheel of genus 20, standing upright, subdivided and unwrapped into many charts."""
+    """Makes a wheel of genus 20, standing upright, subdivided and unwrapped into many charts."""
     points, quads = rim_cage()
     points = points[:, [0, 2, 1]] * (1, -1, 1)  # its front looks along -Y, where the pictures look from
     mesh = bpy.data.meshes.new("rim")
@@ -192,7 +192,7 @@ def grid(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def make_bent_tube() -> bpy.types.Object:
-    """An open tube whose bones bend it into an arc and back: the action Bend."""
+    """Makes an open tube whose bones bend it into an arc and back by the action Bend."""
     places, quads = grid(TUBE_COLUMNS, TUBE_ROWS)
     angle = 2 * np.pi * places[:, 0]
     points = np.stack([np.cos(angle), np.sin(angle), places[:, 1]], axis=-1) * (TUBE_RADIUS, TUBE_RADIUS, TUBE_LENGTH)
@@ -219,7 +219,7 @@ def bone_weights(height: np.ndarray) -> np.ndarray:
 
 
 def make_armature() -> bpy.types.Object:
-    """A chain of bones along z, with the action Bend."""
+    """Makes a chain of bones along z, with the action Bend."""
     made = bpy.data.objects.new("armature", bpy.data.armatures.new("armature"))
     bpy.context.collection.objects.link(made)
     bpy.context.view_layer.objects.active = made
@@ -268,7 +268,7 @@ def six_cells(places: np.ndarray) -> np.ndarray:
 
 
 def make_shape_key() -> bpy.types.Object:
-    """A sphere that a shape key makes an ellipsoid, and back."""
+    """Makes a sphere that a shape key turns into an ellipsoid and back."""
     points, faces, places = quad_sphere(SPHERE_STEPS)
     made = build("ellipsoid", points, faces, six_cells(places) / (3, 2))
     made.shape_key_add(name="Basis")
@@ -283,13 +283,13 @@ def make_shape_key() -> bpy.types.Object:
 
 
 def make_udim() -> bpy.types.Object:
-    """A sphere whose six charts lie on the tiles 1001 to 1003 and 1011 to 1013."""
+    """Makes a sphere whose six charts lie on the tiles 1001 to 1003 and 1011 to 1013."""
     points, faces, places = quad_sphere(SPHERE_STEPS)
     return build("sphere", points, faces, six_cells(places))
 
 
 def make_fragmented() -> bpy.types.Object:
-    """A sphere each of whose faces is a chart of its own, as a lightmap's."""
+    """Makes a sphere whose faces are charts of their own, as in a lightmap."""
     points, faces, places = quad_sphere(SPHERE_STEPS)
     columns = int(np.ceil(np.sqrt(len(faces))))
     corners = places - places.mean(axis=1, keepdims=True)
@@ -299,7 +299,7 @@ def make_fragmented() -> bpy.types.Object:
 
 
 def make_mirrored() -> bpy.types.Object:
-    """The monkey of two halves that share one half of a UV map, as artists save texels."""
+    """Makes the monkey of two halves that share one half of a UV map, as artists do to save texels."""
     bpy.ops.mesh.primitive_monkey_add()
     made = bpy.context.active_object
     made.name = "suzanne"
@@ -339,7 +339,7 @@ def wave_slopes(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 
 def make_square(name: str) -> bpy.types.Object:
-    """A flat square from -1 to 1 that fills the UV map."""
+    """Makes a flat square from -1 to 1 that fills the UV map."""
     places, quads = grid(SQUARE_STEPS, SQUARE_STEPS)
     return build(name, np.append(2 * places - 1, np.zeros((len(places), 1)), axis=1), quads, places[quads])
 
@@ -351,7 +351,7 @@ def pixel_places() -> tuple[np.ndarray, np.ndarray]:
 
 
 def add_material(made: bpy.types.Object, name: str, pixels: np.ndarray) -> tuple[bpy.types.NodeTree, bpy.types.Node]:
-    """A material with an Image Texture; pixels (n, n, 3) floats, which are packed into the file."""
+    """Adds a material with an Image Texture; pixels: (n, n, 3) floats, which are packed into the file."""
     image = bpy.data.images.new(name, WAVE_PIXELS, WAVE_PIXELS, float_buffer=True)
     image.colorspace_settings.name = "Non-Color"
     rgba = np.ones((WAVE_PIXELS, WAVE_PIXELS, 4), np.float32)
@@ -368,7 +368,7 @@ def add_material(made: bpy.types.Object, name: str, pixels: np.ndarray) -> tuple
 
 
 def make_displaced() -> bpy.types.Object:
-    """A flat square whose material displaces it into waves, by an image."""
+    """Makes a flat square whose material displaces it into waves, by an image."""
     made = make_square("waves")
     height, _, _ = wave_slopes(*pixel_places())
     tree, texture = add_material(made, "heights", (WAVE_MIDLEVEL + height / WAVE_SCALE)[..., None])
@@ -381,7 +381,7 @@ def make_displaced() -> bpy.types.Object:
 
 
 def make_normal_mapped() -> bpy.types.Object:
-    """A flat square whose material gives it the waves' normals, by an image."""
+    """Makes a flat square whose material gives it the waves' normals, by an image."""
     made = make_square("waves")
     _, across, along = wave_slopes(*pixel_places())
     normals = np.stack([-across, -along, np.ones_like(across)], axis=-1)
@@ -410,7 +410,7 @@ SAMPLES: dict[str, Callable[[], bpy.types.Object]] = {
 
 
 def add_camera(made: bpy.types.Object) -> None:
-    """A camera that sees all of the object, and a sun from the camera's left, before grey, so that it renders."""
+    """Adds a camera that sees all of the object, a sun from its left, and a grey background, so that it renders."""
     corners = np.array([made.matrix_world @ Vector(corner) for corner in made.bound_box])
     middle, diagonal = corners.mean(axis=0), np.linalg.norm(np.ptp(corners, axis=0))
     contents = {"camera": bpy.data.cameras.new("camera"), "sun": bpy.data.lights.new("sun", "SUN")}

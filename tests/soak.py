@@ -1,7 +1,7 @@
-"""Bakes of ever other meshes, options, backends and endings in one process; its memory and file handles stay level.
+"""Bakes changing meshes with changing options, backends and endings in one process, whose memory and files stay level.
 
 Usage: python tests/soak.py [--bakes 1000] [--seed 1] [--every 25] [--backends software,reference] [--json FILE]
-Ends with 1 where something grew, or where a bake ended in another way than it should.
+Ends with 1 if something grew, or if a bake ended in another way than it should.
 """
 
 import argparse
@@ -33,12 +33,12 @@ from shapes import as_arrays, cube_sphere  # noqa: E402
 
 BACKENDS = ("software", "reference")
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of glibc's malloc.h
-# Most steps along the side of a chart: 26 to 488 vertices.
+# The most steps along the side of a chart: 26 to 488 vertices.
 FINEST = 9
-# Growth that one bake may leave behind. A lost field of these meshes is some 10 kB, a lost mesh 100 kB, a lost context
-# 10 MB.
+# The growth that one bake may leave behind. A lost field of these meshes is some 10 kB, a lost mesh 100 kB, a lost
+# context 10 MB.
 HEAP_PER_BAKE = 1024
-# Pages of freed memory come and go: the resident set is judged by its whole growth after the warm-up, in megabytes.
+# Pages of freed memory come and go, so only the whole growth after the warm-up counts, in megabytes.
 RESIDENT_GROWTH = 24.0
 
 
@@ -54,7 +54,7 @@ def random_mesh(chance: np.random.Generator) -> bridge.MeshArrays:
 
 
 def holes(arrays: bridge.MeshArrays, chance: np.random.Generator) -> bridge.MeshArrays:
-    """Some triangles are gone."""
+    """Removes some triangles."""
     kept = chance.random(len(arrays.triangle_corners)) > 0.2
     kept[0] = True
     smooth = None if arrays.triangle_smooth is None else arrays.triangle_smooth[kept]
@@ -62,35 +62,35 @@ def holes(arrays: bridge.MeshArrays, chance: np.random.Generator) -> bridge.Mesh
 
 
 def bumps(arrays: bridge.MeshArrays, chance: np.random.Generator) -> bridge.MeshArrays:
-    """Noise of two per cent of the size."""
+    """Adds noise of two per cent of the size."""
     noise = chance.normal(size=arrays.positions.shape).astype(np.float32) * np.ptp(arrays.positions) * 0.02
     return replace(arrays, positions=arrays.positions + noise)
 
 
 def loose(arrays: bridge.MeshArrays, chance: np.random.Generator) -> bridge.MeshArrays:
-    """Vertices without a face."""
+    """Adds vertices without a face."""
     more = chance.normal(size=(5, 3)).astype(np.float32)
     return replace(arrays, positions=np.concatenate([arrays.positions, more]))
 
 
 def split(arrays: bridge.MeshArrays, _chance: np.random.Generator) -> bridge.MeshArrays:
-    """Every corner has a vertex of its own, as some exporters leave it."""
+    """Gives every corner a vertex of its own, as some exporters do."""
     positions = arrays.positions[arrays.corner_vertices]
     return replace(arrays, positions=positions, corner_vertices=np.arange(len(positions), dtype=np.int32))
 
 
 def overlapping(arrays: bridge.MeshArrays, _chance: np.random.Generator) -> bridge.MeshArrays:
-    """Charts lie on each other."""
+    """Lays charts on each other."""
     return replace(arrays, corner_uvs=(2 * arrays.corner_uvs % 1).astype(np.float32))
 
 
 def sparse(arrays: bridge.MeshArrays, _chance: np.random.Generator) -> bridge.MeshArrays:
-    """The charts fill little of the square."""
+    """Makes the charts fill little of the square."""
     return replace(arrays, corner_uvs=arrays.corner_uvs * np.float32(0.1))
 
 
 def flat_triangles(arrays: bridge.MeshArrays, chance: np.random.Generator) -> bridge.MeshArrays:
-    """Triangles without area in space, and others without in the UV map."""
+    """Makes triangles without area in space, and others without area in the UV map."""
     corners, uvs = arrays.corner_vertices.copy(), arrays.corner_uvs.copy()
     first, second, *_ = chance.permutation(len(arrays.triangle_corners))
     corners[arrays.triangle_corners[first, 1]] = corners[arrays.triangle_corners[first, 0]]
@@ -99,13 +99,13 @@ def flat_triangles(arrays: bridge.MeshArrays, chance: np.random.Generator) -> br
 
 
 def displaced(arrays: bridge.MeshArrays, chance: np.random.Generator) -> bridge.MeshArrays:
-    """A displacement map over it."""
+    """Adds a displacement map."""
     heights = chance.random((32, 48)).astype(np.float32)
     return replace(arrays, maps=bridge.SurfaceMaps(heights=heights, scale=float(np.ptp(arrays.positions)) * 0.01))
 
 
 def with_shading(arrays: bridge.MeshArrays, chance: np.random.Generator) -> bridge.MeshArrays:
-    """Normals of its own, flat faces and sharp edges."""
+    """Adds normals of its own, flat faces and sharp edges."""
     places = arrays.positions[arrays.corner_vertices]
     normals = places / np.maximum(np.linalg.norm(places, axis=1, keepdims=True), 1e-9)
     smooth = (chance.random(len(arrays.triangle_corners)) > 0.3).astype(np.uint8)
@@ -117,7 +117,7 @@ CHANGES = (holes, bumps, loose, split, overlapping, sparse, flat_triangles, disp
 
 
 def random_settings(chance: np.random.Generator, arrays: bridge.MeshArrays, backend: str) -> job.Settings:
-    """Any options that go together, in sizes that take a moment."""
+    """Any options that go together, in sizes that are quick."""
     options = bridge.Options(
         radius=float(chance.uniform(0.05, 0.15)),
         samples=int(chance.choice([16, 32, 64])),
@@ -147,13 +147,13 @@ def random_settings(chance: np.random.Generator, arrays: bridge.MeshArrays, back
 
 
 def whole(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.random.Generator) -> str:
-    """From start to end."""
+    """Runs a bake from start to end."""
     job.run(arrays, settings, with_buffers=settings.backend != "reference" and settings.options.seed % 4 == 0)
     return "done"
 
 
 def in_thread(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.random.Generator) -> str:
-    """On a thread of its own, as under Blender's window."""
+    """Runs a bake on a thread of its own, as under Blender's window."""
     worker = Worker(partial(job.run, arrays, settings))
     worker.start()
     worker.result()
@@ -161,7 +161,7 @@ def in_thread(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.ran
 
 
 def cancelled(arrays: bridge.MeshArrays, settings: job.Settings, chance: np.random.Generator) -> str:
-    """Stopped at some fraction of the way."""
+    """Cancels a bake at some fraction of the way."""
     stop = float(chance.choice([0.0, 0.15, 0.25, 0.5, 0.9]))
     try:
         job.run(arrays, settings, lambda _stage, fraction: fraction < stop)
@@ -169,11 +169,11 @@ def cancelled(arrays: bridge.MeshArrays, settings: job.Settings, chance: np.rand
         if error.status != abi.STATUS_CANCELLED:
             raise
         return "cancelled"
-    return "done"  # it never came so far
+    return "done"  # it never came that far
 
 
 def interrupted(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.random.Generator) -> str:
-    """An exception in the callback, as Ctrl-C raises one."""
+    """Raises an exception in the callback, as Ctrl-C does."""
 
     def press(_stage: str, _fraction: float) -> bool:
         raise KeyboardInterrupt
@@ -186,7 +186,7 @@ def interrupted(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.r
 
 
 def streamed(arrays: bridge.MeshArrays, settings: job.Settings, chance: np.random.Generator) -> str:
-    """Positions of several frames, a mesh of another topology after them, then some more frames."""
+    """Streams positions of several frames, then a mesh of another topology, then some more frames."""
     settings = replace(settings, options=replace(settings.options, normals="fitted"))
     with Stream(replace(arrays, corner_normals=None), settings) as stream:
         for _ in range(3):
@@ -199,7 +199,7 @@ def streamed(arrays: bridge.MeshArrays, settings: job.Settings, chance: np.rando
 
 
 def refused(arrays: bridge.MeshArrays, settings: job.Settings, chance: np.random.Generator) -> str:
-    """Something is wrong with the mesh, or with the options."""
+    """Tries a bake with an error in the mesh, or in the options."""
     positions = arrays.positions.copy()
     positions[0, 1] = np.nan
     corners = arrays.corner_vertices.copy()
@@ -225,7 +225,7 @@ def refused(arrays: bridge.MeshArrays, settings: job.Settings, chance: np.random
     raise AssertionError("What cannot be computed was computed.")
 
 
-# Ways a bake goes, with their weights.
+# The ways in which a bake goes, with their weights.
 WAYS: dict[Callable[..., str], float] = {
     whole: 0.4,
     in_thread: 0.1,
@@ -265,20 +265,20 @@ class Sample:
 
 
 def give_back_at_once() -> None:
-    """Has malloc return large blocks when they are freed; it would keep more of them, the larger they have been."""
+    """Makes malloc return large blocks once they are freed; it would keep more of them, the larger they have been."""
     library = ctypes.CDLL(None)
     for option in (M_MMAP_THRESHOLD, M_TRIM_THRESHOLD):
         library.mallopt(option, 2**17)
 
 
 def fill_numpys_cache() -> None:
-    """Numpy keeps up to seven freed blocks of each size below 1 kB; arrays of ever other lengths fill that slowly."""
+    """Fills numpy's cache: it keeps up to seven freed blocks of each size below 1 kB, which would grow slowly."""
     held = [np.empty(size, np.uint8) for size in range(1, 1024) for _ in range(8)]
     held.clear()
 
 
 def holdings(bakes: int, seconds: float) -> Sample:
-    """What this process holds now, without what merely waits: memory to be given back, devices for the next bake."""
+    """What this process holds now, without what only waits: memory to be given back, devices for the next bake."""
     contexts.close_idle()
     gc.collect()
     give_back()
@@ -299,7 +299,7 @@ def threads() -> set[str]:
 
 
 def drivers_own() -> set[str]:
-    """Threads that write Mesa's shader cache: it starts up to four as it has more to write, for the whole process."""
+    """The threads that write Mesa's shader cache; it starts up to four for the process, as it has more to write."""
     own = set()
     for path in Path("/proc/self/task").iterdir():
         with suppress(OSError):  # it has just ended
@@ -315,7 +315,7 @@ def soak(
     backends: tuple[str, ...] = BACKENDS,
     tell: Callable[[Sample], None] | None = None,
 ) -> tuple[list[Sample], Counter]:
-    """Bakes so often; what was held on the way, and how often bakes ended in which way."""
+    """Bakes that often; gives what was held on the way, and how often bakes ended in each way."""
     give_back_at_once()
     fill_numpys_cache()
     chance = np.random.default_rng(seed)
@@ -336,7 +336,7 @@ def soak(
 
 
 def slope(samples: list[Sample], member: str) -> float:
-    """Growth a bake, by the median of the slopes of all pairs (Theil and Sen)."""
+    """The growth of each bake, as the median of the slopes of all pairs (Theil and Sen)."""
     at = np.array([sample.bakes for sample in samples], float)
     held = np.array([getattr(sample, member) for sample in samples], float)
     first, second = np.triu_indices(len(at), 1)
@@ -344,7 +344,7 @@ def slope(samples: list[Sample], member: str) -> float:
 
 
 def growths(samples: list[Sample], warm_up: float = 0.3, heap_per_bake: int = HEAP_PER_BAKE) -> list[str]:
-    """One sentence each about what is not level after the warm-up, the first share of the bakes."""
+    """One sentence about each thing that is not level after the warm-up, the first share of the bakes."""
     settled = [sample for sample in samples if sample.bakes >= warm_up * samples[-1].bakes]
     first, last = settled[0], settled[-1]
     found = []

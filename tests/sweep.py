@@ -1,10 +1,10 @@
-"""Every real mesh × every descriptor × three radii × both precisions: no value is missing where its surface was found.
+"""Computes every real mesh × descriptor × three radii × both precisions; no value of a surface that was found may lack.
 
 Usage: python tests/sweep.py [--quick] [--meshes FOLDER] [--only spot,fox] [--radii 0.01,0.02,0.04] [--json FILE]
-Needs Blender's module bpy, which reads the files as the command line does, and unwraps what has no UV map. Derivatives
-of a map may lack values where the reference has none either: a part that is thin against the radius, as a lath, does
-not determine a quadratic. Ends with 1 where something was found: a value that is missing or outside its range, an error
-of the device, memory or files that stay.
+It needs Blender's module bpy, which reads the files as the command line does, and unwraps meshes without a UV map. A
+derivative of a map may be missing if the reference has none either: a part that is thin against the radius, such as a
+lath, does not determine a quadratic. It ends with 1 if it found something: a value that is missing or outside its
+range, an error of the device, memory or files that stay.
 """
 
 import argparse
@@ -29,13 +29,13 @@ from paradesc.scene import mesh_io, scene_io  # noqa: E402
 
 MESHES = ROOT.parent / "shared" / "meshes"
 RADII = (0.01, 0.02, 0.04)
-# Texels that the radius has to span; below, every bake is warned of, and a quadratic of a map may have too few of them.
+# The radius has to span so many texels. Every bake below warns, and a quadratic of a map may have too few of them.
 COARSE = 4.0
-SMALLEST = 40_000  # bytes of a file, the most that --quick reads
+SMALLEST = 40_000  # bytes; --quick reads smaller files only
 QUICK = {"buffer_size": 256, "samples": 64}
-# As shaders/kernel/limits.h has it: what bends less over the radius, in radians, is a plane without a shape.
+# The limit of shaders/kernel/limits.h: what bends less over the radius, in radians, is a plane without a shape.
 PLANE_THRESHOLD = 1e-4
-# What each descriptor can be; lengths are those of the radius. A full ball has area pi r^2, of a crumpled surface more.
+# The range of each descriptor for a radius of 1. A plane in the ball has the area pi r^2, a crumpled surface has more.
 RANGES: dict[str, tuple[float, float]] = {
     "shape_index": (-1, 1),
     "curvedness": (0, np.inf),
@@ -49,7 +49,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "convexity": (0, 1),
     "gradient_magnitude": (0, np.inf),
 }
-# Operators that need the least-squares quadratic of a map, which paradesc.h says where there is none.
+# These operators need the least-squares quadratic of a map; paradesc.h says where there is none.
 DERIVATIVES = {"gradient_magnitude", "laplacian", "harris"}
 ROUNDING = 1e-5
 # Device and reference may differ by this share of the values that one of them calls undetermined, and by this share of
@@ -61,7 +61,7 @@ INCOMPLETE = abi.MASK_NO_FACE | abi.MASK_LOW_COVERAGE | abi.MASK_NO_TEXEL
 
 @dataclass
 class Row:
-    """What one bake of a mesh with all descriptors gave."""
+    """The findings of one bake of a mesh with all descriptors."""
 
     mesh: str
     triangles: int
@@ -78,7 +78,7 @@ class Row:
 
 
 def check(results: job.Results, row: Row, reference: Callable[[tuple[str, ...]], job.Results]) -> None:
-    """Looks at every value of every descriptor; asks the reference where operators on a map have none."""
+    """Looks at every value of every descriptor; asks the reference if operators on a map have none."""
     whole = (results.mask & INCOMPLETE) == 0
     row.vertices, row.whole = len(whole), int(whole.sum())
     bend = np.maximum(
@@ -113,14 +113,14 @@ def check(results: job.Results, row: Row, reference: Callable[[tuple[str, ...]],
 
 
 def only_here(missing: np.ndarray, reference: np.ndarray, row: Row, whole: int) -> np.ndarray:
-    """(n,) bool the values that only the device lacks; some of them, at the threshold, are no finding."""
+    """(n,) bool the values that only the device lacks; a few of them, at the threshold, are no finding."""
     alone = missing & ~np.isnan(reference)
     row.thin += int((missing & ~alone).sum())
     return alone if alone.sum() > max(AT_THRESHOLD * missing.sum(), ANYWHERE * whole) else missing & False
 
 
 def bakes(name: str, arrays: bridge.MeshArrays, radii: tuple[float, ...], **options: int) -> Iterator[Row]:
-    """One mesh at every radius in both precisions, all descriptors at once."""
+    """Bakes one mesh at every radius in both precisions, with all descriptors at once."""
     names = tuple(row.name for row in bridge.descriptors())
     with bridge.Context("software") as context, context.mesh(arrays) as mesh:
         for precision in bridge.PRECISIONS:
@@ -151,7 +151,7 @@ def files(folder: Path, quick: bool, only: tuple[str, ...] = ()) -> list[Path]:
 
 
 def sweep_file(path: Path, radii: tuple[float, ...], **options: int) -> Iterator[Row]:
-    """All bakes of the largest mesh of a file; one row where it cannot be used, which is no finding."""
+    """Makes all bakes of the largest mesh of a file; gives one row if it cannot be used, which is no finding."""
     try:
         scene_io.open_scene(path)
         arrays = mesh_io.read_object(scene_io.choose_object(None, prefer_active=False), corner_normals=False)
@@ -166,7 +166,7 @@ def sweep_file(path: Path, radii: tuple[float, ...], **options: int) -> Iterator
 def sweep(
     paths: list[Path], radii: tuple[float, ...] = RADII, tell: Callable[[Row], None] | None = None, **options: int
 ) -> tuple[list[Row], list[Sample]]:
-    """All bakes of all files, and what the process held after each file."""
+    """Makes all bakes of all files; gives also what the process held after each file."""
     rows, samples = [], []
     start = time.perf_counter()
     for number, path in enumerate(paths):

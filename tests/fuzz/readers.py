@@ -1,4 +1,4 @@
-"""Fuzzes what the add-on reads from files: frame caches, their ranges, what a bake left in a .blend.
+"""Fuzzes what the add-on reads from files: frame caches, their ranges, and what a bake left in a .blend.
 
 Usage: readers.py [--inputs N] [--seed S] [--first I] [--reader NAME]. Valid content is damaged, mostly where its
 structure is, with the checksum made right again so that more than the checksum is tested. Each input follows from seed
@@ -75,17 +75,17 @@ ODD_TEXTS = (
 
 
 class BrokenWordError(Exception):
-    """A reader did what it must not."""
+    """A reader did what it must not do."""
 
 
 def claim(holds: bool, what: str) -> None:
-    """Raises where a reader broke its word."""
+    """Raises if a reader broke its word."""
     if not holds:
         raise BrokenWordError(what)
 
 
 def claim_one_sentence(error: ParadescError, path: Path) -> None:
-    """A refusal of a file says so in one sentence with its name."""
+    """Checks that a refusal of a file is one sentence with its name."""
     named = str(path) in error.sentence and "\n" not in error.sentence
     claim(named, "a refusal is not one sentence that names the file")
 
@@ -138,7 +138,7 @@ def damaged(source: random.Random, value: object) -> object:
 
 
 def damaged_bytes(source: random.Random, content: bytes) -> bytes:
-    """The bytes with some of them changed, left out, put in, or the end cut off."""
+    """The bytes with some of them changed, left out or inserted, or with the end cut off."""
     found = bytearray(content)
     for _ in range(source.randrange(1, 4)):
         at = source.randrange(len(found) + 1)
@@ -161,7 +161,7 @@ def damaged_bytes(source: random.Random, content: bytes) -> bytes:
 
 @functools.cache
 def sound_frame(count: int) -> bytes:
-    """The file of a frame of so many vertices; kept, as making it takes as long as reading it."""
+    """The file of a frame of so many vertices; it is kept, as making it takes as long as reading it."""
     values = {
         "mean_curvature": np.linspace(-1, 1, count, dtype=np.float32),
         "principal_direction_max": np.ones((count, 3), np.float32),
@@ -194,7 +194,7 @@ def damaged_frame(source: random.Random) -> bytes:
 
 
 def read_frame(source: random.Random, folder: Path) -> bool:
-    """One damaged frame file; True where it was taken."""
+    """Reads one damaged frame file; True if it was taken as sound."""
     path, content = folder / "frame_00007.pdframe", damaged_frame(source)
     path.write_bytes(content)
     try:
@@ -213,7 +213,7 @@ def read_frame(source: random.Random, folder: Path) -> bool:
 
 
 def read_range(source: random.Random, folder: Path) -> bool:
-    """One damaged file of ranges."""
+    """Reads one damaged file of ranges."""
     path = folder / cache.RANGE_FILE
     content: object = {"mean_curvature": [-1.5, 1.5], "": [0, 1]}
     for _ in range(source.randrange(1, 4)):
@@ -234,7 +234,7 @@ def read_range(source: random.Random, folder: Path) -> bool:
 
 
 def sound_summary() -> dict[str, object]:
-    """As record.write() makes it."""
+    """A custom property as record.write() makes it."""
     return {
         "settings": {"radius": 0.02, "space": "world", "names": ["mean_curvature"]},
         "mesh_report": dict.fromkeys((*stored.MESH_REPORT, "parts", "diagonal"), 3),
@@ -264,7 +264,7 @@ def damaged_summary(source: random.Random) -> object:
 
 
 def check_summary(found: dict[str, object]) -> None:
-    """Everything that panels, legends and operators take from it without looking again."""
+    """Checks everything that panels, legends and operators take from it without another check."""
     if "mesh_report" in found:
         lines = panel.report_lines(found) if bpy else []
         claim(all(isinstance(line, str) for line in lines), "a line of the report is no text")
@@ -281,7 +281,7 @@ def check_summary(found: dict[str, object]) -> None:
 
 
 def read_summary(source: random.Random, _: Path) -> bool:
-    """One damaged custom property, read from memory and, every tenth, from a mesh of Blender's."""
+    """Reads one damaged custom property, from memory and every tenth time from a Blender mesh."""
     content = damaged_summary(source)
     found = stored.checked(copy.deepcopy(content))
     check_summary(found)
@@ -291,7 +291,7 @@ def read_summary(source: random.Random, _: Path) -> bool:
 
 
 def read_mesh(source: random.Random, content: object) -> None:
-    """The readers of a mesh with this property."""
+    """Runs the readers of a mesh with this property."""
     mesh = bpy.data.meshes.new("fuzz")
     try:
         for name in (record.PROPERTY, channels.OWN):
@@ -310,7 +310,7 @@ def read_mesh(source: random.Random, content: object) -> None:
 
 
 def read_layout(source: random.Random, _: Path) -> bool:
-    """A kept layout whose attribute, names or mesh have changed since it was made."""
+    """Reads a kept layout whose attribute, names or mesh have changed since it was made."""
     mesh = bpy.data.meshes.new("fuzz")
     try:
         count = source.randrange(0, 4)
@@ -335,7 +335,7 @@ def read_layout(source: random.Random, _: Path) -> bool:
 # ---- All
 
 Reader = Callable[[random.Random, Path], bool]
-# By name the function, and its share of the inputs.
+# The function of each name, and its share of the inputs.
 READERS: dict[str, tuple[Reader, float]] = {
     "frame": (read_frame, 0.5),
     "range": (read_range, 0.2),
@@ -345,7 +345,7 @@ READERS: dict[str, tuple[Reader, float]] = {
 
 
 def fuzz(name: str, seed: int, first: int, count: int) -> tuple[int, str]:
-    """Runs a reader over so many inputs; gives how many were taken as sound, and what went wrong."""
+    """Runs a reader over so many inputs; gives how many were taken as sound, and the errors."""
     reader, _ = READERS[name]
     taken = 0
     with tempfile.TemporaryDirectory(dir=IN_MEMORY if Path(IN_MEMORY).is_dir() else None) as folder:
@@ -361,7 +361,7 @@ def fuzz(name: str, seed: int, first: int, count: int) -> tuple[int, str]:
 
 
 def main(words: list[str]) -> int:
-    """Runs the readers; the exit code is 1 where one broke its word."""
+    """Runs the readers; the exit code is 1 if one broke its word."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--inputs", type=int, default=100_000)
     parser.add_argument("--seed", type=int, default=1)

@@ -1,7 +1,7 @@
-"""Single mutations of the code, each a bug that a careless change would bring → which tests notice.
+"""Makes single mutations of the code, each a bug that a careless change would bring, and finds which tests notice.
 
 Usage: run.py [--list] [--check] [--only NAMES] [--rest] [--jobs N] [--page]
-Works in copies of the tree under build/mutants. Ends with 1 where a mutation survives, or cannot be applied or built.
+Works in copies of the tree under build/mutants. Ends with 1 if a mutation survives, or cannot be applied or built.
 """
 
 import argparse
@@ -37,7 +37,7 @@ class Mutant:
     """One mutation and the tests that should notice it."""
 
     name: str
-    folder: str  # where exactly one file contains the old text, once
+    folder: str  # in which exactly one file contains the old text, once
     old: str
     new: str
     native: str = ""  # a filter of GoogleTest
@@ -74,7 +74,7 @@ def read_mutants() -> list[Mutant]:
 
 
 def place(tree: Path, mutant: Mutant) -> tuple[Path | None, str]:
-    """The one file with the old text, else None and why."""
+    """The one file with the old text, else None and the reason."""
     hits: list[tuple[Path, int]] = []
     base = tree / mutant.folder
     for path in [base] if base.is_file() else sorted(base.rglob("*")):
@@ -89,7 +89,7 @@ def place(tree: Path, mutant: Mutant) -> tuple[Path | None, str]:
 
 
 def source_files() -> list[Path]:
-    """What git knows or would add, relative to the root."""
+    """The files that git knows or would add, relative to the root."""
     words = ["git", "-C", str(ROOT), "ls-files", "-co", "--exclude-standard", "-z"]
     listed = subprocess.run(words, check=True, capture_output=True, text=True).stdout
     return [Path(name) for name in listed.split("\0") if name and (ROOT / name).is_file()]
@@ -101,14 +101,14 @@ class Tree:
     def __init__(self, number: int, python: str) -> None:
         self.path = BUILD / f"tree{number}"
         self.python = python
-        self.failing: set[str] = set()  # before any mutation
+        self.failing: set[str] = set()  # tests that fail before any mutation
         self.synchronize()
         shared = ROOT.parent / "shared"
         if shared.is_dir() and not (BUILD / "shared").exists():
             (BUILD / "shared").symlink_to(shared)
 
     def synchronize(self) -> None:
-        """Makes the copy like the tree; what is the same stays untouched, and is not built again."""
+        """Makes the copy like the tree; files that are the same stay untouched, and are not built again."""
         names = set(source_files())
         for name in names:
             target, content = self.path / name, (ROOT / name).read_bytes()
@@ -123,7 +123,7 @@ class Tree:
                     path.unlink()
 
     def build(self, target: str) -> str:
-        """The last lines of what went wrong, or ""."""
+        """Builds a target; gives the last lines of an error, or ""."""
         folder, kind = self.path / "build", ["-DCMAKE_BUILD_TYPE=Release"]
         if shutil.which("ccache"):
             kind.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
@@ -135,11 +135,11 @@ class Tree:
         return ended.stdout[-2000:] if ended.returncode else ""
 
     def test(self, native: str, addon: str, first_only: bool) -> tuple[set[str], int, str]:
-        """Tests that failed, how many ran, and the end of what they printed."""
+        """Runs tests; gives those that failed, how many ran, and the end of what they printed."""
         return self.native(native, first_only) if native else self.addon(addon, first_only)
 
     def native(self, names: str, first_only: bool) -> tuple[set[str], int, str]:
-        """GoogleTest."""
+        """Runs GoogleTest."""
         left_out = ":".join(name for name in sorted(self.failing) if "::" not in name)
         words = [self.path / "build" / "paradesc_tests", f"--gtest_filter={names}{'-' * bool(left_out)}{left_out}"]
         ended = run([*words, *["--gtest_fail_fast"] * first_only], self.path)
@@ -150,7 +150,7 @@ class Tree:
         return failed, sum(word in ("OK", "FAILED") for word, _ in told), ended.stdout[-1500:]
 
     def addon(self, words: str, first_only: bool) -> tuple[set[str], int, str]:
-        """pytest."""
+        """Runs pytest."""
         given = [f"tests/addon/{word}" if ".py" in word else word for word in shlex.split(words)]
         left_out = [f"--deselect={name}" for name in sorted(self.failing) if "::" in name]
         command = [self.python, "-m", "pytest", "-v", "--tb=no", "-p", "no:cacheprovider", *["-x"] * first_only]
@@ -163,7 +163,7 @@ class Tree:
 
 
 def run(words: list[object], folder: Path, more: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
-    """A process, its output together; one that hangs ends with 124."""
+    """Runs a process and joins its outputs; one that hangs ends with 124."""
     try:
         return subprocess.run(
             list(map(str, words)),
@@ -190,7 +190,7 @@ def build_all(tree: Tree) -> None:
 
 
 def baseline(tree: Tree, mutants: list[Mutant]) -> set[str]:
-    """Tests of the suites asked for that fail without a mutation: nothing can be noticed by them."""
+    """The tests of these suites that fail without a mutation, and so cannot notice anything."""
     failing: set[str] = set()
     native = sorted({item.native for item in mutants if item.native})
     if native:
@@ -226,19 +226,19 @@ def try_one(tree: Tree, mutant: Mutant) -> Outcome:
 
 
 def kept_results() -> dict[str, Outcome]:
-    """Of earlier runs."""
+    """The results of earlier runs."""
     if not RESULTS.is_file():
         return {}
     return {row["name"]: Outcome(**row) for row in json.loads(RESULTS.read_text())}
 
 
 def keep(results: dict[str, Outcome]) -> None:
-    """For the page, and for --rest."""
+    """Keeps the results for the page, and for --rest."""
     RESULTS.write_text(json.dumps([asdict(item) for item in results.values()], indent=1))
 
 
 def try_all(mutants: list[Mutant], jobs: int, python: str) -> dict[str, Outcome]:
-    """Everything asked for, a copy of the tree for each job."""
+    """Tries all these mutations, with a copy of the tree for each job."""
     trees: Queue[Tree] = Queue()
     made = [Tree(number, python) for number in range(jobs)]
     for tree in made:
@@ -268,7 +268,7 @@ def try_all(mutants: list[Mutant], jobs: int, python: str) -> dict[str, Outcome]
 
 
 def summary(mutants: list[Mutant], results: dict[str, Outcome]) -> str:
-    """One sentence."""
+    """Sums up the results in one sentence."""
     done = [results[item.name] for item in mutants if item.name in results]
     counts = {kind: sum(item.result == kind for item in done) for kind in sorted({item.result for item in done})}
     tried = len(done) - counts.get("equivalent", 0)
@@ -278,7 +278,7 @@ def summary(mutants: list[Mutant], results: dict[str, Outcome]) -> str:
 
 
 def write_page(mutants: list[Mutant], results: dict[str, Outcome]) -> None:
-    """The table in RELIABILITY.md, between its marks."""
+    """Writes the table in RELIABILITY.md, between its marks."""
     rows = ["| mutation | in | result | first noticed by |", "|---|---|---|---|"]
     for mutant in mutants:
         found = results.get(mutant.name)
@@ -292,7 +292,7 @@ def write_page(mutants: list[Mutant], results: dict[str, Outcome]) -> None:
 
 
 def check(mutants: list[Mutant]) -> int:
-    """Whether every mutation applies to the tree as it is."""
+    """Checks whether every mutation applies to the tree as it is."""
     wrong = 0
     for mutant in mutants:
         path, trouble = (ROOT, "") if mutant.equivalent else place(ROOT, mutant)

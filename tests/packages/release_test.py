@@ -1,6 +1,6 @@
-"""The libraries of a release as users get them: what they need and show, and that Windows computes as Linux does.
+"""The libraries of a release as users get them: what they need and export, and that Windows computes as Linux does.
 
-Run by tests/release.sh, which builds them and names their folder in PARADESC_RELEASE.
+tests/release.sh runs this; it builds them and names their folder in PARADESC_RELEASE.
 """
 
 import math
@@ -23,13 +23,13 @@ LIBRARIES = {
     "macos-arm64": "libparadesc-arm64.dylib",
 }
 MACS = {"macos-x64": "x86_64", "macos-arm64": "arm64"}
-# What Zig's C++ library leaves visible on a Mac: marks of every library, and operators new and delete as weak symbols,
-# of which the system's are taken.
+# Zig's C++ library leaves these visible on a Mac: marks of every library, and operators new and delete as weak symbols,
+# which those of the system replace.
 MAC_EXTRAS = re.compile(r"__mh_dylib_header|___dso_handle|__Zn[wa]m.*|__Zd[la]Pv.*")
 
 
 def path_of(platform):
-    """A platform's library."""
+    """The path of a platform's library."""
     return RELEASE / platform / LIBRARIES[platform]
 
 
@@ -39,7 +39,7 @@ def public_functions():
 
 
 def exports(platform):
-    """The names that a library shows."""
+    """The names that a library exports."""
     binary = lief.parse(str(path_of(platform)))
     entries = binary.get_export().entries if platform == "windows-x64" else binary.exported_symbols
     return {entry.name for entry in entries}
@@ -75,7 +75,7 @@ def test_linux_library_needs_the_c_library_alone():
 
 
 def test_windows_library_needs_windows_alone():
-    binary = lief.parse(str(path_of("windows-x64")))  # its parts live as long as it does
+    binary = lief.parse(str(path_of("windows-x64")))  # kept, because its parts live only as long as it does
     names = {entry.name.lower() for entry in binary.imports}
     assert all(name in {"kernel32.dll", "ntdll.dll"} or name.startswith("api-ms-win-crt-") for name in names), names
 
@@ -87,11 +87,11 @@ def test_mac_library_needs_the_system_alone_and_is_found_by_its_name(platform, m
     assert own == f"@rpath/libparadesc-{machine}.dylib"
     assert needed == ["/usr/lib/libSystem.B.dylib"]
     assert str(binary.header.cpu_type).lower().endswith(machine)
-    assert machine != "arm64" or binary.has_code_signature  # an unsigned one is killed there
+    assert machine != "arm64" or binary.has_code_signature  # macOS kills an unsigned one
 
 
 def curvatures(words):
-    """What sphere_curvature prints: values by descriptor, beside version and device."""
+    """What sphere_curvature prints: version, device, and values by descriptor."""
     environment = {**os.environ, "WINEPREFIX": str(RELEASE / "wine"), "WINEDEBUG": "-all"}
     environment["WINEDLLOVERRIDES"] = "mscoree=;mshtml="
     done = subprocess.run(
@@ -113,7 +113,7 @@ def test_windows_library_computes_as_the_linux_one_does():
     for name in ("mean_curvature", "gaussian_curvature", "sphere_volume"):
         values, expected = ([float(word) for word in found[name].split()] for found in (theirs, ours))
         assert len(values) == len(expected) == 17 * 24
-        # Sums in double, printed as floats: other mathematical functions differ in the last of nine digits.
+        # Sums are in double and printed as floats; other mathematical functions differ in the last of nine digits.
         assert all(math.isclose(a, b, rel_tol=1e-6) for a, b in zip(values, expected, strict=True)), name
     middle = float(theirs["mean_curvature"].split()[8 * 24])
     assert math.isclose(middle, 0.5, rel_tol=0.02)  # a sphere of radius 2, as a polyhedron

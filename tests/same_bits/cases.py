@@ -1,4 +1,4 @@
-"""What is computed of every mesh: radii × precisions × places, then every other option once."""
+"""Lists what is computed of every mesh: radii × precisions × places, then every other option once."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -6,12 +6,12 @@ from typing import Any
 RADII = (0.01, 0.02, 0.04)
 PRECISIONS = ("full", "half")
 PLACES = ("vertex", "texel")
-# The grid takes the defaults of pdesc_options but for texels; other options and --quick what takes less time.
+# The grid takes the defaults of pdesc_options except texels; other options and --quick take what is faster.
 WHOLE = {"texels": 256}
 SMALL = {"texels": 128, "buffer_size": 512, "samples": 64}
 QUICK = {"texels": 64, "buffer_size": 256, "samples": 64}
 
-# One row a computation beside the grid, at the middle radius: what differs from the defaults.
+# One row for each computation beside the grid, at the middle radius: what differs from the defaults.
 OPTIONS: tuple[dict[str, Any], ...] = (
     {"relocation": "affine"},
     {"relocation": "affine", "precision": "half"},
@@ -50,12 +50,12 @@ OPTIONS: tuple[dict[str, Any], ...] = (
     {"map_descriptor": "mean_curvature"},
     {"map_descriptor": "euclidean_area", "map_sigma": 0.5, "harris_k": 0.1, "relocation": "affine"},
 )
-# Slow ones, on small meshes alone, and left out by --quick.
+# These are slow: they run on small meshes only, and --quick leaves them out.
 SLOW: tuple[dict[str, Any], ...] = (
     {"geodesic": "chords", "relocation": "affine"},
     {"geodesic": "chords", "relocation": "paper", "distance": "geodesic"},
 )
-# Without a device; the reference knows fewer options.
+# These run without a device; the reference has fewer options.
 REFERENCE: tuple[dict[str, Any], ...] = (
     {},
     {"estimator": "integral"},
@@ -103,7 +103,7 @@ def others(base: dict[str, Any], changes: tuple[str, ...], slow: bool) -> list[C
 
 
 def on_reference(base: dict[str, Any]) -> list[Case]:
-    """Without a device, at the smallest radius."""
+    """The cases without a device, at the smallest radius."""
     cases = []
     for given in REFERENCE:
         cases.append(Case(f"reference, {named(given)}", base | {"radius": RADII[0]} | given, backend="reference"))
@@ -111,5 +111,5 @@ def on_reference(base: dict[str, Any]) -> list[Case]:
 
 
 def singly(base: dict[str, Any], descriptors: list[str]) -> list[Case]:
-    """Each descriptor alone, as the rest of the table has them from one sampling."""
+    """Each descriptor alone, because the other cases compute all from one sampling."""
     return [Case(f"{name} alone", base, alone=name) for name in descriptors]

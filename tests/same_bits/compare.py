@@ -1,4 +1,4 @@
-"""Two folders of compute.py → a table of values whose bits differ; ends with 1 where there are any.
+"""Compares two folders of compute.py: prints a table of values whose bits differ, and ends with 1 if there are any.
 
 Usage: compare.py OLD NEW [--rows N] [--json FILE]
 """
@@ -14,7 +14,7 @@ import numpy as np
 
 @dataclass
 class Difference:
-    """One array that is not the same."""
+    """An array that differs."""
 
     mesh: str
     case: str
@@ -28,7 +28,7 @@ class Difference:
 
 @dataclass
 class Count:
-    """What one mesh came to."""
+    """The result for one mesh."""
 
     mesh: str
     cases: int = 0
@@ -39,7 +39,7 @@ class Count:
 
 
 def unequal(old: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Where the bits differ, flat; everywhere where shape or type do."""
+    """Where the bits differ, flat; everywhere if shape or type differ."""
     if old.shape != new.shape or old.dtype != new.dtype:
         return np.ones(max(old.size, 1), bool)
     if not old.size:
@@ -49,7 +49,7 @@ def unequal(old: np.ndarray, new: np.ndarray) -> np.ndarray:
 
 
 def difference(mesh: str, key: str, old: np.ndarray, new: np.ndarray, apart: np.ndarray) -> Difference:
-    """How far apart the values are that differ."""
+    """How far the differing values are apart."""
     case, what = key.split(" | ")
     found = Difference(mesh, case, what, int(apart.sum()), int(apart.size), np.nan, np.nan, 0)
     if old.shape != new.shape or old.dtype.kind not in "fiub" or not old.size:
@@ -64,7 +64,7 @@ def difference(mesh: str, key: str, old: np.ndarray, new: np.ndarray, apart: np.
 
 
 def compare(mesh: str, old: Path, new: Path) -> tuple[Count, list[Difference], list[str]]:
-    """One mesh: counts, arrays that differ, sentences that do. What only the new tree has is not looked at."""
+    """Compares one mesh: counts, arrays and sentences that differ. What only the new tree has does not count."""
     count, differences, sentences = Count(mesh), [], []
     with np.load(old) as before, np.load(new) as after:
         names = set(after.files)
@@ -88,7 +88,7 @@ def compare(mesh: str, old: Path, new: Path) -> tuple[Count, list[Difference], l
 
 
 def line(item: Difference) -> str:
-    """One array that differs."""
+    """The line of the table for an array that differs."""
     share = f"{100 * item.largest / item.span:.3g} % of the span" if item.span > 0 else f"{item.largest:.3g}"
     nan = f", {item.nan} NaN in one alone" if item.nan else ""
     return f"  {item.mesh}, {item.case}: {item.what}: {item.values:,d} of {item.of:,d}, by up to {share}{nan}\n"

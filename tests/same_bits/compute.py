@@ -1,7 +1,7 @@
-"""One tree → a file of arrays for each mesh: all that its library gives for all cases, on the software device.
+"""Writes a file of arrays for each mesh: all that one tree's library gives for all cases, on the software device.
 
 Usage: compute.py TREE FOLDER [--quick] [--grid] [--meshes FOLDER] [--only NAMES]
-Run by same_bits.sh, once for either tree, with that tree's add-on as the way to its library. Needs numpy, not bpy.
+same_bits.sh runs it once for each tree, with that tree's add-on as the way to its library. It needs numpy, not bpy.
 """
 
 import argparse
@@ -19,14 +19,14 @@ from paradesc import bridge
 ROOT = Path(__file__).resolve().parents[2]
 MESHES = ROOT.parent / "shared" / "meshes"
 QUICK_MESHES = ("fox", "pirate", "spot")
-# What depends on the clock, or is an expectation of memory and no result.
+# These depend on the clock, or forecast memory and are no results.
 LEFT_OUT = ("seconds_", "memory_megabytes")
-FEW = 1000  # triangles of meshes of which every descriptor is computed alone, too
-SMALL = 6000  # those that the reference computes, too, and with slow options
+FEW = 1000  # triangles; on smaller meshes every descriptor is also computed alone
+SMALL = 6000  # triangles; smaller meshes are also computed by the reference, and with slow options
 
 
 def arguments() -> argparse.Namespace:
-    """The words of the command."""
+    """Parses the words of the command."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("tree", type=Path)
     parser.add_argument("folder", type=Path)
@@ -60,13 +60,13 @@ class Recorder:
         self.arrays[f"{case} | {what}"] = np.asarray(values)
 
     def keep_report(self, case: str, what: str, report: dict[str, Any]) -> None:
-        """Adds a report's members but for times."""
+        """Adds a report's members except times."""
         for name, value in report.items():
             if not name.startswith(LEFT_OUT):
                 self.keep(case, f"{what}.{name}", value)
 
     def compute(self, mesh: bridge.Mesh, case: cases.Case) -> None:
-        """Adds what one computation gives, or how it is refused."""
+        """Adds what one computation gives, or the sentence of its refusal."""
         options = bridge.Options(**case.options)
         texels = options.evaluate == "texel" and case.backend != "reference"
         names = [case.alone] if case.alone else [row.name for row in self.rows if not (texels and row.map_degree)]
@@ -100,7 +100,7 @@ class Recorder:
         self.keep(case, "near_seam", mesh.near_seam(0.02 * mesh.report()["diagonal"]))
 
     def on_device(self, arrays: bridge.MeshArrays) -> None:
-        """Every case of the software device."""
+        """Computes every case of the software device."""
         todo = cases.grid(self.whole)
         slow = not self.quick and len(arrays.triangle_corners) <= SMALL
         if not self.grid:
@@ -124,7 +124,7 @@ class Recorder:
                     self.compute(mesh, cases.Case(name, given, buffers=True))
 
     def on_reference(self, arrays: bridge.MeshArrays) -> None:
-        """Every case of the reference, on a small mesh."""
+        """Computes every case of the reference, on a small mesh."""
         if self.grid or len(arrays.triangle_corners) > (FEW if self.quick else SMALL):
             return
         with self.contexts["reference"].mesh(arrays) as mesh:
@@ -135,7 +135,7 @@ class Recorder:
             self.compute(mesh, cases.Case("reference, moved", options, backend="reference"))
 
     def record(self, arrays: bridge.MeshArrays) -> None:
-        """All of one mesh."""
+        """Computes everything for one mesh."""
         try:
             self.on_device(arrays)
             self.on_reference(arrays)
@@ -145,7 +145,7 @@ class Recorder:
 
 
 def compute_file(path: Path, folder: Path, contexts: dict[str, bridge.Context], asked: argparse.Namespace) -> None:
-    """The file of one mesh, which is there only when it is whole."""
+    """Writes the file of one mesh, which appears only when it is whole."""
     start = time.perf_counter()
     recorder = Recorder(contexts, asked.quick, asked.grid)
     recorder.record(inputs.read(path))
@@ -158,7 +158,7 @@ def compute_file(path: Path, folder: Path, contexts: dict[str, bridge.Context], 
 
 
 def main() -> int:
-    """A file for each mesh that has none yet."""
+    """Writes a file for each mesh that has none yet."""
     asked = arguments()
     used = Path(bridge.__file__).resolve()
     if not used.is_relative_to(asked.tree.resolve()):
@@ -169,7 +169,7 @@ def main() -> int:
         sys.stderr.write(f"There is no mesh in {asked.meshes}.\n")
         return 2
     asked.folder.mkdir(parents=True, exist_ok=True)
-    np.seterr(all="ignore")  # of malformed meshes
+    np.seterr(all="ignore")  # malformed meshes cause them
     with bridge.Context("software") as software, bridge.Context("reference") as reference:
         sys.stdout.write(f"{asked.tree}: {software.device}\n")
         for path in paths:

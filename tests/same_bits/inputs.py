@@ -1,4 +1,4 @@
-"""Shared meshes → arrays, and how a case changes a mesh that is there. Plain numpy, the same for both trees."""
+"""Reads real meshes into arrays, and changes an existing mesh for a case. Plain numpy, the same for both trees."""
 
 import json
 import math
@@ -21,7 +21,7 @@ IMAGE = 64  # texels along a side of the surface maps
 
 
 def read(path: Path) -> bridge.MeshArrays:
-    """A .obj or .glb; what has no UV map gets projected charts."""
+    """Reads a .obj or .glb; a mesh without a UV map gets projected charts."""
     arrays = read_glb(path) if path.suffix == ".glb" else meshes.read_obj(path)
     if arrays.corner_uvs is None:
         arrays = meshes.project_charts(arrays, cells=6)
@@ -31,7 +31,7 @@ def read(path: Path) -> bridge.MeshArrays:
 
 
 def read_glb(path: Path) -> bridge.MeshArrays:
-    """All triangles of a binary glTF file in the pose of its accessors, without its nodes."""
+    """Reads all triangles of a binary glTF file in the pose of its accessors, without its nodes."""
     content = path.read_bytes()
     (length,) = struct.unpack_from("<I", content, 12)
     scene, binary = json.loads(content[20 : 20 + length]), content[28 + length :]
@@ -62,13 +62,13 @@ def read_glb(path: Path) -> bridge.MeshArrays:
 
 
 def waves() -> tuple[np.ndarray, np.ndarray]:
-    """(n, n) the phase of a picture that repeats, along u and v."""
+    """(n, n) phases of a repeating picture, along u and v."""
     steps = np.arange(IMAGE) * (2 * math.pi / IMAGE)
     return np.meshgrid(3 * steps, 5 * steps)
 
 
 def bent(arrays: bridge.MeshArrays) -> np.ndarray:
-    """Positions of another shape: units of the buffer cancel what only scales."""
+    """Positions of another shape; a mere scale would cancel in the units of the buffer."""
     points = arrays.positions.astype(np.float64)
     size = np.ptp(points, axis=0).max()
     turned = points / size * 4
@@ -76,19 +76,19 @@ def bent(arrays: bridge.MeshArrays) -> np.ndarray:
 
 
 def moved(mesh: bridge.Mesh, arrays: bridge.MeshArrays) -> None:
-    """Other positions."""
+    """Gives the mesh other positions."""
     mesh.set_positions(bent(arrays))
 
 
 def displaced(mesh: bridge.Mesh, arrays: bridge.MeshArrays) -> None:
-    """A displacement map."""
+    """Gives the mesh a displacement map."""
     u, v = waves()
     size = float(np.ptp(arrays.positions.astype(np.float64), axis=0).max())
     mesh.set_displacement((0.5 + 0.5 * np.sin(u) * np.cos(v)).astype(np.float32), 0.4, 0.004 * size)
 
 
 def normal_mapped(mesh: bridge.Mesh, arrays: bridge.MeshArrays) -> None:
-    """A normal map, with some tangent at every corner."""
+    """Gives the mesh a normal map, with some tangent at every corner."""
     u, v = waves()
     colors = np.stack([0.5 + 0.2 * np.sin(u), 0.5 + 0.2 * np.cos(v), np.full_like(u, 0.95)], axis=-1)
     normals = arrays.corner_normals.astype(np.float64)
@@ -100,7 +100,7 @@ def normal_mapped(mesh: bridge.Mesh, arrays: bridge.MeshArrays) -> None:
 
 
 def both(mesh: bridge.Mesh, arrays: bridge.MeshArrays) -> None:
-    """Both maps over other positions."""
+    """Gives the mesh both maps over other positions."""
     moved(mesh, arrays)
     displaced(mesh, arrays)
     normal_mapped(mesh, arrays)
@@ -115,14 +115,14 @@ CHANGES: dict[str, Callable[[Any, Any], None]] = {
 
 
 def undo(mesh: bridge.Mesh, arrays: bridge.MeshArrays) -> None:
-    """The mesh as it was read."""
+    """Makes the mesh as it was read."""
     mesh.set_displacement(None)
     mesh.set_normal_map(None)
     mesh.set_positions(arrays.positions)
 
 
 def shaded(arrays: bridge.MeshArrays) -> bridge.MeshArrays:
-    """The same mesh with faces that are flat and edges that are sharp."""
+    """The same mesh with some flat faces and sharp edges."""
     triangles = arrays.triangle_vertices
     smooth = (np.arange(len(triangles)) % 7 != 0).astype(np.uint8)
     return replace(arrays, triangle_smooth=smooth, sharp_edges=np.ascontiguousarray(triangles[::5, :2]))

@@ -1,4 +1,4 @@
-"""The native half's folders stand in the order of the data path: an include points upward there, never in a circle."""
+"""The folders of the native half stand in the order of the data path: includes point upward, never in a circle."""
 
 import re
 from graphlib import CycleError, TopologicalSorter
@@ -10,8 +10,8 @@ from sources import ROOT
 
 SOURCES = ROOT / "native" / "src"
 INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]', re.MULTILINE)
-# A folder, or a file without its suffix, may include what stands in itself and in the rows above. Names of one row do
-# not know each other.
+# A folder, or a file without its suffix, may include what stands in itself and in the rows above. Names in one row may
+# not include each other.
 DIRECTION: tuple[tuple[str, ...], ...] = (
     ("support",),
     ("mesh",),
@@ -35,7 +35,7 @@ OPENGL_HEADER = re.compile(r"^(GL|EGL|GLES\d?|KHR|epoxy|glad|GLFW)/|^opengl/")
 
 
 def includes() -> dict[str, list[str]]:
-    """By source file: the headers that it names, own ones from native/src on."""
+    """The headers that each source file names, our own ones from native/src on."""
     found = {}
     for path in sorted(SOURCES.rglob("*")):
         if path.suffix in (".h", ".cpp", ".c", ".def"):
@@ -45,7 +45,7 @@ def includes() -> dict[str, list[str]]:
 
 
 def own(folder: Path, header: str) -> str:
-    """A header's path from native/src on, where it stands beside the file that includes it."""
+    """A header's path from native/src on, if it stands beside the file that includes it."""
     beside = folder / header
     return beside.as_posix() if (SOURCES / beside).is_file() else header
 

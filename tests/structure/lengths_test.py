@@ -1,4 +1,4 @@
-"""Functions and files are short enough to be read at one sight."""
+"""Functions and files are short enough to be read at a glance."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from sources import KINDS, files, functions, relative
 LONGEST = 60  # lines of a function
 SHORT = 30  # nine functions in ten are shorter
 FILE = 450  # a file is shorter
-# As many functions at least, or the parser has missed some: about as many as there are files.
+# If there are fewer functions for each file, the parser has missed some.
 PARSED = 0.5
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-# What is looked at: folder, endings, and the language that lizard is told; GLSL is near enough to C for it.
+# The folders and endings that count, and the language that lizard is told: GLSL is near enough to C for it.
 KINDS = {
     "C++": ("native/src", (".cpp", ".h", ".c"), "text.cpp"),
     "GLSL": ("shaders", (".glsl", ".h"), "text.c"),
