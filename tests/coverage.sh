@@ -65,6 +65,7 @@ report_native() {
 }
 
 addon() {
+  [ -f "$root/addon/paradesc/lib/libparadesc.so" ] || build_library paradesc
   # shellcheck disable=SC2086
   (cd "$root" && PYTHONPATH=$root/addon:$tools "$python" -m coverage run --data-file "$build/addon.data" --source addon/paradesc \
     --concurrency thread -m pytest -q --rootdir "$root" -p no:cacheprovider ${words:-tests/addon}) || code=1
