@@ -1,13 +1,13 @@
 """The paper's object-space method: mean curvature by sums over the vertices within r, each weighted by its own area.
 
-This is the method that Fig. 2 shows to fail on coarse meshes; the project's reference is another one, that integrates
-over the triangles.
+Fig. 2 shows that this method fails on coarse meshes. The project's reference is another one, which integrates over the
+triangles.
 """
 
 import numpy as np
 from meshes import area_vectors, edges_of, max_normals
 
-ROWS = 256  # vertices at a time: bounds the memory
+ROWS = 256  # vertices at a time, which bounds the memory
 
 
 def vertex_areas(points, triangles):

@@ -1,4 +1,4 @@
-"""Meshes and options → results of a device and of the reference, and their errors."""
+"""Computes meshes and options on a device and with the reference, and measures the errors."""
 
 import platform
 from dataclasses import asdict, dataclass, fields, replace
@@ -11,7 +11,7 @@ from paradesc.bridge import abi
 from paradesc.core import compare, job
 from paradesc.files.results import registry_row
 
-# Options that say how to sample: the reference does not read them.
+# These options say how to sample; the reference does not read them.
 SAMPLING = {
     "samples", "buffer_size", "max_jumps", "seed", "relocation", "variance_reduction", "pattern", "ellipse", "adaptive",
     "evaluate", "texels", "precision", "seam_error",
@@ -23,7 +23,7 @@ class MissingError(Exception):
 
 
 def has(name, value=None):
-    """True where this build has the option, and, where it is a choice, the value."""
+    """Whether this build has the option, and if it is a choice also the value."""
     if not hasattr(bridge.Options(), name):
         return False
     tables = {
@@ -45,7 +45,7 @@ def options(**wanted):
 
 
 def registry():
-    """Names of all descriptors that have one value a vertex."""
+    """Names of all descriptors that have one value for each vertex."""
     return [row.name for row in bridge.descriptors() if not row.name.startswith("principal_direction")]
 
 
@@ -64,7 +64,7 @@ def cpu_model():
 
 @dataclass
 class Stats:
-    """Errors in percent of the one definition (compare.py), and the number of vertices they are over."""
+    """Errors in percent as compare.py defines them, and the number of vertices that they cover."""
 
     mean: float
     median: float
@@ -113,7 +113,7 @@ class Bench:
         return f"{self.context.backend}: {self.context.device}"
 
     def forget(self):
-        """Frees all meshes and results; between sections."""
+        """Frees all meshes and results between sections."""
         for mesh, _ in self.meshes.values():
             mesh.close()
         self.meshes.clear()
@@ -123,7 +123,7 @@ class Bench:
         """The native mesh, made once."""
         key = (id(context), id(arrays))
         if key not in self.meshes:
-            self.meshes[key] = (context.mesh(arrays), arrays)  # the arrays stay, so that no other gets their id
+            self.meshes[key] = (context.mesh(arrays), arrays)  # the arrays are kept, so that no others get their id
         return self.meshes[key][0]
 
     def run(self, arrays, names, chosen=None):
@@ -162,7 +162,7 @@ class Bench:
         return found
 
     def compare(self, arrays, names, chosen=None, against=None):
-        """Rows of compare.py, one a descriptor, and the device's results; against: other options of the reference."""
+        """Rows of compare.py, one a descriptor, and the device's results; against: options of the reference."""
         found = self.run(arrays, names, chosen)
         truth = self.reference(arrays, names, against or chosen)
         return {name: compare.row(name, found, truth) for name in names}, found

@@ -1,4 +1,4 @@
-"""Meshes for the report: a Wavefront reader, charts by projection, Loop's subdivision, noise. Plain numpy."""
+"""Makes meshes for the report: a Wavefront reader, charts by projection, Loop's subdivision, noise. Plain numpy."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -12,13 +12,13 @@ GUTTER = 3.0 / 1024  # around each chart, in UV units
 
 
 def find(name):
-    """A mesh that is not ours, or None where it is absent."""
+    """The file of a real mesh, or None if it is not there."""
     path = MESHES / f"{name}.obj"
     return read_obj(path) if path.is_file() else None
 
 
 def read_obj(path):
-    """Positions, triangles (polygons as fans) and, where every corner has one, UVs."""
+    """Reads positions, triangles (polygons as fans) and UVs, if every corner has one."""
     points, uvs, corners, corner_uvs = [], [], [], []
     with path.open() as lines:
         for line in lines:
@@ -38,7 +38,7 @@ def read_obj(path):
     corners, corner_uvs = np.array(corners), np.array(corner_uvs)
     triangles = np.where(corners < 0, corners + len(points), corners - 1).reshape(-1, 3)
     points = np.array(points, np.float64)
-    used, triangles = np.unique(triangles, return_inverse=True)  # Blender leaves out vertices without a face, too
+    used, triangles = np.unique(triangles, return_inverse=True)  # Blender also leaves out vertices without a face
     points, triangles = points[used], triangles.reshape(-1, 3)
     if not uvs or (corner_uvs == 0).any():
         return as_arrays(points, triangles)
@@ -47,17 +47,17 @@ def read_obj(path):
 
 
 def with_charts(name):
-    """A mesh of shared/meshes and how it got its UV map; (None, sentence) where it is absent or cannot be unwrapped."""
+    """A real mesh and how it got its UV map; (None, sentence) if it is absent or cannot be unwrapped."""
     arrays = find(name)
     if arrays is None:
-        return None, f"{name}.obj is not at ../shared/meshes."
+        return None, f"{name}.obj is not in shared/meshes beside the checkout."
     if arrays.corner_uvs is not None:
         return arrays, "its own"
     return project_charts(arrays, cells=6), "projected charts"
 
 
 def area_vectors(points, triangles):
-    """(t, 3) normals of twice the triangles' areas."""
+    """(t, 3) normals whose lengths are twice the triangles' areas."""
     a, b, c = (points[triangles[:, i]] for i in range(3))
     return np.cross(b - a, c - a)
 
@@ -83,7 +83,7 @@ def edges_of(triangles):
 
 
 def euler_characteristic(triangles):
-    """V − E + F, of the vertices that have a face."""
+    """V − E + F, counting the vertices that have a face."""
     edges, _ = edges_of(triangles)
     return len(np.unique(triangles)) - len(np.unique(np.sort(edges, axis=1), axis=0)) + len(triangles)
 
@@ -112,11 +112,11 @@ def components(count, pairs):
 
 
 def project_charts(arrays, cells):
-    """The mesh with charts: connected faces that look along one axis within a block of cells³, thrown onto a plane."""
+    """Gives the mesh charts: connected faces that look along one axis in a block of cells³, projected to a plane."""
     points, triangles = arrays.positions.astype(np.float64), arrays.triangle_vertices
     pairs = neighbor_pairs(triangles)
     facing = area_vectors(points, triangles)
-    for _ in range(12):  # smooth, so that a scan's noise does not tear charts apart
+    for _ in range(12):  # smoothing, so that a scan's noise does not tear charts apart
         total = facing.copy()
         for axis in range(3):
             total[:, axis] += np.bincount(pairs[:, 0], facing[pairs[:, 1], axis], len(facing))
@@ -153,7 +153,7 @@ def pack(flat, chart):
 
 
 def shelves(size, order):
-    """(count, 2) places of boxes in the unit square, or None where they do not fit."""
+    """(count, 2) places of boxes in the unit square, or None if they do not fit."""
     place = np.empty_like(size)
     x = y = GUTTER
     height = 0.0
@@ -223,23 +223,23 @@ def moved(arrays, points):
 
 
 def position_noise(arrays, fraction, seed=1):
-    """Gaussian noise in every coordinate; its deviation is a fraction of the diagonal."""
+    """Adds Gaussian noise to every coordinate; its deviation is a fraction of the diagonal."""
     points = arrays.positions.astype(np.float64)
     deviation = fraction * np.linalg.norm(np.ptp(points, axis=0))
     return moved(arrays, points + np.random.default_rng(seed).normal(0, deviation, points.shape))
 
 
 def with_normals(arrays, normals, degrees=0.0, seed=1):
-    """The mesh with its own normals (n, 3), each turned at random; the mean angle is the one given."""
+    """Gives the mesh its own normals (n, 3), each turned at random; the mean angle is the given one."""
     generator = np.random.default_rng(seed)
     aside = np.cross(normals, generator.normal(size=normals.shape))
     aside /= np.linalg.norm(aside, axis=1, keepdims=True)
-    # Of a normal distribution in the tangent plane the mean length is √(π/2) deviations.
+    # The mean length of a normal distribution in the tangent plane is √(π/2) deviations.
     turn = np.linalg.norm(generator.normal(0, np.radians(degrees) / np.sqrt(np.pi / 2), (len(normals), 2)), axis=1)
     turned = np.cos(turn)[:, None] * normals + np.sin(turn)[:, None] * aside
     return replace(arrays, corner_normals=turned[arrays.corner_vertices].astype(np.float32))
 
 
 def diagonal(arrays):
-    """Of the bounding box."""
+    """The diagonal of the bounding box."""
     return float(np.linalg.norm(np.ptp(arrays.positions, axis=0)))

@@ -1,4 +1,4 @@
-"""What a section of the report leaves behind → a JSON file, pictures beside it, and its part of the Markdown page."""
+"""Turns what a section of the report measured into a JSON file, pictures beside it, and its part of the page."""
 
 import json
 import math
@@ -24,7 +24,7 @@ NO_MATPLOTLIB = (
 
 @dataclass
 class Table:
-    """Cells as they are shown."""
+    """A table with its cells as they are shown."""
 
     caption: str
     head: list[str]
@@ -37,7 +37,7 @@ class Section:
 
     name: str
     title: str
-    paper: str  # what of the paper stands beside it
+    paper: str  # the part of the paper that it compares with
     folder: Path
     stamp: str = ""  # date, device, command
     seconds: float = 0.0
@@ -46,22 +46,22 @@ class Section:
     missing: list[str] = field(default_factory=list)
 
     def say(self, text):
-        """A paragraph."""
+        """Adds a paragraph."""
         self.items.append({"kind": "text", "text": text})
 
     def lacks(self, sentence):
-        """A sentence about what could not be measured; said once."""
+        """Adds a sentence about what could not be measured, once."""
         if sentence not in self.missing:
             self.missing.append(sentence)
 
     def table(self, caption, head, rows):
-        """Numbers are shown with four significant digits."""
+        """Adds a table; numbers have four significant digits."""
         self.items.append(
             {"kind": "table", **asdict(Table(caption, list(head), [[shown(x) for x in row] for row in rows]))}
         )
 
     def plot(self, name, caption, draw, columns=1, height=4.0):
-        """draw(axes...) paints with matplotlib; without it one sentence says so."""
+        """Adds a plot: draw(axes...) paints with matplotlib; without it one sentence says so."""
         if pyplot is None:
             self.lacks(NO_MATPLOTLIB)
             return
@@ -75,7 +75,7 @@ class Section:
         self.items.append({"kind": "image", "file": path.name, "text": caption})
 
     def picture(self, name, caption, image):
-        """An (h, w, 3) uint8 image."""
+        """Adds an (h, w, 3) uint8 image."""
         path = self.folder / f"{self.name}_{name}.png"
         write_png(path, image)
         self.items.append({"kind": "image", "file": path.name, "text": caption})
@@ -87,7 +87,7 @@ class Section:
 
 
 def load(path):
-    """A section that was saved."""
+    """Reads a section that was saved."""
     return Section(**json.loads(path.read_text()), folder=path.parent)
 
 
@@ -127,7 +127,7 @@ def markdown(section, images):
 
 
 def table_lines(item):
-    """A caption and the table; without rows it is left out."""
+    """A caption and the table; nothing if there are no rows."""
     if not item["rows"]:
         return []
     head = "| " + " | ".join(item["head"]) + " |"
@@ -136,7 +136,7 @@ def table_lines(item):
 
 
 def is_text(cells):
-    """True where a column holds words; numbers are set flush right."""
+    """Whether a column holds words; numbers are set flush right."""
     return any(cell[:1].isalpha() or "," in cell for cell in cells)
 
 

@@ -2,9 +2,9 @@
 
     .venv/bin/python tests/accuracy/report.py --output tests/accuracy/REPORT.md [--quick] [--sections closed,reference]
 
-Every section leaves a JSON file and its pictures beside the page, in results/ (results-quick/ with --quick): sections
+Every section writes a JSON file and its pictures beside the page, in results/ (results-quick/ with --quick). Sections
 that are not asked for are taken from there, so one can be measured again alone. Plots need matplotlib; without it one
-sentence says so, and the tables are there all the same.
+sentence says so, and the tables are still there.
 """
 
 import argparse
@@ -25,7 +25,7 @@ import sections_surfaces  # noqa: E402
 
 from paradesc import bridge  # noqa: E402
 
-# name: (function, title, what of the paper, seconds on two cores of a desktop processor with llvmpipe, quick)
+# name: (function, title, part of the paper, seconds on two cores of a desktop processor with llvmpipe, quick)
 SECTIONS = {
     **sections_surfaces.SECTIONS,
     **sections_models.SECTIONS,
@@ -84,7 +84,7 @@ def measure(name, measured, folder, quick, stamp):
 
 
 def write(output, folder, device):
-    """The page of all sections that were saved."""
+    """Writes the page of all sections that were saved."""
     lines = ["# Accuracy", ""]
     lines += [
         "Errors are percentages of absolute error by the one definition of this project: 100 · mean |x − truth| over "

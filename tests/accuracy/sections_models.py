@@ -1,4 +1,4 @@
-"""Sections over real meshes, measured against the reference: descriptors, radius, detail, charts, genus 20."""
+"""Sections on real meshes, measured against the reference: descriptors, radius, detail, charts, genus 20."""
 
 import importlib.util
 from pathlib import Path
@@ -14,7 +14,7 @@ from paradesc.files import picture
 from paradesc.files.results import registry_row
 
 MODELS = ("spot", "bob", "human", "beast", "rocker-arm", "stanford-bunny")
-# Columns of compare.py in the table of distributions.
+# The columns of compare.py in the table of distributions.
 DISTRIBUTION = (
     "mean_percent_ae",
     "median_percent_ae",
@@ -28,7 +28,7 @@ SAMPLES_SCRIPT = Path(__file__).resolve().parents[2] / "blend_samples" / "make_s
 
 
 def models(out, names):
-    """(name, arrays, atlas) of the meshes that are there."""
+    """(name, arrays, atlas) of the real meshes that are there."""
     for name in names:
         arrays, atlas = meshes.with_charts(name)
         if arrays is None:
@@ -116,7 +116,7 @@ def turns(bench, arrays, chosen):
 
 
 def pictures(bench, out, arrays, names):
-    """Fig. 8: every descriptor."""
+    """Draws Fig. 8: every descriptor."""
     found = bench.run(arrays, names, options(radius=0.02))
     panels = []
     for name in names:
@@ -188,7 +188,7 @@ def detail(bench, out, quick):
     )
     spot = meshes.find("spot")
     if spot is None:
-        out.lacks("spot.obj is not at ../shared/meshes.")
+        out.lacks("spot.obj is not in shared/meshes beside the checkout.")
         return
     levels = [spot]
     for _ in range(1 if quick else 2):
@@ -196,7 +196,7 @@ def detail(bench, out, quick):
     name = "mean_curvature"
     chosen = options(radius=0.04 * meshes.diagonal(levels[-1]), radius_unit="absolute")
     finest = bench.reference(levels[-1], [name], chosen).values[name]
-    # Old vertices move while a mesh is subdivided: each level gets the places that its vertices have in the end.
+    # Old vertices move while a mesh is subdivided, so each level gets the places that its vertices have in the end.
     rows, points = [], []
     for arrays in levels:
         arrays = meshes.moved(arrays, levels[-1].positions[: len(arrays.positions)])
@@ -265,7 +265,7 @@ def fragments(bench, out, quick):
     model = "rocker-arm" if quick else "stanford-bunny"
     bunny = meshes.find(model)
     if bunny is None:
-        out.lacks(f"{model}.obj is not at ../shared/meshes.")
+        out.lacks(f"{model}.obj is not in shared/meshes beside the checkout.")
         return
     kinds = [("connected", {})] + [
         (f"affine, {jumps} jump{'s' * (jumps != 1)}", {"relocation": "affine", "max_jumps": jumps})
@@ -363,7 +363,7 @@ def genus(bench, out, quick):
 
 
 def make_rim():
-    """The rim of the sample scenes, or None where the script makes none."""
+    """The rim of the sample scenes, or None if the script cannot make it."""
     import bpy
 
     from paradesc.scene import mesh_io

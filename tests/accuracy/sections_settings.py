@@ -1,4 +1,4 @@
-"""Sections over what trades time for error: samples (Table 1, Fig. 7), buffers (Table 2), both and texels (Fig. 12)."""
+"""Sections on what trades time for error: samples (Table 1, Fig. 7), buffers (Table 2), both and texels (Fig. 12)."""
 
 import numpy as np
 from bench import MissingError, has, options
@@ -16,7 +16,7 @@ INTEGRAL = {"estimator": "integral", "variance_reduction": "none"}
 
 
 def average(bench, meshes, names, **chosen):
-    """Mean over the meshes: error of H, and seconds of evaluation. None where this build lacks an option."""
+    """Means over the meshes: error of H, and seconds of evaluation. None if this build lacks an option."""
     shares, seconds = [], []
     for arrays in meshes:
         rows, found = bench.compare(arrays, names, options(**chosen))
@@ -26,7 +26,7 @@ def average(bench, meshes, names, **chosen):
 
 
 def attempt(bench, out, meshes, **chosen):
-    """average(), or dashes and a sentence."""
+    """Runs average(), or gives dashes and adds a sentence."""
     try:
         return average(bench, meshes, [NAME], **chosen)
     except MissingError as missing:
@@ -78,7 +78,7 @@ def samples(bench, out, quick):
 
 
 def pictures(bench, out, arrays):
-    """Fig. 7: the reference, then full and adaptive sampling."""
+    """Draws Fig. 7: the reference, then full and adaptive sampling."""
     truth = bench.reference(arrays, [NAME], options(radius=0.02))
     shown = [("REFERENCE", truth.values[NAME])]
     for count in (64, 256):

@@ -1,4 +1,4 @@
-"""Sections over surfaces with closed forms: error, settings, radius of the integral K, noise, coarse meshes."""
+"""Sections on surfaces with closed forms: error, settings, radius of the integral K, noise, coarse meshes."""
 
 import baseline
 import meshes
@@ -27,7 +27,7 @@ CURVATURES = [
     for name in LABELS
     if name not in ("sphere_volume", "sphere_volume_normalized", "euclidean_area", "geodesic_area")
 ]
-# What a plane has: areas and volumes are measured against it, since their own range is a small part of them.
+# Areas and volumes are measured against those of a plane, because their own range is a small part of them.
 PLANE = {
     "sphere_volume_normalized": lambda r: 0.5,
     "euclidean_area": lambda r: np.pi * r**2,
@@ -36,7 +36,7 @@ PLANE = {
 
 
 def inside(surface, radius):
-    """(n,) bool: away from open sides; fitted normals there are one-sided, and reach half a radius further."""
+    """(n,) bool: away from open sides, where fitted normals are one-sided and reach half a radius further."""
     return surface.boundary_distance > 1.5 * radius
 
 
@@ -190,7 +190,7 @@ def settings(bench, out, quick):
 
 
 def setting_cells(bench, out, surface, radius, names, variant):
-    """A row's cells; None where this build lacks a setting, which is said."""
+    """A row's cells; None if this build lacks a setting, and then it adds a sentence."""
     try:
         found = bench.run(surface.arrays, names, options(radius=radius, **variant))
     except MissingError as missing:
@@ -347,7 +347,7 @@ def coarse(bench, out, quick):
         bench.forget()
     spot = meshes.find("spot")
     if spot is None:
-        out.lacks("spot.obj is not at ../shared/meshes.")
+        out.lacks("spot.obj is not in shared/meshes beside the checkout.")
     else:
         fine = meshes.loop_subdivide(spot, 1 if quick else 2)
         few = meshes.moved(spot, fine.positions[: len(spot.positions)])
@@ -392,7 +392,7 @@ def coarse_row(bench, label, arrays, radius, truth, rows, curves):
 
 
 def pictures_of_coarse(bench, out, few, fine):
-    """Fig. 2: baseline and Paradesc on both meshes, in the colors of the fine truth."""
+    """Draws Fig. 2: baseline and Paradesc on both meshes, in the colors of the fine truth."""
     from sections_models import compose
 
     name, radius = "mean_curvature", 0.03

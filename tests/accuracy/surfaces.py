@@ -1,4 +1,4 @@
-"""Surfaces with closed forms → triangle meshes with exact normals and curvatures, and UV maps of one chart or of many.
+"""Makes triangle meshes of surfaces with closed forms, with exact normals and curvatures, and UV maps of any charts.
 
 A mesh is made of patches: grids of cells whose vertices are shared where patches or periods meet. A chart is a block of
 cells, flattened by the patch's own parameters, turned, and put into a cell of the unit square.
@@ -11,13 +11,13 @@ import numpy as np
 from paradesc import bridge
 
 VERTICES = 12000
-JITTER = 0.3  # of a grid cell; below 0.5 no triangle folds over
+JITTER = 0.3  # share of a grid cell; below 0.5 no triangle folds over
 GUTTER = 0.94  # the part of its place in the UV map that a chart takes
 
 
 @dataclass
 class Patch:
-    """A grid of cells: all arrays over its (nu + 1, nv + 1) lattice points."""
+    """A grid of cells; all arrays are over its (nu + 1, nv + 1) lattice points."""
 
     vertices: np.ndarray  # index of the mesh's vertex
     places: np.ndarray  # (…, 2) parameters in units of the surface, about isometric
@@ -26,7 +26,7 @@ class Patch:
 
 @dataclass
 class Surface:
-    """A mesh and what is exact at its vertices."""
+    """A mesh and the exact values at its vertices."""
 
     name: str
     arrays: bridge.MeshArrays
@@ -34,7 +34,7 @@ class Surface:
     mean: np.ndarray  # (n,)
     gaussian: np.ndarray  # (n,)
     boundary_distance: np.ndarray  # (n,) infinite on a closed surface
-    directions: dict[str, np.ndarray] = field(default_factory=dict)  # (n, 3) where they have a closed form
+    directions: dict[str, np.ndarray] = field(default_factory=dict)  # (n, 3) if they have a closed form
 
     @property
     def diagonal(self):
@@ -67,7 +67,7 @@ class Surface:
 
 
 def rectangle(lengths, periodic, vertices, irregular, seed):
-    """A patch over [0, 1]² of about as many vertices: its vertices' parameters (n, 2), and the patch."""
+    """Makes a patch over [0, 1]² of about that many vertices: its vertices' parameters (n, 2), and the patch."""
     generator = np.random.default_rng(seed)
     nu = max(4, round(np.sqrt(vertices * lengths[0] / lengths[1])))
     nv = max(4, round(vertices / nu))
@@ -86,7 +86,7 @@ def rectangle(lengths, periodic, vertices, irregular, seed):
 
 
 def cube_directions(vertices, irregular, seed):
-    """Six patches of a cube thrown onto the sphere by equal angles: unit directions (n, 3), and the patches."""
+    """Projects six patches of a cube to the sphere by equal angles: unit directions (n, 3), and the patches."""
     generator = np.random.default_rng(seed)
     n = max(4, round(np.sqrt(vertices / 6)))
     side = np.arange(n + 1)

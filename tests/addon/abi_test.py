@@ -1,4 +1,4 @@
-"""abi.py says the same as the C header: the C compiler is asked."""
+"""abi.py says the same as the C header, according to the C compiler."""
 
 import ctypes
 import re

@@ -1,4 +1,4 @@
-"""What the accuracy report (tests/accuracy) measures with: surfaces, meshes, baseline; how it keeps its sections."""
+"""The means of the accuracy report (tests/accuracy): surfaces, meshes, baseline, and how it keeps its sections."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""What of its memory a program uses, told by its own allocator: the C library, or jemalloc, as in Debian's Blender."""
+"""Asks a program's own allocator how much memory it uses: the C library, or jemalloc, as in Debian's Blender."""
 
 import ctypes
 
@@ -26,7 +26,7 @@ class _MallocInfo(ctypes.Structure):
 
 
 def give_back() -> None:
-    """Gives the system what is free: the allocator keeps it, each thread's in another place, and how much is chance."""
+    """Gives free memory back to the system: the allocator keeps it for each thread, and how much it keeps is chance."""
     library = ctypes.CDLL(None)
     library.malloc_trim(0)
     if hasattr(library, "mallctl"):
@@ -34,7 +34,7 @@ def give_back() -> None:
 
 
 def megabytes_in_use() -> float:
-    """What has been allocated and not freed; 0 where the allocator does not tell."""
+    """What has been allocated and not freed; 0 if the allocator does not tell."""
     library = ctypes.CDLL(None)
     if hasattr(library, "mallctl"):
         epoch, allocated = ctypes.c_uint64(1), ctypes.c_size_t(0)

@@ -38,7 +38,7 @@ def cylinder_blend(tmp_path):
 
 
 def contents(folder):
-    """The bytes of every frame by its name; other files are none."""
+    """The bytes of every frame by its name; other files do not count."""
     return {path.name: path.read_bytes() for path in cache.frames_in(folder).values()}
 
 
@@ -178,7 +178,7 @@ def test_error_says_at_which_frame_and_the_frames_before_stay(tmp_path):
     target.data.shape_keys.key_blocks["Large"].data[4].co.x = float("nan")
     with pytest.raises(bridge.ParadescError, match=r"Frame 2: .*vertex 4"):
         bake(target, tmp_path, (1, 2, 3))
-    assert list(cache.frames_in(tmp_path)) == [1]  # where the key has no weight
+    assert list(cache.frames_in(tmp_path)) == [1]  # at which the key has no weight
     assert bpy.context.scene.frame_current == 1
 
 

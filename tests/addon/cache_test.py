@@ -1,4 +1,4 @@
-"""Frame files: the same bytes for the same content, whole or not there, and nothing wrong with them goes unseen."""
+"""Frame files have the same bytes for the same content, are whole or absent, and no damage goes unnoticed."""
 
 import hashlib
 import json
@@ -178,7 +178,7 @@ def test_key_is_of_mesh_and_settings_but_not_of_device_or_pose():
     assert len({key, *others}) == 6
 
 
-# What has to be computed anew where it is another, each with another value than the default.
+# A change of any of these has to make a new key; each has another value than the default.
 ALL_SETTINGS = {
     "radius": 0.07, "radius_unit": "mean-edge", "samples": 99, "buffer_size": 512, "normals": "max",
     "max_jumps": 3, "seed": 5, "seam_error": True, "relocation": "affine", "estimator": "integral",
@@ -215,7 +215,7 @@ def test_one_range_over_all_frames_is_that_of_all_values(tmp_path):
     shown = cache.locked_ranges([tmp_path], "k")["mean_curvature"]
     low, high = np.percentile(np.concatenate(everything), [2.5, 97.5])
     assert (shown.minimum, shown.diverging) == (-shown.maximum, True)
-    # Ranks are kept to 1/256; two of them, at the slope of a tail, are some per cent.
+    # Ranks are kept to 1/256; two of them, at the slope of a tail, are a few per cent.
     assert shown.maximum == pytest.approx(max(-low, high), rel=0.06)
     assert cache.locked_ranges([tmp_path], "other key") == {}
 

@@ -76,7 +76,7 @@ def test_quitting_while_a_bake_runs_neither_hangs_nor_crashes(tmp_path, backend,
 
 
 def test_all_threads_of_the_addon_are_stopped_when_blender_quits():
-    """Bakes, frames and live values alike: one module starts threads, the one that stops them."""
+    """For bakes, frames and live values alike, one module starts all threads: the one that stops them."""
     package = ADDON / "paradesc"
     starting = {
         str(path.relative_to(package))

@@ -22,7 +22,7 @@ NAMES = ("mean_curvature", "shape_index")
 
 
 def refused(process, *words):
-    """One sentence on stderr, no traceback, an exit code."""
+    """Checks that there is one sentence on stderr, no traceback, and this exit code."""
     assert process.returncode != 0
     sentence = process.stderr.strip()
     assert sentence.startswith("paradesc: ")
@@ -34,7 +34,7 @@ def refused(process, *words):
 
 
 def accepted(process):
-    """Exit code 0 and nothing on stderr but what Blender itself says there."""
+    """Checks exit code 0, and that stderr has only what Blender itself says there."""
     assert process.returncode == 0, process.stderr
     assert process.stderr.strip() == ""
     return process.stdout

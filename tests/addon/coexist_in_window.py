@@ -1,7 +1,7 @@
 """Bakes again and again in Blender's window while the viewport redraws, then quits while a bake runs.
 
-Started by run_in_window.sh. With PARADESC_LONG_TESTS a hundred bakes, else three. Blender draws by OpenGL on the main
-thread, the library on its own; the picture of the viewport has to be the same after all of them.
+run_in_window.sh starts it. It bakes a hundred times with PARADESC_LONG_TESTS, else three times. Blender draws by OpenGL
+on the main thread and the library on its own; the picture of the viewport has to be the same after all bakes.
 """
 
 import os
@@ -22,14 +22,14 @@ STEP = 0.05
 
 
 def picture() -> np.ndarray:
-    """(height, width, 3) the viewport's middle on the screen."""
+    """(height, width, 3) pixels of the middle of the viewport on the screen."""
     area = view_context()["area"]
     x, y = area.x + area.width // 2, area.y + area.height // 2
     return screen_pixels()[y - 100 : y + 100, x - 100 : x + 100]
 
 
 def redraws(count: int) -> Iterator[None]:
-    """The viewport is drawn anew in every turn."""
+    """Draws the viewport anew in every turn."""
     for _ in range(count):
         view_context()["area"].tag_redraw()
         yield

@@ -40,8 +40,8 @@ def oklab(display):
 
 @EVERY_MAP
 def test_equal_steps_of_values_are_equal_steps_to_the_eye(row):
-    """viridis is uniform in another space (CAM02-UCS), from which OKLab differs by a quarter; the formulas, by rounding
-    at the edge of what screens can show.
+    """viridis is uniform in another space (CAM02-UCS), from which OKLab differs by a quarter. The formulas differ only
+    by rounding at the edge of what screens can show.
     """
     lab = oklab(row.function(np.linspace(0, 1, 201)))
     steps = np.linalg.norm(np.diff(lab, axis=0), axis=1)

@@ -1,4 +1,4 @@
-"""The one definition of error, on arrays small enough to check by hand."""
+"""The definition of error, on arrays small enough to check by hand."""
 
 import dataclasses
 import math
@@ -155,7 +155,7 @@ def test_several_radii_are_named_and_equal_those_alone(sphere):
 
 @pytest.mark.parametrize("radii", [(0.3, 0.05), (0.05, 0.3)], ids=str)
 def test_mask_and_coverage_are_the_worst_of_all_radii(radii):
-    """On an open bowl, without jumps over seams: the large neighborhood is cut where the small one is whole."""
+    """On an open bowl without jumps over seams, the large neighborhood is cut and the small one is whole."""
     points, quads, uvs = cube_sphere(12)
     kept = (points[quads, 2] < 0.5).all(axis=1)
     bowl = as_arrays(points, quads[kept], uvs[kept])

@@ -39,7 +39,7 @@ def registered():
 
 
 def blender_program():
-    """The words that start the Blender that the tests run in, in the background; none in its Python module."""
+    """The words that start, in the background, the Blender in which the tests run; none in its Python module."""
     try:
         import bpy
     except ImportError:
@@ -56,9 +56,9 @@ def command_line():
 
 @functools.cache
 def said_by_blender():
-    """The lines that Blender itself leaves on its standard error stream in this place, whatever it is started for.
+    """The lines that Blender itself always writes to its standard error stream here, whatever it is started for.
 
-    Without /etc/mtab, for one, it says that it could not get a list of mounted file-systems.
+    For example, without /etc/mtab it says that it could not get a list of mounted file-systems.
     """
     words = blender_program() or [sys.executable, "-c", "import bpy"]
     done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120, check=False)
@@ -66,7 +66,7 @@ def said_by_blender():
 
 
 def completed(words, cwd, env=None):
-    """Runs a program to its end; its standard error is without what Blender itself says in this place."""
+    """Runs a program to its end; leaves out of its standard error what Blender itself always says here."""
     done = subprocess.run(
         list(map(str, words)),
         cwd=cwd,
@@ -90,21 +90,21 @@ def paradesc(tmp_path):
 
 
 def environment():
-    """This process' environment, with the add-on on Python's path."""
+    """This process's environment, with the add-on on Python's path."""
     return {**os.environ, "PYTHONPATH": str(ADDON)}
 
 
 def real_mesh(name):
-    """A mesh that is not ours; the test is skipped where it is absent."""
+    """A real mesh; the test is skipped if it is absent."""
     path = MESHES / name
     if not path.is_file():
-        pytest.skip(f"real meshes are not at ../shared/meshes ({name})")
+        pytest.skip(f"real meshes are not in shared/meshes beside the checkout ({name})")
     return path
 
 
 @dataclass
 class Ended:
-    """What a command left behind."""
+    """What is left of a command that has ended."""
 
     code: int
     output: str
@@ -134,7 +134,7 @@ def report(tmp_path):
 
 @pytest.fixture
 def three_objects(tmp_path):
-    """Two spheres of their own, one that shares a mesh, and objects that are no use."""
+    """Two spheres, a third object that shares a mesh, and objects that cannot be baked."""
     import bpy
 
     from scene import add_sphere, empty_scene, saved_scene
@@ -158,9 +158,9 @@ def pytest_sessionfinish(session, exitstatus):
 
 @pytest.hookimpl(trylast=True)
 def pytest_unconfigure(config):
-    """Ends at once: Blender's own glTF exporter leaves callbacks in its Python module that make it crash at exit.
+    """Ends the process at once: Blender's own glTF exporter leaves callbacks that make its Python module crash at exit.
 
-    That ours does not is tested in processes of their own (headless_test.py, install_test.py).
+    headless_test.py and install_test.py test in other processes that the add-on does not do so.
     """
     bpy = sys.modules.get("bpy")
     if bpy is not None and not bpy.app.binary_path and hasattr(config, "ended"):

@@ -1,4 +1,4 @@
-"""Native contexts: shared where they may be, kept for the next one, thrown away where something went wrong."""
+"""Native contexts are shared if they may be, kept for the next user, and thrown away after an error."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ DEVICE = "software"
 
 @pytest.fixture(autouse=True)
 def none_idle():
-    """Every test begins and ends without idle contexts."""
+    """Begins and ends every test without idle contexts."""
     contexts.close_idle()
     yield
     contexts.close_idle()
@@ -22,7 +22,7 @@ def none_idle():
 
 
 def settings():
-    """What is computed in a moment."""
+    """Settings that compute quickly."""
     return job.Settings(options=bridge.Options(samples=32, buffer_size=128, radius=0.08), backend=DEVICE)
 
 

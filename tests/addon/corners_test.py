@@ -14,7 +14,7 @@ CORNER = 1 - FILLET + FILLET / np.sqrt(3)  # each coordinate of the middle of a 
 
 
 def rounded_cube(steps=24):
-    """A cube of half side 1 with rounded edges: the places of cube_sphere's grid, along arcs and flats in turn."""
+    """A cube of half side 1 with rounded edges: cube_sphere's grid, laid along arcs and flats in turn."""
     points, quads, uvs = cube_sphere(steps, 1.0)
     cube = points / np.abs(points).max(axis=1, keepdims=True)
     inner, arc = 1 - FILLET, FILLET * np.pi / 4
@@ -48,7 +48,7 @@ def expect_the_eight(found, arrays, radius):
     places = arrays.positions[found.vertices]
     assert len(places) == 8
     assert {tuple(np.sign(place)) for place in places} == {(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)}
-    # The response is flat at its top, 1 % lower at a third of the radius; vertices are half a radius apart.
+    # The response is flat at its top: it is 1 % lower at a third of the radius. Vertices are half a radius apart.
     assert np.abs(np.abs(places) - CORNER).max() < 0.5 * radius
 
 
@@ -62,11 +62,11 @@ def test_the_corners_of_a_rounded_cube_are_found_on_two_atlases(backend):
         results = job.run(arrays, settings)
         expect_the_eight(results.corners, arrays, results.radius)
         if backend == "reference":
-            break  # it knows no atlas
+            break  # it needs no atlas
 
 
 def strip(values):
-    """Triangles along a row of points one apart, two points a step, and a value for each step."""
+    """Triangles along a row of points at distance 1, two points for each step, and a value for each step."""
     steps = np.arange(len(values), dtype=np.float32)
     positions = np.array([[x, y, 0] for x in steps for y in (0, 1)], np.float32)
     triangles = [[2 * i, 2 * i + 2, 2 * i + 1] for i in range(len(values) - 1)]

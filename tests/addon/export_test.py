@@ -1,4 +1,4 @@
-"""What other programs get: values and colors through each of Blender's exporters. Inside Blender."""
+"""Other programs get values and colors through each of Blender's exporters. Runs inside Blender."""
 
 import json
 import struct
@@ -24,7 +24,7 @@ needs_usd = pytest.mark.skipif(not bpy.app.build_options.usd, reason="this Blend
 
 @pytest.fixture
 def baked():
-    """A sphere with made-up values, and every copy there is for exporters; vertex 5 has no value."""
+    """A sphere with made-up values, and all copies for exporters; vertex 5 has no value."""
     empty_scene()
     target = add_sphere(steps=3)
     results = made_up_results(target, NAMES)
@@ -46,14 +46,14 @@ def imported():
 
 
 def nearest(source, points):
-    """(k,) which of (n, 3) source points lies at each of (k, 3) points."""
+    """(k,) index of the (n, 3) source point that lies at each of (k, 3) points."""
     distance = np.linalg.norm(points[:, None] - source[None], axis=2)
     assert distance.min(axis=1).max() < 1e-4
     return distance.argmin(axis=1)
 
 
 def enable(name):
-    """Exporters that are add-ons have to be enabled in a Blender without preferences."""
+    """Enables an exporter that is an add-on, which a Blender without preferences has not enabled."""
     addon_utils.enable(name)
 
 

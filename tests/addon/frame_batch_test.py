@@ -1,4 +1,4 @@
-"""Bake Frames of several objects: a cache each, one range over all, one after the other, beside live values."""
+"""Bake Frames gives each of several objects its cache, one after the other, one range over all, beside live values."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 
 @pytest.fixture
 def pair(tmp_path):
-    """The sphere that stretches and a small one at rest, both selected, and settings for three frames of both."""
+    """A sphere that stretches and a small one at rest, both selected, and settings for three frames of both."""
     large = stretching_sphere()
     small = add_sphere("small", steps=6)
     small.data.transform([[0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 0.5, 0], [0, 0, 0, 1]])
@@ -40,12 +40,12 @@ def pair(tmp_path):
 
 
 def folders(pair):
-    """Where the frames of both are."""
+    """The folders of the frames of both."""
     return [cache_places.object_cache(bpy.context.scene, item) for item in pair]
 
 
 def batch(beside=True):
-    """A bake of frames as the operator begins it."""
+    """Begins a bake of frames as the operator does."""
     scene = bpy.context.scene
     return frame_batch.FrameBatch(
         bpy.context, cache_places.wanted_frames(scene), cache_places.cache_root(scene), beside
@@ -53,7 +53,7 @@ def batch(beside=True):
 
 
 def take_steps(running, until=lambda: False):
-    """What the window's timer does; gives the fractions on the way."""
+    """Does what the window's timer does; gives the fractions on the way."""
     seen = []
     while not running.done and not until():
         running.step()

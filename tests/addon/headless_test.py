@@ -1,4 +1,4 @@
-"""The command line for pipelines: reports, checks, exit codes, the manual, the add-on. Most run in this process."""
+"""The command line for pipelines: reports, checks, exit codes, the manual, the add-on, mostly in this process."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""What the command line reads, and what info tells about it: every kind of file, welding, defects, suggestions."""
+"""The command line reads every kind of file, and info tells about it: welding, defects, suggestions."""
 
 import json
 
@@ -17,7 +17,7 @@ QUICK = ("--radius", "0.08", "--samples", "32", "--buffer", "128", "--backend", 
 
 
 def export(suffix, path):
-    """Writes the open scene in another format, by whichever exporter this Blender has."""
+    """Writes the open scene in another format, by the exporter that this Blender has."""
     names = {".stl": ("wm.stl_export", "export_mesh.stl"), ".fbx": ("export_scene.fbx",)}.get(
         suffix, ("wm.usd_export",)
     )
@@ -27,7 +27,7 @@ def export(suffix, path):
 
 
 def write_gltf(path, points, quads, uvs):
-    """The sphere as .gltf and .bin, by hand: after Blender's exporter of glTF the Python module ends with a crash."""
+    """Writes the sphere as .gltf and .bin by hand: Blender's glTF exporter makes its Python module crash at exit."""
     corners = quads.reshape(-1)
     positions = points[corners][:, [0, 2, 1]] * (1, 1, -1)  # y is up
     first = 4 * np.arange(len(quads))[:, None]
@@ -104,7 +104,7 @@ def test_broken_file_of_every_kind_is_one_sentence(run, tmp_path, suffix):
     (tmp_path / f"junk{suffix}").write_text("junk")
     ended = run("bake", f"junk{suffix}", *QUICK, "--output", "out.npz")
     assert ended.code == common.EXIT_INPUT
-    sentence = ended.error.splitlines()[-1]  # this process' own streams also show what Python add-ons print
+    sentence = ended.error.splitlines()[-1]  # this process's own streams also show what Python add-ons print
     assert sentence.startswith(f'paradesc: Blender cannot read "junk{suffix}": ')
     assert "Location" not in sentence
     assert not (tmp_path / "out.npz").exists()

@@ -1,4 +1,4 @@
-"""What install_test.py has done in a Blender of its own, with empty user folders: install, use, update, disable.
+"""Installs, uses, updates and disables the add-on for install_test.py, in another Blender with empty user folders.
 
 Usage: blender -b --factory-startup -P install_in_blender.py -- ACTION ARGUMENT...
        python install_in_blender.py -- ACTION ARGUMENT...                           with the Python module bpy
@@ -20,30 +20,30 @@ EXTENSION = "bl_ext.user_default.paradesc"
 REMOTE = "bl_ext.paradesc_releases.paradesc"
 USER = Path(os.environ["PARADESC_TEST_USER"])
 CYCLES = 100 if os.environ.get("PARADESC_LONG_TESTS") else 20
-# Of these the first fill caches: Blender's own, the driver's, Python's.
+# The first rounds fill caches of Blender, the driver and Python.
 FIRST_CYCLES = 8
-# Megabytes a round: at most 0.004 and 0.03 were seen, in bpy 4.2.23 and in Debian's Blender 3.4.1. A baked mesh with
-# its reports is 0.1, a context that stays, with its buffers and programs, 10.
+# Megabytes for each round: at most 0.004 and 0.03 were seen, in bpy 4.2.23 and in Debian's Blender 3.4.1. A baked mesh
+# with its reports is 0.1, a context that stays, with its buffers and programs, 10.
 MOST_GROWTH = {"heap": 0.03, "resident": 0.3}
-# What a user chose; of each kind one: number, text, choice, several choices, and of a group beside the big one.
+# What a user chose, one of each kind: number, text, choice, several choices, and a member of another group.
 CHOSEN = {"samples": 97, "more_radii": "7, 9", "normals": "max", "descriptors": {"curvedness", "harris"}}
 CHOSEN_LOOK = {"color_map": "purple-green"}
 PRESET_SAMPLES = 41
 
 
 def finished(result: set[str]) -> None:
-    """Fails where an operator did not finish."""
+    """Fails if an operator did not finish."""
     assert result == {"FINISHED"}, result
 
 
 def enable(module: str) -> None:
-    """Enables the add-on, of which nothing was there before."""
+    """Enables the add-on; before, nothing of it was there."""
     finished(bpy.ops.preferences.addon_enable(module=module))
     assert hasattr(bpy.types.Scene, "paradesc")
 
 
 def disable(module: str) -> None:
-    """Disables the add-on, of which nothing stays."""
+    """Disables the add-on; nothing of it stays."""
     finished(bpy.ops.preferences.addon_disable(module=module))
     assert not hasattr(bpy.types.Scene, "paradesc")
     assert not hasattr(bpy.types, "PARADESC_PT_bake")
@@ -69,12 +69,12 @@ def bake(backend: str = "software") -> None:
 
 
 def install_legacy(package: str) -> None:
-    """As under Preferences > Add-ons > Install."""
+    """Installs as under Preferences > Add-ons > Install."""
     finished(bpy.ops.preferences.addon_install(filepath=package, overwrite=True))
 
 
 def install_extension(package: str) -> None:
-    """As under Preferences > Get Extensions > Install from Disk."""
+    """Installs as under Preferences > Get Extensions > Install from Disk."""
     import addon_utils
 
     addon_utils.enable("bl_pkg")
@@ -82,7 +82,7 @@ def install_extension(package: str) -> None:
 
 
 def refused(package: str) -> None:
-    """Tries to install the zip of another system, of which Blender tells in an error, or on its output alone."""
+    """Tries to install the zip of another system, which Blender refuses by an error, or only on its output."""
     try:
         install_extension(package)
     except (AssertionError, RuntimeError) as error:
@@ -120,7 +120,7 @@ def remote(index: str) -> None:
 
 
 def add_repository(index: str) -> int:
-    """As under Preferences > Get Extensions > Repositories > +; gives its place in the list."""
+    """Adds a repository as under Preferences > Get Extensions > Repositories > +; gives its place in the list."""
     import addon_utils
 
     addon_utils.enable("bl_pkg")
@@ -177,7 +177,7 @@ def choose() -> None:
 
 
 def has_chosen() -> None:
-    """The settings are as the user left them."""
+    """Checks that the settings are as the user left them."""
     scene = bpy.context.scene
     for group, chosen in ((scene.paradesc, CHOSEN), (scene.paradesc_looks, CHOSEN_LOOK)):
         found = {name: getattr(group, name) for name in chosen}
@@ -185,7 +185,7 @@ def has_chosen() -> None:
 
 
 def is_newer_code_with_older_library(module: str) -> None:
-    """The newer package has the code of version 9.9.9 in every module, and the library that was in use before."""
+    """Checks that every module is of version 9.9.9, and that the library is the one that was in use before."""
     assert sys.modules[module].__version__ == "9.9.9"
     assert sys.modules[f"{module}.bridge"].FRESH == "9.9.9"
     sentence = sys.modules[f"{module}.bridge"].missing_sentence()
@@ -197,7 +197,7 @@ def is_newer_code_with_older_library(module: str) -> None:
 
 
 def after_restart(module: str) -> None:
-    """What was updated in a session before: file and preset are as the user left them, and it bakes."""
+    """Checks after an update and a restart that file and preset are as the user left them, and that it bakes."""
     if not bpy.app.binary_path:  # the Python module bpy, other than the program, starts without the user's preferences
         if module == REMOTE:
             bpy.context.preferences.extensions.repos.new(name="Paradesc", module="paradesc_releases")
@@ -212,7 +212,7 @@ def after_restart(module: str) -> None:
 
 
 def cycles(package: str) -> None:
-    """Enables, bakes and disables again and again: nothing is left behind that the first time did not leave."""
+    """Enables, bakes and disables again and again; later rounds leave nothing that the first ones did not leave."""
     install_legacy(package)
     counts = []
     for _ in range(CYCLES):
@@ -232,7 +232,7 @@ def cycles(package: str) -> None:
 
 
 def growth(megabytes: list[float]) -> float:
-    """Megabytes a round, by the medians of the first and the second half of the rounds."""
+    """Megabytes for each round, by the medians of the first and the second half of the rounds."""
     half = len(megabytes) // 2
     return (statistics.median(megabytes[-half:]) - statistics.median(megabytes[:half])) / (len(megabytes) - half)
 
@@ -263,8 +263,8 @@ def is_source(folder: str) -> bool:
 
 
 def main() -> None:
-    """Runs one action; Blender is told to end with an error by --python-exit-code."""
-    # A development environment has the sources on Python's path: what is installed must not be taken from there.
+    """Runs one action; --python-exit-code makes Blender end with an error."""
+    # A development environment has the sources on Python's path, from where the add-on must not be taken.
     sys.path[:] = [folder for folder in sys.path if USER in Path(folder).parents or not is_source(folder)]
     action, *arguments = sys.argv[sys.argv.index("--") + 1 :]
     globals()[action](*arguments)

@@ -35,10 +35,10 @@ def in_blender(tmp_path, *words):
 
 
 def pack(root, output, *words):
-    """Packs the sources below root, with the library that is tested here if no words name another."""
+    """Packs the sources below root, with the library under test unless words name another."""
     given = words or ("--files", *LIBRARIES)
     words = [sys.executable, root / "native" / "cmake" / "package.py", "--output", output, *given]
-    # The tool comes with the Python module bpy, which lies beside pytest also where Blender itself runs the tests.
+    # The tool comes with the Python module bpy, which lies beside pytest even if Blender itself runs the tests.
     environment = {**os.environ, "PYTHONPATH": str(Path(pytest.__file__).parents[1])}
     done = subprocess.run(list(map(str, words)), env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -46,7 +46,7 @@ def pack(root, output, *words):
 
 
 def zips_of(output):
-    """What package.py wrote for this system, or for the only one."""
+    """The zips that package.py wrote for this system, or for the only one."""
     (legacy,) = output.glob("*-legacy.zip")
     extensions = sorted((output / "repository").glob("*.zip"))
     extension = next((path for path in extensions if path.stem.endswith("-linux-x64")), extensions[0])
@@ -54,7 +54,7 @@ def zips_of(output):
 
 
 def copy_sources(root):
-    """What package.py reads, to be changed."""
+    """Copies what package.py reads, to be changed."""
     shutil.copytree(
         ADDON / "paradesc", root / "addon" / "paradesc", ignore=shutil.ignore_patterns("lib", "__pycache__")
     )
@@ -85,14 +85,14 @@ def packed(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def packages(request):
-    """This version's zips: the release's where tests/release.sh has built one."""
+    """This version's zips; those of the release if tests/release.sh has built one."""
     release = os.environ.get("PARADESC_RELEASE")
     return zips_of(Path(release) / "packages") if release else request.getfixturevalue("packed")
 
 
 @pytest.fixture(scope="module")
 def newer_packages(tmp_path_factory):
-    """Zips of a version 9.9.9, library included, with one name more in a module behind the first and a file less."""
+    """Zips of a version 9.9.9 with its library, one more name in a module behind the first, and one file less."""
     root = tmp_path_factory.mktemp("newer")
     copy_sources(root)
     addon = root / "addon" / "paradesc"
@@ -141,18 +141,18 @@ class QuietHandler(SimpleHTTPRequestHandler):
     """Serves files and writes no log."""
 
     def log_message(self, *_words):
-        """Nothing."""
+        """Logs nothing."""
 
 
 def installed(tmp_path, module):
-    """Names of the files of an installed add-on, but for what Python has compiled."""
+    """Names of the files of an installed add-on, except what Python has compiled."""
     folder = tmp_path / "user" / module
     files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
     return {name for name in files if "__pycache__" not in name}
 
 
 def names_in(package):
-    """Names of the files in a zip, but for the folder that a legacy zip has around them."""
+    """Names of the files in a zip, without the folder that a legacy zip has around them."""
     return {re.sub("^paradesc/", "", name) for name in zipfile.ZipFile(package).namelist() if not name.endswith("/")}
 
 
@@ -185,7 +185,7 @@ def test_extension_zip_of_another_system_is_refused_by_blender(tmp_path):
     assert not installed(tmp_path, "extensions/user_default/paradesc")
 
 
-# Each also starts Blender again. In all of them the older version's library has been in use when the newer one comes.
+# Each of them also starts Blender again, and uses the older version's library before the newer one comes.
 UPDATES = {
     "legacy": ("scripts/addons/paradesc", "paradesc"),
     "extension": ("extensions/user_default/paradesc", "bl_ext.user_default.paradesc"),
@@ -208,7 +208,7 @@ def test_update_keeps_settings_and_presets_and_leaves_no_old_file(kind, packages
 
 
 def restarted(tmp_path, module):
-    """The next start, with the preferences that the first one saved."""
+    """Starts again with the preferences that the first start saved."""
     words = [word for word in script_words(SCRIPT) if word != "--factory-startup"]
     said = run_blender([*words, "after_restart", module], tmp_path / "user")
     assert "after_restart done" in said, said
@@ -233,7 +233,7 @@ def test_blenders_extension_command_lists_and_installs_from_the_repository(packa
 
 
 def extension_command(*words):
-    """What `blender -c extension` runs, which exists in the program alone; gives what it said."""
+    """Runs what `blender -c extension` runs, because only the program has that command; gives its output."""
     script = Path(bpy.utils.system_resource("SCRIPTS")) / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py"
     words = [sys.executable, script, *words]
     done = subprocess.run(list(map(str, words)), capture_output=True, text=True, timeout=60, check=False)

@@ -12,7 +12,7 @@ from paradesc.ui import panel  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 
-# Lower case within a label, and names that are spelled so.
+# Words in lower case within a label, and names that are spelled so.
 SMALL = {"a", "an", "and", "at", "by", "for", "from", "in", "of", "on", "or", "over", "the", "to", "with"}
 SYMBOLS = {"k", "k1", "k2", "glTF"}
 BLENDERS_OWN = {"PARADESC_OT_add_preset"}  # whose members are not ours
@@ -34,7 +34,7 @@ def fields():
 
 
 def rna_of(cls):
-    """What Blender shows of a class: of operators only their own options, one of which may be called name."""
+    """What Blender shows of a class; of operators only their own options, one of which may be called name."""
     if not issubclass(cls, bpy.types.Operator):
         return cls.bl_rna
     return getattr(bpy.ops.paradesc, cls.bl_idname.removeprefix("paradesc.")).get_rna_type()
@@ -48,7 +48,7 @@ def items():
 
 
 def is_title(label):
-    """Whether every word but small ones within begins with a capital, a digit or a sign."""
+    """Whether every word begins with a capital, a digit or a sign, except small words within."""
     words = re.findall(r"[^\W\d_][\w']*", label)
     for index, word in enumerate(words):
         inside = 0 < index < len(words) - 1

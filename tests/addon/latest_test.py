@@ -1,4 +1,4 @@
-"""Requests on a thread of their own: the newest counts, and nothing is handed over after settling."""
+"""Of requests on another thread the newest counts, and nothing is handed over after settling."""
 
 import threading
 
@@ -28,14 +28,14 @@ class Gate:
 
 @pytest.fixture
 def gate():
-    """Work behind a gate; open in the end."""
+    """Work behind a gate, which is opened in the end."""
     made = Gate()
     yield made
     made.open.set()
 
 
 def ask(latest, *requests):
-    """Asks for one after the other."""
+    """Makes one request after the other."""
     for request in requests:
         latest.ask(request)
         assert latest.step() is None

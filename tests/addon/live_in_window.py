@@ -1,4 +1,4 @@
-"""Live values in Blender's window, as a person has them: edits, playback, undo, F12. Started by run_in_window.sh.
+"""Live values in Blender's window, as a person uses them: edits, playback, undo, F12. run_in_window.sh starts it.
 
 Timers fire here, and F12 renders on a thread of its own while the interface is locked.
 """
@@ -28,29 +28,29 @@ RENDERED_BY: list[str] = []
 
 
 def target() -> bpy.types.Object:
-    """Undo makes it another one in memory."""
+    """The object, which undo replaces by another one in memory."""
     return bpy.data.objects["sphere"]
 
 
 def radius_now() -> float:
-    """The radius of the sphere that the values on the mesh speak of."""
+    """The radius of the sphere that the values on the mesh are of."""
     return 1.0 / float(np.median(attribute_values(target().data, NAME)))
 
 
 def follows(radius: float):
-    """A condition: the values speak of this radius."""
+    """Makes a condition: the values are of a sphere of this radius."""
     return lambda: abs(radius_now() - radius) < 0.02 * radius
 
 
 def frame_shown() -> int:
-    """The frame that the values on the mesh speak of."""
+    """The frame that the values on the mesh are of."""
     frame = 1 + round((radius_now() - 2.0) / 0.2)
     assert follows(2.0 + 0.2 * (frame - 1))(), f"a radius of {radius_now()} is of no frame"
     return frame
 
 
 def edit_steps() -> Iterator[None]:
-    """The shape is edited, in object mode and in edit mode, and an edit is undone."""
+    """Edits the shape in object mode and in edit mode, and undoes an edit."""
     key = target().data.shape_keys.key_blocks["Large"]
     key.value = 0.5
     yield from wait_for(follows(3.0))
@@ -76,7 +76,7 @@ def edit_steps() -> Iterator[None]:
 
 
 def play_steps() -> Iterator[None]:
-    """The animation is played and stopped."""
+    """Plays and stops the animation."""
     scene = bpy.context.scene
     scene.frame_end = 11
     scene.frame_set(1)
@@ -96,7 +96,7 @@ def play_steps() -> Iterator[None]:
 
 
 def later_steps() -> Iterator[None]:
-    """The same without waiting: values follow, and those of the frame where it stops are right."""
+    """Plays without waiting: values follow, and those of the frame where it stops are right."""
     scene = bpy.context.scene
     scene.paradesc_live.wait = False
     scene.frame_set(1)
@@ -126,7 +126,7 @@ def later_steps() -> Iterator[None]:
 
 
 def start_frames() -> None:
-    """Presses Bake Frames; the panel knows how far it is."""
+    """Presses Bake Frames; the panel shows how far it is."""
     with bpy.context.temp_override(**view_context()):
         assert bpy.ops.paradesc.bake_frames("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
     assert baking()
@@ -135,7 +135,7 @@ def start_frames() -> None:
 
 
 def cancel_frames(folder: Path) -> Iterator[None]:
-    """Esc ends Bake Frames where it is, and brings the frame back."""
+    """Ends Bake Frames by Esc midway, which brings the frame back."""
     settings = bpy.context.scene.paradesc
     former, settings.samples = settings.samples, 4096
     start_frames()
@@ -151,7 +151,7 @@ def cancel_frames(folder: Path) -> Iterator[None]:
 
 
 def bake_steps() -> Iterator[None]:
-    """Frames are baked beside the window; live values wait, and are right after."""
+    """Bakes frames beside the window; live values wait, and are right afterwards."""
     scene, computed = bpy.context.scene, []
     group = scene.paradesc_animation
     group.cache_folder, group.use_scene_range = str(Path(bpy.app.tempdir) / "cache"), False
@@ -173,7 +173,7 @@ def bake_steps() -> Iterator[None]:
 
 
 def prepare_render() -> None:
-    """A camera in front, a material that shows the values, and where the handler runs."""
+    """Adds a camera in front and a material that shows the values, and notes on which thread the handler runs."""
     scene = bpy.context.scene
     material = bpy.data.materials.new("shown")
     material.use_nodes = True
@@ -203,7 +203,7 @@ def prepare_render() -> None:
 
 
 def render_steps(engine: str, frame: int, found: dict) -> Iterator[None]:
-    """F12 at a frame; the color in the middle of the picture."""
+    """Presses F12 at a frame, and checks the color in the middle of the picture."""
     scene = bpy.context.scene
     path = Path(bpy.app.tempdir) / f"{engine}{frame}.png"
     scene.render.engine, scene.render.filepath = engine, str(path)
@@ -219,7 +219,7 @@ def render_steps(engine: str, frame: int, found: dict) -> Iterator[None]:
 
 
 def steps() -> Iterator[None]:
-    """What the person does; every yield is a turn of the event loop."""
+    """Does what the person does; every yield is a turn of the event loop."""
     scene = bpy.context.scene
     settings = scene.paradesc
     settings.radius_percent, settings.samples, settings.buffer_size, settings.backend = 10.0, 64, 256, "software"

@@ -1,4 +1,4 @@
-"""Live values that are not waited for: they follow beside the window, and are there at once where they must be."""
+"""Live values without waiting follow beside the window, and are there at once if they must be."""
 
 import threading
 
@@ -33,7 +33,7 @@ class Gate:
 
 @pytest.fixture
 def gate(monkeypatch):
-    """Behind it, computations wait."""
+    """A gate behind which computations wait."""
     made = Gate(monkeypatch)
     yield made
     made.open.set()
@@ -41,7 +41,7 @@ def gate(monkeypatch):
 
 @pytest.fixture
 def played(monkeypatch, gate):
-    """A live sphere, and as in a window: somebody plays it and does not wait."""
+    """A live sphere as in a window where somebody plays it and does not wait."""
     made = stretching_sphere()
     assert switch(made) == ""
     monkeypatch.setattr(handlers, "waits", lambda _scene, _depsgraph: False)
@@ -50,7 +50,7 @@ def played(monkeypatch, gate):
 
 
 def collect_all():
-    """What the window's timer does until nothing is left."""
+    """Does what the window's timer does, until nothing is left."""
     for _ in range(5):
         if handlers.collect(wait=True) is None:
             return
@@ -58,7 +58,7 @@ def collect_all():
 
 
 def join_threads():
-    """Waits until what is computed has ended; nobody has taken it yet."""
+    """Waits until the computation has ended; nobody has taken its results yet."""
     for thread in threading.enumerate():
         if thread.name == "paradesc live":
             thread.join()
@@ -90,12 +90,12 @@ def test_of_frames_that_wait_only_the_newest_is_computed(played, gate):
 
 
 def test_values_follow_where_frames_come_before_the_timer(played, gate):
-    """As where drawing takes longer than computing: every frame finds the thread at its end."""
+    """If drawing takes longer than computing, every frame finds that the thread has ended."""
     gate.open.set()
     before = values(played)
     for frame in (2, 3, 1):
         bpy.context.scene.frame_set(frame)
-        assert np.array_equal(values(played), before)  # the frame's before this one
+        assert np.array_equal(values(played), before)  # those of the frame before
         before = expected(played)
         join_threads()
     collect_all()

@@ -29,7 +29,7 @@ def stretching():
 
 
 def edit_and_rest():
-    """What the event loop does after an edit, when the hand rests."""
+    """Does what the event loop does after an edit, once editing pauses."""
     bpy.context.view_layer.update()
     handlers.STATE.edited_at = None if handlers.STATE.edited_at is None else 0.0
     handlers.follow_edits()
@@ -444,7 +444,7 @@ def test_an_object_made_anew_under_the_same_names_begins_anew(stretching):
         item.uv *= 0.7
     made.paradesc_live.mode = "LIVE"
     bpy.context.scene.frame_set(2)
-    if hasattr(made, "session_uid"):  # before, only the mesh tells that it is another
+    if hasattr(made, "session_uid"):  # before that, only the mesh tells that it is another object
         assert handlers.session_at(made) is not former
     assert len(handlers.STATE.sessions) == 1
     assert np.array_equal(values(made), baked_shape(made, live_settings(made)).values[NAME])

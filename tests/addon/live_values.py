@@ -1,4 +1,4 @@
-"""What tests of live mode share: a sphere that changes its shape, its values, and those of a bake of the same shape."""
+"""Shared by tests of live mode: a sphere that changes its shape, its values, and those of a bake of the same shape."""
 
 import dataclasses
 
@@ -33,7 +33,7 @@ def stretching_sphere():
 
 
 def switch(target, mode="LIVE"):
-    """Switches live mode and gives the sentence that came of it."""
+    """Switches live mode and gives the sentence that results."""
     target.paradesc_live.mode = mode
     return target.paradesc_live.sentence
 
@@ -44,7 +44,7 @@ def values(target, name=NAME):
 
 
 def baked_shape(target, settings):
-    """What a bake of the object's present shape computes."""
+    """Bakes the object's present shape and gives the values."""
     evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get())
     arrays = mesh_io.read_object(target, corner_normals=False)
     return job.run(dataclasses.replace(arrays, positions=mesh_io.read_positions(evaluated.data)), settings)

@@ -1,4 +1,4 @@
-"""What was baked in other colors and in other places: maps, legends, channels, vertex groups, masks. Inside Blender."""
+"""Baked values in other colors and places: maps, legends, channels, vertex groups, masks. Runs inside Blender."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 
 @pytest.fixture
 def baked():
-    """A sphere with made-up values: -1 to 1, and 0 to 2, of which vertex 5 has none."""
+    """A sphere with made-up values from -1 to 1 and from 0 to 2; vertex 5 has none of the latter."""
     target = add_sphere(steps=4)
     results = made_up_results(target, NAMES)
     results.values["mean_curvature"][5] = np.nan
@@ -168,7 +168,7 @@ def test_descriptor_of_a_newer_version_is_left_alone(baked):
 
 
 def test_a_switch_of_an_operator_does_not_stay_on_for_the_next_click():
-    """Blender fills what a button leaves open with what the operator had the last time."""
+    """Blender fills what a button leaves open with the values of the operator's last run."""
     switches = [
         (name, item.identifier)
         for name in dir(bpy.ops.paradesc)
@@ -274,7 +274,7 @@ def test_making_the_mask_keeps_shape_keys_and_selection(baked):
     bpy.ops.paradesc.sculpt_mask()
     assert (baked.data.shape_keys.key_blocks["up"].data[3].co - moved).length < 1e-6
     assert baked.mode == "OBJECT"
-    if bpy.app.version >= (4, 1, 0):  # before, edit mode makes the layer and flushes a selection without edges
+    if bpy.app.version >= (4, 1, 0):  # before that, edit mode makes the layer and flushes a selection without edges
         assert sum(vertex.select for vertex in baked.data.vertices) == 7
 
 

@@ -1,4 +1,4 @@
-"""Images over the UV map: what is in their files, and how it agrees with the values at vertices."""
+"""Images over the UV map: what their files contain, and that it agrees with the values at vertices."""
 
 import json
 import struct
@@ -81,7 +81,7 @@ def test_blender_reads_an_exr_of_one_descriptor_as_it_was_written(tmp_path):
 
 
 def test_an_exr_names_its_channels_in_alphabetical_order_whatever_order_they_were_given_in(tmp_path):
-    """As the format asks for; a reader that looks names up by halving misses others."""
+    """The format requires it; a reader that looks names up by bisection would miss others."""
     given = {name: np.full((3, 5), value, np.float32) for value, name in enumerate(("b.Z", "a", "b.X", "A", "b.Y"))}
     path = tmp_path / "many.exr"
     exr.write_exr(path, given)
@@ -103,7 +103,7 @@ def test_an_exr_names_its_channels_in_alphabetical_order_whatever_order_they_wer
 
 
 def only_block(content, header_bytes):
-    """(k,) float32 of the one block after the header and its place in the file."""
+    """(k,) float32 of the only block, after the header and the offset table."""
     (start,) = struct.unpack_from("<Q", content, header_bytes)
     _, size = struct.unpack_from("<2i", content, start)
     steps = np.frombuffer(zlib.decompress(content[start + 8 : start + 8 + size]), np.uint8)
@@ -113,7 +113,7 @@ def only_block(content, header_bytes):
 
 
 def compositor(bpy, scene):
-    """The scene's compositing nodes, emptied but for the output."""
+    """The scene's compositing nodes, of which only the output is left."""
     if hasattr(scene, "compositing_node_group"):  # since Blender 5.0
         tree = bpy.data.node_groups.new("compositor", "CompositorNodeTree")
         tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")

@@ -1,4 +1,4 @@
-"""Materials and nodes made of what was baked: what they show, and that the user's own come back. Inside Blender."""
+"""Materials and nodes show what was baked, and the user's own come back. Runs inside Blender."""
 
 import numpy as np
 import pytest
@@ -39,7 +39,7 @@ def fill(target, **values):
 
 
 def slots_of(target):
-    """Which material each face has, and which there are."""
+    """Which material each face has, and which slots there are."""
     names = [None if item is None else item.name for item in target.data.materials]
     return mesh_io.read_array(target.data.polygons, "material_index", np.int32).tolist(), names
 
@@ -65,7 +65,7 @@ def rendered(tmp_path):
 
 
 def assert_base_color(tmp_path, target, expected):
-    """The color that our material gives its shader, seen without light."""
+    """Checks the color that our material gives its shader, seen without light."""
     material = target.data.materials[2]
     shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
     emission = material.node_tree.nodes.new("ShaderNodeEmission")

@@ -1,4 +1,4 @@
-"""Several meshes in one bake: shared ones once, failures named, and all or nothing after Esc."""
+"""One bake of several meshes computes shared ones once, names failures, and writes nothing after Esc."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def spheres():
 
 @pytest.fixture
 def computed(monkeypatch):
-    """The numbers of vertices of the meshes that are computed, in their order."""
+    """The numbers of vertices of the meshes that are computed, in order."""
     counts = []
     run = job.run
 
@@ -43,7 +43,7 @@ def computed(monkeypatch):
 
 
 def reports(action):
-    """What the operator reports: gathered from a batch that runs as the operator does."""
+    """What the operator reports, from a batch that runs as the operator does."""
     made = batch.Batch(bpy.context)
     while not made.done:
         made.step(wait=True)

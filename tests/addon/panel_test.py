@@ -1,4 +1,4 @@
-"""What the panel draws, on a layout that takes notes: Blender draws none without a window."""
+"""What the panel draws, on a layout that takes notes, because Blender draws none without a window."""
 
 from functools import partial
 from types import SimpleNamespace
@@ -15,7 +15,7 @@ from paradesc.settings import properties  # noqa: E402
 from paradesc.ui import live_panel, panel  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
-# Pixels of a sidebar that nobody has widened.
+# The width in pixels of a sidebar that nobody has widened.
 DEFAULT_WIDTH = 217
 PANELS = [cls for cls in panel.classes if cls.__name__ != "PARADESC_MT_devices"]
 
@@ -26,7 +26,7 @@ def small(registered):
 
 
 class Notes:
-    """A layout, and all that hang on it: what is drawn, by kind."""
+    """A layout and all its parts, which notes what is drawn, by kind."""
 
     def __init__(self, drawn=None):
         self.drawn = {"label": [], "prop": [], "operator": [], "menu": [], "progress": []} if drawn is None else drawn
@@ -61,7 +61,7 @@ class Notes:
 
 
 def context():
-    """As a panel sees it."""
+    """The context that a panel gets."""
     return SimpleNamespace(
         scene=bpy.context.scene,
         view_layer=bpy.context.view_layer,

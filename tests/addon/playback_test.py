@@ -1,4 +1,4 @@
-"""Frames of a cache at the mesh: played, held and computed, in Blender without a window."""
+"""Frames of a cache are played, held and computed on the mesh, in Blender without a window."""
 
 import numpy as np
 import pytest
@@ -37,13 +37,13 @@ def swelling(tmp_path):
 
 
 def play(target):
-    """Switches playback on and gives the sentence that came of it."""
+    """Switches playback on and gives the sentence that results."""
     target.paradesc_live.mode = "CACHE"
     return target.paradesc_live.sentence
 
 
 def radius_now(target):
-    """The radius of the sphere that the values on the mesh speak of."""
+    """The radius of the sphere that the values on the mesh are of."""
     return 1 / np.median(attribute_values(target.data, NAME))
 
 

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 
 @pytest.fixture
 def preferences():
-    """Those of the add-on as if it were enabled."""
+    """The preferences of the add-on as if it were enabled."""
     addon = bpy.context.preferences.addons.new()
     addon.module = "paradesc"
     yield addon.preferences

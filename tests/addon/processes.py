@@ -1,4 +1,4 @@
-"""Blender as a process of its own, with user folders of its own: it finds neither add-ons nor settings of the user."""
+"""Runs Blender as another process with user folders of its own, so that it finds no add-ons or settings of the user."""
 
 import os
 import subprocess
@@ -18,7 +18,7 @@ def script_words(script: Path) -> list[str]:
 
 
 def run_blender(words: list[object], folder: Path, timeout: int = 300) -> str:
-    """Runs it with user folders below this one and without the sources on Python's path; gives what it said."""
+    """Runs it with user folders below this one and without the sources on Python's path; gives its output."""
     environment = {**os.environ, "PARADESC_TEST_USER": str(folder)}
     environment.pop("PYTHONPATH", None)
     for name in USER_FOLDERS:

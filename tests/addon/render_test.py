@@ -31,7 +31,7 @@ pytestmark = pytest.mark.usefixtures("registered")
 
 
 def settings_of(scene):
-    """Small, exact to the bit between two computations, and with a radius that no pose changes."""
+    """Settings that are small, give the same bits twice, and have a radius that no pose changes."""
     group = scene.paradesc
     group.descriptors = {NAME}
     group.radius_unit, group.radius_absolute = "absolute", RADIUS
@@ -39,7 +39,7 @@ def settings_of(scene):
 
 
 def show_attribute(target):
-    """A material that shines in the attribute's color, whatever light there is."""
+    """Adds a material that emits the attribute's color, whatever light there is."""
     material = bpy.data.materials.new("shown")
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -54,7 +54,7 @@ def show_attribute(target):
 
 
 def look_at(scene, engine):
-    """A camera in front of the sphere, and renders of a moment."""
+    """Adds a camera in front of the sphere, and makes renders quick."""
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.data.type, camera.data.ortho_scale = "ORTHO", 7.0
     camera.location, camera.rotation_euler = (10, 0, 0), (np.pi / 2, 0, np.pi / 2)
@@ -83,7 +83,7 @@ def make_triangles(target):
 
 
 def bend_by_armature(target):
-    """Two bones, of which the upper one turns from the first frame to the last."""
+    """Adds two bones, of which the upper one turns from the first frame to the last."""
     armature = bpy.data.objects.new("bones", bpy.data.armatures.new("bones"))
     bpy.context.collection.objects.link(armature)
     bpy.context.view_layer.objects.active = armature
@@ -105,7 +105,7 @@ def bend_by_armature(target):
 
 
 def stretch_by_key(target):
-    """A shape key that pulls the upper half up."""
+    """Adds a shape key that pulls the upper half up."""
     target.shape_key_add(name="Basis")
     key = target.shape_key_add(name="pulled")
     for item, vertex in zip(key.data, target.data.vertices, strict=True):
@@ -146,7 +146,7 @@ def render_still(path):
 
 
 def render_baked(target, path):
-    """The same picture with a mesh in its place that has the present shape and was baked by the operator."""
+    """Renders the same picture with a mesh that has the present shape and was baked by the operator."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shape = bpy.data.meshes.new_from_object(target.evaluated_get(depsgraph))
     for name in record.attributes_of(target.data):
@@ -165,12 +165,12 @@ def render_baked(target, path):
 
 
 def same(first, second):
-    """Equal, but for single pixels on the outline."""
+    """Whether two pictures are equal, except single pixels on the outline."""
     return (np.abs(first - second).max(axis=2) > ONE_STEP).mean() < 0.002
 
 
 def expected_frames(target, folder):
-    """What the two frames have to look like."""
+    """The pictures that the two frames have to give."""
     found = []
     for frame in FRAMES:
         bpy.context.scene.frame_set(frame)
@@ -262,7 +262,7 @@ paradesc.register()
 
 
 def enabled_by_preferences(folder):
-    """The add-on where users put it; no words are needed."""
+    """Enables the add-on where users put it; no words are needed."""
     (folder / "scripts" / "addons").mkdir(parents=True)
     (folder / "scripts" / "addons" / "paradesc").symlink_to(ADDON / "paradesc")
     (folder / "enable.py").write_text(ENABLE)

@@ -10,7 +10,7 @@ FOLDER = Path(__file__).resolve().parent
 
 
 def main() -> int:
-    """Pytest's exit code. Its packages come last on the path: Blender's own numpy stays the one in use."""
+    """Runs pytest and gives its exit code. Its packages come last on the path, so Blender's own numpy stays in use."""
     site_packages, *words = sys.argv[sys.argv.index("--") + 1 :]
     sys.path.append(site_packages)
     sys.path.insert(0, str(FOLDER))

@@ -1,4 +1,4 @@
-"""The sample scenes that blend_samples/make_samples.py writes: what is said of each is true, and it bakes."""
+"""What README.md says about each sample scene of blend_samples/make_samples.py is true, and it bakes."""
 
 import importlib.util
 import re
@@ -98,7 +98,7 @@ def ellipsoid_curvature(positions, axes):
 
 
 def euler_characteristic(faces):
-    """V - E + F of polygons given as lists of vertices; every edge has to have two faces, one each way."""
+    """V - E + F of polygons given as lists of vertices; every edge must have two faces, one in each direction."""
     edges = [(a, b) for face in faces for a, b in zip(face, [*face[1:], face[0]], strict=True)]
     assert len(set(edges)) == len(edges)
     assert {(b, a) for a, b in edges} == set(edges)

@@ -1,6 +1,6 @@
-"""Files and scripts of people who had an earlier version: they open, show, play, go on and compute what they did.
+"""Files and scripts of an earlier version still open, show, play, go on and compute the same.
 
-saved/*.zip were made by saved/make.py with the version that each names: what is expected is what that version had.
+saved/make.py made saved/*.zip with the version that each names; what that version had is expected.
 """
 
 import json
@@ -33,13 +33,13 @@ def saved(request, tmp_path):
 
 @pytest.fixture
 def expected(saved):
-    """What was in it: everything but arrays."""
+    """What was in the file, except arrays."""
     return json.loads((saved / "expected.json").read_text())
 
 
 @pytest.fixture
 def arrays(saved):
-    """What was in it: every attribute, by object, frame and name."""
+    """Every attribute that was in the file, by object, frame and name."""
     with np.load(saved / "expected.npz") as found:
         return dict(found)
 
@@ -75,7 +75,7 @@ def same_bits(found, wanted):
 
 
 def assert_close(found, wanted):
-    """Up to what another compiler or library of mathematics rounds otherwise in doubles, rounded to floats."""
+    """Checks that values agree up to what another compiler or mathematical library rounds otherwise."""
     assert found.keys() == wanted.keys()
     for name, values in wanted.items():
         np.testing.assert_allclose(found[name], values, rtol=1e-5, atol=1e-6, err_msg=name)
@@ -110,7 +110,7 @@ def test_every_name_that_scripts_use_is_still_there(scene, expected):
 
 
 def assert_members(place, found, members):
-    """All of them are there, with all of their choices."""
+    """Checks that all of them are there, with all of their choices."""
     for name, choices in members.items():
         assert name in found, f"{place}.{name}"
         now = [item.identifier for item in found[name].enum_items_static] if choices else []

@@ -1,4 +1,4 @@
-"""A short soak (tests/soak.py): memory, files and threads of one process stay level; and what is not level is said."""
+"""In a short soak (tests/soak.py) memory, files and threads stay level; what is not level is reported."""
 
 import sys
 
@@ -12,7 +12,7 @@ if not sys.platform.startswith("linux"):
 sys.path.append(str(ROOT / "tests"))
 import soak
 
-# In a short run memory is still finding its level; a mesh that stays is 100 kB.
+# In a short run memory has not reached its level yet; a lost mesh is 100 kB.
 SHORT = {"warm_up": 0.4, "heap_per_bake": 40_000}
 
 
@@ -25,7 +25,7 @@ def test_sixty_bakes_of_all_kinds_leave_nothing_behind(monkeypatch):
 
 
 def samples_of(**growth):
-    """Ten looks at a process in which something grows with every bake."""
+    """Ten samples of a process in which something grows with every bake."""
     start = {"resident": 100.0, "heap": 10.0, "files": 6, "threads": 7}
     looks = range(0, 1000, 100)
     return [soak.Sample(at, 0.0, **{name: start[name] + growth.get(name, 0) * at for name in start}) for at in looks]

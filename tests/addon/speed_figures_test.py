@@ -1,4 +1,4 @@
-"""Arithmetic of the benchmarks (tests/bench): of which times a ratio is made, and what stands for a missing part."""
+"""The arithmetic of the benchmarks (tests/bench): which times make a ratio, and what replaces a missing part."""
 
 import struct
 import sys
@@ -21,18 +21,18 @@ from paradesc import bridge  # noqa: E402
 IN_PYTHON = pytest.mark.skipif(
     bool(bpy.app.binary_path), reason="the page is made by a program of Python, not of Blender"
 )
-# Of the times below.
+# The targets that the times below miss.
 MISSED = ("bunny_frame_ms", "gather_share_one_chart", "gather_share_many_charts")
 
 
 def frame(seconds, evaluate=0.0, error=0.4):
-    """What timing.timed leaves of a frame."""
+    """A frame as timing.timed gives it."""
     return {"seconds": seconds, "seconds_evaluate": evaluate, "error": error}
 
 
 @pytest.fixture
 def measured():
-    """Every part, with times that are told apart in each ratio."""
+    """Every part, with times that each ratio can tell apart."""
     detail = {
         "triangles": 2_000_000,
         "once": {"mesh": 1.0, "first_frame": 1.5},

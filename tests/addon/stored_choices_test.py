@@ -1,4 +1,4 @@
-"""What a file keeps of a choice is a number: a later version has to read the numbers of an earlier one in the same way.
+"""A file keeps a choice as a number, so a later version has to read the numbers of an earlier one in the same way.
 
 New choices go to the end, and into these tables once a version with them is out; nothing else in them changes.
 """
@@ -9,14 +9,14 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 pytestmark = pytest.mark.usefixtures("registered")
 
-# Descriptors of the surface by bits from the lowest, operators on maps by bits from the highest: either may get more.
+# Descriptors of the surface have bits from the lowest on, operators on maps from the highest; either may get more.
 SURFACE = [
     "mean_curvature", "gaussian_curvature", "principal_curvature_max", "principal_curvature_min", "shape_index",
     "curvedness", "local_bending_energy", "sphere_volume", "sphere_volume_normalized", "euclidean_area",
     "geodesic_area", "cavity", "convexity", "ambient_openness", "principal_direction_max", "principal_direction_min",
 ]  # fmt: skip
 ON_MAPS = ["gradient_magnitude", "laplacian", "difference_of_gaussians", "harris"]
-# All others by numbers from 0.
+# All others have numbers from 0 on.
 CHOICES = {
     "Scene.paradesc.map_descriptor": SURFACE[:14],
     "Scene.paradesc.radius_unit": ["diagonal", "absolute", "mean-edge"],

@@ -1,4 +1,4 @@
-"""What a bake left in a .blend is checked before use: properties of another version, or edited, harm nothing."""
+"""What a bake left in a .blend is checked before use: properties that are edited or of another version do no harm."""
 
 import pytest
 
@@ -6,7 +6,7 @@ from paradesc.core import stored
 
 
 def a_summary(**more):
-    """As a bake leaves it."""
+    """A record as a bake leaves it."""
     return {
         "settings": {"space": "object"},
         "mesh_report": dict.fromkeys(stored.MESH_REPORT, 3),

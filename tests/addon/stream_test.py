@@ -18,7 +18,7 @@ def settings(names=NAMES, more_radii=(), **options):
 
 
 def bent(positions, strength):
-    """Positions turned about z by an angle that grows along z."""
+    """Positions that are turned about z by an angle that grows along z."""
     angle = strength * positions[:, 2]
     x, y = positions[:, 0], positions[:, 1]
     turned = [np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y, positions[:, 2]]
@@ -26,22 +26,22 @@ def bent(positions, strength):
 
 
 def pear(positions, strength):
-    """Positions further out the higher they are: charts whose areas change by different factors."""
+    """Positions that move outwards the higher they are, so that the areas of charts change by different factors."""
     return (positions * np.exp(strength * positions[:, 2:])).astype(np.float32)
 
 
 def stacked(arrays):
-    """All charts in one place of the UV map."""
+    """Puts all charts in one place of the UV map."""
     return replace(arrays, corner_uvs=(arrays.corner_uvs * (3, 2)) % 1.0)
 
 
 def shrunk(arrays):
-    """Charts that leave most of the UV map empty."""
+    """Shrinks charts, so that they leave most of the UV map empty."""
     return replace(arrays, corner_uvs=(0.3 * arrays.corner_uvs).astype(np.float32))
 
 
 def assert_same(results, expected):
-    """The same bits everywhere, and the same reports but for times."""
+    """Checks that all bits are the same, and the reports except for times."""
     for name in expected.values:
         assert results.values[name].tobytes() == expected.values[name].tobytes(), name
     assert results.coverage.tobytes() == expected.coverage.tobytes()
@@ -53,7 +53,7 @@ def assert_same(results, expected):
 
 
 def check_frames(arrays, chosen, frames, made=1):
-    """Compares each frame with a bake of its own; the native mesh was made so often."""
+    """Compares each frame with a bake of its own, and how often the native mesh was made."""
     with stream.Stream(arrays, chosen) as opened:
         for positions in frames:
             assert_same(opened.compute(positions), job.run(replace(arrays, positions=positions), chosen))
@@ -118,7 +118,7 @@ def test_a_layout_made_before_a_late_cancel_is_not_that_of_the_next_frame(sound_
     moved = pear(mesh.positions, 0.6)
     with bridge.Context("software") as context:
         layouts = [layout_at(context, replace(mesh, positions=at), chosen) for at in (mesh.positions, moved)]
-    assert not np.allclose(*layouts, atol=0.1)  # else nothing could be left behind
+    assert not np.allclose(*layouts, atol=0.1)  # otherwise the test would show nothing
     with stream.Stream(mesh, chosen) as opened:
         with pytest.raises(bridge.ParadescError) as caught:
             opened.compute(mesh.positions, lambda stage, _fraction: stage != "evaluate")
@@ -135,7 +135,7 @@ def layout_at(context, arrays, chosen):
 
 def test_vertices_that_part_or_meet_are_found(sound_sphere):
     count = len(sound_sphere.positions)
-    corners = np.arange(len(sound_sphere.corner_vertices), dtype=np.int32)  # every corner a vertex of its own
+    corners = np.arange(len(sound_sphere.corner_vertices), dtype=np.int32)  # every corner has a vertex of its own
     split = replace(
         sound_sphere, positions=sound_sphere.positions[sound_sphere.corner_vertices], corner_vertices=corners
     )
@@ -166,7 +166,7 @@ def test_a_triangle_drawn_out_to_a_line_is_found_though_no_vertices_meet(sound_s
 
 
 def test_fans_that_meet_in_one_vertex_are_weighed_in_each_frame(sound_sphere):
-    """Two spheres that share a vertex: the wider fan answers for it, first the one's and then the other's."""
+    """Two spheres share a vertex. The wider fan stands for it, first that of the one and then that of the other."""
     count, corners = len(sound_sphere.positions), len(sound_sphere.corner_vertices)
     tip = int(np.argmax(sound_sphere.positions[:, 2]))
     height = np.float32(2 * sound_sphere.positions[tip, 2])

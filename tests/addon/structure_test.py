@@ -1,4 +1,4 @@
-"""The add-on's folders: which may use which, that no import runs in a circle; and how long files and functions are."""
+"""The add-on's folders use those that they may, no import runs in a circle, and files and functions are short."""
 
 import ast
 from graphlib import TopologicalSorter
@@ -32,7 +32,7 @@ MODULES = {
 
 
 def folder_of(name):
-    """The folder of a module; "" of those at the root."""
+    """The folder of a module; "" for those at the root."""
     return name.split(".")[0] if "." in name else ""
 
 
@@ -51,7 +51,7 @@ def reached(name, node):
 
 
 def statements(name):
-    """Every import of a module, with True where it runs when the module itself is imported."""
+    """Every import of a module, with True if it runs when the module itself is imported."""
     tree = ast.parse(MODULES[name].read_text())
     later = set()
     for node in ast.walk(tree):
@@ -65,7 +65,7 @@ def statements(name):
 
 
 def outside(node):
-    """The first words of modules that are not the add-on's."""
+    """The first words of the modules that an import names, if they are not the add-on's."""
     if isinstance(node, ast.Import):
         return {alias.name.split(".")[0] for alias in node.names}
     return {node.module.split(".")[0]} if node.level == 0 else set()

@@ -1,4 +1,4 @@
-"""What the add-on may do to a computer: no network, its own library and no other, files only where the user says."""
+"""The add-on uses no network, no library except its own, and writes files only where the user says."""
 
 import ast
 import json
@@ -103,7 +103,7 @@ def test_only_the_bridge_loads_libraries_and_by_absolute_path():
 
 @pytest.fixture(scope="module")
 def watched(tmp_path_factory):
-    """What a bake with an image, buffers and frames did, in a process with a home of its own and decoys around it."""
+    """What a bake with an image, buffers and frames did, in a process with an empty home and decoys around it."""
     pytest.importorskip("bpy", reason="needs Blender")
     from processes import script_words
 

@@ -23,7 +23,7 @@ def curvature(arrays, normals="fitted", backend="software"):
 
 
 def make_image(name, pixels):
-    """A float image of Blender's; pixels (height, width, 3), rows bottom-up."""
+    """Makes a float image in Blender; pixels: (height, width, 3), rows bottom-up."""
     height, width = pixels.shape[:2]
     image = bpy.data.images.new(name, width, height, float_buffer=True)
     image.colorspace_settings.name = "Non-Color"
@@ -35,7 +35,7 @@ def make_image(name, pixels):
 
 
 def save_image(path, pixels):
-    """An 8-bit PNG file of pixels (height, width, 3), rows bottom-up."""
+    """Saves pixels (height, width, 3), rows bottom-up, as an 8-bit PNG file."""
     height, width = pixels.shape[:2]
     image = bpy.data.images.new("saved", width, height)
     rgba = np.ones((height, width, 4), np.float32)
@@ -227,7 +227,7 @@ def test_larger_faces_have_tangents_too(target):
     np.testing.assert_allclose(np.linalg.norm(tangents[:, :3], axis=1), 1, atol=1e-5)
     np.testing.assert_allclose((tangents[:, :3] * normals).sum(axis=1), 0, atol=0.02)
 
-    # The other faces' corners have what they had, but for the neighbors of the hexagon.
+    # The other faces' corners have what they had, except the neighbors of the hexagon.
     def key(vertices, tangents):
         return {(int(v), *np.round(t, 2)) for v, t in zip(vertices, tangents, strict=True)}
 
@@ -246,13 +246,13 @@ def test_a_flat_normal_map_gives_the_meshs_own_normals(target):
     mapped = curvature(arrays)
     assert "flat" in notes[0]
     spread = np.abs(own - fitted).mean()
-    assert spread > 0.02  # else this would show nothing
+    assert spread > 0.02  # otherwise the test would show nothing
     # The center's normal is the mean of the corners', which "mesh" takes from one place.
     assert np.abs(mapped - own).mean() < 0.02 * spread
 
 
 def bake_normals(low, high, image):
-    """Cycles' own normal map of one sphere from another, left in the first one's material."""
+    """Bakes a normal map of one sphere from another by Cycles, and leaves it in the first one's material."""
     scene = bpy.context.scene
     try:
         scene.render.engine = "CYCLES"
@@ -272,7 +272,7 @@ def bake_normals(low, high, image):
 
 
 def tilt_normals(mesh, deviation):
-    """Custom normals off the sphere's, so that it matters in which tangent space a map is read."""
+    """Tilts the custom normals against the sphere's, so that the tangent space of a map matters."""
     points = np.array([vertex.co for vertex in mesh.vertices])
     tilted = points / RADIUS + np.random.default_rng(1).normal(0, deviation, points.shape)
     if hasattr(mesh, "use_auto_smooth"):

@@ -1,4 +1,4 @@
-"""A small sweep (tests/sweep.py): all descriptors, three radii, both precisions; and what it has to find is found."""
+"""A small sweep (tests/sweep.py) over all descriptors, three radii and both precisions finds what it has to find."""
 
 import sys
 
@@ -52,7 +52,7 @@ def test_a_uv_map_without_area_is_no_error_of_the_device():
 def test_malformed_meshes_have_values_or_are_refused(name):
     paths = sweep.files(MESHES, quick=True, only=(name,))
     if not paths:
-        pytest.skip("real meshes are not at ../shared/meshes")
+        pytest.skip("real meshes are not in shared/meshes beside the checkout")
     rows, _ = sweep.sweep(paths, (0.04,), **SMALL)
     assert rows
     assert findings(rows) == []

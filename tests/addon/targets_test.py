@@ -1,4 +1,4 @@
-"""Which meshes a bake is about, in which mode and shape, and what it refuses, inside Blender without a window."""
+"""Which meshes a bake takes, in which mode and shape, and what it refuses, inside Blender without a window."""
 
 import numpy as np
 import pytest
@@ -245,7 +245,7 @@ def test_world_space_is_what_applying_the_scale_gives():
     second.data.vertices.foreach_set("co", (mesh_io.read_positions(second.data) * first.scale).ravel())
     bpy.context.view_layer.update()
     bpy.ops.paradesc.bake()
-    # The same positions but for the last bit of a float.
+    # The same positions except for the last bit of a float.
     np.testing.assert_allclose(mean_curvature(first), mean_curvature(second), rtol=1e-3)
 
 

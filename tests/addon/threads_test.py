@@ -1,4 +1,4 @@
-"""Two Python threads at once, each with a context of its own on the same arrays: the same bits as one alone."""
+"""Two Python threads at once, each with a context of its own on the same arrays, give the same bits as one alone."""
 
 from concurrent.futures import ThreadPoolExecutor
 from threading import Barrier
@@ -14,7 +14,7 @@ NAMES = ["mean_curvature", "shape_index"]
 
 
 def values(arrays, backend, start=None):
-    """Both descriptors, three times over, from a context made for it."""
+    """Both descriptors, computed three times with a new context."""
     with bridge.Context(backend) as context, context.mesh(arrays) as mesh:
         if start is not None:
             start.wait(60)

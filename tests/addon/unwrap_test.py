@@ -1,4 +1,4 @@
-"""Meshes without a usable UV map: the layout made for them, and that nothing else of the file changes."""
+"""Meshes without a usable UV map get a layout, and nothing else in the file changes."""
 
 import numpy as np
 import pytest
@@ -58,7 +58,7 @@ def data_blocks():
 
 
 def state():
-    """What of the open scene an unwrap could disturb."""
+    """The parts of the open scene that an unwrap could disturb."""
     layer = bpy.context.view_layer
     return (
         data_blocks(),
@@ -294,7 +294,7 @@ def test_kept_layout_is_used_again(bare, unwraps):
     assert len(unwraps) == 1
     assert np.array_equal(first.values["mean_curvature"], again.values["mean_curvature"])
     assert any("earlier bake" in text for text in again.warnings)
-    bare.data.vertices[0].co.z += 0.01  # the faces hang together as before
+    bare.data.vertices[0].co.z += 0.01  # the faces are connected as before
     assert read(bare).layout.kept
     bpy.ops.object.mode_set(mode="EDIT")
     assert read(bare).layout.kept

@@ -1,4 +1,4 @@
-"""Images over a UV map, byte for byte those of a few lines of numpy that say what an image is."""
+"""Images over a UV map equal, byte for byte, those of a few lines of numpy that define an image."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from paradesc.bridge import ParadescError, TexelMap, draw_uv_image, fill_gutter
 
 @np.errstate(all="ignore")
 def expected_image(uvs, numbers, values, size, texels=None):
-    """draw_uv_image anew: triangle after triangle, each over what was there."""
+    """Draws as draw_uv_image does: triangle after triangle, each over the earlier ones."""
     values = values.reshape(len(values), -1)
     image = np.full((size, size, values.shape[1]), np.nan, np.float32)
     for triangle, corners in enumerate(np.nan_to_num(uvs.astype(np.float64))):
@@ -40,7 +40,7 @@ def texels_in(corners, size):
 
 
 def mean(values, weights):
-    """(k, c) of values (k or 1, m, c) by weights (k, m), of those that are defined; directions have no sign."""
+    """(k, c) means of the defined values (k or 1, m, c) by weights (k, m); directions have no sign."""
     values = np.broadcast_to(values, (*weights.shape, values.shape[2])).astype(np.float64)
     defined = np.isfinite(values).all(axis=2)
     values, weights = np.where(defined[:, :, None], values, 0), np.where(defined, weights, 0)
@@ -55,7 +55,7 @@ def mean(values, weights):
 
 
 def expected_lookup(texels, triangle, weights):
-    """(k, c) bilinear in the map where the triangle lies in its layout."""
+    """(k, c) bilinear values of the map at the places of the triangle in its layout."""
     side = len(texels.values)
     ringed = np.pad(texels.values.reshape(side, side, -1), ((2, 2), (2, 2), (0, 0)), constant_values=np.nan)
     x, y = (texels.layout[triangle].astype(np.float64) * weights[:, :, None]).sum(axis=1).T * side - 0.5
@@ -68,7 +68,7 @@ def expected_lookup(texels, triangle, weights):
 
 
 def expected_gutter(image, steps):
-    """fill_gutter anew: every step looks at all texels."""
+    """Fills the gutter as fill_gutter does; every step looks at all texels."""
     image = image.copy()
     height, width = image.shape[:2]
     for _ in range(steps):
@@ -85,7 +85,7 @@ def expected_gutter(image, steps):
 
 
 def assert_same_bytes(image, expected):
-    """NaN are equal whatever their bits, all else is to the bit."""
+    """Checks that all bits are the same; NaN are equal whatever their bits."""
     assert image.dtype == expected.dtype == np.float32
     assert np.array_equal(np.isnan(image), np.isnan(expected))
     defined = ~np.isnan(expected)
@@ -93,7 +93,7 @@ def assert_same_bytes(image, expected):
 
 
 def assert_as_expected(uvs, numbers, values, size, texels=None):
-    """Image and gutter; gives the share of texels that show something."""
+    """Checks image and gutter; gives the share of texels that show something."""
     image = draw_uv_image(uvs, numbers, values, size, texels)
     assert_same_bytes(image, expected_image(uvs, numbers, values, size, texels))
     for steps in (0, 1, 8):

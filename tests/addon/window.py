@@ -1,4 +1,4 @@
-"""What scripts in Blender's window share: words for run_in_window.sh, and steps that the event loop takes in turn."""
+"""Shared by scripts in Blender's window: words for run_in_window.sh, and steps that the event loop takes in turn."""
 
 import sys
 import tempfile
@@ -17,7 +17,7 @@ PATIENCE = 120.0  # seconds that one step may take
 
 
 def say(text: str) -> None:
-    """One line for run_in_window.sh."""
+    """Prints one line for run_in_window.sh."""
     sys.stdout.write(f"window: {text}\n")
     sys.stdout.flush()
 
@@ -39,7 +39,7 @@ def view_context() -> dict[str, object]:
 
 
 def prepare() -> None:
-    """No splash over a scene without objects, and the add-on is there."""
+    """Makes a scene without objects and without a splash screen, and enables the add-on."""
     bpy.context.preferences.view.show_splash = False
     paradesc.register()
     for item in list(bpy.data.objects):
@@ -54,12 +54,12 @@ def start_bake() -> None:
 
 
 def baking() -> bool:
-    """The operator has not ended."""
+    """Whether the operator has not ended yet."""
     return operators.PARADESC_OT_bake.running is not None
 
 
 def screen_pixels() -> np.ndarray:
-    """(height, width, 3) float32 what the window shows, from its lowest row on."""
+    """(height, width, 3) float32 pixels of the window, from the lowest row on."""
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder) / "screen.png")
         bpy.ops.screen.screenshot(filepath=path)
@@ -71,7 +71,7 @@ def screen_pixels() -> np.ndarray:
 
 
 def begin(steps: Iterator[None], seconds: float) -> None:
-    """From a scene that undo can come back to, takes a step every so many seconds once the window is there.
+    """Takes a step every so many seconds once the window is there, from a scene to which undo can come back.
 
     Blender ends after the last step or the first failure.
     """

@@ -1,6 +1,6 @@
-"""Uses the add-on in Blender's window as a person would: cancel with Esc, bake, undo. Started by run_in_window.sh.
+"""Uses the add-on in Blender's window as a person would: cancel with Esc, bake, undo. run_in_window.sh starts it.
 
-Blender draws with OpenGL on the main thread here, which is what the library's own context must not disturb.
+Blender draws with OpenGL on the main thread here, which the library's own context must not disturb.
 """
 
 import sys
@@ -38,17 +38,17 @@ def run_in_view(operator, *words: object, **settings: object) -> None:
 
 
 def computing() -> bool:
-    """A worker's thread is at work."""
+    """Whether a worker's thread is at work."""
     return any(thread.name == "paradesc" for thread in threading.enumerate())
 
 
 def baked(name: str) -> bool:
-    """The mesh of that name has values."""
+    """Whether the mesh of that name has values."""
     return "mean_curvature" in bpy.data.meshes[name].attributes
 
 
 def cancel_and_bake(target) -> Iterator[None]:
-    """Esc leaves everything as it was; without it the values are right."""
+    """Checks that Esc leaves everything as it was, and that without it the values are right."""
     mesh_name = target.data.name
     settings = bpy.context.scene.paradesc
     before = fingerprint(target)
@@ -70,7 +70,7 @@ def cancel_and_bake(target) -> Iterator[None]:
 
 
 def take_picture(screenshot: str) -> Iterator[None]:
-    """The panel, and the colors in the viewport."""
+    """Takes a picture of the panel and of the colors in the viewport."""
     area = view_context()["area"]
     sidebar = next(region for region in area.regions if region.type == "UI")
     yield from press("LEFTMOUSE", x=sidebar.x + sidebar.width - 12, y=sidebar.y + sidebar.height - TAB_BELOW_TOP)
@@ -83,14 +83,14 @@ def take_picture(screenshot: str) -> Iterator[None]:
 
 
 def undo(*names: str) -> Iterator[None]:
-    """One step back takes the values from all of these meshes."""
+    """Checks that one step of undo removes the values from all of these meshes."""
     run_in_view(bpy.ops.ed.undo)
     yield
     assert not any(map(baked, names)), "undo left an attribute"
 
 
 def several(names: tuple[str, str]) -> Iterator[None]:
-    """Two meshes: a preset, Esc while the second one is computed, both, and one step back."""
+    """Bakes two meshes: with a preset, with Esc while the second one is computed, then both, and one step of undo."""
     run_in_view(bpy.ops.paradesc.preset, "INVOKE_DEFAULT", True, name="curvature")
     settings = bpy.context.scene.paradesc
     assert settings.descriptors == {"mean_curvature", "gaussian_curvature"}, "the preset sets what to compute"
@@ -112,7 +112,7 @@ def several(names: tuple[str, str]) -> Iterator[None]:
 
 
 def in_edit_mode(name: str) -> Iterator[None]:
-    """A bake in edit mode stays there, and so does undoing it."""
+    """Bakes in edit mode, which stays, also after undo."""
     run_in_view(bpy.ops.object.mode_set, "EXEC_DEFAULT", True, mode="EDIT")
     yield
     start_bake()
@@ -127,7 +127,7 @@ def in_edit_mode(name: str) -> Iterator[None]:
 
 
 def sculpted(name: str) -> Iterator[None]:
-    """What a brush has just done is seen, without leaving sculpt mode; undo takes the values, not the stroke."""
+    """Checks that a bake sees a stroke without leaving sculpt mode, and that undo removes values, not the stroke."""
     run_in_view(bpy.ops.object.mode_set, "EXEC_DEFAULT", True, mode="SCULPT")
     yield
     before = mesh_io.read_positions(bpy.data.meshes[name])
@@ -154,7 +154,7 @@ def sculpted(name: str) -> Iterator[None]:
 
 
 def legend_is_drawn(area: bpy.types.Area) -> Iterator[None]:
-    """The legend's bar is in the viewport with the colors of its map while it is switched on, and only then."""
+    """Checks that the legend is in the viewport with the colors of its map while it is switched on, and only then."""
     looks, seen = bpy.context.scene.paradesc_looks, {}
     for shown in (True, False):
         looks.show_legend = shown
@@ -172,7 +172,7 @@ def legend_is_drawn(area: bpy.types.Area) -> Iterator[None]:
 
 
 def steps(target, screenshot: str) -> Iterator[None]:
-    """What the person does; every yield is a turn of the event loop."""
+    """Does what the person does; every yield is a turn of the event loop."""
     first, second = target.data.name, "second"
     area = view_context()["area"]
     area.spaces[0].show_region_ui = True

@@ -1,4 +1,4 @@
-"""The command line in a Python that has numpy and no bpy: what needs no Blender works, and what does says so."""
+"""In a Python with numpy and without bpy, what needs no Blender works, and what needs it says so."""
 
 import json
 import os
@@ -16,7 +16,7 @@ COMMANDS = ("bake", "animate", "compare", "info", "list")
 
 @pytest.fixture
 def python(tmp_path):
-    """Runs a Python whose path has numpy and the add-on alone."""
+    """Runs a Python whose path has only numpy and the add-on."""
     modules = tmp_path / "modules"
     modules.mkdir()
     for path in Path(np.__file__).parents[1].glob("numpy*"):

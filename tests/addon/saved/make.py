@@ -1,10 +1,10 @@
-"""A .blend, frames and a preset as one version of the add-on saves them, with what was in them: for saved_test.py.
+"""Saves a .blend, frames and a preset as one version of the add-on does, with their contents, for saved_test.py.
 
 Usage: BLENDER_USER_SCRIPTS=FOLDER blender -b --factory-startup -P make.py -- ADDON VERSION OUT.zip
 
-ADDON is the folder `addon` of a built tree of that version, and VERSION says which one it is. The oldest Blender that
-is supported has to run it, 3.4: newer ones read what it saves. Nothing but properties and operators is used, as in
-people's files and scripts.
+ADDON is the folder `addon` of a built tree of that version, and VERSION names that version. The oldest supported
+Blender, 3.4, has to run it, because newer ones read what it saves. It uses only properties and operators, as people's
+files and scripts do.
 """
 
 import io
@@ -42,7 +42,7 @@ SETTINGS = {
         "samples": 24, "buffer_size": 128, "fast_seams": True, "full_render": False, "wait": True, "missing": "HOLD",
     },
 }  # fmt: skip
-# What has to hold while values are computed, for the reference and for frames; the rest is as above.
+# Settings that apply while values are computed, for the reference and for frames; the rest is as above.
 COMPUTED = {"evaluate": "vertex", "relocation": "connected", "pattern": "golden-angle", "ellipse": "center"}
 COMPUTED |= {
     "geodesic": "local",
@@ -51,12 +51,12 @@ COMPUTED |= {
     "shape_key": "basis",
     "normals": "fitted",
 }
-# Of steps a side, of one of the six faces of the sphere.
+# Steps along a side of one of the six faces of the sphere.
 STEPS = 4
 
 
 def add_sphere(name: str, place: float) -> bpy.types.Object:
-    """A cube blown up to a sphere, each side a chart; of coordinates with few bits, which every Blender adds alike."""
+    """Adds a cube blown up to a sphere, each side a chart. Coordinates have few bits, so Blenders agree."""
     places = np.linspace(-1, 1, STEPS + 1)
     points, uvs, quads = [], [], []
     for side in range(6):
@@ -76,7 +76,7 @@ def add_sphere(name: str, place: float) -> bpy.types.Object:
     mesh.from_pydata(welded.tolist(), [], [[int(number.ravel()[corner]) for corner in quad] for quad in quads])
     layer = mesh.uv_layers.new(name="UVMap")
     layer.data.foreach_set("uv", np.array([uvs[corner] for quad in quads for corner in quad], np.float32).ravel())
-    mesh.polygons.foreach_set("use_smooth", np.arange(len(quads)) > 0)  # a flat one is stored by every Blender
+    mesh.polygons.foreach_set("use_smooth", np.arange(len(quads)) > 0)  # one is flat, because every Blender stores that
     mesh.update()
     made = bpy.data.objects.new(name, mesh)
     made.location.x = place
@@ -123,7 +123,7 @@ def plain(value: object) -> object:
 
 
 def group_values(group: bpy.types.PropertyGroup) -> dict[str, object]:
-    """Everything that a group of settings holds, but collections."""
+    """Everything that a group of settings holds, except collections."""
     known = [item.identifier for item in group.bl_rna.properties if item.type not in ("COLLECTION", "POINTER")]
     return {name: plain(getattr(group, name)) for name in known if name != "rna_type"}
 
@@ -159,7 +159,7 @@ def attributes(target: bpy.types.Object) -> dict[str, np.ndarray]:
 
 
 def make_scene(blend: Path) -> tuple[dict[str, object], dict[str, np.ndarray]]:
-    """Everything that is saved, and saves it; gives what is expected of it."""
+    """Makes and saves everything; gives what saved_test.py has to expect."""
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))  # frames lie beside it
     baked, live, played = (add_sphere(name, 4.0 * place) for place, name in enumerate(("baked", "live", "played")))
