@@ -138,7 +138,7 @@ struct Kept {
 
 std::vector<Kept> kept_arrays(const Made &from) {
   const auto corners = from.triangles.corner_vertex.size(), points = static_cast<size_t>(from.half_edges.point_count);
-  const auto vertices = static_cast<size_t>(from.triangles.vertex_count), sites = from.charts.sites.size();
+  const auto vertices = static_cast<size_t>(from.triangles.vertex_count), wedges = from.charts.wedges.size();
   const auto fans = static_cast<size_t>(from.rings.fan_count);
   return {{"twin", from.half_edges.twin, corners},
           {"corner_point", from.half_edges.corner_point, points},
@@ -146,9 +146,9 @@ std::vector<Kept> kept_arrays(const Made &from) {
           {"point_half_edge", from.half_edges.point_half_edge, corners},
           {"vertex_point", from.half_edges.vertex_point, points},
           {"triangle_chart", from.charts.triangle_chart, static_cast<size_t>(from.charts.chart_count)},
-          {"corner_site", from.charts.corner_site, sites},
+          {"corner_wedge", from.charts.corner_wedge, wedges},
           {"half_edge_border", from.charts.half_edge_border, from.charts.borders.size()},
-          {"point_site", from.charts.point_site, sites},
+          {"point_wedge", from.charts.point_wedge, wedges},
           {"corner_fan", *from.rings.corner_fan, fans},
           {"fan_point", from.rings.fan_point, points},
           {"point_fan", from.rings.point_fan, fans},

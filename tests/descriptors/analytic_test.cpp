@@ -357,12 +357,12 @@ TEST_P(Invariance, vertices_split_at_the_seams_get_the_results_of_the_whole) {
     for (const int32_t origin : split.origin) expected.push_back(whole[name][static_cast<size_t>(origin)]);
     const PercentAe change = percent_ae(parts[name], expected);
     record("vertices split", name, change);
-    EXPECT_LE(change.mean, 0.25) << name; // the error that another choice among a vertex' places may make
+    EXPECT_LE(change.mean, 0.25) << name; // the error that another choice among a vertex's wedges may make
   }
 }
 
-// The seam error of issue "Core": the difference between a vertex' places in the UV map.
-TEST(SeamError, places_of_one_vertex_agree) {
+// The seam error of issue "Core": the difference between a vertex's wedges.
+TEST(SeamError, wedges_of_one_vertex_agree) {
   std::string why_not;
   const Context context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
   if (!context) GTEST_SKIP() << why_not;

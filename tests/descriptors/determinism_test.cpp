@@ -101,7 +101,7 @@ TEST_P(Determinism, every_descriptor_has_the_same_bits_at_texels) {
   expect_one_result();
 }
 
-TEST_P(Determinism, integrals_over_adaptive_samples_have_the_same_bits_at_all_places_of_a_vertex) {
+TEST_P(Determinism, integrals_over_adaptive_samples_have_the_same_bits_at_all_wedges_of_a_vertex) {
   settings.estimator = PDESC_ESTIMATOR_INTEGRAL;
   settings.adaptive = 0.05;
   settings.seam_error = 1;

@@ -29,7 +29,7 @@ TEST(Passes, an_operator_reads_the_map_from_a_pass_of_its_own) {
   EXPECT_EQ(passes[2].rows, std::vector<int>{row("laplacian")});
 }
 
-// Two points, each at two places; a pass gives 100 times its number plus the point, or the map it was given.
+// Two points, each with two centers; a pass gives 100 times its number plus the point, or the map it was given.
 TEST(Passes, harris_is_given_the_map_and_its_gradient_and_values_come_back_in_order) {
   const std::vector<int> asked{row("harris"), row("mean_curvature"), row("difference_of_gaussians"), row("gradient_magnitude")};
   std::vector<Stage> stages;
@@ -39,18 +39,18 @@ TEST(Passes, harris_is_given_the_map_and_its_gradient_and_values_come_back_in_or
     stages.push_back(pass.stage);
     EXPECT_EQ(map != nullptr, number >= 2);
     EXPECT_TRUE(!map || map->at(1) == (number == 2 ? vec4(0, 0, 0, 101) : vec4(201, 202, 203, 101)));
-    SiteResults results;
+    CenterResults results;
     results.point = {0, 0, 1, 1};
     results.primary = {1, 0, 0, 1};
     for (const int one : pass.rows) {
       std::vector<float> &values = results.values.emplace_back();
-      for (size_t place = 0; place < 4; ++place)
+      for (size_t center = 0; center < 4; ++center)
         for (int k = 0; k < descriptor_row(one).components; ++k)
-          values.push_back(results.primary[place] ? static_cast<float>(100 * number + results.point[place] + k) : NAN);
+          values.push_back(results.primary[center] ? static_cast<float>(100 * number + results.point[center] + k) : NAN);
     }
     return results;
   };
-  const SiteResults results = run_passes(2, asked, row("sphere_volume"), run);
+  const CenterResults results = run_passes(2, asked, row("sphere_volume"), run);
   EXPECT_EQ(stages, (std::vector<Stage>{Stage::surface, Stage::source, Stage::map, Stage::windows}));
   ASSERT_EQ(results.values.size(), 4u);
   const float expected[] = {301, 1, 301, 201};
@@ -58,7 +58,7 @@ TEST(Passes, harris_is_given_the_map_and_its_gradient_and_values_come_back_in_or
 }
 
 // Found by fuzzing: the gradient of a map that was evaluated nowhere was read past its end.
-TEST(Passes, a_map_without_a_place_of_evaluation_is_undefined_at_every_point) {
+TEST(Passes, a_map_without_a_center_is_undefined_at_every_point) {
   const std::vector<int> asked{row("harris")};
   int with_map = 0;
   const auto run = [&](const Pass &pass, const MapValues *map, int, int) {
@@ -67,7 +67,7 @@ TEST(Passes, a_map_without_a_place_of_evaluation_is_undefined_at_every_point) {
         for (int k = 0; k < 4; ++k) EXPECT_TRUE(std::isnan(value[k])) << value[k];
       with_map += static_cast<int>(map->size());
     }
-    SiteResults results;
+    CenterResults results;
     results.values.resize(pass.rows.size());
     return results;
   };

@@ -316,7 +316,7 @@ TestMesh torus_of_needles(double width) {
   return mesh;
 }
 
-TEST_F(Relocation, each_place_of_a_vertex_on_needles_finds_the_whole_neighborhood) {
+TEST_F(Relocation, each_wedge_of_a_vertex_on_needles_finds_the_whole_neighborhood) {
   const std::vector<std::string> names = {"euclidean_area", "mean_curvature"};
   for (const double width : {0.4, 0.9}) {
     const TestMesh mesh = torus_of_needles(width);

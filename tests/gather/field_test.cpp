@@ -1,4 +1,4 @@
-// Results at places → seam errors and masks of vertices, on places made by hand.
+// Results at centers → seam errors and masks of vertices, on centers made by hand.
 #include "gather/field.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-// Every vertex is a point of its own, but for those with point -1.
+// Every vertex is a point of its own, except those with point -1.
 HalfEdges one_point_each(std::vector<int32_t> vertex_point) {
   HalfEdges half_edges;
   half_edges.point_count = 0;
@@ -21,9 +21,9 @@ HalfEdges one_point_each(std::vector<int32_t> vertex_point) {
   return half_edges;
 }
 
-// Two places each of three points, and one of a fourth.
-SiteResults seven_places() {
-  SiteResults results;
+// Three points have two centers each, a fourth has one.
+CenterResults seven_centers() {
+  CenterResults results;
   results.point = {0, 0, 1, 1, 2, 2, 3};
   results.primary = {1, 0, 1, 0, 1, 0, 1};
   results.values = {{2.0f, 2.5f, 7.0f, nan, nan, nan, 3.0f}};
@@ -35,21 +35,21 @@ SiteResults seven_places() {
 Field gathered() {
   Field field;
   field.names = {"mean_curvature"};
-  gather(one_point_each({0, 1, 2, 3, -1}), seven_places(), true, 1, field);
+  gather(one_point_each({0, 1, 2, 3, -1}), seven_centers(), true, 1, field);
   return field;
 }
 
-TEST(Field, the_seam_error_is_how_far_the_places_of_a_vertex_are_apart) {
+TEST(Field, the_seam_error_is_how_far_the_centers_of_a_vertex_are_apart) {
   const Field field = gathered();
   const std::vector<float> &error = field.seam_error.at(0);
   EXPECT_EQ(error.at(0), 0.5f);
-  EXPECT_TRUE(std::isinf(error.at(1))) << "a value at one of two places";
-  EXPECT_TRUE(std::isnan(error.at(2))) << "a value at none of two places";
-  EXPECT_TRUE(std::isnan(error.at(3))) << "one place";
+  EXPECT_TRUE(std::isinf(error.at(1))) << "a value at one of two centers";
+  EXPECT_TRUE(std::isnan(error.at(2))) << "a value at none of two centers";
+  EXPECT_TRUE(std::isnan(error.at(3))) << "one center";
   EXPECT_TRUE(std::isnan(error.at(4))) << "no face";
 }
 
-TEST(Field, a_vertex_has_value_coverage_and_mask_of_its_primary_place) {
+TEST(Field, a_vertex_has_value_coverage_and_mask_of_its_primary_center) {
   const Field field = gathered();
   EXPECT_EQ(field.values.at(0).at(0), 2.0f);
   EXPECT_EQ(field.values.at(0).at(1), 7.0f);
@@ -61,8 +61,8 @@ TEST(Field, a_vertex_has_value_coverage_and_mask_of_its_primary_place) {
   EXPECT_EQ(field.report.low_coverage_vertices, 2);
 }
 
-TEST(Field, a_point_without_a_place_has_no_texel) {
-  SiteResults results = seven_places();
+TEST(Field, a_point_without_a_center_has_no_texel) {
+  CenterResults results = seven_centers();
   results.primary[6] = 0;
   Field field;
   field.names = {"mean_curvature"};

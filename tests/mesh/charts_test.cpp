@@ -1,4 +1,4 @@
-// Charts, sites, seams and their twins on meshes small enough to count by hand.
+// Charts, wedges, seams and their twins on meshes small enough to count by hand.
 #include "mesh/charts.h"
 
 #include <algorithm>
@@ -25,21 +25,21 @@ struct Built {
   Charts charts;
 };
 
-// What holds of every mesh: links of corners, sites, borders and twins agree.
+// What holds of every mesh: links of corners, wedges, borders and twins agree.
 void expect_sound(const Built &built) {
   const auto &[triangles, half_edges, charts] = built;
   for (int h = 0; h < 3 * triangles.triangle_count; ++h) {
     const int32_t chart = charts.triangle_chart[at(h / 3)];
     ASSERT_LT(chart, charts.chart_count);
-    ASSERT_EQ(charts.corner_site[at(h)] >= 0, chart >= 0);
+    ASSERT_EQ(charts.corner_wedge[at(h)] >= 0, chart >= 0);
     if (chart < 0) {
       EXPECT_EQ(charts.half_edge_border[at(h)], -1);
       continue;
     }
-    const Site &site = charts.sites[at(charts.corner_site[at(h)])];
-    EXPECT_EQ(site.point, half_edges.corner_point[at(h)]);
-    EXPECT_EQ(site.chart, chart);
-    EXPECT_LT(glm::length(site.uv - triangles.corner_uv[at(h)]), 1e-5f);
+    const Wedge &wedge = charts.wedges[at(charts.corner_wedge[at(h)])];
+    EXPECT_EQ(wedge.point, half_edges.corner_point[at(h)]);
+    EXPECT_EQ(wedge.chart, chart);
+    EXPECT_LT(glm::length(wedge.uv - triangles.corner_uv[at(h)]), 1e-5f);
     const int32_t border = charts.half_edge_border[at(h)];
     if (border < 0) {
       EXPECT_EQ(charts.triangle_chart[at(half_edges.twin[at(h)] / 3)], chart) << "half-edge " << h;
@@ -58,11 +58,11 @@ void expect_sound(const Built &built) {
     EXPECT_EQ(charts.borders[at(border.twin)].twin, static_cast<int32_t>(i));
   }
   for (int32_t point = 0; point < half_edges.point_count; ++point) {
-    const int32_t chosen = charts.point_site[at(point)];
-    for (size_t i = 0; i < charts.sites.size(); ++i)
-      if (charts.sites[i].point == point) {
+    const int32_t chosen = charts.point_wedge[at(point)];
+    for (size_t i = 0; i < charts.wedges.size(); ++i)
+      if (charts.wedges[i].point == point) {
         ASSERT_GE(chosen, 0);
-        EXPECT_LE(charts.sites[i].angle, charts.sites[at(chosen)].angle);
+        EXPECT_LE(charts.wedges[i].angle, charts.wedges[at(chosen)].angle);
       }
   }
 }
@@ -138,28 +138,28 @@ TEST(Charts, a_grid_is_one_chart_with_a_boundary_and_no_seam) {
   EXPECT_EQ(built.charts.zero_uv_area_triangles, 0);
   EXPECT_EQ(built.charts.borders.size(), 10u);
   EXPECT_EQ(count(built.charts, BorderKind::boundary), 10);
-  EXPECT_EQ(built.charts.sites.size(), 12u);
+  EXPECT_EQ(built.charts.wedges.size(), 12u);
 }
 
-TEST(Charts, sites_of_a_point_within_a_flat_surface_share_its_full_turn) {
+TEST(Charts, wedges_of_a_point_within_a_flat_surface_share_its_full_turn) {
   Shape shape = grid(2, 2); // the last quad apart
   for (size_t corner = 18; corner < 24; ++corner) shape.uvs[corner] = shape.uvs[corner] * 0.5f - vec2(0.25f);
   const Built built = build(shape);
   std::map<int32_t, double> turn;
-  for (const Site &site : built.charts.sites) turn[site.point] += site.angle;
+  for (const Wedge &wedge : built.charts.wedges) turn[wedge.point] += wedge.angle;
   EXPECT_NEAR(turn[built.half_edges.vertex_point[4]], 2 * pi, 1e-6); // positions are floats
   EXPECT_NEAR(turn[built.half_edges.vertex_point[7]], pi, 1e-6);
-  EXPECT_EQ(turn[built.half_edges.vertex_point[0]], 0) << "has one site only, and nothing to choose";
-  EXPECT_EQ(built.charts.sites[at(built.charts.point_site[at(built.half_edges.vertex_point[0])])].uv, shape.uvs[0]);
+  EXPECT_EQ(turn[built.half_edges.vertex_point[0]], 0) << "has one wedge only, and nothing to choose";
+  EXPECT_EQ(built.charts.wedges[at(built.charts.point_wedge[at(built.half_edges.vertex_point[0])])].uv, shape.uvs[0]);
 }
 
-TEST(Charts, inside_lies_in_the_triangle_that_is_widest_at_the_site) {
+TEST(Charts, inside_lies_in_the_triangle_that_is_widest_at_the_wedge) {
   const Built built = build(grid(3, 2));
-  for (const Site &site : built.charts.sites) {
+  for (const Wedge &wedge : built.charts.wedges) {
     double widest = 0;
     vec2 expected(0);
     for (int corner = 0; corner < 3 * built.triangles.triangle_count; ++corner) {
-      if (built.half_edges.corner_point[at(corner)] != site.point) continue;
+      if (built.half_edges.corner_point[at(corner)] != wedge.point) continue;
       const auto &uv = built.triangles.corner_uv;
       const vec2 a = uv[at(next_corner(corner))] - uv[at(corner)], b = uv[at(previous_corner(corner))] - uv[at(corner)];
       const double angle = std::acos(static_cast<double>(glm::dot(a, b)) / static_cast<double>(glm::length(a) * glm::length(b)));
@@ -167,7 +167,7 @@ TEST(Charts, inside_lies_in_the_triangle_that_is_widest_at_the_site) {
       widest = angle;
       expected = (uv[at(corner)] + uv[at(next_corner(corner))] + uv[at(previous_corner(corner))]) / 3.0f;
     }
-    EXPECT_LT(glm::length(site.inside - expected), 1e-6f) << "point " << site.point;
+    EXPECT_LT(glm::length(wedge.inside - expected), 1e-6f) << "point " << wedge.point;
   }
 }
 
@@ -195,25 +195,25 @@ TEST(Charts, every_seam_twin_runs_along_the_same_edge_in_the_other_direction) {
   }
 }
 
-TEST(Charts, a_corner_of_a_cube_has_a_site_on_each_of_its_three_charts) {
+TEST(Charts, a_corner_of_a_cube_has_a_wedge_on_each_of_its_three_charts) {
   const Built built = build(cube_of_six_charts());
-  ASSERT_EQ(built.charts.sites.size(), 24u);
+  ASSERT_EQ(built.charts.wedges.size(), 24u);
   std::map<int32_t, std::set<int32_t>> charts_at;
-  for (const Site &site : built.charts.sites) {
-    EXPECT_NEAR(site.angle, pi / 2, 1e-12);
-    charts_at[site.point].insert(site.chart);
+  for (const Wedge &wedge : built.charts.wedges) {
+    EXPECT_NEAR(wedge.angle, pi / 2, 1e-12);
+    charts_at[wedge.point].insert(wedge.chart);
   }
   ASSERT_EQ(charts_at.size(), 8u);
   for (const auto &[point, charts] : charts_at) EXPECT_EQ(charts.size(), 3u) << "point " << point;
 }
 
-TEST(Charts, of_equally_wide_sites_the_first_is_chosen) {
+TEST(Charts, of_equally_wide_wedges_the_first_is_chosen) {
   const Built built = build(cube_of_six_charts());
   for (int32_t point = 0; point < 8; ++point) {
-    const int32_t chosen = built.charts.point_site[at(point)];
+    const int32_t chosen = built.charts.point_wedge[at(point)];
     for (int32_t earlier = 0; earlier < chosen; ++earlier) {
-      const Site &site = built.charts.sites[at(earlier)];
-      EXPECT_TRUE(site.point != point || site.angle < built.charts.sites[at(chosen)].angle);
+      const Wedge &wedge = built.charts.wedges[at(earlier)];
+      EXPECT_TRUE(wedge.point != point || wedge.angle < built.charts.wedges[at(chosen)].angle);
     }
   }
 }
@@ -229,7 +229,7 @@ TEST(Charts, vertices_split_by_an_exporter_change_nothing) {
   const Built built = build(shape);
   EXPECT_EQ(built.charts.chart_count, 6);
   EXPECT_EQ(built.charts.seam_edges, 12);
-  EXPECT_EQ(built.charts.sites.size(), 24u);
+  EXPECT_EQ(built.charts.wedges.size(), 24u);
   EXPECT_EQ(count(built.charts, BorderKind::boundary), 0);
 }
 
@@ -241,7 +241,7 @@ TEST(Charts, an_unrolled_cylinder_is_one_chart_with_a_seam_to_itself) {
   EXPECT_EQ(charts.self_seam_edges, 3);
   EXPECT_EQ(count(charts, BorderKind::boundary), 16);
   EXPECT_EQ(count(charts, BorderKind::seam), 6);
-  EXPECT_EQ(charts.sites.size(), 9u * 4u) << "points on the seam have two places";
+  EXPECT_EQ(charts.wedges.size(), 9u * 4u) << "points on the seam have two wedges";
   for (const Border &border : charts.borders) {
     if (border.kind != BorderKind::seam) continue;
     const float u = built.triangles.corner_uv[at(border.half_edge)].x;
@@ -261,7 +261,7 @@ TEST(Charts, triangles_mirrored_over_a_common_uv_edge_are_two_charts) {
   EXPECT_EQ(built.charts.seam_edges, 1);
   EXPECT_EQ(built.charts.self_seam_edges, 0);
   EXPECT_EQ(built.charts.flipped_triangles, 1);
-  EXPECT_EQ(built.charts.sites.size(), 6u);
+  EXPECT_EQ(built.charts.wedges.size(), 6u);
 }
 
 TEST(Charts, a_layout_mirrored_as_a_whole_has_no_flipped_triangle) {
@@ -319,7 +319,7 @@ TEST(Charts, a_triangle_without_uv_area_is_no_chart_and_its_neighbors_end_there)
   EXPECT_EQ(built.charts.unlinked_edges, 3);
   EXPECT_EQ(count(built.charts, BorderKind::unlinked), 3);
   EXPECT_EQ(built.charts.seam_edges, 0);
-  for (int32_t site : built.charts.point_site) EXPECT_GE(site, 0);
+  for (int32_t wedge : built.charts.point_wedge) EXPECT_GE(wedge, 0);
 }
 
 TEST(Charts, slivers_as_thin_as_rounding_have_no_uv_area) {
@@ -338,13 +338,13 @@ TEST(Charts, small_but_sound_triangles_have_uv_area) {
   EXPECT_EQ(built.charts.borders.size(), 40u);
 }
 
-TEST(Charts, a_point_whose_faces_all_lack_uv_area_has_no_site) {
+TEST(Charts, a_point_whose_faces_all_lack_uv_area_has_no_wedge) {
   Shape shape = grid(1, 1);
   for (size_t corner = 0; corner < 3; ++corner) shape.uvs[corner] = vec2(0);
   const Built built = build(shape);
-  EXPECT_EQ(built.charts.point_site[at(built.half_edges.vertex_point[1])], -1); // of the first triangle alone
-  EXPECT_GE(built.charts.point_site[at(built.half_edges.vertex_point[2])], 0);
-  EXPECT_EQ(built.charts.sites.size(), 3u);
+  EXPECT_EQ(built.charts.point_wedge[at(built.half_edges.vertex_point[1])], -1); // of the first triangle alone
+  EXPECT_GE(built.charts.point_wedge[at(built.half_edges.vertex_point[2])], 0);
+  EXPECT_EQ(built.charts.wedges.size(), 3u);
 }
 
 TEST(Charts, degenerate_triangles_are_not_counted_again) {
@@ -357,29 +357,29 @@ TEST(Charts, degenerate_triangles_are_not_counted_again) {
   EXPECT_EQ(built.charts.chart_count, 1);
 }
 
-TEST(Charts, the_widest_place_of_a_point_is_chosen) {
+TEST(Charts, the_widest_wedge_of_a_point_is_chosen) {
   Shape shape = grid(2, 2); // the middle point: one quad apart (90 degrees), three together (270)
   for (size_t corner = 18; corner < 24; ++corner) shape.uvs[corner] = shape.uvs[corner] * 0.5f - vec2(0.25f);
   const Built built = build(shape);
-  const Site &site = built.charts.sites[at(built.charts.point_site[at(built.half_edges.vertex_point[4])])];
-  EXPECT_EQ(site.chart, 0);
-  EXPECT_NEAR(site.angle, 1.5 * pi, 1e-6);
+  const Wedge &wedge = built.charts.wedges[at(built.charts.point_wedge[at(built.half_edges.vertex_point[4])])];
+  EXPECT_EQ(wedge.chart, 0);
+  EXPECT_NEAR(wedge.angle, 1.5 * pi, 1e-6);
   EXPECT_EQ(built.charts.seam_edges, 2);
 }
 
-TEST(Charts, new_positions_may_choose_another_place) {
+TEST(Charts, new_positions_may_choose_another_wedge) {
   Shape shape = grid(2, 2); // as above; then the middle moves close to the one quad's far corner
   for (size_t corner = 18; corner < 24; ++corner) shape.uvs[corner] = shape.uvs[corner] * 0.5f - vec2(0.25f);
   Built moved = build(shape);
   const size_t middle = at(moved.half_edges.vertex_point[4]);
-  EXPECT_EQ(moved.charts.sites[at(moved.charts.point_site[middle])].chart, 0);
+  EXPECT_EQ(moved.charts.wedges[at(moved.charts.point_wedge[middle])].chart, 0);
   moved.triangles.positions[4] = vec3(0.95f, 0.95f, 0.0f);
-  weigh_sites(moved.triangles, 1, moved.charts);
+  choose_primary_wedges(moved.triangles, 1, moved.charts);
   shape.positions = moved.triangles.positions;
   const Built fresh = build(shape);
-  EXPECT_EQ(moved.charts.point_site, fresh.charts.point_site);
-  for (size_t i = 0; i < fresh.charts.sites.size(); ++i)
-    EXPECT_EQ(moved.charts.sites[i].angle, fresh.charts.sites[i].angle) << "site " << i;
+  EXPECT_EQ(moved.charts.point_wedge, fresh.charts.point_wedge);
+  for (size_t i = 0; i < fresh.charts.wedges.size(); ++i)
+    EXPECT_EQ(moved.charts.wedges[i].angle, fresh.charts.wedges[i].angle) << "wedge " << i;
   expect_sound(moved);
 }
 
@@ -391,7 +391,7 @@ TEST(Charts, a_slit_within_a_chart_is_a_seam_of_the_chart_with_itself) {
   EXPECT_EQ(built.charts.chart_count, 1);
   EXPECT_EQ(built.charts.seam_edges, 1);
   EXPECT_EQ(built.charts.self_seam_edges, 1);
-  EXPECT_EQ(built.charts.sites.size(), 10u) << "the open end of the slit has two places, its inner end one";
+  EXPECT_EQ(built.charts.wedges.size(), 10u) << "the open end of the slit has two wedges, its inner end one";
 }
 
 TEST(Charts, without_a_uv_map_there_are_no_charts) {
@@ -399,12 +399,12 @@ TEST(Charts, without_a_uv_map_there_are_no_charts) {
   shape.uvs.clear();
   const Built built = build(shape);
   EXPECT_EQ(built.charts.chart_count, 0);
-  EXPECT_TRUE(built.charts.sites.empty());
+  EXPECT_TRUE(built.charts.wedges.empty());
   EXPECT_TRUE(built.charts.borders.empty());
   EXPECT_EQ(built.charts.triangle_chart, std::vector<int32_t>(4, -1));
-  EXPECT_EQ(built.charts.corner_site, std::vector<int32_t>(12, -1));
+  EXPECT_EQ(built.charts.corner_wedge, std::vector<int32_t>(12, -1));
   EXPECT_EQ(built.charts.half_edge_border, std::vector<int32_t>(12, -1));
-  EXPECT_EQ(built.charts.point_site, std::vector<int32_t>(6, -1));
+  EXPECT_EQ(built.charts.point_wedge, std::vector<int32_t>(6, -1));
   EXPECT_EQ(built.charts.zero_uv_area_triangles, 0);
 }
 

@@ -129,24 +129,24 @@ TEST(Layout, a_tiny_chart_grows_so_that_it_does_not_fall_between_texels) {
     EXPECT_NEAR(areas[i] / old_areas[i], areas[0] / old_areas[0], 1e-4 * areas[0] / old_areas[0]) << "the others are still alike";
 }
 
-TEST(Layout, sites_follow_their_corners) {
+TEST(Layout, wedges_follow_their_corners) {
   const Built before = stacked_torus(), after = repacked(before);
   for (size_t corner = 0; corner < after.charts.corner_uv.size(); ++corner) {
-    const int32_t site = after.charts.corner_site[corner];
-    ASSERT_GE(site, 0);
-    EXPECT_LT(length(after.charts.sites[at(site)].uv - after.charts.corner_uv[corner]), 1e-6f); // moved apart, both rounded
+    const int32_t wedge = after.charts.corner_wedge[corner];
+    ASSERT_GE(wedge, 0);
+    EXPECT_LT(length(after.charts.wedges[at(wedge)].uv - after.charts.corner_uv[corner]), 1e-6f); // moved apart, both rounded
   }
   const double scale = std::sqrt(signed_areas(after)[0] / signed_areas(before)[0]);
-  for (size_t i = 0; i < after.charts.sites.size(); ++i) {
-    const Site &site = after.charts.sites[i], &old_site = before.charts.sites[i];
-    EXPECT_NEAR(length(site.inside - site.uv), scale * length(old_site.inside - old_site.uv), 1e-6);
+  for (size_t i = 0; i < after.charts.wedges.size(); ++i) {
+    const Wedge &wedge = after.charts.wedges[i], &old_wedge = before.charts.wedges[i];
+    EXPECT_NEAR(length(wedge.inside - wedge.uv), scale * length(old_wedge.inside - old_wedge.uv), 1e-6);
   }
 }
 
 TEST(Layout, what_links_charts_stays_what_it_is) {
   const Built before = stacked_torus(), after = repacked(before);
   EXPECT_EQ(before.charts.triangle_chart, after.charts.triangle_chart);
-  EXPECT_EQ(before.charts.corner_site, after.charts.corner_site);
+  EXPECT_EQ(before.charts.corner_wedge, after.charts.corner_wedge);
   ASSERT_EQ(before.charts.borders.size(), after.charts.borders.size());
   for (size_t i = 0; i < before.charts.borders.size(); ++i)
     EXPECT_EQ(before.charts.borders[i].twin, after.charts.borders[i].twin);

@@ -110,8 +110,8 @@ TEST_F(CellsOfTexels, every_two_charts_with_a_common_seam_are_linked_and_no_othe
   EXPECT_EQ(linked, seams);
 }
 
-TEST_F(CellsOfTexels, all_places_of_a_point_are_joined_around_it) {
-  // Not only somehow: the cells of two sites of one point are the same, linked, or have a common neighbor.
+TEST_F(CellsOfTexels, all_wedges_of_a_point_are_joined_around_it) {
+  // Not only somehow: the cells of two wedges of one point are the same, linked, or have a common neighbor.
   const Built built = build(torus_of_charts(15));
   const Buffers buffers = bake(*thread, built, size);
   const Cells cells = cells_of(built, buffers, block);
@@ -121,12 +121,12 @@ TEST_F(CellsOfTexels, all_places_of_a_point_are_joined_around_it) {
     return result;
   };
   std::vector<int32_t> first(at(built.half_edges.point_count), -1);
-  for (size_t i = 0; i < built.charts.sites.size(); ++i) {
-    ASSERT_GE(cells.site_cell[i], 0);
-    int32_t &known = first[at(built.charts.sites[i].point)];
-    if (known < 0) known = cells.site_cell[i];
-    const std::set<int32_t> a = around(known), b = around(cells.site_cell[i]);
-    EXPECT_TRUE(std::ranges::any_of(a, [&](int32_t cell) { return b.contains(cell); })) << "site " << i;
+  for (size_t i = 0; i < built.charts.wedges.size(); ++i) {
+    ASSERT_GE(cells.wedge_cell[i], 0);
+    int32_t &known = first[at(built.charts.wedges[i].point)];
+    if (known < 0) known = cells.wedge_cell[i];
+    const std::set<int32_t> a = around(known), b = around(cells.wedge_cell[i]);
+    EXPECT_TRUE(std::ranges::any_of(a, [&](int32_t cell) { return b.contains(cell); })) << "wedge " << i;
   }
 }
 

@@ -25,8 +25,8 @@ dvec2 uv_of(const Built &built, const TexelPlace &place) {
 }
 
 // One value a place: a linear function of the place on the surface, and the number of its chart.
-SiteResults linear_results(const Built &built, const TexelMap &map) {
-  SiteResults results;
+CenterResults linear_results(const Built &built, const TexelMap &map) {
+  CenterResults results;
   results.values.resize(2);
   for (const TexelPlace &place : map.places) {
     const int32_t chart = built.charts.triangle_chart[at(place.triangle)];
@@ -89,11 +89,11 @@ TEST(TexelMap, a_chart_smaller_than_a_texel_has_one) {
 TEST(TexelLookup, is_exact_for_what_is_linear_and_stays_on_the_chart_of_each_place) {
   const Built built = plane_of_twelve_charts();
   const TexelMap map = build_texel_map(built.charts, size);
-  const SiteResults all = linear_results(built, map), found = look_up(map, all, built.charts, true);
-  ASSERT_EQ(found.point.size(), built.charts.sites.size());
+  const CenterResults all = linear_results(built, map), found = look_up(map, all, built.charts, true);
+  ASSERT_EQ(found.point.size(), built.charts.wedges.size());
   std::map<int32_t, int> charts_of_point;
   for (size_t i = 0; i < found.point.size(); ++i) {
-    EXPECT_FLOAT_EQ(found.values[1][i], static_cast<float>(built.charts.sites[i].chart)) << "of its own chart";
+    EXPECT_FLOAT_EQ(found.values[1][i], static_cast<float>(built.charts.wedges[i].chart)) << "of its own chart";
     // All are corners of charts, beyond most of their texels: a plane is fitted. UVs are floats; a texel is 1/5 of a quad.
     const vec3 p = built.triangles.positions[at(built.half_edges.point_vertex[at(found.point[i])])];
     EXPECT_NEAR(found.values[0][i], 2.0f * p.x - 3.0f * p.y, 1e-3f);
@@ -103,19 +103,19 @@ TEST(TexelLookup, is_exact_for_what_is_linear_and_stays_on_the_chart_of_each_pla
                 ->second,
             4)
       << "four quads meet at a point";
-  const SiteResults primary = look_up(map, all, built.charts, false);
+  const CenterResults primary = look_up(map, all, built.charts, false);
   EXPECT_EQ(primary.point.size(), charts_of_point.size());
 }
 
 TEST(TexelLookup, within_a_chart_a_linear_function_is_exact) {
   const Built built = build(grid(6, 6, [](dvec2 place, int, int) { return (place + 1.1) / 8.3; }));
   const TexelMap map = build_texel_map(built.charts, size);
-  SiteResults all;
+  CenterResults all;
   all.values.resize(1);
   for (const TexelPlace &place : map.places) all.values[0].push_back(static_cast<float>(uv_of(built, place).x));
   all.coverage.assign(map.places.size(), 1.0f);
   all.boundary.assign(map.places.size(), 0);
-  const SiteResults found = look_up(map, all, built.charts, false);
+  const CenterResults found = look_up(map, all, built.charts, false);
   int inner = 0;
   for (size_t i = 0; i < found.point.size(); ++i) {
     const vec3 p = built.triangles.positions[at(built.half_edges.point_vertex[at(found.point[i])])];
@@ -129,7 +129,7 @@ TEST(TexelLookup, within_a_chart_a_linear_function_is_exact) {
 TEST(TexelLookup, undefined_texels_are_left_out_and_directions_do_not_cancel) {
   const Built built = build(grid(1, 1, [](dvec2 place, int, int) { return place * 0.5 + 0.25; }));
   const TexelMap map = build_texel_map(built.charts, size);
-  SiteResults all;
+  CenterResults all;
   all.values.resize(2);
   for (size_t i = 0; i < map.places.size(); ++i) {
     const bool odd = (map.places[i].texel % size + map.places[i].texel / size) % 2 != 0;
@@ -138,7 +138,7 @@ TEST(TexelLookup, undefined_texels_are_left_out_and_directions_do_not_cancel) {
   }
   all.coverage.assign(map.places.size(), 1.0f);
   all.boundary.assign(map.places.size(), 0);
-  const SiteResults found = look_up(map, all, built.charts, false);
+  const CenterResults found = look_up(map, all, built.charts, false);
   ASSERT_EQ(found.point.size(), 4u);
   for (size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(found.values[0][i], 7.0f);
@@ -151,7 +151,7 @@ TEST(TexelLookup, undefined_texels_are_left_out_and_directions_do_not_cancel) {
 TEST(TexelLookup, directions_of_either_sign_have_their_mean) {
   const Built built = build(grid(1, 1, [](dvec2 place, int, int) { return place * 0.5 + 0.25; }));
   const TexelMap map = build_texel_map(built.charts, size);
-  SiteResults all;
+  CenterResults all;
   all.values.resize(1);
   for (const TexelPlace &place : map.places) {
     const float sign = (place.texel % size + place.texel / size) % 2 != 0 ? -1.0f : 1.0f;
@@ -159,14 +159,14 @@ TEST(TexelLookup, directions_of_either_sign_have_their_mean) {
   }
   all.coverage.assign(map.places.size(), 1.0f);
   all.boundary.assign(map.places.size(), 0);
-  const SiteResults found = look_up(map, all, built.charts, false);
+  const CenterResults found = look_up(map, all, built.charts, false);
   ASSERT_EQ(found.point.size(), 4u);
   for (size_t i = 0; i < 4; ++i) EXPECT_GT(std::abs(found.values[0][3 * i]), 0.97f) << i;
 }
 
 // Values are the numbers of places.
-SiteResults numbered_results(const TexelMap &map) {
-  SiteResults results;
+CenterResults numbered_results(const TexelMap &map) {
+  CenterResults results;
   results.values.resize(1);
   for (size_t i = 0; i < map.places.size(); ++i) results.values[0].push_back(static_cast<float>(i));
   results.coverage.assign(map.places.size(), 1.0f);
@@ -177,20 +177,20 @@ SiteResults numbered_results(const TexelMap &map) {
 TEST(TexelLookup, takes_the_nearest_texel_where_none_lies_beside_the_place) {
   const Built built = build(grid(1, 1, [](dvec2 place, int, int) { return place * 0.5 + 0.25; }));
   TexelMap map = build_texel_map(built.charts, size);
-  const SiteResults all = numbered_results(map);
-  const auto gap_of = [&](const TexelPlace &place, const Site &site) {
-    return length(center_of(place.texel) - dvec2(site.uv)) * static_cast<double>(size);
+  const CenterResults all = numbered_results(map);
+  const auto gap_of = [&](const TexelPlace &place, const Wedge &wedge) {
+    return length(center_of(place.texel) - dvec2(wedge.uv)) * static_cast<double>(size);
   };
-  for (const Site &site : built.charts.sites)
+  for (const Wedge &wedge : built.charts.wedges)
     for (const TexelPlace &place : map.places)
-      if (gap_of(place, site) < 3.5) map.place[at(place.texel)] = -1;
-  const SiteResults found = look_up(map, all, built.charts, true);
+      if (gap_of(place, wedge) < 3.5) map.place[at(place.texel)] = -1;
+  const CenterResults found = look_up(map, all, built.charts, true);
   ASSERT_EQ(found.point.size(), 4u);
   for (size_t i = 0; i < 4; ++i) {
     double nearest = 1e30;
     for (const TexelPlace &place : map.places)
-      if (map.place[at(place.texel)] >= 0) nearest = std::min(nearest, gap_of(place, built.charts.sites[i]));
-    EXPECT_NEAR(gap_of(map.places[at(static_cast<int>(found.values[0][i]))], built.charts.sites[i]), nearest, 1e-4) << i;
+      if (map.place[at(place.texel)] >= 0) nearest = std::min(nearest, gap_of(place, built.charts.wedges[i]));
+    EXPECT_NEAR(gap_of(map.places[at(static_cast<int>(found.values[0][i]))], built.charts.wedges[i]), nearest, 1e-4) << i;
   }
 }
 
@@ -198,20 +198,20 @@ TEST(TexelLookup, places_without_a_texel_of_their_chart_have_no_row) {
   const Built built = plane_of_twelve_charts();
   const TexelMap map = build_texel_map(built.charts, 1);
   ASSERT_EQ(map.places.size(), 1u) << "all charts share one texel";
-  SiteResults all = numbered_results(map);
+  CenterResults all = numbered_results(map);
   all.values = {{5.0f}, {0.6f, 0.8f, 0.0f}};
-  for (const bool all_sites : {false, true}) {
-    const SiteResults found = look_up(map, all, built.charts, all_sites);
+  for (const bool all_wedges : {false, true}) {
+    const CenterResults found = look_up(map, all, built.charts, all_wedges);
     std::vector<int32_t> expected;
-    for (size_t i = 0; i < built.charts.sites.size(); ++i) {
-      const Site &site = built.charts.sites[i];
-      const bool primary = built.charts.point_site[at(site.point)] == static_cast<int32_t>(i);
-      if (site.chart == map.places[0].chart && (all_sites || primary)) expected.push_back(site.point);
+    for (size_t i = 0; i < built.charts.wedges.size(); ++i) {
+      const Wedge &wedge = built.charts.wedges[i];
+      const bool primary = built.charts.point_wedge[at(wedge.point)] == static_cast<int32_t>(i);
+      if (wedge.chart == map.places[0].chart && (all_wedges || primary)) expected.push_back(wedge.point);
     }
-    if (all_sites) {
+    if (all_wedges) {
       EXPECT_EQ(expected.size(), 4u);
     } else {
-      std::sort(expected.begin(), expected.end()); // rows of points, not of sites
+      std::sort(expected.begin(), expected.end()); // rows of points, not of wedges
     }
     EXPECT_EQ(found.point, expected);
     const size_t rows = expected.size();

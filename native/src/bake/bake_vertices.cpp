@@ -1,4 +1,4 @@
-// Corners by site, those of one site by group.
+// Corners, sorted by wedge and group → bake vertices.
 #include "bake/bake_vertices.h"
 
 #include <algorithm>
@@ -12,22 +12,22 @@ BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &chart
     int32_t group, corner;
     auto operator<=>(const Key &) const = default;
   };
-  // Corners by site, those of one site by group.
-  std::vector<int32_t> begin(charts.sites.size() + 2, 0);
-  for (const int32_t site : charts.corner_site)
-    if (site >= 0) ++begin[site + 2];
+  // Corners are sorted by wedge, and those of one wedge by group.
+  std::vector<int32_t> begin(charts.wedges.size() + 2, 0);
+  for (const int32_t wedge : charts.corner_wedge)
+    if (wedge >= 0) ++begin[wedge + 2];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Key> keys(static_cast<size_t>(begin.back()));
   for (int32_t corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
-    const int32_t site = charts.corner_site[corner];
-    if (site < 0) continue;
+    const int32_t wedge = charts.corner_wedge[corner];
+    if (wedge < 0) continue;
     const int32_t group = corner_group.empty() ? corner : corner_group[corner];
-    keys[begin[site + 1]++] = {group, corner};
+    keys[begin[wedge + 1]++] = {group, corner};
   }
   BakeVertices vertices;
   vertices.index.assign(static_cast<size_t>(3 * triangles.triangle_count), 0);
-  for (size_t site = 0; site < charts.sites.size(); ++site) {
-    const auto first = static_cast<size_t>(begin[site]), last = static_cast<size_t>(begin[site + 1]);
+  for (size_t wedge = 0; wedge < charts.wedges.size(); ++wedge) {
+    const auto first = static_cast<size_t>(begin[wedge]), last = static_cast<size_t>(begin[wedge + 1]);
     std::sort(keys.begin() + static_cast<ptrdiff_t>(first), keys.begin() + static_cast<ptrdiff_t>(last));
     for (size_t i = first; i < last; ++i) {
       if (i == first || keys[i].group != keys[i - 1].group) vertices.corner.push_back(keys[i].corner);

@@ -10,13 +10,13 @@
 
 namespace paradesc {
 
-// A vertex of the bake stands for the corners of one site that share a normal.
+// A vertex of the bake stands for the corners of one wedge that share a normal.
 struct BakeVertices {
   std::vector<int32_t> corner; // (bake vertices) one corner that stands for it
   std::vector<uint32_t> index; // (3 * triangle_count) bake vertex of each corner; of triangles on no chart all the same
 };
 
-// corner_group: corners of one site with the same group share a normal; empty: none do.
+// corner_group: corners of one wedge with the same group share a normal; empty: none do.
 BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &charts, const std::vector<int32_t> &corner_group);
 
 } // namespace paradesc

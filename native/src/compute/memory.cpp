@@ -41,7 +41,7 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
   const Charts &c = mesh.atlases.current().charts;
   return bytes(t.positions, t.corner_vertex, t.input_corner, t.corner_normal, t.half_edge_sharp) + bytes_of_uvs(t, c) +
          bytes(h.corner_point, h.twin, h.point_vertex, h.point_half_edge, h.vertex_point, h.point_boundary) +
-         bytes(c.triangle_chart, c.corner_site, c.half_edge_border, c.sites, c.point_site, c.shared_sites, c.shared_corners,
+         bytes(c.triangle_chart, c.corner_wedge, c.half_edge_border, c.wedges, c.point_wedge, c.shared_wedges, c.shared_corners,
                c.borders) +
          (mesh.patches ? bytes_of(*mesh.patches) : 0);
 }
@@ -49,7 +49,7 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
 MemoryForecast forecast_memory_of(const Mesh &mesh, int backend, const pdesc_options &options, std::span<const int> descriptors) {
   const Charts &charts = mesh.atlases.current().charts;
   MemoryForecast memory = forecast_memory(
-      backend, {mesh.triangles.triangle_count, mesh.half_edges.point_count, static_cast<int64_t>(charts.sites.size()),
+      backend, {mesh.triangles.triangle_count, mesh.half_edges.point_count, static_cast<int64_t>(charts.wedges.size()),
                 static_cast<int64_t>(charts.borders.size()), mesh.maps.any(), mesh.patches.has_value(), options, descriptors});
   memory.mesh = bytes_of_mesh(mesh);
   return memory;

@@ -68,7 +68,7 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   set_positions(mesh.triangles, positions, vertex_count);
   ++mesh.positions_version;
-  mesh.atlases.choose_primary_sites(mesh.triangles, mesh.context->threads);
+  mesh.atlases.choose_primary_wedges(mesh.triangles, mesh.context->threads);
   mesh.extent = measure_extent(mesh.triangles, mesh.half_edges, mesh.context->threads);
 }
 

@@ -33,8 +33,9 @@ std::vector<Pass> plan_passes(std::span<const int> asked, int map_row) {
   return passes;
 }
 
-// Values of one row at the place that answers for each point; NaN where there is none.
-static std::vector<float> at_points(const SiteResults &results, const std::vector<float> &row, size_t width, size_t point_count) {
+// Values of one row at the primary center of each point; NaN where there is none.
+static std::vector<float> at_points(const CenterResults &results, const std::vector<float> &row, size_t width,
+                                    size_t point_count) {
   std::vector<float> values(point_count * width, std::numeric_limits<float>::quiet_NaN());
   for (size_t i = 0; i < results.point.size(); ++i) {
     if (!results.primary[i]) continue;
@@ -47,7 +48,7 @@ namespace {
 
 struct Done {
   Pass pass;
-  SiteResults results;
+  CenterResults results;
   const std::vector<float> *find(int row) const {
     const auto found = std::find(pass.rows.begin(), pass.rows.end(), row);
     return found == pass.rows.end() ? nullptr : &results.values[found - pass.rows.begin()];
@@ -56,7 +57,7 @@ struct Done {
 
 } // namespace
 
-// What a pass computed of the map itself goes into it.
+// Copies what a pass computed of the map itself into it.
 static void update_map(const Done &done, int map_row, size_t points, MapValues &map) {
   if (done.pass.stage == Stage::source) {
     for (const float f : at_points(done.results, *done.find(map_row), 1, points)) map.emplace_back(0.0f, 0.0f, 0.0f, f);
@@ -66,7 +67,7 @@ static void update_map(const Done &done, int map_row, size_t points, MapValues &
   }
 }
 
-SiteResults run_passes(int point_count, std::span<const int> asked, int map_row, const RunPass &run) {
+CenterResults run_passes(int point_count, std::span<const int> asked, int map_row, const RunPass &run) {
   const std::vector<Pass> passes = plan_passes(asked, map_row);
   const auto count = static_cast<int>(passes.size());
   MapValues map;
@@ -80,7 +81,7 @@ SiteResults run_passes(int point_count, std::span<const int> asked, int map_row,
   for (const int row : asked)
     for (const Done &one : done)
       if (const std::vector<float> *found = stage_of(row) == one.pass.stage ? one.find(row) : nullptr) values.push_back(*found);
-  SiteResults results = std::move(done[0].results);
+  CenterResults results = std::move(done[0].results);
   results.values = std::move(values);
   return results;
 }

@@ -28,8 +28,8 @@ std::vector<Pass> plan_passes(std::span<const int> asked, int map_row);
 
 // run(pass, map, number, count) evaluates pass number of count; map is null where none is needed. The values come back in the
 // order of asked.
-using RunPass = std::function<SiteResults(const Pass &pass, const MapValues *map, int number, int count)>;
-SiteResults run_passes(int point_count, std::span<const int> asked, int map_row, const RunPass &run);
+using RunPass = std::function<CenterResults(const Pass &pass, const MapValues *map, int number, int count)>;
+CenterResults run_passes(int point_count, std::span<const int> asked, int map_row, const RunPass &run);
 
 // How far a pass looks around.
 double reach_of(const Pass &pass, const pdesc_options &options, double radius);

@@ -1,11 +1,11 @@
-// Results of some places + those of others → one list.
+// Results of some centers + those of others → one list.
 #include "descriptor/results.h"
 
 #include <algorithm>
 
 namespace paradesc {
 
-void append(SiteResults &all, SiteResults &&part) {
+void append(CenterResults &all, CenterResults &&part) {
   const auto add = [](auto &to, const auto &from) { to.insert(to.end(), from.begin(), from.end()); };
   const auto before = static_cast<double>(all.coverage.size()), more = static_cast<double>(part.coverage.size());
   all.refined_share = (all.refined_share * before + part.refined_share * more) / std::max(before + more, 1.0);

@@ -1,4 +1,4 @@
-// What comes out of the places where descriptors are evaluated, before it goes to vertices or texels.
+// Values at the centers of evaluation (wedges, texels, or points of the reference), before they go to vertices or texels.
 #pragma once
 
 #include <cstdint>
@@ -6,16 +6,16 @@
 
 namespace paradesc {
 
-struct SiteResults {
-  std::vector<int32_t> point;             // (places) point evaluated
-  std::vector<uint8_t> primary;           // (places) 1: the place that answers for the point
-  std::vector<std::vector<float>> values; // [descriptor][place, component], units of the positions
-  double refined_share = 1.0;             // of the places, where all samples were taken
-  std::vector<float> coverage;            // (places)
-  std::vector<uint8_t> boundary;          // (places)
+struct CenterResults {
+  std::vector<int32_t> point;             // (centers) point evaluated
+  std::vector<uint8_t> primary;           // (centers) 1: the center whose values the point takes
+  std::vector<std::vector<float>> values; // [descriptor][center, component], units of the positions
+  double refined_share = 1.0;             // the share of the centers that took all samples
+  std::vector<float> coverage;            // (centers)
+  std::vector<uint8_t> boundary;          // (centers)
 };
 
-// Adds the results of further places.
-void append(SiteResults &all, SiteResults &&part);
+// Adds the results of further centers.
+void append(CenterResults &all, CenterResults &&part);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// The seam between what is computed and what computes it: a mesh and options in, values at places of the surface out.
+// The seam between what is computed and what computes it: a mesh and options in, values at centers of evaluation out.
 //
 // An engine is opened once for a context; a session is what it keeps of one mesh between computations. Nothing outside an
 // engine's folder knows how it works; what it can do is asked (Abilities).
@@ -24,7 +24,7 @@ namespace paradesc {
 
 // What is beyond these is refused before a session is asked.
 struct Abilities {
-  bool texture_space = false; // it needs a UV map, has buffers to read, and knows the places of a point there apart
+  bool texture_space = false; // it needs a UV map, has buffers to read, and has results for each wedge of a point
   bool surface_maps = false;  // it follows displacement and normal maps
   int32_t most_triangles = std::numeric_limits<int32_t>::max();
 };
@@ -55,7 +55,7 @@ struct Request {
 };
 
 struct Computed {
-  SiteResults results;
+  CenterResults results;
   pdesc_field_report report{};            // what the engine knows of it; the rest is 0
   std::vector<std::vector<float>> images; // as images_of, if texels were evaluated
   int image_size = 0;
@@ -97,7 +97,7 @@ public:
 
 // What the memory of a computation follows from.
 struct ComputationSize {
-  int64_t triangles, points, sites, borders;
+  int64_t triangles, points, wedges, borders;
   bool surface_maps; // the mesh has some
   bool patches;      // they are made already
   const pdesc_options &options;

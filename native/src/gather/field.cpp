@@ -1,4 +1,4 @@
-// One value a place → one value a vertex.
+// One value per center → one value per vertex.
 #include "gather/field.h"
 
 #include <algorithm>
@@ -13,17 +13,17 @@ namespace paradesc {
 static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 static constexpr int block = 16384; // of vertices
 
-// Largest less smallest value over the places of each point; NaN where a point has one place, infinity where the value exists at
-// some places only.
-static std::vector<float> spread(const SiteResults &results, const std::vector<float> &values, size_t points) {
+// The largest less the smallest value over the centers of each point; NaN where a point has one center, infinity where the value
+// exists at some centers only.
+static std::vector<float> spread(const CenterResults &results, const std::vector<float> &values, size_t points) {
   struct Range {
     float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();
-    int places = 0, undefined = 0;
+    int centers = 0, undefined = 0;
   };
   std::vector<Range> ranges(points);
   for (size_t i = 0; i < results.point.size(); ++i) {
     Range &range = ranges[results.point[i]];
-    ++range.places;
+    ++range.centers;
     if (std::isnan(values[i])) {
       ++range.undefined;
       continue;
@@ -33,14 +33,14 @@ static std::vector<float> spread(const SiteResults &results, const std::vector<f
   }
   std::vector<float> result(points, nan);
   for (size_t i = 0; i < points; ++i) {
-    if (ranges[i].places < 2 || ranges[i].undefined == ranges[i].places) continue;
+    if (ranges[i].centers < 2 || ranges[i].undefined == ranges[i].centers) continue;
     result[i] = ranges[i].undefined ? std::numeric_limits<float>::infinity() : ranges[i].high - ranges[i].low;
   }
   return result;
 }
 
-// Of a direction, which has two signs: the angle between each place and the first one of its point.
-static std::vector<float> angles(const SiteResults &results, const std::vector<float> &values, size_t points) {
+// The same for directions, which have two signs: the angle between that at each center and that at the first one of its point.
+static std::vector<float> angles(const CenterResults &results, const std::vector<float> &values, size_t points) {
   std::vector<int32_t> first(points, -1);
   std::vector<float> result(results.point.size(), nan);
   for (size_t i = 0; i < result.size(); ++i) {
@@ -72,20 +72,20 @@ static std::vector<float> pick(const std::vector<int32_t> &rows, const std::vect
   return picked;
 }
 
-static uint8_t mask_of(const SiteResults &results, int32_t point, int32_t place) {
+static uint8_t mask_of(const CenterResults &results, int32_t point, int32_t center) {
   if (point < 0) return PDESC_MASK_NO_FACE;
-  if (place < 0) return PDESC_MASK_NO_TEXEL;
-  const bool boundary = results.boundary[place] != 0;
-  const bool low = results.coverage[place] < 0.9f;
+  if (center < 0) return PDESC_MASK_NO_TEXEL;
+  const bool boundary = results.boundary[center] != 0;
+  const bool low = results.coverage[center] < 0.9f;
   return static_cast<uint8_t>((boundary ? PDESC_MASK_BOUNDARY : 0) | (low ? PDESC_MASK_LOW_COVERAGE : 0));
 }
 
-static void fill_mask(const HalfEdges &half_edges, const std::vector<int32_t> &vertex_place, const SiteResults &results,
+static void fill_mask(const HalfEdges &half_edges, const std::vector<int32_t> &vertex_center, const CenterResults &results,
                       int threads, Field &field) {
-  field.mask.resize(vertex_place.size());
-  parallel_blocks(static_cast<int>(vertex_place.size()), threads, block, [&](int begin, int end) {
+  field.mask.resize(vertex_center.size());
+  parallel_blocks(static_cast<int>(vertex_center.size()), threads, block, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-      field.mask[i] = mask_of(results, half_edges.vertex_point[i], vertex_place[i]);
+      field.mask[i] = mask_of(results, half_edges.vertex_point[i], vertex_center[i]);
   });
 }
 
@@ -125,17 +125,17 @@ static void count(const HalfEdges &half_edges, int threads, Field &field) {
   field.report.coverage_mean = all.with_face ? all.coverage / all.with_face : 0.0;
 }
 
-void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_seam_error, int threads, Field &field) {
+void gather(const HalfEdges &half_edges, const CenterResults &results, bool with_seam_error, int threads, Field &field) {
   const auto points = static_cast<size_t>(half_edges.point_count);
-  std::vector<int32_t> primary(points, -1), vertex_place(half_edges.vertex_point.size());
+  std::vector<int32_t> primary(points, -1), vertex_center(half_edges.vertex_point.size());
   for (size_t i = 0; i < results.point.size(); ++i)
     if (results.primary[i]) primary[results.point[i]] = static_cast<int32_t>(i);
-  parallel_blocks(static_cast<int>(vertex_place.size()), threads, block, [&](int begin, int end) {
+  parallel_blocks(static_cast<int>(vertex_center.size()), threads, block, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-      vertex_place[i] = half_edges.vertex_point[i] < 0 ? -1 : primary[half_edges.vertex_point[i]];
+      vertex_center[i] = half_edges.vertex_point[i] < 0 ? -1 : primary[half_edges.vertex_point[i]];
   });
   auto add = [&](const std::vector<float> &values, size_t width) {
-    field.values.push_back(pick(vertex_place, values, width, threads));
+    field.values.push_back(pick(vertex_center, values, width, threads));
     if (!with_seam_error) return;
     const auto differences = spread(results, width == 3 ? angles(results, values, points) : values, points);
     field.seam_error.push_back(at_vertices(half_edges, differences));
@@ -146,7 +146,7 @@ void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_s
   }
   add(results.coverage, 1);
   field.names.emplace_back("coverage");
-  fill_mask(half_edges, vertex_place, results, threads, field);
+  fill_mask(half_edges, vertex_center, results, threads, field);
   count(half_edges, threads, field);
 }
 

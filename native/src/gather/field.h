@@ -1,4 +1,4 @@
-// Results at points and sites → arrays over the original vertices, masks, counts and sentences.
+// Results at centers → arrays over the original vertices, masks, counts and sentences.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Field {
   std::string warnings;
 };
 
-// Every vertex takes its point's primary place. with_seam_error: also the spread over all places of a point.
-void gather(const HalfEdges &half_edges, const SiteResults &results, bool with_seam_error, int threads, Field &field);
+// Every vertex takes the values at its point's primary center. with_seam_error: also the spread over all centers of a point.
+void gather(const HalfEdges &half_edges, const CenterResults &results, bool with_seam_error, int threads, Field &field);
 
 } // namespace paradesc

@@ -1,4 +1,4 @@
-// Half-edges + corner UVs → charts, the places (sites) of each point in the UV map, and border half-edges with their twins.
+// Half-edges + corner UVs → charts, the wedges of each point, and the border half-edges with their twins.
 #include "mesh/charts.h"
 
 #include <algorithm>
@@ -101,10 +101,10 @@ vec2 uv_centroid(const Triangles &triangles, int triangle) {
   return vec2(sum / 3.0);
 }
 
-// Calls visit(corner, angle) for every corner that has a site, in order; angles are found by all threads, a run of corners at a
+// Calls visit(corner, angle) for every corner that has a wedge, in order; angles are found by all threads, a run of corners at a
 // time.
 template <class Angle, class Visit>
-void for_each_corner(const Triangles &triangles, const std::vector<int32_t> &corner_site, int threads, const Angle &angle_of,
+void for_each_corner(const Triangles &triangles, const std::vector<int32_t> &corner_wedge, int threads, const Angle &angle_of,
                      const Visit &visit) {
   constexpr int run = 64 * block;
   const int count = 3 * triangles.triangle_count;
@@ -113,36 +113,36 @@ void for_each_corner(const Triangles &triangles, const std::vector<int32_t> &cor
     const int length = std::min(run, count - first);
     parallel_blocks(length, threads, block, [&](int begin, int end) {
       for (int i = begin; i < end; ++i)
-        if (corner_site[first + i] >= 0) angles[i] = angle_of(triangles, first + i);
+        if (corner_wedge[first + i] >= 0) angles[i] = angle_of(triangles, first + i);
     });
     for (int i = 0; i < length; ++i)
-      if (corner_site[first + i] >= 0) visit(first + i, angles[i]);
+      if (corner_wedge[first + i] >= 0) visit(first + i, angles[i]);
   }
 }
 
 void place_points(const Triangles &triangles, const HalfEdges &half_edges, const Fans &fans, int threads, Charts &charts) {
-  charts.corner_site = fans.corner_fan;
-  charts.sites.resize(fans.count);
+  charts.corner_wedge = fans.corner_fan;
+  charts.wedges.resize(fans.count);
   std::vector<double> widest(fans.count, -1.0);
   for_each_corner(triangles, fans.corner_fan, threads, uv_angle, [&](int corner, double angle) {
     const int32_t index = fans.corner_fan[corner];
-    Site &site = charts.sites[index];
+    Wedge &wedge = charts.wedges[index];
     if (widest[index] < 0)
-      site = {half_edges.corner_point[corner], charts.triangle_chart[corner / 3], triangles.corner_uv[corner], {}, 0.0};
+      wedge = {half_edges.corner_point[corner], charts.triangle_chart[corner / 3], triangles.corner_uv[corner], {}, 0.0};
     if (angle <= widest[index]) return;
     widest[index] = angle;
-    site.inside = uv_centroid(triangles, corner / 3);
+    wedge.inside = uv_centroid(triangles, corner / 3);
   });
-  std::vector<int32_t> sites_of(half_edges.point_count, 0);
-  for (const Site &site : charts.sites) ++sites_of[site.point];
-  const auto shared = [&](int32_t site) { return site >= 0 && sites_of[charts.sites[site].point] > 1; };
-  for (int32_t site = 0; site < fans.count; ++site) {
-    charts.point_site[charts.sites[site].point] = site;
-    if (shared(site)) charts.shared_sites.push_back(site);
+  std::vector<int32_t> wedges_of(half_edges.point_count, 0);
+  for (const Wedge &wedge : charts.wedges) ++wedges_of[wedge.point];
+  const auto shared = [&](int32_t wedge) { return wedge >= 0 && wedges_of[charts.wedges[wedge].point] > 1; };
+  for (int32_t wedge = 0; wedge < fans.count; ++wedge) {
+    charts.point_wedge[charts.wedges[wedge].point] = wedge;
+    if (shared(wedge)) charts.shared_wedges.push_back(wedge);
   }
-  for (size_t corner = 0; corner < charts.corner_site.size(); ++corner)
-    if (shared(charts.corner_site[corner])) charts.shared_corners.push_back(static_cast<int32_t>(corner));
-  weigh_sites(triangles, threads, charts);
+  for (size_t corner = 0; corner < charts.corner_wedge.size(); ++corner)
+    if (shared(charts.corner_wedge[corner])) charts.shared_corners.push_back(static_cast<int32_t>(corner));
+  choose_primary_wedges(triangles, threads, charts);
 }
 
 void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link, Charts &charts) {
@@ -169,19 +169,19 @@ void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link,
 
 } // namespace
 
-void weigh_sites(const Triangles &triangles, int threads, Charts &charts) {
+void choose_primary_wedges(const Triangles &triangles, int threads, Charts &charts) {
   std::vector<double> angles(charts.shared_corners.size());
   parallel_blocks(static_cast<int>(angles.size()), threads, block, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) angles[i] = surface_angle(triangles, charts.shared_corners[i]);
   });
-  for (const int32_t index : charts.shared_sites) {
-    charts.sites[index].angle = 0.0;
-    charts.point_site[charts.sites[index].point] = -1;
+  for (const int32_t index : charts.shared_wedges) {
+    charts.wedges[index].angle = 0.0;
+    charts.point_wedge[charts.wedges[index].point] = -1;
   }
-  for (size_t i = 0; i < angles.size(); ++i) charts.sites[charts.corner_site[charts.shared_corners[i]]].angle += angles[i];
-  for (const int32_t index : charts.shared_sites) {
-    int32_t &chosen = charts.point_site[charts.sites[index].point];
-    if (chosen < 0 || charts.sites[index].angle > charts.sites[chosen].angle) chosen = index;
+  for (size_t i = 0; i < angles.size(); ++i) charts.wedges[charts.corner_wedge[charts.shared_corners[i]]].angle += angles[i];
+  for (const int32_t index : charts.shared_wedges) {
+    int32_t &chosen = charts.point_wedge[charts.wedges[index].point];
+    if (chosen < 0 || charts.wedges[index].angle > charts.wedges[chosen].angle) chosen = index;
   }
 }
 
@@ -189,9 +189,9 @@ Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std
                     int threads) {
   Charts charts;
   charts.triangle_chart.assign(triangles.triangle_count, -1);
-  charts.corner_site.assign(half_edges.twin.size(), -1);
+  charts.corner_wedge.assign(half_edges.twin.size(), -1);
   charts.half_edge_border.assign(half_edges.twin.size(), -1);
-  charts.point_site.assign(half_edges.point_count, -1);
+  charts.point_wedge.assign(half_edges.point_count, -1);
   charts.corner_uv = triangles.corner_uv;
   if (charts.corner_uv.empty()) return charts;
 

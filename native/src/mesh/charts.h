@@ -1,4 +1,4 @@
-// Half-edges + corner UVs → charts, the places of each point in the UV map, and the border half-edges with their twins.
+// Half-edges + corner UVs → charts, the wedges of each point, and the border half-edges with their twins.
 #pragma once
 
 #include <cstdint>
@@ -23,25 +23,26 @@ struct Border {
   BorderKind kind;
 };
 
-// A place of a point in the UV map: all corners of one point on one chart with the same (u, v).
-struct Site {
+// All corners of one point on one chart that have the same (u, v) (Hoppe's term). A point on a seam has several wedges, any other
+// point one.
+struct Wedge {
   int32_t point;
   int32_t chart;
   vec2 uv;
   vec2 inside;  // (u, v) of the centroid of the incident triangle that is widest there: a direction into the chart
-  double angle; // of the surface around the point that this site sees, in radians; 0 where it is the point's only one
+  double angle; // of the wedge on the surface, in radians; 0 where it is the point's only one
 };
 
 struct Charts {
   int chart_count = 0;
   SharedArray<vec2> corner_uv;           // (3 * triangle_count) where the corners lie in the layout; empty: no UV map
   std::vector<int32_t> triangle_chart;   // (triangle_count) -1: degenerate or without UV area
-  std::vector<int32_t> corner_site;      // (3 * triangle_count) -1 where triangle_chart is -1
+  std::vector<int32_t> corner_wedge;     // (3 * triangle_count) -1 where triangle_chart is -1
   std::vector<int32_t> half_edge_border; // (3 * triangle_count) index into borders, or -1
-  std::vector<Site> sites;
-  std::vector<int32_t> point_site;     // (point_count) the site with the largest angle; -1: no place in the UV map
-  std::vector<int32_t> shared_sites;   // that share a point with another, in order: their angles decide
-  std::vector<int32_t> shared_corners; // of those sites
+  std::vector<Wedge> wedges;
+  std::vector<int32_t> point_wedge;    // (point_count) the primary wedge, of the largest angle; -1: the point has no wedge
+  std::vector<int32_t> shared_wedges;  // that share a point with another, in order: their angles decide
+  std::vector<int32_t> shared_corners; // of those wedges
   std::vector<Border> borders;
 
   int zero_uv_area_triangles = 0;
@@ -56,7 +57,7 @@ struct Charts {
 Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece = {},
                     int threads = 0);
 
-// What of the charts depends on positions, for new ones: the sites' angles, and the site that each point takes first.
-void weigh_sites(const Triangles &triangles, int threads, Charts &charts);
+// Recomputes what depends on positions: the wedges' angles, and the primary wedge of each point.
+void choose_primary_wedges(const Triangles &triangles, int threads, Charts &charts);
 
 } // namespace paradesc

@@ -1,8 +1,8 @@
 // Triangle list → manifold half-edges, as flat arrays. halfedge.cpp is the only file that includes OpenMesh.
 //
-// A point is a place of the surface with one fan of faces: vertices split by an exporter share a point, a vertex where
-// several fans touch has several points. Edges are paired by vertex index first; what is left over as boundary is paired
-// by position, so that closed parts which merely touch stay apart.
+// A point is a manifold vertex: it has one fan of faces. Vertices that an exporter split share a point; a vertex where several
+// fans touch has several points. Edges are paired by vertex index first; the half-edges that remain are paired by position, so
+// that closed components that merely touch stay apart.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ struct HalfEdges {
 HalfEdges build_half_edges(const Triangles &triangles, int threads = 0);
 
 // Corners around one point that are reached from each other by turning over links (link[h]: the half-edge across, or -1; always
-// mutual). Fans of twins are points, fans of links within charts are the places of a point in the UV map.
+// mutual). Fans of twins are points, fans of links within charts are wedges.
 struct Fans {
   int count = 0;
   std::vector<int32_t> corner_fan; // (3 * triangle_count) numbered by first corner; -1: triangle left out

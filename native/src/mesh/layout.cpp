@@ -186,10 +186,10 @@ std::optional<Charts> repack_charts(const Triangles &triangles, const Charts &ch
   for (size_t chart = 0; chart < corners.size(); ++chart)
     for (const int32_t corner : corners[chart]) uvs[corner] = moves[chart](uvs[corner]);
   repacked.corner_uv = std::move(uvs);
-  for (Site &site : repacked.sites) {
-    const Move &move = moves[site.chart];
-    site.uv = move(site.uv);
-    site.inside = move(site.inside);
+  for (Wedge &wedge : repacked.wedges) {
+    const Move &move = moves[wedge.chart];
+    wedge.uv = move(wedge.uv);
+    wedge.inside = move(wedge.inside);
   }
   return repacked;
 }

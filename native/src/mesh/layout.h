@@ -8,7 +8,7 @@
 
 namespace paradesc {
 
-// The charts, each moved and turned as a whole into the unit square, with a gutter between them. Seams, sites and borders stay
+// The charts, each moved and turned as a whole into the unit square, with a gutter between them. Seams, wedges and borders stay
 // what they are. A chart that overlaps itself still does: cut it first. None if half of the surface would not get texels at least
 // least_gain times as dense (in length) as it has. threads as in pdesc_context_options.
 std::optional<Charts> repack_charts(const Triangles &triangles, const Charts &charts, double least_gain = 0.0, int threads = 0);

@@ -133,8 +133,8 @@ std::vector<int32_t> number_seams(const Charts &charts) {
     const int32_t near = charts.borders[i].half_edge;
     const int32_t far = charts.borders[charts.borders[i].twin].half_edge;
     for (const auto &[a, b] : {std::pair(near, next_corner(far)), std::pair(next_corner(near), far)}) {
-      const std::pair sites(charts.corner_site[a], charts.corner_site[b]);
-      const auto [other, is_new] = met.emplace(sites, static_cast<int32_t>(i));
+      const std::pair wedges(charts.corner_wedge[a], charts.corner_wedge[b]);
+      const auto [other, is_new] = met.emplace(wedges, static_cast<int32_t>(i));
       if (is_new) continue;
       const int32_t one = root(other->second), two = root(static_cast<int32_t>(i));
       seam[std::max(one, two)] = std::min(one, two);

@@ -137,7 +137,7 @@ public:
     for (size_t lane = 0; lane < members.size(); ++lane) {
       const SearchCenter &center = centers[members[lane]];
       come_to(center.cell, uint32_t{1} << lane);
-      for (const int32_t site : center.sites) come_to(cells_.site_cell[site], uint32_t{1} << lane);
+      for (const int32_t wedge : center.wedges) come_to(cells_.wedge_cell[wedge], uint32_t{1} << lane);
     }
     for (size_t i = 0; i < queue_.size(); ++i) {
       const auto cell = static_cast<size_t>(queue_[i]);

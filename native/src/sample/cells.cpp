@@ -55,7 +55,7 @@ void to_lists(Pairs &pairs, int count, std::vector<int32_t> &begin, std::vector<
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
 }
 
-constexpr int one_block = 4096; // edges, triangles or sites, for one thread at a time
+constexpr int one_block = 4096; // edges, triangles or wedges, for one thread at a time
 
 class Builder {
 public:
@@ -74,17 +74,17 @@ public:
     list_links();
     checkpoint();
     to_lists(boundaries_, cells_.count, cells_.boundary_begin, cells_.boundary);
-    cells_.site_cell.resize(charts_.sites.size());
-    parallel_blocks(static_cast<int>(charts_.sites.size()), threads_, one_block, [&](int begin, int end) {
+    cells_.wedge_cell.resize(charts_.wedges.size());
+    parallel_blocks(static_cast<int>(charts_.wedges.size()), threads_, one_block, [&](int begin, int end) {
       for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-        const Site &site = charts_.sites[i];
-        cells_.site_cell[i] = cell_at(nudged(site.uv, site.inside), site.chart);
+        const Wedge &wedge = charts_.wedges[i];
+        cells_.wedge_cell[i] = cell_at(nudged(wedge.uv, wedge.inside), wedge.chart);
       }
     });
-    // A site that no texel carries starts where the edges from it are carried first, else where its triangle is.
-    for (size_t corner = 0; corner < charts_.corner_site.size(); ++corner) {
-      const int32_t site = charts_.corner_site[corner];
-      if (site >= 0 && cells_.site_cell[site] < 0) cells_.site_cell[site] = cell_beside(static_cast<int>(corner));
+    // A wedge that no texel carries starts where the edges from it are carried first, else where its triangle is.
+    for (size_t corner = 0; corner < charts_.corner_wedge.size(); ++corner) {
+      const int32_t wedge = charts_.corner_wedge[corner];
+      if (wedge >= 0 && cells_.wedge_cell[wedge] < 0) cells_.wedge_cell[wedge] = cell_beside(static_cast<int>(corner));
     }
     cover_texels();
     return std::move(cells_);

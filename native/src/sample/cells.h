@@ -31,7 +31,7 @@ struct Cells {
   std::vector<int32_t> bare;           // triangles that no texel carries, at the cell from which the surface leads to them
   std::vector<int32_t>
       triangle_cell; // (triangle_count) where the surface there is carried, or from where it leads there; -1: nowhere
-  std::vector<int32_t> site_cell; // (sites)
+  std::vector<int32_t> wedge_cell; // (wedges)
 };
 
 // ids: (size * size, 2) as GeometryBuffer::read_ids. threads as in pdesc_context_options.

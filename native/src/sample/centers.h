@@ -1,4 +1,4 @@
-// Places of points in the UV map → the centers that a texture-space engine evaluates at vertices.
+// Wedges → the centers that a texture-space engine evaluates at vertices.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct CenterSpace {
 
 struct Centers {
   std::vector<CenterData> data;
-  std::vector<int32_t> sites; // -1: the point has no place in the UV map
+  std::vector<int32_t> wedges; // -1: the point has no wedge
   std::vector<int32_t> points;
   std::vector<int32_t> order;        // the number that each center had when the list was made
   std::vector<uint8_t> single_sheet; // as in Neighborhoods, once these are found
@@ -39,17 +39,17 @@ struct Centers {
 
 // What decides where centers lie.
 struct CenterOptions {
-  bool every_site;    // a center for each of a point's places in the UV map, else for its primary one
-  bool connected;     // points without a place in the UV map get one too, and none has an ellipse
+  bool every_wedge;   // a center for each wedge of a point, else for its primary one
+  bool connected;     // points without a wedge get a center too, and no center has an ellipse
   uint32_t seed;      // of the pattern's rotations
   int buffer_size;    // texels along a side
   float ellipse_size; // the radius in buffer units, times the enlargement
 };
 
-// ellipses: (sites) for radius 1; not read in the connected relocation.
+// ellipses: (wedges) for radius 1; not read in the connected relocation.
 Centers list_centers(const CenterSpace &space, const CenterOptions &options, const std::vector<vec4> &ellipses);
 
-// The median over the centers' sites of the radius (in buffer units) in texels. ellipses: of every step-th site, for radius 1.
+// The median over the centers' wedges of the radius (in buffer units) in texels. ellipses: of every step-th wedge, for radius 1.
 double median_radius_in_texels(const Charts &charts, const CenterOptions &options, float radius,
                                const std::vector<vec4> &ellipses, size_t step);
 

@@ -113,8 +113,8 @@ static std::vector<CellLeaves> list_leaves(const SearchSpace &space, float radiu
 // The cell from which a center's group searches, or -1.
 static int32_t start_of(const Cells &cells, const SearchCenter &center) {
   if (center.cell >= 0) return center.cell;
-  for (const int32_t site : center.sites)
-    if (const int32_t cell = cells.site_cell[site]; cell >= 0) return cell;
+  for (const int32_t wedge : center.wedges)
+    if (const int32_t cell = cells.wedge_cell[wedge]; cell >= 0) return cell;
   return -1;
 }
 

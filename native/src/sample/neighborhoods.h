@@ -34,7 +34,7 @@ struct Neighborhoods {
 
 struct SearchCenter {
   vec3 position;                  // buffer units
-  std::span<const int32_t> sites; // to start from
+  std::span<const int32_t> wedges; // to start from
   int32_t cell;                   // to start from as well, or -1
 };
 

@@ -1,4 +1,4 @@
-// Triangles and chart edges → texel places, as the bake finds them; results at texels → results at sites.
+// Triangles and chart edges → texel places, as the bake finds them; results at texels → results at wedges.
 #include "sample/texels.h"
 
 #include <algorithm>
@@ -145,8 +145,8 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
         mix_corners<dvec3>(place, [&](size_t c) { return dvec3(triangles.positions[triangles.corner_vertex[c]]); });
     const vec3 normal = mix_corners<vec3>(place, [&](size_t c) { return normals.corner(c); });
     const float span = length(normal);
-    const auto at_site = [&](size_t c) { return ellipses[charts.corner_site[c]]; };
-    const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(place, at_site) * reach;
+    const auto at_wedge = [&](size_t c) { return ellipses[charts.corner_wedge[c]]; };
+    const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(place, at_wedge) * reach;
     const auto corner = 3 * static_cast<size_t>(place.triangle);
     centers.push_back(
         {vec3((position - frame.center) * frame.scale), place.chart, span > 0.0f ? normal / span : normals.corner(corner),
@@ -193,20 +193,20 @@ class Lookup {
 public:
   explicit Lookup(const TexelMap &map) : map_(map) {}
 
-  // The places that a site's values are taken from; none where no texel of its chart is near.
-  void near(const Site &site, std::vector<Weighted> &found) const {
-    const vec2 texel = site.uv * static_cast<float>(map_.size) - 0.5f;
+  // The places that a wedge's values are taken from; none where no texel of its chart is near.
+  void near(const Wedge &wedge, std::vector<Weighted> &found) const {
+    const vec2 texel = wedge.uv * static_cast<float>(map_.size) - 0.5f;
     const vec2 low = glm::floor(texel), share = texel - low;
     found.clear();
     bool regular = true;
     for (int i = 0; i < 4; ++i) {
       const float weight = (i % 2 ? share.x : 1.0f - share.x) * (i / 2 ? share.y : 1.0f - share.y);
-      const int32_t place = at(static_cast<int>(low.x) + i % 2, static_cast<int>(low.y) + i / 2, site.chart);
+      const int32_t place = at(static_cast<int>(low.x) + i % 2, static_cast<int>(low.y) + i / 2, wedge.chart);
       regular = regular && place >= 0 && !map_.places[place].on_border;
       found.push_back({place, weight, weight});
     }
-    if (!regular) found = beside_border(site);
-    if (found.empty()) add_nearest(texel, site.chart, found);
+    if (!regular) found = beside_border(wedge);
+    if (found.empty()) add_nearest(texel, wedge.chart, found);
   }
 
 private:
@@ -216,16 +216,16 @@ private:
     return place >= 0 && map_.places[place].chart == chart ? place : -1;
   }
 
-  std::vector<Weighted> beside_border(const Site &site) const {
+  std::vector<Weighted> beside_border(const Wedge &wedge) const {
     constexpr float reach = 2.0f;
-    const vec2 here = site.uv * static_cast<float>(map_.size);
+    const vec2 here = wedge.uv * static_cast<float>(map_.size);
     const ivec2 middle(glm::floor(here));
     std::vector<Weighted> found;
     std::vector<vec2> offsets;
     float sum = 0.0f;
     for (int y = middle.y - 2; y <= middle.y + 2; ++y)
       for (int x = middle.x - 2; x <= middle.x + 2; ++x) {
-        const int32_t place = at(x, y, site.chart);
+        const int32_t place = at(x, y, wedge.chart);
         if (place < 0) continue;
         const vec2 offset = map_.places[place].uv * static_cast<float>(map_.size) - here;
         const float nearness = 1.0f - dot(offset, offset) / (reach * reach);
@@ -291,7 +291,7 @@ static void mix_value(const std::vector<Weighted> &from, const std::vector<float
 }
 
 // Leaves out the rows of no point.
-static SiteResults without_gaps(SiteResults &&results) {
+static CenterResults without_gaps(CenterResults &&results) {
   const size_t rows = results.point.size();
   if (std::find(results.point.begin(), results.point.end(), -1) == results.point.end()) return std::move(results);
   const auto keep = [&](auto &list) {
@@ -312,11 +312,11 @@ static SiteResults without_gaps(SiteResults &&results) {
   return std::move(results);
 }
 
-SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites, int threads) {
+CenterResults look_up(const TexelMap &map, const CenterResults &results, const Charts &charts, bool all_wedges, int threads) {
   constexpr int block = 16384;
   const Lookup lookup(map);
-  const size_t count = all_sites ? charts.sites.size() : charts.point_site.size(), places = map.places.size();
-  SiteResults found;
+  const size_t count = all_wedges ? charts.wedges.size() : charts.point_wedge.size(), places = map.places.size();
+  CenterResults found;
   found.refined_share = results.refined_share;
   found.point.assign(count, -1);
   found.primary.resize(count);
@@ -326,13 +326,13 @@ SiteResults look_up(const TexelMap &map, const SiteResults &results, const Chart
   parallel_blocks(static_cast<int>(count), threads, block, [&](int begin, int end) {
     std::vector<Weighted> from;
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      const int32_t index = all_sites ? static_cast<int32_t>(i) : charts.point_site[i];
+      const int32_t index = all_wedges ? static_cast<int32_t>(i) : charts.point_wedge[i];
       if (index < 0) continue;
-      const Site &site = charts.sites[index];
-      lookup.near(site, from);
+      const Wedge &wedge = charts.wedges[index];
+      lookup.near(wedge, from);
       if (from.empty()) continue;
-      found.point[i] = site.point;
-      found.primary[i] = charts.point_site[site.point] == index;
+      found.point[i] = wedge.point;
+      found.primary[i] = charts.point_wedge[wedge.point] == index;
       for (size_t row = 0; row < results.values.size(); ++row) {
         const size_t width = results.values[row].size() / places;
         mix_value(from, results.values[row], width, &found.values[row][i * width]);
@@ -345,7 +345,7 @@ SiteResults look_up(const TexelMap &map, const SiteResults &results, const Chart
   return without_gaps(std::move(found));
 }
 
-std::vector<std::vector<float>> images_of(const TexelMap &map, const SiteResults &results, std::span<const int> descriptors) {
+std::vector<std::vector<float>> images_of(const TexelMap &map, const CenterResults &results, std::span<const int> descriptors) {
   std::vector<std::vector<float>> images;
   auto add = [&](const std::vector<float> &values, size_t width) {
     std::vector<float> image(map.place.size() * width, nan);

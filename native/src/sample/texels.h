@@ -36,7 +36,7 @@ struct TexelMap {
 
 TexelMap build_texel_map(const Charts &charts, int size);
 
-// Places [first, last) as centers, p and n in 32 bits. ellipses: (sites), for the radius in buffer units times the enlargement;
+// Places [first, last) as centers, p and n in 32 bits. ellipses: (wedges), for the radius in buffer units times the enlargement;
 // empty where samples do not walk.
 std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
                                       const Normals &normals, const BufferFrame &frame, const std::vector<vec4> &ellipses,
@@ -45,13 +45,13 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
 // Where in the layout those centers are: for find_cells.
 std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Charts &charts, size_t first, size_t last);
 
-// results: at all places of the map → at the places of points in the UV map; each point's primary one only, unless all_sites.
-// Bilinear between texels of the site's own chart; beside its border, where some are missing or not at their centers, by a plane
-// fitted to those around. No row for a site with no texel of its chart near.
-SiteResults look_up(const TexelMap &map, const SiteResults &results, const Charts &charts, bool all_sites, int threads = 0);
+// results: at all places of the map → at the places of points in the UV map; each point's primary one only, unless all_wedges.
+// Bilinear between texels of the wedge's own chart; beside its border, where some are missing or not at their centers, by a plane
+// fitted to those around. No row for a wedge with no texel of its chart near.
+CenterResults look_up(const TexelMap &map, const CenterResults &results, const Charts &charts, bool all_wedges, int threads = 0);
 
 // An image of each descriptor, then of the coverage: (size * size, components), NaN where there is no surface. A map without
 // places has no results at all.
-std::vector<std::vector<float>> images_of(const TexelMap &map, const SiteResults &results, std::span<const int> descriptors);
+std::vector<std::vector<float>> images_of(const TexelMap &map, const CenterResults &results, std::span<const int> descriptors);
 
 } // namespace paradesc

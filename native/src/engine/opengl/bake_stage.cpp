@@ -103,20 +103,20 @@ Frame TextureSpace::bake(const Job &job) {
   return frame;
 }
 
-// For radius 1, of every step-th site.
+// The ellipses for radius 1, of every step-th wedge.
 std::vector<vec4> TextureSpace::ellipses(const Job &job, const BufferFrame &space, int step) {
   const Charts &charts = job.charts();
   const std::vector<int32_t> &corners =
-      ellipse_corners_.get({job.surface.atlases.current().version, step}, [&] { return corners_of_sites(charts, step); });
+      ellipse_corners_.get({job.surface.atlases.current().version, step}, [&] { return corners_of_wedges(charts, step); });
   return sampling_ellipses(job.surface.triangles, charts, space, corners, step);
 }
 
-// None at texels, which are centers of their own; sets the frame's radius in texels.
+// The list is empty where texels are the centers. Sets the frame's radius in texels, too.
 Centers TextureSpace::centers(const Job &job, Frame &frame, double radius) {
   const pdesc_options &options = job.options();
   const Charts &charts = job.charts();
   // Samples that march need all ellipses; the median of their sizes does with some.
-  const size_t step = job.connected() ? std::max<size_t>(1, charts.sites.size() / 4096) : 1;
+  const size_t step = job.connected() ? std::max<size_t>(1, charts.wedges.size() / 4096) : 1;
   const std::vector<vec4> sizes = ellipses(job, frame.space, static_cast<int>(step));
   const auto own_radius = static_cast<float>(radius * frame.space.scale);
   const CenterOptions where{options.seam_error != 0, job.connected(), options.seed, options.buffer_size,

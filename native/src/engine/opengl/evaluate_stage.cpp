@@ -108,9 +108,9 @@ std::vector<float> TextureSpace::read_rows(const EvaluateSettings &settings) {
   return rows;
 }
 
-SiteResults TextureSpace::read_results(const EvaluateSettings &settings, const Frame &frame, size_t count) {
+CenterResults TextureSpace::read_results(const EvaluateSettings &settings, const Frame &frame, size_t count) {
   const std::vector<float> rows = read_rows(settings);
-  SiteResults results;
+  CenterResults results;
   results.values.resize(settings.descriptors.size());
   size_t refined = 0, unwritten = 0;
   for (size_t i = 0; i < count; ++i) {
@@ -169,14 +169,14 @@ template <class Value> static void put_back(const std::vector<int32_t> &order, s
 }
 
 // In the order that the centers were listed in: passes are read together, and each may have had an order of its own.
-SiteResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
-                                           const Centers &centers, const Progress &progress) {
+CenterResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
+                                             const Centers &centers, const Progress &progress) {
   evaluate(job, settings, frame, centers.data, progress, 0.3, 0.8);
   if (job.connected()) recheck_ambiguous(job, settings, radius, frame, centers, progress);
-  SiteResults results = read_results(settings, frame, centers.data.size());
+  CenterResults results = read_results(settings, frame, centers.data.size());
   results.point = centers.points;
   for (size_t i = 0; i < centers.points.size(); ++i)
-    results.primary.push_back(job.charts().point_site[centers.points[i]] == centers.sites[i]);
+    results.primary.push_back(job.charts().point_wedge[centers.points[i]] == centers.wedges[i]);
   for (std::vector<float> &values : results.values) put_back(centers.order, values);
   put_back(centers.order, results.coverage);
   put_back(centers.order, results.boundary);

@@ -126,13 +126,13 @@ void TextureSpace::upload(const Neighborhoods &neighborhoods, const BareSamples 
   checkpoint();
 }
 
-// The sites of each point, one after another.
-static std::vector<int32_t> sites_by_point(const Charts &charts, int point_count, std::vector<int32_t> &begin) {
+// The wedges of each point, one after another.
+static std::vector<int32_t> wedges_by_point(const Charts &charts, int point_count, std::vector<int32_t> &begin) {
   begin.assign(static_cast<size_t>(point_count) + 1, 0);
-  for (const Site &site : charts.sites) ++begin[site.point + 1];
+  for (const Wedge &wedge : charts.wedges) ++begin[wedge.point + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<int32_t> order(charts.sites.size()), next(begin.begin(), begin.end() - 1);
-  for (size_t i = 0; i < order.size(); ++i) order[next[charts.sites[i].point]++] = static_cast<int32_t>(i);
+  std::vector<int32_t> order(charts.wedges.size()), next(begin.begin(), begin.end() - 1);
+  for (size_t i = 0; i < order.size(); ++i) order[next[charts.wedges[i].point]++] = static_cast<int32_t>(i);
   return order;
 }
 
@@ -140,17 +140,17 @@ static std::vector<int32_t> sites_by_point(const Charts &charts, int point_count
 BareSamples TextureSpace::find_neighborhoods(const Job &job, const Frame &frame, double radius, int samples, Centers &centers) {
   const HalfEdges &half_edges = job.surface.half_edges;
   std::vector<int32_t> begin;
-  const std::vector<int32_t> sites = sites_by_point(job.charts(), half_edges.point_count, begin);
+  const std::vector<int32_t> wedges = wedges_by_point(job.charts(), half_edges.point_count, begin);
   std::vector<SearchCenter> starts;
   starts.reserve(centers.data.size());
   for (size_t i = 0; i < centers.data.size(); ++i) {
     const int32_t point = centers.points[i];
     // A vertex starts from all its places in the UV map; for seam errors each place has to find the others by itself.
-    const bool alone = job.options().seam_error && centers.sites[i] >= 0;
-    const std::span<const int32_t> from = alone ? std::span<const int32_t>(centers.sites).subspan(i, 1)
-                                                : std::span(sites).subspan(begin[point], begin[point + 1] - begin[point]);
+    const bool alone = job.options().seam_error && centers.wedges[i] >= 0;
+    const std::span<const int32_t> from = alone ? std::span<const int32_t>(centers.wedges).subspan(i, 1)
+                                                : std::span(wedges).subspan(begin[point], begin[point + 1] - begin[point]);
     starts.push_back({centers.data[i].position, from,
-                      centers.sites[i] < 0 ? cells().cells.triangle_cell[half_edges.point_half_edge[point] / 3] : -1});
+                      centers.wedges[i] < 0 ? cells().cells.triangle_cell[half_edges.point_half_edge[point] / 3] : -1});
   }
   BareSamples bare;
   Neighborhoods found = search(job, frame, radius, samples, starts, bare);

@@ -46,11 +46,11 @@ static int64_t bytes_of_device(const ComputationSize &size) {
   const int64_t a_texel = (options.precision == PDESC_PRECISION_HALF && !size.surface_maps ? 32 : 48) + 8 + 8 +
                           8 // borders, cells, depth and owners of a layout
                           + (reads_map(size.descriptors) ? 16 : 0);
-  const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? 32768 : size.sites;
-  int64_t bytes = texels * a_texel + size.triangles * 48 + size.sites * 32 + size.borders * 100 +
+  const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? 32768 : size.wedges;
+  int64_t bytes = texels * a_texel + size.triangles * 48 + size.wedges * 32 + size.borders * 100 +
                   centers * (200 + 4 * rows_of(size.descriptors));
   if (options.relocation == PDESC_RELOCATION_CONNECTED) bytes += std::min<int64_t>(texels * 5 / 4, most_points) * 32;
-  if (reads_map(size.descriptors)) bytes += size.sites * 32;
+  if (reads_map(size.descriptors)) bytes += size.wedges * 32;
   if (options.relocation == PDESC_RELOCATION_PAPER) bytes += int64_t{16384} * MAX_VISITS * 64 + 16384 * 2048;
   if (options.relocation == PDESC_RELOCATION_AFFINE) bytes += int64_t{65536} * 2048;
   return bytes;
@@ -63,7 +63,7 @@ MemoryForecast forecast_opengl_memory(bool software, const ComputationSize &size
   memory.device = bytes_of_device(size);
   memory.device_on_host = software ? memory.device + rasterizer : 0;
   memory.host = bytes_of_results(size) + int64_t{options.buffer_size} * options.buffer_size * 32 + size.triangles * 100 +
-                size.sites * 160 + size.borders * 300;
+                size.wedges * 160 + size.borders * 300;
   if (options.relocation == PDESC_RELOCATION_CONNECTED && options.evaluate == PDESC_EVALUATE_VERTEX)
     memory.host += size.triangles * (size.patches ? 20 : 45); // patches, and what floods over them keep of each point
   if (options.evaluate == PDESC_EVALUATE_TEXEL)

@@ -103,7 +103,7 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
   settings.descriptors = job.request.descriptors;
   const TexelMap &map = texel_map(job, frame);
   const std::vector<vec4> sizes = job.connected() ? std::vector<vec4>() : ellipses(job, frame.space, 1);
-  SiteResults all;
+  CenterResults all;
   const size_t count = map.places.size();
   for (size_t first = 0; first < count; first += batch) {
     const size_t last = std::min(first + batch, count);

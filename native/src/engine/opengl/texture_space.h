@@ -153,11 +153,11 @@ private:
   void evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                       double to);
   std::vector<float> read_rows(const EvaluateSettings &settings);
-  SiteResults read_results(const EvaluateSettings &settings, const Frame &frame, size_t count);
+  CenterResults read_results(const EvaluateSettings &settings, const Frame &frame, size_t count);
   void recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame, const Centers &centers,
                          const Progress &progress);
-  SiteResults evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
-                               const Centers &centers, const Progress &progress);
+  CenterResults evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
+                                 const Centers &centers, const Progress &progress);
   void bake_map(const Job &job, const Centers &centers, const BareSamples &bare, const MapValues &values);
 
   // texture_space.cpp
@@ -174,7 +174,7 @@ private:
   Keyed<LayoutKey, BakedLayout> layout_;               // what the buffers' owners are
   Keyed<SurfaceKey, std::optional<MappedPoints>> displaced_;
   Keyed<BakeKey, BufferFrame> baked_;                                // what the buffers hold
-  Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas' version: of every so many sites
+  Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas' version: of every so many wedges
   Keyed<AtlasSize, TexelMap> texels_;
   uint64_t last_samples_version_ = 0;
   Keyed<PointsKey, bool> listed_points_; // what device_->points holds

@@ -32,9 +32,9 @@ private:
 
 } // namespace
 
-// Every point is the one place that answers for itself.
-static SiteResults at_all_points(ReferenceField &&field, int point_count) {
-  SiteResults results;
+// Every point is its own only center.
+static CenterResults at_all_points(ReferenceField &&field, int point_count) {
+  CenterResults results;
   results.values = std::move(field.values);
   results.boundary = std::move(field.boundary);
   results.point.resize(point_count);
