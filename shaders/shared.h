@@ -60,7 +60,7 @@
 // Storage buffers, each number once: drivers often have 16.
 #define BINDING_CENTERS 0
 #define BINDING_RESULTS 1
-#define BINDING_SUPPORTS 2     // what was found of each center's neighborhood before sampling
+#define BINDING_NEIGHBORHOODS 2 // the ranges of samples of each center's neighborhood
 #define BINDING_BARE 3         // samples of triangles that no texel carries
 #define BINDING_REACH 4        // of centers computed again: their numbers, where their triangles begin (one more), the triangles
 #define BINDING_MAP_CENTERS 5  // gradient and value of the map at each center
@@ -79,7 +79,7 @@
 #define MAX_VISITS 64          // charts, by way of a seam each, that one center's pattern is repeated on
 
 // llvmpipe silently ends all loops of an invocation after 65535 iterations in total (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS): what
-// would go beyond this many counts as lost instead.
+// would go beyond this many counts as missing area instead.
 #define MAX_ITERATIONS 60000
 
 // Where the second moments of a neighborhood deviate from a flat disk's by more than this part, its triangles are looked through.
@@ -94,9 +94,9 @@
 #define ROW_DESCRIPTORS 3
 
 // Bits of a place's flags, a whole number among the results' floats.
-#define FLAG_CUT 1u           // the mesh's boundary lies in the neighborhood
+#define FLAG_HITS_BOUNDARY 1u // the mesh's boundary lies in the neighborhood
 #define FLAG_ALL_SAMPLES 2u   // adaptive sampling took all samples
-#define FLAG_NO_DISK 4u       // folded, or thin: something may have come in that is not connected within the ball
+#define FLAG_AMBIGUOUS 4u     // the moments are no disk's: samples may have come in that are not connected within the ball
 #define FLAG_FAR_FROM_DISK 8u // and by far
 
 #ifdef __cplusplus
@@ -135,13 +135,13 @@ BLOCK_OF_VECTORS CenterData {
   vec4 place;    // (u, v) of the evaluation; (u, v) just inside the chart where marches start
   vec4 ellipse;  // columns of the 2x2 map from the unit disk to (u, v) offsets
 };
-struct SupportData {
+struct NeighborhoodRanges {
   int first;  // into the list of ranges: of all samples, or of the first half where sampling is adaptive
   int middle; // of the other half
   int last;   // of samples of triangles that no texel carries
   int end;
-  float cut;  // above 0 where the mesh's boundary lies in the ball
-  float lost; // area of what exceeds the iterations of a device
+  float hits_boundary; // above 0 where the mesh's boundary lies in the ball
+  float missing_area;  // area of what exceeds the iterations of a device
 };
 BLOCK_OF_VECTORS BareSample {
   vec3 position; // in buffer units

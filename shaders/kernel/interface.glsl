@@ -1,4 +1,4 @@
-// What descriptors see of the world: a center, one neighbor at a time, and at the end the support that the neighbors made.
+// The inputs of descriptors: a center, one neighbor at a time, and at the end the neighborhood that was fitted to all of them.
 //
 // Everything in kernel/ is GLSL and C++ at once. So floats end in f, whole vectors are written without swizzles, parameters that a function
 // sets are OUT(type) or INOUT(type), and what is done for each neighbor chooses by mix(), not by branches: C++ adds eight of them at a time.
@@ -42,7 +42,7 @@ struct Neighbor {
 #endif
 };
 
-struct Support {
+struct Neighborhood {
   float radius;
   float area;         // sum of w
   float scale;        // of sums over samples: 2 where adaptive sampling took half of them, else 1
@@ -52,7 +52,7 @@ struct Support {
   vec3 direction_min;
   float deviation;    // of the second moments from those of a flat disk, relatively
   float tolerance;    // of that deviation
-  float variate;      // how far S may serve as control variate: 1 on a full disk, 0 where the support is cut or folded
+  float variate;      // how far S may serve as control variate: 1 on a full disk, 0 where the neighborhood hits the boundary or is ambiguous
   float mean;         // H, K, k1 >= k2 by the estimator asked for
   float gauss;
   float k1;
@@ -74,11 +74,11 @@ vec3 positive_direction(vec3 v) {
 
 // The mean over directions of |S e|^2 and of kappa_S(e), as the moments of a full neighborhood have them. Where the distance along the
 // surface bounds it, its rim lies nearer by 1 - (kappa r)^2/24 where the surface bends.
-vec2 exact_means(Support support) {
-  vec2 k = support.eigenvalues;
+vec2 exact_means(Neighborhood neighborhood) {
+  vec2 k = neighborhood.eigenvalues;
   vec2 exact = vec2(0.5f * dot(k, k), 0.5f * (k.x + k.y));
 #if GEODESIC_BALL
-  float h = exact.y, d = 0.5f * (k.x - k.y), square = support.radius * support.radius;
+  float h = exact.y, d = 0.5f * (k.x - k.y), square = neighborhood.radius * neighborhood.radius;
   float square_mean = h * h + 0.5f * d * d; // of kappa^2
   float cube_mean = h * (h * h + 1.5f * d * d);
   exact -= square * vec2(h * h * d * d / 6.0f, cube_mean / 6.0f - h * square_mean / 8.0f);

@@ -1,15 +1,15 @@
-// Neighbors of a center → what they add up to → the support they make: its area, its shape operator, the curvatures that follow.
+// Neighbors of a center → their sums → the neighborhood: its area, its shape operator, the curvatures that follow from it.
 #include "kernel/interface.glsl"
 #include "terms.glsl"
 
 struct Moments {
   float area;
-  vec3 xx;       // sum of w x x^T, x in units of r
-  vec3 xy;       // sum of w: x1 y1, x1 y2 + x2 y1, x2 y2
-  float yy;      // sum of w |y|^2
-  float squares; // sum of w^2
-  float lost;    // area that is not seen: samples that end on no texel, or that a device has no iterations for
-  float cut;     // above 0 where the mesh's boundary lies within the ball
+  vec3 xx;             // sum of w x x^T, x in units of r
+  vec3 xy;             // sum of w: x1 y1, x1 y2 + x2 y1, x2 y2
+  float yy;            // sum of w |y|^2
+  float squares;       // sum of w^2
+  float missing_area;  // area of samples that end on no texel, or that a device has no iterations for
+  float hits_boundary; // above 0 where the mesh's boundary lies within the ball
 };
 
 struct Sums {
@@ -43,8 +43,8 @@ void sums_init(OUT(Sums) sums, vec3 position, vec3 normal, float value) {
   sums.moments.xy = vec3(0.0f);
   sums.moments.yy = 0.0f;
   sums.moments.squares = 0.0f;
-  sums.moments.lost = 0.0f;
-  sums.moments.cut = 0.0f;
+  sums.moments.missing_area = 0.0f;
+  sums.moments.hits_boundary = 0.0f;
 #if EXTRAPOLATED
   ball_init(sums.half_ball);
 #endif
@@ -132,16 +132,16 @@ bool is_rough(Moments m) {
 }
 
 // Eigenvalues and eigenvectors of S.
-void find_directions(Center center, INOUT(Support) support) {
-  float mean = 0.5f * (support.shape.x + support.shape.z);
-  vec2 gap = vec2(0.5f * (support.shape.x - support.shape.z), support.shape.y);
+void find_directions(Center center, INOUT(Neighborhood) neighborhood) {
+  float mean = 0.5f * (neighborhood.shape.x + neighborhood.shape.z);
+  vec2 gap = vec2(0.5f * (neighborhood.shape.x - neighborhood.shape.z), neighborhood.shape.y);
   float half_gap = length(gap);
-  support.eigenvalues = vec2(mean + half_gap, mean - half_gap);
+  neighborhood.eigenvalues = vec2(mean + half_gap, mean - half_gap);
   // Half of the angle of gap, from whichever of its two forms does not cancel.
   vec2 e = gap.x >= 0.0f ? vec2(half_gap + gap.x, gap.y) : vec2(gap.y, half_gap - gap.x);
   e = half_gap > 0.0f ? normalize(e) : vec2(1.0f, 0.0f);
-  support.direction_max = center.t1 * e.x + center.t2 * e.y;
-  support.direction_min = center.t2 * e.x - center.t1 * e.y;
+  neighborhood.direction_max = center.t1 * e.x + center.t2 * e.y;
+  neighborhood.direction_min = center.t2 * e.x - center.t1 * e.y;
 }
 
 // How far the second moments of a full disk may deviate. Few samples leave noise: of the rim, which 2 sqrt(pi n) of n cut.
@@ -150,63 +150,64 @@ float disk_tolerance(Moments m) {
   return max(float(DISK_DEVIATION), 6.0f * pow(share, 0.75f) - 0.09f);
 }
 
-Support unfitted_support(float area, float scale) {
-  Support support;
-  support.radius = params.radius;
-  support.area = area;
-  support.scale = scale;
-  support.shape = vec3(0.0f);
-  support.eigenvalues = vec2(NOT_A_NUMBER);
-  support.direction_max = vec3(NOT_A_NUMBER);
-  support.direction_min = vec3(NOT_A_NUMBER);
-  support.deviation = 1.0f;
-  support.tolerance = float(DISK_DEVIATION);
-  support.variate = 0.0f;
-  support.mean = NOT_A_NUMBER;
-  support.gauss = NOT_A_NUMBER;
-  support.k1 = NOT_A_NUMBER;
-  support.k2 = NOT_A_NUMBER;
-  return support;
+Neighborhood unfitted_neighborhood(float area, float scale) {
+  Neighborhood neighborhood;
+  neighborhood.radius = params.radius;
+  neighborhood.area = area;
+  neighborhood.scale = scale;
+  neighborhood.shape = vec3(0.0f);
+  neighborhood.eigenvalues = vec2(NOT_A_NUMBER);
+  neighborhood.direction_max = vec3(NOT_A_NUMBER);
+  neighborhood.direction_min = vec3(NOT_A_NUMBER);
+  neighborhood.deviation = 1.0f;
+  neighborhood.tolerance = float(DISK_DEVIATION);
+  neighborhood.variate = 0.0f;
+  neighborhood.mean = NOT_A_NUMBER;
+  neighborhood.gauss = NOT_A_NUMBER;
+  neighborhood.k1 = NOT_A_NUMBER;
+  neighborhood.k2 = NOT_A_NUMBER;
+  return neighborhood;
 }
 
 #if INTEGRAL
-void find_curvatures(Sums sums, INOUT(Support) support) {
+void find_curvatures(Sums sums, INOUT(Neighborhood) neighborhood) {
   if (!(sums.moments.area > 0.0f)) return;
-  support.mean = ball_mean_curvature(sums.terms.ball, support);
+  neighborhood.mean = ball_mean_curvature(sums.terms.ball, neighborhood);
 #if EXTRAPOLATED
-  Support half_support = support;
-  half_support.radius *= 0.5f;
-  support.mean = (4.0f * ball_mean_curvature(sums.half_ball, half_support) - support.mean) / 3.0f;
+  Neighborhood half_neighborhood = neighborhood;
+  half_neighborhood.radius *= 0.5f;
+  neighborhood.mean = (4.0f * ball_mean_curvature(sums.half_ball, half_neighborhood) - neighborhood.mean) / 3.0f;
 #endif
-  support.gauss = area_gaussian_curvature(area_finish(sums.terms.area, sums.terms.area.inside, support), params.radius);
-  float root = sqrt(max(support.mean * support.mean - support.gauss, 0.0f));
-  support.k1 = support.mean + root;
-  support.k2 = support.mean - root;
+  neighborhood.gauss = area_gaussian_curvature(area_finish(sums.terms.area, sums.terms.area.inside, neighborhood), params.radius);
+  float root = sqrt(max(neighborhood.mean * neighborhood.mean - neighborhood.gauss, 0.0f));
+  neighborhood.k1 = neighborhood.mean + root;
+  neighborhood.k2 = neighborhood.mean - root;
 }
 #else
-void find_curvatures(Sums sums, INOUT(Support) support) {
-  support.k1 = support.eigenvalues.x;
-  support.k2 = support.eigenvalues.y;
-  support.mean = 0.5f * (support.k1 + support.k2);
-  support.gauss = support.k1 * support.k2;
+void find_curvatures(Sums sums, INOUT(Neighborhood) neighborhood) {
+  neighborhood.k1 = neighborhood.eigenvalues.x;
+  neighborhood.k2 = neighborhood.eigenvalues.y;
+  neighborhood.mean = 0.5f * (neighborhood.k1 + neighborhood.k2);
+  neighborhood.gauss = neighborhood.k1 * neighborhood.k2;
 }
 #endif
 
 // scale: of the sums, where only half of the samples were taken.
-Support finish_support(Sums sums, float scale) {
+Neighborhood finish_neighborhood(Sums sums, float scale) {
   Moments m = sums.moments;
-  Support support = unfitted_support(scale * m.area, scale);
-  if (fit_shape_operator(m, support.shape)) {
-    support.shape /= params.radius;
-    find_directions(sums.center, support);
+  Neighborhood neighborhood = unfitted_neighborhood(scale * m.area, scale);
+  if (fit_shape_operator(m, neighborhood.shape)) {
+    neighborhood.shape /= params.radius;
+    find_directions(sums.center, neighborhood);
     // The control variate's exact mean is that of a full flat disk: second moments pi r^4/4 each.
     float disk = 0.25f * PI * params.radius * params.radius;
     vec3 off = abs(scale * m.xx / disk - vec3(1.0f, 0.0f, 1.0f));
-    support.deviation = max(max(off.x, off.z), off.y);
-    support.tolerance = disk_tolerance(m);
-    support.variate =
-        m.cut > 0.0f ? 0.0f : params.variate_share * (1.0f - smoothstep(support.tolerance, 3.0f * support.tolerance, support.deviation));
+    neighborhood.deviation = max(max(off.x, off.z), off.y);
+    neighborhood.tolerance = disk_tolerance(m);
+    neighborhood.variate = m.hits_boundary > 0.0f ? 0.0f
+                                                  : params.variate_share * (1.0f - smoothstep(neighborhood.tolerance, 3.0f * neighborhood.tolerance,
+                                                                                              neighborhood.deviation));
   }
-  find_curvatures(sums, support);
-  return support;
+  find_curvatures(sums, neighborhood);
+  return neighborhood;
 }

@@ -1,4 +1,4 @@
-// Compares areas first, by patches where triangles are many and small: most ambiguous centers have the area that they should.
+// Areas are compared first, by patches where triangles are many and small: most ambiguous centers have the area that they should.
 #include "sample/ambiguous.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ void AmbiguousCenters::filter(const std::function<bool(size_t)> &keep) {
   areas.resize(kept);
 }
 
-// Relative tolerance on a disk's area: samples of a folded place miss some per cent, few samples more.
+// Relative tolerance on a disk's area: samples of a folded surface miss some per cent of it, and few samples miss more.
 static double area_tolerance(int samples) {
   return std::max(0.06, 1.1 * std::pow(samples / static_cast<double>(ellipse_enlargement * ellipse_enlargement), -0.75));
 }
@@ -63,15 +63,15 @@ void recheck(AmbiguousCenters centers, const RecheckSpace &space, const Recheck 
   ReachSearch search(space.triangles, space.half_edges, space.radius, MAX_REACH, space.threads);
   for (size_t first = 0; first < centers.centers.size(); first += batch) {
     again.before_batch(static_cast<double>(first) / static_cast<double>(centers.centers.size()));
-    AmbiguousCenters suspects = centers.part(first, std::min(first + batch, centers.centers.size()));
-    Reach reach = search.run(suspects.points, {suspects.areas, tolerance});
+    AmbiguousCenters batched = centers.part(first, std::min(first + batch, centers.centers.size()));
+    Reach reach = search.run(batched.points, {batched.areas, tolerance});
     Reach others{{0}, std::move(reach.triangle), {}};
-    suspects.filter([&](size_t i) {
+    batched.filter([&](size_t i) {
       if (reach.begin[i] == reach.begin[i + 1]) return false;
       others.begin.push_back(reach.begin[i + 1]);
       return true;
     });
-    if (!suspects.centers.empty()) again.compute(suspects.centers, others);
+    if (!batched.centers.empty()) again.compute(batched.centers, others);
   }
 }
 

@@ -167,9 +167,9 @@ public:
   }
 
   // Appends the ranges of what was found and lies in the center's ball; after measure() or choose().
-  SupportData list(vec3 center, bool boundary, std::vector<ivec2> &ranges) {
-    SupportData data{};
-    data.cut = boundary ? 1.0f : 0.0f;
+  NeighborhoodRanges list(vec3 center, bool boundary, std::vector<ivec2> &ranges) {
+    NeighborhoodRanges data{};
+    data.hits_boundary = boundary ? 1.0f : 0.0f;
     data.first = static_cast<int32_t>(ranges.size());
     taken_.clear();
     int total = 0;
@@ -178,7 +178,7 @@ public:
       const ivec2 bare = bare_of(taken.cell);
       total += 1 + most_samples(taken) + bare.y - bare.x;
       if (total > MAX_ITERATIONS) {
-        data.lost += measured_[taken.cell].area.x;
+        data.missing_area += measured_[taken.cell].area.x;
         continue;
       }
       if (space_.halves || !space_.bare.samples.empty()) taken_.push_back(taken);

@@ -52,7 +52,7 @@ BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles
 }
 
 void Neighborhoods::permute(const std::vector<int32_t> &order_now) {
-  std::vector<SupportData> ordered;
+  std::vector<NeighborhoodRanges> ordered;
   ordered.reserve(center.size());
   for (const int32_t i : order_now) ordered.push_back(center[i]);
   center.swap(ordered);
@@ -233,7 +233,7 @@ static void join(std::vector<Part> &parts, const std::vector<std::span<const int
   for (size_t i = 0; i < parts.size(); ++i) {
     const auto offset = static_cast<int32_t>(neighborhoods.range.size());
     for (const int32_t center : places[i]) {
-      SupportData &data = neighborhoods.center[center];
+      NeighborhoodRanges &data = neighborhoods.center[center];
       for (int32_t *at : {&data.first, &data.middle, &data.last, &data.end}) *at += offset;
     }
     neighborhoods.range.insert(neighborhoods.range.end(), parts[i].range.begin(), parts[i].range.end());

@@ -23,8 +23,8 @@ namespace paradesc {
 
 // The samples of each center's neighborhood.
 struct Neighborhoods {
-  std::vector<SupportData> center;   // (centers)
-  std::vector<ivec2> range;          // first and end of samples, see SupportData
+  std::vector<NeighborhoodRanges> center; // (centers)
+  std::vector<ivec2> range;               // first and end of samples, see NeighborhoodRanges
   std::vector<uint8_t> single_sheet; // (centers) the surface in the ball faces one way; others searched by themselves
   std::vector<int32_t> order;        // centers, so that those with common samples follow each other
 

@@ -1,4 +1,4 @@
 // K, by the shape operator or by paper eq. (11).
-float gaussian_curvature(Terms terms, Center center, Support support) {
-  return support.gauss;
+float gaussian_curvature(Terms terms, Center center, Neighborhood neighborhood) {
+  return neighborhood.gauss;
 }

@@ -1,10 +1,10 @@
 // Paper eq. (5): the mean of |n - n_i|^2/rho^2. With the shape operator as control variate only what |S e|^2 does not explain is
 // averaged, and its exact mean (k1^2 + k2^2)/2 is added.
-float local_bending_energy(Terms terms, Center center, Support support) {
+float local_bending_energy(Terms terms, Center center, Neighborhood neighborhood) {
   float weight = terms.bending.moments.x + terms.bending.moments.z;
   if (!(weight > 0.0f)) return NOT_A_NUMBER;
-  if (!(support.variate > 0.0f)) return terms.bending.energy / weight;
-  float explained = normal_curvature(square(support.shape), terms.bending.moments) / weight;
-  float exact = exact_means(support).x;
-  return max(terms.bending.energy / weight + support.variate * (exact - explained), 0.0f);
+  if (!(neighborhood.variate > 0.0f)) return terms.bending.energy / weight;
+  float explained = normal_curvature(square(neighborhood.shape), terms.bending.moments) / weight;
+  float exact = exact_means(neighborhood).x;
+  return max(terms.bending.energy / weight + neighborhood.variate * (exact - explained), 0.0f);
 }

@@ -1,5 +1,5 @@
 // The Laplace-Beltrami operator of f: the trace of the least-squares quadratic's Hessian.
-float laplacian(Terms terms, Center center, Support support) {
+float laplacian(Terms terms, Center center, Neighborhood neighborhood) {
   Jet jet = jet_finish(terms.jet);
-  return jet.exists ? 2.0f * (jet.quadratic.x + jet.quadratic.z) / (support.radius * support.radius) : NOT_A_NUMBER;
+  return jet.exists ? 2.0f * (jet.quadratic.x + jet.quadratic.z) / (neighborhood.radius * neighborhood.radius) : NOT_A_NUMBER;
 }

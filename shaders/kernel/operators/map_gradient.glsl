@@ -1,6 +1,6 @@
 // grad f as a vector in object space, of the least-squares quadratic: what operators on gradients read as a map.
-vec3 map_gradient(Terms terms, Center center, Support support) {
+vec3 map_gradient(Terms terms, Center center, Neighborhood neighborhood) {
   Jet jet = jet_finish(terms.jet);
   if (!jet.exists) return vec3(NOT_A_NUMBER);
-  return (center.t1 * jet.plane.y + center.t2 * jet.plane.z) / support.radius;
+  return (center.t1 * jet.plane.y + center.t2 * jet.plane.z) / neighborhood.radius;
 }

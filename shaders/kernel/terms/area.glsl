@@ -47,17 +47,17 @@ float area_explained(AreaTerms terms, vec3 s) {
 // area is inside, or any sum over the neighborhood that goes with its area. Only its difference to the projected area is sampled, whose noise
 // is that of the same samples. The projection itself is a disk with the rim |x|^2 = r^2 (1 - c r^2); c is measured over all samples, with
 // the shape operator's RIM_BEND kappa^2 as control variate.
-float area_finish(AreaTerms terms, float area, Support support) {
-  if (!(support.variate > 0.0f) || !(terms.moment > 0.0f)) return support.scale * area;
-  vec2 k = support.eigenvalues;
+float area_finish(AreaTerms terms, float area, Neighborhood neighborhood) {
+  if (!(neighborhood.variate > 0.0f) || !(terms.moment > 0.0f)) return neighborhood.scale * area;
+  vec2 k = neighborhood.eigenvalues;
   float mean = 0.125f * (3.0f * k.x * k.x + 2.0f * k.x * k.y + 3.0f * k.y * k.y); // of kappa^2
-  float c = RIM_BEND * mean + (terms.bend - RIM_BEND * area_explained(terms, support.shape)) / terms.moment;
-  float square = support.radius * support.radius;
+  float c = RIM_BEND * mean + (terms.bend - RIM_BEND * area_explained(terms, neighborhood.shape)) / terms.moment;
+  float square = neighborhood.radius * neighborhood.radius;
   float exact = PI * square * (1.0f - c * square);
   // Samples miss an area by a per cent, rarely by three. Where the difference is larger, the projection is no such disk, or the normals of
   // a displaced surface do not tell how it lies.
-  float correction = support.variate * (exact - support.scale * terms.projected);
-  return support.scale * area + correction * (1.0f - smoothstep(0.04f, 0.07f, abs(correction) / (PI * square)));
+  float correction = neighborhood.variate * (exact - neighborhood.scale * terms.projected);
+  return neighborhood.scale * area + correction * (1.0f - smoothstep(0.04f, 0.07f, abs(correction) / (PI * square)));
 }
 float area_gaussian_curvature(float area, float radius) {
   float square = radius * radius;

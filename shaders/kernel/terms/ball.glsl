@@ -15,18 +15,18 @@ void ball_add(INOUT(BallTerms) terms, Center center, Neighbor neighbor) {
   terms.moments += neighbor.weight * neighbor.rho * neighbor.rho * outer(neighbor.direction);
 }
 // H of eq. (8). With the shape operator as control variate only what -rho kappa_S(e)/2 does not explain of a_i is averaged.
-float ball_mean_curvature(BallTerms terms, Support support) {
+float ball_mean_curvature(BallTerms terms, Neighborhood neighborhood) {
   if (!(terms.rho > 0.0f)) return NOT_A_NUMBER;
   float mean = terms.height / terms.rho;
   float exact = 0.0f;
-  if (support.variate > 0.0f) {
-    mean += support.variate * 0.5f * normal_curvature(support.shape, terms.moments) / terms.rho;
-    exact = support.variate * exact_means(support).y;
+  if (neighborhood.variate > 0.0f) {
+    mean += neighborhood.variate * 0.5f * normal_curvature(neighborhood.shape, terms.moments) / terms.rho;
+    exact = neighborhood.variate * exact_means(neighborhood).y;
   }
-  return exact - 8.0f / (3.0f * support.radius) * mean;
+  return exact - 8.0f / (3.0f * neighborhood.radius) * mean;
 }
 // V_r/(4 pi r^3/3), the share of the ball inside the surface.
-float ball_share(BallTerms terms, Support support) {
+float ball_share(BallTerms terms, Neighborhood neighborhood) {
   if (!(terms.rho > 0.0f)) return 0.0f; // of nothing; what clamp makes of NaN is up to the driver
-  return clamp(0.5f - 3.0f / 16.0f * ball_mean_curvature(terms, support) * support.radius, 0.0f, 1.0f);
+  return clamp(0.5f - 3.0f / 16.0f * ball_mean_curvature(terms, neighborhood) * neighborhood.radius, 0.0f, 1.0f);
 }

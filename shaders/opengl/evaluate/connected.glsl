@@ -1,6 +1,6 @@
 // The ranges of a neighborhood's samples → its samples: texels, and places on triangles that no texel carries.
 #include "opengl/evaluate/buffers.glsl"
-layout(std430, binding = BINDING_SUPPORTS) readonly restrict buffer Supports { SupportData supports[]; };
+layout(std430, binding = BINDING_NEIGHBORHOODS) readonly restrict buffer Neighborhoods { NeighborhoodRanges neighborhoods[]; };
 layout(binding = UNIT_SAMPLES) uniform isamplerBuffer sample_list;
 layout(binding = UNIT_RANGES) uniform isamplerBuffer ranges;
 #if LISTED
@@ -66,19 +66,19 @@ void add_bare_samples(inout Sums sums, int range, int end_range, float share) {
 
 #if ADAPTIVE
 // The black squares of a chessboard first, and the white ones then.
-void sample_support(inout Sums sums, CenterData data, int index, int part) {
-  SupportData support = supports[index];
-  sums.moments.cut = support.cut;
-  sums.moments.lost = support.lost;
-  add_texels(sums, part == 0 ? support.first : support.middle, part == 0 ? support.middle : support.last);
-  add_bare_samples(sums, support.last, support.end, 0.5);
+void sample_neighborhood(inout Sums sums, CenterData data, int index, int part) {
+  NeighborhoodRanges neighborhood = neighborhoods[index];
+  sums.moments.hits_boundary = neighborhood.hits_boundary;
+  sums.moments.missing_area = neighborhood.missing_area;
+  add_texels(sums, part == 0 ? neighborhood.first : neighborhood.middle, part == 0 ? neighborhood.middle : neighborhood.last);
+  add_bare_samples(sums, neighborhood.last, neighborhood.end, 0.5);
 }
 #else
-void sample_support(inout Sums sums, CenterData data, int index) {
-  SupportData support = supports[index];
-  sums.moments.cut = support.cut;
-  sums.moments.lost = support.lost;
-  add_texels(sums, support.first, support.last);
-  add_bare_samples(sums, support.last, support.end, 1.0);
+void sample_neighborhood(inout Sums sums, CenterData data, int index) {
+  NeighborhoodRanges neighborhood = neighborhoods[index];
+  sums.moments.hits_boundary = neighborhood.hits_boundary;
+  sums.moments.missing_area = neighborhood.missing_area;
+  add_texels(sums, neighborhood.first, neighborhood.last);
+  add_bare_samples(sums, neighborhood.last, neighborhood.end, 1.0);
 }
 #endif

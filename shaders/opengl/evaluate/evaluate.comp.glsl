@@ -83,7 +83,7 @@ bool take_samples(inout Sums sums, CenterData data, int index, out float scale) 
     refined = progress[slot].refined != 0;
   }
 #if ADAPTIVE
-  if (params.begin_sample == first_half() && params.marks_only == 0) refined = sums.moments.cut > 0.0 || is_rough(sums.moments);
+  if (params.begin_sample == first_half() && params.marks_only == 0) refined = sums.moments.hits_boundary > 0.0 || is_rough(sums.moments);
 #endif
   Place place = place_of(data, index);
 #if PAPER
@@ -94,10 +94,10 @@ bool take_samples(inout Sums sums, CenterData data, int index, out float scale) 
     progress[slot].left = left || (params.begin_sample > 0 && progress[slot].left != 0) ? 1 : 0;
     progress[slot].visit_count = visit_count;
   } else if (refined) {
-    sample_support(sums, place, progress[slot].left != 0);
+    sample_neighborhood(sums, place, progress[slot].left != 0);
   }
 #else
-  if (refined) sample_support(sums, place);
+  if (refined) sample_neighborhood(sums, place);
 #endif
   scale = refined ? 1.0 : 2.0;
   if (params.marks_only == 0 && params.end_sample == params.samples) return true;
@@ -109,13 +109,13 @@ bool take_samples(inout Sums sums, CenterData data, int index, out float scale) 
 bool take_samples(inout Sums sums, CenterData data, int index, out float scale) {
   scale = 1.0;
 #if ADAPTIVE
-  sample_support(sums, data, index, 0);
-  if (sums.moments.cut > 0.0 || is_rough(sums.moments))
-    sample_support(sums, data, index, 1);
+  sample_neighborhood(sums, data, index, 0);
+  if (sums.moments.hits_boundary > 0.0 || is_rough(sums.moments))
+    sample_neighborhood(sums, data, index, 1);
   else
     scale = 2.0;
 #else
-  sample_support(sums, data, index);
+  sample_neighborhood(sums, data, index);
 #endif
   return true;
 }
@@ -142,13 +142,13 @@ void main() {
   if (!take_samples(sums, data, index, scale)) return;
 
   Moments m = sums.moments;
-  Support support = finish_support(sums, scale);
-  float coverage = m.area > 0.0 ? m.area / (m.area + m.lost) : 0.0;
-  uint flags = (m.cut > 0.0 ? FLAG_CUT : 0u) | (scale == 1.0 ? FLAG_ALL_SAMPLES : 0u) |
-               (support.deviation > support.tolerance ? FLAG_NO_DISK : 0u) |
-               (support.deviation > 2.0 * support.tolerance + 0.1 ? FLAG_FAR_FROM_DISK : 0u);
+  Neighborhood neighborhood = finish_neighborhood(sums, scale);
+  float coverage = m.area > 0.0 ? m.area / (m.area + m.missing_area) : 0.0;
+  uint flags = (m.hits_boundary > 0.0 ? FLAG_HITS_BOUNDARY : 0u) | (scale == 1.0 ? FLAG_ALL_SAMPLES : 0u) |
+               (neighborhood.deviation > neighborhood.tolerance ? FLAG_AMBIGUOUS : 0u) |
+               (neighborhood.deviation > 2.0 * neighborhood.tolerance + 0.1 ? FLAG_FAR_FROM_DISK : 0u);
   results[ROW_COVERAGE * params.total + index] = floatBitsToUint(coverage);
   results[ROW_FLAGS * params.total + index] = flags;
-  results[ROW_AREA * params.total + index] = floatBitsToUint(support.area);
+  results[ROW_AREA * params.total + index] = floatBitsToUint(neighborhood.area);
   STORE_DESCRIPTORS
 }

@@ -1,5 +1,5 @@
 // A pattern over the enlarged ellipse (paper 3.4, 4.1), each sample carried over the seams by itself.
-void sample_support(inout Sums sums, Place place) {
+void sample_neighborhood(inout Sums sums, Place place) {
   int i = params.begin_sample;
   for (; i < params.end_sample; ++i) {
     PatternPlace goal = pattern_place(sample_number(i), place.rotation, place.index);
@@ -7,9 +7,9 @@ void sample_support(inout Sums sums, Place place) {
     if (walk.outcome == FOUND)
       add_sample(sums, place, goal, walk.to, walk.chart, area_factor(walk));
     else if (walk.outcome == LOST && goal.inside)
-      sums.moments.lost += place.area_space * goal.stretch * goal.stretch;
-    else if (is_cut(walk, sums.center))
-      sums.moments.cut += 1.0;
+      sums.moments.missing_area += place.area_space * goal.stretch * goal.stretch;
+    else if (hits_boundary(walk, sums.center))
+      sums.moments.hits_boundary += 1.0;
   }
-  lose_rest(sums, params.end_sample - i, params.samples);
+  miss_rest(sums, params.end_sample - i, params.samples);
 }

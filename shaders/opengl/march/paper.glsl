@@ -85,7 +85,7 @@ bool mark_charts(inout Sums sums, Place place) {
   for (int i = params.begin_sample; i < params.end_sample; ++i) {
     Walk walk = walk_to(place, pattern_place(i, place.rotation, place.index));
     left = left || walk.jumps > 0 || walk.outcome == LOST;
-    if (is_cut(walk, sums.center)) sums.moments.cut += 1.0;
+    if (hits_boundary(walk, sums.center)) sums.moments.hits_boundary += 1.0;
   }
   marking = false;
   return left;
@@ -116,7 +116,7 @@ void sample_visit(inout Sums sums, Place place, int visit, inout int taken) {
 }
 
 // left: samples left the center's chart.
-void sample_support(inout Sums sums, Place place, bool left) {
+void sample_neighborhood(inout Sums sums, Place place, bool left) {
   int taken = 0, all = visit_count * (params.end_sample - params.begin_sample);
   for (int k = first_visit; k < first_visit + visit_count; ++k) sample_visit(sums, place, k, taken);
   // Samples whose way leads on to charts that were not visited, or nowhere.
@@ -126,8 +126,8 @@ void sample_support(inout Sums sums, Place place, bool left) {
     if (!goal.inside) continue;
     Walk walk = walk_to(place, goal);
     if (walk.outcome == LOST || (walk.outcome == FOUND && walk.jumps > 0 && !is_visited(walk, place)))
-      sums.moments.lost += place.area_space * goal.stretch * goal.stretch;
+      sums.moments.missing_area += place.area_space * goal.stretch * goal.stretch;
   }
-  lose_rest(sums, all - taken, all / max(params.end_sample - params.begin_sample, 1) * params.samples);
-  if (left) lose_rest(sums, params.end_sample - i, params.samples);
+  miss_rest(sums, all - taken, all / max(params.end_sample - params.begin_sample, 1) * params.samples);
+  if (left) miss_rest(sums, params.end_sample - i, params.samples);
 }

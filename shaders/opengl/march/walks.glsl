@@ -50,7 +50,7 @@ Walk walk_to(Place place, PatternPlace goal) {
 }
 
 // Whether the mesh's boundary stopped this walk within the ball.
-bool is_cut(Walk walk, Center center) {
+bool hits_boundary(Walk walk, Center center) {
   ivec2 texel;
   if (walk.outcome != BOUNDARY || !find_texel(walk.to, walk.chart, texel)) return false;
   return length(texelFetch(positions, texel, 0).xyz - center.position) < params.radius;
@@ -61,7 +61,7 @@ void add_sample(inout Sums sums, Place place, PatternPlace goal, vec2 there, int
   float share = goal.stretch * goal.stretch;
   ivec2 texel;
   if (!find_texel(there, chart, texel)) {
-    if (goal.inside) sums.moments.lost += place.area_space * share;
+    if (goal.inside) sums.moments.missing_area += place.area_space * share;
     return;
   }
   vec3 point = texelFetch(positions, texel, 0).xyz;
@@ -69,7 +69,7 @@ void add_sample(inout Sums sums, Place place, PatternPlace goal, vec2 there, int
   add_texel(sums, texel, place.area_uv * share * factor, way_length(place.start, way, place.chart, sums.center.position, point));
 }
 
-// What an iteration limit cut off, as parts of all samples.
-void lose_rest(inout Sums sums, int count, int of) {
-  if (count > 0) sums.moments.lost += PI * params.radius * params.radius * float(count) / float(of);
+// Adds the area of the samples that an iteration limit cut off: `count` of them, out of `of`.
+void miss_rest(inout Sums sums, int count, int of) {
+  if (count > 0) sums.moments.missing_area += PI * params.radius * params.radius * float(count) / float(of);
 }

@@ -20,19 +20,19 @@ const char *const stage = R"(#version 450 core
 #include "kernel/sums.glsl"
 #include "descriptors.glsl"
 layout(local_size_x = 1) in;
-layout(std430, binding = 0) readonly restrict buffer Centers { vec4 centers[]; }; // position, map; normal, cut; first place, past the last
+layout(std430, binding = 0) readonly restrict buffer Centers { vec4 centers[]; }; // position, map; normal, hits_boundary; first neighbor, past the last
 layout(std430, binding = 1) readonly restrict buffer Places { vec4 places[]; };   // position, area; normal, near; face, geodesic; map
 layout(std430, binding = 2) writeonly restrict buffer Results { uint results[]; };
 void main() {
   int index = int(gl_GlobalInvocationID.x);
   Sums sums;
   sums_init(sums, centers[3 * index].xyz, centers[3 * index + 1].xyz, centers[3 * index].w);
-  sums.moments.cut = centers[3 * index + 1].w;
+  sums.moments.hits_boundary = centers[3 * index + 1].w;
   for (int i = int(centers[3 * index + 2].x); i < int(centers[3 * index + 2].y); ++i) {
     vec4 position = places[4 * i], normal = places[4 * i + 1], face = places[4 * i + 2];
     add_neighbor(sums, position.xyz, normal.xyz, face.xyz, position.w, normal.w > 0.0, face.w, places[4 * i + 3]);
   }
-  Support support = finish_support(sums, 1.0);
+  Neighborhood neighborhood = finish_neighborhood(sums, 1.0);
   STORE_DESCRIPTORS
 }
 )";
@@ -47,7 +47,7 @@ protected:
   std::vector<std::vector<float>> compute(const std::vector<Recorded> &all, const Variant &variant) const {
     std::vector<vec4> centers, places;
     for (const Recorded &one : all) {
-      centers.insert(centers.end(), {vec4(one.position, one.value), vec4(one.normal, one.cut)});
+      centers.insert(centers.end(), {vec4(one.position, one.value), vec4(one.normal, one.hits_boundary)});
       const size_t first = places.size() / 4;
       for (const Place &place : one.places)
         places.insert(places.end(), {vec4(place.position, place.area), vec4(place.normal, place.near ? 1.0f : 0.0f),

@@ -51,7 +51,7 @@ struct Recorded {
   std::string name;
   vec3 position{0.0f}, normal{0.0f, 0.0f, 1.0f};
   float value = 0.0f; // of the map
-  float cut = 0.0f;
+  float hits_boundary = 0.0f;
   std::vector<Place> places;
 };
 
@@ -94,7 +94,7 @@ inline std::vector<Recorded> recorded_neighborhoods() {
                                record("one place", -3.0f, 1.0f, 0.0f, 1), record("nothing", 0.0f, 0.0f, 0.0f, 0)};
   Recorded cut = record("cut", -3.0f, -2.0f, 0.0f, 150);
   std::erase_if(cut.places, [](const Place &place) { return place.position.x > 0.03f; });
-  cut.cut = 1.0f;
+  cut.hits_boundary = 1.0f;
   Recorded holes = record("map with holes", -3.0f, -2.0f, 0.0f, 150);
   for (size_t i = 0; i < holes.places.size(); i += 4) holes.places[i].map.w = nowhere;
   for (size_t i = 1; i < holes.places.size(); i += 5) holes.places[i].map.x = nowhere;
@@ -135,10 +135,10 @@ inline void put(std::vector<float> &values, const kernels::Vector<3, float> &val
 
 // Values of every row of the registry, one after the other.
 template <class Kernel> std::vector<float> finish_all(Kernel &kernel, const typename Kernel::Sums &sums) {
-  const auto support = kernel.finish_support(sums, 1.0f);
+  const auto neighborhood = kernel.finish_neighborhood(sums, 1.0f);
   std::vector<float> values;
-#define DESCRIPTOR(name, ...) put(values, kernel.name(sums.terms, sums.center, support));
-#define OPERATOR(name, ...) put(values, kernel.name(sums.terms, sums.center, support));
+#define DESCRIPTOR(name, ...) put(values, kernel.name(sums.terms, sums.center, neighborhood));
+#define OPERATOR(name, ...) put(values, kernel.name(sums.terms, sums.center, neighborhood));
 #include "descriptor/descriptors.def"
 #include "descriptor/operators.def"
 #undef OPERATOR
@@ -152,7 +152,7 @@ template <template <class, class> class Kernel> std::vector<float> one_at_a_time
   Kernel<float, bool> kernel{recorded_params()};
   typename Kernel<float, bool>::Sums sums;
   kernel.sums_init(sums, as<float>(recorded.position), as<float>(recorded.normal), recorded.value);
-  sums.moments.cut = recorded.cut;
+  sums.moments.hits_boundary = recorded.hits_boundary;
   for (const Place &place : recorded.places)
     kernel.add_neighbor(sums, as<float>(place.position), as<float>(place.normal), as<float>(place.face), place.area, place.near,
                         place.geodesic, {place.map.x, place.map.y, place.map.z, place.map.w});
@@ -197,7 +197,7 @@ template <template <class, class> class Kernel> std::vector<float> eight_at_a_ti
   together.terms = kernels::add_lanes<typename Narrow::Terms>(sums.terms);
   if constexpr (requires { together.half_ball; })
     together.half_ball = kernels::add_lanes<typename Narrow::BallTerms>(sums.half_ball);
-  together.moments.cut = recorded.cut;
+  together.moments.hits_boundary = recorded.hits_boundary;
   return finish_all(kernel, together);
 }
 

@@ -41,7 +41,7 @@ std::string compose_descriptors(std::span<const int> descriptors) {
   };
   for (const int descriptor : descriptors) {
     const DescriptorRow &registered = descriptor_row(descriptor);
-    const std::string name = registered.name, call = name + "(sums.terms, sums.center, support)";
+    const std::string name = registered.name, call = name + "(sums.terms, sums.center, neighborhood)";
     text += std::string("#include \"kernel/") + (registered.map_degree ? "operators/" : "descriptors/") + name + ".glsl\"\n";
     if (registered.components == 1) {
       add_store(call);

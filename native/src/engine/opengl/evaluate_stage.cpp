@@ -117,7 +117,7 @@ CenterResults TextureSpace::read_results(const EvaluateSettings &settings, const
     const uint32_t flags = flags_of(rows[ROW_FLAGS * count + i]);
     unwritten += std::isnan(rows[ROW_FLAGS * count + i]);
     results.coverage.push_back(rows[ROW_COVERAGE * count + i]);
-    results.boundary.push_back((flags & FLAG_CUT) != 0);
+    results.boundary.push_back((flags & FLAG_HITS_BOUNDARY) != 0);
     refined += (flags & FLAG_ALL_SAMPLES) != 0;
   }
   if (unwritten > 0)
@@ -137,7 +137,7 @@ CenterResults TextureSpace::read_results(const EvaluateSettings &settings, const
   return results;
 }
 
-// Computes centers again whose neighborhood is no disk, and not what is connected to them within the ball: on exactly that.
+// Computes the ambiguous centers again whose samples are not those connected to them within the ball, on exactly these.
 void TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame,
                                      const Centers &centers, const Progress &progress) {
   const std::vector<float> rows = read_rows(settings);
@@ -145,7 +145,7 @@ void TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, 
   const double unit = frame.space.scale * frame.space.scale;
   AmbiguousCenters ambiguous;
   for (size_t i = 0; i < count; ++i)
-    if (flags_of(rows[ROW_FLAGS * count + i]) & (centers.single_sheet[i] ? FLAG_FAR_FROM_DISK : FLAG_NO_DISK))
+    if (flags_of(rows[ROW_FLAGS * count + i]) & (centers.single_sheet[i] ? FLAG_FAR_FROM_DISK : FLAG_AMBIGUOUS))
       ambiguous.push_back(static_cast<int32_t>(i), centers.points[i], static_cast<double>(rows[ROW_AREA * count + i]) / unit);
   const Surface &surface = job.surface;
   const RecheckSpace space{job.triangles(frame), surface.half_edges,    radius,         surface.extent.mean_edge,

@@ -36,9 +36,9 @@ void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const st
 void Evaluator::set_neighborhoods(const Gl &gl, const Neighborhoods &neighborhoods, const BareSamples &bare) {
   bare_.upload(gl, bare.samples, GL_STREAM_DRAW);
   has_bare_ = !bare.samples.empty();
-  supports_.upload(gl, neighborhoods.center, GL_STREAM_DRAW);
+  neighborhoods_.upload(gl, neighborhoods.center, GL_STREAM_DRAW);
   ranges_.upload(gl, neighborhoods.range, GL_STREAM_DRAW);
-  check_gl(gl, "support upload");
+  check_gl(gl, "neighborhood upload");
 }
 
 void Evaluator::set_faces(const Gl &gl, const std::vector<vec4> &normals) {
@@ -172,7 +172,7 @@ void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
   if (settings.relocation != PDESC_RELOCATION_CONNECTED) {
     bind_walks(gl);
   } else {
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SUPPORTS, supports_.id());
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEIGHBORHOODS, neighborhoods_.id());
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
     gl.BindTextureUnit(UNIT_RANGES, ranges_.id());
     settings.cells->bind(gl);

@@ -88,8 +88,8 @@ private:
   Texture border_;
   ListTexture border_list_, border_uv_, links_, faces_;
   BufferTexture ranges_;
-  Buffer params_, centers_, pattern_, supports_, bare_, reach_, results_, seams_, visits_, stretches_, progress_, map_centers_,
-      map_bare_;
+  Buffer params_, centers_, pattern_, neighborhoods_, bare_, reach_, results_, seams_, visits_, stretches_, progress_,
+      map_centers_, map_bare_;
   size_t progress_bytes_ = 0;
   bool has_bare_ = false;
   int count_ = 0, reach_count_ = 0;
