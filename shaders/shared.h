@@ -120,7 +120,7 @@ struct EvaluateParams {
   float map_sigma;     // of Gaussian windows on it
   float harris_k;
   int reach_count;     // centers in BINDING_REACH
-  // Of samples that walk.
+  // For samples that march.
   float enlargement;   // of the ellipse that they start in over the radius
   int max_jumps;
   int begin_sample; // those of this dispatch

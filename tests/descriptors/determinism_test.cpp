@@ -108,7 +108,7 @@ TEST_P(Determinism, integrals_over_adaptive_samples_have_the_same_bits_at_all_we
   expect_one_result();
 }
 
-TEST_P(Determinism, samples_that_walk_have_the_same_bits) {
+TEST_P(Determinism, samples_that_march_have_the_same_bits) {
   if (GetParam() == PDESC_BACKEND_REFERENCE) GTEST_SKIP() << "the reference takes no samples";
   settings.relocation = PDESC_RELOCATION_AFFINE;
   settings.max_jumps = 2;

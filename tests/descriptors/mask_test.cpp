@@ -71,8 +71,8 @@ TEST_P(Masks, a_closed_surface_has_no_boundary_and_loses_nothing) {
   EXPECT_GT(std::ranges::min(results["coverage"]), 0.999f);
 }
 
-// Some hundred vertices in triangles without area in the UV map: cells lead to them, samples that walk find no start.
-TEST_P(Masks, a_vertex_without_a_place_in_the_map_is_undefined_where_samples_walk) {
+// Some hundred vertices in triangles without area in the UV map: cells lead to them, samples that march find no start.
+TEST_P(Masks, a_vertex_without_a_place_in_the_map_is_undefined_where_samples_march) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 2000});
   lay_out(mesh, {.charts = 6});
   std::vector<uint8_t> placed(mesh.points.size(), 0);
@@ -84,9 +84,9 @@ TEST_P(Masks, a_vertex_without_a_place_in_the_map_is_undefined_where_samples_wal
   }
   ASSERT_GT(std::ranges::count(placed, 0), 100);
   EXPECT_EQ(compute(mesh, {.radius = 0.04}).report.undefined_vertices, 0);
-  const Results walked = compute(mesh, {.radius = 0.04, .relocation = PDESC_RELOCATION_AFFINE});
+  const Results marched = compute(mesh, {.radius = 0.04, .relocation = PDESC_RELOCATION_AFFINE});
   for (size_t v = 0; v < placed.size(); ++v)
-    ASSERT_EQ((walked.mask[v] & PDESC_MASK_NO_TEXEL) != 0, GetParam() == PDESC_BACKEND_SOFTWARE && !placed[v]) << "vertex " << v;
+    ASSERT_EQ((marched.mask[v] & PDESC_MASK_NO_TEXEL) != 0, GetParam() == PDESC_BACKEND_SOFTWARE && !placed[v]) << "vertex " << v;
 }
 
 TEST_P(Masks, a_vertex_without_a_face_is_undefined_and_has_no_other_bit) {

@@ -240,7 +240,7 @@ TEST_F(Relocation, strips_one_texel_wide_are_found) {
                                    s.max_jumps = jumps;
                                  }));
       EXPECT_NEAR(result.mean_area(), 1, 0.02);
-      EXPECT_GT(result.mean_coverage(), 0.98); // samples whose walk meets the corner of a strip are lost
+      EXPECT_GT(result.mean_coverage(), 0.98); // samples whose march meets the corner of a strip are lost
     }
     expect_errors_below(1, mesh, at_radius, "connected", {"mean_curvature", "gaussian_curvature"});
   }
@@ -264,10 +264,10 @@ TEST_F(Relocation, charts_that_no_texel_carries_count_where_they_are_connected) 
   EXPECT_GT(*std::ranges::min_element(connected.area), 0.7);
   EXPECT_LT(*std::ranges::max_element(connected.area), 1.15);
   expect_errors_below(1, mesh, at_radius, "connected");
-  // Lines of the charts' edges still carry samples that walk; the paper repeats its pattern on charts one jump away only.
-  const Found walked = found(mesh, with(affine, [](Settings &s) { s.radius = 0.05; }));
-  EXPECT_NEAR(walked.mean_area(), 1, 0.005);
-  EXPECT_GT(walked.least_coverage(), 0.95);
+  // Lines of the charts' edges still carry samples that march; the paper repeats its pattern on charts one jump away only.
+  const Found marched = found(mesh, with(affine, [](Settings &s) { s.radius = 0.05; }));
+  EXPECT_NEAR(marched.mean_area(), 1, 0.005);
+  EXPECT_GT(marched.least_coverage(), 0.95);
   const Found one_jump = found(mesh, with(paper, [](Settings &s) { s.radius = 0.05; }));
   EXPECT_NEAR(one_jump.mean_area(), one_jump.mean_coverage(), 0.01);
   EXPECT_LT(one_jump.least_coverage(), 0.6);

@@ -265,7 +265,7 @@ private:
   int32_t cell_beside(int corner) const {
     int32_t best = cells_.triangle_cell[corner / 3];
     double nearest = 1e30;
-    auto walk = [&](int half_edge, bool from_end) {
+    auto follow = [&](int half_edge, bool from_end) {
       if (half_edge < 0 || charts_.triangle_chart[half_edge / 3] < 0) return;
       const float length_3d = distance(position_of(half_edge), position_of(next_corner(half_edge)));
       const Line line = line_of(half_edge);
@@ -281,10 +281,10 @@ private:
       }
     };
     const int before = next_corner(next_corner(corner));
-    walk(corner, false);
-    walk(half_edges_.twin[corner], true);
-    walk(before, true);
-    walk(half_edges_.twin[before], false);
+    follow(corner, false);
+    follow(half_edges_.twin[corner], true);
+    follow(before, true);
+    follow(half_edges_.twin[before], false);
     return best;
   }
 

@@ -37,7 +37,7 @@ struct TexelMap {
 TexelMap build_texel_map(const Charts &charts, int size);
 
 // Places [first, last) as centers, p and n in 32 bits. ellipses: (wedges), for the radius in buffer units times the enlargement;
-// empty where samples do not walk.
+// empty where samples do not march.
 std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
                                       const Normals &normals, const BufferFrame &frame, const std::vector<vec4> &ellipses,
                                       float reach, uint32_t seed, size_t first, size_t last);

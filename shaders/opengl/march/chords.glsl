@@ -1,5 +1,5 @@
-// A sample's straight way through the UV map → its length as a sum of chords (paper 5.1), over seams along the way as it was walked. Such
-// a way is no geodesic: where it bends along the surface by kappa_g, the sum exceeds the distance.
+// A march → its length as a sum of chords (paper 5.1). A march is no geodesic: where it bends along the surface by kappa_g, the sum exceeds
+// the distance.
 #if CHORDS
 #define CHORD_COUNT 8
 
@@ -21,22 +21,22 @@ bool surface_between(vec2 place, int chart, out vec3 point) {
 }
 
 // From the center to the surface's point q, by equal steps of `way` in (u, v).
-float way_length(vec2 from, vec2 way, int chart, vec3 p, vec3 q) {
-  Walk walk = begin_walk(from, from, chart);
+float length_of_chords(vec2 from, vec2 way, int chart, vec3 p, vec3 q) {
+  March march = begin_march(from, from, chart);
   float sum = 0.0;
   vec3 before = p;
   for (int i = 1; i < CHORD_COUNT; ++i) {
-    walk.from = walk.to;
-    walk.to = walk.from + walk.linear * way / float(CHORD_COUNT);
-    march(walk);
+    march.from = march.to;
+    march.to = march.from + march.linear * way / float(CHORD_COUNT);
+    advance(march);
     vec3 point;
-    if (walk.outcome != FOUND) break;
-    if (!surface_between(walk.to, walk.chart, point)) continue;
+    if (march.outcome != FOUND) break;
+    if (!surface_between(march.to, march.chart, point)) continue;
     sum += length(point - before);
     before = point;
   }
   return sum + length(q - before);
 }
 #else
-float way_length(vec2 from, vec2 way, int chart, vec3 p, vec3 q) { return -1.0; }
+float length_of_chords(vec2 from, vec2 way, int chart, vec3 p, vec3 q) { return -1.0; }
 #endif

@@ -11,20 +11,20 @@ int first_visit;
 int visit_count;
 bool marking;
 
-// Remembers the chart that a walk has come to.
-void mark(Walk walk, int edge) {
-  if (!marking || walk.jumps > params.max_jumps) return;
+// Remembers the chart that a march has come to.
+void mark(March march, int edge) {
+  if (!marking || march.jumps > params.max_jumps) return;
   int seam = seams[edge];
-  float crossing = length(walk.from - walk.origin);
-  vec4 linear = vec4(walk.linear[0], walk.linear[1]);
+  float crossing = length(march.from - march.origin);
+  vec4 linear = vec4(march.linear[0], march.linear[1]);
   int same_chart = -1;
   for (int k = first_visit; k < first_visit + visit_count; ++k) {
-    if (visits[k].chart != walk.chart) continue;
+    if (visits[k].chart != march.chart) continue;
     same_chart = k;
     if (visits[k].seam != seam) continue;
     if (crossing >= visits[k].crossing) return;
     visits[k].linear = linear;
-    visits[k].center = walk.origin;
+    visits[k].center = march.origin;
     visits[k].crossing = crossing;
     return;
   }
@@ -35,7 +35,7 @@ void mark(Walk walk, int edge) {
     next = visits[same_chart].next;
     visits[same_chart].next = added;
   }
-  visits[added] = VisitData(linear, walk.origin, walk.chart, seam, next, crossing, vec2(0.0));
+  visits[added] = VisitData(linear, march.origin, march.chart, seam, next, crossing, vec2(0.0));
 }
 
 // Where a place of its chart lies in the unit disk of a visit.
@@ -83,19 +83,19 @@ bool mark_charts(inout Sums sums, Place place) {
   marking = true;
   bool left = false;
   for (int i = params.begin_sample; i < params.end_sample; ++i) {
-    Walk walk = walk_to(place, pattern_place(i, place.rotation, place.index));
-    left = left || walk.jumps > 0 || walk.outcome == LOST;
-    if (hits_boundary(walk, sums.center)) sums.moments.hits_boundary += 1.0;
+    March march = march_to(place, pattern_place(i, place.rotation, place.index));
+    left = left || march.jumps > 0 || march.outcome == LOST;
+    if (hits_boundary(march, sums.center)) sums.moments.hits_boundary += 1.0;
   }
   marking = false;
   return left;
 }
 
 // Whether the pattern of some visit holds the place where a sample's own way leads.
-bool is_visited(Walk walk, Place place) {
+bool is_visited(March march, Place place) {
   for (int k = first_visit; k < first_visit + visit_count; ++k) {
-    if (visits[k].chart != walk.chart) continue;
-    vec2 disk = disk_place(k, place.ellipse, walk.to);
+    if (visits[k].chart != march.chart) continue;
+    vec2 disk = disk_place(k, place.ellipse, march.to);
     if (length(disk) <= stretch_along(disk, place.index)) return true;
   }
   return false;
@@ -124,8 +124,8 @@ void sample_neighborhood(inout Sums sums, Place place, bool left) {
   for (; left && i < params.end_sample; ++i) {
     PatternPlace goal = pattern_place(sample_number(i), place.rotation, place.index);
     if (!goal.inside) continue;
-    Walk walk = walk_to(place, goal);
-    if (walk.outcome == LOST || (walk.outcome == FOUND && walk.jumps > 0 && !is_visited(walk, place)))
+    March march = march_to(place, goal);
+    if (march.outcome == LOST || (march.outcome == FOUND && march.jumps > 0 && !is_visited(march, place)))
       sums.moments.missing_area += place.area_space * goal.stretch * goal.stretch;
   }
   miss_rest(sums, all - taken, all / max(params.end_sample - params.begin_sample, 1) * params.samples);

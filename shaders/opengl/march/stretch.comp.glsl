@@ -30,14 +30,14 @@ void main() {
   float angle = 2.0 * 3.14159265358979 * float(index % STRETCH_DIRECTIONS) / float(STRETCH_DIRECTIONS);
   vec2 way = mat2(data.ellipse.xy, data.ellipse.zw) * vec2(cos(angle), sin(angle)) * size;
   vec2 start = data.place.zw * size;
-  Walk walk = begin_walk(start, start, data.chart);
+  March march = begin_march(start, start, data.chart);
   float stretch = 1.0, reached = 0.0;
   for (int i = 1; i <= int(LARGEST) * STEPS; ++i) {
-    walk.from = walk.to;
-    walk.to = walk.from + walk.linear * way / float(STEPS);
-    march(walk);
-    if (walk.outcome != FOUND) break;
-    float span = length_in_space(walk.linear * way / size, walk.to, walk.chart) / (params.enlargement * params.radius);
+    march.from = march.to;
+    march.to = march.from + march.linear * way / float(STEPS);
+    advance(march);
+    if (march.outcome != FOUND) break;
+    float span = length_in_space(march.linear * way / size, march.to, march.chart) / (params.enlargement * params.radius);
     if (span < 0.0) continue;
     stretch = clamp(1.0 / max(span, 1e-6), stretch, LARGEST);
     reached += span / float(STEPS);

@@ -1,5 +1,5 @@
-// Samples that walk (affine, paper), some of a pattern's in each dispatch: what a dispatch leaves to the next. So no one of them comes near
-// the iterations that a device allows an invocation.
+// Samples that march (affine, paper). Each dispatch takes some samples of a pattern and leaves the sums to the next one, so that none comes
+// near the number of iterations that a device allows an invocation.
 #include "opengl/march/march.glsl"
 #include "opengl/march/pattern.glsl"
 #include "opengl/march/chords.glsl"
@@ -26,7 +26,7 @@ struct Place {
   mat2 rotation;
   mat2 ellipse; // in texels
   vec2 center;
-  vec2 start; // of walks
+  vec2 start; // where its marches start
   int chart;
   int index;
   float area_uv;    // of a sample
@@ -43,20 +43,20 @@ Place place_of(CenterData data, int index) {
 }
 
 // A sample's own way over the seams, as far as it leads.
-Walk walk_to(Place place, PatternPlace goal) {
-  Walk walk = begin_walk(place.start, place.center + place.ellipse * goal.disk, place.chart);
-  march(walk);
-  return walk;
+March march_to(Place place, PatternPlace goal) {
+  March march = begin_march(place.start, place.center + place.ellipse * goal.disk, place.chart);
+  advance(march);
+  return march;
 }
 
-// Whether the mesh's boundary stopped this walk within the ball.
-bool hits_boundary(Walk walk, Center center) {
+// Whether the mesh's boundary stopped this march within the ball.
+bool hits_boundary(March march, Center center) {
   ivec2 texel;
-  if (walk.outcome != BOUNDARY || !find_texel(walk.to, walk.chart, texel)) return false;
+  if (march.outcome != BOUNDARY || !find_texel(march.to, march.chart, texel)) return false;
   return length(texelFetch(positions, texel, 0).xyz - center.position) < params.radius;
 }
 
-// A sample that its walk, or its pass, has brought to this place.
+// A sample that its march, or its pass, has brought to this place.
 void add_sample(inout Sums sums, Place place, PatternPlace goal, vec2 there, int chart, float factor) {
   float share = goal.stretch * goal.stretch;
   ivec2 texel;
@@ -66,7 +66,7 @@ void add_sample(inout Sums sums, Place place, PatternPlace goal, vec2 there, int
   }
   vec3 point = texelFetch(positions, texel, 0).xyz;
   vec2 way = place.center + place.ellipse * goal.disk - place.start;
-  add_texel(sums, texel, place.area_uv * share * factor, way_length(place.start, way, place.chart, sums.center.position, point));
+  add_texel(sums, texel, place.area_uv * share * factor, length_of_chords(place.start, way, place.chart, sums.center.position, point));
 }
 
 // Adds the area of the samples that an iteration limit cut off: `count` of them, out of `of`.

@@ -200,7 +200,7 @@ TEST_F(ShaderTexts, have_work_groups_of_64_on_a_card_with_the_same_results) {
     SCOPED_TRACE(relocation);
     Settings settings = all_settings().front();
     settings.relocation = relocation;
-    settings.samples = 8; // what walks on a software device does so in several dispatches else, and adds up in another order
+    settings.samples = 8; // what marches on a software device does so in several dispatches else, and adds up in another order
     const auto sizes_of = [&](bool pretended, Field &field) {
       texts.clear();
       field = compute_all(open_remembering(pretended), settings, false);

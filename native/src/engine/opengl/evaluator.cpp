@@ -80,7 +80,7 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
   check_gl(gl, "center upload");
 }
 
-// What is decided while compiling: each choice costs nothing where it is not made.
+// These choices are made while compiling: one that is not taken costs nothing.
 static std::string variant_of(const EvaluateSettings &settings, const GeometryBuffer &buffer, bool bare, bool listed) {
   auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) +
@@ -93,8 +93,8 @@ static std::string variant_of(const EvaluateSettings &settings, const GeometryBu
          define("BARE", bare) + define("LISTED", listed) + buffer.variant();
 }
 
-// What samples read that are carried over seams by walks.
-void Evaluator::bind_walks(const Gl &gl) const {
+// Binds what samples read that march.
+void Evaluator::bind_march(const Gl &gl) const {
   gl.BindTextureUnit(UNIT_BORDER, border_.id());
   gl.BindTextureUnit(UNIT_BORDER_LIST, border_list_.id());
   gl.BindTextureUnit(UNIT_BORDER_UV, border_uv_.id());
@@ -113,15 +113,15 @@ void Evaluator::find_stretches(const Gl &gl, ProgramCache &programs, const Geome
   buffer.bind();
   buffer.bind_owners();
   gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
-  bind_walks(gl);
+  bind_march(gl);
   gl.DispatchCompute(group_count(gl, (params.last - params.first) * STRETCH_DIRECTIONS), 1, 1);
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   check_gl(gl, "stretches");
 }
 
-// Samples that walk take their turns in several dispatches, and leave their sums to the next: software devices limit the
+// Samples that march take their turns in several dispatches, and leave their sums to the next: software devices limit the
 // iterations of one.
-void Evaluator::dispatch_walks(const Gl &gl, GLuint program, const EvaluateSettings &settings, EvaluateParams params) {
+void Evaluator::dispatch_marches(const Gl &gl, GLuint program, const EvaluateSettings &settings, EvaluateParams params) {
   const GLuint block = gl.GetProgramResourceIndex(program, GL_SHADER_STORAGE_BLOCK, "Progresses");
   const GLenum property = GL_BUFFER_DATA_SIZE; // with one element
   GLint stride = 0;
@@ -165,12 +165,12 @@ EvaluateParams Evaluator::params_of(const EvaluateSettings &settings, int first,
           .marks_only = 0};
 }
 
-// What one program reads beside the geometry buffer.
+// Binds what one program reads beside the geometry buffer.
 void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
   if (settings.relocation != PDESC_RELOCATION_CONNECTED) {
-    bind_walks(gl);
+    bind_march(gl);
   } else {
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEIGHBORHOODS, neighborhoods_.id());
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
@@ -189,11 +189,11 @@ void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
 
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
                     int first, int last) {
-  const bool walks = settings.relocation != PDESC_RELOCATION_CONNECTED;
+  const bool marches = settings.relocation != PDESC_RELOCATION_CONNECTED;
   const EvaluateParams params = params_of(settings, first, last);
   params_.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, params_.id());
-  if (walks && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
+  if (marches && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
   const std::string variant = variant_of(settings, buffer, has_bare_, settings.points != nullptr);
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
@@ -207,8 +207,8 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
   gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
   bind(gl, settings);
-  if (walks)
-    dispatch_walks(gl, program, settings, params);
+  if (marches)
+    dispatch_marches(gl, program, settings, params);
   else
     gl.DispatchCompute(group_count(gl, last - first), 1, 1);
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);

@@ -26,7 +26,7 @@ struct EvaluateSettings {
   int max_jumps;
   int pattern;                           // pdesc_pattern
   int ellipse;                           // pdesc_ellipse
-  int samples_at_once;                   // that walk in one dispatch
+  int samples_at_once;                   // how many march in one dispatch
   bool chords;                           // distances along the surface are sums of chords
   float radius;                          // in buffer units
   float enlargement;                     // of the sampling ellipse over the radius
@@ -44,7 +44,7 @@ struct EvaluateSettings {
   float map_sigma = 0;                   // of their Gaussian windows, in buffer units
   float harris_k = 0;
 
-  // Centers that one dispatch may hold: those that walk leave a kilobyte or two each between dispatches.
+  // Centers that one dispatch may hold: those that march leave a kilobyte or two each between dispatches.
   int largest_tile() const {
     if (relocation == PDESC_RELOCATION_CONNECTED) return std::numeric_limits<int>::max();
     return relocation == PDESC_RELOCATION_PAPER ? 16384 : 65536;
@@ -81,8 +81,8 @@ public:
 private:
   EvaluateParams params_of(const EvaluateSettings &settings, int first, int last) const;
   void bind(const Gl &gl, const EvaluateSettings &settings) const;
-  void bind_walks(const Gl &gl) const;
-  void dispatch_walks(const Gl &gl, GLuint program, const EvaluateSettings &settings, EvaluateParams params);
+  void bind_march(const Gl &gl) const;
+  void dispatch_marches(const Gl &gl, GLuint program, const EvaluateSettings &settings, EvaluateParams params);
   void find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateParams &params) const;
 
   Texture border_;
