@@ -28,7 +28,7 @@
 #define UNIT_FACES 14   // list, RGBA32F: unit normal of each triangle
 #define UNIT_MAP 15     // buffer, RGBA32F: gradient of a map, its value
 #define UNIT_SAMPLES 16 // buffer texture, RG32I: texel (x + 65536 y); the bits of the area in (u, v) that it stands for, a float
-#define UNIT_RANGES 17  // buffer texture, RG32I: first and end in UNIT_SAMPLES, or of the samples of BINDING_BARE
+#define UNIT_RANGES 17  // buffer texture, RG32I: first and end in UNIT_SAMPLES, or of the samples of BINDING_TEXELLESS
 #define UNIT_POINTS 18  // buffer texture, RGBA32F, two a sample of UNIT_SAMPLES: position, area; normal, how far a texel reaches in space
 // Of the pass that displaces baked texels.
 #define UNIT_HEIGHTS 19  // image, R32F: displacement
@@ -61,10 +61,10 @@
 #define BINDING_CENTERS 0
 #define BINDING_RESULTS 1
 #define BINDING_NEIGHBORHOODS 2 // the ranges of samples of each center's neighborhood
-#define BINDING_BARE 3         // samples of triangles that no texel carries
+#define BINDING_TEXELLESS 3         // samples of triangles that no texel carries
 #define BINDING_REACH 4        // of centers computed again: their numbers, where their triangles begin (one more), the triangles
 #define BINDING_MAP_CENTERS 5  // gradient and value of the map at each center
-#define BINDING_MAP_BARE 6     // the same at the samples of BINDING_BARE
+#define BINDING_MAP_TEXELLESS 6     // the same at the samples of BINDING_TEXELLESS
 #define BINDING_EDGES 7        // chart-edge lines to rasterize
 #define BINDING_CELLS 8        // what was measured of each cell
 #define BINDING_POINTS 9       // where UNIT_POINTS is written
@@ -143,7 +143,7 @@ struct NeighborhoodRanges {
   float hits_boundary; // above 0 where the mesh's boundary lies in the ball
   float missing_area;  // area of what exceeds the iterations of a device
 };
-BLOCK_OF_VECTORS BareSample {
+BLOCK_OF_VECTORS TexellessSample {
   vec3 position; // in buffer units
   float area;
   vec3 normal; // unit

@@ -221,16 +221,16 @@ TEST_F(CellsOfTexels, a_triangle_without_uv_area_is_carried_by_samples_of_its_ow
   const Built built = build(shape);
   const Buffers buffers = bake(*thread, built, size);
   const Cells cells = cells_of(built, buffers, block);
-  EXPECT_EQ(cells.bare, std::vector<int32_t>{lost});
+  EXPECT_EQ(cells.texelless, std::vector<int32_t>{lost});
   ASSERT_GE(cells.triangle_cell[at(lost)], 0);
-  EXPECT_EQ(cells.bare_begin[at(cells.triangle_cell[at(lost)]) + 1], 1) << "at the cell that leads to it";
+  EXPECT_EQ(cells.texelless_begin[at(cells.triangle_cell[at(lost)]) + 1], 1) << "at the cell that leads to it";
   for (const float radius : {0.05f, 0.3f, 10.0f}) {
-    const BareSamples samples = sample_bare_triangles(cells, built.triangles, buffers.normals, buffers.frame, radius);
+    const TexellessSamples samples = sample_texelless_triangles(cells, built.triangles, buffers.normals, buffers.frame, radius);
     ASSERT_EQ(samples.begin.size(), at(cells.count) + 1);
     ASSERT_EQ(samples.samples.size(), at(samples.begin.back()));
     double area = 0;
     dvec3 moment(0);
-    for (const BareSample &sample : samples.samples) {
+    for (const TexellessSample &sample : samples.samples) {
       area += static_cast<double>(sample.area);
       moment += dvec3(sample.position) * static_cast<double>(sample.area);
       EXPECT_NEAR(length(sample.normal), 1.0f, 1e-5f);
@@ -251,8 +251,8 @@ TEST_F(CellsOfTexels, a_radius_as_small_as_floats_are_divides_a_triangle_without
   const Cells cells = cells_of(built, buffers, block);
   const auto samples_of = [&](float radius) {
     std::vector<vec4> numbers;
-    for (const BareSample &sample :
-         sample_bare_triangles(cells, built.triangles, buffers.normals, buffers.frame, radius).samples) {
+    for (const TexellessSample &sample :
+         sample_texelless_triangles(cells, built.triangles, buffers.normals, buffers.frame, radius).samples) {
       numbers.emplace_back(sample.position, sample.area);
       numbers.emplace_back(sample.normal, static_cast<float>(sample.triangle));
     }

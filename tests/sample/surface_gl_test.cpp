@@ -96,7 +96,7 @@ TEST_F(Surface, areas_of_texels_make_up_the_surface) {
       if (baked.cells.label[2 * i] >= 0)
         sum += static_cast<double>(baked.positions[i].w) * baked.cells.label[2 * i + 1] / 65536.0 / (size * size);
     EXPECT_NEAR(sum / baked.area(), 1.0, 2e-3) << charts << " charts";
-    EXPECT_TRUE(baked.cells.bare.empty()) << charts << " charts";
+    EXPECT_TRUE(baked.cells.texelless.empty()) << charts << " charts";
   }
 }
 

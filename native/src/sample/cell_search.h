@@ -175,20 +175,20 @@ public:
     int total = 0;
     for (const int32_t k : inside_) {
       const Taken taken = take(k, center);
-      const ivec2 bare = bare_of(taken.cell);
-      total += 1 + most_samples(taken) + bare.y - bare.x;
+      const ivec2 texelless = texelless_of(taken.cell);
+      total += 1 + most_samples(taken) + texelless.y - texelless.x;
       if (total > MAX_ITERATIONS) {
         data.missing_area += measured_[taken.cell].area.x;
         continue;
       }
-      if (space_.halves || !space_.bare.samples.empty()) taken_.push_back(taken);
+      if (space_.halves || !space_.texelless.samples.empty()) taken_.push_back(taken);
       append(taken, space_.halves ? 0 : -1, data.first, ranges);
     }
     data.middle = data.last = static_cast<int32_t>(ranges.size());
     for (const Taken &taken : taken_)
       if (space_.halves) append(taken, 1, data.middle, ranges);
     data.last = static_cast<int32_t>(ranges.size());
-    for (const Taken &taken : taken_) append(bare_of(taken.cell), data.last, ranges);
+    for (const Taken &taken : taken_) append(texelless_of(taken.cell), data.last, ranges);
     data.end = static_cast<int32_t>(ranges.size());
     return data;
   }
@@ -268,7 +268,7 @@ private:
     }
   }
 
-  ivec2 bare_of(int32_t cell) const { return {space_.bare.begin[cell], space_.bare.begin[cell + 1]}; }
+  ivec2 texelless_of(int32_t cell) const { return {space_.texelless.begin[cell], space_.texelless.begin[cell + 1]}; }
 
   float distance(size_t place) const { return distance_[place / lane_count][place % lane_count]; }
 

@@ -69,7 +69,7 @@ public:
   Cells build() {
     label_texels();
     link_along_edges();
-    attach_bare_triangles();
+    attach_texelless_triangles();
     checkpoint();
     list_links();
     checkpoint();
@@ -368,15 +368,15 @@ private:
 
   // Triangles without a texel near belong to the cell from which the surface leads to them first; where such ways from two cells
   // meet, the cells are linked, and so are texels that carry only an edge of such a triangle.
-  void attach_bare_triangles() {
+  void attach_texelless_triangles() {
     std::vector<int64_t> texel = carriers();
-    std::vector<uint8_t> bare(texel.size(), 0);
-    for (size_t t = 0; t < bare.size(); ++t) bare[t] = texel[t] < 0 && half_edges_.corner_point[3 * t] >= 0;
+    std::vector<uint8_t> texelless(texel.size(), 0);
+    for (size_t t = 0; t < texelless.size(); ++t) texelless[t] = texel[t] < 0 && half_edges_.corner_point[3 * t] >= 0;
     link_over_uncarried_edges(texel);
     std::queue<int32_t> queue;
-    for (int32_t h = 0; h < 3 * triangles_.triangle_count; ++h) { // only what lies beside a bare one leads anywhere
+    for (int32_t h = 0; h < 3 * triangles_.triangle_count; ++h) { // only what lies beside a texelless one leads anywhere
       const int32_t twin = half_edges_.twin[h];
-      if (texel[h / 3] < 0 || twin < 0 || !bare[twin / 3]) continue;
+      if (texel[h / 3] < 0 || twin < 0 || !texelless[twin / 3]) continue;
       if (queue.empty() || queue.back() != h / 3) queue.push(h / 3);
     }
     Pairs pairs;
@@ -392,12 +392,12 @@ private:
           for (size_t k = 0; k < 3; ++k) link(first_along(3 * static_cast<size_t>(twin / 3) + k), other, crossings_);
           pairs.push_back(pair_of(cell_of(other), twin / 3));
           queue.push(twin / 3);
-        } else if (bare[t] || bare[twin / 3]) {
+        } else if (texelless[t] || texelless[twin / 3]) {
           link(texel[t], other, crossings_);
         }
       }
     }
-    to_lists(pairs, cells_.count, cells_.bare_begin, cells_.bare);
+    to_lists(pairs, cells_.count, cells_.texelless_begin, cells_.texelless);
     cells_.triangle_cell.reserve(texel.size());
     for (const int64_t one : texel) cells_.triangle_cell.push_back(cell_of(one));
   }

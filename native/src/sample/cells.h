@@ -27,8 +27,8 @@ struct Cells {
   std::vector<int32_t> link_texel;     // where the surface goes over from cell to cell
   std::vector<int32_t> boundary_begin; // (count + 1) into boundary
   std::vector<int32_t> boundary;       // half-edges on the mesh's boundary that a cell touches
-  std::vector<int32_t> bare_begin;     // (count + 1) into bare
-  std::vector<int32_t> bare;           // triangles that no texel carries, at the cell from which the surface leads to them
+  std::vector<int32_t> texelless_begin; // (count + 1) into texelless
+  std::vector<int32_t> texelless;       // triangles that no texel carries, at the cell from which the surface leads to them
   std::vector<int32_t>
       triangle_cell; // (triangle_count) where the surface there is carried, or from where it leads there; -1: nowhere
   std::vector<int32_t> wedge_cell; // (wedges)

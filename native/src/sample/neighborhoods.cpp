@@ -14,13 +14,13 @@
 namespace paradesc {
 
 // Divided until pieces are small against the radius: the middle of each is a sample.
-BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
-                                  const BufferFrame &frame, float radius, const MappedSurface *mapped) {
-  BareSamples samples;
+TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
+                                            const BufferFrame &frame, float radius, const MappedSurface *mapped) {
+  TexellessSamples samples;
   samples.begin.push_back(0);
-  for (size_t cell = 0; cell + 1 < cells.bare_begin.size(); ++cell) {
-    for (int32_t k = cells.bare_begin[cell]; k < cells.bare_begin[cell + 1]; ++k) {
-      const auto corner = 3 * static_cast<size_t>(cells.bare[k]);
+  for (size_t cell = 0; cell + 1 < cells.texelless_begin.size(); ++cell) {
+    for (int32_t k = cells.texelless_begin[cell]; k < cells.texelless_begin[cell + 1]; ++k) {
+      const auto corner = 3 * static_cast<size_t>(cells.texelless[k]);
       vec3 p[3];
       for (size_t i = 0; i < 3; ++i) p[i] = frame.to_buffer(triangles.positions[triangles.corner_vertex[corner + i]]);
       const float longest = std::max({length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])});
@@ -83,12 +83,12 @@ static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec
   return bounds;
 }
 
-// Cells that hold samples of bare triangles reach around these too, and face their way.
-static std::vector<CellData> with_bare_samples(const SearchSpace &space) {
+// Cells that hold samples of texelless triangles reach around these too, and face their way.
+static std::vector<CellData> with_texelless_samples(const SearchSpace &space) {
   std::vector<CellData> cells(space.measured.begin(), space.measured.end());
-  for (size_t cell = 0; cell + 1 < space.bare.begin.size(); ++cell)
-    for (int32_t k = space.bare.begin[cell]; k < space.bare.begin[cell + 1]; ++k) {
-      const BareSample &sample = space.bare.samples[static_cast<size_t>(k)];
+  for (size_t cell = 0; cell + 1 < space.texelless.begin.size(); ++cell)
+    for (int32_t k = space.texelless.begin[cell]; k < space.texelless.begin[cell + 1]; ++k) {
+      const TexellessSample &sample = space.texelless.samples[static_cast<size_t>(k)];
       CellData &data = cells[cell];
       if (data.sphere.w < 0.0f) {
         data.sphere = vec4(sample.position, 0.0f);
@@ -330,8 +330,9 @@ static void search_alone(Passes &passes, std::span<const int32_t> left, Neighbor
 
 Neighborhoods find_neighborhoods(const SearchSpace &space, const std::vector<SearchCenter> &centers, float radius, int threads,
                                  size_t most) {
-  const std::vector<CellData> with_bare = space.bare.samples.empty() ? std::vector<CellData>() : with_bare_samples(space);
-  const std::span<const CellData> measured = with_bare.empty() ? space.measured : with_bare;
+  const std::vector<CellData> with_texelless =
+      space.texelless.samples.empty() ? std::vector<CellData>() : with_texelless_samples(space);
+  const std::span<const CellData> measured = with_texelless.empty() ? space.measured : with_texelless;
   const std::vector<CellLeaves> leaves = list_leaves(space, radius, threads);
   Passes passes{space, measured, leaves, centers, radius, threads, std::min<size_t>(most, std::numeric_limits<int32_t>::max())};
   Groups groups = group(space.cells, measured, centers, radius);

@@ -39,22 +39,22 @@ struct SearchCenter {
 };
 
 // Triangles that no texel carries count all the same, by samples of their own.
-struct BareSamples {
+struct TexellessSamples {
   std::vector<int32_t> begin; // (cells + 1)
-  std::vector<BareSample> samples;
+  std::vector<TexellessSample> samples;
   std::vector<vec2> weights;  // (samples) of the triangle's corners 1 and 2: where the sample lies
 };
 
 // mapped: the surface over the triangles where maps displace it, else NULL. radius in buffer units.
-BareSamples sample_bare_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
-                                  const BufferFrame &frame, float radius, const MappedSurface *mapped = nullptr);
+TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
+                                            const BufferFrame &frame, float radius, const MappedSurface *mapped = nullptr);
 
 // What the search reads of a frame.
 struct SearchSpace {
   const Cells &cells;
   const CellSamples &samples;
   std::span<const CellData> measured;
-  const BareSamples &bare;
+  const TexellessSamples &texelless;
   const Triangles &triangles;
   const BufferFrame &frame;
   std::function<const std::vector<vec3> &()> link_points; // (cells.link_texel) in buffer units, where they are asked for

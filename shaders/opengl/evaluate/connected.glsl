@@ -6,8 +6,8 @@ layout(binding = UNIT_RANGES) uniform isamplerBuffer ranges;
 #if LISTED
 layout(binding = UNIT_POINTS) uniform samplerBuffer points;
 #endif
-#if BARE
-layout(std430, binding = BINDING_BARE) readonly restrict buffer Bare { BareSample bare[]; };
+#if TEXELLESS
+layout(std430, binding = BINDING_TEXELLESS) readonly restrict buffer Texelless { TexellessSample texelless[]; };
 #endif
 
 // i: one of the list's samples, part: 0 where it is only looked at because its neighbors are.
@@ -44,8 +44,8 @@ void add_texels(inout Sums sums, int range, int end_range) {
   }
 }
 
-void add_bare_samples(inout Sums sums, int range, int end_range, float share) {
-#if BARE
+void add_texelless_samples(inout Sums sums, int range, int end_range, float share) {
+#if TEXELLESS
   int i = 0, end = 0;
   for (;;) {
     if (i == end) {
@@ -54,11 +54,11 @@ void add_bare_samples(inout Sums sums, int range, int end_range, float share) {
       i = next.x;
       end = next.y;
     }
-    BareSample one = bare[i];
+    TexellessSample one = texelless[i];
     vec3 offset = one.position - sums.center.position;
     if (is_reached(one.triangle))
       add_neighbor(sums, one.position, one.normal, face_of(one.triangle), share * one.area, dot(offset, offset) < one.area, -1.0,
-                   MAP_OF_BARE(i));
+                   MAP_OF_TEXELLESS(i));
     ++i;
   }
 #endif
@@ -71,7 +71,7 @@ void sample_neighborhood(inout Sums sums, CenterData data, int index, int part) 
   sums.moments.hits_boundary = neighborhood.hits_boundary;
   sums.moments.missing_area = neighborhood.missing_area;
   add_texels(sums, part == 0 ? neighborhood.first : neighborhood.middle, part == 0 ? neighborhood.middle : neighborhood.last);
-  add_bare_samples(sums, neighborhood.last, neighborhood.end, 0.5);
+  add_texelless_samples(sums, neighborhood.last, neighborhood.end, 0.5);
 }
 #else
 void sample_neighborhood(inout Sums sums, CenterData data, int index) {
@@ -79,6 +79,6 @@ void sample_neighborhood(inout Sums sums, CenterData data, int index) {
   sums.moments.hits_boundary = neighborhood.hits_boundary;
   sums.moments.missing_area = neighborhood.missing_area;
   add_texels(sums, neighborhood.first, neighborhood.last);
-  add_bare_samples(sums, neighborhood.last, neighborhood.end, 1.0);
+  add_texelless_samples(sums, neighborhood.last, neighborhood.end, 1.0);
 }
 #endif

@@ -25,10 +25,10 @@ bool is_reached(int triangle) { return true; }
 #if MAP
 layout(binding = UNIT_MAP) uniform sampler2D maps;
 layout(std430, binding = BINDING_MAP_CENTERS) readonly restrict buffer MapCenters { vec4 map_centers[]; };
-layout(std430, binding = BINDING_MAP_BARE) readonly restrict buffer MapBare { vec4 map_bare[]; };
-#define MAP_OF_BARE(i) map_bare[i]
+layout(std430, binding = BINDING_MAP_TEXELLESS) readonly restrict buffer MapTexelless { vec4 map_texelless[]; };
+#define MAP_OF_TEXELLESS(i) map_texelless[i]
 #else
-#define MAP_OF_BARE(i) vec4(0.0)
+#define MAP_OF_TEXELLESS(i) vec4(0.0)
 #endif
 #if FACES
 layout(binding = UNIT_FACES) uniform sampler2D faces;

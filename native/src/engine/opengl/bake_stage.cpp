@@ -14,13 +14,13 @@ void TextureSpace::step(const Work &work) {
   gl_->run(work);
 }
 
-static int count_bare_triangles(const Charts &charts, const std::vector<int32_t> &ids) {
+static int count_texelless_triangles(const Charts &charts, const std::vector<int32_t> &ids) {
   std::vector<uint8_t> seen(charts.triangle_chart.size(), 0);
   for (size_t i = 0; i < ids.size(); i += 2)
     if (ids[i] >= 0 && ids[i + 1] >= 0) seen[ids[i + 1]] = 1;
-  int bare = 0;
-  for (size_t i = 0; i < seen.size(); ++i) bare += charts.triangle_chart[i] >= 0 && !seen[i];
-  return bare;
+  int texelless = 0;
+  for (size_t i = 0; i < seen.size(); ++i) texelless += charts.triangle_chart[i] >= 0 && !seen[i];
+  return texelless;
 }
 
 void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
@@ -50,7 +50,9 @@ void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
       });
     step([&](const Gl &, ProgramCache &programs) { device_->buffer->draw_borders(programs); });
     step([&](const Gl &, ProgramCache &programs) { layout.counts = device_->buffer->end_layout(programs); });
-    step([&](const Gl &, ProgramCache &) { layout.bare_triangles = count_bare_triangles(charts, device_->buffer->read_ids()); });
+    step([&](const Gl &, ProgramCache &) {
+      layout.texelless_triangles = count_texelless_triangles(charts, device_->buffer->read_ids());
+    });
     return layout;
   });
 }

@@ -42,21 +42,21 @@ EvaluateSettings TextureSpace::settings_of(const Job &job, const Frame &frame) {
 }
 
 // The map goes where samples find it: texels, centers, and triangles without texels.
-void TextureSpace::bake_map(const Job &job, const Centers &centers, const BareSamples &bare, const MapValues &values) {
+void TextureSpace::bake_map(const Job &job, const Centers &centers, const TexellessSamples &texelless, const MapValues &values) {
   const HalfEdges &half_edges = job.surface.half_edges;
-  std::vector<vec4> at_centers, at_bare;
+  std::vector<vec4> at_centers, at_texelless;
   for (const int32_t point : centers.points) at_centers.push_back(values[point]);
-  for (size_t i = 0; i < bare.weights.size(); ++i) {
-    const int32_t triangle = bare.samples[i].triangle;
+  for (size_t i = 0; i < texelless.weights.size(); ++i) {
+    const int32_t triangle = texelless.samples[i].triangle;
     auto corner = [&](int k) { return values[half_edges.corner_point[3 * triangle + k]]; };
-    const vec2 weights = bare.weights[i];
-    at_bare.push_back(corner(0) * (1.0f - weights.x - weights.y) + corner(1) * weights.x + corner(2) * weights.y);
+    const vec2 weights = texelless.weights[i];
+    at_texelless.push_back(corner(0) * (1.0f - weights.x - weights.y) + corner(1) * weights.x + corner(2) * weights.y);
   }
   gl_->run([&](const Gl &gl, ProgramCache &programs) {
     if (!device_->map || device_->map->size() != device_->buffer->size())
       device_->map = std::make_unique<MapBuffer>(gl, device_->buffer->size());
     device_->map->bake(programs, *device_->buffer, {half_edges, vertices_.value(), values});
-    device_->evaluator.set_map(gl, at_centers, at_bare);
+    device_->evaluator.set_map(gl, at_centers, at_texelless);
   });
 }
 

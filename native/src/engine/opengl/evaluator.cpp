@@ -33,9 +33,9 @@ void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const st
   seams_.upload(gl, seams);
 }
 
-void Evaluator::set_neighborhoods(const Gl &gl, const Neighborhoods &neighborhoods, const BareSamples &bare) {
-  bare_.upload(gl, bare.samples, GL_STREAM_DRAW);
-  has_bare_ = !bare.samples.empty();
+void Evaluator::set_neighborhoods(const Gl &gl, const Neighborhoods &neighborhoods, const TexellessSamples &texelless) {
+  texelless_.upload(gl, texelless.samples, GL_STREAM_DRAW);
+  has_texelless_ = !texelless.samples.empty();
   neighborhoods_.upload(gl, neighborhoods.center, GL_STREAM_DRAW);
   ranges_.upload(gl, neighborhoods.range, GL_STREAM_DRAW);
   check_gl(gl, "neighborhood upload");
@@ -56,9 +56,9 @@ void Evaluator::set_reach(const Gl &gl, std::span<const int32_t> centers, const 
   check_gl(gl, "reach upload");
 }
 
-void Evaluator::set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &bare) {
+void Evaluator::set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &texelless) {
   map_centers_.upload(gl, centers, GL_STREAM_DRAW);
-  map_bare_.upload(gl, bare, GL_STREAM_DRAW);
+  map_texelless_.upload(gl, texelless, GL_STREAM_DRAW);
   check_gl(gl, "map upload");
 }
 
@@ -81,7 +81,7 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
 }
 
 // These choices are made while compiling: one that is not taken costs nothing.
-static std::string variant_of(const EvaluateSettings &settings, const GeometryBuffer &buffer, bool bare, bool listed) {
+static std::string variant_of(const EvaluateSettings &settings, const GeometryBuffer &buffer, bool texelless, bool listed) {
   auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) +
          define("PAPER", settings.relocation == PDESC_RELOCATION_PAPER) +
@@ -90,7 +90,7 @@ static std::string variant_of(const EvaluateSettings &settings, const GeometryBu
          define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
          define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) + define("FACES", settings.faces()) +
-         define("BARE", bare) + define("LISTED", listed) + buffer.variant();
+         define("TEXELLESS", texelless) + define("LISTED", listed) + buffer.variant();
 }
 
 // Binds what samples read that march.
@@ -173,7 +173,7 @@ void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
     bind_march(gl);
   } else {
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEIGHBORHOODS, neighborhoods_.id());
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_BARE, bare_.id());
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_TEXELLESS, texelless_.id());
     gl.BindTextureUnit(UNIT_RANGES, ranges_.id());
     settings.cells->bind(gl);
     if (settings.points) gl.BindTextureUnit(UNIT_POINTS, settings.points->id());
@@ -181,7 +181,7 @@ void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
   if (settings.map) {
     settings.map->bind();
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_CENTERS, map_centers_.id());
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_BARE, map_bare_.id());
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_TEXELLESS, map_texelless_.id());
   }
   if (settings.faces()) gl.BindTextureUnit(UNIT_FACES, faces_.id());
   if (settings.exact) gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_REACH, reach_.id());
@@ -194,7 +194,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   params_.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, params_.id());
   if (marches && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
-  const std::string variant = variant_of(settings, buffer, has_bare_, settings.points != nullptr);
+  const std::string variant = variant_of(settings, buffer, has_texelless_, settings.points != nullptr);
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
   const bool integral = settings.estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR;

@@ -68,9 +68,9 @@ public:
   void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
   // (triangle_count) unit normals, for settings that ask for faces.
   void set_faces(const Gl &gl, const std::vector<vec4> &normals);
-  void set_neighborhoods(const Gl &gl, const Neighborhoods &neighborhoods, const BareSamples &bare);
-  // The map where it is not read from texels: at the centers, and at the samples of BareSamples.
-  void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &bare);
+  void set_neighborhoods(const Gl &gl, const Neighborhoods &neighborhoods, const TexellessSamples &texelless);
+  // The map where it is not read from texels: at the centers, and at the samples of TexellessSamples.
+  void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &texelless);
   void set_reach(const Gl &gl, std::span<const int32_t> centers, const Reach &reach);
   // Computes centers [first, last), or those of set_reach where settings say exact; returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
@@ -88,10 +88,10 @@ private:
   Texture border_;
   ListTexture border_list_, border_uv_, links_, faces_;
   BufferTexture ranges_;
-  Buffer params_, centers_, pattern_, neighborhoods_, bare_, reach_, results_, seams_, visits_, stretches_, progress_,
-      map_centers_, map_bare_;
+  Buffer params_, centers_, pattern_, neighborhoods_, texelless_, reach_, results_, seams_, visits_, stretches_, progress_,
+      map_centers_, map_texelless_;
   size_t progress_bytes_ = 0;
-  bool has_bare_ = false;
+  bool has_texelless_ = false;
   int count_ = 0, reach_count_ = 0;
 };
 

@@ -77,21 +77,21 @@ void TextureSpace::list_samples_for(const Job &job, const Frame &frame, float ra
   set.samples_version = ++last_samples_version_;
 }
 
-// The neighborhoods of centers, before any sample is fetched. bare: the samples of triangles without texels.
+// The neighborhoods of centers, before any sample is fetched. texelless: the samples of triangles without texels.
 Neighborhoods TextureSpace::search(const Job &job, const Frame &frame, double radius, int samples,
-                                   const std::vector<SearchCenter> &centers, BareSamples &bare) {
+                                   const std::vector<SearchCenter> &centers, TexellessSamples &texelless) {
   const auto reach = static_cast<float>(radius * frame.space.scale);
   checkpoint();
   list_samples_for(job, frame, reach, samples);
   const CellSet &set = cells();
   const Surface &surface = job.surface;
   const MappedSurface displaced(surface.maps, surface.triangles, surface.normals, frame.space);
-  bare = sample_bare_triangles(set.cells, surface.triangles, surface.normals, frame.space, reach,
-                               frame.displaced ? &displaced : nullptr);
+  texelless = sample_texelless_triangles(set.cells, surface.triangles, surface.normals, frame.space, reach,
+                                         frame.displaced ? &displaced : nullptr);
   const SearchSpace space{set.cells,
                           set.samples,
                           measured_cells(frame),
-                          bare,
+                          texelless,
                           job.triangles(frame),
                           frame.space,
                           [&]() -> const std::vector<vec3> & { return link_points(frame); },
@@ -106,7 +106,7 @@ const BufferTexture *TextureSpace::listed_points(const Job &job, const Frame &fr
   return job.connected() && listed_points_.find(points_key(frame)) ? &device_->points : nullptr;
 }
 
-void TextureSpace::upload(const Neighborhoods &neighborhoods, const BareSamples &bare, const Frame &frame) {
+void TextureSpace::upload(const Neighborhoods &neighborhoods, const TexellessSamples &texelless, const Frame &frame) {
   // Listing a point costs a few fetches of it.
   constexpr size_t worth = 4;
   size_t fetches = 0;
@@ -122,7 +122,7 @@ void TextureSpace::upload(const Neighborhoods &neighborhoods, const BareSamples 
     if (listed) listed_points_.get(key, [] { return true; });
   }
   checkpoint();
-  gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_neighborhoods(gl, neighborhoods, bare); });
+  gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_neighborhoods(gl, neighborhoods, texelless); });
   checkpoint();
 }
 
@@ -137,7 +137,8 @@ static std::vector<int32_t> wedges_by_point(const Charts &charts, int point_coun
 }
 
 // Finds and uploads the neighborhoods of all centers, which this puts into another order.
-BareSamples TextureSpace::find_neighborhoods(const Job &job, const Frame &frame, double radius, int samples, Centers &centers) {
+TexellessSamples TextureSpace::find_neighborhoods(const Job &job, const Frame &frame, double radius, int samples,
+                                                  Centers &centers) {
   const HalfEdges &half_edges = job.surface.half_edges;
   std::vector<int32_t> begin;
   const std::vector<int32_t> wedges = wedges_by_point(job.charts(), half_edges.point_count, begin);
@@ -152,16 +153,16 @@ BareSamples TextureSpace::find_neighborhoods(const Job &job, const Frame &frame,
     starts.push_back({centers.data[i].position, from,
                       centers.wedges[i] < 0 ? cells().cells.triangle_cell[half_edges.point_half_edge[point] / 3] : -1});
   }
-  BareSamples bare;
-  Neighborhoods found = search(job, frame, radius, samples, starts, bare);
+  TexellessSamples texelless;
+  Neighborhoods found = search(job, frame, radius, samples, starts, texelless);
   checkpoint();
   // Invocations side by side then have much the same samples, and as many.
   centers.single_sheet = std::move(found.single_sheet);
   const std::vector<int32_t> order = std::move(found.order);
   centers.permute(order);
   found.permute(order);
-  upload(found, bare, frame);
-  return bare;
+  upload(found, texelless, frame);
+  return texelless;
 }
 
 } // namespace paradesc

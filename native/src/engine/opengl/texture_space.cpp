@@ -45,16 +45,16 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Centers centers, Co
   const double radius = job.request.radius;
   EvaluateSettings settings = settings_of(job, frame);
   std::pair<double, int> prepared{radius, 0}; // for which radius centers are there, and for how many samples neighborhoods
-  BareSamples bare;
+  TexellessSamples texelless;
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
     const double reach = reach_of(pass, options, radius);
     const int samples = pattern_samples(job, frame, samples_of(pass, options));
     const auto before = std::exchange(prepared, {reach, samples});
     if (before.first != reach) centers = this->centers(job, frame, reach);
-    if (job.connected() && before != prepared) bare = find_neighborhoods(job, frame, reach, samples, centers);
+    if (job.connected() && before != prepared) texelless = find_neighborhoods(job, frame, reach, samples, centers);
     settings.radius = static_cast<float>(reach * frame.space.scale);
     settings.samples = samples;
-    if (map) bake_map(job, centers, bare, *map);
+    if (map) bake_map(job, centers, texelless, *map);
     settings.map = map ? device_->map.get() : nullptr;
     settings.points = listed_points(job, frame);
     settings.descriptors = pass.rows;
@@ -114,9 +114,9 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
       std::vector<SearchCenter> from;
       for (size_t i = first; i < last; ++i) from.push_back({centers[i - first].position, {}, starts[i]});
       const double own_radius = static_cast<double>(settings.radius) / frame.space.scale;
-      BareSamples bare;
-      const Neighborhoods found = search(job, frame, own_radius, settings.samples, from, bare);
-      upload(found, bare, frame);
+      TexellessSamples texelless;
+      const Neighborhoods found = search(job, frame, own_radius, settings.samples, from, texelless);
+      upload(found, texelless, frame);
       settings.points = listed_points(job, frame);
     }
     const double share = 0.7 / static_cast<double>(count);
@@ -165,7 +165,7 @@ Computed TextureSpace::compute(const Surface &surface, const Request &request, c
   report.cut_charts = atlas.cut_charts;
   report.overlapping_texels = layout_.value().counts.overlapping;
   report.covered_texels = layout_.value().counts.covered;
-  report.bare_triangles = layout_.value().bare_triangles;
+  report.bare_triangles = layout_.value().texelless_triangles;
   report.buffer_megabytes = device_->buffer->megabytes();
   report.refined_share = computed.results.refined_share;
   report.seconds_evaluate = clock.lap();

@@ -63,7 +63,7 @@ struct PointsKey {
 
 struct BakedLayout {
   TexelCounts counts;
-  int bare_triangles = 0; // on charts, but without a texel
+  int texelless_triangles = 0; // on charts, but without a texel
 };
 
 // The cells of one block size: each radius has its own.
@@ -140,11 +140,11 @@ private:
   const std::vector<vec3> &link_points(const Frame &frame);
   void list_samples_for(const Job &job, const Frame &frame, float radius, int samples);
   Neighborhoods search(const Job &job, const Frame &frame, double radius, int samples, const std::vector<SearchCenter> &centers,
-                       BareSamples &bare);
+                       TexellessSamples &texelless);
   PointsKey points_key(const Frame &frame) { return {frame.key, cells().samples_version}; }
   const BufferTexture *listed_points(const Job &job, const Frame &frame);
-  void upload(const Neighborhoods &neighborhoods, const BareSamples &bare, const Frame &frame);
-  BareSamples find_neighborhoods(const Job &job, const Frame &frame, double radius, int samples, Centers &centers);
+  void upload(const Neighborhoods &neighborhoods, const TexellessSamples &texelless, const Frame &frame);
+  TexellessSamples find_neighborhoods(const Job &job, const Frame &frame, double radius, int samples, Centers &centers);
 
   // evaluate_stage.cpp
   EvaluateSettings settings_of(const Job &job, const Frame &frame);
@@ -158,7 +158,7 @@ private:
                          const Progress &progress);
   CenterResults evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
                                  const Centers &centers, const Progress &progress);
-  void bake_map(const Job &job, const Centers &centers, const BareSamples &bare, const MapValues &values);
+  void bake_map(const Job &job, const Centers &centers, const TexellessSamples &texelless, const MapValues &values);
 
   // texture_space.cpp
   void at_vertices(const Job &job, Frame &frame, Centers centers, Computed &computed);
