@@ -29,7 +29,7 @@
 #define UNIT_MAP 15     // buffer, RGBA32F: gradient of a map, its value
 #define UNIT_SAMPLES 16 // buffer texture, RG32I: texel (x + 65536 y); the bits of the area in (u, v) that it stands for, a float
 #define UNIT_RANGES 17  // buffer texture, RG32I: first and end in UNIT_SAMPLES, or of the samples of BINDING_TEXELLESS
-#define UNIT_POINTS 18  // buffer texture, RGBA32F, two a sample of UNIT_SAMPLES: position, area; normal, how far a texel reaches in space
+#define UNIT_POINTS 18  // buffer texture, RGBA32F, two a sample of UNIT_SAMPLES: position, area; normal, extent of a texel
 // Of the pass that displaces baked texels.
 #define UNIT_HEIGHTS 19  // image, R32F: displacement
 #define UNIT_COLORS 20   // image, RGBA32F: normal map
@@ -62,7 +62,7 @@
 #define BINDING_RESULTS 1
 #define BINDING_NEIGHBORHOODS 2 // the ranges of samples of each center's neighborhood
 #define BINDING_TEXELLESS 3         // samples of triangles that no texel carries
-#define BINDING_REACH 4        // of centers computed again: their numbers, where their triangles begin (one more), the triangles
+#define BINDING_CONNECTED 4        // of centers computed again: their numbers, where their triangles begin (one more), the triangles
 #define BINDING_MAP_CENTERS 5  // gradient and value of the map at each center
 #define BINDING_MAP_TEXELLESS 6     // the same at the samples of BINDING_TEXELLESS
 #define BINDING_EDGES 7        // chart-edge lines to rasterize
@@ -85,7 +85,7 @@
 // Where the second moments of a neighborhood deviate from a flat disk's by more than this part, its triangles are looked through.
 #define DISK_DEVIATION 0.1
 // Triangles that are looked through at most: 2^13, the rounds of the shader's search.
-#define MAX_REACH 8191
+#define MAX_CONNECTED_TRIANGLES 8191
 
 // Rows of the results that come before the descriptors'.
 #define ROW_COVERAGE 0
@@ -119,7 +119,7 @@ struct EvaluateParams {
   float map_radius;    // at which the map was computed
   float map_sigma;     // of Gaussian windows on it
   float harris_k;
-  int reach_count;     // centers in BINDING_REACH
+  int connected_count;     // centers in BINDING_CONNECTED
   // For samples that march.
   float enlargement;   // of the ellipse that they start in over the radius
   int max_jumps;

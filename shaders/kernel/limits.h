@@ -9,7 +9,7 @@
 #define LEAST_TURN 0.015
 
 // Gaussian windows end at this many sigma.
-#define WINDOW_REACH 2.0
+#define WINDOW_RADIUS 2.0
 
 // The narrower window of a difference of Gaussians has sigma over this.
 #define GAUSSIANS_RATIO 1.6

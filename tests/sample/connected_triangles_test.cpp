@@ -49,14 +49,14 @@ struct Hairpin {
   int32_t point_at(int row) const { return half_edges.vertex_point[static_cast<size_t>(2 * row)]; }
   std::vector<int32_t> reached(int row, double radius, size_t limit = 1000) const {
     const std::vector<int32_t> points{point_at(row)};
-    const Reach reach = ReachSearch(triangles, half_edges, radius, limit, 1).run(points);
-    EXPECT_EQ(reach.begin, (std::vector<int32_t>{0, static_cast<int32_t>(reach.triangle.size())}));
-    return reach.triangle;
+    const ConnectedTriangles connected = ConnectedTriangleSearch(triangles, half_edges, radius, limit, 1).run(points);
+    EXPECT_EQ(connected.begin, (std::vector<int32_t>{0, static_cast<int32_t>(connected.triangle.size())}));
+    return connected.triangle;
   }
 };
 
 // The other leg is nearer than the radius all along, but the way to it leads around the end.
-TEST(Reach, other_leg_of_a_hairpin_is_not_reached_far_from_its_end) {
+TEST(ConnectedTriangles, other_leg_of_a_hairpin_is_not_reached_far_from_its_end) {
   const Hairpin hairpin;
   const std::vector<int32_t> found = hairpin.reached(10, 3.0);
   ASSERT_FALSE(found.empty());
@@ -69,7 +69,7 @@ TEST(Reach, other_leg_of_a_hairpin_is_not_reached_far_from_its_end) {
   EXPECT_LE(found.back(), 2 * 13 + 1);
 }
 
-TEST(Reach, other_leg_is_reached_around_the_end) {
+TEST(ConnectedTriangles, other_leg_is_reached_around_the_end) {
   const Hairpin hairpin;
   const std::vector<int32_t> found = hairpin.reached(Hairpin::length - 1, 3.0);
   EXPECT_TRUE(std::binary_search(found.begin(), found.end(), 2 * Hairpin::length)); // across
@@ -77,16 +77,16 @@ TEST(Reach, other_leg_is_reached_around_the_end) {
 }
 
 // Of the leg within the ball: a disk's middle strip, 2 sqrt(r^2 - y^2) integrated over y in [0, 1].
-TEST(Reach, area_is_that_of_the_triangles_within_the_ball) {
+TEST(ConnectedTriangles, area_is_that_of_the_triangles_within_the_ball) {
   const Hairpin hairpin;
   const std::vector<int32_t> points{hairpin.point_at(10)};
   const double r = 3.0;
-  const Reach reach = ReachSearch(hairpin.triangles, hairpin.half_edges, r, 1000, 1).run(points);
-  EXPECT_NEAR(reach.area[0], std::sqrt(r * r - 1) + r * r * std::asin(1 / r), 0.03 * 2 * r); // "to a few per cent"
+  const ConnectedTriangles connected = ConnectedTriangleSearch(hairpin.triangles, hairpin.half_edges, r, 1000, 1).run(points);
+  EXPECT_NEAR(connected.area[0], std::sqrt(r * r - 1) + r * r * std::asin(1 / r), 0.03 * 2 * r); // "to a few per cent"
 }
 
 // A point before a long edge whose ends lie far outside of the ball; behind it another triangle, and behind that one a third.
-TEST(Reach, an_edge_that_passes_through_the_ball_is_crossed) {
+TEST(ConnectedTriangles, an_edge_that_passes_through_the_ball_is_crossed) {
   const std::vector<float> positions{0, 0, 0, -5, 0.5f, 0, 5, 0.5f, 0, 0, 6, 0, 9, 6, 0};
   const std::vector<int32_t> corners{0, 2, 1, 1, 2, 3, 3, 2, 4}, triangle_corners{0, 1, 2, 3, 4, 5, 6, 7, 8};
   pdesc_mesh_input input;
@@ -100,24 +100,24 @@ TEST(Reach, an_edge_that_passes_through_the_ball_is_crossed) {
   const Triangles triangles = read_triangles(input);
   const HalfEdges half_edges = build_half_edges(triangles);
   const std::vector<int32_t> points{half_edges.vertex_point[0]};
-  EXPECT_EQ(ReachSearch(triangles, half_edges, 1.0, 100, 1).run(points).triangle, (std::vector<int32_t>{0, 1}));
+  EXPECT_EQ(ConnectedTriangleSearch(triangles, half_edges, 1.0, 100, 1).run(points).triangle, (std::vector<int32_t>{0, 1}));
 }
 
-TEST(Reach, triangles_are_sorted_and_come_once) {
+TEST(ConnectedTriangles, triangles_are_sorted_and_come_once) {
   const Hairpin hairpin;
   const std::vector<int32_t> found = hairpin.reached(Hairpin::length, 6.0);
   EXPECT_TRUE(std::is_sorted(found.begin(), found.end()));
   EXPECT_EQ(std::set<int32_t>(found.begin(), found.end()).size(), found.size());
 }
 
-TEST(Reach, more_triangles_than_the_limit_are_left_to_the_cells) {
+TEST(ConnectedTriangles, more_triangles_than_the_limit_are_left_to_the_cells) {
   const Hairpin hairpin;
   EXPECT_FALSE(hairpin.reached(10, 3.0, 30).empty());
   EXPECT_TRUE(hairpin.reached(10, 3.0, 5).empty());
 }
 
 // A point may come twice, in any order: its two places in the UV map.
-TEST(Reach, each_of_many_points_finds_what_it_finds_alone) {
+TEST(ConnectedTriangles, each_of_many_points_finds_what_it_finds_alone) {
   const Hairpin hairpin;
   std::vector<int32_t> points;
   std::vector<std::vector<int32_t>> alone;
@@ -127,26 +127,28 @@ TEST(Reach, each_of_many_points_finds_what_it_finds_alone) {
     alone.push_back(hairpin.reached(row, 2.5));
   }
   for (const int threads : {1, 2}) {
-    const Reach reach = ReachSearch(hairpin.triangles, hairpin.half_edges, 2.5, 1000, threads).run(points);
+    const ConnectedTriangles connected =
+        ConnectedTriangleSearch(hairpin.triangles, hairpin.half_edges, 2.5, 1000, threads).run(points);
     for (size_t i = 0; i < points.size(); ++i)
-      EXPECT_EQ(std::vector<int32_t>(reach.triangle.begin() + reach.begin[i], reach.triangle.begin() + reach.begin[i + 1]),
+      EXPECT_EQ(std::vector<int32_t>(connected.triangle.begin() + connected.begin[i],
+                                     connected.triangle.begin() + connected.begin[i + 1]),
                 alone[i]);
   }
 }
 
 // Points of both legs by turns: they lie near each other, so that their floods are shared, and the surface leads from the one to
 // the other outside of their balls, or near the end within.
-TEST(Reach, points_that_share_a_flood_find_what_they_find_alone) {
+TEST(ConnectedTriangles, points_that_share_a_flood_find_what_they_find_alone) {
   const Hairpin hairpin;
   const double radius = 3.0;
   std::vector<int32_t> points;
   for (int row = 0; row <= Hairpin::length; ++row)
     for (const int place : {row, 2 * Hairpin::length + 1 - row}) points.push_back(hairpin.point_at(place));
-  ReachSearch search(hairpin.triangles, hairpin.half_edges, radius, 1000, 2);
-  const Reach together = search.run(points);
+  ConnectedTriangleSearch search(hairpin.triangles, hairpin.half_edges, radius, 1000, 2);
+  const ConnectedTriangles together = search.run(points);
   std::vector<double> areas(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
-    const Reach alone = search.run({&points[i], 1});
+    const ConnectedTriangles alone = search.run({&points[i], 1});
     EXPECT_EQ(
         std::vector<int32_t>(together.triangle.begin() + together.begin[i], together.triangle.begin() + together.begin[i + 1]),
         alone.triangle)
@@ -155,23 +157,23 @@ TEST(Reach, points_that_share_a_flood_find_what_they_find_alone) {
     EXPECT_GT(alone.area[0], 0.0);
     areas[i] = i % 3 == 0 ? 2.0 * alone.area[0] : alone.area[0];
   }
-  const Reach unexpected = search.run(points, {areas, 0.01});
+  const ConnectedTriangles unexpected = search.run(points, {areas, 0.01});
   for (size_t i = 0; i < points.size(); ++i)
     EXPECT_EQ(unexpected.begin[i + 1] - unexpected.begin[i], i % 3 == 0 ? together.begin[i + 1] - together.begin[i] : 0) << i;
 }
 
 // The other leg reaches the limit sooner near the end than far from it.
-TEST(Reach, the_limit_is_that_of_each_point_that_shares_a_flood) {
+TEST(ConnectedTriangles, the_limit_is_that_of_each_point_that_shares_a_flood) {
   const Hairpin hairpin;
   std::vector<int32_t> points;
   for (int row = 0; row <= Hairpin::length; ++row) points.push_back(hairpin.point_at(row));
   const size_t limit = 26;
-  const Reach reach = ReachSearch(hairpin.triangles, hairpin.half_edges, 5.0, limit, 1).run(points);
+  const ConnectedTriangles connected = ConnectedTriangleSearch(hairpin.triangles, hairpin.half_edges, 5.0, limit, 1).run(points);
   size_t none = 0;
   for (int row = 0; row <= Hairpin::length; ++row) {
     const std::vector<int32_t> alone = hairpin.reached(row, 5.0, 1000);
     const auto i = static_cast<size_t>(row);
-    EXPECT_EQ(static_cast<size_t>(reach.begin[i + 1] - reach.begin[i]), alone.size() > limit ? 0 : alone.size()) << row;
+    EXPECT_EQ(static_cast<size_t>(connected.begin[i + 1] - connected.begin[i]), alone.size() > limit ? 0 : alone.size()) << row;
     none += alone.size() > limit;
   }
   EXPECT_GT(none, 0u);
@@ -180,7 +182,7 @@ TEST(Reach, the_limit_is_that_of_each_point_that_shares_a_flood) {
 
 // Triangles a twelfth of the radius wide, whose rims are summed by their corners: on a lattice that counts the vertices within a
 // circle.
-TEST(Reach, area_of_points_that_share_a_flood_over_small_triangles_is_that_of_their_disks) {
+TEST(ConnectedTriangles, area_of_points_that_share_a_flood_over_small_triangles_is_that_of_their_disks) {
   constexpr int side = 40; // squares
   const double radius = 12.0;
   std::vector<float> positions;
@@ -207,8 +209,8 @@ TEST(Reach, area_of_points_that_share_a_flood_over_small_triangles_is_that_of_th
   const HalfEdges half_edges = build_half_edges(triangles);
   std::vector<int32_t> points;
   for (int32_t x = 16; x <= 24; ++x) points.push_back(half_edges.vertex_point[static_cast<size_t>(20 * (side + 1) + x)]);
-  const Reach reach = ReachSearch(triangles, half_edges, radius, 8191, 1).run(points);
-  for (const double area : reach.area)
+  const ConnectedTriangles connected = ConnectedTriangleSearch(triangles, half_edges, radius, 8191, 1).run(points);
+  for (const double area : connected.area)
     EXPECT_NEAR(area, pi * radius * radius, 0.03 * pi * radius * radius); // "to a few per cent"
 }
 

@@ -31,7 +31,7 @@ struct Built {
     return PatchAreas(patches, half_edges, triangles, radius, threads).run(points);
   }
   std::vector<double> by_triangles(std::span<const int32_t> points, double radius) const {
-    return ReachSearch(triangles, half_edges, radius, 100000, 2).run(points).area;
+    return ConnectedTriangleSearch(triangles, half_edges, radius, 100000, 2).run(points).area;
   }
 };
 

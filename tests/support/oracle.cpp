@@ -63,7 +63,7 @@ Oracle ask_oracle(const TestMesh &mesh, double radius, const Settings &settings,
   for (const int32_t vertex : vertices)
     if (const int32_t point = half_edges.vertex_point[static_cast<size_t>(vertex)]; point >= 0) points.push_back(point);
   const bool of_map = std::ranges::any_of(descriptors, [](const std::string &name) { return map_degree_of(name) > 0; });
-  const double window = WINDOW_REACH * settings.map_sigma * radius;
+  const double window = WINDOW_RADIUS * settings.map_sigma * radius;
   const std::vector<int32_t> with_gradient = of_map ? needed_by(surface, points, window) : points;
   const std::vector<int32_t> with_value = of_map ? needed_by(surface, with_gradient, radius) : points;
   ReferenceSettings asked{radius, settings.estimator, settings.distance == PDESC_DISTANCE_GEODESIC};

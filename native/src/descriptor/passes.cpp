@@ -86,8 +86,8 @@ CenterResults run_passes(int point_count, std::span<const int> asked, int map_ro
   return results;
 }
 
-double reach_of(const Pass &pass, const pdesc_options &options, double radius) {
-  return pass.stage == Stage::windows ? WINDOW_REACH * options.map_sigma * radius : radius;
+double radius_of(const Pass &pass, const pdesc_options &options, double radius) {
+  return pass.stage == Stage::windows ? WINDOW_RADIUS * options.map_sigma * radius : radius;
 }
 
 int find_map(const char *name) {

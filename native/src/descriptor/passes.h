@@ -32,7 +32,7 @@ using RunPass = std::function<CenterResults(const Pass &pass, const MapValues *m
 CenterResults run_passes(int point_count, std::span<const int> asked, int map_row, const RunPass &run);
 
 // How far a pass looks around.
-double reach_of(const Pass &pass, const pdesc_options &options, double radius);
+double radius_of(const Pass &pass, const pdesc_options &options, double radius);
 
 // The row of the map's descriptor (NULL: sphere_volume_normalized). Throws Error(INVALID_ARGUMENT) where it cannot be a map.
 int find_map(const char *name);

@@ -37,9 +37,9 @@ bool parted_by_an_edge(const Outline &a, const Outline &b) {
   const double turn = cross(a.corner[1] - a.corner[0], a.corner[2] - a.corner[0]) < 0.0 ? -1.0 : 1.0;
   for (size_t i = 0; i < 3; ++i) {
     const dvec2 start = a.corner[i], edge = a.corner[(i + 1) % 3] - start;
-    double reach = 0.0; // of b towards the inside of a
-    for (const dvec2 corner : b.corner) reach = std::max(reach, turn * cross(edge, corner - start));
-    if (reach <= hair * length(edge)) return true;
+    double depth = 0.0; // of b towards the inside of a
+    for (const dvec2 corner : b.corner) depth = std::max(depth, turn * cross(edge, corner - start));
+    if (depth <= hair * length(edge)) return true;
   }
   return false;
 }

@@ -45,7 +45,7 @@ static double area_tolerance(int samples) {
 // vertices in a ball on: those that its rim cuts off by chance make 1 % of its area.
 static bool floods_are_long(const RecheckSpace &space, size_t points) {
   const double triangles = pi * space.radius * space.radius / (0.43 * space.mean_edge * space.mean_edge); // in a ball
-  return triangles > 600.0 && static_cast<double>(points) * std::min(triangles, static_cast<double>(MAX_REACH)) >
+  return triangles > 600.0 && static_cast<double>(points) * std::min(triangles, static_cast<double>(MAX_CONNECTED_TRIANGLES)) >
                                   16.0 * static_cast<double>(space.triangles.triangle_count);
 }
 
@@ -60,15 +60,15 @@ void recheck(AmbiguousCenters centers, const RecheckSpace &space, const Recheck 
   constexpr size_t batch = 2048;
   const double tolerance = area_tolerance(space.samples) * pi * space.radius * space.radius;
   if (floods_are_long(space, centers.points.size())) drop_by_patches(space, tolerance, centers);
-  ReachSearch search(space.triangles, space.half_edges, space.radius, MAX_REACH, space.threads);
+  ConnectedTriangleSearch search(space.triangles, space.half_edges, space.radius, MAX_CONNECTED_TRIANGLES, space.threads);
   for (size_t first = 0; first < centers.centers.size(); first += batch) {
     again.before_batch(static_cast<double>(first) / static_cast<double>(centers.centers.size()));
     AmbiguousCenters batched = centers.part(first, std::min(first + batch, centers.centers.size()));
-    Reach reach = search.run(batched.points, {batched.areas, tolerance});
-    Reach others{{0}, std::move(reach.triangle), {}};
+    ConnectedTriangles connected = search.run(batched.points, {batched.areas, tolerance});
+    ConnectedTriangles others{{0}, std::move(connected.triangle), {}};
     batched.filter([&](size_t i) {
-      if (reach.begin[i] == reach.begin[i + 1]) return false;
-      others.begin.push_back(reach.begin[i + 1]);
+      if (connected.begin[i] == connected.begin[i + 1]) return false;
+      others.begin.push_back(connected.begin[i + 1]);
       return true;
     });
     if (!batched.centers.empty()) again.compute(batched.centers, others);

@@ -1,5 +1,5 @@
-// Centers whose samples do not look like one sheet of surface → those that have to be computed again, on exactly the triangles
-// that are connected to them within the ball.
+// Ambiguous centers, whose samples do not look like one sheet of surface → those that have to be computed again, on exactly the
+// triangles that are connected to them within the ball.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ struct RecheckSpace {
 struct Recheck {
   std::function<void(double done)> before_batch; // part of the whole; may throw to cancel
   // Computes these centers again: center i on the triangles [begin[i], begin[i + 1]).
-  std::function<void(std::span<const int32_t> centers, const Reach &triangles)> compute;
+  std::function<void(std::span<const int32_t> centers, const ConnectedTriangles &triangles)> compute;
 };
 
 // Centers are handed on in batches, so that a computation can be cancelled between them and lists of triangles stay short.

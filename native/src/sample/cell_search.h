@@ -60,7 +60,7 @@ public:
 
   // All cells that lie in the ball of any center nearer than `beyond` to the middle, and others: nothing that is connected to the
   // cell within such a ball is missing.
-  void reach_from(int32_t cell, vec3 middle, float beyond) {
+  void flood_from(int32_t cell, vec3 middle, float beyond) {
     ++mark_;
     found_.clear();
     add(cell);

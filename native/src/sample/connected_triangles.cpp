@@ -45,8 +45,8 @@ static float part_in_ball(vec3 corner, vec3 first_side, vec3 second_side) {
   return static_cast<float>(inside) / static_cast<float>(pieces * pieces);
 }
 
-// Points are lanes: bits of what each vertex and each triangle is to them. In dense meshes neighboring points reach nearly the
-// same triangles, most of them in one step for all.
+// Each point is a lane: one bit of each vertex's and each triangle's state. In dense meshes neighboring points are connected to
+// nearly the same triangles, and the flood comes to most of these in one step for all points.
 class SharedFlood {
 public:
   SharedFlood(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit)
@@ -68,7 +68,7 @@ public:
       cross_edges(step.triangle, step.lanes & live_);
     }
     for (size_t lane = 0; lane < points.size(); ++lane) {
-      // What the seed reaches is what the point reaches where it reaches the point.
+      // Where the seed is connected to the point, both are connected to the same triangles.
       const bool joined = reached_[static_cast<size_t>(half_edges_.point_half_edge[points[lane]]) / 3] >> lane & 1;
       const double area = common_area_ + static_cast<double>(areas_[lane / width][lane % width]);
       const double unit = static_cast<double>(balls_.scale()) * static_cast<double>(balls_.scale());
@@ -219,28 +219,29 @@ private:
   BallLanes::BitsOfEach counts_;
 };
 
-ReachSearch::ReachSearch(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit, int threads)
+ConnectedTriangleSearch::ConnectedTriangleSearch(const Triangles &triangles, const HalfEdges &half_edges, double radius,
+                                                 size_t limit, int threads)
     : triangles_(triangles), half_edges_(half_edges), radius_(radius), limit_(limit), threads_(threads) {}
 
-ReachSearch::~ReachSearch() = default;
+ConnectedTriangleSearch::~ConnectedTriangleSearch() = default;
 
-Reach ReachSearch::run(std::span<const int32_t> points, const ExpectedAreas &expected) {
+ConnectedTriangles ConnectedTriangleSearch::run(std::span<const int32_t> points, const ExpectedAreas &expected) {
   constexpr size_t block = 8 * BallLanes::most;
   const size_t count = points.size();
   std::vector<std::vector<int32_t>> found((count + block - 1) / block);
   std::vector<size_t> first_of(count, 0); // in the list of the point's block
-  Reach reach;
-  reach.begin.assign(count + 1, 0);
-  reach.area.assign(count, 0.0);
+  ConnectedTriangles connected;
+  connected.begin.assign(count + 1, 0);
+  connected.area.assign(count, 0.0);
   const auto measure = [&](SharedFlood &flood, size_t first, size_t lanes, std::vector<int32_t> &list) {
-    flood.measure(points.subspan(first, lanes), std::span(reach.area).subspan(first, lanes));
+    flood.measure(points.subspan(first, lanes), std::span(connected.area).subspan(first, lanes));
     for (size_t lane = 0; lane < lanes; ++lane) {
       const size_t i = first + lane;
-      if (!(reach.area[i] > 0.0)) continue;
-      if (!expected.areas.empty() && std::abs(reach.area[i] - expected.areas[i]) < expected.tolerance) continue;
+      if (!(connected.area[i] > 0.0)) continue;
+      if (!expected.areas.empty() && std::abs(connected.area[i] - expected.areas[i]) < expected.tolerance) continue;
       first_of[i] = list.size();
       flood.list(lane, list);
-      reach.begin[i + 1] = static_cast<int32_t>(list.size() - first_of[i]);
+      connected.begin[i + 1] = static_cast<int32_t>(list.size() - first_of[i]);
     }
   };
   parallel_blocks(static_cast<int>(count), threads_, static_cast<int>(block), [&](int from, int to) {
@@ -253,17 +254,17 @@ Reach ReachSearch::run(std::span<const int32_t> points, const ExpectedAreas &exp
                          measure(flood, first, lanes, list);
                        }
                        for (size_t i = begin; i < end; ++i)
-                         if (reach.area[i] < 0.0) measure(flood, i, 1, list);
+                         if (connected.area[i] < 0.0) measure(flood, i, 1, list);
                      });
     found[begin / block] = std::move(list);
   });
-  std::partial_sum(reach.begin.begin(), reach.begin.end(), reach.begin.begin());
-  reach.triangle.reserve(static_cast<size_t>(reach.begin.back()));
+  std::partial_sum(connected.begin.begin(), connected.begin.end(), connected.begin.begin());
+  connected.triangle.reserve(static_cast<size_t>(connected.begin.back()));
   for (size_t i = 0; i < count; ++i) {
     const auto first = found[i / block].begin() + static_cast<ptrdiff_t>(first_of[i]);
-    reach.triangle.insert(reach.triangle.end(), first, first + (reach.begin[i + 1] - reach.begin[i]));
+    connected.triangle.insert(connected.triangle.end(), first, first + (connected.begin[i + 1] - connected.begin[i]));
   }
-  return reach;
+  return connected;
 }
 
 } // namespace paradesc

@@ -1,7 +1,7 @@
-// Points → the triangles that the surface reaches from each within the ball, exactly.
+// Points → the triangles that are connected to each within the ball, exactly.
 //
-// Cells tell what is connected to the size of a cell. Where a neighborhood holds more surface than a disk does, a neighboring
-// finger may have come in with a cell that holds both: there the samples are taken on these triangles only.
+// Cells resolve what is connected only to the size of a cell. Where a neighborhood holds more surface than a disk does, a
+// neighboring finger may have come in with a cell that holds both: there, samples are taken on these triangles only.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace paradesc {
 
-struct Reach {
+struct ConnectedTriangles {
   std::vector<int32_t> begin;    // (points + 1) into triangle
   std::vector<int32_t> triangle; // sorted, of each point; none: more than the limit, or the area that was expected
   std::vector<double> area;      // (points) of those triangles within the ball, to a few per cent; 0: more than the limit
@@ -30,12 +30,12 @@ struct ExpectedAreas {
 class SharedFlood;
 
 // What is kept from call to call belongs to one mesh and one radius, in units of the positions. limit: triangles of one point.
-class ReachSearch {
+class ConnectedTriangleSearch {
 public:
-  ReachSearch(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit, int threads);
-  ~ReachSearch();
+  ConnectedTriangleSearch(const Triangles &triangles, const HalfEdges &half_edges, double radius, size_t limit, int threads);
+  ~ConnectedTriangleSearch();
   // Points that lie near each other are best in a row: floods are shared.
-  Reach run(std::span<const int32_t> points, const ExpectedAreas &expected = {});
+  ConnectedTriangles run(std::span<const int32_t> points, const ExpectedAreas &expected = {});
 
 private:
   const Triangles &triangles_;

@@ -83,7 +83,7 @@ static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec
   return bounds;
 }
 
-// Cells that hold samples of texelless triangles reach around these too, and face their way.
+// The cells, with spheres and cones that enclose the samples of their texelless triangles as well.
 static std::vector<CellData> with_texelless_samples(const SearchSpace &space) {
   std::vector<CellData> cells(space.measured.begin(), space.measured.end());
   for (size_t cell = 0; cell + 1 < space.texelless.begin.size(); ++cell)
@@ -187,7 +187,7 @@ static void search_together(CellSearch &search, const std::vector<SearchCenter> 
   std::vector<int32_t> others;
   while (!members.empty()) {
     const Spread spread(centers, members);
-    search.reach_from(start[members[0]], spread.middle(), spread.radius());
+    search.flood_from(start[members[0]], spread.middle(), spread.radius());
     others.clear();
     for (const int32_t i : members) {
       if (!search.was_found(start[i])) {

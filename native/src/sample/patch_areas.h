@@ -1,5 +1,5 @@
 // Points → the area of the surface that is connected to each within the ball, by vertices: to a few per cent what floods over
-// triangles find (reach.h), for a fraction of the time where triangles are many and small.
+// triangles find (connected_triangles.h), for a fraction of the time where triangles are many and small.
 #pragma once
 
 #include <cstdint>

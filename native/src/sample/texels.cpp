@@ -55,12 +55,12 @@ static void draw_triangle(const Raster &raster, int32_t triangle, int32_t chart,
 // `owned`.
 static void draw_border(const Raster &raster, const Border &border, size_t owned, std::vector<TexelPlace> &found,
                         std::vector<double> &distance) {
-  constexpr double reach = 0.7072; // half a texel's diagonal
+  constexpr double half_diagonal = 0.7072; // of a texel
   const auto [first, second] = border_ends(raster.charts, border);
   const int32_t triangle = border.half_edge / 3;
   const dvec2 a = raster.uv(first), way = raster.uv(second) - a;
   const double square = std::max(dot(way, way), 1e-30);
-  const ivec2 rows = raster.range(std::min(0.0, way.y) + a.y - reach, std::max(0.0, way.y) + a.y + reach);
+  const ivec2 rows = raster.range(std::min(0.0, way.y) + a.y - half_diagonal, std::max(0.0, way.y) + a.y + half_diagonal);
   for (int y = rows.x; y <= rows.y; ++y) {
     // The part of the edge that this row's texels can be near to.
     double from = 0.0, to = 1.0;
@@ -69,14 +69,14 @@ static void draw_border(const Raster &raster, const Border &border, size_t owned
       from = std::clamp(std::min(low, high), 0.0, 1.0);
       to = std::clamp(std::max(low, high), 0.0, 1.0);
     }
-    const ivec2 columns =
-        raster.range(a.x + std::min(from * way.x, to * way.x) - reach, a.x + std::max(from * way.x, to * way.x) + reach);
+    const ivec2 columns = raster.range(a.x + std::min(from * way.x, to * way.x) - half_diagonal,
+                                       a.x + std::max(from * way.x, to * way.x) + half_diagonal);
     for (int x = columns.x; x <= columns.y; ++x) {
       const dvec2 center(x + 0.5, y + 0.5);
       const double t = std::clamp(dot(center - a, way) / square, 0.0, 1.0);
       const double gap = length(center - a - way * t);
       int32_t &entry = raster.map.place[raster.index(x, y)];
-      if (gap > reach || (entry >= 0 && static_cast<size_t>(entry) < owned)) continue;
+      if (gap > half_diagonal || (entry >= 0 && static_cast<size_t>(entry) < owned)) continue;
       if (entry >= 0 && distance[static_cast<size_t>(entry) - owned] <= gap) continue;
       vec3 weights(0.0f);
       weights[first % 3] = static_cast<float>(1.0 - t);
@@ -136,7 +136,7 @@ static vec4 layout_place(const TexelPlace &place, const Charts &charts, int size
 
 std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
                                       const Normals &normals, const BufferFrame &frame, const std::vector<vec4> &ellipses,
-                                      float reach, uint32_t seed, size_t first, size_t last) {
+                                      float ellipse_size, uint32_t seed, size_t first, size_t last) {
   std::vector<CenterData> centers;
   centers.reserve(last - first);
   for (size_t i = first; i < last; ++i) {
@@ -146,7 +146,7 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
     const vec3 normal = mix_corners<vec3>(place, [&](size_t c) { return normals.corner(c); });
     const float span = length(normal);
     const auto at_wedge = [&](size_t c) { return ellipses[charts.corner_wedge[c]]; };
-    const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(place, at_wedge) * reach;
+    const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(place, at_wedge) * ellipse_size;
     const auto corner = 3 * static_cast<size_t>(place.triangle);
     centers.push_back(
         {vec3((position - frame.center) * frame.scale), place.chart, span > 0.0f ? normal / span : normals.corner(corner),
@@ -217,7 +217,7 @@ private:
   }
 
   std::vector<Weighted> beside_border(const Wedge &wedge) const {
-    constexpr float reach = 2.0f;
+    constexpr float radius = 2.0f;
     const vec2 here = wedge.uv * static_cast<float>(map_.size);
     const ivec2 middle(glm::floor(here));
     std::vector<Weighted> found;
@@ -228,7 +228,7 @@ private:
         const int32_t place = at(x, y, wedge.chart);
         if (place < 0) continue;
         const vec2 offset = map_.places[place].uv * static_cast<float>(map_.size) - here;
-        const float nearness = 1.0f - dot(offset, offset) / (reach * reach);
+        const float nearness = 1.0f - dot(offset, offset) / (radius * radius);
         if (nearness < 1e-3f) continue;
         found.push_back({place, nearness * nearness, nearness * nearness});
         offsets.push_back(offset);
@@ -240,11 +240,11 @@ private:
   }
 
   void add_nearest(vec2 texel, int32_t chart, std::vector<Weighted> &found) const {
-    constexpr int reach = 4;
+    constexpr int radius = 4;
     float nearest = std::numeric_limits<float>::max();
     const ivec2 middle(glm::round(texel));
-    for (int y = middle.y - reach; y <= middle.y + reach; ++y)
-      for (int x = middle.x - reach; x <= middle.x + reach; ++x) {
+    for (int y = middle.y - radius; y <= middle.y + radius; ++y)
+      for (int x = middle.x - radius; x <= middle.x + radius; ++x) {
         const vec2 gap = vec2(x, y) - texel;
         const int32_t place = at(x, y, chart);
         if (place < 0 || dot(gap, gap) >= nearest) continue;

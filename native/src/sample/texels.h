@@ -40,7 +40,7 @@ TexelMap build_texel_map(const Charts &charts, int size);
 // empty where samples do not march.
 std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
                                       const Normals &normals, const BufferFrame &frame, const std::vector<vec4> &ellipses,
-                                      float reach, uint32_t seed, size_t first, size_t last);
+                                      float ellipse_size, uint32_t seed, size_t first, size_t last);
 
 // Where in the layout those centers are: for find_cells.
 std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Charts &charts, size_t first, size_t last);

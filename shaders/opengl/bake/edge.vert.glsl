@@ -7,8 +7,8 @@ layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
 
 flat out int edge;
 
-// Half a texel's diagonal: the center of a touched texel is at most that far from the edge.
-const float REACH = 0.7072;
+// In texels: the center of a touched texel is at most that far from the edge.
+const float HALF_DIAGONAL = 0.7072;
 
 void main() {
   edge = gl_VertexID / 6;
@@ -19,6 +19,6 @@ void main() {
   float span = length(along);
   along = span > 0.0 ? along / span : vec2(1.0, 0.0);
   vec2 across = vec2(-along.y, along.x);
-  vec2 place = (corner.x < 0.0 ? uv.xy - along * REACH : uv.zw + along * REACH) + across * corner.y * REACH;
+  vec2 place = (corner.x < 0.0 ? uv.xy - along * HALF_DIAGONAL : uv.zw + along * HALF_DIAGONAL) + across * corner.y * HALF_DIAGONAL;
   gl_Position = vec4(place / float(buffer_size) * 2.0 - 1.0, 0.0, 1.0);
 }

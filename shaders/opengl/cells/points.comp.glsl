@@ -16,5 +16,5 @@ void main() {
   vec3 normal;
   vec4 point = surface_at(ivec2(entry.x & 0xffff, entry.x >> 16), normal);
   points[2 * index] = vec4(point.xyz, point.w * intBitsToFloat(entry.y));
-  points[2 * index + 1] = vec4(normal, reach_of_texel(point.w));
+  points[2 * index + 1] = vec4(normal, extent_of_texel(point.w));
 }

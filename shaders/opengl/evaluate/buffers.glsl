@@ -7,8 +7,8 @@ layout(binding = UNIT_IDS) uniform isampler2D ids;
 layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
 layout(location = LOCATION_AREA_UNIT) uniform float area_unit;
 
-// In space, from its area element.
-float reach_of_texel(float area_element) { return sqrt(area_element) / float(buffer_size); }
+// The side of a texel in space, from its area element.
+float extent_of_texel(float area_element) { return sqrt(area_element) / float(buffer_size); }
 
 // Position and area element of a texel, and its normal.
 vec4 surface_at(ivec2 texel, out vec3 normal) {

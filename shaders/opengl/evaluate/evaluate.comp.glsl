@@ -10,17 +10,17 @@ layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
 layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { uint results[]; }; // bits of floats, which keep NaN
 #if EXACT
-layout(std430, binding = BINDING_REACH) readonly restrict buffer Reach { int reach[]; };
-ivec2 reach_range;
-// Whether the surface reaches the triangle from the center within the ball. No loop: its rounds would count with those of the samples.
-bool is_reached(int triangle) {
-  int low = reach_range.x, high = reach_range.y;
-#define HALVE { int middle = (low + high) / 2; bool below = low < high && reach[middle] < triangle; low = below ? middle + 1 : low; high = below ? high : middle; }
+layout(std430, binding = BINDING_CONNECTED) readonly restrict buffer Connected { int connected[]; };
+ivec2 connected_range;
+// Whether the triangle is connected to the center within the ball. No loop: its rounds would count with those of the samples.
+bool is_connected(int triangle) {
+  int low = connected_range.x, high = connected_range.y;
+#define HALVE { int middle = (low + high) / 2; bool below = low < high && connected[middle] < triangle; low = below ? middle + 1 : low; high = below ? high : middle; }
   HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE
-  return low < reach_range.y && reach[low] == triangle;
+  return low < connected_range.y && connected[low] == triangle;
 }
 #else
-bool is_reached(int triangle) { return true; }
+bool is_connected(int triangle) { return true; }
 #endif
 #if MAP
 layout(binding = UNIT_MAP) uniform sampler2D maps;
@@ -37,16 +37,16 @@ vec3 face_of(int triangle) { return texelFetch(faces, list_place(triangle), 0).x
 vec3 face_of(int triangle) { return vec3(0.0); }
 #endif
 
-// The point of one texel and what it stands for. reach: how far the texel reaches in space.
-void add_point(inout Sums sums, vec3 position, vec3 normal, float area, float reach, ivec2 texel, float geodesic) {
+// Adds the point of one texel. extent: the side of the texel in space.
+void add_point(inout Sums sums, vec3 position, vec3 normal, float area, float extent, ivec2 texel, float geodesic) {
 #if EXACT || FACES
   int triangle = texelFetch(ids, texel, 0).y;
   if (triangle < 0) triangle = -1 - triangle;
 #else
   const int triangle = -1;
 #endif
-  if (!is_reached(triangle)) return;
-  bool near = length(position - sums.center.position) < reach;
+  if (!is_connected(triangle)) return;
+  bool near = length(position - sums.center.position) < extent;
 #if MAP
   vec4 map = texelFetch(maps, texel, 0);
 #else
@@ -59,7 +59,7 @@ void add_point(inout Sums sums, vec3 position, vec3 normal, float area, float re
 void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
   vec3 normal;
   vec4 point = surface_at(texel, normal);
-  add_point(sums, point.xyz, normal, point.w * cell, reach_of_texel(point.w), texel, geodesic);
+  add_point(sums, point.xyz, normal, point.w * cell, extent_of_texel(point.w), texel, geodesic);
 }
 
 #if AFFINE || PAPER
@@ -128,8 +128,8 @@ void main() {
   int index = params.first + group * GROUP_SIZE + int(gl_LocalInvocationID.x);
   if (index >= params.last) return;
 #if EXACT
-  reach_range = ivec2(reach[params.reach_count + index], reach[params.reach_count + index + 1]);
-  index = reach[index];
+  connected_range = ivec2(connected[params.connected_count + index], connected[params.connected_count + index + 1]);
+  index = connected[index];
 #endif
   CenterData data = centers[index];
   Sums sums;

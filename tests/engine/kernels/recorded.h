@@ -69,9 +69,9 @@ inline EvaluateParams recorded_params() {
 inline Recorded record(const std::string &name, float a, float b, float c, int count) {
   Recorded recorded{.name = name, .places = {}};
   recorded.value = 0.3f;
-  const double reach = 1.25 * 0.1, share = std::numbers::pi * reach * reach / std::max(count, 1);
+  const double outer = 1.25 * 0.1, share = std::numbers::pi * outer * outer / std::max(count, 1);
   for (int i = 0; i < count; ++i) {
-    const double away = reach * std::sqrt((i + 0.5) / count), angle = 2.399963 * i;
+    const double away = outer * std::sqrt((i + 0.5) / count), angle = 2.399963 * i;
     const auto x = static_cast<float>(away * std::cos(angle)), y = static_cast<float>(away * std::sin(angle));
     const vec3 steep(-(a * x + c * y), -(b * y + c * x), 1.0f);
     const vec3 turned = steep + vec3(0.01f * std::sin(40.0f * x), 0.01f * std::cos(30.0f * y), 0.0f);

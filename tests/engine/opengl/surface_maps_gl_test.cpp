@@ -22,14 +22,14 @@ struct OnSide {
 
 // Nearest first; line: only on sides that are chart edges.
 std::vector<OnSide> places_on_sides(const Built &built, int triangle, bool line, const dvec2 (&corner)[3]) {
-  constexpr double reach = 0.7072; // edge.vert.glsl
+  constexpr double half_diagonal = 0.7072; // edge.vert.glsl
   std::vector<OnSide> places;
   for (int i = 0; i < 3; ++i) {
     if (line && built.charts.half_edge_border[at(3 * triangle + i)] < 0) continue;
     const dvec2 from = corner[i] * static_cast<double>(size), way = corner[(i + 1) % 3] * static_cast<double>(size) - from;
     const double along = -dot(from, way) / dot(way, way), t = std::clamp(along, 0.0, 1.0), span = glm::length(way);
     const double across = std::abs(paradesc::cross(from, way)) / span;
-    OnSide place{dvec3(0.0), glm::length(from + way * t), std::max({across, -along * span, (along - 1) * span}) - reach};
+    OnSide place{dvec3(0.0), glm::length(from + way * t), std::max({across, -along * span, (along - 1) * span}) - half_diagonal};
     place.part[i] = 1 - t;
     place.part[(i + 1) % 3] = t;
     places.push_back(place);

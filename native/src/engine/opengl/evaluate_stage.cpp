@@ -154,8 +154,8 @@ void TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, 
   double from = 0.8;
   recheck(std::move(ambiguous), space,
           {[&](double done) { check_cancel(progress, "evaluate", from = 0.8 + 0.2 * done); },
-           [&](std::span<const int32_t> again, const Reach &triangles) {
-             gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_reach(gl, again, triangles); });
+           [&](std::span<const int32_t> again, const ConnectedTriangles &triangles) {
+             gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_connected_triangles(gl, again, triangles); });
              evaluate_tiles(job, settings, static_cast<int>(again.size()), progress, from, from);
            }});
 }

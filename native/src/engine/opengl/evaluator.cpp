@@ -46,14 +46,14 @@ void Evaluator::set_faces(const Gl &gl, const std::vector<vec4> &normals) {
   check_gl(gl, "face upload");
 }
 
-void Evaluator::set_reach(const Gl &gl, std::span<const int32_t> centers, const Reach &reach) {
+void Evaluator::set_connected_triangles(const Gl &gl, std::span<const int32_t> centers, const ConnectedTriangles &connected) {
   std::vector<int32_t> all(centers.begin(), centers.end());
-  reach_count_ = static_cast<int>(all.size());
-  const auto offset = static_cast<int32_t>(centers.size() + reach.begin.size());
-  for (const int32_t begin : reach.begin) all.push_back(begin + offset);
-  all.insert(all.end(), reach.triangle.begin(), reach.triangle.end());
-  reach_.upload(gl, all, GL_STREAM_DRAW);
-  check_gl(gl, "reach upload");
+  connected_count_ = static_cast<int>(all.size());
+  const auto offset = static_cast<int32_t>(centers.size() + connected.begin.size());
+  for (const int32_t begin : connected.begin) all.push_back(begin + offset);
+  all.insert(all.end(), connected.triangle.begin(), connected.triangle.end());
+  connected_.upload(gl, all, GL_STREAM_DRAW);
+  check_gl(gl, "connected triangles upload");
 }
 
 void Evaluator::set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &texelless) {
@@ -157,7 +157,7 @@ EvaluateParams Evaluator::params_of(const EvaluateSettings &settings, int first,
           .map_radius = settings.map_radius,
           .map_sigma = settings.map_sigma,
           .harris_k = settings.harris_k,
-          .reach_count = reach_count_,
+          .connected_count = connected_count_,
           .enlargement = settings.enlargement,
           .max_jumps = settings.max_jumps,
           .begin_sample = 0,
@@ -184,7 +184,7 @@ void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_TEXELLESS, map_texelless_.id());
   }
   if (settings.faces()) gl.BindTextureUnit(UNIT_FACES, faces_.id());
-  if (settings.exact) gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_REACH, reach_.id());
+  if (settings.exact) gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CONNECTED, connected_.id());
 }
 
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,

@@ -36,7 +36,7 @@ struct EvaluateSettings {
   bool geodesic_ball;                    // the neighborhood ends where the distance along the surface exceeds the radius
   float adaptive;                        // 0: all samples everywhere
   bool mapped = false;                   // the surface is displaced: its faces are not the mesh's
-  bool exact = false;                    // the centers of set_reach again, on the triangles they reach
+  bool exact = false;                    // only the centers of set_connected_triangles, on their triangles
   const CellBuffers *cells = nullptr;    // what samples of the connected relocation read
   const BufferTexture *points = nullptr; // the points of these samples, if they are listed
   const MapBuffer *map = nullptr;        // what operators read
@@ -71,8 +71,9 @@ public:
   void set_neighborhoods(const Gl &gl, const Neighborhoods &neighborhoods, const TexellessSamples &texelless);
   // The map where it is not read from texels: at the centers, and at the samples of TexellessSamples.
   void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &texelless);
-  void set_reach(const Gl &gl, std::span<const int32_t> centers, const Reach &reach);
-  // Computes centers [first, last), or those of set_reach where settings say exact; returns when the device has finished.
+  void set_connected_triangles(const Gl &gl, std::span<const int32_t> centers, const ConnectedTriangles &connected);
+  // Computes centers [first, last), or those of set_connected_triangles where settings say exact; returns when the device has
+  // finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
            int last);
   // (ROW_DESCRIPTORS + value_rows, centers), in buffer units.
@@ -88,11 +89,11 @@ private:
   Texture border_;
   ListTexture border_list_, border_uv_, links_, faces_;
   BufferTexture ranges_;
-  Buffer params_, centers_, pattern_, neighborhoods_, texelless_, reach_, results_, seams_, visits_, stretches_, progress_,
+  Buffer params_, centers_, pattern_, neighborhoods_, texelless_, connected_, results_, seams_, visits_, stretches_, progress_,
       map_centers_, map_texelless_;
   size_t progress_bytes_ = 0;
   bool has_texelless_ = false;
-  int count_ = 0, reach_count_ = 0;
+  int count_ = 0, connected_count_ = 0;
 };
 
 } // namespace paradesc

@@ -80,13 +80,13 @@ void TextureSpace::list_samples_for(const Job &job, const Frame &frame, float ra
 // The neighborhoods of centers, before any sample is fetched. texelless: the samples of triangles without texels.
 Neighborhoods TextureSpace::search(const Job &job, const Frame &frame, double radius, int samples,
                                    const std::vector<SearchCenter> &centers, TexellessSamples &texelless) {
-  const auto reach = static_cast<float>(radius * frame.space.scale);
+  const auto buffer_radius = static_cast<float>(radius * frame.space.scale);
   checkpoint();
-  list_samples_for(job, frame, reach, samples);
+  list_samples_for(job, frame, buffer_radius, samples);
   const CellSet &set = cells();
   const Surface &surface = job.surface;
   const MappedSurface displaced(surface.maps, surface.triangles, surface.normals, frame.space);
-  texelless = sample_texelless_triangles(set.cells, surface.triangles, surface.normals, frame.space, reach,
+  texelless = sample_texelless_triangles(set.cells, surface.triangles, surface.normals, frame.space, buffer_radius,
                                          frame.displaced ? &displaced : nullptr);
   const SearchSpace space{set.cells,
                           set.samples,
@@ -98,7 +98,7 @@ Neighborhoods TextureSpace::search(const Job &job, const Frame &frame, double ra
                           job.options().adaptive > 0.0};
   // Ranges of samples three times: in parts, as one list, and on the device.
   const auto most = static_cast<size_t>(allowed_memory(job.resources.memory_limit, 0)) / (3 * sizeof(ivec2));
-  return paradesc::find_neighborhoods(space, centers, reach, job.resources.threads, most);
+  return paradesc::find_neighborhoods(space, centers, buffer_radius, job.resources.threads, most);
 }
 
 // The points of the samples, if they are listed; null: samples fetch texels.

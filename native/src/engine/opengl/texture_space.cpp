@@ -47,12 +47,12 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Centers centers, Co
   std::pair<double, int> prepared{radius, 0}; // for which radius centers are there, and for how many samples neighborhoods
   TexellessSamples texelless;
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
-    const double reach = reach_of(pass, options, radius);
+    const double pass_radius = radius_of(pass, options, radius);
     const int samples = pattern_samples(job, frame, samples_of(pass, options));
-    const auto before = std::exchange(prepared, {reach, samples});
-    if (before.first != reach) centers = this->centers(job, frame, reach);
-    if (job.connected() && before != prepared) texelless = find_neighborhoods(job, frame, reach, samples, centers);
-    settings.radius = static_cast<float>(reach * frame.space.scale);
+    const auto before = std::exchange(prepared, {pass_radius, samples});
+    if (before.first != pass_radius) centers = this->centers(job, frame, pass_radius);
+    if (job.connected() && before != prepared) texelless = find_neighborhoods(job, frame, pass_radius, samples, centers);
+    settings.radius = static_cast<float>(pass_radius * frame.space.scale);
     settings.samples = samples;
     if (map) bake_map(job, centers, texelless, *map);
     settings.map = map ? device_->map.get() : nullptr;
@@ -61,7 +61,7 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Centers centers, Co
     const Progress part = [&](const char *stage, double fraction) {
       return job.progress(stage, 0.3 + 0.7 * (number + (fraction - 0.3) / 0.7) / count);
     };
-    return evaluate_centers(job, settings, reach, frame, centers, part);
+    return evaluate_centers(job, settings, pass_radius, frame, centers, part);
   };
   computed.results =
       run_passes(job.surface.half_edges.point_count, job.request.descriptors, find_map(options.map_descriptor), run);

@@ -57,7 +57,7 @@ Computed ReferenceSession::compute(const Surface &surface, const Request &reques
       run_passes(points, request.descriptors, find_map(options.map_descriptor),
                  [&](const Pass &pass, const MapValues *map, int number, int count) {
                    settings.map = map;
-                   settings.radius = reach_of(pass, options, request.radius);
+                   settings.radius = radius_of(pass, options, request.radius);
                    settings.map_sigma = pass.stage == Stage::windows ? options.map_sigma * request.radius : 0.0;
                    const auto part = [&](double fraction) { return progress("evaluate", (number + fraction) / count); };
                    return at_all_points(compute_reference(surface.triangles, surface.half_edges, surface.normals, settings,
