@@ -33,7 +33,7 @@
 // Of the pass that displaces baked texels.
 #define UNIT_HEIGHTS 19  // image, R32F: displacement
 #define UNIT_COLORS 20   // image, RGBA32F: normal map
-#define UNIT_GIVEN 21    // list, RG32F: the caller's (u, v) of each bake vertex
+#define UNIT_INPUT_UV 21    // list, RG32F: the caller's (u, v) of each bake vertex
 #define UNIT_TANGENTS 22 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
 #define UNIT_COUNT 23
 

@@ -26,10 +26,10 @@ Built stretched_patch() {
   return build(shape);
 }
 
-std::vector<vec4> forms_of(const Built &built, const BufferFrame &frame = {}) {
+std::vector<vec4> forms_of(const Built &built, const BakeSpace &bake_space = {}) {
   std::vector<vec4> forms;
   for (size_t t = 0; t < at(built.triangles.triangle_count); ++t)
-    forms.push_back(form_of(built.triangles, built.charts, frame, t));
+    forms.push_back(form_of(built.triangles, built.charts, bake_space, t));
   return forms;
 }
 
@@ -47,10 +47,10 @@ TEST(FirstFundamentalForm, is_that_of_the_affine_map) {
 
 TEST(FirstFundamentalForm, is_in_buffer_units) {
   const Built built = stretched_patch();
-  const BufferFrame frame = frame_of(bounding_box(built.triangles, built.half_edges));
+  const BakeSpace bake_space = bake_space_of(bounding_box(built.triangles, built.half_edges));
   const auto plain = forms_of(built);
-  const auto scaled = forms_of(built, frame);
-  const auto square = static_cast<float>(frame.scale * frame.scale);
+  const auto scaled = forms_of(built, bake_space);
+  const auto square = static_cast<float>(bake_space.scale * bake_space.scale);
   ASSERT_NE(square, 1.0f);
   for (size_t i = 0; i < plain.size(); ++i)
     for (int k = 0; k < 4; ++k)
@@ -69,18 +69,18 @@ TEST(FirstFundamentalForm, area_elements_times_uv_areas_are_areas) {
   }
 }
 
-TEST(BufferFrame, puts_the_longest_side_of_the_box_between_minus_one_and_one) {
+TEST(BakeSpace, puts_the_longest_side_of_the_box_between_minus_one_and_one) {
   const Built built = build(grid(4, 2, [](dvec2 place, int, int) { return place * 0.2; }));
-  const BufferFrame frame = frame_of(bounding_box(built.triangles, built.half_edges));
-  EXPECT_EQ(frame.to_buffer(vec3(0, 0, 0)), vec3(-1, -0.5f, 0));
-  EXPECT_EQ(frame.to_buffer(vec3(4, 2, 0)), vec3(1, 0.5f, 0));
+  const BakeSpace bake_space = bake_space_of(bounding_box(built.triangles, built.half_edges));
+  EXPECT_EQ(bake_space.to_buffer(vec3(0, 0, 0)), vec3(-1, -0.5f, 0));
+  EXPECT_EQ(bake_space.to_buffer(vec3(4, 2, 0)), vec3(1, 0.5f, 0));
 }
 
-TEST(BufferFrame, leaves_out_vertices_without_a_face) {
+TEST(BakeSpace, leaves_out_vertices_without_a_face) {
   Shape shape = grid(4, 2, [](dvec2 place, int, int) { return place * 0.2; });
   shape.positions.push_back(vec3(1000));
   const Built built = build(shape);
-  EXPECT_EQ(frame_of(bounding_box(built.triangles, built.half_edges)).to_buffer(vec3(4, 2, 0)), vec3(1, 0.5f, 0));
+  EXPECT_EQ(bake_space_of(bounding_box(built.triangles, built.half_edges)).to_buffer(vec3(4, 2, 0)), vec3(1, 0.5f, 0));
 }
 
 TEST(SamplingEllipse, carries_the_unit_circle_to_offsets_of_length_one_on_the_surface) {

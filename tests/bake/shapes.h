@@ -43,7 +43,7 @@ inline Built build(const Shape &shape) {
   triangles.triangle_count = static_cast<int>(shape.faces.size() / 3);
   triangles.positions = shape.positions;
   triangles.corner_vertex = shape.faces;
-  triangles.given_uv = triangles.corner_uv = shape.uvs;
+  triangles.input_uv = triangles.corner_uv = shape.uvs;
   triangles.half_edge_sharp.assign(shape.faces.size(), 0);
   return build(std::move(triangles));
 }

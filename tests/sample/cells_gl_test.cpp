@@ -225,7 +225,8 @@ TEST_F(CellsOfTexels, a_triangle_without_uv_area_is_carried_by_samples_of_its_ow
   ASSERT_GE(cells.triangle_cell[at(lost)], 0);
   EXPECT_EQ(cells.texelless_begin[at(cells.triangle_cell[at(lost)]) + 1], 1) << "at the cell that leads to it";
   for (const float radius : {0.05f, 0.3f, 10.0f}) {
-    const TexellessSamples samples = sample_texelless_triangles(cells, built.triangles, buffers.normals, buffers.frame, radius);
+    const TexellessSamples samples =
+        sample_texelless_triangles(cells, built.triangles, buffers.normals, buffers.bake_space, radius);
     ASSERT_EQ(samples.begin.size(), at(cells.count) + 1);
     ASSERT_EQ(samples.samples.size(), at(samples.begin.back()));
     double area = 0;
@@ -236,8 +237,8 @@ TEST_F(CellsOfTexels, a_triangle_without_uv_area_is_carried_by_samples_of_its_ow
       EXPECT_NEAR(length(sample.normal), 1.0f, 1e-5f);
       EXPECT_EQ(sample.triangle, lost);
     }
-    const dvec3 a(buffers.frame.to_buffer(built.position(24))), b(buffers.frame.to_buffer(built.position(25))),
-        c(buffers.frame.to_buffer(built.position(26)));
+    const dvec3 a(buffers.bake_space.to_buffer(built.position(24))), b(buffers.bake_space.to_buffer(built.position(25))),
+        c(buffers.bake_space.to_buffer(built.position(26)));
     EXPECT_NEAR(area, 0.5 * length(glm::cross(b - a, c - a)), 1e-6) << "floats";
     EXPECT_LT(length(moment / area - (a + b + c) / 3.0), 1e-5) << "pieces are alike and spread evenly";
   }
@@ -252,7 +253,7 @@ TEST_F(CellsOfTexels, a_radius_as_small_as_floats_are_divides_a_triangle_without
   const auto samples_of = [&](float radius) {
     std::vector<vec4> numbers;
     for (const TexellessSample &sample :
-         sample_texelless_triangles(cells, built.triangles, buffers.normals, buffers.frame, radius).samples) {
+         sample_texelless_triangles(cells, built.triangles, buffers.normals, buffers.bake_space, radius).samples) {
       numbers.emplace_back(sample.position, sample.area);
       numbers.emplace_back(sample.normal, static_cast<float>(sample.triangle));
     }

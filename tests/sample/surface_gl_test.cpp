@@ -22,7 +22,7 @@ struct Baked {
   HalfEdges half_edges;
   Charts charts;
   Normals normals;
-  BufferFrame frame;
+  BakeSpace bake_space;
   std::vector<vec4> positions, normal_texels, distortion;
   std::vector<int32_t> ids;
   TexelCounts counts;
@@ -33,11 +33,11 @@ struct Baked {
         charts(build_charts(triangles, half_edges)) {
     const NormalRings rings = build_normal_rings(triangles, half_edges);
     normals = compute_normals(triangles, half_edges, rings, PDESC_NORMALS_FITTED, 0);
-    frame = frame_of(bounding_box(triangles, half_edges));
+    bake_space = bake_space_of(bounding_box(triangles, half_edges));
     const BakeVertices vertices = build_bake_vertices(triangles, charts, *rings.corner_fan);
     thread.run([&](const Gl &gl, ProgramCache &programs) {
       GeometryBuffer buffer(gl, size);
-      const BakeInput input{triangles, charts, vertices, normals, frame};
+      const BakeInput input{triangles, charts, vertices, normals, bake_space};
       counts = draw_layout(buffer, programs, input);
       draw_frame(buffer, programs, input);
       positions = buffer.read_position();
@@ -54,7 +54,7 @@ struct Baked {
       const auto at = [&](size_t i) { return dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[c + i])]); };
       sum += 0.5 * glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
     }
-    return sum * frame.scale * frame.scale;
+    return sum * bake_space.scale * bake_space.scale;
   }
 };
 
@@ -75,7 +75,7 @@ TEST_F(Surface, texels_are_points_of_the_torus_with_unit_normals) {
   for (size_t i = 0; i < baked.positions.size(); ++i) {
     if (baked.ids[2 * i] < 0) continue;
     ++seen;
-    const dvec3 p = dvec3(baked.positions[i]) / baked.frame.scale + baked.frame.center;
+    const dvec3 p = dvec3(baked.positions[i]) / baked.bake_space.scale + baked.bake_space.center;
     const double tube = std::hypot(std::hypot(p.x, p.y) - 1, p.z);
     ASSERT_NEAR(tube, 0.4, depth);
     ASSERT_NEAR(glm::length(vec3(baked.normal_texels[i])), 1.0f, 1e-5f);

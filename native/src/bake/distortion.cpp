@@ -6,13 +6,13 @@
 
 namespace paradesc {
 
-BufferFrame frame_of(const Box &box) {
+BakeSpace bake_space_of(const Box &box) {
   const dvec3 half = 0.5 * (box.high - box.low);
   const double longest = std::max({half.x, half.y, half.z});
   return {0.5 * (box.low + box.high), longest > 0.0 ? 1.0 / longest : 1.0};
 }
 
-vec4 form_of(const Triangles &triangles, const Charts &charts, const BufferFrame &frame, size_t triangle) {
+vec4 form_of(const Triangles &triangles, const Charts &charts, const BakeSpace &bake_space, size_t triangle) {
   dvec3 p[3];
   dvec2 uv[3];
   for (size_t i = 0; i < 3; ++i) {
@@ -20,7 +20,7 @@ vec4 form_of(const Triangles &triangles, const Charts &charts, const BufferFrame
     p[i] = dvec3(triangles.positions[triangles.corner_vertex[corner]]);
     uv[i] = dvec2(charts.corner_uv[corner]);
   }
-  const dvec3 e1 = (p[1] - p[0]) * frame.scale, e2 = (p[2] - p[0]) * frame.scale;
+  const dvec3 e1 = (p[1] - p[0]) * bake_space.scale, e2 = (p[2] - p[0]) * bake_space.scale;
   const dvec2 d1 = uv[1] - uv[0], d2 = uv[2] - uv[0];
   const double area = cross(d1, d2);
   const dvec3 p_u = (e1 * d2.y - e2 * d1.y) / area;
@@ -43,14 +43,14 @@ std::vector<int32_t> corners_of_wedges(const Charts &charts, size_t step) {
   return corners;
 }
 
-std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BufferFrame &frame,
+std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BakeSpace &bake_space,
                                     const std::vector<int32_t> &corners, size_t step) {
   const size_t count = (charts.wedges.size() + step - 1) / step;
   std::vector<dvec3> inverse(count, dvec3(0.0));
   std::vector<double> weight(count, 0.0);
   for (const int32_t corner : corners) {
     const auto wedge = static_cast<size_t>(charts.corner_wedge[corner]) / step;
-    const vec4 form = form_of(triangles, charts, frame, static_cast<size_t>(corner / 3));
+    const vec4 form = form_of(triangles, charts, bake_space, static_cast<size_t>(corner / 3));
     const double determinant = static_cast<double>(form.w) * form.w;
     if (!(determinant > 0.0)) continue;
     const double angle = surface_angle(triangles, corner);

@@ -11,21 +11,21 @@
 
 namespace paradesc {
 
-struct BufferFrame {
+struct BakeSpace {
   dvec3 center{0.0};
   double scale = 1.0; // buffer units per unit of the positions
   vec3 to_buffer(vec3 position) const { return vec3((dvec3(position) - center) * scale); }
 };
 
-BufferFrame frame_of(const Box &box);
+BakeSpace bake_space_of(const Box &box);
 
 // E, F, G, |P_u x P_v| of a triangle on a chart.
-vec4 form_of(const Triangles &triangles, const Charts &charts, const BufferFrame &frame, size_t triangle);
+vec4 form_of(const Triangles &triangles, const Charts &charts, const BakeSpace &bake_space, size_t triangle);
 
 // (wedges) columns of the 2x2 map from the unit disk to (u, v) offsets, for radius 1: the square root of the mean inverse metric
 // over the triangles at the wedge, weighted by their angle there. step: only every step-th wedge gets one. corners: the corners
 // of these wedges, see corners_of_wedges.
-std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BufferFrame &frame,
+std::vector<vec4> sampling_ellipses(const Triangles &triangles, const Charts &charts, const BakeSpace &bake_space,
                                     const std::vector<int32_t> &corners, size_t step = 1);
 // The corners of every step-th wedge.
 std::vector<int32_t> corners_of_wedges(const Charts &charts, size_t step = 1);

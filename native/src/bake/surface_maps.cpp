@@ -14,7 +14,7 @@ namespace paradesc {
 // ---- What the caller gives
 
 static void check_image(const Triangles &triangles, const char *name, int32_t width, int32_t height) {
-  if (triangles.given_uv.empty())
+  if (triangles.input_uv.empty())
     throw Error(PDESC_ERROR_INVALID_OPERATION,
                 std::string("The mesh has no UV map, by which the ") + name + " would be looked up; unwrap it first.");
   constexpr int32_t largest = 32768;
@@ -113,28 +113,28 @@ struct Patch {
   vec2 uv, way1, way2;
 };
 
-// A surface point and the two edges of its triangle, carried along.
-struct DisplacedPoint {
+// A surface point, and the two edges of its triangle, which move with it.
+struct MovedPoint {
   SurfacePoint point;
   vec3 edge1, edge2;
 };
 
 } // namespace
 
-static Patch patch_of(const Triangles &triangles, const Normals &normals, const BufferFrame &frame, int triangle) {
-  const SharedArray<vec2> &uvs = triangles.given_uv;
+static Patch patch_of(const Triangles &triangles, const Normals &normals, const BakeSpace &bake_space, int triangle) {
+  const SharedArray<vec2> &uvs = triangles.input_uv;
   const auto c = static_cast<size_t>(3 * triangle);
-  auto position = [&](size_t i) { return frame.to_buffer(triangles.positions[triangles.corner_vertex[i]]); };
+  auto position = [&](size_t i) { return bake_space.to_buffer(triangles.positions[triangles.corner_vertex[i]]); };
   const vec3 p = position(c), n = normals.corner(c);
   return {p,      position(c + 1) - p, position(c + 2) - p, n, normals.corner(c + 1) - n, normals.corner(c + 2) - n,
           uvs[c], uvs[c + 1] - uvs[c], uvs[c + 2] - uvs[c]};
 }
 
-static DisplacedPoint displace(const Patch &patch, const Displacement *map, float scale, float a, float b) {
+static MovedPoint displace(const Patch &patch, const Displacement *map, float scale, float a, float b) {
   const vec3 raw = patch.normal + patch.turn1 * a + patch.turn2 * b;
   const float span = length(raw);
   const vec3 n = span > 0.0f ? raw / span : patch.normal;
-  DisplacedPoint result{{patch.position + patch.edge1 * a + patch.edge2 * b, n, 1.0f}, patch.edge1, patch.edge2};
+  MovedPoint result{{patch.position + patch.edge1 * a + patch.edge2 * b, n, 1.0f}, patch.edge1, patch.edge2};
   if (!map || !(span > 0.0f)) return result;
   const vec3 height = look_up_height(*map, patch.uv + patch.way1 * a + patch.way2 * b) * (map->scale * scale);
   Text text;
@@ -153,10 +153,10 @@ vec3 frame_normal(const Triangles &triangles, const Normals &normals, size_t cor
   return triangles.corner_normal.empty() ? normals.corner(corner) : triangles.corner_normal[corner];
 }
 
-static vec3 mapped_normal(const NormalMap &map, const Triangles &triangles, const Normals &normals, int triangle, float a,
+static vec3 normal_of_map(const NormalMap &map, const Triangles &triangles, const Normals &normals, int triangle, float a,
                           float b, vec3 otherwise) {
   const auto c = static_cast<size_t>(3 * triangle);
-  const SharedArray<vec2> &uvs = triangles.given_uv;
+  const SharedArray<vec2> &uvs = triangles.input_uv;
   const float rest = 1.0f - a - b;
   const vec3 n = frame_normal(triangles, normals, c) * rest + frame_normal(triangles, normals, c + 1) * a +
                  frame_normal(triangles, normals, c + 2) * b;
@@ -166,11 +166,11 @@ static vec3 mapped_normal(const NormalMap &map, const Triangles &triangles, cons
   return Text().unit_or(vec3(tangent) * color.x + bitangent * color.y + n * color.z, otherwise);
 }
 
-SurfacePoint MappedSurface::at(int triangle, float a, float b) const {
+SurfacePoint DisplacedSurface::at(int triangle, float a, float b) const {
   const Displacement *map = maps_.displacement ? &*maps_.displacement : nullptr;
-  const auto scale = static_cast<float>(frame_.scale);
-  SurfacePoint point = displace(patch_of(triangles_, normals_, frame_, triangle), map, scale, a, b).point;
-  if (maps_.normal_map) point.normal = mapped_normal(*maps_.normal_map, triangles_, normals_, triangle, a, b, point.normal);
+  const auto scale = static_cast<float>(bake_space_.scale);
+  SurfacePoint point = displace(patch_of(triangles_, normals_, bake_space_, triangle), map, scale, a, b).point;
+  if (maps_.normal_map) point.normal = normal_of_map(*maps_.normal_map, triangles_, normals_, triangle, a, b, point.normal);
   return point;
 }
 
@@ -187,11 +187,11 @@ static float shrinkage_of(vec3 a1, vec3 a2, vec3 b1, vec3 b2) {
   return static_cast<float>(1.0 / std::sqrt(std::max(smaller, 1.0 / 16.0)));
 }
 
-SurfacePoint MappedSurface::at_corner(int corner, vec3 normal, float &shrinkage) const {
+SurfacePoint DisplacedSurface::at_corner(int corner, vec3 normal, float &shrinkage) const {
   const int triangle = corner / 3, place = corner % 3;
   const float a = place == 1 ? 1.0f : 0.0f, b = place == 2 ? 1.0f : 0.0f;
   const Displacement *map = maps_.displacement ? &*maps_.displacement : nullptr;
-  Patch patch = patch_of(triangles_, normals_, frame_, triangle);
+  Patch patch = patch_of(triangles_, normals_, bake_space_, triangle);
   const vec3 change = normal - normals_.corner(static_cast<size_t>(corner));
   if (place == 0) {
     patch.normal += change;
@@ -200,10 +200,10 @@ SurfacePoint MappedSurface::at_corner(int corner, vec3 normal, float &shrinkage)
   } else {
     (place == 1 ? patch.turn1 : patch.turn2) += change;
   }
-  const DisplacedPoint displaced = displace(patch, map, static_cast<float>(frame_.scale), a, b);
+  const MovedPoint displaced = displace(patch, map, static_cast<float>(bake_space_.scale), a, b);
   shrinkage = shrinkage_of(patch.edge1, patch.edge2, displaced.edge1, displaced.edge2);
   SurfacePoint point = displaced.point;
-  if (maps_.normal_map) point.normal = mapped_normal(*maps_.normal_map, triangles_, normals_, triangle, a, b, point.normal);
+  if (maps_.normal_map) point.normal = normal_of_map(*maps_.normal_map, triangles_, normals_, triangle, a, b, point.normal);
   return point;
 }
 
@@ -216,30 +216,30 @@ static float largest_of_most(std::vector<float> &shrinkage) {
   return std::clamp(*place, 1.0f, 4.0f);
 }
 
-MappedPoints map_points(const SurfaceMaps &maps, const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
-                        const BufferFrame &frame, int threads) {
-  const MappedSurface surface(maps, triangles, normals, frame);
+DisplacedPoints displace_points(const SurfaceMaps &maps, const Triangles &triangles, const HalfEdges &half_edges,
+                                const Normals &normals, const BakeSpace &bake_space, int threads) {
+  const DisplacedSurface surface(maps, triangles, normals, bake_space);
   const auto corners = static_cast<size_t>(3 * triangles.triangle_count);
-  std::vector<SurfacePoint> mapped(corners);
+  std::vector<SurfacePoint> displaced(corners);
   std::vector<float> shrinkage(corners, 1.0f);
   parallel_blocks(triangles.triangle_count, threads, 1024, [&](int begin, int end) {
     for (int corner = 3 * begin; corner < 3 * end; ++corner) {
       const auto c = static_cast<size_t>(corner);
       if (half_edges.corner_point[c] < 0) continue;
-      mapped[c] = surface.at_corner(corner, normals.point[half_edges.corner_point[c]], shrinkage[c]);
+      displaced[c] = surface.at_corner(corner, normals.point[half_edges.corner_point[c]], shrinkage[c]);
     }
   });
   const auto points = static_cast<size_t>(half_edges.point_count);
-  MappedPoints result;
+  DisplacedPoints result;
   std::vector<vec3> offset(points, vec3(0.0f)), sum(points, vec3(0.0f));
   std::vector<float> weight(points, 0.0f);
-  auto base = [&](size_t point) { return frame.to_buffer(triangles.positions[half_edges.point_vertex[point]]); };
+  auto base = [&](size_t point) { return bake_space.to_buffer(triangles.positions[half_edges.point_vertex[point]]); };
   for (size_t c = 0; c < corners; ++c) {
     if (half_edges.corner_point[c] < 0) continue;
     const auto point = static_cast<size_t>(half_edges.corner_point[c]);
     const auto angle = static_cast<float>(surface_angle(triangles, static_cast<int>(c)));
-    offset[point] += angle * (mapped[c].position - base(point));
-    sum[point] += angle * mapped[c].normal;
+    offset[point] += angle * (displaced[c].position - base(point));
+    sum[point] += angle * displaced[c].normal;
     weight[point] += angle;
   }
   for (size_t point = 0; point < points; ++point) {
@@ -252,7 +252,7 @@ MappedPoints map_points(const SurfaceMaps &maps, const Triangles &triangles, con
     const int32_t point = half_edges.vertex_point[vertex];
     if (point < 0) continue;
     const vec3 position = result.position[point];
-    result.triangles.positions[vertex] = vec3(dvec3(position) / frame.scale + frame.center);
+    result.triangles.positions[vertex] = vec3(dvec3(position) / bake_space.scale + bake_space.center);
   }
   return result;
 }

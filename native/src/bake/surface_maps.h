@@ -54,11 +54,11 @@ struct SurfacePoint {
   float area_ratio; // of the displaced surface to the triangle
 };
 
-// The mapped surface over the triangles of one frame.
-class MappedSurface {
+// The surface as the maps displace it, over the triangles.
+class DisplacedSurface {
 public:
-  MappedSurface(const SurfaceMaps &maps, const Triangles &triangles, const Normals &normals, const BufferFrame &frame)
-      : maps_(maps), triangles_(triangles), normals_(normals), frame_(frame) {}
+  DisplacedSurface(const SurfaceMaps &maps, const Triangles &triangles, const Normals &normals, const BakeSpace &bake_space)
+      : maps_(maps), triangles_(triangles), normals_(normals), bake_space_(bake_space) {}
   // a, b: barycentric coordinates of the triangle's corners 1 and 2.
   SurfacePoint at(int triangle, float a, float b) const;
   // At a corner of its triangle, with another normal there.
@@ -68,23 +68,22 @@ private:
   const SurfaceMaps &maps_;
   const Triangles &triangles_;
   const Normals &normals_;
-  const BufferFrame &frame_;
+  const BakeSpace &bake_space_;
 };
 
 // The normal that a normal map is relative to at a corner: the mesh's own if it was given, as the map was made for it.
 vec3 frame_normal(const Triangles &triangles, const Normals &normals, size_t corner);
 
-// What the maps make of the points where descriptors are evaluated.
-struct MappedPoints {
+// The points where descriptors are evaluated, as the maps displace them.
+struct DisplacedPoints {
   std::vector<vec3> position; // (point_count) buffer units
   std::vector<vec3> normal;   // (point_count) unit
   Triangles triangles;        // of the displaced vertices
-  float shrinkage =
-      1.0f; // by how much a length on the base is longer than on the displaced surface, at 99 of 100 corners; 1 to 4
+  float shrinkage = 1.0f; // a length on the base over that on the displaced surface, at the 99th percentile of corners; 1 to 4
 };
 
 // A point on a seam has a height and a normal from each of its corners: it gets their mean, weighted by angle.
-MappedPoints map_points(const SurfaceMaps &maps, const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals,
-                        const BufferFrame &frame, int threads);
+DisplacedPoints displace_points(const SurfaceMaps &maps, const Triangles &triangles, const HalfEdges &half_edges,
+                                const Normals &normals, const BakeSpace &bake_space, int threads);
 
 } // namespace paradesc

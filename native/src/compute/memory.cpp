@@ -30,8 +30,8 @@ static int64_t bytes_of(const Patches &p) {
 
 // Given, in the unit square, and in the layout; most are the same array.
 static int64_t bytes_of_uvs(const Triangles &t, const Charts &c) {
-  const int64_t one = static_cast<int64_t>(t.given_uv.size() * sizeof(vec2));
-  return one * (1 + (t.corner_uv.begin() != t.given_uv.begin()) + (c.corner_uv.begin() != t.corner_uv.begin()));
+  const int64_t one = static_cast<int64_t>(t.input_uv.size() * sizeof(vec2));
+  return one * (1 + (t.corner_uv.begin() != t.input_uv.begin()) + (c.corner_uv.begin() != t.corner_uv.begin()));
 }
 
 // What a mesh holds between computations.

@@ -335,7 +335,7 @@ std::vector<vec3> fan_normals(const Sources &from, bool fitted, int threads) {
 
 // ---- Corners and points ---------------------------------------------------------------------------------------------------
 
-std::vector<vec3> given_corner_normals(const Triangles &triangles, const HalfEdges &half_edges, const std::vector<vec3> &faces,
+std::vector<vec3> input_corner_normals(const Triangles &triangles, const HalfEdges &half_edges, const std::vector<vec3> &faces,
                                        int threads) {
   std::vector<vec3> corners(triangles.corner_normal.size());
   parallel_blocks(3 * triangles.triangle_count, threads, 4 * block_size, [&](int begin, int end) {
@@ -400,7 +400,7 @@ Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges,
     if (triangles.corner_normal.empty())
       throw Error(PDESC_ERROR_INVALID_OPERATION, "The mesh's own normals were asked for, but it was created without "
                                                  "corner_normals: give them, or ask for fitted or Max's normals.");
-    normals.group = given_corner_normals(triangles, half_edges, faces, threads);
+    normals.group = input_corner_normals(triangles, half_edges, faces, threads);
   } else {
     normals.group = fan_normals({triangles, rings, faces}, kind == PDESC_NORMALS_FITTED, threads);
     normals.corner_fan = rings.corner_fan;

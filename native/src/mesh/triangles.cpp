@@ -112,15 +112,15 @@ void copy_corners(const pdesc_mesh_input &input, Triangles &triangles) {
     if (const float *uv = input.corner_uvs) uvs[i] = {uv[2 * corner], uv[2 * corner + 1]};
     if (const float *n = input.corner_normals) triangles.corner_normal[i] = {n[3 * corner], n[3 * corner + 1], n[3 * corner + 2]};
   }
-  triangles.given_uv = std::move(uvs);
+  triangles.input_uv = std::move(uvs);
 }
 
 // One scale for both axes keeps the layout's aspect. A layout that fits is moved as little as possible and never enlarged.
 void map_uvs_into_unit_square(Triangles &triangles) {
-  triangles.corner_uv = triangles.given_uv;
-  if (triangles.given_uv.empty()) return;
-  dvec2 lowest(triangles.given_uv[0]), highest = lowest;
-  for (const vec2 &uv : triangles.given_uv) {
+  triangles.corner_uv = triangles.input_uv;
+  if (triangles.input_uv.empty()) return;
+  dvec2 lowest(triangles.input_uv[0]), highest = lowest;
+  for (const vec2 &uv : triangles.input_uv) {
     lowest = glm::min(lowest, dvec2(uv));
     highest = glm::max(highest, dvec2(uv));
   }
@@ -129,7 +129,7 @@ void map_uvs_into_unit_square(Triangles &triangles) {
   const double scale = 1.0 / std::max({1.0, highest.x - lowest.x, highest.y - lowest.y});
   // Relative to the lowest corner: a layout far from the origin keeps its digits.
   const dvec2 origin = glm::clamp(lowest * scale, dvec2(0), glm::max(dvec2(0), 1.0 - (highest - lowest) * scale));
-  std::vector<vec2> inside = triangles.given_uv.copy();
+  std::vector<vec2> inside = triangles.input_uv.copy();
   for (vec2 &uv : inside) uv = glm::clamp(vec2(origin + (dvec2(uv) - lowest) * scale), 0.0f, 1.0f);
   triangles.corner_uv = std::move(inside);
 }

@@ -15,7 +15,7 @@ struct Triangles {
   int triangle_count = 0;
   std::vector<vec3> positions;          // (vertex_count)
   std::vector<int32_t> corner_vertex;   // (3 * triangle_count)
-  SharedArray<vec2> given_uv;           // (3 * triangle_count) as the caller gave them, or empty: no UV map
+  SharedArray<vec2> input_uv;           // (3 * triangle_count) as the caller gave them, or empty: no UV map
   SharedArray<vec2> corner_uv;          // the same, moved into the unit square where it lies outside
   std::vector<int32_t> input_corner;    // (3 * triangle_count) the caller's corner
   int corner_count = 0;                 // of the caller's corners

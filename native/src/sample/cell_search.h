@@ -392,7 +392,7 @@ private:
   }
 
   dvec3 position(int corner) const {
-    return dvec3(space_.frame.to_buffer(space_.triangles.positions[space_.triangles.corner_vertex[corner]]));
+    return dvec3(space_.bake_space.to_buffer(space_.triangles.positions[space_.triangles.corner_vertex[corner]]));
   }
 
   const SearchSpace &space_;

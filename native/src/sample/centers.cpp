@@ -55,7 +55,7 @@ Centers list_centers(const CenterSpace &space, const CenterOptions &options, con
   const std::vector<Wedge> &wedges = space.charts.wedges;
   auto position_of = [&](size_t point) {
     if (space.displaced) return space.displaced->position[point];
-    return space.frame.to_buffer(space.triangles.positions[space.half_edges.point_vertex[point]]);
+    return space.bake_space.to_buffer(space.triangles.positions[space.half_edges.point_vertex[point]]);
   };
   const std::vector<vec3> &normals = space.displaced ? space.displaced->normal : space.normals.point;
   Centers centers;

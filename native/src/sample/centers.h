@@ -22,8 +22,8 @@ struct CenterSpace {
   const HalfEdges &half_edges;
   const Charts &charts;
   const Normals &normals;
-  const BufferFrame &frame;
-  const MappedPoints *displaced; // where maps displace the surface, else null
+  const BakeSpace &bake_space;
+  const DisplacedPoints *displaced; // where maps displace the surface, else null
 };
 
 struct Centers {

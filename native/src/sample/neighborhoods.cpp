@@ -15,21 +15,21 @@ namespace paradesc {
 
 // Divided until pieces are small against the radius: the middle of each is a sample.
 TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
-                                            const BufferFrame &frame, float radius, const MappedSurface *mapped) {
+                                            const BakeSpace &bake_space, float radius, const DisplacedSurface *displaced) {
   TexellessSamples samples;
   samples.begin.push_back(0);
   for (size_t cell = 0; cell + 1 < cells.texelless_begin.size(); ++cell) {
     for (int32_t k = cells.texelless_begin[cell]; k < cells.texelless_begin[cell + 1]; ++k) {
       const auto corner = 3 * static_cast<size_t>(cells.texelless[k]);
       vec3 p[3];
-      for (size_t i = 0; i < 3; ++i) p[i] = frame.to_buffer(triangles.positions[triangles.corner_vertex[corner + i]]);
+      for (size_t i = 0; i < 3; ++i) p[i] = bake_space.to_buffer(triangles.positions[triangles.corner_vertex[corner + i]]);
       const float longest = std::max({length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])});
       // Limited before it becomes an integer: radii may be as small as floats are.
       const int side = static_cast<int>(std::fmax(1.0f, std::fmin(std::ceil(4.0f * longest / radius), 16.0f)));
       const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0])) / static_cast<float>(side * side);
       auto add = [&](float a, float b) { // barycentric coordinates of corners 1 and 2
-        if (mapped) {
-          const SurfacePoint point = mapped->at(static_cast<int>(corner / 3), a, b);
+        if (displaced) {
+          const SurfacePoint point = displaced->at(static_cast<int>(corner / 3), a, b);
           samples.samples.push_back({point.position, area * point.area_ratio, point.normal, 0});
           return;
         }

@@ -45,9 +45,10 @@ struct TexellessSamples {
   std::vector<vec2> weights;  // (samples) of the triangle's corners 1 and 2: where the sample lies
 };
 
-// mapped: the surface over the triangles where maps displace it, else NULL. radius in buffer units.
+// displaced: the surface as maps displace it, else NULL. radius in buffer units.
 TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
-                                            const BufferFrame &frame, float radius, const MappedSurface *mapped = nullptr);
+                                            const BakeSpace &bake_space, float radius,
+                                            const DisplacedSurface *displaced = nullptr);
 
 // What the search reads of a frame.
 struct SearchSpace {
@@ -56,7 +57,7 @@ struct SearchSpace {
   std::span<const CellData> measured;
   const TexellessSamples &texelless;
   const Triangles &triangles;
-  const BufferFrame &frame;
+  const BakeSpace &bake_space;
   std::function<const std::vector<vec3> &()> link_points; // (cells.link_texel) in buffer units, where they are asked for
   bool halves;                                            // samples in two turns, black squares and white ones
 };

@@ -135,7 +135,7 @@ static vec4 layout_place(const TexelPlace &place, const Charts &charts, int size
 }
 
 std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
-                                      const Normals &normals, const BufferFrame &frame, const std::vector<vec4> &ellipses,
+                                      const Normals &normals, const BakeSpace &bake_space, const std::vector<vec4> &ellipses,
                                       float ellipse_size, uint32_t seed, size_t first, size_t last) {
   std::vector<CenterData> centers;
   centers.reserve(last - first);
@@ -148,9 +148,10 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
     const auto at_wedge = [&](size_t c) { return ellipses[charts.corner_wedge[c]]; };
     const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(place, at_wedge) * ellipse_size;
     const auto corner = 3 * static_cast<size_t>(place.triangle);
-    centers.push_back(
-        {vec3((position - frame.center) * frame.scale), place.chart, span > 0.0f ? normal / span : normals.corner(corner),
-         pattern_rotation(static_cast<uint32_t>(place.texel), seed), layout_place(place, charts, map.size), ellipse});
+    centers.push_back({vec3((position - bake_space.center) * bake_space.scale), place.chart,
+                       span > 0.0f ? normal / span : normals.corner(corner),
+                       pattern_rotation(static_cast<uint32_t>(place.texel), seed), layout_place(place, charts, map.size),
+                       ellipse});
   }
   return centers;
 }

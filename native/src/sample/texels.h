@@ -39,7 +39,7 @@ TexelMap build_texel_map(const Charts &charts, int size);
 // Places [first, last) as centers, p and n in 32 bits. ellipses: (wedges), for the radius in buffer units times the enlargement;
 // empty where samples do not march.
 std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &triangles, const Charts &charts,
-                                      const Normals &normals, const BufferFrame &frame, const std::vector<vec4> &ellipses,
+                                      const Normals &normals, const BakeSpace &bake_space, const std::vector<vec4> &ellipses,
                                       float ellipse_size, uint32_t seed, size_t first, size_t last);
 
 // Where in the layout those centers are: for find_cells.

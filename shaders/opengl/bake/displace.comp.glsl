@@ -1,9 +1,9 @@
 #version 450 core
-// One invocation, one baked texel → the same texel of the mapped surface: p + n h, its normal and its area element.
+// One invocation, one baked texel → the same texel of the displaced surface: p + n h, its normal and its area element.
 #include "opengl/bake/owner.glsl"
 #include "kernel/displace.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = UNIT_GIVEN) uniform sampler2D given;
+layout(binding = UNIT_INPUT_UV) uniform sampler2D input_uvs;
 layout(binding = UNIT_TANGENTS) uniform sampler2D tangents;
 layout(binding = UNIT_HEIGHTS) uniform sampler2D heights;
 layout(binding = UNIT_COLORS) uniform sampler2D colors;
@@ -15,9 +15,9 @@ layout(location = LOCATION_NORMAL_MAPPED) uniform int normal_mapped;
 layout(location = LOCATION_MIDLEVEL) uniform float midlevel;
 layout(location = LOCATION_HEIGHT_SCALE) uniform float scale;
 
-vec2 given_of(int vertex) { return texelFetch(given, list_place(vertex), 0).xy; }
+vec2 input_uv_of(int vertex) { return texelFetch(input_uvs, list_place(vertex), 0).xy; }
 vec4 tangent_of(int corner) { return texelFetch(tangents, list_place(2 * corner), 0); }
-vec3 frame_of(int corner) { return texelFetch(tangents, list_place(2 * corner + 1), 0).xyz; }
+vec3 frame_normal_of(int corner) { return texelFetch(tangents, list_place(2 * corner + 1), 0).xyz; }
 
 // Pixels of whole numbers, repeated. Software devices divide floats many at a time, integers one by one.
 ivec4 wrapped(vec4 pixel, float size) { return ivec4(pixel - size * floor((pixel + 0.5) / size)); }
@@ -51,10 +51,10 @@ vec3 look_up_height(vec2 uv) {
   return scale * vec3(mix(column.x, column.y, t.x) - midlevel, 0.5 * size * vec2(mix(run.x, run.y, t.x), mix(rise.x, rise.y, t.x)));
 }
 
-vec3 mapped_normal(int corner, vec3 part, vec2 uv, vec3 otherwise) {
+vec3 normal_of_map(int corner, vec3 part, vec2 uv, vec3 otherwise) {
   vec4 first = tangent_of(corner);
   vec3 tangent = first.xyz * part.x + tangent_of(corner + 1).xyz * part.y + tangent_of(corner + 2).xyz * part.z;
-  vec3 n = frame_of(corner) * part.x + frame_of(corner + 1) * part.y + frame_of(corner + 2) * part.z;
+  vec3 n = frame_normal_of(corner) * part.x + frame_normal_of(corner + 1) * part.y + frame_normal_of(corner + 2) * part.z;
   vec3 color = color_at(uv) * 2.0 - 1.0;
   return unit_or(tangent * color.x + first.w * cross(n, tangent) * color.y + n * color.z, otherwise);
 }
@@ -66,7 +66,7 @@ void main() {
   ivec4 vertex;
   vec3 part;
   if (!find_owner(texel, triangle, vertex, part)) return;
-  vec2 map = given_of(vertex.x), way1 = given_of(vertex.y) - map, way2 = given_of(vertex.z) - map;
+  vec2 map = input_uv_of(vertex.x), way1 = input_uv_of(vertex.y) - map, way2 = input_uv_of(vertex.z) - map;
   vec2 uv = map + way1 * part.y + way2 * part.z;
   vec3 position = position_of(vertex.x), edge1 = position_of(vertex.y) - position, edge2 = position_of(vertex.z) - position;
   position += edge1 * part.y + edge2 * part.z;
@@ -83,7 +83,7 @@ void main() {
     ratio = moved.area_ratio;
     position += n * height.x;
   }
-  if (normal_mapped != 0) normal = mapped_normal(3 * triangle, part, uv, normal);
+  if (normal_mapped != 0) normal = normal_of_map(3 * triangle, part, uv, normal);
   imageStore(positions, texel, vec4(position, area_element(vertex, edge1, edge2) * ratio));
   imageStore(normals, texel, vec4(normal, 0.0));
 }

@@ -16,7 +16,7 @@ namespace paradesc::test {
 
 struct Buffers {
   int size = 0;
-  BufferFrame frame;
+  BakeSpace bake_space;
   Normals normals;
   std::vector<vec4> forms, position, normal, distortion;
   std::vector<int32_t> ids;
@@ -43,16 +43,16 @@ inline void draw_frame(GeometryBuffer &buffer, ProgramCache &programs, const Bak
 inline Buffers bake(GlThread &thread, const Built &built, int size, int bakes = 1, bool half = false) {
   Buffers buffers;
   buffers.size = size;
-  buffers.frame = frame_of(bounding_box(built.triangles, built.half_edges));
+  buffers.bake_space = bake_space_of(bounding_box(built.triangles, built.half_edges));
   const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
   buffers.normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
   for (size_t t = 0; t < at(built.triangles.triangle_count); ++t)
     buffers.forms.push_back(built.charts.triangle_chart[t] < 0 ? vec4(0.0f)
-                                                               : form_of(built.triangles, built.charts, buffers.frame, t));
+                                                               : form_of(built.triangles, built.charts, buffers.bake_space, t));
   const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, *rings.corner_fan);
   thread.run([&](const Gl &gl, ProgramCache &programs) {
     GeometryBuffer buffer(gl, size, half);
-    const BakeInput input{built.triangles, built.charts, vertices, buffers.normals, buffers.frame};
+    const BakeInput input{built.triangles, built.charts, vertices, buffers.normals, buffers.bake_space};
     buffers.counts = draw_layout(buffer, programs, input);
     for (int i = 0; i < bakes; ++i) draw_frame(buffer, programs, input);
     buffers.position = buffer.read_position();

@@ -36,7 +36,7 @@ TEST_F(GeometryBuffers, hold_the_surface_point_at_each_texels_center) {
       if (buffers.chart(x, y) < 0 || buffers.triangle(x, y) < 0) continue;
       const Affine chart = chart_of_quad(buffers.chart(x, y) % 4, buffers.chart(x, y) / 4);
       const dvec2 place = inverse(chart.linear) * (buffers.center(x, y) - chart.origin);
-      const vec3 expected = buffers.frame.to_buffer(vec3(vec2(place), 0.0f));
+      const vec3 expected = buffers.bake_space.to_buffer(vec3(vec2(place), 0.0f));
       // A corner rounded by 1/512 of a texel moves the point by that much: texels are about 1/10 of a quad, which is half a unit.
       EXPECT_LT(length(vec3(buffers.position_at(x, y)) - expected), 0.05f / 256) << x << ", " << y;
       ++seen;
@@ -50,7 +50,7 @@ TEST_F(GeometryBuffers, hold_it_to_float_precision_where_corners_lie_on_texels_c
   for (int y = 16; y < 112; ++y)
     for (int x = 16; x < 112; ++x) {
       ASSERT_GE(buffers.triangle(x, y), 0);
-      const vec3 expected = buffers.frame.to_buffer(vec3(vec2(buffers.center(x, y) * 8.0 - 1.0), 0.0f));
+      const vec3 expected = buffers.bake_space.to_buffer(vec3(vec2(buffers.center(x, y) * 8.0 - 1.0), 0.0f));
       EXPECT_LT(length(vec3(buffers.position_at(x, y)) - expected), 2e-6f) << "a few roundings of numbers up to 1";
     }
 }
@@ -131,7 +131,7 @@ TEST_F(GeometryBuffers, the_distortion_is_that_of_the_affine_map) {
   const dmat2 linear = rotation * dmat2(1.0 / 2, 0, 0, 1.0 / 3) * 0.2;
   const Built built = build(grid(4, 4, [&](dvec2 place, int, int) { return dvec2(0.4, 0.3) + linear * place; }));
   const Buffers buffers = bake(*thread, built, size);
-  const double unit = buffers.frame.scale / 0.2;
+  const double unit = buffers.bake_space.scale / 0.2;
   int seen = 0;
   for (size_t i = 0; i < buffers.distortion.size(); ++i) {
     const vec4 value = buffers.distortion[i];

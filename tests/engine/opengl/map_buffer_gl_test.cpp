@@ -16,17 +16,17 @@ TEST_F(MapBuffers, hold_the_map_at_the_point_of_each_texel) {
   lay_out(mesh, {.charts = 15, .warp = 0.3});
   const Built built = build(read_triangles(input_of(mesh)));
   Buffers buffers;
-  buffers.frame = frame_of(bounding_box(built.triangles, built.half_edges));
+  buffers.bake_space = bake_space_of(bounding_box(built.triangles, built.half_edges));
   const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
   const Normals normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
   const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, *rings.corner_fan);
   MapValues values;
   for (const int32_t vertex : built.half_edges.point_vertex)
-    values.emplace_back(buffers.frame.to_buffer(built.triangles.positions[static_cast<size_t>(vertex)]), 7.0f);
+    values.emplace_back(buffers.bake_space.to_buffer(built.triangles.positions[static_cast<size_t>(vertex)]), 7.0f);
   std::vector<vec4> map;
   thread->run([&](const Gl &gl, ProgramCache &programs) {
     GeometryBuffer buffer(gl, 256);
-    const BakeInput input{built.triangles, built.charts, vertices, normals, buffers.frame};
+    const BakeInput input{built.triangles, built.charts, vertices, normals, buffers.bake_space};
     draw_layout(buffer, programs, input);
     draw_frame(buffer, programs, input);
     MapBuffer maps(gl, 256);

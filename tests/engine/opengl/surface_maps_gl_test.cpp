@@ -56,7 +56,7 @@ std::vector<dvec3> places_of(const Built &built, int triangle, bool line, dvec2 
   return places;
 }
 
-class MappedTexels : public OnSoftwareDevice {
+class DisplacedTexels : public OnSoftwareDevice {
 protected:
   void SetUp() override {
     OnSoftwareDevice::SetUp();
@@ -84,14 +84,14 @@ protected:
 
   void expect_the_cpus() {
     Buffers buffers;
-    buffers.frame = frame_of(bounding_box(built.triangles, built.half_edges));
+    buffers.bake_space = bake_space_of(bounding_box(built.triangles, built.half_edges));
     const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
     buffers.normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
     const BakeVertices vertices = build_bake_vertices(built.triangles, built.charts, *rings.corner_fan);
     thread->run([&](const Gl &gl, ProgramCache &programs) {
       GeometryBuffer buffer(gl, size);
       SurfaceMapper mapper;
-      const BakeInput input{built.triangles, built.charts, vertices, buffers.normals, buffers.frame};
+      const BakeInput input{built.triangles, built.charts, vertices, buffers.normals, buffers.bake_space};
       draw_layout(buffer, programs, input);
       draw_frame(buffer, programs, input);
       mapper.run(gl, programs, buffer, input, maps);
@@ -104,7 +104,7 @@ protected:
   }
 
   void compare(const Buffers &buffers) const {
-    const MappedSurface surface(maps, built.triangles, buffers.normals, buffers.frame);
+    const DisplacedSurface surface(maps, built.triangles, buffers.normals, buffers.bake_space);
     int triangles = 0, lines = 0;
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x) {
@@ -119,8 +119,8 @@ protected:
         // A place in (u, v) is known to 1e-7; a slope divides by a pixel of 1/64.
         ASSERT_LT(glm::length(vec3(found) - expected.position), 2e-5f) << x << ", " << y;
         ASSERT_LT(glm::length(vec3(buffers.normal[at(y * size + x)]) - expected.normal), 2e-4f) << x << ", " << y;
-        ASSERT_NEAR(found.w / (form_of(built.triangles, built.charts, buffers.frame, at(triangle)).w * expected.area_ratio), 1.0f,
-                    2e-4f)
+        ASSERT_NEAR(found.w / (form_of(built.triangles, built.charts, buffers.bake_space, at(triangle)).w * expected.area_ratio),
+                    1.0f, 2e-4f)
             << x << ", " << y;
         (id < 0 ? lines : triangles) += 1;
       }
@@ -133,33 +133,33 @@ protected:
   SurfaceMaps maps;
 };
 
-TEST_F(MappedTexels, are_displaced_as_the_cpu_computes) {
+TEST_F(DisplacedTexels, are_displaced_as_the_cpu_computes) {
   displace();
   expect_the_cpus();
 }
 
-TEST_F(MappedTexels, have_the_normals_that_the_cpu_computes) {
+TEST_F(DisplacedTexels, have_the_normals_that_the_cpu_computes) {
   map_normals();
   expect_the_cpus();
 }
 
-TEST_F(MappedTexels, are_displaced_and_have_the_maps_normals) {
+TEST_F(DisplacedTexels, are_displaced_and_have_the_maps_normals) {
   displace();
   map_normals();
   expect_the_cpus();
 }
 
-TEST(MappedPoints, a_displacement_whose_squares_no_float_holds_enlarges_no_ellipse) {
+TEST(DisplacedPoints, a_displacement_whose_squares_no_float_holds_enlarges_no_ellipse) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 100});
   lay_out(mesh, {.charts = 4});
   const Built built = build(mesh);
-  const BufferFrame frame = frame_of(bounding_box(built.triangles, built.half_edges));
+  const BakeSpace bake_space = bake_space_of(bounding_box(built.triangles, built.half_edges));
   const NormalRings rings = build_normal_rings(built.triangles, built.half_edges);
   const Normals normals = compute_normals(built.triangles, built.half_edges, rings, PDESC_NORMALS_FITTED, 0);
   const float heights[] = {0, 1, 1, 0};
   SurfaceMaps maps;
   set_displacement(maps, built.triangles, heights, 2, 2, 0, 1e30);
-  const float shrinkage = map_points(maps, built.triangles, built.half_edges, normals, frame, 1).shrinkage;
+  const float shrinkage = displace_points(maps, built.triangles, built.half_edges, normals, bake_space, 1).shrinkage;
   EXPECT_GE(shrinkage, 1.0f);
   EXPECT_LE(shrinkage, 4.0f); // else there are no samples, or any number of them
 }

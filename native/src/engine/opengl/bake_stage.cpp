@@ -86,10 +86,11 @@ Frame TextureSpace::bake(const Job &job) {
                       options.precision == PDESC_PRECISION_HALF && !surface.maps.any(),
                       options.normals == PDESC_NORMALS_MESH};
   frame.key.surface = {surface.positions_version, surface.maps.version, options.normals};
-  frame.space = frame_of(surface.extent.box);
+  frame.space = bake_space_of(surface.extent.box);
   if (surface.maps.any()) {
     frame.displaced = &*displaced_.get(frame.key.surface, [&] {
-      return map_points(surface.maps, surface.triangles, surface.half_edges, surface.normals, frame.space, job.resources.threads);
+      return displace_points(surface.maps, surface.triangles, surface.half_edges, surface.normals, frame.space,
+                             job.resources.threads);
     });
     frame.enlargement = ellipse_enlargement * frame.displaced->shrinkage;
   } else {
@@ -106,7 +107,7 @@ Frame TextureSpace::bake(const Job &job) {
 }
 
 // The ellipses for radius 1, of every step-th wedge.
-std::vector<vec4> TextureSpace::ellipses(const Job &job, const BufferFrame &space, int step) {
+std::vector<vec4> TextureSpace::ellipses(const Job &job, const BakeSpace &space, int step) {
   const Charts &charts = job.charts();
   const std::vector<int32_t> &corners =
       ellipse_corners_.get({job.surface.atlases.current().version, step}, [&] { return corners_of_wedges(charts, step); });

@@ -32,7 +32,7 @@ EvaluateSettings TextureSpace::settings_of(const Job &job, const Frame &frame) {
   if (job.connected()) settings.cells = cells().buffers.get();
   settings.estimator = options.estimator;
   settings.plain = options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE;
-  settings.mapped = frame.displaced != nullptr;
+  settings.displaced = frame.displaced != nullptr;
   settings.geodesic_ball = options.distance == PDESC_DISTANCE_GEODESIC;
   settings.adaptive = static_cast<float>(options.adaptive);
   settings.map_radius = settings.radius;

@@ -17,7 +17,7 @@ size_t EvaluateSettings::value_rows() const {
 
 bool EvaluateSettings::faces() const {
   const bool measures_area = std::ranges::any_of(descriptors, [](int row) { return uses_terms(row, "area"); });
-  return !mapped && (estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR || measures_area);
+  return !displaced && (estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR || measures_area);
 }
 
 void Evaluator::set_borders(const Gl &gl, const BorderGrid &grid) {

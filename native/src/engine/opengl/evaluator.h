@@ -35,7 +35,7 @@ struct EvaluateSettings {
   bool plain;                            // no control variate
   bool geodesic_ball;                    // the neighborhood ends where the distance along the surface exceeds the radius
   float adaptive;                        // 0: all samples everywhere
-  bool mapped = false;                   // the surface is displaced: its faces are not the mesh's
+  bool displaced = false;                // the surface is displaced: its faces are not the mesh's
   bool exact = false;                    // only the centers of set_connected_triangles, on their triangles
   const CellBuffers *cells = nullptr;    // what samples of the connected relocation read
   const BufferTexture *points = nullptr; // the points of these samples, if they are listed

@@ -165,7 +165,7 @@ void GeometryBuffer::upload(const BakeInput &input) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       const auto c = static_cast<size_t>(input.vertices.corner[i]);
       const vec3 position = input.triangles.positions[input.triangles.corner_vertex[c]];
-      points[2 * i] = vec4(input.frame.to_buffer(position), 0.0f);
+      points[2 * i] = vec4(input.bake_space.to_buffer(position), 0.0f);
       points[2 * i + 1] = vec4(input.normals.corner(c), 0.0f);
     }
   });
@@ -184,7 +184,7 @@ void GeometryBuffer::set_area_unit(const BakeInput &input) {
     const auto at = [&](size_t k) { return dvec3(input.triangles.positions[input.triangles.corner_vertex[3 * t + k]]); };
     space += length(cross(at(1) - at(0), at(2) - at(0)));
   }
-  space *= input.frame.scale * input.frame.scale;
+  space *= input.bake_space.scale * input.bake_space.scale;
   const double mean = area_in_map_ > 0.0 && space > 0.0 ? space / area_in_map_ : 1.0;
   area_unit_ = static_cast<float>(std::exp2(std::clamp(std::round(std::log2(mean)), -100.0, 100.0)));
 }

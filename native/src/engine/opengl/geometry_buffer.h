@@ -20,7 +20,7 @@ struct BakeInput {
   const Charts &charts;
   const BakeVertices &vertices;
   const Normals &normals;
-  const BufferFrame &frame;
+  const BakeSpace &bake_space;
   int threads = 0;
 };
 

@@ -85,7 +85,7 @@ Neighborhoods TextureSpace::search(const Job &job, const Frame &frame, double ra
   list_samples_for(job, frame, buffer_radius, samples);
   const CellSet &set = cells();
   const Surface &surface = job.surface;
-  const MappedSurface displaced(surface.maps, surface.triangles, surface.normals, frame.space);
+  const DisplacedSurface displaced(surface.maps, surface.triangles, surface.normals, frame.space);
   texelless = sample_texelless_triangles(set.cells, surface.triangles, surface.normals, frame.space, buffer_radius,
                                          frame.displaced ? &displaced : nullptr);
   const SearchSpace space{set.cells,

@@ -53,7 +53,7 @@ ReadBuffer TextureSpace::read_buffer(const std::string &name, const Atlas &atlas
   if (!baked_.key() || baked_.key()->layout.atlas.atlas != atlas.version) refuse_to_read_buffers();
   const BorderGrid *grid = grid_.find(baked_.key()->layout.atlas);
   if (!grid) refuse_to_read_buffers(); // a computation with other buffers ended before it baked them
-  const BufferFrame &space = baked_.value();
+  const BakeSpace &space = baked_.value();
   const GeometryBuffer &buffer = *device_->buffer;
   ReadBuffer read;
   gl_->run([&](const Gl &, ProgramCache &programs) {

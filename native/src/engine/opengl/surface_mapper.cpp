@@ -30,11 +30,11 @@ void SurfaceMapper::upload_images(const Gl &gl, const SurfaceMaps &maps) {
 
 void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const SurfaceMaps &maps) {
   const Triangles &triangles = input.triangles;
-  const SharedArray<vec2> &uvs = triangles.given_uv;
+  const SharedArray<vec2> &uvs = triangles.input_uv;
   std::vector<vec2> given;
   given.reserve(input.vertices.corner.size());
   for (const int32_t corner : input.vertices.corner) given.push_back(uvs[corner]);
-  given_.upload(gl, GL_RG32F, given.data(), given.size());
+  input_uvs_.upload(gl, GL_RG32F, given.data(), given.size());
   std::vector<vec4> tangents;
   if (maps.normal_map) {
     const std::vector<vec4> &own = maps.normal_map->corner_tangent;
@@ -55,14 +55,14 @@ void SurfaceMapper::run(const Gl &gl, ProgramCache &programs, const GeometryBuff
   buffer.bind_to_rewrite();
   gl.BindTextureUnit(UNIT_HEIGHTS, heights_.id());
   gl.BindTextureUnit(UNIT_COLORS, colors_.id());
-  gl.BindTextureUnit(UNIT_GIVEN, given_.id());
+  gl.BindTextureUnit(UNIT_INPUT_UV, input_uvs_.id());
   gl.BindTextureUnit(UNIT_TANGENTS, tangents_.id());
   gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
   gl.Uniform1i(LOCATION_DISPLACED, maps.displacement ? 1 : 0);
   gl.Uniform1i(LOCATION_NORMAL_MAPPED, maps.normal_map ? 1 : 0);
   gl.Uniform1f(LOCATION_MIDLEVEL, maps.displacement ? maps.displacement->midlevel : 0.0f);
   gl.Uniform1f(LOCATION_HEIGHT_SCALE,
-               maps.displacement ? maps.displacement->scale * static_cast<float>(input.frame.scale) : 0.0f);
+               maps.displacement ? maps.displacement->scale * static_cast<float>(input.bake_space.scale) : 0.0f);
   const auto groups = static_cast<GLuint>((buffer.size() + 7) / 8);
   gl.DispatchCompute(groups, groups, 1);
   gl.MemoryBarrier(GL_ALL_BARRIER_BITS);

@@ -17,7 +17,7 @@ private:
 
   int version_ = 0;
   Texture heights_, colors_;
-  ListTexture given_, tangents_;
+  ListTexture input_uvs_, tangents_;
 };
 
 } // namespace paradesc

@@ -80,8 +80,8 @@ struct CellSet {
 // The surface of one computation.
 struct Frame {
   BakeKey key;
-  BufferFrame space;
-  const MappedPoints *displaced = nullptr; // where maps displace it
+  BakeSpace space;
+  const DisplacedPoints *displaced = nullptr; // where maps displace it
   float enlargement = ellipse_enlargement; // of sampling ellipses over the radius
   std::vector<vec4> links;                 // as seam_links, if samples march
   std::vector<int32_t> seams;              // as number_seams, in the paper's relocation
@@ -130,7 +130,7 @@ private:
   void bake_layout(const Job &job, const LayoutKey &key);
   void bake_surface(const Job &job, const Frame &frame);
   void step(const Work &work);
-  std::vector<vec4> ellipses(const Job &job, const BufferFrame &space, int step);
+  std::vector<vec4> ellipses(const Job &job, const BakeSpace &space, int step);
   Centers centers(const Job &job, Frame &frame, double radius);
 
   // neighborhood_stage.cpp
@@ -172,8 +172,8 @@ private:
   Keyed<AtlasSize, BorderGrid> grid_;
   Keyed<std::pair<int, bool>, BakeVertices> vertices_; // by the atlas' version, and whether corners have normals of their own
   Keyed<LayoutKey, BakedLayout> layout_;               // what the buffers' owners are
-  Keyed<SurfaceKey, std::optional<MappedPoints>> displaced_;
-  Keyed<BakeKey, BufferFrame> baked_;                                // what the buffers hold
+  Keyed<SurfaceKey, std::optional<DisplacedPoints>> displaced_;
+  Keyed<BakeKey, BakeSpace> baked_;                                  // what the buffers hold
   Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas' version: of every so many wedges
   Keyed<AtlasSize, TexelMap> texels_;
   uint64_t last_samples_version_ = 0;
