@@ -106,9 +106,9 @@ std::vector<int> rows_of(const char *const *names, int32_t count) {
   return rows;
 }
 
-void check_length(int32_t given, size_t needed) {
-  if (given < 0 || static_cast<size_t>(given) != needed)
-    refuse("The array has room for " + std::to_string(given) + " vertices, but the mesh has " + std::to_string(needed) + ".");
+void check_length(int32_t room, size_t needed) {
+  if (room < 0 || static_cast<size_t>(room) != needed)
+    refuse("The array has room for " + std::to_string(room) + " vertices, but the mesh has " + std::to_string(needed) + ".");
 }
 
 const std::vector<float> &column(const paradesc::Field &field, const std::vector<std::vector<float>> &columns, const char *name) {
@@ -277,10 +277,10 @@ int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char
     need(field, "field");
     const auto ours = read_struct(options, pdesc_options_init, "pdesc_options");
     check_options(ours);
-    const std::vector<int> asked = rows_of(names, count);
+    const std::vector<int> requested = rows_of(names, count);
     const Turn turn(*mesh->mesh->context);
     auto result = std::make_unique<pdesc_field>();
-    result->field = paradesc::compute(*mesh->mesh, ours, asked, [&](const char *stage, double fraction) {
+    result->field = paradesc::compute(*mesh->mesh, ours, requested, [&](const char *stage, double fraction) {
       return !progress || progress(user, stage, fraction) != 0;
     });
     *field = live().add(std::move(result));
@@ -296,11 +296,11 @@ int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, 
     check_range("backend", backend, PDESC_BACKEND_AUTO, PDESC_BACKEND_REFERENCE);
     const auto ours = read_struct(options, pdesc_options_init, "pdesc_options");
     check_options(ours);
-    const std::vector<int> asked = rows_of(names, count);
+    const std::vector<int> requested = rows_of(names, count);
     const Turn turn(*mesh->mesh->context);
     const paradesc::Context &context = *mesh->mesh->context;
     if (backend == PDESC_BACKEND_AUTO) backend = context.backend;
-    const paradesc::MemoryForecast needed = paradesc::forecast_memory_of(*mesh->mesh, backend, ours, asked);
+    const paradesc::MemoryForecast needed = paradesc::forecast_memory_of(*mesh->mesh, backend, ours, requested);
     pdesc_memory found{};
     found.mesh = needed.mesh;
     found.host = needed.host;

@@ -42,14 +42,14 @@ inline void need(const void *pointer, const char *name) {
 }
 
 // A caller may be older or newer than the library: what it did not pass keeps its default, what we do not know is left alone.
-template <class Struct> Struct read_struct(const Struct *given, void (*init)(Struct *), const char *name) {
+template <class Struct> Struct read_struct(const Struct *input, void (*init)(Struct *), const char *name) {
   Struct ours;
   init(&ours);
-  if (!given) return ours;
-  if (given->struct_size < 2 * sizeof(uint32_t) || given->struct_size > 4096 || given->struct_size % alignof(Struct) != 0)
-    refuse(std::string(name) + ".struct_size is " + std::to_string(given->struct_size) + "; call " + name +
+  if (!input) return ours;
+  if (input->struct_size < 2 * sizeof(uint32_t) || input->struct_size > 4096 || input->struct_size % alignof(Struct) != 0)
+    refuse(std::string(name) + ".struct_size is " + std::to_string(input->struct_size) + "; call " + name +
            "_init before filling it.");
-  std::memcpy(static_cast<void *>(&ours), given, std::min<size_t>(given->struct_size, sizeof(Struct)));
+  std::memcpy(static_cast<void *>(&ours), input, std::min<size_t>(input->struct_size, sizeof(Struct)));
   return ours;
 }
 

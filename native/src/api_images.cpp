@@ -16,9 +16,9 @@ constexpr int32_t largest_side = 16384;
 
 int64_t floats_of(int32_t width, int32_t height, int32_t components) { return int64_t{width} * height * components; }
 
-void check_count(int64_t given, int64_t needed) {
-  if (given != needed)
-    refuse("The array has room for " + std::to_string(given) + " floats, but " + std::to_string(needed) + " are needed.");
+void check_count(int64_t room, int64_t needed) {
+  if (room != needed)
+    refuse("The array has room for " + std::to_string(room) + " floats, but " + std::to_string(needed) + " are needed.");
 }
 
 void check_triangle_values(const pdesc_uv_image_input &input) {

@@ -27,7 +27,7 @@ Resources resources_of(const Context &context) { return {context.threads, contex
 
 std::shared_ptr<Context> make_context(const pdesc_context_options &options, DriverSubstitute substitute) {
   auto context = std::make_shared<Context>();
-  context->asked = options.backend;
+  context->requested_backend = options.backend;
   context->device_index = options.device_index;
   context->threads = options.threads;
   context->memory_limit = options.memory_limit;
@@ -57,7 +57,8 @@ bool is_of_device(const Error &error) {
 }
 
 bool fall_back(Context &context, const Error &error) {
-  if (context.asked != PDESC_BACKEND_AUTO || context.backend == PDESC_BACKEND_REFERENCE || !is_of_device(error)) return false;
+  if (context.requested_backend != PDESC_BACKEND_AUTO || context.backend == PDESC_BACKEND_REFERENCE || !is_of_device(error))
+    return false;
   const char *why = keep(context, error.what());
   use_first(context, context.backend + 1);
   context.fallback = why;

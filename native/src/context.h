@@ -16,7 +16,7 @@ namespace paradesc {
 
 struct Context {
   std::atomic<int> backend = PDESC_BACKEND_REFERENCE; // the engine's
-  int asked = PDESC_BACKEND_AUTO;
+  int requested_backend = PDESC_BACKEND_AUTO;
   int device_index = -1;
   int threads = 0;
   int64_t memory_limit = 0;       // as in pdesc_context_options

@@ -26,33 +26,33 @@ struct Stop {
 TEST(Checkpoint, without_a_scope_does_nothing) { checkpoint(); }
 
 TEST(Checkpoint, asks_on_the_thread_of_the_scope_alone_and_ends_all_threads) {
-  std::atomic<int> asked{0}, elsewhere{0};
+  std::atomic<int> asks{0}, elsewhere{0};
   const auto owner = std::this_thread::get_id();
   const auto cancelled = [&] {
     const CancelScope scope([&] {
       elsewhere += std::this_thread::get_id() != owner;
-      if (++asked == 3) throw Error(PDESC_ERROR_CANCELLED, "stop");
+      if (++asks == 3) throw Error(PDESC_ERROR_CANCELLED, "stop");
     });
     parallel_blocks(1 << 20, 2, 1, [](int, int) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
   };
   EXPECT_THROW(cancelled(), Error); // or it would last for half an hour
-  EXPECT_EQ(asked, 3);
+  EXPECT_EQ(asks, 3);
   EXPECT_EQ(elsewhere, 0);
   checkpoint(); // the scope is gone
 }
 
 TEST(Checkpoint, is_not_asked_while_the_caller_answers) {
-  int asked = 0;
+  int asks = 0;
   const CancelScope scope([&] {
-    ++asked;
+    ++asks;
     std::this_thread::sleep_for(2 * cancel_patience);
     checkpoint(); // as a caller that uses the library in its callback
   });
   checkpoint();
-  EXPECT_EQ(asked, 0) << "too soon";
+  EXPECT_EQ(asks, 0) << "too soon";
   std::this_thread::sleep_for(2 * cancel_patience);
   checkpoint();
-  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(asks, 1);
 }
 
 class CancelAnywhere : public Api, public ::testing::WithParamInterface<int32_t> {

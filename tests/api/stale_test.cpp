@@ -27,11 +27,12 @@ protected:
 
   Results run(pdesc_mesh *created, const Settings &settings) {
     const pdesc_options options = options_of(settings);
-    std::vector<const char *> asked;
-    for (const std::string &name : names) asked.push_back(name.c_str());
+    std::vector<const char *> requested;
+    for (const std::string &name : names) requested.push_back(name.c_str());
     pdesc_field *field = nullptr;
-    EXPECT_EQ(pdesc_compute(created, &options, asked.data(), static_cast<int32_t>(asked.size()), nullptr, nullptr, &field),
-              PDESC_OK)
+    EXPECT_EQ(
+        pdesc_compute(created, &options, requested.data(), static_cast<int32_t>(requested.size()), nullptr, nullptr, &field),
+        PDESC_OK)
         << pdesc_last_error();
     const Field owner(field);
     return read_field(field, mesh.vertex_count, names, settings.seam_error != 0);

@@ -284,8 +284,8 @@ TEST_F(SurfaceMapsApi, refuse_what_cannot_be_used_and_name_it) {
   broken[7] = std::numeric_limits<float>::infinity();
   expect_refused(displaced(broken.data(), 3, 3, 0, 1), PDESC_ERROR_INVALID_ARGUMENT, {"displacement", "pixel 7"});
   expect_refused(pdesc_mesh_set_displacement(nullptr, pixels.data(), 1, 1, 0, 1), PDESC_ERROR_INVALID_ARGUMENT, {"mesh", "NULL"});
-  auto mapped = [&](const float *rgb, const float *given, int32_t count) {
-    return pdesc_mesh_set_normal_map(mesh.get(), rgb, 2, 2, given, count);
+  auto mapped = [&](const float *rgb, const float *corner_tangents, int32_t count) {
+    return pdesc_mesh_set_normal_map(mesh.get(), rgb, 2, 2, corner_tangents, count);
   };
   expect_refused(mapped(pixels.data(), nullptr, corners), PDESC_ERROR_INVALID_ARGUMENT, {"corner_tangents", "NULL"});
   expect_refused(mapped(pixels.data(), tangents.data(), corners - 1), PDESC_ERROR_INVALID_ARGUMENT,

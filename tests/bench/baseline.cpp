@@ -189,10 +189,10 @@ BaselineSurface build_baseline(const Triangles &triangles, const HalfEdges &half
   return surface;
 }
 
-BaselineRun run_baseline(const BaselineSurface &surface, double radius, std::span<const int32_t> asked, int threads,
+BaselineRun run_baseline(const BaselineSurface &surface, double radius, std::span<const int32_t> requested, int threads,
                          std::span<float> values) {
   const auto limit = static_cast<float>(radius * radius);
-  const auto count = static_cast<int64_t>(asked.size());
+  const auto count = static_cast<int64_t>(requested.size());
   std::vector<Room> rooms(static_cast<size_t>(std::max(threads, 1)), Room(surface));
   BaselineRun run;
   int64_t neighbors = 0;
@@ -207,7 +207,7 @@ BaselineRun run_baseline(const BaselineSurface &surface, double radius, std::spa
 #else
     Room &room = rooms.front();
 #endif
-    const Sums sums = flood(surface, room, asked[static_cast<size_t>(i)], limit);
+    const Sums sums = flood(surface, room, requested[static_cast<size_t>(i)], limit);
     // With V_o = (2 pi r^3/3)(1 - sum w rho a / sum w rho) equation (8) is H = -(8 / 3r) sum w n.d / sum w rho.
     values[static_cast<size_t>(i)] = static_cast<float>(-8.0 / (3.0 * radius) * sums.height / sums.distance);
     neighbors += sums.count;

@@ -40,7 +40,7 @@ struct BaselineRun {
 };
 
 // H at the points asked for, numbers of BaselineSurface, into values at the same places; NaN where there is no neighbor.
-BaselineRun run_baseline(const BaselineSurface &surface, double radius, std::span<const int32_t> asked, int threads,
+BaselineRun run_baseline(const BaselineSurface &surface, double radius, std::span<const int32_t> requested, int threads,
                          std::span<float> values);
 
 // About `count` points in runs of 64 neighbors on the curve, as a whole run meets them; all where there are not more.

@@ -33,9 +33,9 @@ Made make(test::TestMesh mesh) {
 
 TEST(Baseline, has_a_spheres_mean_curvature_within_the_steps_of_its_weights) {
   const Made made = make(test::sphere(2.0, {.vertices = 4000}));
-  const std::vector<int32_t> asked = choose_points(made.surface, 0, 1);
-  std::vector<float> values(asked.size());
-  const BaselineRun run = run_baseline(made.surface, 0.8, asked, 1, values);
+  const std::vector<int32_t> requested = choose_points(made.surface, 0, 1);
+  std::vector<float> values(requested.size());
+  const BaselineRun run = run_baseline(made.surface, 0.8, requested, 1, values);
   // A ball holds some 160 vertices, so its rim comes in steps: METHOD's bias is none on a sphere.
   double mean = 0.0;
   for (const float value : values) {
@@ -48,14 +48,14 @@ TEST(Baseline, has_a_spheres_mean_curvature_within_the_steps_of_its_weights) {
 
 TEST(Baseline, finds_the_vertices_that_lie_in_the_ball_and_hang_together_there) {
   const Made made = make(test::torus(1.0, 0.4, {.vertices = 2000}));
-  const std::vector<int32_t> asked = choose_points(made.surface, 0, 1);
-  std::vector<float> values(asked.size());
+  const std::vector<int32_t> requested = choose_points(made.surface, 0, 1);
+  std::vector<float> values(requested.size());
   const double radius = 0.35; // below the tube's width: within it the ball holds one part
   int64_t inside = 0;
   for (const WeightedPoint &a : made.surface.points)
     for (const WeightedPoint &b : made.surface.points)
       inside += &a != &b && (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z) <= 0.35f * 0.35f;
-  EXPECT_EQ(run_baseline(made.surface, radius, asked, 1, values).neighbors, inside);
+  EXPECT_EQ(run_baseline(made.surface, radius, requested, 1, values).neighbors, inside);
 }
 
 TEST(Baseline, weights_of_vertices_are_the_area_of_the_surface) {

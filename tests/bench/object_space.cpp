@@ -78,20 +78,20 @@ void baseline(const Words &words, const Surface &surface, double radius, int thr
   constexpr int pilot = 2048;
   const BaselineSurface made = build_baseline(surface.triangles, surface.half_edges, surface.normals.point);
   const double setup = now() - start;
-  std::vector<int32_t> asked = choose_points(made, pilot, 1);
-  std::vector<float> values(asked.size());
-  run_baseline(made, radius, asked, threads, values); // brings threads and memory up
-  const BaselineRun first = run_baseline(made, radius, asked, threads, values);
+  std::vector<int32_t> requested = choose_points(made, pilot, 1);
+  std::vector<float> values(requested.size());
+  run_baseline(made, radius, requested, threads, values); // brings threads and memory up
+  const BaselineRun first = run_baseline(made, radius, requested, threads, values);
   const double limit = number(words, "seconds", 0.0);
-  const double wanted = limit > 0.0 ? limit / first.seconds * static_cast<double>(asked.size()) : 0.0;
-  asked = choose_points(made, static_cast<int>(std::min(wanted, 2e9)), 2);
-  values.resize(asked.size());
-  const BaselineRun once = run_baseline(made, radius, asked, threads, values);
-  const BaselineRun again = run_baseline(made, radius, asked, threads, values);
+  const double wanted = limit > 0.0 ? limit / first.seconds * static_cast<double>(requested.size()) : 0.0;
+  requested = choose_points(made, static_cast<int>(std::min(wanted, 2e9)), 2);
+  values.resize(requested.size());
+  const BaselineRun once = run_baseline(made, radius, requested, threads, values);
+  const BaselineRun again = run_baseline(made, radius, requested, threads, values);
   const BaselineRun &run = again.seconds < once.seconds ? again : once;
-  print("baseline", surface.half_edges.point_count, asked.size(), run, threads, setup);
+  print("baseline", surface.half_edges.point_count, requested.size(), run, threads, setup);
   std::vector<int32_t> vertices;
-  for (const int32_t point : asked)
+  for (const int32_t point : requested)
     vertices.push_back(surface.half_edges.point_vertex[static_cast<size_t>(made.origin[static_cast<size_t>(point)])]);
   write_values(words, "baseline_values", vertices, values);
 }

@@ -116,9 +116,9 @@ void mesh_stage(benchmark::State &state) {
 
 void upload_positions(benchmark::State &state) {
   guarded(state, [&] {
-    const test::TestMesh &given = surface(60);
+    const test::TestMesh &shape = surface(60);
     pdesc_mesh *mesh = mesh_of(60);
-    for (auto _ : state) check(pdesc_mesh_set_positions(mesh, given.positions.data(), given.vertex_count));
+    for (auto _ : state) check(pdesc_mesh_set_positions(mesh, shape.positions.data(), shape.vertex_count));
   });
 }
 

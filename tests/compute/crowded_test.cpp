@@ -33,10 +33,10 @@ protected:
   void SetUp() override {
     std::string why_not;
     if (!open_context(PDESC_BACKEND_SOFTWARE, why_not)) GTEST_SKIP() << why_not;
-    pdesc_context_options asked;
-    pdesc_context_options_init(&asked);
-    asked.backend = PDESC_BACKEND_SOFTWARE;
-    context = make_context(asked);
+    pdesc_context_options requested;
+    pdesc_context_options_init(&requested);
+    requested.backend = PDESC_BACKEND_SOFTWARE;
+    context = make_context(requested);
     ball = sphere(1.0, {.vertices = 300});
     lay_out(ball, {});
   }

@@ -35,10 +35,10 @@ protected:
   }
 
   static std::shared_ptr<Context> open() {
-    pdesc_context_options asked;
-    pdesc_context_options_init(&asked);
-    asked.backend = GetParam();
-    return make_context(asked);
+    pdesc_context_options requested;
+    pdesc_context_options_init(&requested);
+    requested.backend = GetParam();
+    return make_context(requested);
   }
 
   Field compute_by(const std::shared_ptr<Context> &context, const Way &way) const {

@@ -49,13 +49,13 @@ TestMesh thin_ribbon() {
 // Its windows need the map alone. Beside Harris' gradient, which is undefined here, it once left out what had none.
 TEST_P(DifferenceOfGaussians, exists_where_the_gradient_does_not) {
   const TestMesh mesh = thin_ribbon();
-  Settings asked = settings;
-  asked.radius = 0.1;
-  asked.buffer_size = 512;
-  asked.samples = 64;
+  Settings requested = settings;
+  requested.radius = 0.1;
+  requested.buffer_size = 512;
+  requested.samples = 64;
   const std::vector<std::string> both{"difference_of_gaussians", "harris", "gradient_magnitude"};
-  const std::vector<float> alone = compute_one(mesh, both[0], asked);
-  const Results together = compute(context.get(), mesh, asked, both);
+  const std::vector<float> alone = compute_one(mesh, both[0], requested);
+  const Results together = compute(context.get(), mesh, requested, both);
   size_t undefined = 0;
   for (const float value : together["gradient_magnitude"]) undefined += std::isnan(value);
   EXPECT_GT(undefined, alone.size() / 2) << "the ribbon is too wide to say anything";

@@ -51,9 +51,9 @@ protected:
   }
 
   static void compare(const Results &fast, const TestMesh &mesh, const Settings &settings, const std::vector<int32_t> &vertices,
-                      const std::vector<std::string> &asked) {
-    const Oracle oracle = ask_oracle(mesh, fast.report.radius, settings, vertices, asked);
-    for (const std::string &name : asked) {
+                      const std::vector<std::string> &requested) {
+    const Oracle oracle = ask_oracle(mesh, fast.report.radius, settings, vertices, requested);
+    for (const std::string &name : requested) {
       const std::vector<float> values = pick(fast[name], vertices, components_of(name));
       const std::vector<double> &expected = oracle[name];
       if (components_of(name) == 3) {

@@ -13,15 +13,15 @@ namespace {
 int row(const char *name) { return find_descriptor(name); }
 
 TEST(Passes, descriptors_of_the_surface_take_one) {
-  const std::vector<int> asked{row("mean_curvature"), row("shape_index")};
-  const std::vector<Pass> passes = plan_passes(asked, row("sphere_volume"));
+  const std::vector<int> requested{row("mean_curvature"), row("shape_index")};
+  const std::vector<Pass> passes = plan_passes(requested, row("sphere_volume"));
   ASSERT_EQ(passes.size(), 1u);
-  EXPECT_EQ(passes[0].rows, asked);
+  EXPECT_EQ(passes[0].rows, requested);
 }
 
 TEST(Passes, an_operator_reads_the_map_from_a_pass_of_its_own) {
-  const std::vector<int> asked{row("laplacian"), row("sphere_volume")};
-  const std::vector<Pass> passes = plan_passes(asked, row("sphere_volume"));
+  const std::vector<int> requested{row("laplacian"), row("sphere_volume")};
+  const std::vector<Pass> passes = plan_passes(requested, row("sphere_volume"));
   ASSERT_EQ(passes.size(), 3u);
   EXPECT_EQ(passes[0].stage, Stage::surface);
   EXPECT_EQ(passes[1].stage, Stage::source);
@@ -31,7 +31,8 @@ TEST(Passes, an_operator_reads_the_map_from_a_pass_of_its_own) {
 
 // Two points, each with two centers; a pass gives 100 times its number plus the point, or the map it was given.
 TEST(Passes, harris_is_given_the_map_and_its_gradient_and_values_come_back_in_order) {
-  const std::vector<int> asked{row("harris"), row("mean_curvature"), row("difference_of_gaussians"), row("gradient_magnitude")};
+  const std::vector<int> requested{row("harris"), row("mean_curvature"), row("difference_of_gaussians"),
+                                   row("gradient_magnitude")};
   std::vector<Stage> stages;
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
     EXPECT_EQ(count, 4);
@@ -50,7 +51,7 @@ TEST(Passes, harris_is_given_the_map_and_its_gradient_and_values_come_back_in_or
     }
     return results;
   };
-  const CenterResults results = run_passes(2, asked, row("sphere_volume"), run);
+  const CenterResults results = run_passes(2, requested, row("sphere_volume"), run);
   EXPECT_EQ(stages, (std::vector<Stage>{Stage::surface, Stage::source, Stage::map, Stage::windows}));
   ASSERT_EQ(results.values.size(), 4u);
   const float expected[] = {301, 1, 301, 201};
@@ -59,7 +60,7 @@ TEST(Passes, harris_is_given_the_map_and_its_gradient_and_values_come_back_in_or
 
 // Found by fuzzing: the gradient of a map that was evaluated nowhere was read past its end.
 TEST(Passes, a_map_without_a_center_is_undefined_at_every_point) {
-  const std::vector<int> asked{row("harris")};
+  const std::vector<int> requested{row("harris")};
   int with_map = 0;
   const auto run = [&](const Pass &pass, const MapValues *map, int, int) {
     if (pass.stage == Stage::windows) {
@@ -71,7 +72,7 @@ TEST(Passes, a_map_without_a_center_is_undefined_at_every_point) {
     results.values.resize(pass.rows.size());
     return results;
   };
-  run_passes(8, asked, row("sphere_volume"), run);
+  run_passes(8, requested, row("sphere_volume"), run);
   EXPECT_EQ(with_map, 8);
 }
 

@@ -78,20 +78,20 @@ protected:
 };
 
 TEST_P(RealMeshes, agree_with_the_oracle_at_every_vertex) {
-  const Case &asked = GetParam();
-  PDESC_REAL_MESH(mesh, asked.mesh);
-  const Settings settings{.radius = asked.radius};
+  const Case &test_case = GetParam();
+  PDESC_REAL_MESH(mesh, test_case.mesh);
+  const Settings settings{.radius = test_case.radius};
   const Results fast = compute(software.get(), mesh, settings, names);
   std::vector<int32_t> vertices(static_cast<size_t>(mesh.vertex_count));
   std::iota(vertices.begin(), vertices.end(), 0);
-  vertices = some_of(vertices, asked.vertices);
+  vertices = some_of(vertices, test_case.vertices);
   const Oracle oracle = ask_oracle(mesh, fast.report.radius, settings, vertices, names);
   const double disk = std::numbers::pi * fast.report.radius * fast.report.radius;
   std::vector<uint8_t> compared(vertices.size(), 1);
   for (const std::string &name : names)
     for (size_t i = 0; i < vertices.size(); ++i)
       if (std::isnan(fast[name][static_cast<size_t>(vertices[i])]) != std::isnan(oracle[name][i])) compared[i] = 0;
-  EXPECT_LE(static_cast<size_t>(std::ranges::count(compared, 0)), asked.undefined);
+  EXPECT_LE(static_cast<size_t>(std::ranges::count(compared, 0)), test_case.undefined);
   for (const Place place : {plain, folded, cut}) {
     const std::vector<uint8_t> subset = where(oracle, compared, disk, place);
     Errors worst[families];
@@ -99,12 +99,13 @@ TEST_P(RealMeshes, agree_with_the_oracle_at_every_vertex) {
       const Family family = family_of(name);
       const PercentAe error = percent_ae(pick(fast[name], vertices), oracle[name], subset);
       const double unit = name.ends_with("_area") ? error.range / disk : 1;
-      Errors &most = worst[family];
-      most = {std::max(most.mean, unit * error.mean), std::max(most.p99, unit * error.p99), std::max(most.max, unit * error.max)};
+      Errors &largest = worst[family];
+      largest = {std::max(largest.mean, unit * error.mean), std::max(largest.p99, unit * error.p99),
+                 std::max(largest.max, unit * error.max)};
     }
     std::cout << place_names[place] << ", " << std::ranges::count(subset, 1) << " vertices:";
     for (int family = 0; family < families; ++family) {
-      const Errors &found = worst[family], &allowed = asked.allowed[place][family];
+      const Errors &found = worst[family], &allowed = test_case.allowed[place][family];
       std::cout << "  " << family_names[family] << " {" << found.mean << ", " << found.p99 << ", " << found.max << "}";
       EXPECT_LE(found.mean, allowed.mean) << place_names[place] << ", " << family_names[family];
       EXPECT_LE(found.p99, allowed.p99) << place_names[place] << ", " << family_names[family];
@@ -117,7 +118,7 @@ TEST_P(RealMeshes, agree_with_the_oracle_at_every_vertex) {
   for (size_t i = 0; i < vertices.size(); ++i)
     other += ((fast.mask[static_cast<size_t>(vertices[i])] & PDESC_MASK_BOUNDARY) != 0) != (oracle.boundary[i] != 0);
   std::cout << std::ranges::count(compared, 0) << " defined and " << other << " boundaries seen on one side only\n";
-  EXPECT_LE(other, asked.boundaries);
+  EXPECT_LE(other, test_case.boundaries);
   EXPECT_GT(fast.report.coverage_mean, 0.999);
   EXPECT_LE(fast.report.low_coverage_vertices, 1);
   EXPECT_LE(fast.report.undefined_vertices, 2);

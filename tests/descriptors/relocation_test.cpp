@@ -363,25 +363,25 @@ TEST_F(Relocation, the_directional_ellipse_finds_what_the_centers_distortion_lea
   const std::vector<uint8_t> inside = interior(mesh, 0.12);
   settings.samples = 1024;
   const auto errors = [&](const Found &result) {
-    double least = 1, most = 1, sum = 0, count = 0;
+    double least = 1, largest = 1, sum = 0, count = 0;
     for (size_t v = 0; v < inside.size(); ++v)
       if (inside[v]) {
         least = std::min(least, result.area[v]);
-        most = std::max(most, result.area[v]);
+        largest = std::max(largest, result.area[v]);
         sum += result.area[v];
         ++count;
       }
-    std::cout << "areas from " << least << " to " << most << ", mean " << sum / count << "\n";
-    return std::array{least, most, sum / count};
+    std::cout << "areas from " << least << " to " << largest << ", mean " << sum / count << "\n";
+    return std::array{least, largest, sum / count};
   };
   for (const int32_t relocation : {PDESC_RELOCATION_AFFINE, PDESC_RELOCATION_PAPER}) {
     settings.relocation = relocation;
     settings.ellipse = PDESC_ELLIPSE_CENTER;
     EXPECT_LT(errors(found(mesh, settings))[0], 0.95) << "what the center's ellipse leaves out";
     settings.ellipse = PDESC_ELLIPSE_DIRECTIONAL;
-    const auto [least, most, mean] = errors(found(mesh, settings));
+    const auto [least, largest, mean] = errors(found(mesh, settings));
     EXPECT_GT(least, 0.96);
-    EXPECT_LT(most, 1.04);
+    EXPECT_LT(largest, 1.04);
     EXPECT_NEAR(mean, 1, 0.01);
   }
 }

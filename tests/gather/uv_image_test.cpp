@@ -35,30 +35,30 @@ struct Drawing {
   }
 
   pdesc_uv_image_input input() const {
-    pdesc_uv_image_input given;
-    pdesc_uv_image_input_init(&given);
-    given.size = size;
-    given.triangle_count = static_cast<int32_t>(uvs.size() / 6);
-    given.value_count = static_cast<int32_t>(values.size()) / components;
-    given.components = components;
-    given.threads = threads;
-    given.uvs = uvs.data();
-    given.triangle_values = corners.data();
-    given.values = values.data();
-    given.map = map_size ? map.data() : nullptr;
-    given.map_size = map_size;
-    given.map_uvs = map_uvs.data();
-    given.progress = progress;
-    given.user = user;
-    return given;
+    pdesc_uv_image_input arguments;
+    pdesc_uv_image_input_init(&arguments);
+    arguments.size = size;
+    arguments.triangle_count = static_cast<int32_t>(uvs.size() / 6);
+    arguments.value_count = static_cast<int32_t>(values.size()) / components;
+    arguments.components = components;
+    arguments.threads = threads;
+    arguments.uvs = uvs.data();
+    arguments.triangle_values = corners.data();
+    arguments.values = values.data();
+    arguments.map = map_size ? map.data() : nullptr;
+    arguments.map_size = map_size;
+    arguments.map_uvs = map_uvs.data();
+    arguments.progress = progress;
+    arguments.user = user;
+    return arguments;
   }
 
   int64_t floats() const { return int64_t{size} * size * components; }
 
   std::vector<float> draw() const {
     std::vector<float> image(static_cast<size_t>(floats()), sentinel);
-    const pdesc_uv_image_input given = input();
-    EXPECT_EQ(pdesc_uv_image_draw(&given, image.data(), floats()), PDESC_OK) << pdesc_last_error();
+    const pdesc_uv_image_input arguments = input();
+    EXPECT_EQ(pdesc_uv_image_draw(&arguments, image.data(), floats()), PDESC_OK) << pdesc_last_error();
     return image;
   }
 };
@@ -261,8 +261,8 @@ TEST(UvImage, that_is_cancelled_leaves_the_output_as_it_was) {
     drawing.progress = stop;
     drawing.user = &left;
     std::vector<float> image(static_cast<size_t>(drawing.floats()), sentinel);
-    const pdesc_uv_image_input given = drawing.input();
-    expect_refused(pdesc_uv_image_draw(&given, image.data(), drawing.floats()), PDESC_ERROR_CANCELLED, {"cancelled"});
+    const pdesc_uv_image_input arguments = drawing.input();
+    expect_refused(pdesc_uv_image_draw(&arguments, image.data(), drawing.floats()), PDESC_ERROR_CANCELLED, {"cancelled"});
     for (const float x : image) ASSERT_EQ(x, sentinel);
   }
   int left = std::numeric_limits<int>::max();
@@ -276,38 +276,38 @@ TEST(UvImage, that_is_cancelled_leaves_the_output_as_it_was) {
 TEST(UvImage, refuses_what_it_cannot_draw_in_a_sentence_that_names_it) {
   const auto refused = [](auto &&spoil, std::initializer_list<const char *> offenders) {
     const Drawing drawing = crowd(8);
-    pdesc_uv_image_input given = drawing.input();
-    spoil(given);
+    pdesc_uv_image_input arguments = drawing.input();
+    spoil(arguments);
     std::vector<float> image(64, sentinel);
-    expect_refused(pdesc_uv_image_draw(&given, image.data(), 64), PDESC_ERROR_INVALID_ARGUMENT, offenders);
+    expect_refused(pdesc_uv_image_draw(&arguments, image.data(), 64), PDESC_ERROR_INVALID_ARGUMENT, offenders);
     for (const float x : image) EXPECT_EQ(x, sentinel);
   };
   using Input = pdesc_uv_image_input;
-  refused([](Input &given) { given.struct_size = 3; }, {"struct_size", "_init"});
-  refused([](Input &given) { given.size = 0; }, {"size", "0"});
-  refused([](Input &given) { given.size = 16385; }, {"size", "16384"});
-  refused([](Input &given) { given.size = 9; }, {"64", "81"});
-  refused([](Input &given) { given.triangle_count = -1; }, {"triangle_count"});
-  refused([](Input &given) { given.value_count = -1; }, {"value_count"});
-  refused([](Input &given) { given.value_count = 100; }, {"corner 1 of triangle 33", "value 100"});
-  refused([](Input &given) { given.components = 2; }, {"components", "2"});
-  refused([](Input &given) { given.threads = -1; }, {"threads"});
-  refused([](Input &given) { given.uvs = nullptr; }, {"uvs", "NULL"});
-  refused([](Input &given) { given.values = nullptr; }, {"values", "NULL"});
-  refused([](Input &given) { given.triangle_values = nullptr; }, {"triangle_values", "NULL"});
+  refused([](Input &arguments) { arguments.struct_size = 3; }, {"struct_size", "_init"});
+  refused([](Input &arguments) { arguments.size = 0; }, {"size", "0"});
+  refused([](Input &arguments) { arguments.size = 16385; }, {"size", "16384"});
+  refused([](Input &arguments) { arguments.size = 9; }, {"64", "81"});
+  refused([](Input &arguments) { arguments.triangle_count = -1; }, {"triangle_count"});
+  refused([](Input &arguments) { arguments.value_count = -1; }, {"value_count"});
+  refused([](Input &arguments) { arguments.value_count = 100; }, {"corner 1 of triangle 33", "value 100"});
+  refused([](Input &arguments) { arguments.components = 2; }, {"components", "2"});
+  refused([](Input &arguments) { arguments.threads = -1; }, {"threads"});
+  refused([](Input &arguments) { arguments.uvs = nullptr; }, {"uvs", "NULL"});
+  refused([](Input &arguments) { arguments.values = nullptr; }, {"values", "NULL"});
+  refused([](Input &arguments) { arguments.triangle_values = nullptr; }, {"triangle_values", "NULL"});
   const float map = 1.0f;
-  refused([&](Input &given) { given.map = &map; }, {"map_size"});
+  refused([&](Input &arguments) { arguments.map = &map; }, {"map_size"});
   refused(
-      [&](Input &given) {
-        given.map = &map;
-        given.map_size = 1;
-        given.map_uvs = nullptr;
+      [&](Input &arguments) {
+        arguments.map = &map;
+        arguments.map_size = 1;
+        arguments.map_uvs = nullptr;
       },
       {"map_uvs", "NULL"});
   float texel = sentinel;
   expect_refused(pdesc_uv_image_draw(nullptr, &texel, 1), PDESC_ERROR_INVALID_ARGUMENT, {"input"});
-  const pdesc_uv_image_input given = crowd(1).input();
-  expect_refused(pdesc_uv_image_draw(&given, nullptr, 1), PDESC_ERROR_INVALID_ARGUMENT, {"image"});
+  const pdesc_uv_image_input arguments = crowd(1).input();
+  expect_refused(pdesc_uv_image_draw(&arguments, nullptr, 1), PDESC_ERROR_INVALID_ARGUMENT, {"image"});
 }
 
 } // namespace

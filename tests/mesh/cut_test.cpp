@@ -79,14 +79,14 @@ double shared_area(const Built &built, int a, int b) {
 // Cuts, and checks what holds for all cuts: the pieces' triangles share no area, and charts of the pieces are the pieces.
 Cuts checked_cuts(const Built &built) {
   const Cuts cuts = cut_charts(built.half_edges, built.charts);
-  double most = 0;
+  double largest = 0;
   for (int a = 0; a < built.triangles.triangle_count; ++a) {
     EXPECT_EQ(cuts.triangle_piece[at(a)] < 0, built.charts.triangle_chart[at(a)] < 0);
     for (int b = 0; b < a; ++b)
       if (cuts.triangle_piece[at(a)] >= 0 && cuts.triangle_piece[at(a)] == cuts.triangle_piece[at(b)])
-        most = std::max(most, shared_area(built, a, b));
+        largest = std::max(largest, shared_area(built, a, b));
   }
-  EXPECT_LT(most, 2e-6 * 0.1) << "a hair along the sides, a tenth of the square long at most here";
+  EXPECT_LT(largest, 2e-6 * 0.1) << "a hair along the sides, a tenth of the square long at most here";
   const Charts charts = build_charts(built.triangles, built.half_edges, cuts.triangle_piece);
   EXPECT_EQ(charts.triangle_chart.size(), cuts.triangle_piece.size());
   const int pieces = 1 + *std::max_element(cuts.triangle_piece.begin(), cuts.triangle_piece.end());

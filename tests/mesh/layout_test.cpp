@@ -295,13 +295,13 @@ TEST_F(LaidOutAfresh, curvatures_over_a_map_that_lies_on_itself_are_those_of_the
 TEST_F(LaidOutAfresh, a_map_in_a_corner_of_the_square_is_laid_out_to_fill_it) {
   TestMesh mesh = torus(1.0, 0.4, {.vertices = 5000});
   lay_out(mesh, {.charts = 6});
-  const Results given = compute(context.get(), mesh, {}, names);
-  EXPECT_EQ(given.report.private_layout, PDESC_LAYOUT_GIVEN);
+  const Results original = compute(context.get(), mesh, {}, names);
+  EXPECT_EQ(original.report.private_layout, PDESC_LAYOUT_GIVEN);
   for (float &uv : mesh.corner_uvs) uv *= 0.1f;
   const Results results = compute(context.get(), mesh, {}, names);
   EXPECT_EQ(results.report.private_layout, PDESC_LAYOUT_SPARSE);
   EXPECT_EQ(results.report.cut_charts, 0);
-  EXPECT_GT(results.report.radius_in_texels, 0.8 * given.report.radius_in_texels);
+  EXPECT_GT(results.report.radius_in_texels, 0.8 * original.report.radius_in_texels);
   EXPECT_LE(percent_ae(results["mean_curvature"], mesh.H).mean, 1.0); // 5000 vertices
 }
 

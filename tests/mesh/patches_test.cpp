@@ -33,7 +33,7 @@ void expect_sound(const Patches &patches, const HalfEdges &half_edges) {
   for (size_t patch = 0; patch < patches.count(); ++patch) {
     const auto first = at(patches.begin[patch]), last = at(patches.begin[patch + 1]);
     ASSERT_GT(last, first);
-    ASSERT_LE(last - first, Patches::most_triangles);
+    ASSERT_LE(last - first, Patches::max_triangles);
     EXPECT_EQ(connected(patches, half_edges, patch), last - first) << patch;
     const int32_t *points = &patches.point[at(patches.point_begin[patch])];
     for (size_t k = first; k < last; ++k) {
@@ -62,7 +62,7 @@ TEST(Patches, hold_each_triangle_of_a_torus_once_and_are_nearly_full) {
   const Patches patches = build_patches(half_edges);
   expect_sound(patches, half_edges);
   // Else floods over them look at as many things as floods over triangles.
-  EXPECT_LT(patches.count(), 3 * at(triangles.triangle_count) / Patches::most_triangles);
+  EXPECT_LT(patches.count(), 3 * at(triangles.triangle_count) / Patches::max_triangles);
 }
 
 TEST(Patches, of_an_open_surface_and_of_several_parts_are_sound) {

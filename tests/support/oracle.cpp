@@ -66,16 +66,16 @@ Oracle ask_oracle(const TestMesh &mesh, double radius, const Settings &settings,
   const double window = WINDOW_RADIUS * settings.map_sigma * radius;
   const std::vector<int32_t> with_gradient = of_map ? needed_by(surface, points, window) : points;
   const std::vector<int32_t> with_value = of_map ? needed_by(surface, with_gradient, radius) : points;
-  ReferenceSettings asked{radius, settings.estimator, settings.distance == PDESC_DISTANCE_GEODESIC};
-  asked.map_radius = radius;
-  asked.harris_k = settings.harris_k;
+  ReferenceSettings requested{radius, settings.estimator, settings.distance == PDESC_DISTANCE_GEODESIC};
+  requested.map_radius = radius;
+  requested.harris_k = settings.harris_k;
   const auto compute_pass = [&](const Pass &pass, const MapValues *map, int, int) {
-    asked.map = map;
-    asked.radius = pass.stage == Stage::windows ? window : radius;
-    asked.map_sigma = pass.stage == Stage::windows ? settings.map_sigma * radius : 0.0;
-    asked.points = pass.stage == Stage::source ? with_value : pass.stage == Stage::map ? with_gradient : points;
+    requested.map = map;
+    requested.radius = pass.stage == Stage::windows ? window : radius;
+    requested.map_sigma = pass.stage == Stage::windows ? settings.map_sigma * radius : 0.0;
+    requested.points = pass.stage == Stage::source ? with_value : pass.stage == Stage::map ? with_gradient : points;
     ReferenceField field =
-        compute_reference(surface.triangles, half_edges, surface.normals, asked, pass.rows, 0, [](double) { return true; });
+        compute_reference(surface.triangles, half_edges, surface.normals, requested, pass.rows, 0, [](double) { return true; });
     CenterResults results;
     results.values = std::move(field.values);
     results.boundary = std::move(field.boundary);
@@ -105,10 +105,10 @@ std::vector<float> pick(std::span<const float> values, std::span<const int32_t> 
   return picked;
 }
 
-std::vector<int32_t> some_of(std::span<const int32_t> vertices, size_t most) {
-  if (vertices.size() <= most) return {vertices.begin(), vertices.end()};
+std::vector<int32_t> some_of(std::span<const int32_t> vertices, size_t max_vertices) {
+  if (vertices.size() <= max_vertices) return {vertices.begin(), vertices.end()};
   std::vector<int32_t> some;
-  for (size_t i = 0; i < most; ++i) some.push_back(vertices[i * vertices.size() / most]);
+  for (size_t i = 0; i < max_vertices; ++i) some.push_back(vertices[i * vertices.size() / max_vertices]);
   return some;
 }
 

@@ -27,7 +27,7 @@ Oracle ask_oracle(const TestMesh &mesh, double radius, const Settings &settings,
 std::vector<float> pick(std::span<const float> values, std::span<const int32_t> vertices, size_t components = 1);
 
 // So many of the vertices, evenly spread over their numbers.
-std::vector<int32_t> some_of(std::span<const int32_t> vertices, size_t most);
+std::vector<int32_t> some_of(std::span<const int32_t> vertices, size_t max_vertices);
 
 // Vertices in so many places of the mesh, so many of them in each.
 std::vector<int32_t> clusters_of(const TestMesh &mesh, size_t count, size_t size);

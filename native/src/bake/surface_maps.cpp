@@ -210,7 +210,7 @@ SurfacePoint DisplacedSurface::at_corner(int corner, vec3 normal, float &shrinka
 // ---- Points
 
 // Of 99 in a hundred: at creases and slivers of real meshes the normals' turn would make it any number.
-static float largest_of_most(std::vector<float> &shrinkage) {
+static float percentile_99(std::vector<float> &shrinkage) {
   const auto place = shrinkage.begin() + static_cast<ptrdiff_t>(shrinkage.size() * 99 / 100);
   std::nth_element(shrinkage.begin(), place, shrinkage.end());
   return std::clamp(*place, 1.0f, 4.0f);
@@ -246,7 +246,7 @@ DisplacedPoints displace_points(const SurfaceMaps &maps, const Triangles &triang
     result.position.push_back(base(point) + offset[point] / std::max(weight[point], 1e-20f));
     result.normal.push_back(Text().unit_or(sum[point], normals.point[point]));
   }
-  result.shrinkage = largest_of_most(shrinkage);
+  result.shrinkage = percentile_99(shrinkage);
   result.triangles = triangles;
   for (size_t vertex = 0; vertex < triangles.positions.size(); ++vertex) {
     const int32_t point = half_edges.vertex_point[vertex];

@@ -72,9 +72,9 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   const Request request{options, descriptors, resolve_radius(mesh, options)};
   const char *stage = "prepare";
   double reached = 0.0;
-  const Progress told = [&](const char *name, double fraction) { return progress(stage = name, reached = fraction); };
+  const Progress reported = [&](const char *name, double fraction) { return progress(stage = name, reached = fraction); };
   const CancelScope cancel([&] { check_cancel(progress, stage, reached); });
-  check_cancel(told, stage, reached);
+  check_cancel(reported, stage, reached);
 
   const Normals &normals = normals_of(mesh, options.normals);
   const double seconds_normals = stages.lap();
@@ -86,7 +86,7 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
                         mesh.atlases,
                         [&]() -> const Patches & { return patches_of(mesh); },
                         mesh.positions_version};
-  Computed computed = mesh.session->compute(surface, request, resources_of(*mesh.context), told);
+  Computed computed = mesh.session->compute(surface, request, resources_of(*mesh.context), reported);
   checkpoint();
 
   Field field;

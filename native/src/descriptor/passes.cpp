@@ -21,10 +21,10 @@ static Stage stage_of(int row) {
   return needs == MapNeeds::nothing ? Stage::surface : needs == MapNeeds::value ? Stage::map : Stage::windows;
 }
 
-std::vector<Pass> plan_passes(std::span<const int> asked, int map_row) {
+std::vector<Pass> plan_passes(std::span<const int> requested, int map_row) {
   std::vector<Pass> passes{{Stage::surface, {}}, {Stage::source, {}}, {Stage::map, {}}, {Stage::windows, {}}};
   auto rows = [&](Stage stage) -> std::vector<int> & { return passes[static_cast<size_t>(stage)].rows; };
-  for (const int row : asked) {
+  for (const int row : requested) {
     rows(stage_of(row)).push_back(row);
     if (stage_of(row) != Stage::surface) add_once(rows(Stage::source), map_row);
     if (descriptor_row(row).needs == MapNeeds::gradient) add_once(rows(Stage::map), gradient_row());
@@ -67,8 +67,8 @@ static void update_map(const Done &done, int map_row, size_t points, MapValues &
   }
 }
 
-CenterResults run_passes(int point_count, std::span<const int> asked, int map_row, const RunPass &run) {
-  const std::vector<Pass> passes = plan_passes(asked, map_row);
+CenterResults run_passes(int point_count, std::span<const int> requested, int map_row, const RunPass &run) {
+  const std::vector<Pass> passes = plan_passes(requested, map_row);
   const auto count = static_cast<int>(passes.size());
   MapValues map;
   std::vector<Done> done;
@@ -78,7 +78,7 @@ CenterResults run_passes(int point_count, std::span<const int> asked, int map_ro
     update_map(done.back(), map_row, static_cast<size_t>(point_count), map);
   }
   std::vector<std::vector<float>> values;
-  for (const int row : asked)
+  for (const int row : requested)
     for (const Done &one : done)
       if (const std::vector<float> *found = stage_of(row) == one.pass.stage ? one.find(row) : nullptr) values.push_back(*found);
   CenterResults results = std::move(done[0].results);

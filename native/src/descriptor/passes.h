@@ -24,12 +24,12 @@ struct Pass {
 };
 
 // At least one. Operators read map_row from a pass of its own: it takes more samples, since derivatives magnify noise.
-std::vector<Pass> plan_passes(std::span<const int> asked, int map_row);
+std::vector<Pass> plan_passes(std::span<const int> requested, int map_row);
 
 // run(pass, map, number, count) evaluates pass number of count; map is null where none is needed. The values come back in the
 // order of asked.
 using RunPass = std::function<CenterResults(const Pass &pass, const MapValues *map, int number, int count)>;
-CenterResults run_passes(int point_count, std::span<const int> asked, int map_row, const RunPass &run);
+CenterResults run_passes(int point_count, std::span<const int> requested, int map_row, const RunPass &run);
 
 // How far a pass looks around.
 double radius_of(const Pass &pass, const pdesc_options &options, double radius);

@@ -26,7 +26,7 @@ namespace paradesc {
 struct Abilities {
   bool texture_space = false; // it needs a UV map, has buffers to read, and has results for each wedge of a point
   bool surface_maps = false;  // it follows displacement and normal maps
-  int32_t most_triangles = std::numeric_limits<int32_t>::max();
+  int32_t max_triangles = std::numeric_limits<int32_t>::max();
 };
 
 struct Resources {

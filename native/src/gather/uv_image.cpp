@@ -20,7 +20,7 @@
 namespace paradesc {
 namespace {
 
-constexpr double most_tiles = 16.0; // along either axis of the UV plane, that one triangle is drawn on
+constexpr double max_tiles = 16.0; // along either axis of the UV plane, that one triangle is drawn on
 constexpr int band_rows = 64;
 constexpr int many_columns = 256; // texels of a row that take long enough to ask whether to go on
 
@@ -45,7 +45,7 @@ double finite(float x) {
   return std::clamp(static_cast<double>(x), -largest, largest);
 }
 
-int tiles_between(double low, double high) { return static_cast<int>(std::clamp(std::ceil(high) - low, 1.0, most_tiles)); }
+int tiles_between(double low, double high) { return static_cast<int>(std::clamp(std::ceil(high) - low, 1.0, max_tiles)); }
 
 Tiled tiled(const pdesc_uv_image_input &input, int triangle) {
   const float *uv = input.uvs + size_t{6} * triangle;

@@ -84,7 +84,7 @@ Range range_of(const Charts &charts) {
 // About two triangles a square; without lists where triangles are so long that squares would be full of them.
 Squares sort_into_squares(const Charts &charts) {
   const auto triangle_count = static_cast<int32_t>(charts.triangle_chart.size());
-  constexpr int64_t most_of_one = 16;
+  constexpr int64_t max_per_triangle = 16;
   const Range range = range_of(charts);
   Squares squares;
   squares.side = std::clamp(static_cast<int>(std::sqrt(0.5 * triangle_count)), 1, 4096);
@@ -101,7 +101,7 @@ Squares sort_into_squares(const Charts &charts) {
     };
     count += squares_along(place.low.x, place.high.x, range.low.x) * squares_along(place.low.y, place.high.y, range.low.y);
   });
-  if (count > most_of_one * triangle_count) return squares;
+  if (count > max_per_triangle * triangle_count) return squares;
   squares.begin.assign((squares.side * squares.side) + 2, 0);
   each_triangle([&](int32_t, const Outline &place) { squares.each_met(place, [&](size_t i) { ++squares.begin[i + 2]; }); });
   std::partial_sum(squares.begin.begin(), squares.begin.end(), squares.begin.begin());
@@ -234,7 +234,7 @@ struct Cutting {
   const Charts &charts;
   std::vector<int32_t> link;           // (3 * triangle_count) the half-edge across within the chart, or -1
   std::vector<int32_t> triangle_piece; // -1: of none yet
-  std::vector<int32_t> asked;          // (triangle_count) the last piece that the triangle was asked to join
+  std::vector<int32_t> tried_by;       // (triangle_count) the last piece that tried to take the triangle
   std::vector<int32_t> queue;
   Occupancy occupancy;
   int32_t pieces = 0;
@@ -267,7 +267,7 @@ std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
   std::vector<int32_t> refused;
   cutting.occupancy.clear();
   cutting.queue.assign(1, seed);
-  cutting.asked[seed] = piece;
+  cutting.tried_by[seed] = piece;
   for (size_t i = 0; i < cutting.queue.size(); ++i) {
     if (i % 1024 == 0) checkpoint();
     const int32_t triangle = cutting.queue[i];
@@ -279,8 +279,8 @@ std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
     cutting.triangle_piece[triangle] = piece;
     for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
       const int32_t next = cutting.link[h] / 3;
-      if (cutting.link[h] < 0 || cutting.triangle_piece[next] >= 0 || cutting.asked[next] == piece) continue;
-      cutting.asked[next] = piece;
+      if (cutting.link[h] < 0 || cutting.triangle_piece[next] >= 0 || cutting.tried_by[next] == piece) continue;
+      cutting.tried_by[next] = piece;
       cutting.queue.push_back(next);
     }
   }

@@ -14,15 +14,15 @@ using Scale = std::array<Lanes, columns + 1>;
 
 // Sums of u^(degree - k) v^k over the neighbors, and of the same times w: all that the normal equations are made of.
 struct JetMoments {
-  static constexpr size_t most = 6;
-  std::array<std::array<Lanes, most + 1>, most + 1> sum{}; // (degree, k)
+  static constexpr size_t max_degree = 6;
+  std::array<std::array<Lanes, max_degree + 1>, max_degree + 1> sum{}; // (degree, k)
   std::array<std::array<Lanes, 4>, 4> sum_w{};
   Lanes sum_ww{};
 
   void add(const Lanes &u, const Lanes &v, const Lanes &w) {
-    std::array<Lanes, most + 1> power; // of one degree
+    std::array<Lanes, max_degree + 1> power; // of one degree
     power[0] = Lanes{} + 1.0;
-    for (size_t degree = 1; degree <= most; ++degree) {
+    for (size_t degree = 1; degree <= max_degree; ++degree) {
       power[degree] = power[degree - 1] * v;
       for (size_t k = 0; k < degree; ++k) power[k] *= u;
       for (size_t k = 0; k <= degree; ++k) sum[degree][k] += power[k];
@@ -41,7 +41,7 @@ void make_gram(const Heights &heights, Gram &gram, Scale &scale) {
   };
   constexpr std::array<Monomial, columns> monomials{{{3, 0}, {3, 1}, {3, 2}, {3, 3}, {2, 0}, {2, 1}, {2, 2}, {1, 0}, {1, 1}}};
   JetMoments moments;
-  for (size_t i = 0; i < heights.most; ++i) moments.add(heights.u[i], heights.v[i], heights.w[i]);
+  for (size_t i = 0; i < heights.max_count; ++i) moments.add(heights.u[i], heights.v[i], heights.w[i]);
   for (size_t a = 0; a < columns; ++a) {
     const Monomial own = monomials[a];
     for (size_t b = a; b < columns; ++b) gram[a][b] = moments.sum[own.degree + monomials[b].degree][own.k + monomials[b].k];

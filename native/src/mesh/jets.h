@@ -11,7 +11,7 @@
 
 namespace paradesc {
 
-inline constexpr int most_neighbors = 96;
+inline constexpr int max_neighbors = 96;
 
 // Several fans at a time, one in each lane; lanes do not depend on each other.
 inline constexpr size_t lane_count = 4;
@@ -21,8 +21,8 @@ using Lanes [[gnu::vector_size(lane_count * sizeof(double))]] = double;
 // change no sum.
 struct Heights {
   std::array<int, lane_count> count{};
-  size_t most = 0;
-  std::array<Lanes, most_neighbors> u, v, w;
+  size_t max_count = 0;
+  std::array<Lanes, max_neighbors> u, v, w;
 };
 
 // The gradient at the origin of the height function through it; none where neighbors do not determine it. Cubic terms take part

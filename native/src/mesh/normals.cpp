@@ -19,8 +19,8 @@ namespace {
 
 constexpr int block_size = 1024;
 constexpr int enough_neighbors = 14; // a jet of order 3 has nine coefficients; two whole rings have 18 on average
-constexpr int most_rings = 3;
-constexpr int most_corners = 32; // taken of one fan: keeps fans of thousands of faces from costing their square
+constexpr int max_rings = 3;
+constexpr int max_corners = 32; // taken of one fan: keeps fans of thousands of faces from costing their square
 
 // Smooth places only: beyond these, in cosines, the fit gives way to Max's normal.
 constexpr double spread_full = 0.8660254037844387; // 30 degrees: up to here the fit alone
@@ -93,14 +93,14 @@ public:
     point_stamp_[rings_.fan_point[fan]] = fan;
     for (const int corner : corners(fan)) take_face(corner / 3, faces);
     front_.assign(1, fan);
-    for (int ring = 0; ring < most_rings && !front_.empty(); ++ring) {
+    for (int ring = 0; ring < max_rings && !front_.empty(); ++ring) {
       const size_t found = vertices.size() - begin;
-      if ((ring >= 2 && found >= enough_neighbors) || found >= most_neighbors) break;
+      if ((ring >= 2 && found >= enough_neighbors) || found >= max_neighbors) break;
       next_front_.clear();
       for (const int member : front_) take_fan(member, vertices, faces);
       std::swap(front_, next_front_);
     }
-    if (vertices.size() - begin > most_neighbors) vertices.resize(begin + most_neighbors);
+    if (vertices.size() - begin > max_neighbors) vertices.resize(begin + max_neighbors);
   }
 
 private:
@@ -112,7 +112,7 @@ private:
 
   void take_fan(int member, std::vector<int32_t> &vertices, std::vector<int32_t> &faces) {
     const auto all = corners(member);
-    const size_t step = (all.size() + most_corners - 1) / most_corners;
+    const size_t step = (all.size() + max_corners - 1) / max_corners;
     for (size_t i = 0; i < all.size(); i += step) {
       take_face(all[i] / 3, faces);
       take_corner(next_corner(all[i]), vertices);
@@ -284,8 +284,8 @@ private:
     const auto center = static_cast<size_t>(from_.rings.fan_begin[member.fan]);
     const dvec3 p = position(from_.triangles, from_.rings.fan_vertex[center]);
     const auto ring = slice(from_.rings.ring_begin, from_.rings.ring_vertex, member.fan);
-    for (; heights_.most < ring.size(); ++heights_.most)
-      heights_.u[heights_.most] = heights_.v[heights_.most] = heights_.w[heights_.most] = Lanes{};
+    for (; heights_.max_count < ring.size(); ++heights_.max_count)
+      heights_.u[heights_.max_count] = heights_.v[heights_.max_count] = heights_.w[heights_.max_count] = Lanes{};
     for (size_t i = 0; i < ring.size(); ++i) {
       const dvec3 d = position(from_.triangles, ring[i]) - p;
       heights_.u[i][used_] = glm::dot(d, member.e1);
@@ -300,7 +300,7 @@ private:
     const auto gradients = fit_gradients(heights_);
     for (size_t lane = 0; lane < used_; ++lane) normals_[members_[lane].fan] = vec3(turned(members_[lane], gradients[lane]));
     used_ = 0;
-    heights_.most = 0;
+    heights_.max_count = 0;
     heights_.count.fill(0);
   }
 

@@ -58,7 +58,7 @@ private:
     const auto patch = static_cast<int32_t>(patches_.count());
     const size_t first = patches_.triangle.size();
     front_.assign(1, seed);
-    while (!front_.empty() && patches_.triangle.size() - first < Patches::most_triangles) {
+    while (!front_.empty() && patches_.triangle.size() - first < Patches::max_triangles) {
       const int32_t triangle = front_.front();
       front_.pop_front();
       if (!is_free(triangle)) continue;

@@ -10,7 +10,7 @@ namespace paradesc {
 
 // Depends on how the mesh hangs together alone, not on positions.
 struct Patches {
-  static constexpr size_t most_triangles = 28;
+  static constexpr size_t max_triangles = 28;
 
   std::vector<int32_t> triangle_patch; // (triangle_count) -1: left out
   std::vector<int32_t> begin;          // (patches + 1) into triangle

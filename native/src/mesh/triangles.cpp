@@ -16,7 +16,7 @@ namespace paradesc {
 namespace {
 
 constexpr float largest_coordinate = 1e18f; // squares of differences stay finite in single precision
-constexpr int32_t most_triangles = std::numeric_limits<int32_t>::max() / 3; // corners are counted in int32_t
+constexpr int32_t max_triangles = std::numeric_limits<int32_t>::max() / 3; // corners are counted in int32_t
 constexpr std::array<char, 3> axis = {'x', 'y', 'z'};
 constexpr std::array<char, 2> uv_axis = {'u', 'v'};
 
@@ -31,8 +31,8 @@ template <class... Parts> [[noreturn]] void refuse(const Parts &...parts) {
 void check_counts(const pdesc_mesh_input &input) {
   if (input.triangle_count < 0) refuse("The triangle count is ", input.triangle_count, "; give a positive count.");
   if (input.triangle_count == 0) refuse("The mesh has no faces; give at least one triangle.");
-  if (input.triangle_count > most_triangles)
-    refuse("The mesh has ", input.triangle_count, " triangles; at most ", most_triangles, " can be counted.");
+  if (input.triangle_count > max_triangles)
+    refuse("The mesh has ", input.triangle_count, " triangles; at most ", max_triangles, " can be counted.");
   if (input.vertex_count <= 0) refuse("The vertex count is ", input.vertex_count, "; give a positive count.");
   if (input.corner_count <= 0) refuse("The corner count is ", input.corner_count, "; give a positive count.");
   if (input.sharp_edge_count < 0) refuse("The sharp edge count is ", input.sharp_edge_count, "; give zero or more.");

@@ -11,13 +11,13 @@ namespace paradesc {
 
 class BallLanes {
 public:
-  static constexpr size_t most = 24;
+  static constexpr size_t max_lanes = 24;
   static constexpr size_t width = 4; // lanes that all processors handle at once
   using Floats [[gnu::vector_size(width * sizeof(float))]] = float;
   using Bits [[gnu::vector_size(width * sizeof(int32_t))]] = int32_t;
   // What is kept for each lane.
-  using FloatOfEach = Floats[most / width];
-  using BitsOfEach = Bits[most / width];
+  using FloatOfEach = Floats[max_lanes / width];
+  using BitsOfEach = Bits[max_lanes / width];
 
   explicit BallLanes(double radius) : scale_(static_cast<float>(1.0 / radius)) {}
 
@@ -76,7 +76,7 @@ public:
   template <class Place> size_t leading(size_t count, float near, const Place &place) const {
     const vec3 first = place(size_t{0});
     size_t found = 1;
-    for (; found < std::min(count, most); ++found) {
+    for (; found < std::min(count, max_lanes); ++found) {
       const vec3 gap = (place(found) - first) * scale_;
       if (!(dot(gap, gap) < near * near)) break;
     }
@@ -85,7 +85,7 @@ public:
 
 private:
   float scale_;
-  Floats centers_[most / width][3]; // by axis
+  Floats centers_[max_lanes / width][3]; // by axis
   size_t vectors_ = 0;
   uint32_t all_ = 0;
 };

@@ -120,7 +120,8 @@ public:
     return balls_.leading(members.size(), 0.6f, [&](size_t i) { return centers[members[i]].position; });
   }
 
-  // The cells of the connected part of each center's ball, for up to BallLanes::most centers at once; choose() tells them apart.
+  // The cells of the connected part of each center's ball, for up to BallLanes::max_lanes centers at once; choose() tells them
+  // apart.
   void run(const std::vector<SearchCenter> &centers, std::span<const int32_t> members, const std::vector<Bounds> &links,
            const std::vector<vec3> &link_points) {
     come_.resize(visited_.size(), 0);
@@ -176,7 +177,7 @@ public:
     for (const int32_t k : inside_) {
       const Taken taken = take(k, center);
       const ivec2 texelless = texelless_of(taken.cell);
-      total += 1 + most_samples(taken) + texelless.y - texelless.x;
+      total += 1 + max_samples(taken) + texelless.y - texelless.x;
       if (total > MAX_ITERATIONS) {
         data.missing_area += measured_[taken.cell].area.x;
         continue;
@@ -298,7 +299,7 @@ private:
     return all;
   }
 
-  int most_samples(const Taken &taken) const {
+  int max_samples(const Taken &taken) const {
     const ivec2 coarse = space_.samples.of_cell(false, taken.cell), fine = space_.samples.of_cell(true, taken.cell);
     return taken.fine ? coarse.y - coarse.x + fine.y - fine.x : coarse.y - coarse.x;
   }

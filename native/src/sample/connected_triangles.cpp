@@ -53,7 +53,7 @@ public:
       : triangles_(triangles), half_edges_(half_edges), balls_(radius), limit_(limit),
         reached_(static_cast<size_t>(triangles.triangle_count), 0), inside_(static_cast<size_t>(triangles.vertex_count), 0) {}
 
-  // Areas within the ball of up to BallLanes::most points: below 0 where a point's is not known, 0 where there are too many
+  // Areas within the ball of up to BallLanes::max_lanes points: below 0 where a point's is not known, 0 where there are too many
   // triangles.
   void measure(std::span<const int32_t> points, std::span<double> areas) {
     begin(points);
@@ -226,7 +226,7 @@ ConnectedTriangleSearch::ConnectedTriangleSearch(const Triangles &triangles, con
 ConnectedTriangleSearch::~ConnectedTriangleSearch() = default;
 
 ConnectedTriangles ConnectedTriangleSearch::run(std::span<const int32_t> points, const ExpectedAreas &expected) {
-  constexpr size_t block = 8 * BallLanes::most;
+  constexpr size_t block = 8 * BallLanes::max_lanes;
   const size_t count = points.size();
   std::vector<std::vector<int32_t>> found((count + block - 1) / block);
   std::vector<size_t> first_of(count, 0); // in the list of the point's block

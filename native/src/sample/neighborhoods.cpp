@@ -241,9 +241,9 @@ static void join(std::vector<Part> &parts, const std::vector<std::span<const int
   }
 }
 
-[[noreturn]] static void refuse_ranges(size_t centers, size_t most) {
+[[noreturn]] static void refuse_ranges(size_t centers, size_t max_ranges) {
   throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The neighborhoods of " + std::to_string(centers) + " places have more than " +
-                                             std::to_string(most) +
+                                             std::to_string(max_ranges) +
                                              " pieces of charts, for which there is no memory; use a "
                                              "smaller radius, smaller buffers, or a UV map of fewer charts.");
 }
@@ -258,11 +258,11 @@ struct Passes {
   const std::vector<SearchCenter> &centers;
   float radius;
   int threads;
-  size_t most;
+  size_t max_ranges;
   std::atomic<size_t> all{0};
 
   void count(size_t added) {
-    if ((all += added) > most) refuse_ranges(centers.size(), most);
+    if ((all += added) > max_ranges) refuse_ranges(centers.size(), max_ranges);
   }
 };
 
@@ -329,12 +329,13 @@ static void search_alone(Passes &passes, std::span<const int32_t> left, Neighbor
 }
 
 Neighborhoods find_neighborhoods(const SearchSpace &space, const std::vector<SearchCenter> &centers, float radius, int threads,
-                                 size_t most) {
+                                 size_t max_ranges) {
   const std::vector<CellData> with_texelless =
       space.texelless.samples.empty() ? std::vector<CellData>() : with_texelless_samples(space);
   const std::span<const CellData> measured = with_texelless.empty() ? space.measured : with_texelless;
   const std::vector<CellLeaves> leaves = list_leaves(space, radius, threads);
-  Passes passes{space, measured, leaves, centers, radius, threads, std::min<size_t>(most, std::numeric_limits<int32_t>::max())};
+  Passes passes{
+      space, measured, leaves, centers, radius, threads, std::min<size_t>(max_ranges, std::numeric_limits<int32_t>::max())};
   Groups groups = group(space.cells, measured, centers, radius);
   Neighborhoods neighborhoods;
   neighborhoods.center.resize(centers.size());

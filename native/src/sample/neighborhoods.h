@@ -62,9 +62,9 @@ struct SearchSpace {
   bool halves;                                            // samples in two turns, black squares and white ones
 };
 
-// radius in buffer units. Throws Error(OUT_OF_MEMORY) where all neighborhoods together have more ranges than `most`, or than can
-// be counted.
+// radius in buffer units. Throws Error(OUT_OF_MEMORY) where all neighborhoods together have more ranges than `max_ranges`, or
+// than can be counted.
 Neighborhoods find_neighborhoods(const SearchSpace &space, const std::vector<SearchCenter> &centers, float radius, int threads,
-                                 size_t most = std::numeric_limits<int32_t>::max());
+                                 size_t max_ranges = std::numeric_limits<int32_t>::max());
 
 } // namespace paradesc

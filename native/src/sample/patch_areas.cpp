@@ -66,7 +66,7 @@ public:
       : patches_(patches), measured_(measured), half_edges_(half_edges), triangles_(triangles), balls_(radius),
         reached_(static_cast<size_t>(half_edges.point_count), 0), states_(patches.count()) {}
 
-  // Areas of up to BallLanes::most of the points, by their numbers, which this reorders: below 0 where it is not known.
+  // Areas of up to BallLanes::max_lanes of the points, by their numbers, which this reorders: below 0 where it is not known.
   void run(std::span<const int32_t> points, std::span<int32_t> numbers, std::vector<double> &areas) {
     while (!numbers.empty()) {
       flood(points, numbers);
@@ -147,7 +147,7 @@ private:
     if (part && !(measured_.largest[patch] * balls_.scale() * balls_.scale() < small)) unknown_ |= part;
     const auto begin = static_cast<size_t>(patches_.point_begin[patch]),
                end = static_cast<size_t>(patches_.point_begin[patch + 1]);
-    uint32_t found[3 * Patches::most_triangles]; // by points: the lanes that come there
+    uint32_t found[3 * Patches::max_triangles]; // by points: the lanes that come there
     if (part)
       connect(patch, whole, part, found);
     else
@@ -167,7 +167,7 @@ private:
   void connect(size_t patch, uint32_t whole, uint32_t part, uint32_t *found) const {
     const auto begin = static_cast<size_t>(patches_.point_begin[patch]),
                end = static_cast<size_t>(patches_.point_begin[patch + 1]);
-    uint32_t held[3 * Patches::most_triangles]; // the lanes whose ball holds each
+    uint32_t held[3 * Patches::max_triangles];  // the lanes whose ball holds each
     uint32_t missing = 0;                       // among them those that have not come there
     for (size_t k = begin; k < end; ++k) {
       held[k - begin] = whole | (balls_.holding(vec3(measured_.point[k])) & part);
@@ -227,7 +227,7 @@ PatchAreas::~PatchAreas() = default;
 
 // In halves again and again, across the longest side of their box. Returns where groups begin, and the end.
 std::vector<size_t> PatchAreas::put_side_by_side(std::span<const int32_t> points, std::span<int32_t> order) const {
-  constexpr size_t lanes = BallLanes::most;
+  constexpr size_t lanes = BallLanes::max_lanes;
   const auto place = [&](int32_t number) {
     const auto point = static_cast<size_t>(points[number]);
     return triangles_.positions[half_edges_.point_vertex[point]];

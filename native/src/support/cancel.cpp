@@ -24,7 +24,7 @@ CancelScope::Member::~Member() { scope_here = before_; }
 void CancelScope::check() {
   if (stopped_) throw Error(PDESC_ERROR_CANCELLED, "Cancelled.");
   const auto now = std::chrono::steady_clock::now();
-  if (std::this_thread::get_id() != owner_ || now - asked_ < cancel_patience) return;
+  if (std::this_thread::get_id() != owner_ || now - last_asked_ < cancel_patience) return;
   const Member nobody(nullptr); // the caller may call the library in turn
   try {
     ask_();
@@ -32,7 +32,7 @@ void CancelScope::check() {
     stopped_ = true;
     throw;
   }
-  asked_ = std::chrono::steady_clock::now();
+  last_asked_ = std::chrono::steady_clock::now();
 }
 
 void checkpoint() {

@@ -41,7 +41,7 @@ private:
 
   std::function<void()> ask_;
   std::thread::id owner_ = std::this_thread::get_id();
-  std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point last_asked_ = std::chrono::steady_clock::now();
   std::atomic<bool> stopped_{false};
   Member member_{this};
 };

@@ -12,8 +12,8 @@
 
 namespace paradesc {
 
-inline int thread_count(int asked) {
-  return asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+inline int thread_count(int requested) {
+  return requested > 0 ? requested : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
 // body(begin, end) for blocks of [0, count); the calling thread takes part. The first exception is thrown on after all have

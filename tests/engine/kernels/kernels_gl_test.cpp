@@ -70,13 +70,13 @@ protected:
                                   {"descriptors.glsl", compose_descriptors(rows)}}));
       EvaluateParams params = recorded_params();
       params.total = static_cast<int>(all.size());
-      Buffer told, given, listed, results;
-      told.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
-      given.upload(gl, centers);
+      Buffer uniforms, inputs, listed, results;
+      uniforms.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
+      inputs.upload(gl, centers);
       listed.upload(gl, places);
       results.upload(gl, nullptr, (raw.size() + ROW_DESCRIPTORS * all.size()) * sizeof(float), GL_STREAM_READ);
-      gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, told.id());
-      const Buffer *buffers[] = {&given, &listed, &results};
+      gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, uniforms.id());
+      const Buffer *buffers[] = {&inputs, &listed, &results};
       for (GLuint i = 0; i < 3; ++i) gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, i, buffers[i]->id());
       gl.DispatchCompute(static_cast<GLuint>(all.size()), 1, 1);
       gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);

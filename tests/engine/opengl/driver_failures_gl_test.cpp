@@ -100,11 +100,11 @@ const char *EGLAPIENTRY no_extensions(EGLDisplay, EGLint) { return nullptr; }
 // The driver's own functions, which the scripted ones go on to.
 DriverSubstitute scripted(const FailingDriver &failing) {
   return [put = DriverSubstitute(failing)](const char *name, void *found) {
-    const std::string asked = name;
+    const std::string requested = name;
     auto keep = [&](const char *wanted, auto &function) {
-      if (asked == wanted) function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
+      if (requested == wanted) function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
     };
-    if (asked == "libEGL.so.1") ++script.opened;
+    if (requested == "libEGL.so.1") ++script.opened;
     keep("glDispatchCompute", real_dispatch);
     keep("glGetError", real_error);
     keep("glGetIntegerv", real_integer);
@@ -138,15 +138,15 @@ protected:
   }
 
   static std::shared_ptr<Context> open(int32_t backend, const FailingDriver &failing) {
-    pdesc_context_options asked;
-    pdesc_context_options_init(&asked);
-    asked.backend = backend;
-    return make_context(asked, scripted(failing));
+    pdesc_context_options requested;
+    pdesc_context_options_init(&requested);
+    requested.backend = backend;
+    return make_context(requested, scripted(failing));
   }
 
   Field compute_on(Mesh &mesh) const {
-    const std::vector<int> asked = {find_descriptor("mean_curvature")};
-    return compute(mesh, options, asked, [](const char *, double) { return true; });
+    const std::vector<int> requested = {find_descriptor("mean_curvature")};
+    return compute(mesh, options, requested, [](const char *, double) { return true; });
   }
   std::unique_ptr<Mesh> mesh_on(const std::shared_ptr<Context> &context) const { return make_mesh(context, input_of(ball)); }
 
@@ -321,10 +321,10 @@ TEST_F(DriverFailures, a_device_that_does_not_come_back_says_so_each_time) {
   gone = false;
   const DriverSubstitute sound =
       scripted(FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status));
-  pdesc_context_options asked;
-  pdesc_context_options_init(&asked);
-  asked.backend = PDESC_BACKEND_SOFTWARE;
-  const auto context = make_context(asked, [=](const char *name, void *found) {
+  pdesc_context_options requested;
+  pdesc_context_options_init(&requested);
+  requested.backend = PDESC_BACKEND_SOFTWARE;
+  const auto context = make_context(requested, [=](const char *name, void *found) {
     return gone && std::string(name) == "libEGL.so.1" ? nullptr : sound(name, found);
   });
   const auto mesh = mesh_on(context);
@@ -361,8 +361,8 @@ TEST_F(DriverFailures, a_wrong_input_or_a_cancel_is_not_the_devices_fault) {
   if (!has_software()) GTEST_SKIP();
   const auto context = open(PDESC_BACKEND_AUTO, {});
   const auto mesh = mesh_on(context);
-  const std::vector<int> asked = {find_descriptor("mean_curvature")};
-  EXPECT_THROW(compute(*mesh, options, asked, [](const char *, double) { return false; }), Error);
+  const std::vector<int> requested = {find_descriptor("mean_curvature")};
+  EXPECT_THROW(compute(*mesh, options, requested, [](const char *, double) { return false; }), Error);
   options.radius = 17;
   EXPECT_THROW(compute_on(*mesh), Error);
   EXPECT_NE(context->backend, PDESC_BACKEND_REFERENCE);
@@ -395,14 +395,14 @@ TEST_F(DriverFailures, a_list_beyond_the_devices_textures_is_refused_with_its_le
     small.limits.list_texels = 16;
     small.limits.texture_size = 2;
     const std::vector<vec4> elements(2 * LIST_ROW + 1, vec4(0.0f));
-    const auto expect_refused = [&](size_t most, int32_t status, const auto &upload) {
-      upload(most);
+    const auto expect_refused = [&](size_t max_bytes, int32_t status, const auto &upload) {
+      upload(max_bytes);
       try {
-        upload(most + 1);
+        upload(max_bytes + 1);
         FAIL() << "nothing was thrown";
       } catch (const Error &error) {
         EXPECT_EQ(error.status(), status);
-        expect_one_sentence(error.what(), std::to_string(most + 1).c_str());
+        expect_one_sentence(error.what(), std::to_string(max_bytes + 1).c_str());
       }
     };
     BufferTexture buffer;

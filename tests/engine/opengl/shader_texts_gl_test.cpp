@@ -61,10 +61,10 @@ std::shared_ptr<Context> open_remembering(bool pretended) {
   test::FailingDriver driver;
   driver.put("glCreateShader", create_shader).put("glShaderSource", shader_source).put("glDispatchCompute", dispatch);
   if (pretended) driver.put("glGetString", card_name).put("eglQueryDeviceStringEXT", no_device_extensions);
-  pdesc_context_options asked;
-  pdesc_context_options_init(&asked);
-  asked.backend = pretended ? PDESC_BACKEND_GPU : PDESC_BACKEND_SOFTWARE;
-  return make_context(asked, [put = DriverSubstitute(driver)](const char *name, void *found) {
+  pdesc_context_options requested;
+  pdesc_context_options_init(&requested);
+  requested.backend = pretended ? PDESC_BACKEND_GPU : PDESC_BACKEND_SOFTWARE;
+  return make_context(requested, [put = DriverSubstitute(driver)](const char *name, void *found) {
     const std::string called = name;
     if (called == "glCreateShader") real_create = reinterpret_cast<PFNGLCREATESHADERPROC>(found);
     if (called == "glShaderSource") real_source = reinterpret_cast<PFNGLSHADERSOURCEPROC>(found);

@@ -54,7 +54,7 @@ std::vector<CellData> CellBuffers::measure(const Gl &gl, ProgramCache &programs,
 
 std::vector<vec3> read_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer,
                               std::span<const int32_t> texels) {
-  constexpr size_t most = size_t{1} << 17;
+  constexpr size_t max_texels = size_t{1} << 17;
   const int size = buffer.size();
   std::vector<vec3> points;
   points.reserve(texels.size());
@@ -64,7 +64,7 @@ std::vector<vec3> read_points(const Gl &gl, ProgramCache &programs, const Geomet
   Buffer found;
   for (; !texels.empty(); texels = texels.subspan(entries.size())) {
     entries.clear();
-    for (const int32_t texel : texels.first(std::min(texels.size(), most)))
+    for (const int32_t texel : texels.first(std::min(texels.size(), max_texels)))
       entries.emplace_back(texel % size | texel / size << 16, 0);
     read.resize(2 * entries.size());
     list.upload(gl, entries);
@@ -89,7 +89,7 @@ void CellBuffers::set_samples(const Gl &gl, const CellSamples &samples) {
 
 bool CellBuffers::list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, BufferTexture &points) const {
   const size_t texels = 2 * static_cast<size_t>(sample_count_);
-  if (sample_count_ > most_points || texels > static_cast<size_t>(gl.limits.list_texels) ||
+  if (sample_count_ > max_listed_points || texels > static_cast<size_t>(gl.limits.list_texels) ||
       texels * sizeof(vec4) > static_cast<size_t>(gl.limits.storage_bytes))
     return false;
   points.upload(gl, GL_RGBA32F, nullptr, texels, GL_STREAM_COPY);

@@ -14,7 +14,7 @@
 namespace paradesc {
 
 // Samples whose points are listed beside the buffers, at most: 128 MiB.
-inline constexpr int most_points = 1 << 22;
+inline constexpr int max_listed_points = 1 << 22;
 
 // (texels) the surface's points there, of the geometry buffer as it is now; each texel x + size y.
 std::vector<vec3> read_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer,

@@ -31,12 +31,12 @@ void TextureSpace::use_cells(const Job &job, const Frame &frame) {
     return;
   }
   // Several radii of an animation take turns; large buffers have lists of cells as large.
-  const size_t most = buffer_size <= 1024 ? 3 : 1;
+  const size_t max_kept = buffer_size <= 1024 ? 3 : 1;
   auto set = std::make_unique<CellSet>();
   std::vector<int32_t> ids;
   gl_->run([&](const Gl &, ProgramCache &) {
     ids = device_->buffer->read_ids();
-    if (kept.size() >= most) kept.resize(most - 1);
+    if (kept.size() >= max_kept) kept.resize(max_kept - 1);
   });
   set->cells =
       build_cells(ids, grid_.value(), job.surface.triangles, job.surface.half_edges, job.charts(), size, job.resources.threads);
@@ -97,8 +97,8 @@ Neighborhoods TextureSpace::search(const Job &job, const Frame &frame, double ra
                           [&]() -> const std::vector<vec3> & { return link_points(frame); },
                           job.options().adaptive > 0.0};
   // Ranges of samples three times: in parts, as one list, and on the device.
-  const auto most = static_cast<size_t>(allowed_memory(job.resources.memory_limit, 0)) / (3 * sizeof(ivec2));
-  return paradesc::find_neighborhoods(space, centers, buffer_radius, job.resources.threads, most);
+  const auto max_ranges = static_cast<size_t>(allowed_memory(job.resources.memory_limit, 0)) / (3 * sizeof(ivec2));
+  return paradesc::find_neighborhoods(space, centers, buffer_radius, job.resources.threads, max_ranges);
 }
 
 // The points of the samples, if they are listed; null: samples fetch texels.

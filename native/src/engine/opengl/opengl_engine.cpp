@@ -21,7 +21,7 @@ public:
   int32_t backend() const override { return software_ ? PDESC_BACKEND_SOFTWARE : PDESC_BACKEND_GPU; }
   const std::string &device() const override { return thread_->device(); }
   // Shaders carry triangles' numbers in floats, which are exact up to 2^24.
-  Abilities abilities() const override { return {.texture_space = true, .surface_maps = true, .most_triangles = 1 << 24}; }
+  Abilities abilities() const override { return {.texture_space = true, .surface_maps = true, .max_triangles = 1 << 24}; }
   bool lost() const override { return thread_->lost(); }
   std::unique_ptr<Session> open_session() override { return open_texture_space(thread_, software_); }
 
@@ -49,7 +49,7 @@ static int64_t bytes_of_device(const ComputationSize &size) {
   const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? 32768 : size.wedges;
   int64_t bytes = texels * a_texel + size.triangles * 48 + size.wedges * 32 + size.borders * 100 +
                   centers * (200 + 4 * rows_of(size.descriptors));
-  if (options.relocation == PDESC_RELOCATION_CONNECTED) bytes += std::min<int64_t>(texels * 5 / 4, most_points) * 32;
+  if (options.relocation == PDESC_RELOCATION_CONNECTED) bytes += std::min<int64_t>(texels * 5 / 4, max_listed_points) * 32;
   if (reads_map(size.descriptors)) bytes += size.wedges * 32;
   if (options.relocation == PDESC_RELOCATION_PAPER) bytes += int64_t{16384} * MAX_VISITS * 64 + 16384 * 2048;
   if (options.relocation == PDESC_RELOCATION_AFFINE) bytes += int64_t{65536} * 2048;

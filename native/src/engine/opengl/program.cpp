@@ -56,9 +56,9 @@ static std::string file_list(const std::string &source) {
 
 // A driver's log as the end of one sentence: its lines joined, and cut where it runs long.
 static std::string one_line(const char *log) {
-  constexpr size_t most = 600;
+  constexpr size_t max_length = 600;
   std::string text;
-  for (const char *c = log; *c && text.size() < most; ++c) {
+  for (const char *c = log; *c && text.size() < max_length; ++c) {
     if (*c != '\n')
       text += *c;
     else if (!text.empty() && !text.ends_with("; "))
@@ -90,7 +90,7 @@ GLuint ProgramCache::get(const Gl &gl, const std::string &name, const std::vecto
                          const std::map<std::string, std::string> &generated) {
   ++calls_;
   if (const auto found = programs_.find(name); found != programs_.end()) {
-    found->second.asked = calls_;
+    found->second.last_call = calls_;
     return found->second.id;
   }
   std::vector<GLuint> shaders;
@@ -113,8 +113,8 @@ GLuint ProgramCache::get(const Gl &gl, const std::string &name, const std::vecto
     throw Error(PDESC_ERROR_UNSUPPORTED, "The graphics driver did not link " + stages.back().path +
                                              ", use another backend and please report it: " + one_line(log.c_str()));
   }
-  if (programs_.size() >= most_) {
-    const auto oldest = std::ranges::min_element(programs_, {}, [](const auto &entry) { return entry.second.asked; });
+  if (programs_.size() >= max_programs_) {
+    const auto oldest = std::ranges::min_element(programs_, {}, [](const auto &entry) { return entry.second.last_call; });
     gl.DeleteProgram(oldest->second.id);
     programs_.erase(oldest);
   }

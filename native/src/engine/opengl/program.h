@@ -35,10 +35,10 @@ public:
   void clear() { programs_.clear(); } // the context is about to go, and takes the programs with it
 
 private:
-  static constexpr size_t most_ = 32;
+  static constexpr size_t max_programs_ = 32;
   struct Program {
     GLuint id;
-    uint64_t asked; // when, in calls
+    uint64_t last_call; // the number of the get() that returned it last
   };
   std::map<std::string, Program> programs_;
   uint64_t calls_ = 0;

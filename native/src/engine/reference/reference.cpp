@@ -357,9 +357,9 @@ ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &ha
   field.boundary.resize(count);
   Pool<Flood> floods;
   const bool all = settings.points.empty();
-  const int asked = all ? half_edges.point_count : static_cast<int>(settings.points.size());
-  Ticker ticker(asked, progress);
-  parallel_blocks(asked, threads, block_size, [&](int begin, int end) {
+  const int requested = all ? half_edges.point_count : static_cast<int>(settings.points.size());
+  Ticker ticker(requested, progress);
+  parallel_blocks(requested, threads, block_size, [&](int begin, int end) {
     floods.with_one([&] { return Flood(surface); },
                     [&](Flood &flood) {
                       for (int i = begin; i < end; ++i) {
