@@ -47,7 +47,6 @@ struct Made {
 
 std::vector<int32_t> bake_ids(const Made &made) {
   GlThread thread(true, -1);
-  const BakeSpace bake_space = bake_space_of(bounding_box(made.triangles, made.half_edges));
   const Normals normals = compute_normals(made.triangles, made.half_edges, made.rings, PDESC_NORMALS_MAX, 0);
   const BakeVertices vertices = build_bake_vertices(made.triangles, made.charts, *made.rings.corner_fan);
   std::vector<int32_t> ids;

@@ -13,7 +13,8 @@ namespace paradesc {
 extern thread_local std::chrono::milliseconds cancel_patience;
 
 // While it lives, checkpoint() on the thread that made it calls ask(), not more often than its patience says; ask throws where
-// the caller says stop, and then checkpoint() throws on the other threads of the computation too.
+// the caller says stop, and then checkpoint() throws on the other threads of the computation too. Scopes nest: while an inner one
+// lives, it is the one that asks.
 class CancelScope {
 public:
   explicit CancelScope(std::function<void()> ask);

@@ -1,17 +1,19 @@
 // Points of the mesh → descriptors by exact quadrature: flood the surface within the ball, integrate triangle ∩ ball, finish
-// with the plain definitions.
+// with the definitions as they stand.
 #include "engine/reference/reference.h"
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "engine/reference/quadrature.h"
 #include "kernel/limits.h"
+#include "support/cancel.h"
+#include "support/error.h"
 #include "support/parallel.h"
 #include "support/pool.h"
-#include "support/ticker.h"
 
 namespace paradesc {
 namespace {
@@ -358,7 +360,11 @@ ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &ha
   Pool<Flood> floods;
   const bool all = settings.points.empty();
   const int requested = all ? half_edges.point_count : static_cast<int>(settings.points.size());
-  Ticker ticker(requested, progress);
+  std::atomic<int> done{0};
+  const CancelScope cancel([&] {
+    if (progress && !progress(static_cast<double>(done) / requested))
+      throw Error(PDESC_ERROR_CANCELLED, "The computation was cancelled by its progress callback.");
+  });
   parallel_blocks(requested, threads, block_size, [&](int begin, int end) {
     floods.with_one([&] { return Flood(surface); },
                     [&](Flood &flood) {
@@ -370,7 +376,8 @@ ReferenceField compute_reference(const Triangles &triangles, const HalfEdges &ha
                           row.write(neighborhood, &field.values[k][static_cast<size_t>(point) * row.components]);
                         }
                         field.boundary[point] = neighborhood.boundary;
-                        ticker.step();
+                        ++done;
+                        checkpoint();
                       }
                     });
   });
