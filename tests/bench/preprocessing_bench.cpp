@@ -11,7 +11,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include "bake/distortion.h"
 #include "bench/mesh_file.h"
 #include "engine/opengl/geometry_buffer.h"
 #include "engine/opengl/gl_thread.h"

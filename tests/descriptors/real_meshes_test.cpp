@@ -1,6 +1,6 @@
 // Artists' and scanners' meshes, vertex by vertex: texture space (software) against object space (reference). Means hide what
-// goes wrong at few vertices, so the largest errors are held too, where the surface is plain, folded or thin within the ball, and
-// cut by a boundary.
+// goes wrong at few vertices, so the largest errors are held too, where the surface within the ball is like a disk, is ambiguous
+// (folded or thin), or hits a boundary.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -20,8 +20,9 @@ namespace {
 // What descriptors are alike in: curvatures come from normals, volumes from heights, the area from the rim. Bending energy and
 // the area along the surface see the angle at a crease over its distance, which no sample has as it is.
 enum Family { curvature, volume, area, crease, families };
-enum Place { plain, folded, cut, places };
-constexpr const char *family_names[] = {"curvature", "volume", "area", "crease"}, *place_names[] = {"plain", "folded", "cut"};
+enum Kind { disk_like, ambiguous, at_boundary, kinds };
+constexpr const char *family_names[] = {"curvature", "volume", "area", "crease"},
+                     *kind_names[] = {"disk-like", "ambiguous", "at boundary"};
 
 Family family_of(const std::string &name) {
   if (name.starts_with("sphere_volume") || name == "ambient_openness") return volume;
@@ -41,7 +42,7 @@ struct Case {
   size_t vertices;   // of the oracle
   size_t undefined;  // of these, on one side only
   size_t boundaries; // seen by one only
-  Errors allowed[places][families];
+  Errors allowed[kinds][families];
 };
 
 void PrintTo(const Case &one, std::ostream *out) { *out << one.mesh << " at " << one.radius; }
@@ -63,12 +64,12 @@ protected:
   }
 
   // By the oracle alone, where both have all values. A disk's area is pi r^2; folds and thin parts have another.
-  static std::vector<uint8_t> where(const Oracle &oracle, const std::vector<uint8_t> &compared, double disk, Place wanted) {
+  static std::vector<uint8_t> where(const Oracle &oracle, const std::vector<uint8_t> &compared, double disk, Kind wanted) {
     std::vector<uint8_t> subset;
     for (size_t i = 0; i < oracle.boundary.size(); ++i) {
       const double share = oracle["euclidean_area"][i] / disk;
-      const Place place = oracle.boundary[i] ? cut : share > 1.15 || share < 0.85 ? folded : plain;
-      subset.push_back(compared[i] && place == wanted);
+      const Kind kind = oracle.boundary[i] ? at_boundary : share > 1.15 || share < 0.85 ? ambiguous : disk_like;
+      subset.push_back(compared[i] && kind == wanted);
     }
     return subset;
   }
@@ -92,8 +93,8 @@ TEST_P(RealMeshes, agree_with_the_oracle_at_every_vertex) {
     for (size_t i = 0; i < vertices.size(); ++i)
       if (std::isnan(fast[name][static_cast<size_t>(vertices[i])]) != std::isnan(oracle[name][i])) compared[i] = 0;
   EXPECT_LE(static_cast<size_t>(std::ranges::count(compared, 0)), test_case.undefined);
-  for (const Place place : {plain, folded, cut}) {
-    const std::vector<uint8_t> subset = where(oracle, compared, disk, place);
+  for (const Kind kind : {disk_like, ambiguous, at_boundary}) {
+    const std::vector<uint8_t> subset = where(oracle, compared, disk, kind);
     Errors worst[families];
     for (const std::string &name : names) {
       const Family family = family_of(name);
@@ -103,17 +104,17 @@ TEST_P(RealMeshes, agree_with_the_oracle_at_every_vertex) {
       largest = {std::max(largest.mean, unit * error.mean), std::max(largest.p99, unit * error.p99),
                  std::max(largest.max, unit * error.max)};
     }
-    std::cout << place_names[place] << ", " << std::ranges::count(subset, 1) << " vertices:";
+    std::cout << kind_names[kind] << ", " << std::ranges::count(subset, 1) << " vertices:";
     for (int family = 0; family < families; ++family) {
-      const Errors &found = worst[family], &allowed = test_case.allowed[place][family];
+      const Errors &found = worst[family], &allowed = test_case.allowed[kind][family];
       std::cout << "  " << family_names[family] << " {" << found.mean << ", " << found.p99 << ", " << found.max << "}";
-      EXPECT_LE(found.mean, allowed.mean) << place_names[place] << ", " << family_names[family];
-      EXPECT_LE(found.p99, allowed.p99) << place_names[place] << ", " << family_names[family];
-      EXPECT_LE(found.max, allowed.max) << place_names[place] << ", " << family_names[family];
+      EXPECT_LE(found.mean, allowed.mean) << kind_names[kind] << ", " << family_names[family];
+      EXPECT_LE(found.p99, allowed.p99) << kind_names[kind] << ", " << family_names[family];
+      EXPECT_LE(found.max, allowed.max) << kind_names[kind] << ", " << family_names[family];
     }
     std::cout << "\n";
   }
-  // Both say that a boundary is near, but for a sample's distance; and of the places of a real map none is lost.
+  // Both say that a boundary is near, but for a sample's distance; and of the centers of a real map none is missing.
   size_t other = 0;
   for (size_t i = 0; i < vertices.size(); ++i)
     other += ((fast.mask[static_cast<size_t>(vertices[i])] & PDESC_MASK_BOUNDARY) != 0) != (oracle.boundary[i] != 0);

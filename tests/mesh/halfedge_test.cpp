@@ -156,7 +156,7 @@ TEST(HalfEdge, a_tetrahedron_is_closed) {
   EXPECT_EQ(half_edges.point_count, 4);
   EXPECT_EQ(open_half_edges(half_edges), 0);
   EXPECT_EQ(half_edges.boundary_edges, 0);
-  EXPECT_EQ(half_edges.parts, 1);
+  EXPECT_EQ(half_edges.components, 1);
   EXPECT_EQ(half_edges.point_boundary, std::vector<uint8_t>(4, 0));
 }
 
@@ -229,7 +229,7 @@ TEST(HalfEdge, closed_parts_that_touch_stay_apart) {
   const HalfEdges half_edges = build(join(cube(), cube({1, 1, 0}))); // along one edge, each with vertices of its own
   expect_no_defect(half_edges);
   EXPECT_EQ(half_edges.point_count, 16);
-  EXPECT_EQ(half_edges.parts, 2);
+  EXPECT_EQ(half_edges.components, 2);
   EXPECT_EQ(half_edges.boundary_edges, 0);
   EXPECT_EQ(half_edges.welded_vertices, 0);
 }
@@ -237,7 +237,7 @@ TEST(HalfEdge, closed_parts_that_touch_stay_apart) {
 TEST(HalfEdge, closed_parts_that_touch_along_a_side_stay_apart) {
   const HalfEdges half_edges = build(join(cube(), cube({1, 0, 0})));
   expect_no_defect(half_edges);
-  EXPECT_EQ(half_edges.parts, 2);
+  EXPECT_EQ(half_edges.components, 2);
   EXPECT_EQ(open_half_edges(half_edges), 0);
 }
 
@@ -246,14 +246,14 @@ TEST(HalfEdge, cubes_that_share_an_edge_by_index_come_apart_and_close) {
   EXPECT_EQ(half_edges.point_count, 16);
   EXPECT_EQ(half_edges.nonmanifold_edges, 1);
   EXPECT_EQ(half_edges.nonmanifold_vertices, 2);
-  EXPECT_EQ(half_edges.parts, 2);
+  EXPECT_EQ(half_edges.components, 2);
   EXPECT_EQ(open_half_edges(half_edges), 0) << "each cube's two faces at the edge are paired with each other";
   EXPECT_EQ(half_edges.loose_vertices, 2) << "the second cube's own two vertices, which share() left without a face";
 }
 
 TEST(HalfEdge, split_cubes_that_share_an_edge_do_not_join) {
   const HalfEdges half_edges = build(split(join(cube(), cube({1, 1, 0}))));
-  EXPECT_EQ(half_edges.parts, 2);
+  EXPECT_EQ(half_edges.components, 2);
   EXPECT_EQ(half_edges.nonmanifold_edges, 1);
 }
 
@@ -265,7 +265,7 @@ TEST(HalfEdge, a_bow_tie_vertex_becomes_two_points_and_the_wider_answers) {
   EXPECT_EQ(half_edges.nonmanifold_vertices, 1);
   EXPECT_EQ(half_edges.nonmanifold_edges, 0);
   EXPECT_EQ(half_edges.boundary_edges, 7);
-  EXPECT_EQ(half_edges.parts, 2);
+  EXPECT_EQ(half_edges.components, 2);
   EXPECT_NE(half_edges.corner_point[0], half_edges.corner_point[3]);
   EXPECT_EQ(half_edges.corner_point[3], half_edges.corner_point[6]);
   EXPECT_EQ(half_edges.vertex_point[0], half_edges.corner_point[3]);
@@ -285,7 +285,7 @@ TEST(HalfEdge, three_faces_on_an_edge_are_taken_apart) {
   EXPECT_EQ(half_edges.nonmanifold_vertices, 2);
   EXPECT_EQ(half_edges.boundary_edges, 6);
   EXPECT_EQ(half_edges.point_count, 9);
-  EXPECT_EQ(half_edges.parts, 3);
+  EXPECT_EQ(half_edges.components, 3);
 }
 
 TEST(HalfEdge, a_neighbor_wound_the_other_way_is_taken_off) {
@@ -293,7 +293,7 @@ TEST(HalfEdge, a_neighbor_wound_the_other_way_is_taken_off) {
   const HalfEdges half_edges = build(shape);
   EXPECT_EQ(half_edges.nonmanifold_edges, 1);
   EXPECT_EQ(half_edges.boundary_edges, 4);
-  EXPECT_EQ(half_edges.parts, 2);
+  EXPECT_EQ(half_edges.components, 2);
   EXPECT_EQ(half_edges.point_count, 6);
 }
 
@@ -303,7 +303,7 @@ TEST(HalfEdge, a_flipped_face_of_a_closed_mesh_comes_off_alone) {
   const HalfEdges half_edges = build(shape);
   EXPECT_EQ(half_edges.nonmanifold_edges, 3);
   EXPECT_EQ(half_edges.boundary_edges, 0);
-  EXPECT_EQ(half_edges.parts, 2);
+  EXPECT_EQ(half_edges.components, 2);
   EXPECT_EQ(half_edges.point_count, 8 + 3);
 }
 
@@ -313,7 +313,7 @@ TEST(HalfEdge, a_duplicate_triangle_is_kept_and_taken_apart) {
   const HalfEdges half_edges = build(shape);
   EXPECT_EQ(half_edges.degenerate_triangles, 0);
   EXPECT_EQ(half_edges.nonmanifold_edges, 3);
-  EXPECT_EQ(half_edges.parts, 3) << "the other three faces, and each of the two";
+  EXPECT_EQ(half_edges.components, 3) << "the other three faces, and each of the two";
   EXPECT_EQ(half_edges.loose_vertices, 0);
 }
 
@@ -342,7 +342,7 @@ TEST(HalfEdge, a_mesh_of_nothing_but_degenerate_triangles_has_no_points) {
   const HalfEdges half_edges = build({{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {0, 1, 2, 0, 0, 1}});
   EXPECT_EQ(half_edges.degenerate_triangles, 2);
   EXPECT_EQ(half_edges.point_count, 0);
-  EXPECT_EQ(half_edges.parts, 0);
+  EXPECT_EQ(half_edges.components, 0);
   EXPECT_EQ(half_edges.loose_vertices, 3);
 }
 
@@ -372,7 +372,7 @@ TEST(HalfEdge, a_moebius_strip_is_cut_once_across) {
   const HalfEdges half_edges = build(shape);
   EXPECT_EQ(half_edges.nonmanifold_edges, 1);
   EXPECT_EQ(half_edges.boundary_edges, 2 * quads);
-  EXPECT_EQ(half_edges.parts, 1);
+  EXPECT_EQ(half_edges.components, 1);
   EXPECT_EQ(half_edges.point_count, 2 * quads + 2) << "the ends of the cut edge are there twice";
   EXPECT_EQ(euler_characteristic(half_edges), 1);
 }
@@ -405,7 +405,7 @@ TEST(HalfEdge, the_order_of_faces_and_corners_does_not_matter) {
       expect_no_defect(half_edges);
       EXPECT_EQ(half_edges.point_count, 31 * 21 + 8);
       EXPECT_EQ(half_edges.boundary_edges, 100);
-      EXPECT_EQ(half_edges.parts, 2);
+      EXPECT_EQ(half_edges.components, 2);
     }
   }
 }
@@ -434,7 +434,7 @@ Shape two_edges_between_two_points() {
 TEST(HalfEdge, a_face_that_openmesh_refuses_comes_off_but_is_not_lost) {
   const HalfEdges half_edges = build(two_edges_between_two_points());
   EXPECT_EQ(half_edges.degenerate_triangles, 0);
-  EXPECT_EQ(half_edges.parts, 2);
+  EXPECT_EQ(half_edges.components, 2);
   EXPECT_EQ(half_edges.point_count, 4 + 3);
   EXPECT_EQ(half_edges.nonmanifold_edges, 2) << "those over which it had neighbors";
   EXPECT_EQ(half_edges.boundary_edges, 3);

@@ -31,8 +31,8 @@ std::vector<uint8_t> flood(const Cells &cells, int32_t start) {
   while (!queue.empty()) {
     const int32_t cell = queue.front();
     queue.pop();
-    for (int32_t k = cells.side_begin[at(cell)]; k < cells.side_begin[at(cell) + 1]; ++k) {
-      const int32_t other = cells.side[at(k)].x;
+    for (int32_t k = cells.adjacency_begin[at(cell)]; k < cells.adjacency_begin[at(cell) + 1]; ++k) {
+      const int32_t other = cells.adjacency[at(k)].x;
       if (!reached[at(other)]) queue.push(other);
       reached[at(other)] = 1;
     }
@@ -77,15 +77,15 @@ TEST_F(CellsOfTexels, links_are_the_same_from_both_of_their_cells) {
   const Built built = build(torus_of_charts(15));
   const Buffers buffers = bake(*thread, built, size);
   const Cells cells = cells_of(built, buffers, block);
-  ASSERT_EQ(cells.side.size(), 2 * (cells.link_begin.size() - 1));
-  std::set<std::array<int32_t, 3>> sides;
+  ASSERT_EQ(cells.adjacency.size(), 2 * (cells.link_begin.size() - 1));
+  std::set<std::array<int32_t, 3>> adjacent;
   for (int32_t cell = 0; cell < cells.count; ++cell)
-    for (int32_t k = cells.side_begin[at(cell)]; k < cells.side_begin[at(cell) + 1]; ++k)
-      sides.insert({cell, cells.side[at(k)].x, cells.side[at(k)].y});
-  EXPECT_EQ(sides.size(), cells.side.size());
-  for (const auto &[cell, other, link] : sides) {
+    for (int32_t k = cells.adjacency_begin[at(cell)]; k < cells.adjacency_begin[at(cell) + 1]; ++k)
+      adjacent.insert({cell, cells.adjacency[at(k)].x, cells.adjacency[at(k)].y});
+  EXPECT_EQ(adjacent.size(), cells.adjacency.size());
+  for (const auto &[cell, other, link] : adjacent) {
     EXPECT_NE(cell, other);
-    EXPECT_TRUE(sides.contains({other, cell, link}));
+    EXPECT_TRUE(adjacent.contains({other, cell, link}));
     EXPECT_LT(cells.link_begin[at(link)], cells.link_begin[at(link) + 1]) << "a link goes over somewhere";
   }
 }
@@ -105,8 +105,9 @@ TEST_F(CellsOfTexels, every_two_charts_with_a_common_seam_are_linked_and_no_othe
   for (const Border &border : built.charts.borders)
     if (border.kind == BorderKind::seam) seams.insert({border.chart, built.charts.borders[at(border.twin)].chart});
   for (int32_t cell = 0; cell < cells.count; ++cell)
-    for (int32_t k = cells.side_begin[at(cell)]; k < cells.side_begin[at(cell) + 1]; ++k)
-      if (chart[at(cell)] != chart[at(cells.side[at(k)].x)]) linked.insert({chart[at(cell)], chart[at(cells.side[at(k)].x)]});
+    for (int32_t k = cells.adjacency_begin[at(cell)]; k < cells.adjacency_begin[at(cell) + 1]; ++k)
+      if (chart[at(cell)] != chart[at(cells.adjacency[at(k)].x)])
+        linked.insert({chart[at(cell)], chart[at(cells.adjacency[at(k)].x)]});
   EXPECT_EQ(linked, seams);
 }
 
@@ -117,7 +118,8 @@ TEST_F(CellsOfTexels, all_wedges_of_a_point_are_joined_around_it) {
   const Cells cells = cells_of(built, buffers, block);
   const auto around = [&](int32_t cell) {
     std::set<int32_t> result{cell};
-    for (int32_t k = cells.side_begin[at(cell)]; k < cells.side_begin[at(cell) + 1]; ++k) result.insert(cells.side[at(k)].x);
+    for (int32_t k = cells.adjacency_begin[at(cell)]; k < cells.adjacency_begin[at(cell) + 1]; ++k)
+      result.insert(cells.adjacency[at(k)].x);
     return result;
   };
   std::vector<int32_t> first(at(built.half_edges.point_count), -1);
@@ -156,7 +158,7 @@ TEST_F(CellsOfTexels, links_stay_on_their_part_of_the_mesh) {
   mesh.corner_normals.clear();
   mesh.vertex_count *= 2;
   const Built built = build(mesh);
-  ASSERT_EQ(built.half_edges.parts, 2);
+  ASSERT_EQ(built.half_edges.components, 2);
   const Buffers buffers = bake(*thread, built, size);
   const Cells cells = cells_of(built, buffers, block);
   const std::vector<int32_t> chart = charts_of(cells, buffers);
@@ -207,8 +209,8 @@ TEST_F(CellsOfTexels, lobes_of_one_chart_are_not_joined_over_a_gap_below_a_texel
       ASSERT_FALSE(left_cells.empty() || right_cells.empty());
       for (const int32_t cell : left_cells) {
         EXPECT_FALSE(right_cells.contains(cell)) << "left lobe ends at " << left << ", gap " << gap;
-        for (int32_t k = cells.side_begin[at(cell)]; k < cells.side_begin[at(cell) + 1]; ++k)
-          EXPECT_FALSE(right_cells.contains(cells.side[at(k)].x)) << "left lobe ends at " << left << ", gap " << gap;
+        for (int32_t k = cells.adjacency_begin[at(cell)]; k < cells.adjacency_begin[at(cell) + 1]; ++k)
+          EXPECT_FALSE(right_cells.contains(cells.adjacency[at(k)].x)) << "left lobe ends at " << left << ", gap " << gap;
       }
       EXPECT_EQ(std::ranges::count(flood(cells, 0), 1), cells.count) << "they are joined by the strip";
     }

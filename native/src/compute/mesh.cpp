@@ -26,7 +26,7 @@ static pdesc_mesh_report describe(const Triangles &triangles, const HalfEdges &h
   report.seam_edges = charts.seam_edges;
   report.self_seam_edges = charts.self_seam_edges;
   report.unlinked_edges = charts.unlinked_edges;
-  report.parts = half_edges.parts;
+  report.parts = half_edges.components;
   report.uv_remapped = triangles.uv_remapped;
   return report;
 }

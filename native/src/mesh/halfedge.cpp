@@ -361,7 +361,7 @@ HalfEdges build_half_edges(const Triangles &triangles, int threads) {
   checkpoint();
   parallel_blocks(2, threads, 1, [&](int part, int) {
     if (part == 0) {
-      result.parts = trace_pieces(result.twin, left_out).count;
+      result.components = trace_pieces(result.twin, left_out).count;
       return;
     }
     describe_points(triangles, fans, result);

@@ -28,7 +28,7 @@ struct HalfEdges {
   int boundary_edges = 0;
   int welded_vertices = 0;
   int loose_vertices = 0;
-  int parts = 0;
+  int components = 0; // connected
 };
 
 // threads as in pdesc_context_options.

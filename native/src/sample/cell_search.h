@@ -66,8 +66,8 @@ public:
     add(cell);
     for (size_t i = 0; i < found_.size(); ++i) {
       const auto from = static_cast<size_t>(found_[i]);
-      for (int32_t k = cells_.side_begin[from]; k < cells_.side_begin[from + 1]; ++k) {
-        const int32_t other = cells_.side[k].x;
+      for (int32_t k = cells_.adjacency_begin[from]; k < cells_.adjacency_begin[from + 1]; ++k) {
+        const int32_t other = cells_.adjacency[k].x;
         if (visited_[other] == mark_) continue;
         const vec4 sphere = measured_[other].sphere;
         const vec3 gap = vec3(sphere) - middle;
@@ -86,7 +86,7 @@ public:
   bool is_single_sheet(vec3 center) const {
     for (const int32_t k : inside_) {
       const Seen &seen = seen_[k];
-      if (!seen.plain || (seen.at_boundary && meets_boundary(found_[k], center))) return false;
+      if (!seen.faces_center || (seen.at_boundary && meets_boundary(found_[k], center))) return false;
     }
     return flat_ < 1.25f * static_cast<float>(pi) * radius_ * radius_;
   }
@@ -143,10 +143,10 @@ public:
     for (size_t i = 0; i < queue_.size(); ++i) {
       const auto cell = static_cast<size_t>(queue_[i]);
       const uint32_t lanes = std::exchange(pending_[cell], 0);
-      for (int32_t k = cells_.side_begin[cell]; k < cells_.side_begin[cell + 1]; ++k) {
-        const ivec2 side = cells_.side[k];
-        if (const uint32_t wanted = lanes & ~come_[side.x])
-          come_to(side.x, going_over(side.y, links[side.y], link_points, centers, wanted));
+      for (int32_t k = cells_.adjacency_begin[cell]; k < cells_.adjacency_begin[cell + 1]; ++k) {
+        const ivec2 adjacent = cells_.adjacency[k];
+        if (const uint32_t wanted = lanes & ~come_[adjacent.x])
+          come_to(adjacent.x, going_over(adjacent.y, links[adjacent.y], link_points, centers, wanted));
       }
       if (cells_.boundary_begin[cell] < cells_.boundary_begin[cell + 1])
         boundary_ |= among(
@@ -203,7 +203,7 @@ private:
 
   // What centers ask of a cell that was found.
   struct Seen {
-    bool plain;       // faces its way
+    bool faces_center; // its normals lie within a cone around those that look at it
     bool at_boundary; // a border of the mesh runs through it
   };
   // Of so many cells, to look at them at once.

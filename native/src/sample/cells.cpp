@@ -168,15 +168,15 @@ private:
       cells_.link_texel.push_back(crossing.texel);
     }
     cells_.link_begin.push_back(static_cast<int32_t>(crossings_.size()));
-    cells_.side_begin.assign(static_cast<size_t>(cells_.count) + 1, 0);
+    cells_.adjacency_begin.assign(static_cast<size_t>(cells_.count) + 1, 0);
     for (const ivec2 pair : ends)
-      for (const int32_t cell : {pair.x, pair.y}) ++cells_.side_begin[cell + 1];
-    std::partial_sum(cells_.side_begin.begin(), cells_.side_begin.end(), cells_.side_begin.begin());
-    cells_.side.resize(2 * ends.size());
-    std::vector<int32_t> next(cells_.side_begin.begin(), cells_.side_begin.end() - 1);
+      for (const int32_t cell : {pair.x, pair.y}) ++cells_.adjacency_begin[cell + 1];
+    std::partial_sum(cells_.adjacency_begin.begin(), cells_.adjacency_begin.end(), cells_.adjacency_begin.begin());
+    cells_.adjacency.resize(2 * ends.size());
+    std::vector<int32_t> next(cells_.adjacency_begin.begin(), cells_.adjacency_begin.end() - 1);
     for (size_t i = 0; i < ends.size(); ++i) {
-      cells_.side[next[ends[i].x]++] = ivec2(ends[i].y, i);
-      cells_.side[next[ends[i].y]++] = ivec2(ends[i].x, i);
+      cells_.adjacency[next[ends[i].x]++] = ivec2(ends[i].y, i);
+      cells_.adjacency[next[ends[i].y]++] = ivec2(ends[i].x, i);
     }
   }
 

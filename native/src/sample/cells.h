@@ -21,8 +21,8 @@ struct Cells {
   int block_size = 0;         // texels, a power of two
   std::vector<int32_t> label; // (size * size, 2) cell of each texel, or -1; part of the texel that its chart covers, of 65536
   std::vector<ivec4> box;     // (count) low texel, width and height of what holds its texels, within one block
-  std::vector<int32_t> side_begin;     // (count + 1) into side
-  std::vector<ivec2> side;             // neighboring cell, link
+  std::vector<int32_t> adjacency_begin; // (count + 1) into adjacency
+  std::vector<ivec2> adjacency;         // neighboring cell, link
   std::vector<int32_t> link_begin;     // (links + 1) into link_texel
   std::vector<int32_t> link_texel;     // where the surface goes over from cell to cell
   std::vector<int32_t> boundary_begin; // (count + 1) into boundary

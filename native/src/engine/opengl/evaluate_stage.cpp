@@ -31,7 +31,7 @@ EvaluateSettings TextureSpace::settings_of(const Job &job, const Frame &frame) {
   settings.relocation = options.relocation;
   if (job.connected()) settings.cells = cells().buffers.get();
   settings.estimator = options.estimator;
-  settings.plain = options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE;
+  settings.use_control_variate = options.variance_reduction != PDESC_VARIANCE_REDUCTION_NONE;
   settings.displaced = frame.displaced != nullptr;
   settings.geodesic_ball = options.distance == PDESC_DISTANCE_GEODESIC;
   settings.adaptive = static_cast<float>(options.adaptive);

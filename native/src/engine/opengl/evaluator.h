@@ -32,7 +32,7 @@ struct EvaluateSettings {
   float enlargement;                     // of the sampling ellipse over the radius
   int relocation;                        // pdesc_relocation
   int estimator;                         // pdesc_estimator of the curvatures
-  bool plain;                            // no control variate
+  bool use_control_variate;              // which takes the noise of samples from what the shape operator explains
   bool geodesic_ball;                    // the neighborhood ends where the distance along the surface exceeds the radius
   float adaptive;                        // 0: all samples everywhere
   bool displaced = false;                // the surface is displaced: its faces are not the mesh's
