@@ -8,7 +8,7 @@
   4096 // guard of the march; a straight line crosses at most 2 x 8192 texels between seams, far less in practice
 
 // Textures by their sampler units, each number once: a stage of a program may have 16 of them.
-#define UNIT_WEIGHTS 0     // buffer, RG32F: the texel's place in its triangle, by the weights of the corners 1 and 2
+#define UNIT_WEIGHTS 0     // buffer, RG32F: where the texel lies in its triangle: the weights of the corners 1 and 2
 #define UNIT_POSITION 1    // buffer, RGBA32F or RGBA16F: position, area element in units of area_unit (0: no surface)
 #define UNIT_NORMAL 2      // buffer, RGBA32F: unit normal; RGBA16F: half.glsl says how
 #define UNIT_IDS 3         // buffer, RG32I: chart (-1: none), triangle (-1 - triangle: on a chart-edge line)
@@ -16,15 +16,15 @@
 #define UNIT_BORDER_LIST 5 // list, RG32I: border, chart
 #define UNIT_BORDER_UV 6   // list, RGBA32F: u0, v0, u1, v1 of each border, the chart on its left
 #define UNIT_LINKS 7       // list, RGBA32F, two a border: the matrix of M_e; its image of (u0, v0), twin (or -1 - kind), twin's chart
-// Where cells are measured.
+// Of the measuring of cells.
 #define UNIT_LABELS 8 // buffer, RG32I: the cell of each texel, or -1; the part of it that its chart covers, of 65536
 #define UNIT_BOXES 9  // list, RGBA32I: low texel, width and height of each cell's box
-// Of a layout, and what the mesh's points have there.
-#define UNIT_PLACES 10   // buffer texture, RGBA32F, two a triangle: (u, v) of its corners 0 and 1; (u, v) of corner 2, its chart
-#define UNIT_CORNERS 11  // buffer texture, RGBA32I: the bake vertices of each triangle's corners; the bits of 1 over its area in (u, v), twice
-#define UNIT_VERTICES 12 // buffer texture, RGBA32F, two a bake vertex: position; normal
-#define UNIT_VALUES 13   // buffer texture, RGBA32F: a map's value at each bake vertex
-// What neighborhoods are sampled from.
+// Of a layout, and of the mesh's points in it.
+#define UNIT_CORNER_UVS 10 // buffer texture, RGBA32F, two a triangle: (u, v) of its corners 0 and 1; (u, v) of corner 2, its chart
+#define UNIT_CORNERS 11    // buffer texture, RGBA32I: the bake vertices of each triangle's corners; the bits of 1 over its area in (u, v), twice
+#define UNIT_VERTICES 12   // buffer texture, RGBA32F, two a bake vertex: position; normal
+#define UNIT_VALUES 13     // buffer texture, RGBA32F: a map's value at each bake vertex
+// Of what neighborhoods are sampled from.
 #define UNIT_FACES 14   // list, RGBA32F: unit normal of each triangle
 #define UNIT_MAP 15     // buffer, RGBA32F: gradient of a map, its value
 #define UNIT_SAMPLES 16 // buffer texture, RG32I: texel (x + 65536 y); the bits of the area in (u, v) that it stands for, a float
@@ -33,7 +33,7 @@
 // Of the pass that displaces baked texels.
 #define UNIT_HEIGHTS 19  // image, R32F: displacement
 #define UNIT_COLORS 20   // image, RGBA32F: normal map
-#define UNIT_INPUT_UV 21    // list, RG32F: the caller's (u, v) of each bake vertex
+#define UNIT_INPUT_UV 21 // list, RG32F: the caller's (u, v) of each bake vertex
 #define UNIT_TANGENTS 22 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
 #define UNIT_COUNT 23
 
@@ -61,13 +61,13 @@
 #define BINDING_CENTERS 0
 #define BINDING_RESULTS 1
 #define BINDING_NEIGHBORHOODS 2 // the ranges of samples of each center's neighborhood
-#define BINDING_TEXELLESS 3         // samples of triangles that no texel carries
-#define BINDING_CONNECTED 4        // of centers computed again: their numbers, where their triangles begin (one more), the triangles
-#define BINDING_MAP_CENTERS 5  // gradient and value of the map at each center
-#define BINDING_MAP_TEXELLESS 6     // the same at the samples of BINDING_TEXELLESS
-#define BINDING_EDGES 7        // chart-edge lines to rasterize
-#define BINDING_CELLS 8        // what was measured of each cell
-#define BINDING_POINTS 9       // where UNIT_POINTS is written
+#define BINDING_TEXELLESS 3     // samples of triangles that no texel carries
+#define BINDING_CONNECTED 4     // of centers computed again: their numbers, where their triangles begin (one more), the triangles
+#define BINDING_MAP_CENTERS 5   // gradient and value of the map at each center
+#define BINDING_MAP_TEXELLESS 6 // the same at the samples of BINDING_TEXELLESS
+#define BINDING_EDGES 7         // chart-edge lines to rasterize
+#define BINDING_CELLS 8         // what was measured of each cell
+#define BINDING_POINTS 9        // where UNIT_POINTS is written
 // In the affine and the paper's relocation.
 #define BINDING_PATTERN 10
 #define BINDING_PROGRESS 11    // (centers of one dispatch)
@@ -93,7 +93,7 @@
 #define ROW_AREA 2
 #define ROW_DESCRIPTORS 3
 
-// Bits of a place's flags, a whole number among the results' floats.
+// Bits of a center's flags, a whole number among the results' floats.
 #define FLAG_HITS_BOUNDARY 1u // the mesh's boundary lies in the neighborhood
 #define FLAG_ALL_SAMPLES 2u   // adaptive sampling took all samples
 #define FLAG_AMBIGUOUS 4u     // the moments are no disk's: samples may have come in that are not connected within the ball
@@ -104,10 +104,10 @@ namespace paradesc {
 #define BLOCK_OF_VECTORS struct alignas(16)
 #else
 #define BLOCK_OF_VECTORS struct
-ivec2 list_place(int index) { return ivec2(index % LIST_ROW, index / LIST_ROW); }
+ivec2 list_texel(int index) { return ivec2(index % LIST_ROW, index / LIST_ROW); }
 #endif
 
-// What one dispatch over centers is told.
+// The parameters of one dispatch over centers.
 struct EvaluateParams {
   int first; // centers from here on
   int last;  // past the end
@@ -119,7 +119,7 @@ struct EvaluateParams {
   float map_radius;    // at which the map was computed
   float map_sigma;     // of Gaussian windows on it
   float harris_k;
-  int connected_count;     // centers in BINDING_CONNECTED
+  int connected_count; // centers in BINDING_CONNECTED
   // For samples that march.
   float enlargement;   // of the ellipse that they start in over the radius
   int max_jumps;
@@ -132,7 +132,7 @@ BLOCK_OF_VECTORS CenterData {
   int chart;
   vec3 normal;   // unit
   float phase;   // rotation of the pattern in radians
-  vec4 place;    // (u, v) of the evaluation; (u, v) just inside the chart where marches start
+  vec4 uv;       // (u, v) of the evaluation; (u, v) just inside the chart where marches start
   vec4 ellipse;  // columns of the 2x2 map from the unit disk to (u, v) offsets
 };
 struct NeighborhoodRanges {

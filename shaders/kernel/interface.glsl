@@ -36,7 +36,7 @@ struct Neighbor {
   float weight;    // w: the part of that area within the neighborhood
   bool near;       // nearer than one texel: too near for anything divided by rho
 #if MAP
-  vec2 place;      // d in the tangents of p, in units of r
+  vec2 coordinates; // d in the tangents of p, in units of r
   float value;     // f_i - f(p)
   vec2 slope;      // r grad f_i in the tangents of p, r that of f; NaN where it does not exist, 0 where no operator needs it
 #endif

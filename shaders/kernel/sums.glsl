@@ -60,10 +60,10 @@ float geodesic_distance(Center center, Neighbor neighbor) {
   return neighbor.rho * (1.0f + bend * bend * square / 24.0f);
 }
 
-// A tangent vector v of a place with normal m, turned with it into the tangent plane of n: no projection would keep its length.
+// A tangent vector v at a normal m, turned with it into the tangent plane of n: no projection would keep its length.
 vec3 turn_to(vec3 n, vec3 m, vec3 v) { return v - (n + m) * (dot(n, v) / max(1.0f + dot(n, m), float(LEAST_TURN))); }
 
-// One place of the surface. face: the unit normal of its triangle, where FACES are asked for. near: nearer to the center than texels can
+// Adds one sample of the surface. face: the unit normal of its triangle, where FACES are asked for. near: nearer to the center than texels can
 // tell. geodesic: its distance along the surface where that is known, else below 0. map: gradient and value of f there, where there is a MAP.
 void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float area, bool near, float geodesic, vec4 map) {
   Center center = sums.center;
@@ -97,7 +97,7 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
   bool unknown = isnan(map.w); // the map does not exist there
   vec3 slope = params.map_radius * turn_to(center.normal, normal, vec3(map.x, map.y, map.z));
   neighbor.weight = mix(neighbor.weight, 0.0f, unknown);
-  neighbor.place = x;
+  neighbor.coordinates = x;
   neighbor.value = mix(map.w - center.value, 0.0f, unknown);
   neighbor.slope = vec2(dot(slope, center.t1), dot(slope, center.t2));
 #endif

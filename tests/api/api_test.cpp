@@ -123,8 +123,8 @@ TEST(ApiContext, defaults_come_from_null_options) {
 }
 
 TEST(ApiContext, unusable_options_are_refused) {
-  int place = 0;
-  pdesc_context *const never = reinterpret_cast<pdesc_context *>(&place);
+  int sentinel_address = 0;
+  pdesc_context *const never = reinterpret_cast<pdesc_context *>(&sentinel_address);
   pdesc_context *context = never;
   pdesc_context_options options = initialized(pdesc_context_options_init);
   options.backend = 17;

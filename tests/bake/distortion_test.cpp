@@ -21,7 +21,7 @@ dvec3 surface(dvec2 uv) {
 }
 
 Built stretched_patch() {
-  Shape shape = grid(3, 3, [](dvec2 place, int, int) { return dvec2(0.1) + place * 0.25; });
+  Shape shape = grid(3, 3, [](dvec2 position, int, int) { return dvec2(0.1) + position * 0.25; });
   for (vec3 &position : shape.positions) position = vec3(surface(dvec2(0.1) + dvec2(position.x, position.y) * 0.25));
   return build(shape);
 }
@@ -70,14 +70,14 @@ TEST(FirstFundamentalForm, area_elements_times_uv_areas_are_areas) {
 }
 
 TEST(BakeSpace, puts_the_longest_side_of_the_box_between_minus_one_and_one) {
-  const Built built = build(grid(4, 2, [](dvec2 place, int, int) { return place * 0.2; }));
+  const Built built = build(grid(4, 2, [](dvec2 position, int, int) { return position * 0.2; }));
   const BakeSpace bake_space = bake_space_of(bounding_box(built.triangles, built.half_edges));
   EXPECT_EQ(bake_space.to_buffer(vec3(0, 0, 0)), vec3(-1, -0.5f, 0));
   EXPECT_EQ(bake_space.to_buffer(vec3(4, 2, 0)), vec3(1, 0.5f, 0));
 }
 
 TEST(BakeSpace, leaves_out_vertices_without_a_face) {
-  Shape shape = grid(4, 2, [](dvec2 place, int, int) { return place * 0.2; });
+  Shape shape = grid(4, 2, [](dvec2 position, int, int) { return position * 0.2; });
   shape.positions.push_back(vec3(1000));
   const Built built = build(shape);
   EXPECT_EQ(bake_space_of(bounding_box(built.triangles, built.half_edges)).to_buffer(vec3(4, 2, 0)), vec3(1, 0.5f, 0));

@@ -16,7 +16,7 @@ struct Link {
   dmat2 linear;
   dvec2 from, to;
   double twin, chart;
-  dvec2 operator()(dvec2 place) const { return to + linear * (place - from); }
+  dvec2 operator()(dvec2 position) const { return to + linear * (position - from); }
 };
 
 Link link_of(const Built &built, const std::vector<vec4> &links, size_t border) {
@@ -71,8 +71,8 @@ TEST(SeamLinks, are_exact_everywhere_on_a_plane) {
       built, seam_links(built.triangles, built.charts), [&](const Border &border, const Border &twin, const Link &link) {
         const Affine near = chart_of_quad(border.chart % 4, border.chart / 4),
                      far = chart_of_quad(twin.chart % 4, twin.chart / 4);
-        for (const dvec2 place : {dvec2(0, 0), dvec2(4, 0), dvec2(1, 3)}) // corners of the plane, several charts away
-          EXPECT_LT(length(link(near(place)) - far(place)), 1e-4) << "an edge's roundings, four times as far away";
+        for (const dvec2 position : {dvec2(0, 0), dvec2(4, 0), dvec2(1, 3)}) // corners of the plane, several charts away
+          EXPECT_LT(length(link(near(position)) - far(position)), 1e-4) << "an edge's roundings, four times as far away";
         const dvec2 third(vec2(built.position(previous_corner(twin.half_edge))));
         EXPECT_LT(length(link(near(third)) - built.uv(previous_corner(twin.half_edge))), rounding);
       });
@@ -96,8 +96,8 @@ TEST(SeamLinks, there_and_back_is_the_identity) {
     each_seam(built, links, [&](const Border &border, const Border &, const Link &link) {
       const Link back = link_of(built, links, at(border.twin));
       for (const dvec2 offset : {dvec2(0.0), dvec2(0.05, 0.0), dvec2(-0.02, 0.05)}) {
-        const dvec2 place = built.uv(border.half_edge) + offset;
-        EXPECT_LT(length(back(link(place)) - place), 1e-5); // two links, each rounded
+        const dvec2 position = built.uv(border.half_edge) + offset;
+        EXPECT_LT(length(back(link(position)) - position), 1e-5); // two links, each rounded
       }
     });
   }
@@ -114,13 +114,13 @@ TEST(SeamLinks, lay_the_far_triangle_unfolded_into_the_near_ones_plane_onto_its_
       return dvec2(dot(spoke, edge), side * length(glm::cross(edge, spoke)));
     };
     const dmat2 plane(unfolded(b, 1.0), unfolded(c, 1.0)), chart(built.uv(b) - built.uv(a), built.uv(c) - built.uv(a));
-    const dvec2 place = built.uv(a) + chart * inverse(plane) * unfolded(far, -1.0);
-    EXPECT_LT(length(link(place) - built.uv(far)), rounding);
+    const dvec2 position = built.uv(a) + chart * inverse(plane) * unfolded(far, -1.0);
+    EXPECT_LT(length(link(position) - built.uv(far)), rounding);
   });
 }
 
 TEST(SeamLinks, say_so_where_the_surface_ends_or_nothing_can_be_carried_over) {
-  Shape shape = grid(3, 3, [](dvec2 place, int, int) { return place * 0.3; });
+  Shape shape = grid(3, 3, [](dvec2 position, int, int) { return position * 0.3; });
   const size_t inner = 2 * 4 * 3; // the first triangle of the middle quad
   for (size_t corner = inner; corner < inner + 3; ++corner) shape.uvs[corner] = vec2(0.5f);
   const Built built = build(shape);

@@ -53,7 +53,7 @@ inline Built build(const TestMesh &mesh) {
   return build(read_triangles(input));
 }
 
-// A grid of quads over [0, width] x [0, height] of the plane z = 0, unit cells. uv(place, quad x, quad y).
+// A grid of quads over [0, width] x [0, height] of the plane z = 0, unit cells. uv(position, quad x, quad y).
 inline Shape grid(int width, int height, const std::function<dvec2(dvec2, int, int)> &uv) {
   Shape shape;
   for (int y = 0; y <= height; ++y)
@@ -69,14 +69,14 @@ inline Shape grid(int width, int height, const std::function<dvec2(dvec2, int, i
   return shape;
 }
 
-// (u, v) = origin + linear * place
+// (u, v) = origin + linear * position
 struct Affine {
   dmat2 linear{1.0};
   dvec2 origin{0.0};
-  dvec2 operator()(dvec2 place) const { return origin + linear * place; }
+  dvec2 operator()(dvec2 position) const { return origin + linear * position; }
 };
 
-// The place of each quad of a 4 by 3 grid on a chart of its own: turned, stretched and, every third, mirrored.
+// The chart of each quad of a 4 by 3 grid on a chart of its own: turned, stretched and, every third, mirrored.
 inline Affine chart_of_quad(int x, int y) {
   const int number = 4 * y + x;
   const double angle = 0.7 * number, stretch = 0.08 + 0.005 * (number % 5), other = (number % 3 == 2 ? -1.1 : 1.0) * stretch;
@@ -87,7 +87,7 @@ inline Affine chart_of_quad(int x, int y) {
 inline bool mirrored_quad(int number) { return number % 3 == 2; }
 
 inline Built plane_of_twelve_charts() {
-  return build(grid(4, 3, [](dvec2 place, int x, int y) { return chart_of_quad(x, y)(place); }));
+  return build(grid(4, 3, [](dvec2 position, int x, int y) { return chart_of_quad(x, y)(position); }));
 }
 
 } // namespace paradesc::test

@@ -24,17 +24,17 @@ uint32_t spread(uint32_t value) {
   return (value | value << 2) & 0x09249249u;
 }
 
-std::vector<int32_t> morton_order(const std::vector<vec3> &places) {
+std::vector<int32_t> morton_order(const std::vector<vec3> &positions) {
   vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
-  for (const vec3 &place : places) low = glm::min(low, place), high = glm::max(high, place);
+  for (const vec3 &position : positions) low = glm::min(low, position), high = glm::max(high, position);
   const float scale = 1023.0f / std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-30f});
-  std::vector<uint32_t> code(places.size());
-  for (size_t i = 0; i < places.size(); ++i) {
-    const vec3 cell = (places[i] - low) * scale;
+  std::vector<uint32_t> code(positions.size());
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const vec3 cell = (positions[i] - low) * scale;
     code[i] = spread(static_cast<uint32_t>(cell.x)) | spread(static_cast<uint32_t>(cell.y)) << 1 |
               spread(static_cast<uint32_t>(cell.z)) << 2;
   }
-  std::vector<int32_t> order(places.size());
+  std::vector<int32_t> order(positions.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int32_t a, int32_t b) { return code[static_cast<size_t>(a)] < code[static_cast<size_t>(b)]; });
@@ -151,12 +151,12 @@ std::vector<float> voronoi_areas(const Triangles &triangles, const HalfEdges &ha
   std::vector<double> areas(static_cast<size_t>(half_edges.point_count), 0.0);
   for (size_t c = 0; c < half_edges.corner_point.size(); c += 3) {
     if (half_edges.corner_point[c] < 0) continue;
-    dvec3 place[3];
-    for (size_t k = 0; k < 3; ++k) place[k] = dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[c + k])]);
-    const double twice = length(glm::cross(place[1] - place[0], place[2] - place[0]));
+    dvec3 position[3];
+    for (size_t k = 0; k < 3; ++k) position[k] = dvec3(triangles.positions[static_cast<size_t>(triangles.corner_vertex[c + k])]);
+    const double twice = length(glm::cross(position[1] - position[0], position[2] - position[0]));
     double cosine[3], square[3]; // of the angle at corner k, scaled; of the side opposite to it
     for (size_t k = 0; k < 3; ++k) {
-      const dvec3 &tip = place[k], &a = place[(k + 1) % 3], &b = place[(k + 2) % 3];
+      const dvec3 &tip = position[k], &a = position[(k + 1) % 3], &b = position[(k + 2) % 3];
       cosine[k] = glm::dot(a - tip, b - tip);
       square[k] = glm::dot(b - a, b - a);
     }
@@ -173,16 +173,16 @@ std::vector<float> voronoi_areas(const Triangles &triangles, const HalfEdges &ha
 
 BaselineSurface build_baseline(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> point_normals) {
   const auto count = static_cast<size_t>(half_edges.point_count);
-  std::vector<vec3> places(count);
-  for (size_t i = 0; i < count; ++i) places[i] = triangles.positions[static_cast<size_t>(half_edges.point_vertex[i])];
+  std::vector<vec3> positions(count);
+  for (size_t i = 0; i < count; ++i) positions[i] = triangles.positions[static_cast<size_t>(half_edges.point_vertex[i])];
   const std::vector<float> areas = voronoi_areas(triangles, half_edges);
   BaselineSurface surface;
-  surface.origin = morton_order(places);
+  surface.origin = morton_order(positions);
   surface.points.reserve(count);
   surface.normals.reserve(count);
   for (const int32_t old : surface.origin) {
     const auto i = static_cast<size_t>(old);
-    surface.points.push_back({places[i].x, places[i].y, places[i].z, areas[i]});
+    surface.points.push_back({positions[i].x, positions[i].y, positions[i].z, areas[i]});
     surface.normals.push_back(point_normals[i]);
   }
   build_rings(half_edges, surface);

@@ -82,16 +82,16 @@ std::string shader(const std::string &fetch) {
          "  vec2 center = centers[index] * float(size);\n"
          "  vec4 sum = vec4(0.0);\n"
          "  for (int i = 0; i < samples; ++i) {\n"
-         "    vec2 place = center + radius * pattern[i];\n" +
+         "    vec2 position = center + radius * pattern[i];\n" +
          fetch +
          "  }\n"
          "  results[index] = sum;\n"
          "}\n";
 }
 
-constexpr const char *texel_fetch = "    ivec2 texel = ivec2(place) & (size - 1);\n"
+constexpr const char *texel_fetch = "    ivec2 texel = ivec2(position) & (size - 1);\n"
                                     "    sum += texelFetch(position, texel, 0) + texelFetch(normal, texel, 0);\n";
-constexpr const char *texture_lod = "    vec2 uv = place / float(size);\n"
+constexpr const char *texture_lod = "    vec2 uv = position / float(size);\n"
                                     "    sum += textureLod(position, uv, 0.0) + textureLod(normal, uv, 0.0);\n";
 
 GLuint compile(const Gl &gl, const std::string &text) {
@@ -127,31 +127,31 @@ Texture noise(const Gl &gl, int size) {
   return texture;
 }
 
-// (u, v) of one place of each vertex.
-std::vector<vec2> places_of(const test::TestMesh &mesh) {
-  std::vector<vec2> places(static_cast<size_t>(mesh.vertex_count), vec2(0.5f));
+// (u, v) of one wedge of each vertex.
+std::vector<vec2> uvs_of(const test::TestMesh &mesh) {
+  std::vector<vec2> uvs(static_cast<size_t>(mesh.vertex_count), vec2(0.5f));
   for (size_t c = 0; c < mesh.corner_vertices.size(); ++c)
-    places[static_cast<size_t>(mesh.corner_vertices[c])] = {mesh.corner_uvs[2 * c], mesh.corner_uvs[2 * c + 1]};
-  return places;
+    uvs[static_cast<size_t>(mesh.corner_vertices[c])] = {mesh.corner_uvs[2 * c], mesh.corner_uvs[2 * c + 1]};
+  return uvs;
 }
 
 Device &device() {
   static Device *once = [] {
     const char *path = std::getenv("PARADESC_BENCH_MESH");
     if (!path) throw std::runtime_error("PARADESC_BENCH_MESH names no mesh.");
-    const std::vector<vec2> places = places_of(read_mesh(path));
+    const std::vector<vec2> uvs = uvs_of(read_mesh(path));
     auto *made = new Device;
     made->size = static_cast<int>(setting("PARADESC_BENCH_SIZE", 1024));
     made->samples = static_cast<int>(setting("PARADESC_BENCH_SAMPLES", 256));
     made->radius = static_cast<float>(setting("PARADESC_BENCH_TEXELS", 12));
-    made->count = static_cast<int>(places.size());
+    made->count = static_cast<int>(uvs.size());
     made->thread.run([&](const Gl &gl, ProgramCache &) {
       made->timer = std::make_unique<Timer>(gl);
       made->position = noise(gl, made->size);
       made->normal = noise(gl, made->size);
-      made->centers.upload(gl, places);
+      made->centers.upload(gl, uvs);
       made->pattern.upload(gl, golden_angle_pattern(made->samples));
-      made->results.upload(gl, nullptr, 16 * places.size());
+      made->results.upload(gl, nullptr, 16 * uvs.size());
     });
     return made;
   }();

@@ -89,19 +89,19 @@ TEST_P(IrregularSurface, has_its_exact_curvatures_and_the_oracles_volume_and_ben
     EXPECT_LE(errors.all.mean, i < 2 ? 0.25 : 1.0) << measured[i];
     // Issue "Core": seam vertices at most 1.5 times the interior. The bias of a finite support is larger at some places, with or
     // without seams: the oracle, which knows no seams, shows by how much.
-    double place = 1;
+    double ratio = 1;
     if (i < 2) {
       const Errors of_oracle = errors_of(oracle[measured[i]], truth, seam);
       record(title + ", oracle", measured[i], of_oracle.all);
       EXPECT_LE(of_oracle.all.mean, 0.25) << measured[i] << " of the oracle";
-      place = std::max(1.0, of_oracle.seams.mean / of_oracle.interior.mean);
-      std::cout << "seams to interior: " << errors.seams.mean / errors.interior.mean << ", of the oracle " << place << '\n';
+      ratio = std::max(1.0, of_oracle.seams.mean / of_oracle.interior.mean);
+      std::cout << "seams to interior: " << errors.seams.mean / errors.interior.mean << ", of the oracle " << ratio << '\n';
     }
     // Where the radius spans few texels, those that a seam cuts are a good part of the support, and each stands for its covered
     // part by its center: sphere volume has 1.55 to 1.73 times the interior's error on six triangulations of the torus of one
     // chart (6 texels, 0.24 % against 0.145 %), 1.7502 times on this one.
     const double allowed = results.report.radius_in_texels < 8 ? 1.8 : 1.5;
-    EXPECT_LE(errors.seams.mean, allowed * place * errors.interior.mean) << measured[i];
+    EXPECT_LE(errors.seams.mean, allowed * ratio * errors.interior.mean) << measured[i];
   }
   // Issue "Core": coverage within 1 % of the oracle's area.
   EXPECT_NEAR(results.report.coverage_mean, 1, 0.01);

@@ -72,7 +72,7 @@ TEST_F(NearSheets, floors_of_a_ramp_that_face_alike_do_not_see_each_other) {
 }
 
 // Two leaves that are connected around a bend between one and two radii away. The bend runs across the axes: a box around the
-// places where cells go over reaches into balls that none of these places lies in.
+// texels where cells go over reaches into balls that hold none of these texels.
 TEST_F(NearSheets, leaves_that_meet_beyond_the_ball_do_not_see_each_other) {
   constexpr double bend = 0.015, radius = 0.1;
   TestMesh sheet = plane(1.2, 0.8, {.vertices = 12000, .irregular = false});

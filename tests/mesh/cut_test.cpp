@@ -15,12 +15,12 @@ namespace {
 
 // A flat strip of `length` by `width` quads whose middle line follows `path` (t in [0, 1]) in the UV map, `reach` to either side.
 Shape strip(int length, int width, double reach, const std::function<dvec2(double)> &path) {
-  return grid(length, width, [=](dvec2 place, int, int) {
-    const double t = place.x / length;
+  return grid(length, width, [=](dvec2 position, int, int) {
+    const double t = position.x / length;
     dvec2 step = path(t + 1e-4) - path(t - 1e-4);
     if (step == dvec2(0)) step = path(t + 2e-3) - path(t); // it stands still at its start
     const dvec2 way = glm::normalize(step);
-    return path(t) + dvec2(-way.y, way.x) * reach * (2.0 * place.y / width - 1.0);
+    return path(t) + dvec2(-way.y, way.x) * reach * (2.0 * position.y / width - 1.0);
   });
 }
 
@@ -171,7 +171,7 @@ TEST(Cut, triangles_around_a_point_for_two_turns_are_two_pieces) {
 }
 
 TEST(Cut, charts_on_each_other_are_found_and_not_cut) {
-  const Built built = build(grid(2, 1, [](dvec2 place, int x, int) { return dvec2(place.x - x, place.y); }));
+  const Built built = build(grid(2, 1, [](dvec2 position, int x, int) { return dvec2(position.x - x, position.y); }));
   ASSERT_EQ(built.charts.chart_count, 2);
   const Cuts cuts = checked_cuts(built);
   EXPECT_TRUE(cuts.overlapping);
@@ -197,7 +197,8 @@ TEST(Cut, small_triangles_over_large_ones_are_found) {
 
 // A hundred by a hundred quads; what lies at one inner vertex is moved along u by this part of a quad.
 Shape dented_grid(int x, int y, double part) {
-  return grid(100, 100, [=](dvec2 place, int, int) { return (place + dvec2(place == dvec2(x, y) ? part : 0.0, 0.0)) / 100.0; });
+  return grid(100, 100,
+              [=](dvec2 position, int, int) { return (position + dvec2(position == dvec2(x, y) ? part : 0.0, 0.0)) / 100.0; });
 }
 
 TEST(Cut, one_overlap_among_twenty_thousand_triangles_is_found_wherever_it_lies) {
@@ -210,15 +211,15 @@ TEST(Cut, one_overlap_among_twenty_thousand_triangles_is_found_wherever_it_lies)
 
 // Boxes of all of these are the whole square.
 TEST(Cut, long_triangles_across_the_square_are_left_alone) {
-  const Cuts cuts = checked_cuts(build(grid(1, 400, [](dvec2 place, int, int) {
-    return dvec2(0.1, 0.0) + place.x * dvec2(0.8) + place.y / 400.0 * dvec2(-0.1, 0.1);
+  const Cuts cuts = checked_cuts(build(grid(1, 400, [](dvec2 position, int, int) {
+    return dvec2(0.1, 0.0) + position.x * dvec2(0.8) + position.y / 400.0 * dvec2(-0.1, 0.1);
   })));
   EXPECT_FALSE(cuts.overlapping);
   EXPECT_EQ(pieces_of(cuts), 1);
 }
 
 TEST(Cut, triangles_on_no_chart_belong_to_no_piece) {
-  Shape shape = grid(3, 3, [](dvec2 place, int, int) { return place / 3.0; });
+  Shape shape = grid(3, 3, [](dvec2 position, int, int) { return position / 3.0; });
   for (size_t corner = 24; corner < 27; ++corner) shape.uvs[corner] = vec2(0.5f);
   const Cuts cuts = checked_cuts(build(shape));
   EXPECT_EQ(cuts.triangle_piece[8], -1);

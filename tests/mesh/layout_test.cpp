@@ -85,7 +85,7 @@ TEST(Layout, all_charts_keep_their_distance_from_all_sides_of_the_square) {
 
 // A stack of equal squares fills the square's rows and columns: some chart comes near to each of its sides.
 TEST(Layout, charts_that_fill_the_square_keep_their_distance_from_its_high_sides_too) {
-  const Built built = repacked(build(grid(8, 8, [](dvec2 place, int x, int y) { return place - dvec2(x, y); })));
+  const Built built = repacked(build(grid(8, 8, [](dvec2 position, int x, int y) { return position - dvec2(x, y); })));
   Box all;
   std::vector<Box> box = boxes(built);
   for (const Box &each : box) all = {glm::min(all.low, each.low), glm::max(all.high, each.high)};
@@ -171,7 +171,8 @@ std::vector<double> densities(const Built &built) {
 
 // 24 equal quads in a row, each on a chart of its own that is 1.25 times as large as the one before.
 Built growing_charts() {
-  return build(grid(24, 1, [](dvec2 place, int x, int) { return 0.004 * std::pow(1.25, x) * dvec2(place.x - x, place.y); }));
+  return build(
+      grid(24, 1, [](dvec2 position, int x, int) { return 0.004 * std::pow(1.25, x) * dvec2(position.x - x, position.y); }));
 }
 
 TEST(Layout, texel_densities_come_within_a_factor_of_two_of_the_median) {
@@ -186,9 +187,9 @@ TEST(Layout, texel_densities_come_within_a_factor_of_two_of_the_median) {
 }
 
 TEST(Layout, a_map_that_fills_the_square_is_left_as_it_is_where_a_gain_is_asked_for) {
-  Built built = build(grid(8, 8, [](dvec2 place, int, int) { return place / 8.0; }));
+  Built built = build(grid(8, 8, [](dvec2 position, int, int) { return position / 8.0; }));
   EXPECT_FALSE(repack_charts(built.triangles, built.charts, 1.5));
-  Built small = build(grid(8, 8, [](dvec2 place, int, int) { return place / 80.0; }));
+  Built small = build(grid(8, 8, [](dvec2 position, int, int) { return position / 80.0; }));
   const std::optional<Charts> larger = repack_charts(small.triangles, small.charts, 1.5);
   ASSERT_TRUE(larger);
   small.charts = *larger;
@@ -203,7 +204,7 @@ TEST(Layout, a_mesh_without_charts_is_left_as_it_is) {
 }
 
 TEST(Layout, tens_of_thousands_of_charts_fit) {
-  const Built built = repacked(build(grid(200, 150, [](dvec2 place, int x, int y) { return place - dvec2(x, y); })));
+  const Built built = repacked(build(grid(200, 150, [](dvec2 position, int x, int y) { return position - dvec2(x, y); })));
   ASSERT_EQ(built.charts.chart_count, 30000);
   EXPECT_FALSE(cut_charts(built.half_edges, built.charts).overlapping);
 }

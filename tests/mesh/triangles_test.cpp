@@ -217,9 +217,9 @@ TEST(Triangles, a_large_layout_keeps_its_aspect) {
 
 TEST(Triangles, layouts_of_any_size_and_place_end_within_the_unit_square) {
   for (const float size : {1e-3f, 0.7f, 1.1f, 3.3f, 7e7f, 1e30f})
-    for (const float place : {-1e6f, -0.3f, 0.31f, 1e3f}) {
-      const float end = place + size;
-      read_uvs({place, place, end, place, end, end, place, end}, place < 0 || end > 1);
+    for (const float at : {-1e6f, -0.3f, 0.31f, 1e3f}) {
+      const float end = at + size;
+      read_uvs({at, at, end, at, end, end, at, end}, at < 0 || end > 1);
     }
 }
 

@@ -21,8 +21,8 @@ std::set<int32_t> borders_in(const BorderGrid &grid, int x, int y) {
   return borders;
 }
 
-// Calls visit(border, place in texels) along every border, ten times a texel.
-template <class Visit> void each_border_place(const BorderGrid &grid, const Visit &visit) {
+// Calls visit(border, position in texels) along every border, ten times a texel.
+template <class Visit> void each_border_position(const BorderGrid &grid, const Visit &visit) {
   for (size_t i = 0; i < grid.border_uv.size(); ++i) {
     const dvec4 uv = dvec4(grid.border_uv[i]) * static_cast<double>(size);
     const dvec2 a(uv.x, uv.y), b(uv.z, uv.w);
@@ -35,8 +35,8 @@ TEST(BorderGrid, a_texel_lists_every_border_that_passes_through_it) {
   const Built built = plane_of_twelve_charts();
   const BorderGrid grid = build_border_grid(built.charts, size);
   ASSERT_EQ(grid.border_uv.size(), 48u);
-  each_border_place(grid, [&](int32_t border, dvec2 place) {
-    EXPECT_TRUE(borders_in(grid, static_cast<int>(place.x), static_cast<int>(place.y)).contains(border)) << border;
+  each_border_position(grid, [&](int32_t border, dvec2 position) {
+    EXPECT_TRUE(borders_in(grid, static_cast<int>(position.x), static_cast<int>(position.y)).contains(border)) << border;
   });
 }
 
@@ -44,11 +44,11 @@ TEST(BorderGrid, a_border_is_listed_only_where_it_passes) {
   const Built built = plane_of_twelve_charts();
   const BorderGrid grid = build_border_grid(built.charts, size);
   std::set<std::pair<int32_t, std::pair<int, int>>> near;
-  each_border_place(grid, [&](int32_t border, dvec2 place) {
-    // Ten places a texel, and the grid's own margin of a hundredth: a border cuts a corner by 0.15 at most unseen.
+  each_border_position(grid, [&](int32_t border, dvec2 position) {
+    // Ten positions a texel, and the grid's own margin of a hundredth: a border cuts a corner by 0.15 at most unseen.
     for (const double dx : {-0.15, 0.0, 0.15})
       for (const double dy : {-0.15, 0.0, 0.15})
-        near.insert({border, {static_cast<int>(std::floor(place.x + dx)), static_cast<int>(std::floor(place.y + dy))}});
+        near.insert({border, {static_cast<int>(std::floor(position.x + dx)), static_cast<int>(std::floor(position.y + dy))}});
   });
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x)
@@ -60,10 +60,11 @@ TEST(BorderGrid, texels_said_to_be_free_are_free) {
   const Built built = plane_of_twelve_charts();
   const BorderGrid grid = build_border_grid(built.charts, size);
   std::vector<double> nearest(static_cast<size_t>(size) * size, 1e9); // from anywhere in the texel to any border
-  each_border_place(grid, [&](int32_t, dvec2 place) {
+  each_border_position(grid, [&](int32_t, dvec2 position) {
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x) {
-        const double dx = std::max({x - place.x, place.x - x - 1, 0.0}), dy = std::max({y - place.y, place.y - y - 1, 0.0});
+        const double dx = std::max({x - position.x, position.x - x - 1, 0.0}),
+                     dy = std::max({y - position.y, position.y - y - 1, 0.0});
         nearest[at(y * size + x)] = std::min(nearest[at(y * size + x)], std::hypot(dx, dy));
       }
   });
@@ -99,7 +100,8 @@ TEST(BorderGrid, without_borders_everything_is_free) {
 
 // Two charts of 3 by 2 quads each, side by side: three edges between them.
 TEST(Seams, edges_that_follow_one_another_on_both_sides_are_one_seam) {
-  const Built built = build(grid(6, 3, [](dvec2 place, int x, int) { return place * 0.1 + dvec2(x < 3 ? 0.05 : 0.25, 0.05); }));
+  const Built built =
+      build(grid(6, 3, [](dvec2 position, int x, int) { return position * 0.1 + dvec2(x < 3 ? 0.05 : 0.25, 0.05); }));
   const std::vector<int32_t> seams = number_seams(built.charts);
   std::set<int32_t> numbers;
   int edges = 0;
@@ -115,8 +117,8 @@ TEST(Seams, edges_that_follow_one_another_on_both_sides_are_one_seam) {
 
 TEST(Seams, pieces_that_are_apart_are_several_seams) {
   // The middle one of the three edges goes to a chart of its own.
-  const Built built = build(grid(6, 3, [](dvec2 place, int x, int y) {
-    return place * 0.1 + dvec2(x < 3 ? 0.05 : x == 3 && y == 1 ? 0.15 : 0.3, 0.05);
+  const Built built = build(grid(6, 3, [](dvec2 position, int x, int y) {
+    return position * 0.1 + dvec2(x < 3 ? 0.05 : x == 3 && y == 1 ? 0.15 : 0.3, 0.05);
   }));
   ASSERT_EQ(built.charts.chart_count, 3);
   const std::vector<int32_t> seams = number_seams(built.charts);

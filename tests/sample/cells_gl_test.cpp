@@ -217,7 +217,7 @@ TEST_F(CellsOfTexels, lobes_of_one_chart_are_not_joined_over_a_gap_below_a_texel
 }
 
 TEST_F(CellsOfTexels, a_triangle_without_uv_area_is_carried_by_samples_of_its_own_area) {
-  Shape shape = grid(3, 3, [](dvec2 place, int, int) { return dvec2(0.05) + place * 0.3; });
+  Shape shape = grid(3, 3, [](dvec2 position, int, int) { return dvec2(0.05) + position * 0.3; });
   const int32_t lost = 8; // the first triangle of the middle quad
   for (size_t corner = 0; corner < 3; ++corner) shape.uvs[3 * at(lost) + corner] = vec2(0.5f);
   const Built built = build(shape);
@@ -247,7 +247,7 @@ TEST_F(CellsOfTexels, a_triangle_without_uv_area_is_carried_by_samples_of_its_ow
 }
 
 TEST_F(CellsOfTexels, a_radius_as_small_as_floats_are_divides_a_triangle_without_uv_area_no_further_than_others) {
-  Shape shape = grid(3, 3, [](dvec2 place, int, int) { return dvec2(0.05) + place * 0.3; });
+  Shape shape = grid(3, 3, [](dvec2 position, int, int) { return dvec2(0.05) + position * 0.3; });
   for (size_t corner = 0; corner < 3; ++corner) shape.uvs[24 + corner] = vec2(0.5f);
   const Built built = build(shape);
   const Buffers buffers = bake(*thread, built, size);
@@ -267,7 +267,7 @@ TEST_F(CellsOfTexels, a_radius_as_small_as_floats_are_divides_a_triangle_without
 }
 
 TEST_F(CellsOfTexels, all_of_an_open_meshs_boundary_is_known_to_the_cells_along_it) {
-  const Built built = build(grid(3, 3, [](dvec2 place, int, int) { return dvec2(0.05) + place * 0.3; }));
+  const Built built = build(grid(3, 3, [](dvec2 position, int, int) { return dvec2(0.05) + position * 0.3; }));
   const Cells cells = cells_of(built, bake(*thread, built, size), block);
   const std::set<int32_t> known(cells.boundary.begin(), cells.boundary.end());
   EXPECT_EQ(known.size(), 12u);

@@ -116,7 +116,7 @@ TEST(ConnectedTriangles, more_triangles_than_the_limit_are_left_to_the_cells) {
   EXPECT_TRUE(hairpin.reached(10, 3.0, 5).empty());
 }
 
-// A point may come twice, in any order: its two places in the UV map.
+// A point may come twice, in any order: once for each of its two wedges.
 TEST(ConnectedTriangles, each_of_many_points_finds_what_it_finds_alone) {
   const Hairpin hairpin;
   std::vector<int32_t> points;
@@ -143,7 +143,7 @@ TEST(ConnectedTriangles, points_that_share_a_flood_find_what_they_find_alone) {
   const double radius = 3.0;
   std::vector<int32_t> points;
   for (int row = 0; row <= Hairpin::length; ++row)
-    for (const int place : {row, 2 * Hairpin::length + 1 - row}) points.push_back(hairpin.point_at(place));
+    for (const int row_of_leg : {row, 2 * Hairpin::length + 1 - row}) points.push_back(hairpin.point_at(row_of_leg));
   ConnectedTriangleSearch search(hairpin.triangles, hairpin.half_edges, radius, 1000, 2);
   const ConnectedTriangles together = search.run(points);
   std::vector<double> areas(points.size());

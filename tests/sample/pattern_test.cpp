@@ -12,7 +12,7 @@ namespace {
 TEST(Pattern, every_ring_of_equal_area_has_the_same_number_of_samples) {
   for (const int count : {16, 64, 256, 4096}) {
     std::vector<int> ring(16, 0);
-    for (const vec2 place : golden_angle_pattern(count)) ++ring.at(static_cast<size_t>(16.0f * dot(place, place)));
+    for (const vec2 position : golden_angle_pattern(count)) ++ring.at(static_cast<size_t>(16.0f * dot(position, position)));
     for (const int samples : ring) EXPECT_EQ(samples, count / 16) << "of " << count;
   }
 }
@@ -20,8 +20,8 @@ TEST(Pattern, every_ring_of_equal_area_has_the_same_number_of_samples) {
 TEST(Pattern, every_sector_has_nearly_the_same_number_of_samples) {
   for (const int count : {64, 256, 1000}) {
     std::vector<int> sector(8, 0);
-    for (const vec2 place : golden_angle_pattern(count))
-      ++sector.at(static_cast<size_t>(std::floor((std::atan2(place.y, place.x) / pi + 1.0) * 3.999999)));
+    for (const vec2 position : golden_angle_pattern(count))
+      ++sector.at(static_cast<size_t>(std::floor((std::atan2(position.y, position.x) / pi + 1.0) * 3.999999)));
     // Multiples of the golden angle leave an arc with at most a handful too many: their discrepancy grows with log(count).
     for (const int samples : sector) EXPECT_NEAR(samples, count / 8.0, 3.0) << "of " << count;
   }
@@ -31,14 +31,14 @@ TEST(Pattern, all_samples_lie_in_the_unit_disk_and_are_as_many_as_asked) {
   for (const int count : {1, 8, 77, 4096}) {
     const auto pattern = golden_angle_pattern(count);
     EXPECT_EQ(pattern.size(), static_cast<size_t>(count));
-    for (const vec2 place : pattern) EXPECT_LT(length(place), 1.0f);
+    for (const vec2 position : pattern) EXPECT_LT(length(position), 1.0f);
   }
 }
 
 TEST(Pattern, the_samples_center_is_the_disks) {
   for (const int count : {16, 64, 256, 4096}) {
     dvec2 sum(0.0);
-    for (const vec2 place : golden_angle_pattern(count)) sum += dvec2(place);
+    for (const vec2 position : golden_angle_pattern(count)) sum += dvec2(position);
     // Sums of unit vectors over multiples of the golden angle stay below 1 / (2 sin(half the angle)) + 1/2 < 1.1; radii only
     // grow.
     EXPECT_LT(length(sum) / count, 1.1 / count) << count;
@@ -48,10 +48,10 @@ TEST(Pattern, the_samples_center_is_the_disks) {
 TEST(StratifiedPattern, every_cell_of_a_square_grid_has_one_sample) {
   for (const int side : {1, 4, 16, 64}) {
     std::vector<int> cell(static_cast<size_t>(side * side), 0);
-    for (const vec2 place : stratified_pattern(side * side, 3)) {
+    for (const vec2 position : stratified_pattern(side * side, 3)) {
       // Back from the disk: the ring is the square's, the angle runs along its sides.
-      const double distance = length(dvec2(place)),
-                   angle = std::atan2(static_cast<double>(place.y), static_cast<double>(place.x));
+      const double distance = length(dvec2(position)),
+                   angle = std::atan2(static_cast<double>(position.y), static_cast<double>(position.x));
       const int side_number = static_cast<int>(std::floor(angle / (pi / 2) + 0.5));
       const double along = distance * (angle - side_number * pi / 2) * 4 / pi;
       const dvec2 turned = glm::dmat2(std::cos(side_number * pi / 2), std::sin(side_number * pi / 2),
@@ -76,7 +76,7 @@ TEST(StratifiedPattern, has_as_many_samples_as_asked_in_the_unit_disk_at_every_n
   for (int count = 1; count < 300; ++count) {
     const auto pattern = stratified_pattern(count, 0);
     EXPECT_EQ(pattern.size(), static_cast<size_t>(count));
-    for (const vec2 place : pattern) EXPECT_LE(length(place), 1.0f) << count;
+    for (const vec2 position : pattern) EXPECT_LE(length(position), 1.0f) << count;
   }
 }
 
@@ -88,9 +88,9 @@ TEST(StratifiedPattern, halves_of_even_and_odd_number_are_spread_over_rings_and_
       std::vector<int> sector(8, 0), ring(4, 0);
       const auto pattern = stratified_pattern(count, 5);
       for (size_t i = static_cast<size_t>(half); i < pattern.size(); i += 2) {
-        const vec2 place = pattern[i];
-        ++sector.at(static_cast<size_t>(std::floor((std::atan2(place.y, place.x) / pi + 1.0) * 3.999999)));
-        ++ring.at(std::min<size_t>(3, static_cast<size_t>(4.0f * dot(place, place))));
+        const vec2 position = pattern[i];
+        ++sector.at(static_cast<size_t>(std::floor((std::atan2(position.y, position.x) / pi + 1.0) * 3.999999)));
+        ++ring.at(std::min<size_t>(3, static_cast<size_t>(4.0f * dot(position, position))));
       }
       for (const int samples : sector) EXPECT_NEAR(samples, count / 16.0, 1 + 1.5 * std::pow(count, 0.25)) << count;
       for (const int samples : ring) EXPECT_NEAR(samples, count / 8.0, 1 + 3 * std::pow(count, 0.25)) << count;

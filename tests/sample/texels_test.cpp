@@ -1,4 +1,4 @@
-// Places of a map over the layout, and values looked up there, on planes where everything is linear.
+// The centers of a map over the layout, and values looked up there, on planes where everything is linear.
 #include "sample/texels.h"
 
 #include <algorithm>
@@ -17,26 +17,26 @@ constexpr int size = 64;
 
 dvec2 center_of(int32_t texel) { return dvec2(texel % size + 0.5, texel / size + 0.5) / static_cast<double>(size); }
 
-dvec2 uv_of(const Built &built, const TexelPlace &place) {
-  const vec3 weights(1.0f - place.weights.x - place.weights.y, place.weights);
+dvec2 uv_of(const Built &built, const TexelCenter &center) {
+  const vec3 weights(1.0f - center.weights.x - center.weights.y, center.weights);
   dvec2 uv(0.0);
-  for (int i = 0; i < 3; ++i) uv += built.uv(3 * place.triangle + i) * static_cast<double>(weights[i]);
+  for (int i = 0; i < 3; ++i) uv += built.uv(3 * center.triangle + i) * static_cast<double>(weights[i]);
   return uv;
 }
 
-// One value a place: a linear function of the place on the surface, and the number of its chart.
+// Values at each center: a linear function of the position on the surface, and the number of the chart.
 CenterResults linear_results(const Built &built, const TexelMap &map) {
   CenterResults results;
   results.values.resize(2);
-  for (const TexelPlace &place : map.places) {
-    const int32_t chart = built.charts.triangle_chart[at(place.triangle)];
+  for (const TexelCenter &center : map.centers) {
+    const int32_t chart = built.charts.triangle_chart[at(center.triangle)];
     const dvec2 on_plane =
-        inverse(chart_of_quad(chart % 4, chart / 4).linear) * (uv_of(built, place) - chart_of_quad(chart % 4, chart / 4).origin);
+        inverse(chart_of_quad(chart % 4, chart / 4).linear) * (uv_of(built, center) - chart_of_quad(chart % 4, chart / 4).origin);
     results.values[0].push_back(static_cast<float>(2.0 * on_plane.x - 3.0 * on_plane.y));
     results.values[1].push_back(static_cast<float>(chart));
   }
-  results.coverage.assign(map.places.size(), 1.0f);
-  results.boundary.assign(map.places.size(), 0);
+  results.coverage.assign(map.centers.size(), 1.0f);
+  results.boundary.assign(map.centers.size(), 0);
   return results;
 }
 
@@ -44,11 +44,11 @@ TEST(TexelMap, has_every_texel_whose_center_lies_on_a_triangle_there) {
   const Built built = plane_of_twelve_charts();
   const TexelMap map = build_texel_map(built.charts, size);
   int on_centers = 0;
-  for (const TexelPlace &place : map.places) {
-    const double gap = length(uv_of(built, place) - center_of(place.texel)) * size;
+  for (const TexelCenter &center : map.centers) {
+    const double gap = length(uv_of(built, center) - center_of(center.texel)) * size;
     EXPECT_LE(gap, 0.7073) << "a border through the texel is at most half a diagonal from its center";
     on_centers += gap < 1e-3;
-    EXPECT_EQ(map.place[at(place.texel)], static_cast<int32_t>(&place - map.places.data()));
+    EXPECT_EQ(map.index[at(center.texel)], static_cast<int32_t>(&center - map.centers.data()));
   }
   int inside = 0;
   for (int32_t texel = 0; texel < size * size; ++texel) {
@@ -60,7 +60,7 @@ TEST(TexelMap, has_every_texel_whose_center_lies_on_a_triangle_there) {
                  turn * paradesc::cross(a - c, p - c) > 0.0;
     }
     inside += covered;
-    EXPECT_TRUE(!covered || map.place[at(texel)] >= 0) << "texel " << texel;
+    EXPECT_TRUE(!covered || map.index[at(texel)] >= 0) << "texel " << texel;
   }
   EXPECT_GT(inside, 200);
   EXPECT_GE(on_centers, inside);
@@ -73,20 +73,22 @@ TEST(TexelMap, has_every_texel_that_a_chart_edge_passes_through) {
   for (const Border &border : built.charts.borders) {
     const dvec2 a = built.uv(border.half_edge), b = built.uv(next_corner(border.half_edge));
     for (int k = 0; k <= 200; ++k) {
-      const dvec2 place = (a + (b - a) * (k / 200.0)) * static_cast<double>(size);
-      EXPECT_GE(map.place[at(static_cast<int>(place.y) * size + static_cast<int>(place.x))], 0);
+      const dvec2 position = (a + (b - a) * (k / 200.0)) * static_cast<double>(size);
+      EXPECT_GE(map.index[at(static_cast<int>(position.y) * size + static_cast<int>(position.x))], 0);
     }
   }
 }
 
 TEST(TexelMap, a_chart_smaller_than_a_texel_has_one) {
-  const Built built = build(grid(
-      2, 1, [](dvec2 place, int x, int) { return x == 0 ? place * 0.4 + 0.05 : dvec2(0.8) + (place - dvec2(1, 0)) * 1e-4; }));
+  const Built built = build(grid(2, 1, [](dvec2 position, int x, int) {
+    return x == 0 ? position * 0.4 + 0.05 : dvec2(0.8) + (position - dvec2(1, 0)) * 1e-4;
+  }));
   const TexelMap map = build_texel_map(built.charts, size);
-  EXPECT_TRUE(std::any_of(map.places.begin(), map.places.end(), [](const TexelPlace &place) { return place.triangle >= 2; }));
+  EXPECT_TRUE(
+      std::any_of(map.centers.begin(), map.centers.end(), [](const TexelCenter &center) { return center.triangle >= 2; }));
 }
 
-TEST(TexelLookup, is_exact_for_what_is_linear_and_stays_on_the_chart_of_each_place) {
+TEST(TexelLookup, is_exact_for_what_is_linear_and_stays_on_the_chart_of_each_center) {
   const Built built = plane_of_twelve_charts();
   const TexelMap map = build_texel_map(built.charts, size);
   const CenterResults all = linear_results(built, map), found = look_up(map, all, built.charts, true);
@@ -108,13 +110,13 @@ TEST(TexelLookup, is_exact_for_what_is_linear_and_stays_on_the_chart_of_each_pla
 }
 
 TEST(TexelLookup, within_a_chart_a_linear_function_is_exact) {
-  const Built built = build(grid(6, 6, [](dvec2 place, int, int) { return (place + 1.1) / 8.3; }));
+  const Built built = build(grid(6, 6, [](dvec2 position, int, int) { return (position + 1.1) / 8.3; }));
   const TexelMap map = build_texel_map(built.charts, size);
   CenterResults all;
   all.values.resize(1);
-  for (const TexelPlace &place : map.places) all.values[0].push_back(static_cast<float>(uv_of(built, place).x));
-  all.coverage.assign(map.places.size(), 1.0f);
-  all.boundary.assign(map.places.size(), 0);
+  for (const TexelCenter &center : map.centers) all.values[0].push_back(static_cast<float>(uv_of(built, center).x));
+  all.coverage.assign(map.centers.size(), 1.0f);
+  all.boundary.assign(map.centers.size(), 0);
   const CenterResults found = look_up(map, all, built.charts, false);
   int inner = 0;
   for (size_t i = 0; i < found.point.size(); ++i) {
@@ -127,17 +129,17 @@ TEST(TexelLookup, within_a_chart_a_linear_function_is_exact) {
 }
 
 TEST(TexelLookup, undefined_texels_are_left_out_and_directions_do_not_cancel) {
-  const Built built = build(grid(1, 1, [](dvec2 place, int, int) { return place * 0.5 + 0.25; }));
+  const Built built = build(grid(1, 1, [](dvec2 position, int, int) { return position * 0.5 + 0.25; }));
   const TexelMap map = build_texel_map(built.charts, size);
   CenterResults all;
   all.values.resize(2);
-  for (size_t i = 0; i < map.places.size(); ++i) {
-    const bool odd = (map.places[i].texel % size + map.places[i].texel / size) % 2 != 0;
+  for (size_t i = 0; i < map.centers.size(); ++i) {
+    const bool odd = (map.centers[i].texel % size + map.centers[i].texel / size) % 2 != 0;
     all.values[0].push_back(odd ? std::numeric_limits<float>::quiet_NaN() : 7.0f);
     for (const float part : {0.6f, 0.8f, 0.0f}) all.values[1].push_back(odd ? -part : part);
   }
-  all.coverage.assign(map.places.size(), 1.0f);
-  all.boundary.assign(map.places.size(), 0);
+  all.coverage.assign(map.centers.size(), 1.0f);
+  all.boundary.assign(map.centers.size(), 0);
   const CenterResults found = look_up(map, all, built.charts, false);
   ASSERT_EQ(found.point.size(), 4u);
   for (size_t i = 0; i < 4; ++i) {
@@ -149,55 +151,55 @@ TEST(TexelLookup, undefined_texels_are_left_out_and_directions_do_not_cancel) {
 
 // Directions a tenth of a radian to either side, each other one with the other sign: what were added up would lie across.
 TEST(TexelLookup, directions_of_either_sign_have_their_mean) {
-  const Built built = build(grid(1, 1, [](dvec2 place, int, int) { return place * 0.5 + 0.25; }));
+  const Built built = build(grid(1, 1, [](dvec2 position, int, int) { return position * 0.5 + 0.25; }));
   const TexelMap map = build_texel_map(built.charts, size);
   CenterResults all;
   all.values.resize(1);
-  for (const TexelPlace &place : map.places) {
-    const float sign = (place.texel % size + place.texel / size) % 2 != 0 ? -1.0f : 1.0f;
+  for (const TexelCenter &center : map.centers) {
+    const float sign = (center.texel % size + center.texel / size) % 2 != 0 ? -1.0f : 1.0f;
     for (const float part : {sign * std::cos(0.1f), std::sin(0.1f), 0.0f}) all.values[0].push_back(part);
   }
-  all.coverage.assign(map.places.size(), 1.0f);
-  all.boundary.assign(map.places.size(), 0);
+  all.coverage.assign(map.centers.size(), 1.0f);
+  all.boundary.assign(map.centers.size(), 0);
   const CenterResults found = look_up(map, all, built.charts, false);
   ASSERT_EQ(found.point.size(), 4u);
   for (size_t i = 0; i < 4; ++i) EXPECT_GT(std::abs(found.values[0][3 * i]), 0.97f) << i;
 }
 
-// Values are the numbers of places.
+// Values are the numbers of the centers.
 CenterResults numbered_results(const TexelMap &map) {
   CenterResults results;
   results.values.resize(1);
-  for (size_t i = 0; i < map.places.size(); ++i) results.values[0].push_back(static_cast<float>(i));
-  results.coverage.assign(map.places.size(), 1.0f);
-  results.boundary.assign(map.places.size(), 0);
+  for (size_t i = 0; i < map.centers.size(); ++i) results.values[0].push_back(static_cast<float>(i));
+  results.coverage.assign(map.centers.size(), 1.0f);
+  results.boundary.assign(map.centers.size(), 0);
   return results;
 }
 
-TEST(TexelLookup, takes_the_nearest_texel_where_none_lies_beside_the_place) {
-  const Built built = build(grid(1, 1, [](dvec2 place, int, int) { return place * 0.5 + 0.25; }));
+TEST(TexelLookup, takes_the_nearest_texel_where_none_lies_beside_the_wedge) {
+  const Built built = build(grid(1, 1, [](dvec2 position, int, int) { return position * 0.5 + 0.25; }));
   TexelMap map = build_texel_map(built.charts, size);
   const CenterResults all = numbered_results(map);
-  const auto gap_of = [&](const TexelPlace &place, const Wedge &wedge) {
-    return length(center_of(place.texel) - dvec2(wedge.uv)) * static_cast<double>(size);
+  const auto gap_of = [&](const TexelCenter &center, const Wedge &wedge) {
+    return length(center_of(center.texel) - dvec2(wedge.uv)) * static_cast<double>(size);
   };
   for (const Wedge &wedge : built.charts.wedges)
-    for (const TexelPlace &place : map.places)
-      if (gap_of(place, wedge) < 3.5) map.place[at(place.texel)] = -1;
+    for (const TexelCenter &center : map.centers)
+      if (gap_of(center, wedge) < 3.5) map.index[at(center.texel)] = -1;
   const CenterResults found = look_up(map, all, built.charts, true);
   ASSERT_EQ(found.point.size(), 4u);
   for (size_t i = 0; i < 4; ++i) {
     double nearest = 1e30;
-    for (const TexelPlace &place : map.places)
-      if (map.place[at(place.texel)] >= 0) nearest = std::min(nearest, gap_of(place, built.charts.wedges[i]));
-    EXPECT_NEAR(gap_of(map.places[at(static_cast<int>(found.values[0][i]))], built.charts.wedges[i]), nearest, 1e-4) << i;
+    for (const TexelCenter &center : map.centers)
+      if (map.index[at(center.texel)] >= 0) nearest = std::min(nearest, gap_of(center, built.charts.wedges[i]));
+    EXPECT_NEAR(gap_of(map.centers[at(static_cast<int>(found.values[0][i]))], built.charts.wedges[i]), nearest, 1e-4) << i;
   }
 }
 
-TEST(TexelLookup, places_without_a_texel_of_their_chart_have_no_row) {
+TEST(TexelLookup, wedges_without_a_texel_of_their_chart_have_no_row) {
   const Built built = plane_of_twelve_charts();
   const TexelMap map = build_texel_map(built.charts, 1);
-  ASSERT_EQ(map.places.size(), 1u) << "all charts share one texel";
+  ASSERT_EQ(map.centers.size(), 1u) << "all charts share one texel";
   CenterResults all = numbered_results(map);
   all.values = {{5.0f}, {0.6f, 0.8f, 0.0f}};
   for (const bool all_wedges : {false, true}) {
@@ -206,7 +208,7 @@ TEST(TexelLookup, places_without_a_texel_of_their_chart_have_no_row) {
     for (size_t i = 0; i < built.charts.wedges.size(); ++i) {
       const Wedge &wedge = built.charts.wedges[i];
       const bool primary = built.charts.point_wedge[at(wedge.point)] == static_cast<int32_t>(i);
-      if (wedge.chart == map.places[0].chart && (all_wedges || primary)) expected.push_back(wedge.point);
+      if (wedge.chart == map.centers[0].chart && (all_wedges || primary)) expected.push_back(wedge.point);
     }
     if (all_wedges) {
       EXPECT_EQ(expected.size(), 4u);

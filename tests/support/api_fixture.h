@@ -65,10 +65,10 @@ protected:
     return values;
   }
 
-  pdesc_mesh *never_mesh() { return reinterpret_cast<pdesc_mesh *>(&place); }
-  pdesc_field *never_field() { return reinterpret_cast<pdesc_field *>(&place); }
+  pdesc_mesh *never_mesh() { return reinterpret_cast<pdesc_mesh *>(&sentinel_address); }
+  pdesc_field *never_field() { return reinterpret_cast<pdesc_field *>(&sentinel_address); }
 
-  int place = 0; // its address is the sentinel of output handles
+  int sentinel_address = 0; // its address is the sentinel of output handles
   TestMesh ball;
   pdesc_mesh_input input;
   pdesc_options options;

@@ -12,7 +12,7 @@ namespace paradesc::test {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double same_place = 1e-9; // of the domain: rounding in the two ways to one place
+constexpr double same_position = 1e-9; // of the domain: rounding in the two ways to one position
 
 struct Vec2 {
   double x = 0, y = 0;
@@ -20,7 +20,7 @@ struct Vec2 {
 Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
 Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
 Vec2 operator*(double s, Vec2 a) { return {s * a.x, s * a.y}; }
-bool agree(Vec2 a, Vec2 b) { return std::abs(a.x - b.x) < same_place && std::abs(a.y - b.y) < same_place; }
+bool agree(Vec2 a, Vec2 b) { return std::abs(a.x - b.x) < same_position && std::abs(a.y - b.y) < same_position; }
 
 // How one triangle lies in the flat: its chart, and which period of the rectangle or which face of the cube it is seen in.
 struct Frame {
@@ -177,10 +177,10 @@ struct Flattening {
     const Vec3 direction = mesh.parameters[static_cast<size_t>(mesh.corner_vertices[static_cast<size_t>(3 * t) + i])];
     const Vec3 angles = face_angles(cube, frame.face, direction);
     const FlatFace &flat = cube.face[static_cast<size_t>(frame.face)];
-    Vec2 place = flat.center;
+    Vec2 position = flat.center;
     for (int axis = 0; axis < 3; ++axis)
-      if (axis != frame.face / 2) place = place + (cube.half[axis] * angles[axis]) * flat.axis[static_cast<size_t>(axis)];
-    return place;
+      if (axis != frame.face / 2) position = position + (cube.half[axis] * angles[axis]) * flat.axis[static_cast<size_t>(axis)];
+    return position;
   }
   Vec2 vertex_in(int32_t t, int32_t vertex, const Frame &frame) const {
     for (size_t i = 0; i < 3; ++i)
@@ -262,7 +262,8 @@ struct Box {
 };
 
 // Warp, stretch, mirror and turn the corners of one chart, then fit them into the cell.
-void place_chart(std::vector<Vec2> &corners, const std::vector<size_t> &members, const Layout &layout, int32_t chart, Box cell) {
+void lay_out_chart(std::vector<Vec2> &corners, const std::vector<size_t> &members, const Layout &layout, int32_t chart,
+                   Box cell) {
   Random random(layout.seed * 7919u + static_cast<uint32_t>(chart));
   const double stretch_angle = random.uniform(0, pi), angle = random.uniform(0, 2 * pi);
   const double phase_x = random.uniform(0, 2 * pi), phase_y = random.uniform(0, 2 * pi);
@@ -300,7 +301,8 @@ void lay_out(TestMesh &mesh, const Layout &layout) {
 
   std::vector<Vec2> corners(mesh.corner_vertices.size());
   std::vector<std::vector<size_t>> members(static_cast<size_t>(layout.charts));
-  std::map<std::pair<int32_t, int32_t>, std::vector<Vec2>> places; // (chart, vertex): makes corners at one place equal to the bit
+  std::map<std::pair<int32_t, int32_t>, std::vector<Vec2>>
+      positions_of; // (chart, vertex): makes corners at one position equal to the bit
   mesh.triangle_chart.clear();
   for (int32_t t = 0; t < mesh.triangle_count(); ++t) {
     const int32_t chart = flat.frames[static_cast<size_t>(t)].chart;
@@ -308,7 +310,7 @@ void lay_out(TestMesh &mesh, const Layout &layout) {
     for (size_t i = 0; i < 3; ++i) {
       const size_t c = static_cast<size_t>(3 * t) + i;
       corners[c] = flat.corner(t, i);
-      std::vector<Vec2> &known = places[{chart, mesh.corner_vertices[c]}];
+      std::vector<Vec2> &known = positions_of[{chart, mesh.corner_vertices[c]}];
       const auto found = std::find_if(known.begin(), known.end(), [&](Vec2 p) { return agree(p, corners[c]); });
       if (found == known.end())
         known.push_back(corners[c]);
@@ -322,7 +324,7 @@ void lay_out(TestMesh &mesh, const Layout &layout) {
     const double x = chart % columns, y = chart / columns;
     const Box cell{{x / columns, y / rows}, {(x + 1) / columns, (y + 1) / rows}};
     if (!members[static_cast<size_t>(chart)].empty())
-      place_chart(corners, members[static_cast<size_t>(chart)], layout, chart, cell);
+      lay_out_chart(corners, members[static_cast<size_t>(chart)], layout, chart, cell);
   }
   mesh.corner_uvs.clear();
   for (const Vec2 p : corners) {

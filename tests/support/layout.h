@@ -23,10 +23,10 @@ struct Layout {
 // Sets corner_uvs and triangle_chart. No chart overlaps itself or another one.
 void lay_out(TestMesh &mesh, const Layout &layout);
 
-// 1 at vertices with more than one place in the UV map, and where such a vertex lies within r.
+// 1 at vertices with more than one wedge, and where such a vertex lies within r.
 std::vector<uint8_t> near_seam(const TestMesh &mesh, double r);
 
-// The same surface as exporters write it: one vertex for each place in the UV map. origin[new vertex] is the old one.
+// The same surface as exporters write it: one vertex for each wedge. origin[new vertex] is the old one.
 struct SplitMesh {
   TestMesh mesh;
   std::vector<int32_t> origin;

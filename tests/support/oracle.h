@@ -12,7 +12,7 @@
 
 namespace paradesc::test {
 
-// Everything is by place in the list of vertices.
+// All lists are in the order of the list of vertices.
 struct Oracle {
   std::map<std::string, std::vector<double>> values; // by descriptor: (vertices, components)
   std::vector<uint8_t> boundary;                     // (vertices) 1: the mesh's boundary lies within the radius
@@ -29,7 +29,7 @@ std::vector<float> pick(std::span<const float> values, std::span<const int32_t> 
 // So many of the vertices, evenly spread over their numbers.
 std::vector<int32_t> some_of(std::span<const int32_t> vertices, size_t max_vertices);
 
-// Vertices in so many places of the mesh, so many of them in each.
+// Vertices in so many regions of the mesh, so many of them in each.
 std::vector<int32_t> clusters_of(const TestMesh &mesh, size_t count, size_t size);
 
 } // namespace paradesc::test

@@ -140,10 +140,10 @@ TestMesh rounded_cube(double half, double fillet, const Triangulation &triangula
     int turning = 0;
     for (int i = 0; i < 3; ++i) {
       const bool own = std::abs(d[i]) == largest;
-      const Vec3 place = along(own ? std::copysign(1, d[i]) : 4 / pi * std::atan(d[i] / largest));
-      at[static_cast<size_t>(i)] = own ? std::copysign(inner, d[i]) : place.x;
-      n[static_cast<size_t>(i)] = own ? std::copysign(1, d[i]) : place.y;
-      turning += !own && place.z > 0;
+      const Vec3 along_face = along(own ? std::copysign(1, d[i]) : 4 / pi * std::atan(d[i] / largest));
+      at[static_cast<size_t>(i)] = own ? std::copysign(inner, d[i]) : along_face.x;
+      n[static_cast<size_t>(i)] = own ? std::copysign(1, d[i]) : along_face.y;
+      turning += !own && along_face.z > 0;
     }
     const Vec3 normal = normalized({n[0], n[1], n[2]});
     return SurfacePoint{Vec3{at[0], at[1], at[2]} + fillet * normal, normal, turning / (2 * fillet),

@@ -1,4 +1,4 @@
-// Two triangles that share a seam edge in space → the map between their places in (u, v).
+// Two triangles that share a seam edge in space → the map from (u, v) of one to (u, v) of the other.
 #include "bake/seam_links.h"
 
 #include <cmath>

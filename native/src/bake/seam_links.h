@@ -1,4 +1,4 @@
-// Seam edges → the affine map M_e of each: t' = M_e t carries a place of one chart over the edge into the twin's chart.
+// Seam edges → the affine map M_e of each: t' = M_e t carries a (u, v) of one chart over the edge into the twin's chart.
 //
 // To first order the map across one seam edge is fixed: unfold the far triangle into the near one's plane; the edge's two end
 // points and isometry across it give M_e. It replaces the paper's eq. (2) and (3), whose scale is upside down and ignores

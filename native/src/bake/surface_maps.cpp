@@ -76,11 +76,11 @@ void set_normal_map(SurfaceMaps &maps, const Triangles &triangles, const float *
   ++maps.version;
 }
 
-// ---- Single places
+// ---- Single positions
 
 template <class Pixel> static Pixel look_up(const Image<Pixel> &image, vec2 uv) {
   const vec2 size(image.width, image.height);
-  const vec2 place = (uv - glm::floor(uv)) * size - 0.5f, low = glm::floor(place), t = place - low;
+  const vec2 position = (uv - glm::floor(uv)) * size - 0.5f, low = glm::floor(position), t = position - low;
   auto row = [&](int y) {
     const auto first = static_cast<size_t>((y + image.height) % image.height) * static_cast<size_t>(image.width);
     auto pixel = [&](int x) { return image.pixels[first + static_cast<size_t>((x + image.width) % image.width)]; };
@@ -188,17 +188,17 @@ static float shrinkage_of(vec3 a1, vec3 a2, vec3 b1, vec3 b2) {
 }
 
 SurfacePoint DisplacedSurface::at_corner(int corner, vec3 normal, float &shrinkage) const {
-  const int triangle = corner / 3, place = corner % 3;
-  const float a = place == 1 ? 1.0f : 0.0f, b = place == 2 ? 1.0f : 0.0f;
+  const int triangle = corner / 3, index = corner % 3;
+  const float a = index == 1 ? 1.0f : 0.0f, b = index == 2 ? 1.0f : 0.0f;
   const Displacement *map = maps_.displacement ? &*maps_.displacement : nullptr;
   Patch patch = patch_of(triangles_, normals_, bake_space_, triangle);
   const vec3 change = normal - normals_.corner(static_cast<size_t>(corner));
-  if (place == 0) {
+  if (index == 0) {
     patch.normal += change;
     patch.turn1 -= change;
     patch.turn2 -= change;
   } else {
-    (place == 1 ? patch.turn1 : patch.turn2) += change;
+    (index == 1 ? patch.turn1 : patch.turn2) += change;
   }
   const MovedPoint displaced = displace(patch, map, static_cast<float>(bake_space_.scale), a, b);
   shrinkage = shrinkage_of(patch.edge1, patch.edge2, displaced.edge1, displaced.edge2);
@@ -209,11 +209,11 @@ SurfacePoint DisplacedSurface::at_corner(int corner, vec3 normal, float &shrinka
 
 // ---- Points
 
-// Of 99 in a hundred: at creases and slivers of real meshes the normals' turn would make it any number.
+// Not the maximum: at creases and slivers of real meshes the turn of the normals would make that any number.
 static float percentile_99(std::vector<float> &shrinkage) {
-  const auto place = shrinkage.begin() + static_cast<ptrdiff_t>(shrinkage.size() * 99 / 100);
-  std::nth_element(shrinkage.begin(), place, shrinkage.end());
-  return std::clamp(*place, 1.0f, 4.0f);
+  const auto percentile = shrinkage.begin() + static_cast<ptrdiff_t>(shrinkage.size() * 99 / 100);
+  std::nth_element(shrinkage.begin(), percentile, shrinkage.end());
+  return std::clamp(*percentile, 1.0f, 4.0f);
 }
 
 DisplacedPoints displace_points(const SurfaceMaps &maps, const Triangles &triangles, const HalfEdges &half_edges,

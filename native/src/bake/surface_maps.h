@@ -1,4 +1,4 @@
-// Images over the caller's UV map → a displaced surface and its normals: at single places of triangles here, and on all baked
+// Images over the caller's UV map → a displaced surface and its normals: at single positions on triangles here, and on all baked
 // texels by the device (shaders/opengl/bake/displace.comp.glsl, the same formulas).
 //
 // With p the point, n the interpolated unit normal and h(uv) = (image - midlevel) scale, the displaced point is p + n h. Its

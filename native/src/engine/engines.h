@@ -1,4 +1,4 @@
-// Backends by number → engines. The one place that knows which engines there are.
+// Backends by number → engines. Only this file knows which engines there are.
 #pragma once
 
 #include <memory>

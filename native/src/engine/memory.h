@@ -5,7 +5,7 @@
 
 namespace paradesc {
 
-// Rows of results at a place: coverage, flags, area, then one for each component of a descriptor.
+// Rows of results at a center: coverage, flags, area, then one for each component of a descriptor.
 int64_t rows_of(std::span<const int> descriptors);
 
 // Normals and results, beside the mesh.

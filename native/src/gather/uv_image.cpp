@@ -131,7 +131,7 @@ Value from_corners(const pdesc_uv_image_input &input, int triangle, const Weight
   return blended(values, weights, input.components);
 }
 
-// Bilinear in the map at the same place of its own layout; NaN where the map has nothing near.
+// The map's value at the same position of its own layout, bilinear; NaN where the map is undefined around it.
 Value from_map(const pdesc_uv_image_input &input, int triangle, const Weights &weights) {
   const float *uv = input.map_uvs + size_t{6} * triangle;
   const double size = input.map_size;

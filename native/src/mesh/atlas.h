@@ -1,4 +1,4 @@
-// Charts + what a bake counts of their texels → the layout in use: the caller's UV map, or a private one in which no two places
+// Charts + what a bake counts of their texels → the layout in use: the caller's UV map, or a private one in which no two parts
 // of the surface share texture space, or which fills more of the square.
 #pragma once
 
@@ -30,7 +30,7 @@ public:
   explicit Atlases(Charts charts) { atlas_.charts = std::move(charts); }
 
   const Atlas &current() const { return atlas_; }
-  // The positions have changed.
+  // To be called when the positions have changed.
   void choose_primary_wedges(const Triangles &triangles, int threads) {
     paradesc::choose_primary_wedges(triangles, threads, atlas_.charts);
   }
@@ -42,7 +42,7 @@ public:
   bool repack_if_needed(const Triangles &triangles, const HalfEdges &half_edges, const TexelCounts &counts, int buffer_size,
                         double radius_in_texels, int threads);
 
-  // No place of the layout belongs to two triangles, whatever rasterizers round: it has been searched.
+  // True once a search has found that no two triangles of the layout overlap. (A texel may still be claimed twice by rounding.)
   bool known_free_of_overlaps() const { return known_free_of_overlaps_; }
 
 private:

@@ -120,7 +120,7 @@ void for_each_corner(const Triangles &triangles, const std::vector<int32_t> &cor
   }
 }
 
-void place_points(const Triangles &triangles, const HalfEdges &half_edges, const Fans &fans, int threads, Charts &charts) {
+void make_wedges(const Triangles &triangles, const HalfEdges &half_edges, const Fans &fans, int threads, Charts &charts) {
   charts.corner_wedge = fans.corner_fan;
   charts.wedges.resize(fans.count);
   std::vector<double> widest(fans.count, -1.0);
@@ -208,7 +208,7 @@ Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std
   });
   charts.chart_count = pieces.count;
   charts.triangle_chart = std::move(pieces.triangle_piece);
-  place_points(triangles, half_edges, fans, threads, charts);
+  make_wedges(triangles, half_edges, fans, threads, charts);
   find_borders(half_edges, link, charts);
   return charts;
 }

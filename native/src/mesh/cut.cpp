@@ -58,12 +58,12 @@ struct Squares {
   std::vector<int32_t> triangle;
 
   // Never decreases with the coordinate.
-  int place(double coordinate, double lowest) const {
+  int index(double coordinate, double lowest) const {
     return std::clamp(static_cast<int>((coordinate - lowest) * per_unit), 0, side - 1);
   }
   template <class Visit> void each_met(const Outline &outline, const Visit &visit) const {
-    const int x0 = place(outline.low.x, low.x), x1 = place(outline.high.x, low.x);
-    for (int y = place(outline.low.y, low.y); y <= place(outline.high.y, low.y); ++y)
+    const int x0 = index(outline.low.x, low.x), x1 = index(outline.high.x, low.x);
+    for (int y = index(outline.low.y, low.y); y <= index(outline.high.y, low.y); ++y)
       for (int x = x0; x <= x1; ++x) visit(y * side + x);
   }
 };
@@ -95,19 +95,19 @@ Squares sort_into_squares(const Charts &charts) {
       if (charts.triangle_chart[triangle] >= 0) visit(triangle, outline(charts, triangle));
   };
   int64_t count = 0;
-  each_triangle([&](int32_t, const Outline &place) {
+  each_triangle([&](int32_t, const Outline &own) {
     const auto squares_along = [&](double low, double high, double lowest) {
-      return int64_t{1} + squares.place(high, lowest) - squares.place(low, lowest);
+      return int64_t{1} + squares.index(high, lowest) - squares.index(low, lowest);
     };
-    count += squares_along(place.low.x, place.high.x, range.low.x) * squares_along(place.low.y, place.high.y, range.low.y);
+    count += squares_along(own.low.x, own.high.x, range.low.x) * squares_along(own.low.y, own.high.y, range.low.y);
   });
   if (count > max_per_triangle * triangle_count) return squares;
   squares.begin.assign((squares.side * squares.side) + 2, 0);
-  each_triangle([&](int32_t, const Outline &place) { squares.each_met(place, [&](size_t i) { ++squares.begin[i + 2]; }); });
+  each_triangle([&](int32_t, const Outline &own) { squares.each_met(own, [&](size_t i) { ++squares.begin[i + 2]; }); });
   std::partial_sum(squares.begin.begin(), squares.begin.end(), squares.begin.begin());
   squares.triangle.resize(squares.begin.back());
-  each_triangle([&](int32_t triangle, const Outline &place) {
-    squares.each_met(place, [&](size_t i) { squares.triangle[squares.begin[i + 1]++] = triangle; });
+  each_triangle([&](int32_t triangle, const Outline &own) {
+    squares.each_met(own, [&](size_t i) { squares.triangle[squares.begin[i + 1]++] = triangle; });
   });
   squares.begin.pop_back();
   return squares;
@@ -118,29 +118,29 @@ struct Overlaps {
   std::atomic<bool> between{false};         // two charts overlap
 };
 
-// A pair is looked at where its common box begins, and nowhere else.
+// Looks at a pair in the square where the intersection of its boxes begins, and in no other.
 void find_overlaps_in(const Charts &charts, const Squares &squares, size_t square, std::vector<Outline> &outlines,
                       Overlaps &found) {
   outlines.clear();
   const int32_t first = squares.begin[square];
   for (int32_t i = first; i < squares.begin[square + 1]; ++i) {
     const int32_t triangle = squares.triangle[i], chart = charts.triangle_chart[triangle];
-    const Outline place = outline(charts, triangle);
+    const Outline own = outline(charts, triangle);
     for (size_t k = 0; k < outlines.size(); ++k) {
-      const dvec2 low = glm::max(place.low, outlines[k].low), high = glm::min(place.high, outlines[k].high);
+      const dvec2 low = glm::max(own.low, outlines[k].low), high = glm::min(own.high, outlines[k].high);
       if (low.x > high.x || low.y > high.y) continue;
-      if (static_cast<size_t>(squares.place(low.y, squares.low.y) * squares.side + squares.place(low.x, squares.low.x)) != square)
+      if (static_cast<size_t>(squares.index(low.y, squares.low.y) * squares.side + squares.index(low.x, squares.low.x)) != square)
         continue;
       const bool same = charts.triangle_chart[squares.triangle[first + k]] == chart;
       if (same ? found.within[chart].load(std::memory_order_relaxed) != 0 : found.between.load(std::memory_order_relaxed))
         continue; // known
-      if (!overlap(place, outlines[k])) continue;
+      if (!overlap(own, outlines[k])) continue;
       if (same)
         found.within[chart] = 1;
       else
         found.between = true;
     }
-    outlines.push_back(place);
+    outlines.push_back(own);
   }
 }
 
@@ -155,7 +155,7 @@ bool find_overlaps(const Charts &charts, int threads, Overlaps &found) {
   return true;
 }
 
-// The triangles of one piece by place: a quadtree in which a triangle lies in the square that holds its middle and is just as
+// The triangles of one piece by position: a quadtree in which a triangle lies in the square that holds its middle and is just as
 // large as it; each square knows the box around all below it. Small and large triangles may lie side by side.
 class Occupancy {
 public:
@@ -173,18 +173,18 @@ public:
   }
 
   void insert(int32_t triangle) {
-    const Outline place = outline(charts_, triangle);
-    const dvec2 middle = 0.5 * (place.low + place.high);
-    const double extent = std::max(place.high.x - place.low.x, place.high.y - place.low.y);
+    const Outline own = outline(charts_, triangle);
+    const dvec2 middle = 0.5 * (own.low + own.high);
+    const double extent = std::max(own.high.x - own.low.x, own.high.y - own.low.y);
     int32_t node = 0;
     dvec2 low = low_;
     double half = 0.5 * side_;
-    nodes_[0].add(place);
+    nodes_[0].add(own);
     for (int depth = 0; depth < deepest && half >= extent; ++depth, half *= 0.5) {
       const bool right = middle.x >= low.x + half, upper = middle.y >= low.y + half;
       low += half * dvec2(right, upper);
       node = child(node, right + 2 * upper);
-      nodes_[node].add(place);
+      nodes_[node].add(own);
     }
     items_.push_back({triangle, nodes_[node].first});
     nodes_[node].first = static_cast<int32_t>(items_.size()) - 1;
@@ -197,9 +197,9 @@ private:
     std::array<int32_t, 4> child{-1, -1, -1, -1};
     int32_t first = -1; // into items_
     dvec2 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
-    void add(const Outline &place) {
-      low = glm::min(low, place.low);
-      high = glm::max(high, place.high);
+    void add(const Outline &own) {
+      low = glm::min(low, own.low);
+      high = glm::max(high, own.high);
     }
   };
   struct Item {
@@ -214,13 +214,12 @@ private:
     return nodes_[node].child[quarter] = made;
   }
 
-  bool overlaps(const Outline &place, const Node &node) const {
-    if (place.high.x < node.low.x || place.high.y < node.low.y || place.low.x > node.high.x || place.low.y > node.high.y)
-      return false;
+  bool overlaps(const Outline &own, const Node &node) const {
+    if (own.high.x < node.low.x || own.high.y < node.low.y || own.low.x > node.high.x || own.low.y > node.high.y) return false;
     for (int32_t item = node.first; item >= 0; item = items_[item].next)
-      if (overlap(place, outline(charts_, items_[item].triangle))) return true;
+      if (overlap(own, outline(charts_, items_[item].triangle))) return true;
     return std::any_of(node.child.begin(), node.child.end(),
-                       [&](int32_t child) { return child >= 0 && overlaps(place, nodes_[child]); });
+                       [&](int32_t child) { return child >= 0 && overlaps(own, nodes_[child]); });
   }
 
   const Charts &charts_;
@@ -247,9 +246,9 @@ int32_t far_end(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
   seen[start] = 1;
   for (size_t i = 0; i < cutting.queue.size(); ++i) {
     const int32_t triangle = cutting.queue[i];
-    const Outline place = outline(cutting.charts, triangle);
-    low = glm::min(low, place.low);
-    high = glm::max(high, place.high);
+    const Outline own = outline(cutting.charts, triangle);
+    low = glm::min(low, own.low);
+    high = glm::max(high, own.high);
     for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
       const int32_t next = cutting.link[h] / 3;
       if (cutting.link[h] < 0 || seen[next]) continue;

@@ -1,4 +1,4 @@
-// Charts that claim a place of the UV map twice → pieces that do not.
+// Charts that overlap themselves in the UV map → pieces that do not.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 namespace paradesc {
 
 struct Cuts {
-  bool overlapping = false;            // some place of the UV map belongs to two triangles, of one chart or of two
+  bool overlapping = false;            // two triangles overlap in the UV map, of one chart or of two
   int cut_charts = 0;                  // charts that overlap themselves
   std::vector<int32_t> triangle_piece; // (triangle_count) numbered through all charts; -1: on no chart
 };

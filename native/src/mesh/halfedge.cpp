@@ -35,7 +35,7 @@ bool is_degenerate(const Triangles &triangles, int triangle) {
   const dvec3 ab = position(triangles, 3 * triangle + 1) - a;
   const dvec3 ac = position(triangles, 3 * triangle + 2) - a;
   const double longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(ac - ab, ac - ab)});
-  return glm::length(glm::cross(ab, ac)) <= no_area * longest; // so are two corners at one place
+  return glm::length(glm::cross(ab, ac)) <= no_area * longest; // two corners at one position are degenerate, too
 }
 
 uint64_t hash(const vec3 &p) {
@@ -124,9 +124,9 @@ Pairing pair_half_edges(const Triangles &triangles, const std::vector<int32_t> &
     if (!left_out[h / 3]) used.push_back(h);
   const std::vector<int32_t> alone = pair_edges(used, triangles.corner_vertex, triangles.vertex_count, pairing);
   if (alone.empty()) return pairing;
-  std::vector<int32_t> corner_place(count);
-  for (size_t i = 0; i < corner_place.size(); ++i) corner_place[i] = welded[triangles.corner_vertex[i]];
-  pair_edges(alone, corner_place, triangles.vertex_count, pairing);
+  std::vector<int32_t> corner_position(count);
+  for (size_t i = 0; i < corner_position.size(); ++i) corner_position[i] = welded[triangles.corner_vertex[i]];
+  pair_edges(alone, corner_position, triangles.vertex_count, pairing);
   return pairing;
 }
 
@@ -266,7 +266,7 @@ void choose_widest(const Triangles &triangles, const std::vector<uint8_t> &is_sp
 }
 
 void answer_vertices(const Triangles &triangles, const std::vector<int32_t> &welded, HalfEdges &result) {
-  std::vector<uint8_t> is_split(triangles.vertex_count, 0), is_split_place(triangles.vertex_count, 0);
+  std::vector<uint8_t> is_split(triangles.vertex_count, 0), is_split_position(triangles.vertex_count, 0);
   result.vertex_point.assign(triangles.vertex_count, -1);
   for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
     const int32_t vertex = triangles.corner_vertex[corner];
@@ -276,7 +276,7 @@ void answer_vertices(const Triangles &triangles, const std::vector<int32_t> &wel
     if (first < 0) first = point;
     if (first == point || is_split[vertex]) continue;
     is_split[vertex] = 1;
-    result.nonmanifold_vertices += is_split_place[welded[vertex]]++ == 0;
+    result.nonmanifold_vertices += is_split_position[welded[vertex]]++ == 0;
   }
   if (result.nonmanifold_vertices > 0) choose_widest(triangles, is_split, result);
   std::vector<uint8_t> is_answered(result.point_count, 0);

@@ -1,5 +1,5 @@
-// Boxes around charts → places without overlap (stb_rect_pack), texel densities brought near each other, the largest scale that
-// fits.
+// Boxes around charts → positions without overlap (stb_rect_pack), texel densities brought near each other, the largest scale
+// that fits.
 #include "mesh/layout.h"
 
 #include <algorithm>
@@ -29,15 +29,15 @@ struct Spacing {
 };
 constexpr Spacing spacings[] = {{6, 16.0}, {3, 8.0}, {2, 4.0}}; // three texels of a 1024 buffer between charts, or less
 
-// How one chart moves: turned by an angle, its box' corner to the origin, then scaled and placed.
+// How one chart moves: turned by an angle, its box's corner taken to the origin, then scaled and moved to `origin`.
 struct Move {
   double cosine = 1.0, sine = 0.0;
   dvec2 low{0.0}, size{0.0};
   double evening = 1.0; // what brings the chart's texel density near the others'
   double scale = 1.0;
-  dvec2 place{0.0};
+  dvec2 origin{0.0};
   dvec2 turn(vec2 uv) const { return {cosine * uv.x - sine * uv.y, sine * uv.x + cosine * uv.y}; }
-  vec2 operator()(vec2 uv) const { return vec2(place + (turn(uv) - low) * scale); }
+  vec2 operator()(vec2 uv) const { return vec2(origin + (turn(uv) - low) * scale); }
 };
 
 // A chart's length in the UV map for its length on the surface, and how much of the surface it carries.
@@ -62,9 +62,9 @@ static Move turned(const Charts &charts, const std::vector<int32_t> &corners, do
   move.sine = std::sin(angle);
   dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
   for (const int32_t corner : corners) {
-    const dvec2 place = move.turn(charts.corner_uv[corner]);
-    low = glm::min(low, place);
-    high = glm::max(high, place);
+    const dvec2 turned = move.turn(charts.corner_uv[corner]);
+    low = glm::min(low, turned);
+    high = glm::max(high, turned);
   }
   move.low = low;
   move.size = high - low;
@@ -110,7 +110,7 @@ static double median_density(std::vector<Density> densities) {
   return 1.0;
 }
 
-// Places all charts at this many units per uv; false where they do not fit.
+// Packs all charts at this many units per uv; false where they do not fit.
 static bool pack(std::vector<Move> &moves, double units, Spacing spacing) {
   std::vector<stbrp_rect> rects;
   for (size_t i = 0; i < moves.size(); ++i) {
@@ -126,7 +126,7 @@ static bool pack(std::vector<Move> &moves, double units, Spacing spacing) {
   stbrp_context context;
   stbrp_init_target(&context, grid, grid, nodes.data(), grid);
   if (!stbrp_pack_rects(&context, rects.data(), static_cast<int>(rects.size()))) return false;
-  for (const stbrp_rect &rect : rects) moves[rect.id].place = dvec2(rect.x + spacing.gutter, rect.y + spacing.gutter);
+  for (const stbrp_rect &rect : rects) moves[rect.id].origin = dvec2(rect.x + spacing.gutter, rect.y + spacing.gutter);
   return true;
 }
 
@@ -177,7 +177,7 @@ std::optional<Charts> repack_charts(const Triangles &triangles, const Charts &ch
                     "reference backend.");
   for (size_t chart = 0; chart < moves.size(); ++chart) {
     moves[chart].scale /= grid;
-    moves[chart].place /= static_cast<double>(grid);
+    moves[chart].origin /= static_cast<double>(grid);
     densities[chart].density *= moves[chart].scale;
   }
   if (median_density(densities) < least_gain * before) return std::nullopt;

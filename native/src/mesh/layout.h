@@ -1,4 +1,4 @@
-// Charts → places of their own: a private layout in which no two charts share texture space. The caller's UV map is not touched.
+// Charts → a private layout in which no two charts share texture space. The caller's UV map is not touched.
 #pragma once
 
 #include <optional>

@@ -22,7 +22,7 @@ constexpr int enough_neighbors = 14; // a jet of order 3 has nine coefficients; 
 constexpr int max_rings = 3;
 constexpr int max_corners = 32; // taken of one fan: keeps fans of thousands of faces from costing their square
 
-// Smooth places only: beyond these, in cosines, the fit gives way to Max's normal.
+// For smooth surfaces only: beyond these, in cosines, the fit gives way to Max's normal.
 constexpr double spread_full = 0.8660254037844387; // 30 degrees: up to here the fit alone
 constexpr double spread_none = 0.7071067811865476; // 45 degrees: from here Max's alone
 constexpr double turn_full = 0.9902680687415704;   // 8 degrees

@@ -84,7 +84,7 @@ private:
     points_.clear();
     for (auto k = static_cast<size_t>(patches_.begin[patch]); k < static_cast<size_t>(patches_.begin[patch + 1]); ++k)
       for (size_t i = 0; i < 3; ++i)
-        patches_.corner.push_back(place_of(half_edges_.corner_point[3 * static_cast<size_t>(patches_.triangle[k]) + i]));
+        patches_.corner.push_back(slot_of(half_edges_.corner_point[3 * static_cast<size_t>(patches_.triangle[k]) + i]));
     patches_.point.insert(patches_.point.end(), points_.begin(), points_.end());
     patches_.point_begin.push_back(static_cast<int32_t>(patches_.point.size()));
   }
@@ -110,10 +110,10 @@ private:
     });
   }
 
-  uint8_t place_of(int32_t point) {
-    const auto place = static_cast<size_t>(std::ranges::find(points_, point) - points_.begin());
-    if (place == points_.size()) points_.push_back(point);
-    return static_cast<uint8_t>(place);
+  uint8_t slot_of(int32_t point) {
+    const auto slot = static_cast<size_t>(std::ranges::find(points_, point) - points_.begin());
+    if (slot == points_.size()) points_.push_back(point);
+    return static_cast<uint8_t>(slot);
   }
 
   const HalfEdges &half_edges_;

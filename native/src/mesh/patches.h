@@ -15,7 +15,7 @@ struct Patches {
   std::vector<int32_t> triangle_patch; // (triangle_count) -1: left out
   std::vector<int32_t> begin;          // (patches + 1) into triangle
   std::vector<int32_t> triangle;       // of each patch, connected
-  std::vector<uint8_t> corner;         // (3 * triangles) the place of each corner in the patch's list of points
+  std::vector<uint8_t> corner;         // (3 * triangles) the index of each corner in the patch's list of points
   std::vector<int32_t> point_begin;    // (patches + 1) into point
   std::vector<int32_t> point;          // of each patch
   std::vector<int32_t> link_begin;     // (patches' points + 1) into link

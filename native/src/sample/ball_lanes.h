@@ -1,4 +1,4 @@
-// Up to 24 balls of one radius, looked at side by side: each is a lane, a bit of what a place of the surface is to them.
+// Up to 24 balls of one radius, looked at side by side: each is a lane, and one bit of what is known of a position.
 #pragma once
 
 #include <algorithm>
@@ -26,28 +26,29 @@ public:
     vectors_ = (count + width - 1) / width;
     all_ = (uint32_t{1} << count) - 1;
     for (size_t lane = 0; lane < vectors_ * width; ++lane) {
-      const vec3 place = center(std::min(lane, count - 1));
-      for (int axis = 0; axis < 3; ++axis) centers_[lane / width][axis][lane % width] = place[axis];
+      const vec3 position = center(std::min(lane, count - 1));
+      for (int axis = 0; axis < 3; ++axis) centers_[lane / width][axis][lane % width] = position[axis];
     }
   }
 
   size_t vectors() const { return vectors_; }
   uint32_t all() const { return all_; }
   float scale() const { return scale_; } // 1 / radius
-  // In the places' units.
+  // In the units of the positions.
   const Floats &centers(size_t vector, int axis) const { return centers_[vector][axis]; }
 
   // From a lane's center, in units of the radius.
-  vec3 offset(vec3 place, size_t lane) const {
+  vec3 offset(vec3 position, size_t lane) const {
     const Floats(&center)[3] = centers_[lane / width];
     const size_t k = lane % width;
-    return (place - vec3(center[0][k], center[1][k], center[2][k])) * scale_;
+    return (position - vec3(center[0][k], center[1][k], center[2][k])) * scale_;
   }
 
   // Squared distances from the centers, in units of the radius.
-  Floats squares(vec3 place, size_t vector) const {
+  Floats squares(vec3 position, size_t vector) const {
     const Floats(&center)[3] = centers_[vector];
-    const Floats x = (place.x - center[0]) * scale_, y = (place.y - center[1]) * scale_, z = (place.z - center[2]) * scale_;
+    const Floats x = (position.x - center[0]) * scale_, y = (position.y - center[1]) * scale_,
+                 z = (position.z - center[2]) * scale_;
     return x * x + y * y + z * z;
   }
 
@@ -58,9 +59,9 @@ public:
     return static_cast<uint32_t>(lanes[0] | lanes[1] | lanes[2] | lanes[3]);
   }
 
-  // The lanes whose ball holds a place.
-  uint32_t holding(vec3 place) const {
-    return where([&](size_t i) { return squares(place, i) < 1.0f; });
+  // The lanes whose ball holds a position.
+  uint32_t holding(vec3 position) const {
+    return where([&](size_t i) { return squares(position, i) < 1.0f; });
   }
 
   // -1 for those of a vector that are among the lanes, else 0.
@@ -72,12 +73,12 @@ public:
     for (; lanes; lanes &= lanes - 1) visit(static_cast<size_t>(std::countr_zero(lanes)));
   }
 
-  // How many of `count` places, from the first on, lie nearer to it than this part of the radius, up to a lane for each.
-  template <class Place> size_t leading(size_t count, float near, const Place &place) const {
-    const vec3 first = place(size_t{0});
+  // How many of `count` positions, from the first on, lie nearer to it than this part of the radius, up to a lane for each.
+  template <class Position> size_t leading(size_t count, float near, const Position &position) const {
+    const vec3 first = position(size_t{0});
     size_t found = 1;
     for (; found < std::min(count, max_lanes); ++found) {
-      const vec3 gap = (place(found) - first) * scale_;
+      const vec3 gap = (position(found) - first) * scale_;
       if (!(dot(gap, gap) < near * near)) break;
     }
     return found;

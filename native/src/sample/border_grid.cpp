@@ -99,9 +99,9 @@ BorderGrid build_border_grid(const Charts &charts, int size) {
   grid.list.resize(2 * static_cast<size_t>(begin[texels]));
   std::vector<int32_t> next(begin.begin(), begin.end() - 1);
   visit_all([&](size_t border, size_t texel) {
-    const auto place = 2 * static_cast<size_t>(next[texel]++);
-    grid.list[place] = static_cast<int32_t>(border);
-    grid.list[place + 1] = charts.borders[border].chart;
+    const auto slot = 2 * static_cast<size_t>(next[texel]++);
+    grid.list[slot] = static_cast<int32_t>(border);
+    grid.list[slot + 1] = charts.borders[border].chart;
   });
 
   std::vector<float> distance(texels);
@@ -110,7 +110,7 @@ BorderGrid build_border_grid(const Charts &charts, int size) {
   grid.cells.resize(2 * texels);
   for (size_t i = 0; i < texels; ++i) {
     const int32_t count = begin[i + 1] - begin[i];
-    // Between any two places of two texels lies at least the distance of their centers less a texel's diagonal.
+    // The distance between two positions in two texels is at least that of the centers less a texel's diagonal.
     const double safe = std::floor(std::sqrt(std::min(distance[i], 1e9f)) - 1.415);
     grid.cells[2 * i] = count > 0 ? -count : static_cast<int32_t>(std::max(safe, 0.0));
     grid.cells[2 * i + 1] = begin[i];
@@ -126,7 +126,7 @@ std::vector<int32_t> number_seams(const Charts &charts) {
     while (seam[i] != i) i = seam[i] = seam[seam[i]];
     return i;
   };
-  // Borders meet at a place of their chart, and their twins at a place of theirs.
+  // Borders of one seam meet in a wedge, and their twins do, too.
   std::map<std::pair<int32_t, int32_t>, int32_t> met;
   for (size_t i = 0; i < seam.size(); ++i) {
     if (seam[i] < 0) continue;

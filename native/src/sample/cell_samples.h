@@ -1,8 +1,8 @@
 // Cells + the area elements of a frame → the samples of each cell: one texel of every square of 1, 2, 4… texels, or of every
 // other such square, as on a chessboard.
 //
-// Which texels those are depends on the surface and the seed, not on the vertex: a vertex on a seam gets the same samples from
-// each of its places, and the error of a field varies smoothly.
+// Which texels those are depends on the surface and the seed, not on the vertex: all wedges of a point get the same samples, and
+// the error of a field varies smoothly.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,11 @@
 
 namespace paradesc {
 
-// What decides which texels are samples; lists are kept from frame to frame while it stays the same.
+// Strides decide which texels are samples; lists are kept from frame to frame while the strides stay the same.
 struct CellStrides {
   uint32_t seed = 0;
-  // (cells, CELL_LEAVES) a sample stands for so many texels, a power of two; fine: near a vertex. More than a leaf has, in all
-  // leaves of a cell: it has samples of its own, beside its fine ones.
+  // (cells, CELL_LEAVES) texels per sample, a power of two; fine: near a center. A stride larger than a leaf means that the
+  // samples belong to the whole cell; then all leaves of the cell have it.
   std::vector<int32_t> coarse, fine;
   bool operator==(const CellStrides &) const = default;
 };
@@ -45,8 +45,8 @@ private:
   }
 };
 
-// So many texels to a sample that none stands for more area than one of `samples` equal parts of a disk of that radius; an
-// eighth of that to a fine one, where the surface bends.
+// No sample stands for more area than 1 / samples of a disk of that radius; where the surface bends, no fine one for more than an
+// eighth of that.
 CellStrides choose_strides(const Cells &cells, std::span<const CellData> measured, int buffer_size, float radius, int samples,
                            uint32_t seed, int threads);
 

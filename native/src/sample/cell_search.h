@@ -72,7 +72,7 @@ public:
         const vec4 sphere = measured_[other].sphere;
         const vec3 gap = vec3(sphere) - middle;
         const float limit = radius_ + beyond + around * sphere.w;
-        if (sphere.w < 0.0f || dot(gap, gap) < limit * limit) add(other); // one that has no place may lead on
+        if (sphere.w < 0.0f || dot(gap, gap) < limit * limit) add(other); // one without a sphere may lead on
       }
     }
     std::sort(found_.begin(), found_.end()); // one order of summation, wherever the search began
@@ -271,12 +271,12 @@ private:
 
   ivec2 texelless_of(int32_t cell) const { return {space_.texelless.begin[cell], space_.texelless.begin[cell + 1]}; }
 
-  float distance(size_t place) const { return distance_[place / lane_count][place % lane_count]; }
+  float distance(size_t slot) const { return distance_[slot / lane_count][slot % lane_count]; }
 
-  Taken take(int32_t place, vec3 center) const {
-    const int32_t cell = found_[place];
+  Taken take(int32_t slot, vec3 center) const {
+    const int32_t cell = found_[slot];
     const CellLeaves &leaves = leaves_[cell];
-    const float square = distance(static_cast<size_t>(place));
+    const float square = distance(static_cast<size_t>(slot));
     Taken taken{cell, all_leaves, 0};
     const bool near = square < leaves.fine;
     if (!near && (square < leaves.whole || leaves.joined)) return taken;
@@ -357,7 +357,7 @@ private:
     return passed;
   }
 
-  // Those of the lanes whose ball holds a place of the link.
+  // Those of the lanes whose ball holds a texel of the link.
   uint32_t going_over(int32_t link, const Bounds &box, const std::vector<vec3> &points, const std::vector<SearchCenter> &centers,
                       uint32_t lanes) const {
     const float square = radius_ * radius_;
@@ -382,8 +382,8 @@ private:
                        near, [&](vec3 p) { return in_ball(link, points, p); }, centers);
   }
 
-  // The surface goes over beside one of the link's texels. No margin: it would let in a neighboring finger as often as it keeps a
-  // place that belongs.
+  // The surface goes over beside one of the link's texels. There is no margin: it would let in a neighboring finger as often as
+  // it would keep surface that belongs.
   bool in_ball(int32_t link, const std::vector<vec3> &points, vec3 center) const {
     for (int32_t k = cells_.link_begin[link]; k < cells_.link_begin[link + 1]; ++k) {
       const vec3 gap = points[k] - center;
@@ -407,7 +407,7 @@ private:
   std::vector<Seen> seen_;      // (found)
   std::vector<Middles> middle_; // (found)
   std::vector<Lanes> distance_; // (found) squared, from the center
-  std::vector<int32_t> inside_; // places in found_
+  std::vector<int32_t> inside_; // indices into found_
   std::vector<Taken> taken_;    // of these, where they are looked through once more
   // Of several centers at once: bits.
   std::span<const int32_t> members_;

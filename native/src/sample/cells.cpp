@@ -30,7 +30,7 @@ struct Unions {
 
 using Pairs = std::vector<uint64_t>; // two numbers each, for sorting
 
-// One place where the surface goes over from cell to cell.
+// A texel at which the surface goes over from cell to cell.
 struct Crossing {
   int32_t low, high; // cells
   int32_t texel;
@@ -134,14 +134,14 @@ private:
     for (const auto &[a, b] : between) link(a, b, crossings_);
   }
 
-  // texel: on either of them, beside the place where one goes over into the other.
+  // The two texels lie where the cell of one goes over into that of the other.
   void link(int64_t texel_a, int64_t texel_b, std::vector<Crossing> &crossings) const {
     if (texel_a < 0 || texel_b < 0) return;
     const int32_t a = cells_.label[texel_a], b = cells_.label[texel_b];
     if (a != b) crossings.push_back({std::min(a, b), std::max(a, b), static_cast<int32_t>(std::min(texel_a, texel_b))});
   }
 
-  // By their lower cell first, one bucket each: what most of them differ by.
+  // Sorts them by their lower cell first, one bucket each: most of them differ in that.
   void sort_crossings() {
     std::vector<int32_t> begin(static_cast<size_t>(cells_.count) + 2, 0);
     for (const Crossing &crossing : crossings_) ++begin[crossing.low + 2];
@@ -206,8 +206,8 @@ private:
     for (const ivec4 box : bounds) cells_.box.push_back(box.z > 0 ? ivec4(box.x, box.y, box.z - box.x, box.w - box.y) : ivec4(0));
   }
 
-  // The cell of a texel on a border, and how many of 16 places in it lie on the chart. A texel whose center is off the chart goes
-  // to the cell beside it in the same block, if there is one.
+  // The cell of a texel on a border, and how many of 16 positions in it lie on the chart. A texel whose center is off the chart
+  // goes to the cell beside it in the same block, if there is one.
   std::pair<int32_t, int> partly_covered(int x, int y) const {
     const int32_t chart = map_.owner(x, y);
     const bool center_inside = map_.chart(x, y) >= 0;
@@ -215,12 +215,12 @@ private:
     int32_t cell = center_inside ? cells_.label[map_.index(x, y)] : -1;
     int part = 0;
     for (int i = 0; i < 16; ++i) {
-      // Off the regular places by a little, so that no border runs through them.
-      const dvec2 place(x + (i % 4 + 0.4987) / 4.0, y + (i / 4 + 0.5023) / 4.0);
-      if (map_.crosses_oddly(x, y, center, place, chart) == center_inside) continue;
+      // They lie a little off a regular grid, so that no border runs through them.
+      const dvec2 position(x + (i % 4 + 0.4987) / 4.0, y + (i / 4 + 0.5023) / 4.0);
+      if (map_.crosses_oddly(x, y, center, position, chart) == center_inside) continue;
       ++part;
       if (cell >= 0) continue;
-      const int64_t carrier = map_.carrier(place, chart);
+      const int64_t carrier = map_.carrier(position, chart);
       const int block = cells_.block_size;
       if (carrier >= 0 && carrier % size_ / block == x / block && carrier / size_ / block == y / block) cell = cell_of(carrier);
     }
@@ -229,14 +229,14 @@ private:
 
   dvec2 uv_of(int corner) const { return dvec2(charts_.corner_uv[corner]) * static_cast<double>(size_); }
 
-  // A little way into the chart, in texels: a place on a border lies on both sides of it.
+  // The position in texels, moved a little into the chart: on a border it would lie on both sides.
   dvec2 nudged(vec2 uv, vec2 inside) const {
-    const dvec2 place = dvec2(uv) * static_cast<double>(size_), way = dvec2(inside) * static_cast<double>(size_) - place;
-    return place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9));
+    const dvec2 position = dvec2(uv) * static_cast<double>(size_), way = dvec2(inside) * static_cast<double>(size_) - position;
+    return position + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9));
   }
 
   int32_t cell_of(int64_t texel) const { return texel < 0 ? -1 : cells_.label[texel]; }
-  int32_t cell_at(dvec2 place, int32_t chart) const { return cell_of(map_.carrier(place, chart)); }
+  int32_t cell_at(dvec2 position, int32_t chart) const { return cell_of(map_.carrier(position, chart)); }
 
   // A half-edge in the UV map, in texels, and the middle of its triangle.
   struct Line {
@@ -249,14 +249,14 @@ private:
     return {a, b - a, (a + b + c) / 3.0, charts_.triangle_chart[half_edge / 3]};
   }
 
-  // The texel that carries a place on a half-edge, just inside its triangle.
+  // The texel that carries a position on a half-edge, just inside its triangle.
   int64_t texel_on(const Line &line, double t) const {
-    const dvec2 place = line.start + line.way * t;
-    const dvec2 way = line.middle - place;
-    return map_.carrier(place + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)), line.chart);
+    const dvec2 position = line.start + line.way * t;
+    const dvec2 way = line.middle - position;
+    return map_.carrier(position + way * std::min(0.1, 0.01 / std::max(length(way), 1e-9)), line.chart);
   }
 
-  // Texels along an edge, none skipped.
+  // Steps that skip no texel along an edge.
   int steps_along(const Line &line) const {
     return std::clamp(static_cast<int>(std::ceil(length(line.way) / 0.7)), 1, 4 * size_);
   }
@@ -291,7 +291,7 @@ private:
   vec3 position_of(int corner) const { return triangles_.position(corner); }
 
   // Along every edge of the mesh, texel by texel: what lies on one triangle is connected even where texels do not show it, and
-  // over a seam the same place of the edge is on both sides.
+  // over a seam each position on the edge is on both sides.
   void link_along_edges() {
     const int count = 3 * triangles_.triangle_count;
     first_.assign(static_cast<size_t>(count), -1);
@@ -410,7 +410,7 @@ private:
   Cells cells_;
   std::vector<Crossing> crossings_;
   std::vector<int64_t> first_;   // (half-edges) the first texel along it, or -1; of inner edges on one of the two
-  std::vector<uint8_t> carried_; // (half-edges) there are texels on both sides of some place
+  std::vector<uint8_t> carried_; // (half-edges) there are texels on both sides of some position
   Pairs boundaries_;
 };
 
@@ -422,13 +422,13 @@ Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const
 }
 
 std::vector<int32_t> find_cells(const Cells &cells, const std::vector<int32_t> &ids, const BorderGrid &grid, const Charts &charts,
-                                const std::vector<LayoutPlace> &places, int threads) {
+                                const std::vector<LayoutPosition> &positions, int threads) {
   const ChartMap map(ids, grid, charts);
-  std::vector<int32_t> found(places.size());
-  parallel_blocks(static_cast<int>(places.size()), threads, 1024, [&](int begin, int end) {
+  std::vector<int32_t> found(positions.size());
+  parallel_blocks(static_cast<int>(positions.size()), threads, 1024, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      const auto triangle = static_cast<size_t>(places[i].triangle);
-      const dvec2 texel = dvec2(places[i].uv) * static_cast<double>(grid.size);
+      const auto triangle = static_cast<size_t>(positions[i].triangle);
+      const dvec2 texel = dvec2(positions[i].uv) * static_cast<double>(grid.size);
       const int64_t carrier = map.carrier(texel, charts.triangle_chart[triangle]);
       found[i] = carrier >= 0 ? cells.label[2 * static_cast<size_t>(carrier)] : cells.triangle_cell[triangle];
     }

@@ -1,6 +1,6 @@
 // Baked texels → cells, the connected pieces of charts within blocks of the buffer, and the links between them, over seams too.
 //
-// Cells are how a neighborhood is found: from the cells of the center's own places in the UV map over links, as far as they meet
+// Cells are how a neighborhood is found: from the cells of the center's own wedges over links, as far as they meet
 // the ball. That is the connected part of the surface in the ball, however the charts lie; no map from chart to chart is
 // extrapolated, so neighboring seam edges leave neither gaps nor overlaps. Topology and buffer size decide cells and links;
 // positions do not.
@@ -29,8 +29,7 @@ struct Cells {
   std::vector<int32_t> boundary;       // half-edges on the mesh's boundary that a cell touches
   std::vector<int32_t> texelless_begin; // (count + 1) into texelless
   std::vector<int32_t> texelless;       // triangles that no texel carries, at the cell from which the surface leads to them
-  std::vector<int32_t>
-      triangle_cell; // (triangle_count) where the surface there is carried, or from where it leads there; -1: nowhere
+  std::vector<int32_t> triangle_cell;   // (triangle_count) that carries its middle, or leads there; -1: none
   std::vector<int32_t> wedge_cell; // (wedges)
 };
 
@@ -38,14 +37,14 @@ struct Cells {
 Cells build_cells(const std::vector<int32_t> &ids, const BorderGrid &grid, const Triangles &triangles,
                   const HalfEdges &half_edges, const Charts &charts, int block_size, int threads = 0);
 
-// A place of a triangle in the layout, just inside it.
-struct LayoutPlace {
+// A position in a triangle of the layout, just inside it.
+struct LayoutPosition {
   vec2 uv;
   int32_t triangle;
 };
 
-// The cell that carries each place, or from where the surface leads there; -1: none does.
+// The cell that carries each position, or the one from which the surface leads there; -1: none.
 std::vector<int32_t> find_cells(const Cells &cells, const std::vector<int32_t> &ids, const BorderGrid &grid, const Charts &charts,
-                                const std::vector<LayoutPlace> &places, int threads);
+                                const std::vector<LayoutPosition> &positions, int threads);
 
 } // namespace paradesc

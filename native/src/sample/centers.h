@@ -33,11 +33,11 @@ struct Centers {
   std::vector<int32_t> order;        // the number that each center had when the list was made
   std::vector<uint8_t> single_sheet; // as in Neighborhoods, once these are found
 
-  // Puts center order[i] in place i.
+  // Center i becomes the one that was center order_now[i].
   void permute(const std::vector<int32_t> &order_now);
 };
 
-// What decides where centers lie.
+// Options that decide where centers lie.
 struct CenterOptions {
   bool every_wedge;   // a center for each wedge of a point, else for its primary one
   bool connected;     // points without a wedge get a center too, and no center has an ellipse

@@ -1,4 +1,5 @@
-// Triangle ids and borders of the layout → what carries a place of a chart, and what lies in sight of what.
+// Triangle ids and borders of the layout → the texel that carries a position on a chart, and whether two positions see each
+// other.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +18,7 @@ inline int floor_of(double x) {
   return whole - (x < whole);
 }
 
-// Where a place of a chart belongs, and whether two places of a chart are joined by a straight way on it.
+// Which texel a position on a chart belongs to, and whether two positions are joined by a straight way on the chart.
 class ChartMap {
 public:
   ChartMap(const std::vector<int32_t> &ids, const BorderGrid &grid, const Charts &charts)
@@ -65,10 +66,10 @@ public:
   bool is_far_from_borders(int x, int y) const { return grid_.cells[2 * index(x, y)] > 0; }
   int32_t owner(int x, int y) const { return ids_[2 * index(x, y)]; } // the chart that has the texel, also by a line
 
-  // The texel that carries a place on a chart: its own, or one beside it in sight; -1: none.
-  int64_t carrier(dvec2 place, int32_t of_chart) const {
-    const int x = floor_of(place.x), y = floor_of(place.y);
-    if (inside(x, y) && chart(x, y) == of_chart && (!has_border(x, y) || joined(place, middle(x, y), of_chart)))
+  // The texel that carries a position on a chart: the one around it, or one beside that in sight; -1: none.
+  int64_t carrier(dvec2 position, int32_t of_chart) const {
+    const int x = floor_of(position.x), y = floor_of(position.y);
+    if (inside(x, y) && chart(x, y) == of_chart && (!has_border(x, y) || joined(position, middle(x, y), of_chart)))
       return static_cast<int64_t>(index(x, y));
     int64_t best = -1;
     double nearest = 1e9;
@@ -76,8 +77,8 @@ public:
       for (int dx = -1; dx <= 1; ++dx) {
         if (!inside(x + dx, y + dy) || chart(x + dx, y + dy) != of_chart) continue;
         const dvec2 there = middle(x + dx, y + dy);
-        const double distance = dot(there - place, there - place);
-        if (distance >= nearest || !joined(place, there, of_chart)) continue;
+        const double distance = dot(there - position, there - position);
+        if (distance >= nearest || !joined(position, there, of_chart)) continue;
         nearest = distance;
         best = static_cast<int64_t>(index(x + dx, y + dy));
       }

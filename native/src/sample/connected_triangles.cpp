@@ -22,14 +22,14 @@ bool segment_in_ball(dvec3 a, dvec3 b, dvec3 center, double radius) {
 // All in units of the radius, from the center: meshes have any size.
 static bool in_ball(vec3 offset) { return dot(offset, offset) < 1.0f; }
 
-// Whether the segment between two places outside the ball meets it. Without a division: most do not.
+// Whether the segment between two positions outside the ball meets it. Most do not, and need no division.
 static bool passes(vec3 a, vec3 b) {
   const vec3 way = b - a;
   const float length = dot(way, way), along = -dot(a, way);
   return along > 0.0f && along < length && (dot(a, a) - 1.0f) * length < along * along;
 }
 
-// By the middles of 16 pieces, of four where the triangle is small.
+// The share of the triangle in the ball, by the middles of 16 pieces, or of four where the triangle is small.
 static float part_in_ball(vec3 corner, vec3 first_side, vec3 second_side) {
   const bool small = dot(first_side, first_side) + dot(second_side, second_side) < 0.125f;
   const int pieces = small ? 2 : 4;

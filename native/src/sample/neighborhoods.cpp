@@ -13,7 +13,7 @@
 
 namespace paradesc {
 
-// Divided until pieces are small against the radius: the middle of each is a sample.
+// Triangles are divided until pieces are small against the radius; the middle of each piece is a sample.
 TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
                                             const BakeSpace &bake_space, float radius, const DisplacedSurface *displaced) {
   TexellessSamples samples;
@@ -225,14 +225,15 @@ static void search_in_halves(CellSearch &search, const std::vector<SearchCenter>
   search_in_halves(search, centers, start, members.subspan(first), radius, neighborhoods, part);
 }
 
-// The parts' ranges one after another; places[i]: the centers of part i.
-static void join(std::vector<Part> &parts, const std::vector<std::span<const int32_t>> &places, Neighborhoods &neighborhoods) {
+// Appends the ranges of all parts to one list; part_centers[i]: the centers of part i.
+static void join(std::vector<Part> &parts, const std::vector<std::span<const int32_t>> &part_centers,
+                 Neighborhoods &neighborhoods) {
   size_t all = neighborhoods.range.size();
   for (const Part &part : parts) all += part.range.size();
   neighborhoods.range.reserve(all);
   for (size_t i = 0; i < parts.size(); ++i) {
     const auto offset = static_cast<int32_t>(neighborhoods.range.size());
-    for (const int32_t center : places[i]) {
+    for (const int32_t center : part_centers[i]) {
       NeighborhoodRanges &data = neighborhoods.center[center];
       for (int32_t *at : {&data.first, &data.middle, &data.last, &data.end}) *at += offset;
     }
@@ -268,7 +269,7 @@ struct Passes {
 
 } // namespace
 
-// Group by group. Returns the centers that are left to search_alone().
+// Searches group by group. Returns the centers that are left to search_alone().
 static std::vector<int32_t> search_groups(Passes &passes, Groups &groups, Neighborhoods &neighborhoods) {
   constexpr int block = 64;
   const auto count = static_cast<int>(groups.begin.size()) - 1;
@@ -277,8 +278,8 @@ static std::vector<int32_t> search_groups(Passes &passes, Groups &groups, Neighb
     return std::span(groups.order).subspan(begin, static_cast<size_t>(groups.begin[last]) - begin);
   };
   std::vector<Part> parts(static_cast<size_t>((count + block - 1) / block));
-  std::vector<std::span<const int32_t>> places;
-  for (int begin = 0; begin < count; begin += block) places.push_back(members_of(begin, std::min(begin + block, count)));
+  std::vector<std::span<const int32_t>> part_centers;
+  for (int begin = 0; begin < count; begin += block) part_centers.push_back(members_of(begin, std::min(begin + block, count)));
   parallel_blocks(count, passes.threads, block, [&](int begin, int end) {
     CellSearch search(passes.space, passes.measured, passes.leaves, passes.radius);
     Part part; // of its own: neighboring vectors share cache lines
@@ -293,25 +294,25 @@ static std::vector<int32_t> search_groups(Passes &passes, Groups &groups, Neighb
     }
     parts[begin / block] = std::move(part);
   });
-  join(parts, places, neighborhoods);
+  join(parts, part_centers, neighborhoods);
   std::vector<int32_t> left;
   for (const Part &part : parts) left.insert(left.end(), part.left.begin(), part.left.end());
   return left;
 }
 
-// Each of these centers by the links from its own cell.
+// Searches for each of these centers by the links from its own cell.
 static void search_alone(Passes &passes, std::span<const int32_t> left, Neighborhoods &neighborhoods) {
   constexpr int alone = 512;
   const std::vector<vec3> &link_points = passes.space.link_points();
   const std::vector<Bounds> links = link_bounds(passes.space.cells, link_points, passes.threads);
   std::vector<Part> parts((left.size() + alone - 1) / alone);
-  std::vector<std::span<const int32_t>> places;
+  std::vector<std::span<const int32_t>> part_centers;
   for (size_t first = 0; first < left.size(); first += alone)
-    places.push_back(left.subspan(first, std::min<size_t>(alone, left.size() - first)));
+    part_centers.push_back(left.subspan(first, std::min<size_t>(alone, left.size() - first)));
   parallel_blocks(static_cast<int>(left.size()), passes.threads, alone, [&](int begin, int) {
     CellSearch search(passes.space, passes.measured, passes.leaves, passes.radius);
     Part part;
-    for (std::span<const int32_t> others = places[begin / alone]; !others.empty();) {
+    for (std::span<const int32_t> others = part_centers[begin / alone]; !others.empty();) {
       const std::span<const int32_t> members = others.first(search.together(passes.centers, others));
       others = others.subspan(members.size());
       search.run(passes.centers, members, links, link_points);
@@ -325,7 +326,7 @@ static void search_alone(Passes &passes, std::span<const int32_t> left, Neighbor
     }
     parts[begin / alone] = std::move(part);
   });
-  join(parts, places, neighborhoods);
+  join(parts, part_centers, neighborhoods);
 }
 
 Neighborhoods find_neighborhoods(const SearchSpace &space, const std::vector<SearchCenter> &centers, float radius, int threads,

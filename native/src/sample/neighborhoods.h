@@ -1,8 +1,8 @@
 // Cells + positions of a frame → the neighborhood of each center: the samples of the surface connected to it within the ball.
 //
-// What the cells near a center reach over links is found once for all centers of a cell. Where all of that within a center's ball
-// faces its way, it is connected there: nothing folds back. Elsewhere, and at the mesh's boundary, each center searches by
-// itself, over links that lie in its own ball.
+// The cells that are connected to a cell over links are found once for all centers in it. If those within a center's ball form a
+// single sheet, which faces the center's way and does not fold back, they are its neighborhood. Elsewhere, and at the mesh's
+// boundary, each center searches by itself, over links that lie in its own ball.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct Neighborhoods {
   std::vector<uint8_t> single_sheet; // (centers) the surface in the ball faces one way; others searched by themselves
   std::vector<int32_t> order;        // centers, so that those with common samples follow each other
 
-  // Puts center order_now[i] in place i of `center`.
+  // center[i] becomes what was center[order_now[i]].
   void permute(const std::vector<int32_t> &order_now);
 };
 
@@ -50,7 +50,7 @@ TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles 
                                             const BakeSpace &bake_space, float radius,
                                             const DisplacedSurface *displaced = nullptr);
 
-// What the search reads of a frame.
+// The inputs of the search, of one frame.
 struct SearchSpace {
   const Cells &cells;
   const CellSamples &samples;

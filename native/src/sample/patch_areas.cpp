@@ -35,10 +35,10 @@ static MeasuredPatches measure(const Patches &patches, const HalfEdges &half_edg
                  end = static_cast<size_t>(patches.point_begin[patch + 1]);
       vec3 low(std::numeric_limits<float>::max()), high(-low);
       for (size_t k = begin; k < end; ++k) {
-        const vec3 place = position(patches.point[k]);
-        measured.point[k] = vec4(place, share[patches.point[k]]);
-        low = glm::min(low, place);
-        high = glm::max(high, place);
+        const vec3 at = position(patches.point[k]);
+        measured.point[k] = vec4(at, share[patches.point[k]]);
+        low = glm::min(low, at);
+        high = glm::max(high, at);
       }
       const vec3 middle = 0.5f * (low + high);
       float farthest = 0.0f, largest = 0.0f; // squared
@@ -183,9 +183,9 @@ private:
         uint32_t come = 0, fresh = 0;
         for (size_t i = k; i < k + 3; ++i) come |= found[patches_.corner[i]];
         for (size_t i = k; i < k + 3; ++i) {
-          const uint8_t place = patches_.corner[i];
-          const uint32_t before = found[place], open = held[place] & ~before;
-          found[place] = before | (come & open);
+          const uint8_t slot = patches_.corner[i];
+          const uint32_t before = found[slot], open = held[slot] & ~before;
+          found[slot] = before | (come & open);
           fresh |= come & open;
           missing |= open & ~come;
         }
@@ -228,7 +228,7 @@ PatchAreas::~PatchAreas() = default;
 // In halves again and again, across the longest side of their box. Returns where groups begin, and the end.
 std::vector<size_t> PatchAreas::put_side_by_side(std::span<const int32_t> points, std::span<int32_t> order) const {
   constexpr size_t lanes = BallLanes::max_lanes;
-  const auto place = [&](int32_t number) {
+  const auto position = [&](int32_t number) {
     const auto point = static_cast<size_t>(points[number]);
     return triangles_.positions[half_edges_.point_vertex[point]];
   };
@@ -241,8 +241,8 @@ std::vector<size_t> PatchAreas::put_side_by_side(std::span<const int32_t> points
     checkpoint();
     vec3 low(std::numeric_limits<float>::max()), high(-low);
     for (size_t i = first; i < last; ++i) {
-      low = glm::min(low, place(order[i]));
-      high = glm::max(high, place(order[i]));
+      low = glm::min(low, position(order[i]));
+      high = glm::max(high, position(order[i]));
     }
     const vec3 side = high - low;
     const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
@@ -250,7 +250,7 @@ std::vector<size_t> PatchAreas::put_side_by_side(std::span<const int32_t> points
     const size_t middle = first + (half + lanes - 1) / lanes * lanes; // all groups but the last are full
     std::ranges::nth_element(order.begin() + static_cast<ptrdiff_t>(first), order.begin() + static_cast<ptrdiff_t>(middle),
                              order.begin() + static_cast<ptrdiff_t>(last), {},
-                             [&](int32_t i) { return std::pair(place(i)[axis], i); });
+                             [&](int32_t i) { return std::pair(position(i)[axis], i); });
     self(self, first, middle);
     self(self, middle, last);
   };

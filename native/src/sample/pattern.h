@@ -1,4 +1,4 @@
-// Number of samples → their places in the unit disk, and a rotation for each evaluation point.
+// Number of samples → their positions in the unit disk, and a rotation for each center.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@ namespace paradesc {
 // Vogel's golden-angle set: equal areas, low discrepancy at every count.
 std::vector<vec2> golden_angle_pattern(int count);
 
-// The paper's stratified set: a random place in each of `count` cells of one area, mapped to the disk concentrically. The cells
-// are those of a square grid where count is a square; else rows that differ by one cell, and are as high as they have cells. In
-// the order of a snake through the rows: even and odd numbers are the two colors of a chessboard, so that either half is spread
-// evenly.
+// The paper's stratified set: a random position in each of `count` cells of one area, mapped to the disk concentrically. The
+// cells are those of a square grid where count is a square; else rows that differ by one cell, and are as high as they have
+// cells. In the order of a snake through the rows: even and odd numbers are the two colors of a chessboard, so that either half
+// is spread evenly.
 std::vector<vec2> stratified_pattern(int count, uint32_t seed);
 
 // From [-1, 1]^2 to the unit disk, areas in proportion (Shirley and Chiu 1997).

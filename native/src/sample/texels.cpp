@@ -1,4 +1,4 @@
-// Triangles and chart edges → texel places, as the bake finds them; results at texels → results at wedges.
+// Triangles and chart edges → texel centers, as the bake finds them; results at texels → results at wedges.
 #include "sample/texels.h"
 
 #include <algorithm>
@@ -31,8 +31,8 @@ struct Raster {
 
 } // namespace
 
-// Of several triangles at one texel the first has it.
-static void draw_triangle(const Raster &raster, int32_t triangle, int32_t chart, std::vector<TexelPlace> &found) {
+// Where several triangles claim a texel, the first one has it.
+static void draw_triangle(const Raster &raster, int32_t triangle, int32_t chart, std::vector<TexelCenter> &found) {
   const dvec2 a = raster.uv(3 * triangle), b = raster.uv(3 * triangle + 1), c = raster.uv(3 * triangle + 2);
   const double area = cross(b - a, c - a);
   if (area == 0.0) return;
@@ -40,20 +40,20 @@ static void draw_triangle(const Raster &raster, int32_t triangle, int32_t chart,
   const ivec2 columns = raster.range(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}));
   for (int y = rows.x; y <= rows.y; ++y)
     for (int x = columns.x; x <= columns.y; ++x) {
-      const dvec2 place(x + 0.5, y + 0.5);
-      const double wb = cross(place - a, c - a) / area, wc = cross(b - a, place - a) / area;
+      const dvec2 position(x + 0.5, y + 0.5);
+      const double wb = cross(position - a, c - a) / area, wc = cross(b - a, position - a) / area;
       if (wb < 0.0 || wc < 0.0 || wb + wc > 1.0) continue;
-      int32_t &entry = raster.map.place[raster.index(x, y)];
+      int32_t &entry = raster.map.index[raster.index(x, y)];
       if (entry >= 0) continue;
       entry = static_cast<int32_t>(found.size());
-      const dvec2 uv = place / static_cast<double>(raster.map.size);
+      const dvec2 uv = position / static_cast<double>(raster.map.size);
       found.push_back({static_cast<int32_t>(raster.index(x, y)), triangle, chart, vec2(wb, wc), vec2(uv), false});
     }
 }
 
-// Texels that a border passes through take its nearest place. distance: of the border that has a texel, by its place less
-// `owned`.
-static void draw_border(const Raster &raster, const Border &border, size_t owned, std::vector<TexelPlace> &found,
+// Texels that a border passes through take the nearest position on it. distance: of the border from the texels that it has, from
+// center `owned` on.
+static void draw_border(const Raster &raster, const Border &border, size_t owned, std::vector<TexelCenter> &found,
                         std::vector<double> &distance) {
   constexpr double half_diagonal = 0.7072; // of a texel
   const auto [first, second] = border_ends(raster.charts, border);
@@ -72,10 +72,10 @@ static void draw_border(const Raster &raster, const Border &border, size_t owned
     const ivec2 columns = raster.range(a.x + std::min(from * way.x, to * way.x) - half_diagonal,
                                        a.x + std::max(from * way.x, to * way.x) + half_diagonal);
     for (int x = columns.x; x <= columns.y; ++x) {
-      const dvec2 center(x + 0.5, y + 0.5);
-      const double t = std::clamp(dot(center - a, way) / square, 0.0, 1.0);
-      const double gap = length(center - a - way * t);
-      int32_t &entry = raster.map.place[raster.index(x, y)];
+      const dvec2 middle(x + 0.5, y + 0.5);
+      const double t = std::clamp(dot(middle - a, way) / square, 0.0, 1.0);
+      const double gap = length(middle - a - way * t);
+      int32_t &entry = raster.map.index[raster.index(x, y)];
       if (gap > half_diagonal || (entry >= 0 && static_cast<size_t>(entry) < owned)) continue;
       if (entry >= 0 && distance[static_cast<size_t>(entry) - owned] <= gap) continue;
       vec3 weights(0.0f);
@@ -83,13 +83,13 @@ static void draw_border(const Raster &raster, const Border &border, size_t owned
       weights[second % 3] = static_cast<float>(t);
       const dvec2 uv = (a + way * t) / static_cast<double>(raster.map.size);
       const auto texel = static_cast<int32_t>(raster.index(x, y));
-      const TexelPlace place{texel, triangle, border.chart, vec2(weights.y, weights.z), vec2(uv), true};
+      const TexelCenter center{texel, triangle, border.chart, vec2(weights.y, weights.z), vec2(uv), true};
       if (entry < 0) {
         entry = static_cast<int32_t>(found.size());
-        found.push_back(place);
+        found.push_back(center);
         distance.push_back(gap);
       } else {
-        found[entry] = place;
+        found[entry] = center;
         distance[static_cast<size_t>(entry) - owned] = gap;
       }
     }
@@ -99,35 +99,35 @@ static void draw_border(const Raster &raster, const Border &border, size_t owned
 TexelMap build_texel_map(const Charts &charts, int size) {
   TexelMap map;
   map.size = size;
-  map.place.assign(static_cast<size_t>(size) * static_cast<size_t>(size), -1);
+  map.index.assign(static_cast<size_t>(size) * static_cast<size_t>(size), -1);
   const Raster raster{charts, map};
   for (int32_t t = 0; t < static_cast<int32_t>(charts.triangle_chart.size()); ++t)
-    if (const int32_t chart = charts.triangle_chart[t]; chart >= 0) draw_triangle(raster, t, chart, map.places);
+    if (const int32_t chart = charts.triangle_chart[t]; chart >= 0) draw_triangle(raster, t, chart, map.centers);
   std::vector<double> distance;
-  const size_t owned = map.places.size();
-  for (const Border &border : charts.borders) draw_border(raster, border, owned, map.places, distance);
-  std::sort(map.places.begin(), map.places.end(), [](const TexelPlace &a, const TexelPlace &b) { return a.texel < b.texel; });
-  for (size_t i = 0; i < map.places.size(); ++i) map.place[map.places[i].texel] = static_cast<int32_t>(i);
+  const size_t owned = map.centers.size();
+  for (const Border &border : charts.borders) draw_border(raster, border, owned, map.centers, distance);
+  std::sort(map.centers.begin(), map.centers.end(), [](const TexelCenter &a, const TexelCenter &b) { return a.texel < b.texel; });
+  for (size_t i = 0; i < map.centers.size(); ++i) map.index[map.centers[i].texel] = static_cast<int32_t>(i);
   return map;
 }
 
-static vec3 weights_of(const TexelPlace &place) { return vec3(1.0f - place.weights.x - place.weights.y, place.weights); }
+static vec3 weights_of(const TexelCenter &center) { return vec3(1.0f - center.weights.x - center.weights.y, center.weights); }
 
-// What corners have, at the place.
-template <class Value, class At> static Value mix_corners(const TexelPlace &place, const At &at) {
-  const vec3 weights = weights_of(place);
-  const auto corner = 3 * static_cast<size_t>(place.triangle);
+// Values of a triangle's corners, interpolated at the center.
+template <class Value, class At> static Value mix_corners(const TexelCenter &center, const At &at) {
+  const vec3 weights = weights_of(center);
+  const auto corner = 3 * static_cast<size_t>(center.triangle);
   Value sum(0);
   for (size_t i = 0; i < 3; ++i) sum += at(corner + i) * static_cast<typename Value::value_type>(weights[static_cast<int>(i)]);
   return sum;
 }
 
-// The place in the layout, and the same a little inside its triangle: on a border every direction would begin on an edge.
-static vec4 layout_place(const TexelPlace &place, const Charts &charts, int size) {
-  const auto corner = 3 * static_cast<size_t>(place.triangle);
+// (u, v) of the center, and of a position a little inside its triangle: on a border every direction would begin on an edge.
+static vec4 center_uv(const TexelCenter &center, const Charts &charts, int size) {
+  const auto corner = 3 * static_cast<size_t>(center.triangle);
   const auto at = [&](size_t c) { return charts.corner_uv[c]; };
-  const vec2 uv = place.uv;
-  const vec3 weights = weights_of(place);
+  const vec2 uv = center.uv;
+  const vec3 weights = weights_of(center);
   if (std::min({weights.x, weights.y, weights.z}) > 1e-4f) return vec4(uv, uv);
   const vec2 way = (at(corner) + at(corner + 1) + at(corner + 2)) / 3.0f - uv;
   const float texels = length(way) * static_cast<float>(size);
@@ -140,38 +140,38 @@ std::vector<CenterData> texel_centers(const TexelMap &map, const Triangles &tria
   std::vector<CenterData> centers;
   centers.reserve(last - first);
   for (size_t i = first; i < last; ++i) {
-    const TexelPlace &place = map.places[i];
+    const TexelCenter &center = map.centers[i];
     const auto position =
-        mix_corners<dvec3>(place, [&](size_t c) { return dvec3(triangles.positions[triangles.corner_vertex[c]]); });
-    const vec3 normal = mix_corners<vec3>(place, [&](size_t c) { return normals.corner(c); });
+        mix_corners<dvec3>(center, [&](size_t c) { return dvec3(triangles.positions[triangles.corner_vertex[c]]); });
+    const vec3 normal = mix_corners<vec3>(center, [&](size_t c) { return normals.corner(c); });
     const float span = length(normal);
     const auto at_wedge = [&](size_t c) { return ellipses[charts.corner_wedge[c]]; };
-    const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(place, at_wedge) * ellipse_size;
-    const auto corner = 3 * static_cast<size_t>(place.triangle);
-    centers.push_back({vec3((position - bake_space.center) * bake_space.scale), place.chart,
+    const vec4 ellipse = ellipses.empty() ? vec4(0.0f) : mix_corners<vec4>(center, at_wedge) * ellipse_size;
+    const auto corner = 3 * static_cast<size_t>(center.triangle);
+    centers.push_back({vec3((position - bake_space.center) * bake_space.scale), center.chart,
                        span > 0.0f ? normal / span : normals.corner(corner),
-                       pattern_rotation(static_cast<uint32_t>(place.texel), seed), layout_place(place, charts, map.size),
+                       pattern_rotation(static_cast<uint32_t>(center.texel), seed), center_uv(center, charts, map.size),
                        ellipse});
   }
   return centers;
 }
 
-std::vector<LayoutPlace> texel_layout_places(const TexelMap &map, const Charts &charts, size_t first, size_t last) {
-  std::vector<LayoutPlace> places;
-  places.reserve(last - first);
+std::vector<LayoutPosition> texel_layout_positions(const TexelMap &map, const Charts &charts, size_t first, size_t last) {
+  std::vector<LayoutPosition> positions;
+  positions.reserve(last - first);
   for (size_t i = first; i < last; ++i) {
-    const vec4 uv = layout_place(map.places[i], charts, map.size);
-    places.push_back({vec2(uv.z, uv.w), map.places[i].triangle});
+    const vec4 uv = center_uv(map.centers[i], charts, map.size);
+    positions.push_back({vec2(uv.z, uv.w), map.centers[i].triangle});
   }
-  return places;
+  return positions;
 }
 
 namespace {
 
 struct Weighted {
-  int32_t place;
-  float weight; // they add up to 1, and may be negative
-  float near;   // what stands for it where not all values are defined
+  int32_t center;
+  float weight; // all weights add up to 1, and may be negative
+  float near;   // the weight where not all values are defined
 };
 
 // Weights by which a plane fitted to values at the offsets (texels), each by its nearness, has its value at 0; false where the
@@ -194,7 +194,7 @@ class Lookup {
 public:
   explicit Lookup(const TexelMap &map) : map_(map) {}
 
-  // The places that a wedge's values are taken from; none where no texel of its chart is near.
+  // The texel centers that a wedge's values are taken from; none where no texel of its chart is near.
   void near(const Wedge &wedge, std::vector<Weighted> &found) const {
     const vec2 texel = wedge.uv * static_cast<float>(map_.size) - 0.5f;
     const vec2 low = glm::floor(texel), share = texel - low;
@@ -202,9 +202,9 @@ public:
     bool regular = true;
     for (int i = 0; i < 4; ++i) {
       const float weight = (i % 2 ? share.x : 1.0f - share.x) * (i / 2 ? share.y : 1.0f - share.y);
-      const int32_t place = at(static_cast<int>(low.x) + i % 2, static_cast<int>(low.y) + i / 2, wedge.chart);
-      regular = regular && place >= 0 && !map_.places[place].on_border;
-      found.push_back({place, weight, weight});
+      const int32_t index = at(static_cast<int>(low.x) + i % 2, static_cast<int>(low.y) + i / 2, wedge.chart);
+      regular = regular && index >= 0 && !map_.centers[index].on_border;
+      found.push_back({index, weight, weight});
     }
     if (!regular) found = beside_border(wedge);
     if (found.empty()) add_nearest(texel, wedge.chart, found);
@@ -213,8 +213,8 @@ public:
 private:
   int32_t at(int x, int y, int32_t chart) const {
     if (x < 0 || y < 0 || x >= map_.size || y >= map_.size) return -1;
-    const int32_t place = map_.place[static_cast<size_t>(y) * static_cast<size_t>(map_.size) + static_cast<size_t>(x)];
-    return place >= 0 && map_.places[place].chart == chart ? place : -1;
+    const int32_t index = map_.index[static_cast<size_t>(y) * static_cast<size_t>(map_.size) + static_cast<size_t>(x)];
+    return index >= 0 && map_.centers[index].chart == chart ? index : -1;
   }
 
   std::vector<Weighted> beside_border(const Wedge &wedge) const {
@@ -226,12 +226,12 @@ private:
     float sum = 0.0f;
     for (int y = middle.y - 2; y <= middle.y + 2; ++y)
       for (int x = middle.x - 2; x <= middle.x + 2; ++x) {
-        const int32_t place = at(x, y, wedge.chart);
-        if (place < 0) continue;
-        const vec2 offset = map_.places[place].uv * static_cast<float>(map_.size) - here;
+        const int32_t index = at(x, y, wedge.chart);
+        if (index < 0) continue;
+        const vec2 offset = map_.centers[index].uv * static_cast<float>(map_.size) - here;
         const float nearness = 1.0f - dot(offset, offset) / (radius * radius);
         if (nearness < 1e-3f) continue;
-        found.push_back({place, nearness * nearness, nearness * nearness});
+        found.push_back({index, nearness * nearness, nearness * nearness});
         offsets.push_back(offset);
         sum += found.back().near;
       }
@@ -247,10 +247,10 @@ private:
     for (int y = middle.y - radius; y <= middle.y + radius; ++y)
       for (int x = middle.x - radius; x <= middle.x + radius; ++x) {
         const vec2 gap = vec2(x, y) - texel;
-        const int32_t place = at(x, y, chart);
-        if (place < 0 || dot(gap, gap) >= nearest) continue;
+        const int32_t index = at(x, y, chart);
+        if (index < 0 || dot(gap, gap) >= nearest) continue;
         nearest = dot(gap, gap);
-        found.assign(1, {place, 1.0f, 1.0f});
+        found.assign(1, {index, 1.0f, 1.0f});
       }
   }
 
@@ -265,7 +265,7 @@ static bool is_defined(const float *value, size_t width) {
 
 // A direction has two signs: each is turned to the side of the first.
 static void mix_value(const std::vector<Weighted> &from, const std::vector<float> &values, size_t width, float *out) {
-  const auto at = [&](const Weighted &one) { return &values[static_cast<size_t>(one.place) * width]; };
+  const auto at = [&](const Weighted &one) { return &values[static_cast<size_t>(one.center) * width]; };
   if (width == 1) {
     float whole = 0.0f; // no number where one is none
     for (const Weighted &one : from) whole += one.weight * *at(one);
@@ -291,7 +291,7 @@ static void mix_value(const std::vector<Weighted> &from, const std::vector<float
   for (size_t k = 0; k < width; ++k) out[k] = total > 0.0f ? sum[static_cast<int>(k)] : nan;
 }
 
-// Leaves out the rows of no point.
+// Leaves out the rows that have no point.
 static CenterResults without_gaps(CenterResults &&results) {
   const size_t rows = results.point.size();
   if (std::find(results.point.begin(), results.point.end(), -1) == results.point.end()) return std::move(results);
@@ -316,14 +316,14 @@ static CenterResults without_gaps(CenterResults &&results) {
 CenterResults look_up(const TexelMap &map, const CenterResults &results, const Charts &charts, bool all_wedges, int threads) {
   constexpr int block = 16384;
   const Lookup lookup(map);
-  const size_t count = all_wedges ? charts.wedges.size() : charts.point_wedge.size(), places = map.places.size();
+  const size_t count = all_wedges ? charts.wedges.size() : charts.point_wedge.size(), centers = map.centers.size();
   CenterResults found;
   found.refined_share = results.refined_share;
   found.point.assign(count, -1);
   found.primary.resize(count);
   found.coverage.resize(count);
   found.boundary.resize(count);
-  for (const auto &values : results.values) found.values.emplace_back(places ? values.size() / places * count : 0);
+  for (const auto &values : results.values) found.values.emplace_back(centers ? values.size() / centers * count : 0);
   parallel_blocks(static_cast<int>(count), threads, block, [&](int begin, int end) {
     std::vector<Weighted> from;
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
@@ -335,12 +335,12 @@ CenterResults look_up(const TexelMap &map, const CenterResults &results, const C
       found.point[i] = wedge.point;
       found.primary[i] = charts.point_wedge[wedge.point] == index;
       for (size_t row = 0; row < results.values.size(); ++row) {
-        const size_t width = results.values[row].size() / places;
+        const size_t width = results.values[row].size() / centers;
         mix_value(from, results.values[row], width, &found.values[row][i * width]);
       }
       mix_value(from, results.coverage, 1, &found.coverage[i]);
       found.coverage[i] = std::clamp(found.coverage[i], 0.0f, 1.0f);
-      for (const Weighted &one : from) found.boundary[i] |= results.boundary[one.place];
+      for (const Weighted &one : from) found.boundary[i] |= results.boundary[one.center];
     }
   });
   return without_gaps(std::move(found));
@@ -349,8 +349,8 @@ CenterResults look_up(const TexelMap &map, const CenterResults &results, const C
 std::vector<std::vector<float>> images_of(const TexelMap &map, const CenterResults &results, std::span<const int> descriptors) {
   std::vector<std::vector<float>> images;
   auto add = [&](const std::vector<float> &values, size_t width) {
-    std::vector<float> image(map.place.size() * width, nan);
-    for (size_t i = 0; i < values.size(); ++i) image[map.places[i / width].texel * width + i % width] = values[i];
+    std::vector<float> image(map.index.size() * width, nan);
+    for (size_t i = 0; i < values.size(); ++i) image[map.centers[i / width].texel * width + i % width] = values[i];
     images.push_back(std::move(image));
   };
   for (size_t i = 0; i < descriptors.size(); ++i)

@@ -1,4 +1,4 @@
-// Vectors for the whole library: the one place that includes GLM.
+// Vectors for the whole library. Only this file includes GLM.
 #pragma once
 
 #include <glm/geometric.hpp>

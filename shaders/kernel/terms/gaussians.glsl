@@ -8,7 +8,7 @@ void gaussians_init(OUT(GaussiansTerms) terms) {
   terms.wide = vec4(0.0f);
 }
 void gaussians_add(INOUT(GaussiansTerms) terms, Center center, Neighbor neighbor) {
-  vec4 term = neighbor.weight * vec4(1.0f, neighbor.value, neighbor.place.x, neighbor.place.y);
+  vec4 term = neighbor.weight * vec4(1.0f, neighbor.value, neighbor.coordinates.x, neighbor.coordinates.y);
   terms.narrow += gaussian(neighbor.rho, params.map_sigma / float(GAUSSIANS_RATIO)) * term;
   terms.wide += gaussian(neighbor.rho, params.map_sigma) * term;
 }

@@ -25,7 +25,7 @@ void jet_init(OUT(JetTerms) terms) {
   terms.f_second = vec3(0.0f);
 }
 void jet_add(INOUT(JetTerms) terms, Center center, Neighbor neighbor) {
-  vec2 x = neighbor.place;
+  vec2 x = neighbor.coordinates;
   vec3 s = outer(x);
   float w = neighbor.weight;
   terms.first += w * vec3(1.0f, x.x, x.y);

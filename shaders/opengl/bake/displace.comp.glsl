@@ -15,9 +15,9 @@ layout(location = LOCATION_NORMAL_MAPPED) uniform int normal_mapped;
 layout(location = LOCATION_MIDLEVEL) uniform float midlevel;
 layout(location = LOCATION_HEIGHT_SCALE) uniform float scale;
 
-vec2 input_uv_of(int vertex) { return texelFetch(input_uvs, list_place(vertex), 0).xy; }
-vec4 tangent_of(int corner) { return texelFetch(tangents, list_place(2 * corner), 0); }
-vec3 frame_normal_of(int corner) { return texelFetch(tangents, list_place(2 * corner + 1), 0).xyz; }
+vec2 input_uv_of(int vertex) { return texelFetch(input_uvs, list_texel(vertex), 0).xy; }
+vec4 tangent_of(int corner) { return texelFetch(tangents, list_texel(2 * corner), 0); }
+vec3 frame_normal_of(int corner) { return texelFetch(tangents, list_texel(2 * corner + 1), 0).xyz; }
 
 // Pixels of whole numbers, repeated. Software devices divide floats many at a time, integers one by one.
 ivec4 wrapped(vec4 pixel, float size) { return ivec4(pixel - size * floor((pixel + 0.5) / size)); }
@@ -25,10 +25,10 @@ ivec4 wrapped(vec4 pixel, float size) { return ivec4(pixel - size * floor((pixel
 // Bilinear between the centers of pixels.
 vec3 color_at(vec2 uv) {
   vec2 size = vec2(textureSize(colors, 0));
-  vec2 place = (uv - floor(uv)) * size - 0.5;
-  vec2 t = place - floor(place);
-  ivec2 low = ivec2(wrapped(floor(place.xxxx), size.x).x, wrapped(floor(place.yyyy), size.y).x);
-  ivec2 high = ivec2(wrapped(floor(place.xxxx) + 1.0, size.x).x, wrapped(floor(place.yyyy) + 1.0, size.y).x);
+  vec2 position = (uv - floor(uv)) * size - 0.5;
+  vec2 t = position - floor(position);
+  ivec2 low = ivec2(wrapped(floor(position.xxxx), size.x).x, wrapped(floor(position.yyyy), size.y).x);
+  ivec2 high = ivec2(wrapped(floor(position.xxxx) + 1.0, size.x).x, wrapped(floor(position.yyyy) + 1.0, size.y).x);
   return mix(mix(texelFetch(colors, low, 0), texelFetch(colors, ivec2(high.x, low.y), 0), t.x),
              mix(texelFetch(colors, ivec2(low.x, high.y), 0), texelFetch(colors, high, 0), t.x), t.y).xyz;
 }
@@ -38,10 +38,10 @@ float height_at(int x, int y) { return texelFetch(heights, ivec2(x, y), 0).x; }
 // The height and its gradient by the caller's (u, v), in buffer units: bilinear lookups here and a pixel away on all sides, which share pixels.
 vec3 look_up_height(vec2 uv) {
   vec2 size = vec2(textureSize(heights, 0));
-  vec2 place = (uv - floor(uv)) * size - 0.5;
-  vec2 t = place - floor(place);
-  ivec4 x = wrapped(floor(place.x) + vec4(-1.0, 0.0, 1.0, 2.0), size.x);
-  ivec4 y = wrapped(floor(place.y) + vec4(-1.0, 0.0, 1.0, 2.0), size.y);
+  vec2 position = (uv - floor(uv)) * size - 0.5;
+  vec2 t = position - floor(position);
+  ivec4 x = wrapped(floor(position.x) + vec4(-1.0, 0.0, 1.0, 2.0), size.x);
+  ivec4 y = wrapped(floor(position.y) + vec4(-1.0, 0.0, 1.0, 2.0), size.y);
   vec2 below = vec2(height_at(x.y, y.x), height_at(x.z, y.x)), above = vec2(height_at(x.y, y.w), height_at(x.z, y.w));
   vec4 low = vec4(height_at(x.x, y.y), height_at(x.y, y.y), height_at(x.z, y.y), height_at(x.w, y.y));
   vec4 high = vec4(height_at(x.x, y.z), height_at(x.y, y.z), height_at(x.z, y.z), height_at(x.w, y.z));

@@ -19,6 +19,6 @@ void main() {
   float span = length(along);
   along = span > 0.0 ? along / span : vec2(1.0, 0.0);
   vec2 across = vec2(-along.y, along.x);
-  vec2 place = (corner.x < 0.0 ? uv.xy - along * HALF_DIAGONAL : uv.zw + along * HALF_DIAGONAL) + across * corner.y * HALF_DIAGONAL;
-  gl_Position = vec4(place / float(buffer_size) * 2.0 - 1.0, 0.0, 1.0);
+  vec2 position = (corner.x < 0.0 ? uv.xy - along * HALF_DIAGONAL : uv.zw + along * HALF_DIAGONAL) + across * corner.y * HALF_DIAGONAL;
+  gl_Position = vec4(position / float(buffer_size) * 2.0 - 1.0, 0.0, 1.0);
 }

@@ -17,8 +17,8 @@ float nearest_half(float value) {
 vec3 nearest_half(vec3 value) { return vec3(nearest_half(value.x), nearest_half(value.y), nearest_half(value.z)); }
 vec2 nearest_half(vec2 value) { return vec2(nearest_half(value.x), nearest_half(value.y)); }
 
-vec2 fold(vec2 place) {
-  return vec2((1.0f - abs(place.y)) * (place.x < 0.0f ? -1.0f : 1.0f), (1.0f - abs(place.x)) * (place.y < 0.0f ? -1.0f : 1.0f));
+vec2 fold(vec2 octahedral) {
+  return vec2((1.0f - abs(octahedral.y)) * (octahedral.x < 0.0f ? -1.0f : 1.0f), (1.0f - abs(octahedral.x)) * (octahedral.y < 0.0f ? -1.0f : 1.0f));
 }
 
 vec2 to_octahedron(vec3 direction) {
@@ -26,9 +26,9 @@ vec2 to_octahedron(vec3 direction) {
   return n.z < 0.0f ? fold(vec2(n.x, n.y)) : vec2(n.x, n.y);
 }
 
-vec3 from_octahedron(vec2 place) {
-  float z = 1.0f - abs(place.x) - abs(place.y);
-  return normalize(vec3(z < 0.0f ? fold(place) : place, z));
+vec3 from_octahedron(vec2 octahedral) {
+  float z = 1.0f - abs(octahedral.x) - abs(octahedral.y);
+  return normalize(vec3(z < 0.0f ? fold(octahedral) : octahedral, z));
 }
 
 // Rounding takes 2^-12 at most. 12 bits hold three such rests in 16 steps each, or two in 64: a whole number that a 16-bit float has

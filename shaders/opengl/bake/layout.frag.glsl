@@ -12,7 +12,7 @@ float nearest_on(vec2 a, vec2 way) { return clamp(-dot(a, way) / max(dot(way, wa
 
 // Weights of corners 1 and 2 at the triangle's point nearest to the origin; corners relative to that. Rasterizers round corners to 1/256
 // of a texel: an owner may miss the center by so much, and a sliver by many times its own width.
-vec2 nearest_place(vec2 c0, vec2 c1, vec2 c2) {
+vec2 nearest_weights(vec2 c0, vec2 c1, vec2 c2) {
   float area = cross2(c1 - c0, c2 - c0);
   vec3 inside = vec3(cross2(c1, c2), cross2(c2, c0), cross2(c0, c1)) / (abs(area) > 0.0 ? area : 1.0);
   if (abs(area) > 0.0 && all(greaterThanEqual(inside, vec3(0.0)))) return inside.yz;
@@ -25,6 +25,6 @@ vec2 nearest_place(vec2 c0, vec2 c1, vec2 c2) {
 
 void main() {
   vec2 center = gl_FragCoord.xy / float(buffer_size);
-  weights = nearest_place(place_of(triangle, 0) - center, place_of(triangle, 1) - center, place_of(triangle, 2) - center);
+  weights = nearest_weights(uv_of(triangle, 0) - center, uv_of(triangle, 1) - center, uv_of(triangle, 2) - center);
   ids = ivec2(chart_of(triangle), triangle);
 }

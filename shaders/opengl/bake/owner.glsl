@@ -8,7 +8,7 @@ bool find_owner(ivec2 texel, out int triangle, out ivec4 vertex, out vec3 part) 
   ivec2 id = texelFetch(ids, texel, 0).xy;
   triangle = id.x < 0 ? 0 : id.y < 0 ? -1 - id.y : id.y;
   vertex = texelFetch(corners, triangle);
-  vec2 place = texelFetch(weights, texel, 0).xy;
-  part = vec3(1.0 - place.x - place.y, place);
+  vec2 rest = texelFetch(weights, texel, 0).xy;
+  part = vec3(1.0 - rest.x - rest.y, rest);
   return id.x >= 0;
 }

@@ -19,7 +19,7 @@ vec4 sphere_around(vec3 low, vec3 high) {
 void main() {
   int cell = first + int(gl_GlobalInvocationID.x);
   if (cell >= last) return;
-  ivec4 box = texelFetch(boxes, list_place(cell), 0);
+  ivec4 box = texelFetch(boxes, list_texel(cell), 0);
   int side = block_size / 2;
   vec3 low = vec3(1e30), high = vec3(-1e30), face = vec3(0.0);
   float area = 0.0, cosine = 1.0;

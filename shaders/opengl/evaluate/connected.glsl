@@ -1,4 +1,4 @@
-// The ranges of a neighborhood's samples → its samples: texels, and places on triangles that no texel carries.
+// The ranges of a neighborhood's samples → its samples: texels, and those of triangles that no texel carries.
 #include "opengl/evaluate/buffers.glsl"
 layout(std430, binding = BINDING_NEIGHBORHOODS) readonly restrict buffer Neighborhoods { NeighborhoodRanges neighborhoods[]; };
 layout(binding = UNIT_SAMPLES) uniform isamplerBuffer sample_list;
@@ -10,7 +10,7 @@ layout(binding = UNIT_POINTS) uniform samplerBuffer points;
 layout(std430, binding = BINDING_TEXELLESS) readonly restrict buffer Texelless { TexellessSample texelless[]; };
 #endif
 
-// i: one of the list's samples, part: 0 where it is only looked at because its neighbors are.
+// Adds sample i of the list. part: 1, or 0 where i only fills up a group of four.
 void add_sample(inout Sums sums, int i, float part) {
 #if !LISTED || EXACT || FACES || MAP
   ivec2 entry = texelFetch(sample_list, i).xy, texel = ivec2(entry.x & 0xffff, entry.x >> 16);
@@ -65,7 +65,7 @@ void add_texelless_samples(inout Sums sums, int range, int end_range, float shar
 }
 
 #if ADAPTIVE
-// The black squares of a chessboard first, and the white ones then.
+// Samples the black squares of a chessboard first (part 0), and the white ones then.
 void sample_neighborhood(inout Sums sums, CenterData data, int index, int part) {
   NeighborhoodRanges neighborhood = neighborhoods[index];
   sums.moments.hits_boundary = neighborhood.hits_boundary;

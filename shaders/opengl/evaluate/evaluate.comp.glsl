@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation, one place of a vertex in the UV map → every descriptor asked for, from one sampling of its neighborhood (paper 4.1).
+// One invocation, one center of evaluation → every requested descriptor, from one sampling of its neighborhood (paper 4.1).
 #include "variant.glsl"
 #include "device.glsl"
 #include "opengl/evaluate/params.glsl"
@@ -32,7 +32,7 @@ layout(std430, binding = BINDING_MAP_TEXELLESS) readonly restrict buffer MapTexe
 #endif
 #if FACES
 layout(binding = UNIT_FACES) uniform sampler2D faces;
-vec3 face_of(int triangle) { return texelFetch(faces, list_place(triangle), 0).xyz; }
+vec3 face_of(int triangle) { return texelFetch(faces, list_texel(triangle), 0).xyz; }
 #else
 vec3 face_of(int triangle) { return vec3(0.0); }
 #endif
@@ -55,7 +55,7 @@ void add_point(inout Sums sums, vec3 position, vec3 normal, float area, float ex
   add_neighbor(sums, position, normal, face_of(triangle), area, near, geodesic, map);
 }
 
-// One texel: cell is the area in (u, v) that it stands for.
+// Adds one texel. cell: the area in (u, v) that it stands for.
 void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
   vec3 normal;
   vec4 point = surface_at(texel, normal);
@@ -85,19 +85,19 @@ bool take_samples(inout Sums sums, CenterData data, int index, out float scale) 
 #if ADAPTIVE
   if (params.begin_sample == first_half() && params.marks_only == 0) refined = sums.moments.hits_boundary > 0.0 || is_rough(sums.moments);
 #endif
-  Place place = place_of(data, index);
+  SamplingEllipse ellipse = sampling_ellipse_of(data, index);
 #if PAPER
   first_visit = slot * MAX_VISITS;
   visit_count = progress[slot].visit_count;
   if (params.marks_only != 0) {
-    bool left = mark_charts(sums, place);
+    bool left = mark_charts(sums, ellipse);
     progress[slot].left = left || (params.begin_sample > 0 && progress[slot].left != 0) ? 1 : 0;
     progress[slot].visit_count = visit_count;
   } else if (refined) {
-    sample_neighborhood(sums, place, progress[slot].left != 0);
+    sample_neighborhood(sums, ellipse, progress[slot].left != 0);
   }
 #else
-  if (refined) sample_neighborhood(sums, place);
+  if (refined) sample_neighborhood(sums, ellipse);
 #endif
   scale = refined ? 1.0 : 2.0;
   if (params.marks_only == 0 && params.end_sample == params.samples) return true;

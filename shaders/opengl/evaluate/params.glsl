@@ -1,3 +1,3 @@
-// What one dispatch over centers is told.
+// The parameters of one dispatch over centers.
 #include "shared.h"
 layout(std140, binding = BLOCK_EVALUATE) uniform Evaluate { EvaluateParams params; };

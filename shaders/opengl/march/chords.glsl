@@ -3,10 +3,10 @@
 #if CHORDS
 #define CHORD_COUNT 8
 
-// The surface at a place of a chart, between the texels of that chart around it. False where there are none.
-bool surface_between(vec2 place, int chart, out vec3 point) {
-  vec2 low = floor(place - 0.5);
-  vec2 part = place - 0.5 - low;
+// The surface at a position on a chart, between the texels of that chart around it. False where there are none.
+bool surface_between(vec2 position, int chart, out vec3 point) {
+  vec2 low = floor(position - 0.5);
+  vec2 part = position - 0.5 - low;
   vec4 sum = vec4(0.0);
   for (int i = 0; i < 4; ++i) {
     ivec2 step_ = ivec2(i & 1, i >> 1);

@@ -13,7 +13,7 @@ layout(binding = UNIT_LINKS) uniform sampler2D links;
 
 const int FOUND = 0;
 const int BOUNDARY = 1; // met the end of the surface
-const int LOST = 2;     // too many jumps, or a place that no texel carries
+const int LOST = 2;     // too many jumps, or a position that no texel carries
 
 struct March {
   vec2 from;
@@ -43,18 +43,18 @@ int first_exit(ivec2 cell, March march, int came_from, float limit, inout float 
   vec2 way = march.to - march.from;
   int exit_edge = -1;
   for (int i = 0; i < -cell.x; ++i) {
-    ivec2 entry = texelFetch(border_list, list_place(cell.y + i), 0).xy;
+    ivec2 entry = texelFetch(border_list, list_texel(cell.y + i), 0).xy;
     if (entry.y != march.chart || entry.x == came_from) continue;
-    vec4 uv = texelFetch(border_uv, list_place(entry.x), 0) * float(buffer_size);
+    vec4 uv = texelFetch(border_uv, list_texel(entry.x), 0) * float(buffer_size);
     vec2 edge = uv.zw - uv.xy;
     float slope = cross_product(edge, way);
     if (slope >= 0.0) continue;
     vec2 gap = march.from - uv.xy;
-    float place = -cross_product(edge, gap) / slope;
+    float crossing = -cross_product(edge, gap) / slope;
     float along = cross_product(gap, way) / slope;
-    if (along < -1e-5 || along > 1.0 + 1e-5 || place < -1e-4 || place > limit) continue;
-    limit = place;
-    t = place;
+    if (along < -1e-5 || along > 1.0 + 1e-5 || crossing < -1e-4 || crossing > limit) continue;
+    limit = crossing;
+    t = crossing;
     exit_edge = entry.x;
   }
   return exit_edge;
@@ -62,15 +62,15 @@ int first_exit(ivec2 cell, March march, int came_from, float limit, inout float 
 
 // Carries the rest of the march over a seam edge; false where there is no other side.
 bool jump(inout March march, int edge, float t, out int came_from) {
-  vec4 matrix = texelFetch(links, list_place(2 * edge), 0);
-  vec4 image = texelFetch(links, list_place(2 * edge + 1), 0);
+  vec4 matrix = texelFetch(links, list_texel(2 * edge), 0);
+  vec4 image = texelFetch(links, list_texel(2 * edge + 1), 0);
   came_from = int(image.z);
   if (came_from < 0) {
     march.outcome = came_from == -2 ? BOUNDARY : LOST;
     march.to = mix(march.from, march.to, t);
     return false;
   }
-  vec2 origin = texelFetch(border_uv, list_place(edge), 0).xy * float(buffer_size);
+  vec2 origin = texelFetch(border_uv, list_texel(edge), 0).xy * float(buffer_size);
   mat2 linear = mat2(matrix.xy, matrix.zw);
   vec2 crossing = mix(march.from, march.to, t);
   vec2 goal = image.xy * float(buffer_size);
@@ -90,8 +90,8 @@ void advance(inout March march) {
   for (int count = 0; count < MAX_MARCH_STEPS; ++count) {
     vec2 way = march.to - march.from;
     float span = max(length(way), 1e-6);
-    vec2 place = march.from + way * t;
-    ivec2 texel = clamp(ivec2(floor(place)), ivec2(0), ivec2(buffer_size - 1));
+    vec2 position = march.from + way * t;
+    ivec2 texel = clamp(ivec2(floor(position)), ivec2(0), ivec2(buffer_size - 1));
     ivec2 cell = texelFetch(border, texel, 0).xy;
     if (cell.x > 0) {
       t += float(cell.x) / span;
@@ -99,14 +99,14 @@ void advance(inout March march) {
       continue;
     }
     // To the texel's far side, and a little beyond so that rounding cannot hold the march here.
-    vec2 sides = vec2(texel) + step(vec2(0.0), way) - place;
+    vec2 sides = vec2(texel) + step(vec2(0.0), way) - position;
     vec2 ways = vec2(abs(way.x) > 1e-12 ? sides.x / way.x : 1e9, abs(way.y) > 1e-12 ? sides.y / way.y : 1e9);
     float leave = t + max(min(ways.x, ways.y), 0.0) + 1e-3 / span;
     if (cell.x < 0) {
       int edge = first_exit(cell, march, came_from, min(leave, 1.0), t);
       if (edge >= 0) {
         if (march.jumps == MAX_JUMPS) {
-          march.outcome = texelFetch(links, list_place(2 * edge + 1), 0).z == -2.0 ? BOUNDARY : LOST;
+          march.outcome = texelFetch(links, list_texel(2 * edge + 1), 0).z == -2.0 ? BOUNDARY : LOST;
           return;
         }
         if (!jump(march, edge, t, came_from)) return;
@@ -123,16 +123,16 @@ void advance(inout March march) {
   march.outcome = LOST;
 }
 
-// The texel of this chart nearest to a place on it; its own, or one beside it where another chart owns that.
-bool find_texel(vec2 place, int chart, out ivec2 texel) {
-  texel = clamp(ivec2(floor(place)), ivec2(0), ivec2(buffer_size - 1));
+// The texel of this chart nearest to a position on it: the one around it, or one beside that where another chart owns it.
+bool find_texel(vec2 position, int chart, out ivec2 texel) {
+  texel = clamp(ivec2(floor(position)), ivec2(0), ivec2(buffer_size - 1));
   if (texelFetch(ids, texel, 0).x == chart) return true;
   float nearest = 1e9;
   ivec2 own = texel;
   for (int i = 0; i < 9; ++i) {
     ivec2 beside = own + ivec2(i % 3 - 1, i / 3 - 1);
     if (any(lessThan(beside, ivec2(0))) || any(greaterThanEqual(beside, ivec2(buffer_size)))) continue;
-    vec2 gap = vec2(beside) + 0.5 - place;
+    vec2 gap = vec2(beside) + 0.5 - position;
     float distance = dot(gap, gap);
     if (distance >= nearest || texelFetch(ids, beside, 0).x != chart) continue;
     nearest = distance;

@@ -1,6 +1,6 @@
 // The paper's way over seams (4.1): the whole pattern on the center's own chart, and again on every chart that samples left for, from the
-// center carried there (METHOD.md's map of the seam edge in place of eq. 2 and 3). A sample counts on the chart whose pass it belongs to.
-// What is visited is a chart by way of a seam; a place of a chart that was reached over several belongs to the nearest center.
+// center carried there (METHOD.md's map of the seam edge instead of eq. 2 and 3). A sample counts on the chart whose pass it belongs to.
+// A visit is a chart by way of a seam; where a chart was reached over several seams, a position belongs to the nearest center.
 
 // A region of MAX_VISITS for each invocation of the dispatch; number 0 is the center's own chart. A buffer and no local array:
 // llvmpipe miscompiles those where the index is not constant.
@@ -38,52 +38,52 @@ void mark(March march, int edge) {
   visits[added] = VisitData(linear, march.origin, march.chart, seam, next, crossing, vec2(0.0));
 }
 
-// Where a place of its chart lies in the unit disk of a visit.
-vec2 disk_place(int visit, mat2 ellipse, vec2 place) {
+// A position on a visit's chart → coordinates in the unit disk of the visit.
+vec2 to_disk(int visit, mat2 axes, vec2 position) {
   vec4 m = visits[visit].linear;
-  return inverse(mat2(m.xy, m.zw) * ellipse) * (place - visits[visit].center);
+  return inverse(mat2(m.xy, m.zw) * axes) * (position - visits[visit].center);
 }
 
-// Whether no other visit of the same chart has its center nearer to the place; `away` is the distance from this one's.
-bool is_nearest(int visit, mat2 ellipse, vec2 place, float away) {
+// Whether no other visit of the same chart has its center nearer to the position; `away` is the distance from this one's.
+bool is_nearest(int visit, mat2 axes, vec2 position, float away) {
   int other = visits[visit].next;
   for (int k = 0; k < MAX_VISITS && other != visit; ++k) {
-    float distance = length(disk_place(other, ellipse, place));
+    float distance = length(to_disk(other, axes, position));
     if (distance < away || (distance == away && other < visit)) return false;
     other = visits[other].next;
   }
   return true;
 }
 
-// Whether a place lies on a chart: its texel's center does, and no border of the chart comes between, or the other way about.
-bool on_chart(vec2 place, int chart) {
-  if (any(lessThan(place, vec2(0.0))) || any(greaterThanEqual(place, vec2(buffer_size)))) return false;
-  ivec2 texel = ivec2(place);
+// Whether a position lies on a chart: its texel's center does, and no border of the chart comes between, or the other way about.
+bool on_chart(vec2 position, int chart) {
+  if (any(lessThan(position, vec2(0.0))) || any(greaterThanEqual(position, vec2(buffer_size)))) return false;
+  ivec2 texel = ivec2(position);
   ivec2 id = texelFetch(ids, texel, 0).xy;
   bool inside = id.x == chart && id.y >= 0;
   ivec2 cell = texelFetch(border, texel, 0).xy;
   vec2 middle = vec2(texel) + 0.5;
   for (int i = 0; i < -cell.x; ++i) {
-    ivec2 entry = texelFetch(border_list, list_place(cell.y + i), 0).xy;
+    ivec2 entry = texelFetch(border_list, list_texel(cell.y + i), 0).xy;
     if (entry.y != chart) continue;
-    vec4 uv = texelFetch(border_uv, list_place(entry.x), 0) * float(buffer_size);
-    vec2 way = place - middle, edge = uv.zw - uv.xy;
+    vec4 uv = texelFetch(border_uv, list_texel(entry.x), 0) * float(buffer_size);
+    vec2 way = position - middle, edge = uv.zw - uv.xy;
     if ((cross_product(way, uv.xy - middle) > 0.0) == (cross_product(way, uv.zw - middle) > 0.0)) continue;
-    if ((cross_product(edge, middle - uv.xy) > 0.0) != (cross_product(edge, place - uv.xy) > 0.0)) inside = !inside;
+    if ((cross_product(edge, middle - uv.xy) > 0.0) != (cross_product(edge, position - uv.xy) > 0.0)) inside = !inside;
   }
   return inside;
 }
 
-// Fills the list of visits from the samples. True where one left the chart.
-bool mark_charts(inout Sums sums, Place place) {
+// Fills the list of visits from the samples. True if one of them left the chart.
+bool mark_charts(inout Sums sums, SamplingEllipse ellipse) {
   if (params.begin_sample == 0) {
     visit_count = 1;
-    visits[first_visit] = VisitData(vec4(1.0, 0.0, 0.0, 1.0), place.center, place.chart, -1, first_visit, 0.0, vec2(0.0));
+    visits[first_visit] = VisitData(vec4(1.0, 0.0, 0.0, 1.0), ellipse.center, ellipse.chart, -1, first_visit, 0.0, vec2(0.0));
   }
   marking = true;
   bool left = false;
   for (int i = params.begin_sample; i < params.end_sample; ++i) {
-    March march = march_to(place, pattern_place(i, place.rotation, place.index));
+    March march = march_to(ellipse, pattern_sample(i, ellipse.rotation, ellipse.index));
     left = left || march.jumps > 0 || march.outcome == LOST;
     if (hits_boundary(march, sums.center)) sums.moments.hits_boundary += 1.0;
   }
@@ -91,42 +91,42 @@ bool mark_charts(inout Sums sums, Place place) {
   return left;
 }
 
-// Whether the pattern of some visit holds the place where a sample's own way leads.
-bool is_visited(March march, Place place) {
+// Whether the pattern of some visit holds the position where a sample's own march leads.
+bool is_visited(March march, SamplingEllipse ellipse) {
   for (int k = first_visit; k < first_visit + visit_count; ++k) {
     if (visits[k].chart != march.chart) continue;
-    vec2 disk = disk_place(k, place.ellipse, march.to);
-    if (length(disk) <= stretch_along(disk, place.index)) return true;
+    vec2 disk = to_disk(k, ellipse.axes, march.to);
+    if (length(disk) <= stretch_along(disk, ellipse.index)) return true;
   }
   return false;
 }
 
-void sample_visit(inout Sums sums, Place place, int visit, inout int taken) {
+void sample_visit(inout Sums sums, SamplingEllipse ellipse, int visit, inout int taken) {
   vec4 m = visits[visit].linear;
-  mat2 ellipse = mat2(m.xy, m.zw) * place.ellipse;
+  mat2 axes = mat2(m.xy, m.zw) * ellipse.axes;
   vec2 center = visits[visit].center;
   int chart = visits[visit].chart;
   float factor = abs(m.x * m.w - m.y * m.z);
   for (int i = params.begin_sample; i < params.end_sample; ++i, ++taken) {
-    PatternPlace goal = pattern_place(sample_number(i), place.rotation, place.index);
-    vec2 there = center + ellipse * goal.disk;
-    if (on_chart(there, chart) && is_nearest(visit, place.ellipse, there, length(goal.disk)))
-      add_sample(sums, place, goal, there, chart, factor);
+    PatternSample goal = pattern_sample(sample_number(i), ellipse.rotation, ellipse.index);
+    vec2 there = center + axes * goal.disk;
+    if (on_chart(there, chart) && is_nearest(visit, ellipse.axes, there, length(goal.disk)))
+      add_sample(sums, ellipse, goal, there, chart, factor);
   }
 }
 
-// left: samples left the center's chart.
-void sample_neighborhood(inout Sums sums, Place place, bool left) {
+// left: whether samples left the center's chart.
+void sample_neighborhood(inout Sums sums, SamplingEllipse ellipse, bool left) {
   int taken = 0, all = visit_count * (params.end_sample - params.begin_sample);
-  for (int k = first_visit; k < first_visit + visit_count; ++k) sample_visit(sums, place, k, taken);
+  for (int k = first_visit; k < first_visit + visit_count; ++k) sample_visit(sums, ellipse, k, taken);
   // Samples whose way leads on to charts that were not visited, or nowhere.
   int i = params.begin_sample;
   for (; left && i < params.end_sample; ++i) {
-    PatternPlace goal = pattern_place(sample_number(i), place.rotation, place.index);
+    PatternSample goal = pattern_sample(sample_number(i), ellipse.rotation, ellipse.index);
     if (!goal.inside) continue;
-    March march = march_to(place, goal);
-    if (march.outcome == LOST || (march.outcome == FOUND && march.jumps > 0 && !is_visited(march, place)))
-      sums.moments.missing_area += place.area_space * goal.stretch * goal.stretch;
+    March march = march_to(ellipse, goal);
+    if (march.outcome == LOST || (march.outcome == FOUND && march.jumps > 0 && !is_visited(march, ellipse)))
+      sums.moments.missing_area += ellipse.area_space * goal.stretch * goal.stretch;
   }
   miss_rest(sums, all - taken, all / max(params.end_sample - params.begin_sample, 1) * params.samples);
   if (left) miss_rest(sums, params.end_sample - i, params.samples);

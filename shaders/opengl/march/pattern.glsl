@@ -17,14 +17,14 @@ float stretch_along(vec2 direction, int index) {
 #endif
 }
 
-struct PatternPlace {
+struct PatternSample {
   vec2 disk;     // in the unit disk
   float stretch; // of the disk there, whose area grows by its square
   bool inside;   // the ball, if the metric were that of the center
 };
 
-PatternPlace pattern_place(int i, mat2 rotation, int index) {
-  vec2 place = rotation * pattern[i];
-  float stretch = stretch_along(place, index);
-  return PatternPlace(place * stretch, stretch, length(place) * stretch * params.enlargement <= 1.0);
+PatternSample pattern_sample(int i, mat2 rotation, int index) {
+  vec2 disk = rotation * pattern[i];
+  float stretch = stretch_along(disk, index);
+  return PatternSample(disk * stretch, stretch, length(disk) * stretch * params.enlargement <= 1.0);
 }

@@ -14,9 +14,9 @@ const int STEPS = 8;       // along the ellipse's own radius
 const float LARGEST = 4.0; // stretch
 
 // The length in space of a step in (u, v), both as parts of a whole way; below 0 where no texel is.
-float length_in_space(vec2 step_uv, vec2 place, int chart) {
+float length_in_space(vec2 step_uv, vec2 position, int chart) {
   ivec2 texel;
-  if (!find_texel(place, chart, texel)) return -1.0;
+  if (!find_texel(position, chart, texel)) return -1.0;
   int id = texelFetch(ids, texel, 0).y;
   vec4 form = form_of(id < 0 ? -1 - id : id);
   return sqrt(max(form.x * step_uv.x * step_uv.x + 2.0 * form.y * step_uv.x * step_uv.y + form.z * step_uv.y * step_uv.y, 0.0));
@@ -29,7 +29,7 @@ void main() {
   float size = float(buffer_size);
   float angle = 2.0 * 3.14159265358979 * float(index % STRETCH_DIRECTIONS) / float(STRETCH_DIRECTIONS);
   vec2 way = mat2(data.ellipse.xy, data.ellipse.zw) * vec2(cos(angle), sin(angle)) * size;
-  vec2 start = data.place.zw * size;
+  vec2 start = data.uv.zw * size;
   March march = begin_march(start, start, data.chart);
   float stretch = 1.0, reached = 0.0;
   for (int i = 1; i <= int(LARGEST) * STEPS; ++i) {

@@ -22,9 +22,9 @@ int sample_number(int i) {
 #endif
 }
 
-struct Place {
+struct SamplingEllipse {
   mat2 rotation;
-  mat2 ellipse; // in texels
+  mat2 axes; // in texels
   vec2 center;
   vec2 start; // where its marches start
   int chart;
@@ -33,18 +33,18 @@ struct Place {
   float area_space; // where the metric is that of the center
 };
 
-Place place_of(CenterData data, int index) {
+SamplingEllipse sampling_ellipse_of(CenterData data, int index) {
   float size = float(buffer_size);
-  mat2 ellipse = mat2(data.ellipse.xy, data.ellipse.zw) * size;
+  mat2 axes = mat2(data.ellipse.xy, data.ellipse.zw) * size;
   float angle = data.phase;
-  return Place(mat2(cos(angle), sin(angle), -sin(angle), cos(angle)), ellipse, data.place.xy * size, data.place.zw * size,
-               data.chart, index, PI * abs(determinant(ellipse)) / (float(params.samples) * size * size),
+  return SamplingEllipse(mat2(cos(angle), sin(angle), -sin(angle), cos(angle)), axes, data.uv.xy * size, data.uv.zw * size,
+               data.chart, index, PI * abs(determinant(axes)) / (float(params.samples) * size * size),
                PI * params.enlargement * params.enlargement * params.radius * params.radius / float(params.samples));
 }
 
-// A sample's own way over the seams, as far as it leads.
-March march_to(Place place, PatternPlace goal) {
-  March march = begin_march(place.start, place.center + place.ellipse * goal.disk, place.chart);
+// A sample's own march over the seams, as far as it leads.
+March march_to(SamplingEllipse ellipse, PatternSample goal) {
+  March march = begin_march(ellipse.start, ellipse.center + ellipse.axes * goal.disk, ellipse.chart);
   advance(march);
   return march;
 }
@@ -56,17 +56,17 @@ bool hits_boundary(March march, Center center) {
   return length(texelFetch(positions, texel, 0).xyz - center.position) < params.radius;
 }
 
-// A sample that its march, or its pass, has brought to this place.
-void add_sample(inout Sums sums, Place place, PatternPlace goal, vec2 there, int chart, float factor) {
+// Adds a sample that its march, or its visit, has brought there.
+void add_sample(inout Sums sums, SamplingEllipse ellipse, PatternSample goal, vec2 there, int chart, float factor) {
   float share = goal.stretch * goal.stretch;
   ivec2 texel;
   if (!find_texel(there, chart, texel)) {
-    if (goal.inside) sums.moments.missing_area += place.area_space * share;
+    if (goal.inside) sums.moments.missing_area += ellipse.area_space * share;
     return;
   }
   vec3 point = texelFetch(positions, texel, 0).xyz;
-  vec2 way = place.center + place.ellipse * goal.disk - place.start;
-  add_texel(sums, texel, place.area_uv * share * factor, length_of_chords(place.start, way, place.chart, sums.center.position, point));
+  vec2 way = ellipse.center + ellipse.axes * goal.disk - ellipse.start;
+  add_texel(sums, texel, ellipse.area_uv * share * factor, length_of_chords(ellipse.start, way, ellipse.chart, sums.center.position, point));
 }
 
 // Adds the area of the samples that an iteration limit cut off: `count` of them, out of `of`.

@@ -21,7 +21,7 @@ const char *const stage = R"(#version 450 core
 #include "descriptors.glsl"
 layout(local_size_x = 1) in;
 layout(std430, binding = 0) readonly restrict buffer Centers { vec4 centers[]; }; // position, map; normal, hits_boundary; first neighbor, past the last
-layout(std430, binding = 1) readonly restrict buffer Places { vec4 places[]; };   // position, area; normal, near; face, geodesic; map
+layout(std430, binding = 1) readonly restrict buffer Neighbors { vec4 neighbors[]; };   // position, area; normal, near; face, geodesic; map
 layout(std430, binding = 2) writeonly restrict buffer Results { uint results[]; };
 void main() {
   int index = int(gl_GlobalInvocationID.x);
@@ -29,8 +29,8 @@ void main() {
   sums_init(sums, centers[3 * index].xyz, centers[3 * index + 1].xyz, centers[3 * index].w);
   sums.moments.hits_boundary = centers[3 * index + 1].w;
   for (int i = int(centers[3 * index + 2].x); i < int(centers[3 * index + 2].y); ++i) {
-    vec4 position = places[4 * i], normal = places[4 * i + 1], face = places[4 * i + 2];
-    add_neighbor(sums, position.xyz, normal.xyz, face.xyz, position.w, normal.w > 0.0, face.w, places[4 * i + 3]);
+    vec4 position = neighbors[4 * i], normal = neighbors[4 * i + 1], face = neighbors[4 * i + 2];
+    add_neighbor(sums, position.xyz, normal.xyz, face.xyz, position.w, normal.w > 0.0, face.w, neighbors[4 * i + 3]);
   }
   Neighborhood neighborhood = finish_neighborhood(sums, 1.0);
   STORE_DESCRIPTORS
@@ -45,14 +45,14 @@ class KernelsOnDevice : public OnSoftwareDevice {
 protected:
   // [neighborhood][value]
   std::vector<std::vector<float>> compute(const std::vector<Recorded> &all, const Variant &variant) const {
-    std::vector<vec4> centers, places;
+    std::vector<vec4> centers, neighbors;
     for (const Recorded &one : all) {
       centers.insert(centers.end(), {vec4(one.position, one.value), vec4(one.normal, one.hits_boundary)});
-      const size_t first = places.size() / 4;
-      for (const Place &place : one.places)
-        places.insert(places.end(), {vec4(place.position, place.area), vec4(place.normal, place.near ? 1.0f : 0.0f),
-                                     vec4(place.face, place.geodesic), place.map});
-      centers.emplace_back(first, places.size() / 4, 0, 0);
+      const size_t first = neighbors.size() / 4;
+      for (const RecordedNeighbor &neighbor : one.neighbors)
+        neighbors.insert(neighbors.end(), {vec4(neighbor.position, neighbor.area), vec4(neighbor.normal, neighbor.near ? 1.0f : 0.0f),
+                                     vec4(neighbor.face, neighbor.geodesic), neighbor.map});
+      centers.emplace_back(first, neighbors.size() / 4, 0, 0);
     }
     std::vector<int> rows;
     for (int row = 0; row <= gradient_row(); ++row) rows.push_back(row);
@@ -73,7 +73,7 @@ protected:
       Buffer uniforms, inputs, listed, results;
       uniforms.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
       inputs.upload(gl, centers);
-      listed.upload(gl, places);
+      listed.upload(gl, neighbors);
       results.upload(gl, nullptr, (raw.size() + ROW_DESCRIPTORS * all.size()) * sizeof(float), GL_STREAM_READ);
       gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, uniforms.id());
       const Buffer *buffers[] = {&inputs, &listed, &results};

@@ -1,4 +1,4 @@
-// Neighborhoods written down place by place, and every kernel's values there by C++: one neighbor at a time, and eight.
+// Neighborhoods written down neighbor by neighbor, and every kernel's values there by C++: one neighbor at a time, and eight.
 #pragma once
 
 #include <algorithm>
@@ -40,7 +40,7 @@
 
 namespace paradesc::test {
 
-struct Place {
+struct RecordedNeighbor {
   vec3 position, normal, face;
   float area, geodesic; // below 0: unknown
   bool near;
@@ -52,7 +52,7 @@ struct Recorded {
   vec3 position{0.0f}, normal{0.0f, 0.0f, 1.0f};
   float value = 0.0f; // of the map
   float hits_boundary = 0.0f;
-  std::vector<Place> places;
+  std::vector<RecordedNeighbor> neighbors;
 };
 
 inline constexpr float nowhere = std::numeric_limits<float>::quiet_NaN();
@@ -65,9 +65,9 @@ inline EvaluateParams recorded_params() {
   return params;
 }
 
-// A patch z = (a x^2 + b y^2)/2 + c x y, by a spiral of so many places over a little more than the ball, under a map that waves.
+// A patch z = (a x^2 + b y^2)/2 + c x y, by a spiral of so many neighbors over a little more than the ball, under a map that waves.
 inline Recorded record(const std::string &name, float a, float b, float c, int count) {
-  Recorded recorded{.name = name, .places = {}};
+  Recorded recorded{.name = name, .neighbors = {}};
   recorded.value = 0.3f;
   const double outer = 1.25 * 0.1, share = std::numbers::pi * outer * outer / std::max(count, 1);
   for (int i = 0; i < count; ++i) {
@@ -75,7 +75,7 @@ inline Recorded record(const std::string &name, float a, float b, float c, int c
     const auto x = static_cast<float>(away * std::cos(angle)), y = static_cast<float>(away * std::sin(angle));
     const vec3 steep(-(a * x + c * y), -(b * y + c * x), 1.0f);
     const vec3 turned = steep + vec3(0.01f * std::sin(40.0f * x), 0.01f * std::cos(30.0f * y), 0.0f);
-    recorded.places.push_back(
+    recorded.neighbors.push_back(
         {.position = {x, y, 0.5f * (a * x * x + b * y * y) + c * x * y},
          .normal = normalize(steep),
          .face = normalize(turned),
@@ -90,30 +90,30 @@ inline Recorded record(const std::string &name, float a, float b, float c, int c
 inline std::vector<Recorded> recorded_neighborhoods() {
   std::vector<Recorded> all = {record("cap", -3.0f, -2.5f, 0.0f, 200),    record("cup", 2.0f, 2.5f, 0.3f, 117),
                                record("saddle", 4.0f, -3.0f, 1.0f, 64),   record("ridge", -5.0f, 0.0f, 0.0f, 93),
-                               record("plane", 0.0f, 0.0f, 0.0f, 64),     record("three places", -3.0f, 1.0f, 0.0f, 3),
-                               record("one place", -3.0f, 1.0f, 0.0f, 1), record("nothing", 0.0f, 0.0f, 0.0f, 0)};
+                               record("plane", 0.0f, 0.0f, 0.0f, 64),     record("three neighbors", -3.0f, 1.0f, 0.0f, 3),
+                               record("one neighbor", -3.0f, 1.0f, 0.0f, 1), record("nothing", 0.0f, 0.0f, 0.0f, 0)};
   Recorded cut = record("cut", -3.0f, -2.0f, 0.0f, 150);
-  std::erase_if(cut.places, [](const Place &place) { return place.position.x > 0.03f; });
+  std::erase_if(cut.neighbors, [](const RecordedNeighbor &neighbor) { return neighbor.position.x > 0.03f; });
   cut.hits_boundary = 1.0f;
   Recorded holes = record("map with holes", -3.0f, -2.0f, 0.0f, 150);
-  for (size_t i = 0; i < holes.places.size(); i += 4) holes.places[i].map.w = nowhere;
-  for (size_t i = 1; i < holes.places.size(); i += 5) holes.places[i].map.x = nowhere;
+  for (size_t i = 0; i < holes.neighbors.size(); i += 4) holes.neighbors[i].map.w = nowhere;
+  for (size_t i = 1; i < holes.neighbors.size(); i += 5) holes.neighbors[i].map.x = nowhere;
   Recorded without = record("no map at the center", -3.0f, -2.0f, 0.0f, 150);
   without.value = nowhere;
-  Recorded at_center = record("a place at the center", 3.0f, -2.0f, 0.5f, 80);
-  at_center.places.push_back(at_center.places.front());
-  at_center.places.back().position = vec3(0.0f);
-  at_center.places.back().normal = vec3(0.0f, 0.0f, 1.0f);
+  Recorded at_center = record("a neighbor at the center", 3.0f, -2.0f, 0.5f, 80);
+  at_center.neighbors.push_back(at_center.neighbors.front());
+  at_center.neighbors.back().position = vec3(0.0f);
+  at_center.neighbors.back().normal = vec3(0.0f, 0.0f, 1.0f);
   for (const Recorded &one : {cut, holes, without, at_center}) all.push_back(one);
   for (Recorded &one : all) { // somewhere, upside down
     one.normal = vec3(0.0f, 0.0f, -1.0f);
     one.position = vec3(0.2f, -0.4f, 0.1f);
-    for (Place &place : one.places) {
+    for (RecordedNeighbor &neighbor : one.neighbors) {
       auto turn = [](vec3 v) { return vec3(v.y, v.x, -v.z); };
-      place.position = one.position + turn(place.position);
-      place.normal = turn(place.normal);
-      place.face = turn(place.face);
-      place.map = vec4(turn(vec3(place.map)), place.map.w);
+      neighbor.position = one.position + turn(neighbor.position);
+      neighbor.normal = turn(neighbor.normal);
+      neighbor.face = turn(neighbor.face);
+      neighbor.map = vec4(turn(vec3(neighbor.map)), neighbor.map.w);
     }
   }
   return all;
@@ -153,9 +153,9 @@ template <template <class, class> class Kernel> std::vector<float> one_at_a_time
   typename Kernel<float, bool>::Sums sums;
   kernel.sums_init(sums, as<float>(recorded.position), as<float>(recorded.normal), recorded.value);
   sums.moments.hits_boundary = recorded.hits_boundary;
-  for (const Place &place : recorded.places)
-    kernel.add_neighbor(sums, as<float>(place.position), as<float>(place.normal), as<float>(place.face), place.area, place.near,
-                        place.geodesic, {place.map.x, place.map.y, place.map.z, place.map.w});
+  for (const RecordedNeighbor &neighbor : recorded.neighbors)
+    kernel.add_neighbor(sums, as<float>(neighbor.position), as<float>(neighbor.normal), as<float>(neighbor.face), neighbor.area, neighbor.near,
+                        neighbor.geodesic, {neighbor.map.x, neighbor.map.y, neighbor.map.z, neighbor.map.w});
   return finish_all(kernel, sums);
 }
 
@@ -165,29 +165,29 @@ template <template <class, class> class Kernel> std::vector<float> eight_at_a_ti
   Kernel<Lanes, Choices> wide{recorded_params()};
   typename Kernel<Lanes, Choices>::Sums sums;
   wide.sums_init(sums, as<Lanes>(recorded.position), as<Lanes>(recorded.normal), recorded.value);
-  for (size_t first = 0; first < recorded.places.size(); first += lane_count) {
-    const auto place = [&](size_t i) {
-      const size_t last = recorded.places.size() - 1;
-      Place found = recorded.places[std::min(first + i, last)];
+  for (size_t first = 0; first < recorded.neighbors.size(); first += lane_count) {
+    const auto neighbor = [&](size_t i) {
+      const size_t last = recorded.neighbors.size() - 1;
+      RecordedNeighbor found = recorded.neighbors[std::min(first + i, last)];
       if (first + i > last) found.area = 0.0f;
       return found;
     };
     const auto lanes = [&](const auto &of) {
       Lanes result;
-      for (size_t i = 0; i < lane_count; ++i) result.lane[i] = of(place(i));
+      for (size_t i = 0; i < lane_count; ++i) result.lane[i] = of(neighbor(i));
       return result;
     };
-    const auto vectors = [&](vec3 Place::*member) {
-      return kernels::Vector<3, Lanes>(lanes([&](const Place &p) { return (p.*member).x; }),
-                                       lanes([&](const Place &p) { return (p.*member).y; }),
-                                       lanes([&](const Place &p) { return (p.*member).z; }));
+    const auto vectors = [&](vec3 RecordedNeighbor::*member) {
+      return kernels::Vector<3, Lanes>(lanes([&](const RecordedNeighbor &p) { return (p.*member).x; }),
+                                       lanes([&](const RecordedNeighbor &p) { return (p.*member).y; }),
+                                       lanes([&](const RecordedNeighbor &p) { return (p.*member).z; }));
     };
     Choices near;
-    for (size_t i = 0; i < lane_count; ++i) near.lane[i] = place(i).near;
-    wide.add_neighbor(sums, vectors(&Place::position), vectors(&Place::normal), vectors(&Place::face),
-                      lanes([](const Place &p) { return p.area; }), near, lanes([](const Place &p) { return p.geodesic; }),
-                      {lanes([](const Place &p) { return p.map.x; }), lanes([](const Place &p) { return p.map.y; }),
-                       lanes([](const Place &p) { return p.map.z; }), lanes([](const Place &p) { return p.map.w; })});
+    for (size_t i = 0; i < lane_count; ++i) near.lane[i] = neighbor(i).near;
+    wide.add_neighbor(sums, vectors(&RecordedNeighbor::position), vectors(&RecordedNeighbor::normal), vectors(&RecordedNeighbor::face),
+                      lanes([](const RecordedNeighbor &p) { return p.area; }), near, lanes([](const RecordedNeighbor &p) { return p.geodesic; }),
+                      {lanes([](const RecordedNeighbor &p) { return p.map.x; }), lanes([](const RecordedNeighbor &p) { return p.map.y; }),
+                       lanes([](const RecordedNeighbor &p) { return p.map.z; }), lanes([](const RecordedNeighbor &p) { return p.map.w; })});
   }
   using Narrow = Kernel<float, bool>;
   Narrow kernel{recorded_params()};

@@ -14,11 +14,11 @@ namespace {
 
 constexpr int size = 128;
 
-// Smallest barycentric coordinate of a place in a triangle's UVs times that side's distance in texels: how far inside it lies.
-double depth_inside(const Built &built, int triangle, dvec2 place) {
+// How far inside a triangle's UVs a position lies: the smallest barycentric coordinate times that side's distance in texels.
+double depth_inside(const Built &built, int triangle, dvec2 position) {
   const dvec2 a = built.uv(3 * triangle), b = built.uv(3 * triangle + 1), c = built.uv(3 * triangle + 2);
   const double turn = paradesc::cross(b - a, c - a) > 0.0 ? size : -size;
-  auto from = [&](dvec2 p, dvec2 q) { return turn * paradesc::cross(q - p, place - p) / length(q - p); };
+  auto from = [&](dvec2 p, dvec2 q) { return turn * paradesc::cross(q - p, position - p) / length(q - p); };
   return std::min({from(a, b), from(b, c), from(c, a)});
 }
 
@@ -35,8 +35,8 @@ TEST_F(GeometryBuffers, hold_the_surface_point_at_each_texels_center) {
     for (int x = 0; x < size; ++x) {
       if (buffers.chart(x, y) < 0 || buffers.triangle(x, y) < 0) continue;
       const Affine chart = chart_of_quad(buffers.chart(x, y) % 4, buffers.chart(x, y) / 4);
-      const dvec2 place = inverse(chart.linear) * (buffers.center(x, y) - chart.origin);
-      const vec3 expected = buffers.bake_space.to_buffer(vec3(vec2(place), 0.0f));
+      const dvec2 position = inverse(chart.linear) * (buffers.center(x, y) - chart.origin);
+      const vec3 expected = buffers.bake_space.to_buffer(vec3(vec2(position), 0.0f));
       // A corner rounded by 1/512 of a texel moves the point by that much: texels are about 1/10 of a quad, which is half a unit.
       EXPECT_LT(length(vec3(buffers.position_at(x, y)) - expected), 0.05f / 256) << x << ", " << y;
       ++seen;
@@ -45,7 +45,7 @@ TEST_F(GeometryBuffers, hold_the_surface_point_at_each_texels_center) {
 }
 
 TEST_F(GeometryBuffers, hold_it_to_float_precision_where_corners_lie_on_texels_corners) {
-  const Built built = build(grid(6, 6, [](dvec2 place, int, int) { return (place + 1.0) / 8.0; }));
+  const Built built = build(grid(6, 6, [](dvec2 position, int, int) { return (position + 1.0) / 8.0; }));
   const Buffers buffers = bake(*thread, built, size);
   for (int y = 16; y < 112; ++y)
     for (int x = 16; x < 112; ++x) {
@@ -99,9 +99,9 @@ TEST_F(GeometryBuffers, no_texel_within_a_chart_is_without_an_owner_and_none_off
     for (int x = 0; x < size; ++x)
       for (int chart = 0; chart < 12; ++chart) {
         const Affine affine = chart_of_quad(chart % 4, chart / 4);
-        const dvec2 place = inverse(affine.linear) * (buffers.center(x, y) - affine.origin) - dvec2(chart % 4, chart / 4);
+        const dvec2 position = inverse(affine.linear) * (buffers.center(x, y) - affine.origin) - dvec2(chart % 4, chart / 4);
         const double depth =
-            std::min({place.x, place.y, 1 - place.x, 1 - place.y}) * 0.08 * size; // of a chart's smallest stretch
+            std::min({position.x, position.y, 1 - position.x, 1 - position.y}) * 0.08 * size; // of a chart's smallest stretch
         if (depth > snap) {
           EXPECT_EQ(buffers.chart(x, y), chart);
           EXPECT_GE(buffers.triangle(x, y), 0);
@@ -117,8 +117,8 @@ TEST_F(GeometryBuffers, a_line_reaches_every_texel_that_a_chart_edge_passes_thro
   for (const Border &border : built.charts.borders) {
     const dvec2 a = built.uv(border.half_edge), b = built.uv(next_corner(border.half_edge));
     for (int k = 0; k <= 200; ++k) {
-      const dvec2 place = (a + (b - a) * (k / 200.0)) * static_cast<double>(size);
-      EXPECT_GE(buffers.chart(static_cast<int>(place.x), static_cast<int>(place.y)), 0);
+      const dvec2 position = (a + (b - a) * (k / 200.0)) * static_cast<double>(size);
+      EXPECT_GE(buffers.chart(static_cast<int>(position.x), static_cast<int>(position.y)), 0);
     }
   }
 }
@@ -129,7 +129,7 @@ TEST_F(GeometryBuffers, the_distortion_is_that_of_the_affine_map) {
   const double turn = pi / 6;
   const dmat2 rotation(std::cos(turn), std::sin(turn), -std::sin(turn), std::cos(turn));
   const dmat2 linear = rotation * dmat2(1.0 / 2, 0, 0, 1.0 / 3) * 0.2;
-  const Built built = build(grid(4, 4, [&](dvec2 place, int, int) { return dvec2(0.4, 0.3) + linear * place; }));
+  const Built built = build(grid(4, 4, [&](dvec2 position, int, int) { return dvec2(0.4, 0.3) + linear * position; }));
   const Buffers buffers = bake(*thread, built, size);
   const double unit = buffers.bake_space.scale / 0.2;
   int seen = 0;
@@ -153,11 +153,11 @@ TEST_F(GeometryBuffers, the_distortion_is_that_of_the_affine_map) {
 
 TEST_F(GeometryBuffers, texels_of_several_triangles_are_counted) {
   // Quads on texels' corners: 32 x 32 texels each, the second half over the first.
-  const Built apart = build(grid(2, 1, [](dvec2 place, int, int) { return place * 0.25; }));
+  const Built apart = build(grid(2, 1, [](dvec2 position, int, int) { return position * 0.25; }));
   const TexelCounts once = bake(*thread, apart, size).counts;
   EXPECT_EQ(once.covered, 2 * 32 * 32);
   EXPECT_EQ(once.overlapping, 0);
-  const Built over = build(grid(2, 1, [](dvec2 place, int x, int) { return (place - dvec2(0.5 * x, 0)) * 0.25; }));
+  const Built over = build(grid(2, 1, [](dvec2 position, int x, int) { return (position - dvec2(0.5 * x, 0)) * 0.25; }));
   const TexelCounts twice = bake(*thread, over, size).counts;
   EXPECT_EQ(twice.covered, 32 * 48);
   EXPECT_EQ(twice.overlapping, 32 * 16);

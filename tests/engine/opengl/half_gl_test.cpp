@@ -34,8 +34,8 @@ TEST_F(HalfBuffers, hold_positions_normals_and_ids_of_the_full_ones) {
 // at 65504.
 TEST_F(HalfBuffers, hold_area_elements_of_every_scale) {
   for (const double scale : {1.0, 1e-2, 1e-3}) {
-    const Built built = build(grid(2, 1, [&](dvec2 place, int x, int) {
-      const dvec2 within = place - dvec2(x, 0);
+    const Built built = build(grid(2, 1, [&](dvec2 position, int x, int) {
+      const dvec2 within = position - dvec2(x, 0);
       return (dvec2(0.5 * x + 0.1, 0.1) + within * (x == 0 ? 0.3 : 0.03)) * scale + dvec2(0.25);
     }));
     const Buffers full = bake(*thread, built, 512, 1), half = bake(*thread, built, 512, 1, true);
@@ -54,8 +54,9 @@ TEST_F(HalfBuffers, hold_area_elements_of_every_scale) {
 
 TEST_F(HalfBuffers, area_elements_beyond_the_largest_half_are_finite) {
   // The second quad has a millionth of the first one's place, and so an area element a million times as large as the mean.
-  const Built built = build(
-      grid(2, 1, [](dvec2 place, int x, int) { return x == 0 ? place * 0.5 : dvec2(0.75) + (place - dvec2(1, 0)) * 0.0005; }));
+  const Built built = build(grid(2, 1, [](dvec2 position, int x, int) {
+    return x == 0 ? position * 0.5 : dvec2(0.75) + (position - dvec2(1, 0)) * 0.0005;
+  }));
   const Buffers half = bake(*thread, built, 256, 1, true);
   int seen = 0;
   for (size_t i = 0; i < half.position.size(); ++i) {

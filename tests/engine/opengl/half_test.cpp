@@ -60,15 +60,15 @@ TEST(HalfRounding, knows_what_is_too_large_and_too_small_for_a_half) {
 TEST(HalfRounding, leaves_a_rest_that_codes_hold) {
   half_floats::Text text;
   for (int i = -1000; i <= 1000; ++i) {
-    const vec3 place(static_cast<float>(i) / 1000.0f, std::sin(static_cast<float>(i)), std::cos(static_cast<float>(3 * i)));
-    const vec3 rounded = text.nearest_half(place);
-    const float three = text.code_of_three(place - rounded), two = text.code_of_two(vec2(place) - vec2(rounded));
+    const vec3 position(static_cast<float>(i) / 1000.0f, std::sin(static_cast<float>(i)), std::cos(static_cast<float>(3 * i)));
+    const vec3 rounded = text.nearest_half(position);
+    const float three = text.code_of_three(position - rounded), two = text.code_of_two(vec2(position) - vec2(rounded));
     EXPECT_EQ(nearest(three), three) << "a code is a half itself";
     EXPECT_EQ(nearest(two), two);
     const vec3 back = rounded + text.three_of_code(three);
     const vec2 finer = vec2(rounded) + text.two_of_code(two);
-    for (int k = 0; k < 3; ++k) EXPECT_LE(std::abs(back[k] - place[k]), std::ldexp(1.001f, -16));
-    for (int k = 0; k < 2; ++k) EXPECT_LE(std::abs(finer[k] - place[k]), std::ldexp(1.01f, -18));
+    for (int k = 0; k < 3; ++k) EXPECT_LE(std::abs(back[k] - position[k]), std::ldexp(1.001f, -16));
+    for (int k = 0; k < 2; ++k) EXPECT_LE(std::abs(finer[k] - position[k]), std::ldexp(1.01f, -18));
   }
 }
 

@@ -1,4 +1,4 @@
-// Texels that the device displaces against the CPU's formulas at the same places.
+// Texels that the device displaces against the CPU's formulas at the same positions.
 #include "engine/opengl/surface_mapper.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr int size = 128;
 
-// A place on a triangle's side, seen from a texel's center, in texels.
+// A position on a triangle's side, seen from a texel's center, in texels.
 struct OnSide {
   dvec3 part; // barycentric coordinates
   double away;
@@ -21,26 +21,27 @@ struct OnSide {
 };
 
 // Nearest first; line: only on sides that are chart edges.
-std::vector<OnSide> places_on_sides(const Built &built, int triangle, bool line, const dvec2 (&corner)[3]) {
+std::vector<OnSide> positions_on_sides(const Built &built, int triangle, bool line, const dvec2 (&corner)[3]) {
   constexpr double half_diagonal = 0.7072; // edge.vert.glsl
-  std::vector<OnSide> places;
+  std::vector<OnSide> found;
   for (int i = 0; i < 3; ++i) {
     if (line && built.charts.half_edge_border[at(3 * triangle + i)] < 0) continue;
     const dvec2 from = corner[i] * static_cast<double>(size), way = corner[(i + 1) % 3] * static_cast<double>(size) - from;
     const double along = -dot(from, way) / dot(way, way), t = std::clamp(along, 0.0, 1.0), span = glm::length(way);
     const double across = std::abs(paradesc::cross(from, way)) / span;
-    OnSide place{dvec3(0.0), glm::length(from + way * t), std::max({across, -along * span, (along - 1) * span}) - half_diagonal};
-    place.part[i] = 1 - t;
-    place.part[(i + 1) % 3] = t;
-    places.push_back(place);
+    OnSide on_side{dvec3(0.0), glm::length(from + way * t),
+                   std::max({across, -along * span, (along - 1) * span}) - half_diagonal};
+    on_side.part[i] = 1 - t;
+    on_side.part[(i + 1) % 3] = t;
+    found.push_back(on_side);
   }
-  std::sort(places.begin(), places.end(), [](const OnSide &a, const OnSide &b) { return a.away < b.away; });
-  return places;
+  std::sort(found.begin(), found.end(), [](const OnSide &a, const OnSide &b) { return a.away < b.away; });
+  return found;
 }
 
 // Barycentric coordinates of what a texel stands for: the triangle's place nearest to its center, or that on the lines drawn for
 // the chart's edges; several where rounding decides which lines have the center.
-std::vector<dvec3> places_of(const Built &built, int triangle, bool line, dvec2 center) {
+std::vector<dvec3> positions_of(const Built &built, int triangle, bool line, dvec2 center) {
   constexpr double rounding = 2.0 / 256;
   const dvec2 corner[3] = {built.uv(3 * triangle) - center, built.uv(3 * triangle + 1) - center,
                            built.uv(3 * triangle + 2) - center};
@@ -48,12 +49,12 @@ std::vector<dvec3> places_of(const Built &built, int triangle, bool line, dvec2 
                      paradesc::cross(corner[0], corner[1]));
   const dvec3 part = inside / (inside.x + inside.y + inside.z);
   if (!line && std::min({part.x, part.y, part.z}) >= 0.0) return {part};
-  std::vector<dvec3> places;
-  for (const OnSide &place : places_on_sides(built, triangle, line, corner)) {
-    if (place.beyond < rounding) places.push_back(place.part);
-    if (place.beyond < -rounding) break;
+  std::vector<dvec3> found;
+  for (const OnSide &on_side : positions_on_sides(built, triangle, line, corner)) {
+    if (on_side.beyond < rounding) found.push_back(on_side.part);
+    if (on_side.beyond < -rounding) break;
   }
-  return places;
+  return found;
 }
 
 class DisplacedTexels : public OnSoftwareDevice {
@@ -112,11 +113,11 @@ protected:
         const int32_t id = buffers.triangle(x, y), triangle = id < 0 ? -1 - id : id;
         const vec4 found = buffers.position_at(x, y);
         SurfacePoint expected{vec3(1e9f), {}, 0.0f};
-        for (const dvec3 part : places_of(built, triangle, id < 0, buffers.center(x, y))) {
+        for (const dvec3 part : positions_of(built, triangle, id < 0, buffers.center(x, y))) {
           const SurfacePoint point = surface.at(triangle, static_cast<float>(part.y), static_cast<float>(part.z));
           if (glm::length(vec3(found) - point.position) < glm::length(vec3(found) - expected.position)) expected = point;
         }
-        // A place in (u, v) is known to 1e-7; a slope divides by a pixel of 1/64.
+        // A (u, v) is known to 1e-7; a slope divides by a pixel of 1/64.
         ASSERT_LT(glm::length(vec3(found) - expected.position), 2e-5f) << x << ", " << y;
         ASSERT_LT(glm::length(vec3(buffers.normal[at(y * size + x)]) - expected.normal), 2e-4f) << x << ", " << y;
         ASSERT_NEAR(found.w / (form_of(built.triangles, built.charts, buffers.bake_space, at(triangle)).w * expected.area_ratio),

@@ -26,7 +26,7 @@ public:
   // (cells) of the geometry buffer as it is now.
   std::vector<CellData> measure(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
   void set_samples(const Gl &gl, const CellSamples &samples);
-  // Points of the samples in the geometry buffer as it is now, for centers to fetch in place of its texels; not where they would
+  // Points of the samples in the geometry buffer as it is now, for centers to fetch instead of its texels; not where they would
   // take too much memory: then false. points: where they go.
   bool list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, BufferTexture &points) const;
   void bind(const Gl &gl) const;

@@ -160,7 +160,7 @@ void TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, 
            }});
 }
 
-// (places, width) by the numbers that they had.
+// Puts values (centers, width) back into the order in which the centers were listed.
 template <class Value> static void put_back(const std::vector<int32_t> &order, std::vector<Value> &values) {
   std::vector<Value> ordered(values.size());
   const size_t width = order.empty() ? 1 : values.size() / order.size();

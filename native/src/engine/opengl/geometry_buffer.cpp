@@ -62,7 +62,7 @@ static std::vector<EdgeData> edge_data(const Charts &charts) {
 
 void GeometryBuffer::begin_layout(const Charts &charts, const BakeVertices &vertices) {
   const auto count = charts.triangle_chart.size();
-  std::vector<vec4> places(2 * count, vec4(0.0f)); // of triangles on no chart: one point, which is not drawn
+  std::vector<vec4> corner_uvs(2 * count, vec4(0.0f)); // of triangles on no chart: one point, which is not drawn
   std::vector<ivec4> corners(count, ivec4(0));
   area_in_map_ = 0.0;
   for (size_t t = 0; t < count; ++t) {
@@ -70,13 +70,13 @@ void GeometryBuffer::begin_layout(const Charts &charts, const BakeVertices &vert
     const vec2 *uv = &charts.corner_uv[3 * t];
     const uint32_t *vertex = &vertices.index[3 * t];
     const double area = std::abs(cross(dvec2(uv[1]) - dvec2(uv[0]), dvec2(uv[2]) - dvec2(uv[0])));
-    places[2 * t] = vec4(uv[0], uv[1]);
-    places[2 * t + 1] = vec4(uv[2], static_cast<float>(charts.triangle_chart[t]), 0.0f);
+    corner_uvs[2 * t] = vec4(uv[0], uv[1]);
+    corner_uvs[2 * t + 1] = vec4(uv[2], static_cast<float>(charts.triangle_chart[t]), 0.0f);
     corners[t] = ivec4(vertex[0], vertex[1], vertex[2], std::bit_cast<int32_t>(static_cast<float>(1.0 / area)));
     area_in_map_ += area;
   }
   triangle_count_ = vertices.corner.empty() ? 0 : static_cast<int>(count);
-  places_.upload(gl_, GL_RGBA32F, places.data(), places.size(), GL_STATIC_DRAW);
+  corner_uvs_.upload(gl_, GL_RGBA32F, corner_uvs.data(), corner_uvs.size(), GL_STATIC_DRAW);
   corners_.upload(gl_, GL_RGBA32I, corners.data(), corners.size(), GL_STATIC_DRAW);
   const std::vector<EdgeData> edges = edge_data(charts);
   drawing_ = std::make_unique<Drawing>();
@@ -108,7 +108,7 @@ void GeometryBuffer::draw_triangles(ProgramCache &programs, int first, int last)
   gl_.UseProgram(programs.get(
       gl_, "layout", {{GL_VERTEX_SHADER, "opengl/bake/layout.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/layout.frag.glsl"}}));
   gl_.Uniform1i(LOCATION_BUFFER_SIZE, size_);
-  gl_.BindTextureUnit(UNIT_PLACES, places_.id());
+  gl_.BindTextureUnit(UNIT_CORNER_UVS, corner_uvs_.id());
   gl_.DrawArrays(GL_TRIANGLES, 3 * first, 3 * (last - first));
   check_gl(gl_, "layout");
 }
@@ -142,7 +142,7 @@ TexelCounts GeometryBuffer::count_owners(ProgramCache &programs) const {
   gl_.BlendFunc(GL_ONE, GL_ONE);
   gl_.UseProgram(programs.get(
       gl_, "count", {{GL_VERTEX_SHADER, "opengl/bake/layout.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/count.frag.glsl"}}));
-  gl_.BindTextureUnit(UNIT_PLACES, places_.id());
+  gl_.BindTextureUnit(UNIT_CORNER_UVS, corner_uvs_.id());
   gl_.DrawArrays(GL_TRIANGLES, 0, 3 * triangle_count_);
   gl_.Disable(GL_BLEND);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
@@ -236,7 +236,7 @@ void GeometryBuffer::bind() const {
 void GeometryBuffer::bind_owners() const {
   gl_.BindTextureUnit(UNIT_IDS, ids_.id());
   gl_.BindTextureUnit(UNIT_WEIGHTS, weights_.id());
-  gl_.BindTextureUnit(UNIT_PLACES, places_.id());
+  gl_.BindTextureUnit(UNIT_CORNER_UVS, corner_uvs_.id());
   gl_.BindTextureUnit(UNIT_CORNERS, corners_.id());
   gl_.BindTextureUnit(UNIT_VERTICES, vertices_.id());
 }

@@ -84,7 +84,7 @@ private:
   double area_in_map_ = 0.0; // of all triangles
   int triangle_count_ = 0;
   Texture position_, normal_, ids_, weights_;
-  BufferTexture places_, corners_, vertices_, values_;
+  BufferTexture corner_uvs_, corners_, vertices_, values_;
   GlName<&Gl::DeleteFramebuffers> layout_framebuffer_, surface_framebuffer_;
   GlName<&Gl::DeleteVertexArrays> no_attributes_;
   std::unique_ptr<Drawing> drawing_;

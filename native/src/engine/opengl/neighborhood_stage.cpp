@@ -30,7 +30,7 @@ void TextureSpace::use_cells(const Job &job, const Frame &frame) {
     std::rotate(kept.begin(), found, found + 1);
     return;
   }
-  // Several radii of an animation take turns; large buffers have lists of cells as large.
+  // Several radii may take turns in an animation; the lists of large buffers are too large to keep several.
   const size_t max_kept = buffer_size <= 1024 ? 3 : 1;
   auto set = std::make_unique<CellSet>();
   std::vector<int32_t> ids;
@@ -126,7 +126,7 @@ void TextureSpace::upload(const Neighborhoods &neighborhoods, const TexellessSam
   checkpoint();
 }
 
-// The wedges of each point, one after another.
+// The wedges, sorted by point; begin: (points + 1) where those of each point start.
 static std::vector<int32_t> wedges_by_point(const Charts &charts, int point_count, std::vector<int32_t> &begin) {
   begin.assign(static_cast<size_t>(point_count) + 1, 0);
   for (const Wedge &wedge : charts.wedges) ++begin[wedge.point + 1];
@@ -146,7 +146,7 @@ TexellessSamples TextureSpace::find_neighborhoods(const Job &job, const Frame &f
   starts.reserve(centers.data.size());
   for (size_t i = 0; i < centers.data.size(); ++i) {
     const int32_t point = centers.points[i];
-    // A vertex starts from all its places in the UV map; for seam errors each place has to find the others by itself.
+    // A center starts from all wedges of its point; for seam errors each wedge has to find the others by itself.
     const bool alone = job.options().seam_error && centers.wedges[i] >= 0;
     const std::span<const int32_t> from = alone ? std::span<const int32_t>(centers.wedges).subspan(i, 1)
                                                 : std::span(wedges).subspan(begin[point], begin[point + 1] - begin[point]);

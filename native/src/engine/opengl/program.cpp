@@ -15,7 +15,7 @@ static std::string find_text(const std::string &path, const std::map<std::string
   throw Error(PDESC_ERROR_UNKNOWN, "Shader file " + path + " was not built into the library; rebuild it.");
 }
 
-// GLSL numbers its sources: the number of a file is its place in `files`, which the error message resolves.
+// GLSL numbers its sources: the number of a file is its index in `files`, by which the error message names it.
 static void append_source(const std::string &path, const std::map<std::string, std::string> &generated,
                           std::vector<std::string> &files, std::string &source) {
   for (const std::string &known : files)

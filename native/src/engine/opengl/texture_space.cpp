@@ -77,7 +77,7 @@ const TexelMap &TextureSpace::texel_map(const Job &job, const Frame &frame) {
   cells().texel_cells.get(size, [&] {
     std::vector<int32_t> ids;
     gl_->run([&](const Gl &, ProgramCache &) { ids = device_->buffer->read_ids(); });
-    return find_cells(cells().cells, ids, grid_.value(), charts, texel_layout_places(map, charts, 0, map.places.size()),
+    return find_cells(cells().cells, ids, grid_.value(), charts, texel_layout_positions(map, charts, 0, map.centers.size()),
                       job.resources.threads);
   });
   return map;
@@ -104,7 +104,7 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
   const TexelMap &map = texel_map(job, frame);
   const std::vector<vec4> sizes = job.connected() ? std::vector<vec4>() : ellipses(job, frame.space, 1);
   CenterResults all;
-  const size_t count = map.places.size();
+  const size_t count = map.centers.size();
   for (size_t first = 0; first < count; first += batch) {
     const size_t last = std::min(first + batch, count);
     const std::vector<CenterData> centers = texel_centers(map, surface.triangles, charts, surface.normals, frame.space, sizes,

@@ -74,7 +74,7 @@ struct CellSet {
   uint64_t samples_version = 0;                   // differs from that of any other list of the session
   Keyed<BakeKey, std::vector<CellData>> measured; // (cells)
   Keyed<BakeKey, std::vector<vec3>> link_points;  // (cells.link_texel)
-  Keyed<int, std::vector<int32_t>> texel_cells;   // by the map's size: (places of texels) where their searches start
+  Keyed<int, std::vector<int32_t>> texel_cells;   // by the map's size: (texel centers) where their searches start
 };
 
 // The surface of one computation.
@@ -174,7 +174,7 @@ private:
   Keyed<LayoutKey, BakedLayout> layout_;               // what the buffers' owners are
   Keyed<SurfaceKey, std::optional<DisplacedPoints>> displaced_;
   Keyed<BakeKey, BakeSpace> baked_;                                  // what the buffers hold
-  Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas' version: of every so many wedges
+  Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas's version and the step
   Keyed<AtlasSize, TexelMap> texels_;
   uint64_t last_samples_version_ = 0;
   Keyed<PointsKey, bool> listed_points_; // what device_->points holds

@@ -60,7 +60,7 @@ void visit_sector(const DiscRegion &region, const BoundaryPiece &piece, dvec2 ce
   }
 }
 
-// visit(x, angle) along the arcs of the region's rim, angle the part of the turn that the place stands for.
+// Calls visit(x, angle) along the arcs of the region's rim; angle is the part of the turn that x stands for.
 template <class Visit> void visit_arcs(const DiscRegion &region, const GaussRule &rule, const Visit &visit) {
   for (int k = 0; k < region.count; ++k) {
     const BoundaryPiece &piece = region.pieces[k];

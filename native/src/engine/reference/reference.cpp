@@ -74,7 +74,7 @@ void add_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, double
   moments.m22 += weight * x2 * y2;
 }
 
-// A tangent vector v of a place with normal m, turned with it into the tangent plane of n.
+// A tangent vector v at a normal m, turned with it into the tangent plane of n.
 dvec3 turn_to(dvec3 n, dvec3 m, dvec3 v) { return v - (n + m) * (glm::dot(n, v) / std::max(1 + glm::dot(n, m), LEAST_TURN)); }
 
 void add_map_sample(Moments &moments, const Center &center, dvec3 d, dvec3 n, dvec4 map, double weight) {

@@ -13,7 +13,7 @@ static constexpr double undefined = ReferenceWindow::undefined;
 static double gaussian(double rho, double sigma) { return std::exp(-0.5 * rho * rho / (sigma * sigma)); }
 
 static void add_to_quadratic(WindowMoments &moments, const WindowSample &sample) {
-  const auto [x, y] = std::array{sample.place.x, sample.place.y};
+  const auto [x, y] = std::array{sample.coordinates.x, sample.coordinates.y};
   const dvec3 first(1, x, y), second(x * x, x * y, y * y);
   const double w = sample.weight;
   moments.area += w;

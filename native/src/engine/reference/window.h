@@ -8,7 +8,7 @@
 namespace paradesc {
 
 struct WindowSample {
-  dvec2 place;  // tangent coordinates of d = q - p, in units of r
+  dvec2 coordinates; // tangent coordinates of d = q - p, in units of r
   double rho;   // |d|
   double value; // f - f(p)
   dvec2 slope;  // r grad f in the tangent plane of p; NaN where it does not exist
