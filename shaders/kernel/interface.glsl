@@ -86,7 +86,7 @@ vec2 exact_means(Neighborhood neighborhood) {
   return exact;
 }
 
-// The part of a square of this area, at this distance, that lies nearer than the radius.
+// The share of a square of this area, at this distance, that lies within the radius.
 float rim_share(float away, float radius, float area) {
   return clamp((radius - away) * inversesqrt(max(area, 1e-20f)) + 0.5f, 0.0f, 1.0f);
 }

@@ -144,7 +144,7 @@ void find_directions(Center center, INOUT(Neighborhood) neighborhood) {
   neighborhood.direction_min = center.t2 * e.x - center.t1 * e.y;
 }
 
-// How far the second moments of a full disk may deviate. Few samples leave noise: of the rim, which 2 sqrt(pi n) of n cut.
+// The tolerance on the second moments of a full disk. Few samples leave noise: the rim cuts 2 sqrt(pi n) of n samples.
 float disk_tolerance(Moments m) {
   float share = m.squares / max(m.area * m.area, 1e-30f); // 1 / n
   return max(float(DISK_DEVIATION), 6.0f * pow(share, 0.75f) - 0.09f);
@@ -192,7 +192,7 @@ void find_curvatures(Sums sums, INOUT(Neighborhood) neighborhood) {
 }
 #endif
 
-// scale: of the sums, where only half of the samples were taken.
+// scale: 2 if only half of the samples were taken, else 1.
 Neighborhood finish_neighborhood(Sums sums, float scale) {
   Moments m = sums.moments;
   Neighborhood neighborhood = unfitted_neighborhood(scale * m.area, scale);

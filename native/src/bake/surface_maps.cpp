@@ -174,7 +174,7 @@ SurfacePoint DisplacedSurface::at(int triangle, float a, float b) const {
   return point;
 }
 
-// By how much the edges' plane is shortened where it is shortened most: the inverse root of the smaller eigenvalue of one metric
+// The largest factor by which lengths in the plane of the edges shrink: the inverse root of the smaller eigenvalue of one metric
 // relative to the other.
 static float shrinkage_of(vec3 a1, vec3 a2, vec3 b1, vec3 b2) {
   const dvec3 before(dot(a1, a1), dot(a1, a2), dot(a2, a2)), after(dot(b1, b1), dot(b1, b2), dot(b2, b2));

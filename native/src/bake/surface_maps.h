@@ -61,7 +61,7 @@ public:
       : maps_(maps), triangles_(triangles), normals_(normals), bake_space_(bake_space) {}
   // a, b: barycentric coordinates of the triangle's corners 1 and 2.
   SurfacePoint at(int triangle, float a, float b) const;
-  // At a corner of its triangle, with another normal there.
+  // The surface at a corner of its triangle, with another normal there.
   SurfacePoint at_corner(int corner, vec3 normal, float &shrinkage) const;
 
 private:

@@ -115,7 +115,7 @@ static void take_engine(Mesh &mesh) {
   mesh.session = mesh.engine->open_session();
 }
 
-// What an engine fails to compute is computed on the next one, if AUTO was asked for.
+// If an engine fails, the next one computes, provided that the caller asked for AUTO.
 Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors, const Progress &progress) {
   check_memory_of_compute(mesh, options, descriptors);
   while (true) {

@@ -34,7 +34,7 @@ static int64_t bytes_of_uvs(const Triangles &t, const Charts &c) {
   return one * (1 + (t.corner_uv.begin() != t.input_uv.begin()) + (c.corner_uv.begin() != t.corner_uv.begin()));
 }
 
-// What a mesh holds between computations.
+// The bytes that a mesh holds between computations.
 static int64_t bytes_of_mesh(const Mesh &mesh) {
   const Triangles &t = mesh.triangles;
   const HalfEdges &h = mesh.half_edges;

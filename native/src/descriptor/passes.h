@@ -1,5 +1,5 @@
-// Operators asked for → the passes that compute them: descriptors of the surface first, then what fits the map f of one of them
-// within the radius, its gradient among that, then what looks at f or its gradient through wider windows.
+// Requested rows → the passes that compute them: descriptors of the surface first, then operators that fit the map f, which is
+// one of these, within the radius (its gradient is one), then operators that read f or its gradient in wider windows.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@ namespace paradesc {
 // The map at every point of the mesh: xyz the gradient (0 in the pass that makes it), w the value.
 using MapValues = std::vector<vec4>;
 
-// What is asked of the surface; the map f of one of its descriptors; what fits f within the radius; what looks through windows.
+// Descriptors of the surface; the map f, which is one of them; operators that fit f within the radius; those with wider windows.
 enum class Stage { surface, source, map, windows };
 
 struct Pass {
@@ -23,15 +23,15 @@ struct Pass {
   std::vector<int> rows; // of the registry
 };
 
-// At least one. Operators read map_row from a pass of its own: it takes more samples, since derivatives magnify noise.
+// There is at least one pass. Operators read map_row from a pass of its own, with more samples: derivatives magnify noise.
 std::vector<Pass> plan_passes(std::span<const int> requested, int map_row);
 
 // run(pass, map, number, count) evaluates pass number of count; map is null where none is needed. The values come back in the
-// order of asked.
+// order of `requested`.
 using RunPass = std::function<CenterResults(const Pass &pass, const MapValues *map, int number, int count)>;
 CenterResults run_passes(int point_count, std::span<const int> requested, int map_row, const RunPass &run);
 
-// How far a pass looks around.
+// The radius of the neighborhoods of a pass.
 double radius_of(const Pass &pass, const pdesc_options &options, double radius);
 
 // The row of the map's descriptor (NULL: sphere_volume_normalized). Throws Error(INVALID_ARGUMENT) where it cannot be a map.

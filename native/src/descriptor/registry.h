@@ -8,8 +8,7 @@
 
 namespace paradesc {
 
-// What an operator reads of a map f beside the surface: its values within the radius, or within a Gaussian window, or gradients
-// there.
+// An operator reads of a map f: its values within the radius, its values within a Gaussian window, or its gradients there.
 enum class MapNeeds { nothing, value, window, gradient };
 
 struct DescriptorRow {

@@ -5,8 +5,8 @@
 
 namespace paradesc {
 
-// What takes the place of libEGL.so.1 or of an entry point of EGL or OpenGL, by its name. Empty in the library itself, and out of
-// reach of its callers.
+// Replaces libEGL.so.1 or an entry point of EGL or OpenGL, by its name. It is empty in the library itself, whose callers cannot
+// set it.
 using DriverSubstitute = std::function<void *(const char *name, void *found)>;
 
 } // namespace paradesc

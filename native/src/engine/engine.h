@@ -22,7 +22,7 @@
 
 namespace paradesc {
 
-// What is beyond these is refused before a session is asked.
+// A computation beyond these abilities is refused before a session sees it.
 struct Abilities {
   bool texture_space = false; // it needs a UV map, has buffers to read, and has results for each wedge of a point
   bool surface_maps = false;  // it follows displacement and normal maps
@@ -47,7 +47,7 @@ struct Surface {
   uint64_t positions_version;               // differs whenever positions do
 };
 
-// What is asked of it.
+// What to compute of it.
 struct Request {
   const pdesc_options &options;
   std::span<const int> descriptors; // rows of the registry
@@ -95,7 +95,7 @@ public:
   virtual std::unique_ptr<Session> open_session() = 0;
 };
 
-// What the memory of a computation follows from.
+// The sizes that determine the memory of a computation.
 struct ComputationSize {
   int64_t triangles, points, wedges, borders;
   bool surface_maps; // the mesh has some

@@ -11,7 +11,7 @@ namespace paradesc {
 // backend: any but AUTO. Throws Error(UNSUPPORTED) with what was found and what to do.
 std::shared_ptr<Engine> open_engine(int32_t backend, int device_index, int threads, const DriverSubstitute &substitute);
 
-// What a computation on that backend takes beside the mesh.
+// The memory that a computation on that backend takes beside the mesh.
 MemoryForecast forecast_memory(int32_t backend, const ComputationSize &size);
 
 } // namespace paradesc

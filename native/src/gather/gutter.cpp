@@ -18,7 +18,7 @@ constexpr int rows_at_once = 16;
 class Defined {
 public:
   explicit Defined(ImageShape shape) : stride_(shape.width + 2), flags_(stride_ * (shape.height + 2)) {}
-  // From row -1 to row height, each from column -1 to column width.
+  // Rows go from -1 to height, columns from -1 to width.
   uint8_t *row(int y) { return flags_.data() + (y + 1) * stride_ + 1; }
   const uint8_t *row(int y) const { return flags_.data() + (y + 1) * stride_ + 1; }
 

@@ -58,7 +58,7 @@ Tiled tiled(const pdesc_uv_image_input &input, int triangle) {
   return found;
 }
 
-// In texels of the image, as one of its tiles shows the triangle.
+// The corners in texels of the image, as one of its tiles shows the triangle.
 Corners on_tile(const Tiled &triangle, int tile, double size) {
   const double left = tile % triangle.columns + triangle.low.x, bottom = tile / triangle.columns + triangle.low.y;
   Corners corners;
@@ -159,7 +159,7 @@ public:
   Band(const pdesc_uv_image_input &input, Range rows)
       : input_(input), rows_(rows), shown_(input.size * (rows.last - rows.first + 1), none) {}
 
-  // To be called for the last triangle first, which keeps its texels.
+  // Must be called for the last triangle first: the first caller keeps its texels.
   void claim(int triangle) {
     const Tiled uv = tiled(input_, triangle);
     for (int tile = 0; tile < uv.count(); ++tile) {

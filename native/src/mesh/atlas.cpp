@@ -8,7 +8,7 @@
 
 namespace paradesc {
 
-// All charts' area; the square's is 1.
+// The area of all charts in (u, v). An area above 1, that of the square, implies overlap.
 static double area_in_map(const Charts &charts) {
   double area = 0.0;
   for (size_t triangle = 0; triangle < charts.triangle_chart.size(); ++triangle) {

@@ -260,7 +260,7 @@ int32_t far_end(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
   return cutting.queue.back();
 }
 
-// A new piece from this triangle as far as it goes; returns the triangles around it that would overlap it.
+// Grows a new piece from this triangle as far as it goes. Returns the triangles around it that would overlap it.
 std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
   const int32_t piece = cutting.pieces++;
   std::vector<int32_t> refused;
@@ -286,7 +286,7 @@ std::vector<int32_t> grow(Cutting &cutting, int32_t seed) {
   return refused;
 }
 
-// All pieces of the triangle's chart; whether there are several.
+// Cuts the triangle's chart into pieces. Returns whether there are several.
 bool cut_chart(Cutting &cutting, std::vector<uint8_t> &seen, int32_t start) {
   std::vector<int32_t> seeds{far_end(cutting, seen, start)};
   const int32_t first = cutting.pieces;

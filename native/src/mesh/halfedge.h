@@ -52,10 +52,10 @@ struct Pieces {
 Fans trace_fans(const std::vector<int32_t> &link, const std::vector<uint8_t> &left_out);
 Pieces trace_pieces(const std::vector<int32_t> &link, const std::vector<uint8_t> &left_out);
 
-// In radians, by positions.
+// The angle at a corner on the surface, in radians.
 double surface_angle(const Triangles &triangles, int corner);
 
-// Around the vertices that have a point; of nothing, a point at the origin.
+// The box around the vertices that have a point; if there are none, a box of no size at the origin.
 struct Box {
   dvec3 low{0.0}, high{0.0};
 };

@@ -378,7 +378,7 @@ NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half
   checkpoint();
   std::vector<RingRun> runs(static_cast<size_t>((rings.fan_count + run_length - 1) / run_length));
   const auto run_count = static_cast<int>(runs.size());
-  // As many shares as threads: each has stamps of its own.
+  // There are as many shares as threads; each has stamps of its own.
   const int shares = std::min(thread_count(threads), std::max(run_count, 1));
   parallel_blocks(shares, threads, 1, [&](int share, int) {
     const auto first_of = [&](int i) { return static_cast<int>(int64_t{run_count} * i / shares); };

@@ -38,7 +38,7 @@ private:
     return patches_.triangle_patch[t] < 0 && half_edges_.corner_point[3 * t] >= 0;
   }
 
-  // Of a corner's triangle: the one across its half-edge, or -1.
+  // The triangle across a half-edge, or -1.
   int32_t across(size_t half_edge) const {
     const int32_t twin = half_edges_.twin[half_edge];
     return twin < 0 ? -1 : twin / 3;
@@ -53,7 +53,7 @@ private:
     return sides;
   }
 
-  // What lies in a notch comes first; then what was come to first.
+  // Adds triangles in notches first, the others breadth first.
   void grow(int32_t seed) {
     const auto patch = static_cast<int32_t>(patches_.count());
     const size_t first = patches_.triangle.size();
@@ -79,7 +79,7 @@ private:
     if (patch % 1024 == 1023) checkpoint();
   }
 
-  // Its points.
+  // Lists the points of a patch.
   void describe(size_t patch) {
     points_.clear();
     for (auto k = static_cast<size_t>(patches_.begin[patch]); k < static_cast<size_t>(patches_.begin[patch + 1]); ++k)
@@ -89,7 +89,7 @@ private:
     patches_.point_begin.push_back(static_cast<int32_t>(patches_.point.size()));
   }
 
-  // What other patches have its points.
+  // Lists for each point of a patch the other patches that have it, too.
   void link() {
     std::vector<int32_t> begin(static_cast<size_t>(half_edges_.point_count) + 1, 0), patch_of(patches_.point.size());
     for (const int32_t point : patches_.point) ++begin[point + 1];

@@ -15,7 +15,7 @@ public:
   static constexpr size_t width = 4; // lanes that all processors handle at once
   using Floats [[gnu::vector_size(width * sizeof(float))]] = float;
   using Bits [[gnu::vector_size(width * sizeof(int32_t))]] = int32_t;
-  // What is kept for each lane.
+  // A value for each lane.
   using FloatOfEach = Floats[max_lanes / width];
   using BitsOfEach = Bits[max_lanes / width];
 
@@ -34,10 +34,10 @@ public:
   size_t vectors() const { return vectors_; }
   uint32_t all() const { return all_; }
   float scale() const { return scale_; } // 1 / radius
-  // In the units of the positions.
+  // The centers, in the units of the positions.
   const Floats &centers(size_t vector, int axis) const { return centers_[vector][axis]; }
 
-  // From a lane's center, in units of the radius.
+  // The offset from a lane's center, in units of the radius.
   vec3 offset(vec3 position, size_t lane) const {
     const Floats(&center)[3] = centers_[lane / width];
     const size_t k = lane % width;

@@ -9,7 +9,7 @@
 
 namespace paradesc {
 
-// Whole powers of two, from 1 to a square of that side.
+// A power of two, from 1 to the texels of a square of that side.
 static int32_t texels_of(float doublings, int side) {
   return 1 << static_cast<int>(std::clamp(doublings, 0.0f, 2.0f * std::log2(static_cast<float>(side))));
 }
@@ -25,7 +25,7 @@ CellStrides choose_strides(const Cells &cells, std::span<const CellData> measure
   const float share = static_cast<float>(pi) * radius * radius / static_cast<float>(samples) * size * size;
   parallel_blocks(static_cast<int>(measured.size()), threads, 2048, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      // No other chart makes up for what the mesh's own boundary leaves out.
+      // At the mesh's own boundary no other chart makes up for what texels leave out.
       const bool at_boundary = cells.boundary_begin[i] < cells.boundary_begin[i + 1];
       const float wanted = at_boundary ? share / 4.0f : share;
       float doublings[CELL_LEAVES], least = 64.0f;
@@ -97,7 +97,8 @@ public:
   }
 
 private:
-  // Those of one half, each for so many texels: of all squares by their color on a chessboard, or of one color by their columns.
+  // Adds the samples of one half, each for `texels` texels: the halves are the colors of a chessboard of squares, or, where
+  // samples are on one color only, its columns in turn.
   void add_half(size_t cell, const Rectangle &among, int texels, int half, Part &part) const {
     const int doublings = std::countr_zero(static_cast<uint32_t>(texels)), stride = 1 << doublings / 2;
     const bool checkered = doublings % 2 != 0;

@@ -20,7 +20,7 @@ struct Bounds {
   vec3 low, high;
 };
 
-// What centers ask of a cell's leaves, for all of them at once.
+// A cell's leaves side by side, as centers test all of them at once.
 struct CellLeaves {
   using Lanes [[gnu::vector_size(CELL_LEAVES * sizeof(float))]] = float;
   Lanes x, y, z;
@@ -51,15 +51,15 @@ inline CellLeaves leaves_of(const CellData &cell, const CellStrides &strides, si
   return leaves;
 }
 
-// What one thread keeps from center to center.
+// A search that one thread keeps from center to center.
 class CellSearch {
 public:
   CellSearch(const SearchSpace &space, std::span<const CellData> measured, std::span<const CellLeaves> leaves, float radius)
       : space_(space), cells_(space.cells), measured_(measured), leaves_(leaves), radius_(radius), balls_(radius),
         visited_(static_cast<size_t>(space.cells.count), 0) {}
 
-  // All cells that lie in the ball of any center nearer than `beyond` to the middle, and others: nothing that is connected to the
-  // cell within such a ball is missing.
+  // Finds all cells that are connected to `cell` within the ball of any center nearer than `beyond` to the middle; and others,
+  // too.
   void flood_from(int32_t cell, vec3 middle, float beyond) {
     ++mark_;
     found_.clear();
@@ -115,7 +115,7 @@ public:
     inside_.resize(inside);
   }
 
-  // How many of the centers, from the first on, lie so near to it that they search at once.
+  // The number of centers, from the first on, that lie so near to it that they search at once.
   size_t together(const std::vector<SearchCenter> &centers, std::span<const int32_t> members) const {
     return balls_.leading(members.size(), 0.6f, [&](size_t i) { return centers[members[i]].position; });
   }
@@ -201,12 +201,12 @@ private:
   static constexpr size_t lane_count = 8;
   using Lanes [[gnu::vector_size(lane_count * sizeof(float))]] = float;
 
-  // What centers ask of a cell that was found.
+  // A cell that was found, as centers test it.
   struct Seen {
     bool faces_center; // its normals lie within a cone around those that look at it
     bool at_boundary; // a border of the mesh runs through it
   };
-  // Of so many cells, to look at them at once.
+  // The middles of lane_count cells, which centers test at once.
   struct Middles {
     Lanes x, y, z;
     Lanes outer; // squared distance from there from which on it lies outside the ball
@@ -214,7 +214,7 @@ private:
     Lanes per_rim;
     Lanes area; // projected
   };
-  // What a center takes of a cell.
+  // The leaves of a cell that a center takes.
   struct Taken {
     int32_t cell;
     int leaves, fine; // a bit each
@@ -256,7 +256,7 @@ private:
     }
   }
 
-  // What measure() does, for one center alone.
+  // Does what measure() does, for one center alone.
   void measure_found(vec3 center) {
     distance_.resize((found_.size() + lane_count - 1) / lane_count);
     inside_.clear();
@@ -350,7 +350,7 @@ private:
     pending_[i] |= fresh;
   }
 
-  // Those of the lanes whose center test() holds for.
+  // Those of the lanes for whose center test() holds.
   template <class Test> uint32_t among(uint32_t lanes, const Test &test, const std::vector<SearchCenter> &centers) const {
     uint32_t passed = 0;
     BallLanes::for_each(lanes, [&](size_t lane) { passed |= uint32_t{test(centers[members_[lane]].position)} << lane; });
@@ -409,7 +409,7 @@ private:
   std::vector<Lanes> distance_; // (found) squared, from the center
   std::vector<int32_t> inside_; // indices into found_
   std::vector<Taken> taken_;    // of these, where they are looked through once more
-  // Of several centers at once: bits.
+  // The state of a search of several centers at once; each has a bit.
   std::span<const int32_t> members_;
   Bounds together_;                     // of the centers
   std::vector<uint32_t> come_;          // (cells) that have come there, and

@@ -12,7 +12,7 @@
 
 namespace paradesc {
 
-// Without the call that std::floor is where processors before 2008 have to be served.
+// Inline: where processors before 2008 have to be served, std::floor is a call.
 inline int floor_of(double x) {
   const int whole = static_cast<int>(x);
   return whole - (x < whole);
@@ -41,7 +41,7 @@ public:
     return center + way * std::min(0.5, 0.02 / std::max(length(way), 1e-9));
   }
 
-  // No border of the chart crosses the way from a to b, which lie in these two texels or beside them.
+  // Whether no border of the chart crosses the way from a to b, which lie in one texel or in neighboring ones.
   bool joined(dvec2 a, dvec2 b, int32_t of_chart) const {
     const int x0 = floor_of(std::min(a.x, b.x)), x1 = floor_of(std::max(a.x, b.x));
     const int y0 = floor_of(std::min(a.y, b.y)), y1 = floor_of(std::max(a.y, b.y));
@@ -62,7 +62,7 @@ public:
   }
 
   bool has_border(int x, int y) const { return grid_.cells[2 * index(x, y)] < 0; }
-  // No border runs through the texels around.
+  // Whether no border runs through the texels around.
   bool is_far_from_borders(int x, int y) const { return grid_.cells[2 * index(x, y)] > 0; }
   int32_t owner(int x, int y) const { return ids_[2 * index(x, y)]; } // the chart that has the texel, also by a line
 

@@ -19,7 +19,7 @@ bool segment_in_ball(dvec3 a, dvec3 b, dvec3 center, double radius) {
   return dot(gap, gap) < radius * radius;
 }
 
-// All in units of the radius, from the center: meshes have any size.
+// Offsets from the center are in units of the radius: meshes have any size.
 static bool in_ball(vec3 offset) { return dot(offset, offset) < 1.0f; }
 
 // Whether the segment between two positions outside the ball meets it. Most do not, and need no division.
@@ -78,7 +78,7 @@ public:
     for (const int32_t vertex : known_) inside_[vertex] = 0;
   }
 
-  // How many of the points, from the first on, lie so near to it that one flood serves them all.
+  // The number of points, from the first on, that lie so near to it that one flood serves them all.
   size_t together(std::span<const int32_t> points) const {
     return balls_.leading(points.size(), 0.4f, [&](size_t i) { return position(points[i]); });
   }

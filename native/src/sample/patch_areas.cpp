@@ -58,7 +58,7 @@ static MeasuredPatches measure(const Patches &patches, const HalfEdges &half_edg
   return measured;
 }
 
-// Balls are lanes: bits of what each vertex and each patch is to them.
+// Each ball is a lane: one bit of each vertex's and each patch's state.
 class PatchFlood {
 public:
   PatchFlood(const Patches &patches, const MeasuredPatches &measured, const HalfEdges &half_edges, const Triangles &triangles,
@@ -163,7 +163,7 @@ private:
     }
   }
 
-  // From those of its points that were come to, over its edges.
+  // Finds which lanes come to each point of the patch, over its edges from the points that they have come to already.
   void connect(size_t patch, uint32_t whole, uint32_t part, uint32_t *found) const {
     const auto begin = static_cast<size_t>(patches_.point_begin[patch]),
                end = static_cast<size_t>(patches_.point_begin[patch + 1]);
@@ -225,7 +225,8 @@ PatchAreas::PatchAreas(const Patches &patches, const HalfEdges &half_edges, cons
 
 PatchAreas::~PatchAreas() = default;
 
-// In halves again and again, across the longest side of their box. Returns where groups begin, and the end.
+// Sorts points into groups that lie near each other, by halving across the longest side of their box. Returns where groups begin,
+// and the end.
 std::vector<size_t> PatchAreas::put_side_by_side(std::span<const int32_t> points, std::span<int32_t> order) const {
   constexpr size_t lanes = BallLanes::max_lanes;
   const auto position = [&](int32_t number) {

@@ -1,4 +1,4 @@
-// A caller's wish to stop → heard from any depth of a long computation, on all of its threads, without a parameter through every
+// A caller's wish to stop reaches any depth of a long computation, on all of its threads, without a parameter through every
 // function.
 #pragma once
 
@@ -47,7 +47,7 @@ private:
   Member member_{this};
 };
 
-// To be called where nothing is half done: it may throw. Costs next to nothing; without a scope it does nothing.
+// Must be called where nothing is half done: it may throw. It costs next to nothing, and does nothing without a scope.
 void checkpoint();
 
 } // namespace paradesc

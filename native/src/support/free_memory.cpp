@@ -41,7 +41,7 @@ struct GroupFiles {
   const char *limit, *used, *reclaimable; // the last is a name in memory.stat
 };
 
-// What is left of the limits of a group and of all groups above it.
+// The bytes left of the limits of a group and of all groups above it.
 static int64_t left_in_group(const std::string &folder, std::string group, const GroupFiles &files) {
   int64_t left = std::numeric_limits<int64_t>::max();
   while (true) {
@@ -84,7 +84,7 @@ int64_t free_memory(const std::string &) {
 
 #else
 
-// What is free is not to be had by portable means; macOS compresses and swaps early, so all of it is a fair measure.
+// No portable call says how much is free; macOS compresses and swaps early, so that the whole memory is a fair measure.
 int64_t free_memory(const std::string &) {
   const long pages = sysconf(_SC_PHYS_PAGES), bytes = sysconf(_SC_PAGESIZE);
   return pages > 0 && bytes > 0 ? int64_t{pages} * bytes : -1;

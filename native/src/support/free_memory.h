@@ -1,4 +1,4 @@
-// What the system says → the bytes that this process may still take.
+// The system's report of its memory → the bytes that this process may still take.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +6,8 @@
 
 namespace paradesc {
 
-// What is free without swapping (Linux: MemAvailable), or left of a control group's limit where that is less; -1 where the
-// system does not say. root: where the system's files lie.
+// Bytes that are free without swapping (Linux: MemAvailable), or left of a control group's limit if that is less; -1 if the
+// system does not say. root: the folder of the system's files.
 int64_t free_memory(const std::string &root = "/");
 
 // Bytes that may be taken beside those held already: what the limit leaves, or, if it is 0, half of what is free.

@@ -1,4 +1,4 @@
-// How far a computation has come, told to its caller, who may stop it; and how long its parts took.
+// Reports to the caller how far a computation has come, and lets the caller stop it; and measures how long its parts took.
 #pragma once
 
 #include <chrono>

@@ -7,7 +7,7 @@ layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
 
 flat out int edge;
 
-// In texels: the center of a touched texel is at most that far from the edge.
+// Half a texel's diagonal, in texels: the center of a touched texel is at most that far from the edge.
 const float HALF_DIAGONAL = 0.7072;
 
 void main() {

@@ -12,7 +12,7 @@ layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { ui
 #if EXACT
 layout(std430, binding = BINDING_CONNECTED) readonly restrict buffer Connected { int connected[]; };
 ivec2 connected_range;
-// Whether the triangle is connected to the center within the ball. No loop: its rounds would count with those of the samples.
+// Whether the triangle is connected to the center within the ball. There is no loop: its rounds would count with those of the samples.
 bool is_connected(int triangle) {
   int low = connected_range.x, high = connected_range.y;
 #define HALVE { int middle = (low + high) / 2; bool below = low < high && connected[middle] < triangle; low = below ? middle + 1 : low; high = below ? high : middle; }
@@ -74,7 +74,7 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
 #endif
 
 #if AFFINE || PAPER
-// False where samples are left to later dispatches.
+// False if samples are left to later dispatches.
 bool take_samples(inout Sums sums, CenterData data, int index, out float scale) {
   int slot = int(gl_GlobalInvocationID.x);
   bool refined = true;

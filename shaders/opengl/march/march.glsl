@@ -27,7 +27,7 @@ struct March {
 
 March begin_march(vec2 from, vec2 to, int chart) { return March(from, to, chart, 0, mat2(1.0), from, FOUND); }
 
-// The area of a cell of the pattern at the march's end, relative to its start.
+// The area that a sample stands for at the march's end, relative to its start.
 float area_factor(March march) { return abs(determinant(march.linear)); }
 
 #if PAPER
@@ -60,7 +60,7 @@ int first_exit(ivec2 cell, March march, int came_from, float limit, inout float 
   return exit_edge;
 }
 
-// Carries the rest of the march over a seam edge; false where there is no other side.
+// Carries the rest of the march over a seam edge; false if there is no other side.
 bool jump(inout March march, int edge, float t, out int came_from) {
   vec4 matrix = texelFetch(links, list_texel(2 * edge), 0);
   vec4 image = texelFetch(links, list_texel(2 * edge + 1), 0);
@@ -98,7 +98,7 @@ void advance(inout March march) {
       if (t >= 1.0) return;
       continue;
     }
-    // To the texel's far side, and a little beyond so that rounding cannot hold the march here.
+    // The march leaves at the texel's far side, and a little beyond, so that rounding cannot hold it here.
     vec2 sides = vec2(texel) + step(vec2(0.0), way) - position;
     vec2 ways = vec2(abs(way.x) > 1e-12 ? sides.x / way.x : 1e9, abs(way.y) > 1e-12 ? sides.y / way.y : 1e9);
     float leave = t + max(min(ways.x, ways.y), 0.0) + 1e-3 / span;

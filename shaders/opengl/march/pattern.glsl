@@ -4,7 +4,7 @@ layout(std430, binding = BINDING_PATTERN) readonly restrict buffer Pattern { vec
 layout(std430, binding = BINDING_STRETCHES) readonly restrict buffer Stretches { float stretches[]; };
 #endif
 
-// How far the pattern reaches along a direction of the unit disk: linear between those that were looked at.
+// The factor by which the pattern is stretched along a direction of the unit disk, interpolated between STRETCH_DIRECTIONS.
 float stretch_along(vec2 direction, int index) {
 #if DIRECTIONAL
   float turn = fract(atan(direction.y, direction.x) / (2.0 * PI) + 1.0) * float(STRETCH_DIRECTIONS);

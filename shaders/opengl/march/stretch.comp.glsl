@@ -1,6 +1,6 @@
 #version 450 core
-// One invocation, one direction of one center → how far the ellipse has to reach there: the largest length in (u, v) per length in space on
-// the straight way, relative to the center's (paper 4.1).
+// One invocation, one direction of one center → the stretch of the ellipse there: the largest length in (u, v) per length in space on the
+// march, relative to the center's (paper 4.1).
 #include "variant.glsl"
 #include "device.glsl"
 #include "opengl/evaluate/params.glsl"

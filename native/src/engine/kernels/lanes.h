@@ -64,7 +64,7 @@ inline Lanes mix(const Lanes &a, const Lanes &b, const Choices &choice) {
   return result;
 }
 
-// What lanes have added up by themselves, together: a struct of lanes becomes the same struct of floats.
+// Adds up the sums of all lanes: a struct of lanes becomes the same struct of floats.
 template <class Narrow, class Wide> Narrow add_lanes(const Wide &wide) {
   constexpr size_t count = sizeof(Narrow) / sizeof(float);
   static_assert(sizeof(Wide) == lane_count * sizeof(Narrow));

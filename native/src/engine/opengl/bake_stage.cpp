@@ -8,7 +8,7 @@
 
 namespace paradesc {
 
-// One step on the device; a computation may be cancelled between steps.
+// Runs one step on the device; a computation may be cancelled between steps.
 void TextureSpace::step(const Work &work) {
   checkpoint();
   gl_->run(work);

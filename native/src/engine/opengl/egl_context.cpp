@@ -35,7 +35,7 @@ struct EglContext::Egl {
   EGLContext context = EGL_NO_CONTEXT;
   DriverSubstitute substitute;
 
-  // What the driver offers by that name, or what a test puts in its place.
+  // The driver's function of that name, or the one that a test substitutes.
   void *chosen(const char *name, void *found) const { return substitute ? substitute(name, found) : found; }
   template <class Function> bool load(const char *name, Function &function) const {
     void *found =

@@ -91,7 +91,7 @@ static std::vector<vec4> face_normals(const Triangles &triangles) {
   return normals;
 }
 
-// All of these centers, from one fraction of the whole to another.
+// Evaluates these centers; progress goes from one fraction of the whole to another.
 void TextureSpace::evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
                             const std::vector<CenterData> &centers, const Progress &progress, double from, double to) {
   gl_->run([&](const Gl &gl, ProgramCache &) {
@@ -168,7 +168,7 @@ template <class Value> static void put_back(const std::vector<int32_t> &order, s
   values.swap(ordered);
 }
 
-// In the order that the centers were listed in: passes are read together, and each may have had an order of its own.
+// Results are in the order in which the centers were listed: passes are read together, and each may have an order of its own.
 CenterResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
                                              const Centers &centers, const Progress &progress) {
   evaluate(job, settings, frame, centers.data, progress, 0.3, 0.8);

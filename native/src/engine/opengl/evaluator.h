@@ -61,9 +61,9 @@ inline uint32_t flags_of(float number) { return std::bit_cast<uint32_t>(number);
 // The part of the device's state that samples read beside the geometry buffer.
 class Evaluator {
 public:
-  // Of the layout: once per topology.
+  // Uploads what depends on the layout.
   void set_borders(const Gl &gl, const BorderGrid &grid);
-  // Of a frame.
+  // Upload what depends on a frame.
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
   void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
   // (triangle_count) unit normals, for settings that ask for faces.

@@ -14,7 +14,7 @@
 
 namespace paradesc {
 
-// What is baked. A frame brings positions and normals; the rest is the layout's.
+// The inputs of a bake. Positions and normals belong to a frame, the rest to the layout.
 struct BakeInput {
   const Triangles &triangles;
   const Charts &charts;
@@ -24,8 +24,8 @@ struct BakeInput {
   int threads = 0;
 };
 
-// Triangles are drawn once for a layout, for who owns each texel and where in its owner it lies. A frame then takes a look at
-// the owner's three corners at each texel, however many triangles there are.
+// A layout draws the triangles once, which says who owns each texel and where in its owner it lies. A frame then reads the
+// owner's three corners at each texel, however many triangles there are.
 class GeometryBuffer {
 public:
   // half: positions and normals in 16-bit floats.
@@ -34,21 +34,21 @@ public:
   GeometryBuffer(const GeometryBuffer &) = delete;
   GeometryBuffer &operator=(const GeometryBuffer &) = delete;
 
-  // A layout, in steps between which a run may be cancelled: uploads, triangles so many at a time, borders, counts.
+  // Draw a layout, in steps between which a run may be cancelled: uploads, some triangles at a time, borders, counts.
   void begin_layout(const Charts &charts, const BakeVertices &vertices);
   int triangle_count() const { return triangle_count_; }
   void draw_triangles(ProgramCache &programs, int first, int last);
   void draw_borders(ProgramCache &programs);
   TexelCounts end_layout(ProgramCache &programs);
-  // A frame, in steps: uploads, rows so many at a time.
+  // Draw a frame, in steps: uploads, some rows at a time.
   void upload(const BakeInput &input);
   void draw_surface(ProgramCache &programs, int first_row, int last_row);
-  // Values at bake vertices → values at texels, by the same owners.
+  // Draws values at bake vertices to texels, by the same owners.
   void draw_map(ProgramCache &programs, const std::vector<vec4> &values, const Texture &map);
 
   // Binds what samples read.
   void bind() const;
-  // Binds the layout, and what the frame's points are there: owner.glsl, metric.glsl.
+  // Binds the layout and the frame's bake vertices, for owner.glsl and metric.glsl.
   void bind_owners() const;
   // Binds for a pass that rewrites position (image 0) and normal (image 1) of baked texels.
   void bind_to_rewrite() const;
@@ -59,14 +59,14 @@ public:
   std::vector<int32_t> read_ids() const; // (size * size, 2) chart, triangle
   int size() const { return size_; }
   bool half() const { return half_; }
-  // What shaders that read its texels are compiled with.
+  // Shaders that read its texels are compiled with this.
   const char *variant() const { return half_ ? "#define HALF_FLOATS\n" : ""; }
   double megabytes() const; // 10^6 bytes, of all buffers
-  // What one unit of the stored area element stands for: 16-bit floats end at 65504.
+  // The area element that one stored unit stands for: 16-bit floats end at 65504.
   float area_unit() const { return area_unit_; }
 
 private:
-  // What is there only while a layout is drawn.
+  // Exists only while a layout is drawn.
   struct Drawing {
     Texture depth;
     Buffer edges;

@@ -20,7 +20,7 @@ class MapBuffer {
 public:
   MapBuffer(const Gl &gl, int size) : gl_(gl), size_(size), map_(gl, size, size, GL_RGBA32F) {}
 
-  // By the owners of a buffer's texels.
+  // Interpolates the values by the owners of a buffer's texels.
   void bake(ProgramCache &programs, GeometryBuffer &buffer, const MapInput &input);
   // Binds what samples read.
   void bind() const { gl_.BindTextureUnit(UNIT_MAP, map_.id()); }

@@ -88,7 +88,7 @@ struct Frame {
   double radius_in_texels = 0.0;
 };
 
-// What is borrowed for one computation.
+// The inputs of one computation, borrowed.
 struct Job {
   const Surface &surface;
   const Request &request;
@@ -115,7 +115,7 @@ public:
 private:
   using Work = std::function<void(const Gl &, ProgramCache &)>;
 
-  // What lives on the device: made, used and destroyed on its thread.
+  // These objects live on the device: they are made, used and destroyed on its thread.
   struct OnDevice {
     std::unique_ptr<GeometryBuffer> buffer;
     Evaluator evaluator;

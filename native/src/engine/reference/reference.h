@@ -14,7 +14,7 @@
 
 namespace paradesc {
 
-// What quadrature leaves behind at one point. w is area; d = q - p, rho = |d|, n the unit normal at p, n_i that at q.
+// The integrals at one point. w is area; d = q - p, rho = |d|, n the unit normal at p, n_i that at q.
 struct ReferenceNeighborhood {
   double radius = 0;
   double area = 0;                            // integral of w
