@@ -258,7 +258,7 @@ class Sample:
 
     bakes: int
     seconds: float
-    resident: float  # megabytes that are this process' own: pages of libraries come and go with what others need
+    resident: float  # megabytes that are this process's own: pages of libraries come and go with what others need
     heap: float  # megabytes in use
     files: int
     threads: int

@@ -101,7 +101,7 @@ def several(names: tuple[str, str]) -> Iterator[None]:
     yield from wait_for(lambda: operators.PARADESC_OT_bake.running.current == 1)
     yield from press("ESC")
     yield from wait_for(lambda: not baking())
-    assert [fingerprint(bpy.data.objects[name]) for name in names] == before, "cancelling left the first mesh' values"
+    assert [fingerprint(bpy.data.objects[name]) for name in names] == before, "cancelling left the first mesh's values"
     say("cancelled the second of two meshes without a trace of the first")
     settings.samples, settings.radius_percent = 64, 4.0
     start_bake()

@@ -15,7 +15,7 @@ MODES = {"OBJECT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
 
 class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
-    """Compute the chosen descriptors of the selected meshes at every frame into the cache; what is there is kept"""
+    """Compute the chosen descriptors of the selected meshes at every frame into the cache; frames already there stay"""
 
     bl_idname = "paradesc.bake_frames"
     bl_label = "Bake Frames"
