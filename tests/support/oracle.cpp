@@ -123,8 +123,7 @@ std::vector<int32_t> clusters_of(const TestMesh &mesh, size_t count, size_t size
     vertices.insert(vertices.end(), nearest.begin(), nearest.begin() + static_cast<ptrdiff_t>(size));
   }
   std::ranges::sort(vertices);
-  const auto repeated = std::ranges::unique(vertices);
-  vertices.erase(repeated.begin(), repeated.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end()); // Clang 14 does not compile GCC 12's std::ranges::unique
   return vertices;
 }
 
