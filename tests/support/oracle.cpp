@@ -7,7 +7,6 @@
 #include "descriptor/passes.h"
 #include "descriptor/registry.h"
 #include "engine/reference/reference.h"
-#include "kernel/limits.h"
 
 namespace paradesc::test {
 namespace {
@@ -63,7 +62,8 @@ Oracle ask_oracle(const TestMesh &mesh, double radius, const Settings &settings,
   for (const int32_t vertex : vertices)
     if (const int32_t point = half_edges.vertex_point[static_cast<size_t>(vertex)]; point >= 0) points.push_back(point);
   const bool of_map = std::ranges::any_of(descriptors, [](const std::string &name) { return map_degree_of(name) > 0; });
-  const double window = WINDOW_RADIUS * settings.map_sigma * radius;
+  const pdesc_options options = options_of(settings);
+  const double window = radius_of({Stage::windows, {}}, options, radius);
   const std::vector<int32_t> with_gradient = of_map ? needed_by(surface, points, window) : points;
   const std::vector<int32_t> with_value = of_map ? needed_by(surface, with_gradient, radius) : points;
   ReferenceSettings requested{radius, settings.estimator, settings.distance == PDESC_DISTANCE_GEODESIC};
@@ -71,7 +71,7 @@ Oracle ask_oracle(const TestMesh &mesh, double radius, const Settings &settings,
   requested.harris_k = settings.harris_k;
   const auto compute_pass = [&](const Pass &pass, const MapValues *map, int, int) {
     requested.map = map;
-    requested.radius = pass.stage == Stage::windows ? window : radius;
+    requested.radius = radius_of(pass, options, radius);
     requested.map_sigma = pass.stage == Stage::windows ? settings.map_sigma * radius : 0.0;
     requested.points = pass.stage == Stage::source ? with_value : pass.stage == Stage::map ? with_gradient : points;
     ReferenceField field =
