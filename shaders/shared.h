@@ -97,7 +97,7 @@
 #define FLAG_HITS_BOUNDARY 1u // the mesh's boundary lies in the neighborhood
 #define FLAG_ALL_SAMPLES 2u   // adaptive sampling took all samples
 #define FLAG_AMBIGUOUS 4u     // the moments are no disk's: samples may have come in that are not connected within the ball
-#define FLAG_FAR_FROM_DISK 8u // and by far
+#define FLAG_FAR_FROM_DISK 8u // they are far from a disk's
 
 #ifdef __cplusplus
 namespace paradesc {

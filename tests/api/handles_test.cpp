@@ -1,4 +1,4 @@
-// Handles that a caller should not use any more, or not here: refused with a sentence, where a C interface can tell.
+// Handles that a caller should not use any more, or not here, are refused with a sentence, as far as a C interface can know.
 #include <cstddef>
 #include <string>
 #include <vector>

@@ -125,7 +125,7 @@ TEST_F(Maps, texels_looked_up_at_vertices_agree_with_the_reference) {
   for (const char *name : {"mean_curvature", "gaussian_curvature"}) {
     const double error = percent_ae(found[name], as_double(oracle[name])).mean;
     std::cout << name << " %AE " << error << "\n";
-    // A texel is a hundredth of the range apart from the next; at borders the nearest texels stand for the place.
+    // A texel is a hundredth of the range apart from the next; at borders the nearest texels stand for the vertex.
     EXPECT_LE(error, 1.0) << name;
   }
   double turned = 0;
@@ -179,7 +179,7 @@ TEST_F(Maps, a_map_of_a_direction_has_three_components) {
   EXPECT_GT(seen, 300);
 }
 
-// Without a place there is no result to draw: names read beyond the maps.
+// A map without centers has no result to draw: names were read beyond the maps.
 TEST_F(Maps, a_mesh_without_area_in_the_uv_map_has_maps_of_undefined_texels) {
   TestMesh mesh = torus(1.0, 0.4, {.vertices = 400});
   lay_out(mesh, {.charts = 6});

@@ -15,7 +15,7 @@ namespace paradesc::test {
 
 using Descriptors = std::vector<std::string>;
 
-// What a test sets on a mesh before it computes.
+// The images that a test sets on a mesh before it computes.
 struct Maps {
   std::vector<float> heights;
   int width = 0, height = 0;

@@ -53,7 +53,7 @@ Vec3 mean(const std::vector<float> &list, size_t first, size_t step, double a, d
   return (1 - a - b) * corner(0) + a * corner(1) + b * corner(2);
 }
 
-// The color of a normal in the tangent space at a place of a triangle: normal = x t + y b + z n, up to its length.
+// The color of a normal in the tangent space at a position on a triangle: normal = x t + y b + z n, up to its length.
 Vec3 color_of(Vec3 normal, const TestMesh &mesh, const std::vector<float> &tangents, size_t triangle, double a, double b) {
   const Vec3 n = mean(mesh.corner_normals, 9 * triangle, 3, a, b), t = mean(tangents, 12 * triangle, 4, a, b);
   const Vec3 c = tangents[12 * triangle + 3] * cross(n, t);

@@ -43,7 +43,7 @@ template <class Check> int each_seam(const Built &built, const std::vector<vec4>
   return seams;
 }
 
-// Links are floats of places in [0, 1] and of ratios up to 10: a few roundings.
+// Links are floats of (u, v) in [0, 1] and of ratios up to 10, with a few roundings.
 constexpr double rounding = 5e-6;
 
 TEST(SeamLinks, carry_the_ends_of_an_edge_onto_those_of_its_twin) {

@@ -54,7 +54,7 @@ TEST_F(SurfaceMapsTest, displaced_cap_has_the_curvature_of_its_sphere) {
   const Settings settings{.radius = 0.12, .radius_unit = PDESC_RADIUS_ABSOLUTE};
   const Results results = run(mesh, cap_map(512), settings, curvatures);
   const auto inside = inside_the_cap(mesh, 0.15);
-  // H, K and bending energy of a sphere have no bias of the support, so what is left is the image's: a pixel is 1/200 of the
+  // H, K and bending energy of a sphere have no bias of the neighborhood, so what is left is the image's: a pixel is 1/200 of the
   // radius.
   const double h = 1 / cap_radius;
   for (const auto &[name, exact] :
@@ -188,7 +188,7 @@ TEST_P(ConstantDisplacement, of_a_sphere_is_a_sphere) {
   // Fitted normals of 6000 vertices, on facets that lie 2e-4 inside: measured 0.1 % of H, 0.2 % of K at the worst vertex.
   expect_near(results["mean_curvature"], 1 / exact, 0.002 / exact);
   expect_near(results["gaussian_curvature"], 1 / (exact * exact), 0.004 / (exact * exact));
-  // Without the enlarged support a pattern would end within the ball where the sphere shrinks to 0.6, and miss half of the area.
+  // Without the enlarged ellipse a pattern would end within the ball where the sphere shrinks to 0.6, and miss half of the area.
   const PercentAe area = percent_ae(results["euclidean_area"], constant(mesh.points.size(), pi * r * r));
   std::cout << "area of a ball's part of the sphere: mean error " << area.mean << " %\n";
   EXPECT_LT(area.mean, 0.2);
@@ -200,7 +200,7 @@ INSTANTIATE_TEST_SUITE_P(, ConstantDisplacement,
 TEST_F(SurfaceMapsTest, triangles_without_texels_are_displaced_as_well) {
   TestMesh mesh = sphere(1, {.vertices = 3000});
   lay_out(mesh, {.charts = 6});
-  for (size_t corner = 0; corner < mesh.corner_vertices.size(); ++corner) // every tenth triangle: one place in the UV map
+  for (size_t corner = 0; corner < mesh.corner_vertices.size(); ++corner) // every tenth triangle: one position in the UV map
     if (corner / 3 % 10 == 0)
       for (size_t axis = 0; axis < 2; ++axis) mesh.corner_uvs[2 * corner + axis] = mesh.corner_uvs[corner / 3 * 6 + axis];
   const double exact = 1.5, r = 0.2 * exact;

@@ -1,7 +1,7 @@
 // The paper's object-space method, for times to compare with: mean curvature (8) by sums over the Voronoi-weighted vertices
 // within the ball, found by a flood from vertex to vertex over the half-edges.
 //
-// As fast as this method gets: flat arrays in the order of a space-filling curve, stamps in place of a set of visited vertices,
+// As fast as this method gets: flat arrays in the order of a space-filling curve, stamps instead of a set of visited vertices,
 // nothing allocated at a vertex, no branch that cannot be foretold in the inner loops, all cores.
 #pragma once
 
@@ -18,7 +18,7 @@ struct alignas(16) WeightedPoint {
   float x, y, z, area;
 };
 
-// What is made once: not part of its time. Points are renumbered along a space-filling curve.
+// Is made once, outside the measured time. Points are renumbered along a space-filling curve.
 struct BaselineSurface {
   std::vector<WeightedPoint> points;
   std::vector<vec3> normals;       // (points)

@@ -111,7 +111,7 @@ void cells(benchmark::State &state) {
     return build_cells(from.ids, from.grid, from.triangles, from.half_edges, from.charts, cell_block);
   });
 }
-// Where the UV map is under suspicion only.
+// Cutting is needed only where the UV map is under suspicion.
 void cut(benchmark::State &state) {
   measure(state, [](const Made &from) { return cut_charts(from.half_edges, from.charts); });
 }
@@ -122,7 +122,7 @@ void layout(benchmark::State &state) {
     return repack_charts(moved, around);
   });
 }
-// By positions, every frame.
+// Normals depend on positions: they are computed every frame.
 void normals(benchmark::State &state) {
   measure(state,
           [](const Made &from) { return compute_normals(from.triangles, from.half_edges, from.rings, PDESC_NORMALS_FITTED, 0); });

@@ -41,7 +41,7 @@ protected:
     lay_out(ball, {});
   }
 
-  // As it is when the baking of a first run is about to begin, where that run is cancelled.
+  // A mesh whose first run was cancelled just before it baked.
   std::unique_ptr<paradesc::Mesh> before_drawing(const TestMesh &mesh) const {
     auto native = paradesc::make_mesh(context, input_of(mesh));
     const std::vector<int> rows{0};

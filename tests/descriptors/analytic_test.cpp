@@ -87,8 +87,8 @@ TEST_P(IrregularSurface, has_its_exact_curvatures_and_the_oracles_volume_and_ben
     // Issue "Core": 0.25 % of H and K against exact values, 1 % of the others against the oracle. Exact normals alone leave
     // 0.08 to 0.18 % (METHOD.md, "Normals decide"), fitted ones 0.02 to 0.05 % more.
     EXPECT_LE(errors.all.mean, i < 2 ? 0.25 : 1.0) << measured[i];
-    // Issue "Core": seam vertices at most 1.5 times the interior. The bias of a finite support is larger at some places, with or
-    // without seams: the oracle, which knows no seams, shows by how much.
+    // Issue "Core": seam vertices at most 1.5 times the interior. The bias of a finite neighborhood is larger at some places,
+    // with or without seams: the oracle, which knows no seams, shows by how much.
     double ratio = 1;
     if (i < 2) {
       const Errors of_oracle = errors_of(oracle[measured[i]], truth, seam);
@@ -97,9 +97,9 @@ TEST_P(IrregularSurface, has_its_exact_curvatures_and_the_oracles_volume_and_ben
       ratio = std::max(1.0, of_oracle.seams.mean / of_oracle.interior.mean);
       std::cout << "seams to interior: " << errors.seams.mean / errors.interior.mean << ", of the oracle " << ratio << '\n';
     }
-    // Where the radius spans few texels, those that a seam cuts are a good part of the support, and each stands for its covered
-    // part by its center: sphere volume has 1.55 to 1.73 times the interior's error on six triangulations of the torus of one
-    // chart (6 texels, 0.24 % against 0.145 %), 1.7502 times on this one.
+    // Where the radius spans few texels, those that a seam cuts are a good part of the neighborhood, and each stands for its
+    // covered part by its center: sphere volume has 1.55 to 1.73 times the interior's error on six triangulations of the torus of
+    // one chart (6 texels, 0.24 % against 0.145 %), 1.7502 times on this one.
     const double allowed = results.report.radius_in_texels < 8 ? 1.8 : 1.5;
     EXPECT_LE(errors.seams.mean, allowed * ratio * errors.interior.mean) << measured[i];
   }
@@ -133,7 +133,7 @@ void expect_exact_curvatures(pdesc_context *software, pdesc_context *reference, 
         const PercentAe error = percent_ae(results[measured[i]], exact), of_oracle = percent_ae(oracle[measured[i]], exact);
         record(title.str(), measured[i], error);
         record(title.str() + ", oracle", measured[i], of_oracle);
-        // Issue "Core" bounds torus and ellipsoid. Elsewhere the bias of a finite support is what it is: 0.24 % of a rounded
+        // Issue "Core" bounds torus and ellipsoid. Elsewhere the bias of a finite neighborhood is what it is: 0.24 % of a rounded
         // cube's H even at 60 K vertices with exact normals; sampling may add 0.05 %, as it does on the other two.
         EXPECT_LE(error.mean, bounded ? 0.25 : of_oracle.mean + 0.05) << title.str() << ' ' << measured[i];
       }

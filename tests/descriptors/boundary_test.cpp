@@ -1,5 +1,5 @@
-// Open boundaries: the support ends there, and the formulas take what is there. On a sphere nothing but the area changes;
-// elsewhere a one-sided support is biased in proportion to its radius.
+// Open boundaries: the neighborhood ends there, and the formulas take what is there. On a sphere nothing but the area changes;
+// elsewhere a one-sided neighborhood is biased in proportion to its radius.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -65,9 +65,9 @@ TEST_P(Boundary, ball_with_a_hole_keeps_its_values_at_the_rim) {
     EXPECT_TRUE(!rim[v] || results["euclidean_area"][v] < pi * r * r * 1.045) << "vertex " << v;
 }
 
-// The support's center of mass lies off p, so that the first derivative of curvature no longer cancels: half the radius, half the
-// bias. 0.65: what is left of noise and of the second order.
-TEST_P(Boundary, bias_of_a_cut_support_halves_with_the_radius) {
+// The neighborhood's center of mass lies off p, so that the first derivative of curvature no longer cancels: half the radius,
+// half the bias. 0.65: what is left of noise and of the second order.
+TEST_P(Boundary, bias_of_a_cut_neighborhood_halves_with_the_radius) {
   TestMesh mesh = saddle(1, {.vertices = 8000});
   lay_out(mesh, {.charts = 6});
   const auto error = [&](double fraction) {

@@ -28,7 +28,7 @@ TEST_P(MeanCurvature, sphere_turned_inside_out_has_the_negative) {
   expect_near(compute_one(mesh, "mean_curvature", settings), -0.5, 0.5 * 1e-3);
 }
 
-// Away from the ends; bias of a finite support (r/R)²/8 = 0.1 %, and 0.4 % for the pattern's and the texels' unevenness.
+// Away from the ends; bias of a finite neighborhood (r/R)²/8 = 0.1 %, and 0.4 % for the pattern's and the texels' unevenness.
 TEST_P(MeanCurvature, cylinder_has_half_of_one_over_radius) {
   TestMesh mesh = cylinder(0.5, 2, {.vertices = 8000});
   lay_out(mesh, {.charts = 6});

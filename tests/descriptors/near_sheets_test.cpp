@@ -1,4 +1,4 @@
-// Sheets near each other that are one surface elsewhere: at the texels of a map, where cells alone tell what is connected,
+// Sheets near each other that are one surface elsewhere: at the texels of a map, where cells alone decide what is connected,
 // without the search among triangles that vertices have besides.
 #include <cmath>
 #include <functional>
@@ -24,8 +24,8 @@ protected:
     if (!context) GTEST_SKIP() << why_not;
   }
 
-  // Of the vertices where chosen(vertex) says so and no boundary is near, the area found is the oracle's: all of a disk's, and
-  // facets of a ramp leave half a per cent.
+  // Expects that vertices for which chosen(vertex) is true, and which no boundary is near, have the oracle's area: that of a
+  // disk, but for half a per cent that facets of a ramp leave.
   void expect_the_oracles_areas(const TestMesh &mesh, double radius, const std::function<bool(size_t)> &chosen) {
     const std::string area = "euclidean_area";
     const Settings settings{

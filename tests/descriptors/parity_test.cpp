@@ -67,8 +67,8 @@ protected:
                 << "  p99 " << error.p99 << "  max " << error.max << "  relative " << relative << " %\n";
       RecordProperty(name, std::to_string(error.mean));
       // Issue "Core": 1 % for every descriptor; the area within 1 % of the oracle's. Where the reference varies by less than 1 %
-      // of itself (k1 of a torus: 1/r, but for the bias of a finite support) its range is no measure, and it is held to 1 % of
-      // itself.
+      // of itself (k1 of a torus: 1/r, but for the bias of a finite neighborhood) its range is no measure, and it is held to 1 %
+      // of itself.
       double largest = 0;
       for (const double value : expected)
         if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
@@ -84,7 +84,7 @@ protected:
       const double allowed = of_areas ? 5.0 : PDESC_PARITY_PERCENT * (by_itself ? std::max(map_degree_of(name), 1) : 1);
       EXPECT_LE(by_itself ? relative : error.mean, allowed) << name;
       // Half a normal distribution's mean is 0.8 of its deviation, and the worst of thousands beyond four; beside seams and where
-      // samples lie on the rim tails are heavier. Operators are held to their range over a few places, harris to its product of
+      // samples lie on the rim tails are heavier. Operators are held to their range over a few regions, harris to its product of
       // four. Measured on llvmpipe: 2.1 and 3.3, of operators 4.1 and 7.9, of harris 8.2 and 12.3 times what is allowed of the
       // mean.
       const double heavier = map_degree_of(name) > 1   ? 4
@@ -209,7 +209,7 @@ TEST_F(Parity, adaptive_sampling_agrees_with_the_oracle) {
   expect_parity(mesh, {.radius = 0.04, .adaptive = 0.002, .map_sigma = 0.5});
 }
 
-// With three vertices that no face uses.
+// The mesh has three vertices that no face uses.
 TestMesh open_surface(int vertices) {
   TestMesh mesh = saddle(1, {.vertices = vertices});
   lay_out(mesh, {.charts = 6});

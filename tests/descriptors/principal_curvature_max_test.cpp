@@ -12,7 +12,7 @@ constexpr Settings settings{.normals = PDESC_NORMALS_MESH};
 class PrincipalCurvatureMax : public OnBackend {};
 PDESC_ON_EACH_BACKEND(PrincipalCurvatureMax);
 
-// Bias of a finite support (r/R)²/8 = 0.1 %, and 0.4 % for the pattern's and the texels' unevenness.
+// Bias of a finite neighborhood (r/R)²/8 = 0.1 %, and 0.4 % for the pattern's and the texels' unevenness.
 TEST_P(PrincipalCurvatureMax, cylinder_has_one_over_radius) {
   TestMesh mesh = cylinder(0.5, 2, {.vertices = 8000});
   lay_out(mesh, {.charts = 6});

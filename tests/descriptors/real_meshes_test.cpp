@@ -17,8 +17,8 @@
 namespace paradesc::test {
 namespace {
 
-// What descriptors are alike in: curvatures come from normals, volumes from heights, the area from the rim. Bending energy and
-// the area along the surface see the angle at a crease over its distance, which no sample has as it is.
+// Families of descriptors with errors alike: curvatures come from normals, volumes from heights, the area from the rim. Bending
+// energy and the area along the surface see the angle at a crease over its distance, which no sample has as it is.
 enum Family { curvature, volume, area, crease, families };
 enum Kind { disk_like, ambiguous, at_boundary, kinds };
 constexpr const char *family_names[] = {"curvature", "volume", "area", "crease"},
@@ -35,7 +35,7 @@ struct Errors {
   double mean = 0, p99 = 0, max = 0;
 };
 
-// What is allowed, about 1.5 times what llvmpipe of Mesa 22.3 has on 2026-11-22.
+// Errors that are allowed: about 1.5 times those of llvmpipe of Mesa 22.3 on 2026-11-22.
 struct Case {
   const char *mesh;
   double radius;
@@ -63,7 +63,8 @@ protected:
     std::erase_if(names, [](const std::string &name) { return components_of(name) != 1 || map_degree_of(name) > 0; });
   }
 
-  // By the oracle alone, where both have all values. A disk's area is pi r^2; folds and thin parts have another.
+  // The vertices of one kind, decided by the oracle alone, where both have all values. A disk's area is pi r^2; folds and thin
+  // parts have another.
   static std::vector<uint8_t> where(const Oracle &oracle, const std::vector<uint8_t> &compared, double disk, Kind wanted) {
     std::vector<uint8_t> subset;
     for (size_t i = 0; i < oracle.boundary.size(); ++i) {

@@ -81,9 +81,9 @@ Settings with(Settings settings, const std::function<void(Settings &)> &change) 
   return settings;
 }
 
-// Parameters and charts of one's own: chart(middle of the triangle) tells the chart, place(chart, parameter) where it lies.
+// Gives the mesh other charts: chart(parameters of a triangle's middle) → chart, uv(chart, parameters of a corner) → (u, v).
 void cut(TestMesh &mesh, const std::function<int(double, double)> &chart,
-         const std::function<std::pair<double, double>(int, double, double)> &place) {
+         const std::function<std::pair<double, double>(int, double, double)> &uv) {
   mesh.corner_uvs.clear();
   mesh.triangle_chart.clear();
   for (size_t c = 0; c < mesh.corner_vertices.size(); c += 3) {
@@ -104,7 +104,7 @@ void cut(TestMesh &mesh, const std::function<int(double, double)> &chart,
     const int number = chart(x, y);
     mesh.triangle_chart.push_back(number);
     for (const Vec3 &p : corner) {
-      const auto [u, v] = place(number, p.x + dx, p.y + dy);
+      const auto [u, v] = uv(number, p.x + dx, p.y + dy);
       mesh.corner_uvs.push_back(static_cast<float>(u));
       mesh.corner_uvs.push_back(static_cast<float>(v));
     }
@@ -124,7 +124,7 @@ TEST_F(Relocation, every_choice_agrees_with_the_oracle_on_a_torus_of_fifteen_cha
   expect_errors_below(1, mesh, with(paper, [](Settings &s) { s.adaptive = 0.002; }), "paper, adaptive");
 }
 
-// The same places but for rounding, which now and then brings a sample to the texel beside it.
+// The positions are the same but for rounding, which now and then brings a sample to the texel beside it.
 TEST_F(Relocation, without_seams_the_papers_samples_are_those_of_the_affine_relocation) {
   TestMesh mesh = saddle(1, {.vertices = 2000});
   lay_out(mesh, {.charts = 1});
@@ -326,17 +326,17 @@ TEST_F(Relocation, each_wedge_of_a_vertex_on_needles_finds_the_whole_neighborhoo
     for (size_t v = 0; v < mesh.points.size(); ++v) {
       const double area = static_cast<double>(result["euclidean_area"][v]);
       const double error = static_cast<double>(result.seam_error.at("euclidean_area")[v]) / area;
-      ASSERT_FALSE(std::isnan(error)) << "vertex " << v << " has one place only";
+      ASSERT_FALSE(std::isnan(error)) << "vertex " << v << " has one wedge only";
       largest = std::max(largest, error);
       EXPECT_TRUE(std::isfinite(result["mean_curvature"][v])) << "vertex " << v;
     }
-    // Where no texel is near, a place begins at the next one, which may lie beyond the others' reach and counts for this place
+    // Where no texel is near, a wedge begins at the next one, which may lie beyond the others' balls and counts for this wedge
     // only.
     EXPECT_LE(largest, width < 0.5 ? 0.01 : 1e-4) << "width " << width;
   }
 }
 
-TEST_F(Relocation, a_thousand_charts_smaller_than_the_support_are_found) {
+TEST_F(Relocation, a_thousand_charts_smaller_than_the_neighborhood_are_found) {
   const TestMesh mesh = torus_of(1000, 5000);
   expect_errors_below(1.5, mesh, {}, "connected");
   EXPECT_GT(found(mesh, {}).least_coverage(), 0.999);
@@ -389,7 +389,7 @@ TEST_F(Relocation, the_directional_ellipse_finds_what_the_centers_distortion_lea
 // The stereographic map of the unit sphere, about a point of the equator: straight lines there have kappa_g = (n . e) with n
 // across the way to the pole, and mean kappa_g^2 = 1/2. The sum of chords measures them, so that K comes out as 1.5 (METHOD.md).
 TEST_F(Relocation, the_sum_of_chords_has_the_curvature_of_straight_lines_in_the_map) {
-  // As far as balls around the middle reach, whose size is half that at the pole.
+  // The patch is as wide as balls around the middle, whose size is half that at the pole.
   const auto patch = [](double middle, double width) {
     TestMesh mesh = plane(1, 1, {.vertices = 800, .irregular = false});
     for (size_t v = 0; v < mesh.points.size(); ++v) {

@@ -23,7 +23,7 @@ protected:
     radius = results.report.radius;
     return results;
   }
-  // Of areas: euclidean_area_test.cpp says why.
+  // The tolerance on areas; euclidean_area_test.cpp says why.
   double area_tolerance() const { return GetParam() == PDESC_BACKEND_REFERENCE ? 2e-3 : 4.5e-2; }
 };
 PDESC_ON_EACH_BACKEND(Thin);

@@ -44,7 +44,7 @@ public:
   }
 
   // One in four is a number with a name in IEEE 754, a threshold of the library or any bits at all; the others lie on a grid, so
-  // that places coincide.
+  // that positions coincide.
   float number() {
     using limits = std::numeric_limits<float>;
     constexpr float edges[] = {limits::quiet_NaN(),

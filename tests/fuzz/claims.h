@@ -1,4 +1,4 @@
-// What has to hold whatever the input: where it does not, the fuzzer is told by an abort.
+// Claims that must hold whatever the input; one that does not aborts, which the fuzzer reports.
 #pragma once
 
 #include <cstdio>

@@ -11,7 +11,7 @@
 
 namespace paradesc::fuzz {
 
-// Exactly so many bytes as its struct_size says, which may be any.
+// A copy of exactly as many bytes as its struct_size says, which may be any number.
 template <class Struct> class Passed {
 public:
   Passed(Bytes &bytes, const Struct &value) : size_(sizeof(Struct)) {

@@ -272,7 +272,7 @@ TEST(UvImage, that_is_cancelled_leaves_the_output_as_it_was) {
   cancel_patience = patience;
 }
 
-// What a caller gets wrong, each in a sound drawing.
+// Mistakes of a caller, each in a drawing that is sound otherwise.
 TEST(UvImage, refuses_what_it_cannot_draw_in_a_sentence_that_names_it) {
   const auto refused = [](auto &&spoil, std::initializer_list<const char *> offenders) {
     const Drawing drawing = crowd(8);

@@ -25,7 +25,7 @@ struct Built {
   Charts charts;
 };
 
-// What holds of every mesh: links of corners, wedges, borders and twins agree.
+// Expects what holds for every mesh: links of corners, wedges, borders and twins agree.
 void expect_sound(const Built &built) {
   const auto &[triangles, half_edges, charts] = built;
   for (int h = 0; h < 3 * triangles.triangle_count; ++h) {

@@ -79,7 +79,7 @@ Shape share(const Shape &shape) {
 
 size_t at(int32_t index) { return static_cast<size_t>(index); }
 
-// As OpenMesh knows edges: of the half-edges between two points there is one each way, and they are twins.
+// Expects edges as OpenMesh has them: between two points there is one half-edge each way, and they are twins.
 void expect_one_edge_between_two_points(const HalfEdges &half_edges) {
   std::map<std::pair<int32_t, int32_t>, int32_t> half_edge_of;
   for (int h = 0; h < static_cast<int>(half_edges.twin.size()); ++h) {
@@ -92,7 +92,7 @@ void expect_one_edge_between_two_points(const HalfEdges &half_edges) {
   }
 }
 
-// What holds of every mesh: twins are mutual and meet end to end, and turning about a point reaches all of its faces.
+// Expects what holds for every mesh: twins are mutual and meet end to end, and turning about a point reaches all of its faces.
 void expect_sound(const Triangles &triangles, const HalfEdges &half_edges) {
   std::vector<int> faces_at(at(half_edges.point_count), 0);
   for (int h = 0; h < 3 * triangles.triangle_count; ++h) {
@@ -410,7 +410,7 @@ TEST(HalfEdge, the_order_of_faces_and_corners_does_not_matter) {
   }
 }
 
-TEST(HalfEdge, random_triangles_on_few_places_become_manifold) {
+TEST(HalfEdge, random_triangles_on_few_positions_become_manifold) {
   for (unsigned seed = 0; seed < 2000; ++seed) { // build() checks every result
     std::mt19937 random(seed);
     Shape shape;

@@ -61,7 +61,7 @@ TEST(Patches, hold_each_triangle_of_a_torus_once_and_are_nearly_full) {
   const HalfEdges half_edges = build_half_edges(triangles);
   const Patches patches = build_patches(half_edges);
   expect_sound(patches, half_edges);
-  // Else floods over them look at as many things as floods over triangles.
+  // Otherwise floods over them would look at as many things as floods over triangles.
   EXPECT_LT(patches.count(), 3 * at(triangles.triangle_count) / Patches::max_triangles);
 }
 

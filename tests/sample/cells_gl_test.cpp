@@ -112,7 +112,8 @@ TEST_F(CellsOfTexels, every_two_charts_with_a_common_seam_are_linked_and_no_othe
 }
 
 TEST_F(CellsOfTexels, all_wedges_of_a_point_are_joined_around_it) {
-  // Not only somehow: the cells of two wedges of one point are the same, linked, or have a common neighbor.
+  // The cells of two wedges of one point are not only linked somehow: they are the same, linked directly, or have a common
+  // neighbor.
   const Built built = build(torus_of_charts(15));
   const Buffers buffers = bake(*thread, built, size);
   const Cells cells = cells_of(built, buffers, block);

@@ -1,4 +1,4 @@
-// The triangles that the surface reaches from a point within a ball.
+// The triangles that are connected to a point within a ball.
 #include "sample/connected_triangles.h"
 
 #include <algorithm>
@@ -76,7 +76,7 @@ TEST(ConnectedTriangles, other_leg_is_reached_around_the_end) {
   EXPECT_GT(found.back(), 2 * Hairpin::length + 2);                                 // and back
 }
 
-// Of the leg within the ball: a disk's middle strip, 2 sqrt(r^2 - y^2) integrated over y in [0, 1].
+// The area of the leg within the ball is that of a disk's middle strip, 2 sqrt(r^2 - y^2) integrated over y in [0, 1].
 TEST(ConnectedTriangles, area_is_that_of_the_triangles_within_the_ball) {
   const Hairpin hairpin;
   const std::vector<int32_t> points{hairpin.point_at(10)};

@@ -128,7 +128,7 @@ Cube cube_around(const TestMesh &mesh, const Layout &layout) {
   return cube;
 }
 
-// Where a direction is seen on the face, in [-1, 1] of each side inside it and a little beyond outside.
+// The position at which a direction meets the face: within it in [-1, 1] along each side, outside a little beyond.
 Vec3 face_angles(const Cube &cube, int face, Vec3 direction) {
   const Vec3 d = cube.turn(direction);
   const double depth = std::abs(d[face / 2]);

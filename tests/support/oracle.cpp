@@ -35,7 +35,7 @@ Surface surface_of(const TestMesh &mesh, int32_t normals) {
   return surface;
 }
 
-// Those whose values some of the points need that look so far: the corners of all triangles that their balls meet.
+// The points whose values computations at `points` read: the corners of all triangles that balls of this radius around them meet.
 std::vector<int32_t> needed_by(const Surface &surface, std::span<const int32_t> points, double reach) {
   const double limit = reach + surface.longest;
   std::vector<int32_t> needed;

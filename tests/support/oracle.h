@@ -26,10 +26,10 @@ Oracle ask_oracle(const TestMesh &mesh, double radius, const Settings &settings,
 // The values of these vertices, (vertices, components), of those of all.
 std::vector<float> pick(std::span<const float> values, std::span<const int32_t> vertices, size_t components = 1);
 
-// So many of the vertices, evenly spread over their numbers.
+// At most max_vertices of the vertices, evenly spread over their numbers.
 std::vector<int32_t> some_of(std::span<const int32_t> vertices, size_t max_vertices);
 
-// Vertices in so many regions of the mesh, so many of them in each.
+// `size` vertices in each of `count` regions of the mesh.
 std::vector<int32_t> clusters_of(const TestMesh &mesh, size_t count, size_t size);
 
 } // namespace paradesc::test

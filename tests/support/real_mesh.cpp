@@ -11,7 +11,7 @@
 namespace paradesc::test {
 namespace {
 
-// What the file says, polygons as fans.
+// The contents of the file, polygons as fans.
 struct Wavefront {
   std::vector<Vec3> points;
   std::vector<std::array<float, 2>> uvs;

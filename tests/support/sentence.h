@@ -1,4 +1,4 @@
-// What an error or a warning has to read like.
+// How an error or a warning must read.
 #pragma once
 
 #include <cctype>

@@ -48,7 +48,7 @@ private:
   std::mt19937 engine;
 };
 
-// What the vertices' parameters mean.
+// The meaning of the vertices' parameters.
 enum class Domain {
   rectangle, // (u, v) in [0, 1]², periodic where TestMesh says so
   sphere     // a unit direction; triangle_patch is the face of the cube that the triangle was made on

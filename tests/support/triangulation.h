@@ -1,4 +1,4 @@
-// Triangulations of the parameter domains of surfaces.h, and what their edges tell.
+// Triangulations of the parameter domains of surfaces.h, and what follows from their edges.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // Positions and UVs → the metric of the parameterization: E, F, G and area element of each triangle (paper eq. 1), and the
-// sampling ellipse of each wedge (paper 3.4). In buffer units: the bounding box' center is the origin, its longest half side
+// sampling ellipse of each wedge (paper 3.4). In buffer units: the bounding box's center is the origin, its longest half side
 // is 1.
 #pragma once
 

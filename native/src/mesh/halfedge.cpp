@@ -201,7 +201,7 @@ std::vector<int32_t> connect(const Triangles &triangles, const std::vector<uint8
 }
 
 // Whether half-edges that were not paired run between the same two points: OpenMesh knows one edge there, and would pair them or
-// refuse a face. That takes an edge that was taken apart, or a point of several vertices: else points tell what vertices do.
+// refuse a face. Only an edge that was taken apart, or a point of several vertices, can cause that.
 bool is_in_doubt(const Triangles &triangles, const std::vector<uint8_t> &left_out, const Pairing &pairing, const Fans &fans) {
   std::vector<int32_t> fan_vertex(fans.count);
   for (size_t fan = 0; fan < fan_vertex.size(); ++fan) fan_vertex[fan] = triangles.corner_vertex[fans.first[fan]];

@@ -61,8 +61,8 @@ struct Gradient {
   Lanes least_pivot; // of 1; not above what is enough, or no number, where the neighbors do not determine it
 };
 
-// Elimination from the given column on. Higher orders go first, so that what is left of the last two pivots tells how well the
-// neighbors determine the gradient alone.
+// Eliminates from column `first` on. Higher orders go first, so that the last two pivots show how well the neighbors determine
+// the gradient alone.
 template <size_t first> Gradient solve_gradient(Gram gram, const Scale &scale) {
   Gradient gradient;
   gradient.least_pivot = gram[first][first];

@@ -120,8 +120,8 @@ public:
     return balls_.leading(members.size(), 0.6f, [&](size_t i) { return centers[members[i]].position; });
   }
 
-  // The cells of the connected part of each center's ball, for up to BallLanes::max_lanes centers at once; choose() tells them
-  // apart.
+  // The cells of the connected part of each center's ball, for up to BallLanes::max_lanes centers at once; choose() separates
+  // them.
   void run(const std::vector<SearchCenter> &centers, std::span<const int32_t> members, const std::vector<Bounds> &links,
            const std::vector<vec3> &link_points) {
     come_.resize(visited_.size(), 0);

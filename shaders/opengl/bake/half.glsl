@@ -1,7 +1,7 @@
 // Floats → the nearest 16-bit ones, and what that rounding took from numbers between -1 and 1; unit vectors → the square that a flattened
 // octahedron makes, and back (Meyer et al. 2010). C++ compiles this text too (engine/opengl/half.h).
 
-// Of two equally near ones it is the even one. Drivers round what they pack or store as they like; whole numbers leave no choice.
+// If two are equally near, it is the even one. Drivers round what they pack or store as they like; whole numbers leave no choice.
 float nearest_half(float value) {
   uint bits = floatBitsToUint(value), sign_bit = bits & 0x80000000u, size = bits & 0x7fffffffu;
   if (size >= 0x7f800000u) return value; // infinite, or not a number

@@ -119,7 +119,7 @@ inline std::vector<Recorded> recorded_neighborhoods() {
   return all;
 }
 
-// What is usual for each value of every row: the radius to the power of its unit, of a map whose values are about 1.
+// The usual size of each value of every row: the radius to the power of its unit, for a map whose values are about 1.
 inline std::vector<double> usual_values() {
   std::vector<double> usual;
   for (int row = 0; row <= gradient_row(); ++row)
@@ -159,7 +159,7 @@ template <template <class, class> class Kernel> std::vector<float> one_at_a_time
   return finish_all(kernel, sums);
 }
 
-// What is left over of the last eight has no area.
+// Lanes of the last eight that are left over have no area.
 template <template <class, class> class Kernel> std::vector<float> eight_at_a_time(const Recorded &recorded) {
   using kernels::Choices, kernels::Lanes, kernels::lane_count;
   Kernel<Lanes, Choices> wide{recorded_params()};

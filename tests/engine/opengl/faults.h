@@ -1,4 +1,4 @@
-// A driver that fails where a test says so: functions that take the place of EGL's and OpenGL's entry points.
+// A driver that fails where a test says so: functions that replace EGL's and OpenGL's entry points.
 #pragma once
 
 #include <map>

@@ -53,7 +53,8 @@ TEST_F(HalfBuffers, hold_area_elements_of_every_scale) {
 }
 
 TEST_F(HalfBuffers, area_elements_beyond_the_largest_half_are_finite) {
-  // The second quad has a millionth of the first one's place, and so an area element a million times as large as the mean.
+  // The second quad has a millionth of the first one's area in (u, v), and so an area element a million times as large as the
+  // mean.
   const Built built = build(grid(2, 1, [](dvec2 position, int x, int) {
     return x == 0 ? position * 0.5 : dvec2(0.75) + (position - dvec2(1, 0)) * 0.0005;
   }));

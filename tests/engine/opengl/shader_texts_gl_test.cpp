@@ -85,7 +85,7 @@ protected:
     test::lay_out(mesh, {.charts = 9});
   }
 
-  // Everything that can be asked for together, or without operators what a driver that computes nothing comes to.
+  // Computes every row, or, without operators, those that a driver can finish that computes nothing.
   Field compute_all(const std::shared_ptr<Context> &context, const Settings &settings, bool operators,
                     bool displaced = false) const {
     const auto native = make_mesh(context, input_of(mesh));
@@ -143,7 +143,7 @@ std::vector<Settings> all_settings() {
   return all;
 }
 
-// The file that a text is written to: its ending tells the stage.
+// The file that a text is written to: its ending names the stage.
 std::string file_name(size_t number, GLenum stage) {
   const char *ending = stage == GL_VERTEX_SHADER ? ".vert" : stage == GL_FRAGMENT_SHADER ? ".frag" : ".comp";
   return std::to_string(number) + ending;
@@ -165,7 +165,7 @@ TEST_F(ShaderTexts, are_taken_by_khronos_own_compiler) {
   const auto context = open_remembering(false);
   for (const Settings &settings : all_settings()) make_programs(context, settings);
   make_programs(open_remembering(true), all_settings().front());
-  // What only comes after a first look: operators on a map, displaced texels, centers whose neighborhood folds.
+  // These texts are used only later: operators on a map, displaced texels, ambiguous centers.
   Settings later = all_settings().front();
   later.buffer_size = 64;
   mesh = test::ellipsoid(1, 1, 0.05, {.vertices = 800});

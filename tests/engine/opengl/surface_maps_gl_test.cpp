@@ -39,8 +39,8 @@ std::vector<OnSide> positions_on_sides(const Built &built, int triangle, bool li
   return found;
 }
 
-// Barycentric coordinates of what a texel stands for: the triangle's place nearest to its center, or that on the lines drawn for
-// the chart's edges; several where rounding decides which lines have the center.
+// Barycentric coordinates of the position that a texel stands for: the one of the triangle nearest to its center, or the one on
+// the lines drawn for the chart's edges; several where rounding decides which lines have the center.
 std::vector<dvec3> positions_of(const Built &built, int triangle, bool line, dvec2 center) {
   constexpr double rounding = 2.0 / 256;
   const dvec2 corner[3] = {built.uv(3 * triangle) - center, built.uv(3 * triangle + 1) - center,

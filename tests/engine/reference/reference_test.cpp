@@ -179,8 +179,8 @@ TEST(Reference, irregular_surfaces_have_their_curvatures_within_a_quarter_of_a_p
 }
 
 TEST(Reference, bending_tends_to_the_mean_square_of_curvature) {
-  // Its bias is of the support's second order: halving r leaves a quarter. Exact normals, fine mesh; the facets' share of the
-  // error does not shrink with r, hence 3.
+  // Its bias is of the neighborhood's second order: halving r leaves a quarter. Exact normals, fine mesh; the facets' share of
+  // the error does not shrink with r, hence 3.
   const TestMesh mesh = ellipsoid(1.5, 1, 0.7, {.vertices = 12000});
   std::vector<double> limit;
   for (size_t v = 0; v < mesh.k1.size(); ++v) limit.push_back((mesh.k1[v] * mesh.k1[v] + mesh.k2[v] * mesh.k2[v]) / 2);

@@ -16,7 +16,7 @@ inline float exp(float x) { return std::exp(x); }
 inline float pow(float x, float power) { return std::pow(x, power); }
 inline float atan(float y, float x) { return std::atan2(y, x); }
 inline bool isnan(float x) { return std::isnan(x); }
-// As GLSL's: the second value where the choice is true.
+// Does what GLSL's does: takes the second value where the choice is true.
 inline float mix(float a, float b, bool choice) { return choice ? b : a; }
 
 template <class T> T inversesqrt(T x) { return 1.0f / sqrt(x); }

@@ -1,4 +1,4 @@
-// Surface and atlas → buffers on the device: who owns each texel (a layout), and the point of the surface there (a frame).
+// Surface and atlas → buffers on the device: the owner of each texel (a layout), and the point of the surface there (a frame).
 #include <algorithm>
 #include <cmath>
 

@@ -11,7 +11,7 @@
 namespace paradesc {
 
 void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
-  // Shaders would read zeros beyond it, and no error would tell.
+  // Shaders would read zeros beyond it, and no error would be reported.
   if (bytes > static_cast<size_t>(gl.limits.storage_bytes))
     throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The mesh is too large for this device (a list of " + std::to_string(bytes >> 20) +
                                                " MiB, of which it takes " + std::to_string(gl.limits.storage_bytes >> 20) +

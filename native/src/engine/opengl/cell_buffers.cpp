@@ -23,7 +23,7 @@ static void use_program(const Gl &gl, ProgramCache &programs, const char *name, 
   gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
 }
 
-// The program in use, so many invocations at a time that no desktop's driver loses its patience.
+// Runs the program in use, few enough invocations at a time for the patience of a desktop's driver.
 static void dispatch(const Gl &gl, int count, int64_t tile) {
   const int64_t group = gl.limits.group_size;
   const auto size = static_cast<int>(std::clamp<int64_t>(tile / group * group, group, 65535 * group));

@@ -13,21 +13,21 @@
 
 namespace paradesc {
 
-// Samples whose points are listed beside the buffers, at most: 128 MiB.
+// The largest number of samples whose points are listed beside the buffers: 128 MiB.
 inline constexpr int max_listed_points = 1 << 22;
 
-// (texels) the surface's points there, of the geometry buffer as it is now; each texel x + size y.
+// Reads the surface's points (texels) from the geometry buffer as it is now; each texel is x + size y.
 std::vector<vec3> read_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer,
                               std::span<const int32_t> texels);
 
 class CellBuffers {
 public:
   CellBuffers(const Gl &gl, const Cells &cells, int buffer_size);
-  // (cells) of the geometry buffer as it is now.
+  // Measures the cells in the geometry buffer as it is now.
   std::vector<CellData> measure(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer);
   void set_samples(const Gl &gl, const CellSamples &samples);
-  // Points of the samples in the geometry buffer as it is now, for centers to fetch instead of its texels; not where they would
-  // take too much memory: then false. points: where they go.
+  // Lists the points of the samples in the geometry buffer as it is now, for centers to fetch instead of its texels. Returns
+  // false if that would take too much memory. points: where they go.
   bool list_points(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, BufferTexture &points) const;
   void bind(const Gl &gl) const;
 

@@ -1,4 +1,4 @@
-// Triangles and chart edges → who owns each texel → float textures of surface points, one a texel.
+// Triangles and chart edges → the owner of each texel → float textures of surface points, one per texel.
 #include "engine/opengl/geometry_buffer.h"
 
 #include <algorithm>

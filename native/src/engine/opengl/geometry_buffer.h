@@ -24,7 +24,7 @@ struct BakeInput {
   int threads = 0;
 };
 
-// A layout draws the triangles once, which says who owns each texel and where in its owner it lies. A frame then reads the
+// A layout draws the triangles once, to find the owner of each texel and where in its owner it lies. A frame then reads the
 // owner's three corners at each texel, however many triangles there are.
 class GeometryBuffer {
 public:

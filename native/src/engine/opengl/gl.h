@@ -86,7 +86,7 @@ struct Gl {
   GlLimits limits;
 };
 
-// Work groups for so many invocations.
+// The number of work groups for as many invocations.
 inline GLuint group_count(const Gl &gl, int invocations) {
   return static_cast<GLuint>((invocations + gl.limits.group_size - 1) / gl.limits.group_size);
 }

@@ -39,7 +39,7 @@ static int pattern_samples(const Job &job, const Frame &frame, int samples) {
   return std::min(4096, static_cast<int>(std::ceil(samples * shrinkage * shrinkage)));
 }
 
-// The vertices, pass by pass: operators on a map come after what the map is made of.
+// Evaluates the vertices pass by pass: operators on a map come after what the map is made of.
 void TextureSpace::at_vertices(const Job &job, Frame &frame, Centers centers, Computed &computed) {
   const pdesc_options &options = job.options();
   const double radius = job.request.radius;
@@ -93,7 +93,7 @@ static void refuse_beyond_texels(const Job &job, const Frame &frame) {
                 "Displacement and normal maps are followed at vertices only; choose to evaluate at vertices, or clear the maps.");
 }
 
-// The texels of a map, so many at a time that a computation can be cancelled between; then the vertices from there.
+// Evaluates the texels of a map in batches, between which a computation can be cancelled; then looks the vertices up there.
 void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
   constexpr size_t batch = size_t{1} << 15;
   refuse_beyond_texels(job, frame);

@@ -170,7 +170,7 @@ private:
   std::unique_ptr<OnDevice> device_ = std::make_unique<OnDevice>();
 
   Keyed<AtlasSize, BorderGrid> grid_;
-  Keyed<std::pair<int, bool>, BakeVertices> vertices_; // by the atlas' version, and whether corners have normals of their own
+  Keyed<std::pair<int, bool>, BakeVertices> vertices_; // by the atlas's version, and whether corners have normals of their own
   Keyed<LayoutKey, BakedLayout> layout_;               // what the buffers' owners are
   Keyed<SurfaceKey, std::optional<DisplacedPoints>> displaced_;
   Keyed<BakeKey, BakeSpace> baked_;                                  // what the buffers hold

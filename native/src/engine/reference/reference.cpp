@@ -165,7 +165,7 @@ void add_triangle(Moments &moments, const Center &center, const Patch &patch) {
 
 // Least squares for a symmetric S: X S + S X = M + MT, in the principal frame of X three separate equations.
 void fit_shape_operator(const Moments &moments, const Center &center, ReferenceNeighborhood &neighborhood) {
-  constexpr double least_ratio = 1e-6; // of the extents across and along; a thinner support does not determine S
+  constexpr double least_ratio = 1e-6; // of the extents across and along; a thinner neighborhood does not determine S
   neighborhood.k1 = neighborhood.k2 = neighborhood.mean = neighborhood.gauss = undefined;
   neighborhood.direction_max = neighborhood.direction_min = dvec3(undefined);
   const double angle = 0.5 * std::atan2(2 * moments.xy, moments.xx - moments.yy);
