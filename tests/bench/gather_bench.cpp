@@ -82,16 +82,16 @@ std::string shader(const std::string &fetch) {
          "  vec2 center = centers[index] * float(size);\n"
          "  vec4 sum = vec4(0.0);\n"
          "  for (int i = 0; i < samples; ++i) {\n"
-         "    vec2 position = center + radius * pattern[i];\n" +
+         "    vec2 spot = center + radius * pattern[i];\n" +
          fetch +
          "  }\n"
          "  results[index] = sum;\n"
          "}\n";
 }
 
-constexpr const char *texel_fetch = "    ivec2 texel = ivec2(position) & (size - 1);\n"
+constexpr const char *texel_fetch = "    ivec2 texel = ivec2(spot) & (size - 1);\n"
                                     "    sum += texelFetch(position, texel, 0) + texelFetch(normal, texel, 0);\n";
-constexpr const char *texture_lod = "    vec2 uv = position / float(size);\n"
+constexpr const char *texture_lod = "    vec2 uv = spot / float(size);\n"
                                     "    sum += textureLod(position, uv, 0.0) + textureLod(normal, uv, 0.0);\n";
 
 GLuint compile(const Gl &gl, const std::string &text) {
