@@ -33,6 +33,7 @@ struct Neighbor {
   float geodesic;  // s, the distance along the surface
   float distance;  // rho or s: what bounds the neighborhood
   float area;      // the surface area this neighbor stands for
+  float per_side;  // one over the side of a square of that area
   float weight;    // w: the part of that area within the neighborhood
   bool near;       // nearer than one texel: too near for anything divided by rho
 #if MAP
@@ -86,10 +87,11 @@ vec2 exact_means(Neighborhood neighborhood) {
   return exact;
 }
 
-// The share of a square of this area, at this distance, that lies within the radius.
-float rim_share(float away, float radius, float area) {
-  return clamp((radius - away) * inversesqrt(max(area, 1e-20f)) + 0.5f, 0.0f, 1.0f);
-}
+// One over the side of a square of this area.
+float per_side_of(float area) { return inversesqrt(max(area, 1e-20f)); }
+
+// The share of a square, at this distance, that lies within the radius.
+float rim_share(float away, float radius, float per_side) { return clamp((radius - away) * per_side + 0.5f, 0.0f, 1.0f); }
 
 // A Gaussian window of the distance rho.
 float gaussian(float rho, float width) { return exp(-0.5f * rho * rho / (width * width)); }

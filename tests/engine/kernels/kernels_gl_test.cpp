@@ -30,7 +30,8 @@ void main() {
   sums.moments.hits_boundary = centers[3 * index + 1].w;
   for (int i = int(centers[3 * index + 2].x); i < int(centers[3 * index + 2].y); ++i) {
     vec4 position = neighbors[4 * i], normal = neighbors[4 * i + 1], face = neighbors[4 * i + 2];
-    add_neighbor(sums, position.xyz, normal.xyz, face.xyz, position.w, normal.w > 0.0, face.w, neighbors[4 * i + 3]);
+    add_neighbor(sums, position.xyz, normal.xyz, face.xyz, position.w, per_side_of(position.w), normal.w > 0.0, face.w,
+                 neighbors[4 * i + 3]);
   }
   Neighborhood neighborhood = finish_neighborhood(sums, 1.0);
   STORE_DESCRIPTORS
@@ -50,8 +51,9 @@ protected:
       centers.insert(centers.end(), {vec4(one.position, one.value), vec4(one.normal, one.hits_boundary)});
       const size_t first = neighbors.size() / 4;
       for (const RecordedNeighbor &neighbor : one.neighbors)
-        neighbors.insert(neighbors.end(), {vec4(neighbor.position, neighbor.area), vec4(neighbor.normal, neighbor.near ? 1.0f : 0.0f),
-                                     vec4(neighbor.face, neighbor.geodesic), neighbor.map});
+        neighbors.insert(neighbors.end(),
+                         {vec4(neighbor.position, neighbor.area), vec4(neighbor.normal, neighbor.near ? 1.0f : 0.0f),
+                          vec4(neighbor.face, neighbor.geodesic), neighbor.map});
       centers.emplace_back(first, neighbors.size() / 4, 0, 0);
     }
     std::vector<int> rows;

@@ -15,6 +15,7 @@
 #define EXTRAPOLATED 0
 #define GEODESIC_BALL 0
 #define FACES 1
+#define MAP 1
 #include "engine/kernels/kernels.h"
 #undef KERNEL
 #undef INTEGRAL
@@ -37,6 +38,7 @@
 #undef EXTRAPOLATED
 #undef GEODESIC_BALL
 #undef FACES
+#undef MAP
 
 namespace paradesc::test {
 
@@ -65,7 +67,8 @@ inline EvaluateParams recorded_params() {
   return params;
 }
 
-// A patch z = (a x^2 + b y^2)/2 + c x y, by a spiral of so many neighbors over a little more than the ball, under a map that waves.
+// A patch z = (a x^2 + b y^2)/2 + c x y, by a spiral of so many neighbors over a little more than the ball, under a map that
+// waves.
 inline Recorded record(const std::string &name, float a, float b, float c, int count) {
   Recorded recorded{.name = name, .neighbors = {}};
   recorded.value = 0.3f;
@@ -88,9 +91,9 @@ inline Recorded record(const std::string &name, float a, float b, float c, int c
 }
 
 inline std::vector<Recorded> recorded_neighborhoods() {
-  std::vector<Recorded> all = {record("cap", -3.0f, -2.5f, 0.0f, 200),    record("cup", 2.0f, 2.5f, 0.3f, 117),
-                               record("saddle", 4.0f, -3.0f, 1.0f, 64),   record("ridge", -5.0f, 0.0f, 0.0f, 93),
-                               record("plane", 0.0f, 0.0f, 0.0f, 64),     record("three neighbors", -3.0f, 1.0f, 0.0f, 3),
+  std::vector<Recorded> all = {record("cap", -3.0f, -2.5f, 0.0f, 200),       record("cup", 2.0f, 2.5f, 0.3f, 117),
+                               record("saddle", 4.0f, -3.0f, 1.0f, 64),      record("ridge", -5.0f, 0.0f, 0.0f, 93),
+                               record("plane", 0.0f, 0.0f, 0.0f, 64),        record("three neighbors", -3.0f, 1.0f, 0.0f, 3),
                                record("one neighbor", -3.0f, 1.0f, 0.0f, 1), record("nothing", 0.0f, 0.0f, 0.0f, 0)};
   Recorded cut = record("cut", -3.0f, -2.0f, 0.0f, 150);
   std::erase_if(cut.neighbors, [](const RecordedNeighbor &neighbor) { return neighbor.position.x > 0.03f; });
@@ -154,8 +157,9 @@ template <template <class, class> class Kernel> std::vector<float> one_at_a_time
   kernel.sums_init(sums, as<float>(recorded.position), as<float>(recorded.normal), recorded.value);
   sums.moments.hits_boundary = recorded.hits_boundary;
   for (const RecordedNeighbor &neighbor : recorded.neighbors)
-    kernel.add_neighbor(sums, as<float>(neighbor.position), as<float>(neighbor.normal), as<float>(neighbor.face), neighbor.area, neighbor.near,
-                        neighbor.geodesic, {neighbor.map.x, neighbor.map.y, neighbor.map.z, neighbor.map.w});
+    kernel.add_neighbor(sums, as<float>(neighbor.position), as<float>(neighbor.normal), as<float>(neighbor.face), neighbor.area,
+                        kernel.per_side_of(neighbor.area), neighbor.near, neighbor.geodesic,
+                        {neighbor.map.x, neighbor.map.y, neighbor.map.z, neighbor.map.w});
   return finish_all(kernel, sums);
 }
 
@@ -182,12 +186,14 @@ template <template <class, class> class Kernel> std::vector<float> eight_at_a_ti
                                        lanes([&](const RecordedNeighbor &p) { return (p.*member).y; }),
                                        lanes([&](const RecordedNeighbor &p) { return (p.*member).z; }));
     };
+    const Lanes area = lanes([](const RecordedNeighbor &p) { return p.area; });
     Choices near;
-    for (size_t i = 0; i < lane_count; ++i) near.lane[i] = neighbor(i).near;
-    wide.add_neighbor(sums, vectors(&RecordedNeighbor::position), vectors(&RecordedNeighbor::normal), vectors(&RecordedNeighbor::face),
-                      lanes([](const RecordedNeighbor &p) { return p.area; }), near, lanes([](const RecordedNeighbor &p) { return p.geodesic; }),
-                      {lanes([](const RecordedNeighbor &p) { return p.map.x; }), lanes([](const RecordedNeighbor &p) { return p.map.y; }),
-                       lanes([](const RecordedNeighbor &p) { return p.map.z; }), lanes([](const RecordedNeighbor &p) { return p.map.w; })});
+    for (size_t i = 0; i < lane_count; ++i) near.lane[i] = neighbor(i).near ? -1 : 0;
+    wide.add_neighbor(
+        sums, vectors(&RecordedNeighbor::position), vectors(&RecordedNeighbor::normal), vectors(&RecordedNeighbor::face), area,
+        wide.per_side_of(area), near, lanes([](const RecordedNeighbor &p) { return p.geodesic; }),
+        {lanes([](const RecordedNeighbor &p) { return p.map.x; }), lanes([](const RecordedNeighbor &p) { return p.map.y; }),
+         lanes([](const RecordedNeighbor &p) { return p.map.z; }), lanes([](const RecordedNeighbor &p) { return p.map.w; })});
   }
   using Narrow = Kernel<float, bool>;
   Narrow kernel{recorded_params()};

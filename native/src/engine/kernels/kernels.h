@@ -2,7 +2,8 @@
 // are added up before they are finished by add_lanes().
 //
 // No include guard: each engine, or each choice of an engine, includes it with a name of its own for KERNEL. What GLSL chooses when it
-// compiles is chosen in the same way: INTEGRAL, EXTRAPOLATED, GEODESIC_BALL and FACES are 0 or 1. MAP is always there.
+// compiles is chosen in the same way: INTEGRAL, EXTRAPOLATED, GEODESIC_BALL, FACES and MAP are 0 or 1, as are TERMS_BALL and so on for
+// each of shaders/kernel/terms, 1 where nothing is said.
 #include <limits>
 
 #include "engine/kernels/lanes.h"
@@ -13,11 +14,11 @@
 #include "shared.h"
 
 namespace paradesc::kernels {
+inline namespace KERNEL_TARGET {
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-parameter" // a kernel takes what any other one needs
 #pragma GCC diagnostic ignored "-Wshadow"
-#define MAP 1
 #define OUT(type) type &
 #define INOUT(type) type &
 #define NOT_A_NUMBER std::numeric_limits<real>::quiet_NaN()
@@ -43,7 +44,7 @@ template <class Float, class Bool> struct KERNEL {
 #undef NOT_A_NUMBER
 #undef INOUT
 #undef OUT
-#undef MAP
 #pragma GCC diagnostic pop
 
+} // namespace KERNEL_TARGET
 } // namespace paradesc::kernels

@@ -1,4 +1,8 @@
-// Eight floats that are computed with together, on every instruction set in the same order; and eight choices between them.
+// Floats that are computed with together, as many as LANE_WIDTH (8 unless it is set), and as many choices between them.
+//
+// Vectors of the compiler, which GCC and Clang have for every processor. Each lane is rounded as a float is by itself, so that
+// results do not depend on the width. KERNEL_TARGET names the code of one set of instructions: inline functions that are compiled
+// for several of them would else be taken for the same.
 #pragma once
 
 #include <array>
@@ -6,72 +10,92 @@
 #include <cmath>
 #include <cstdint>
 
-namespace paradesc::kernels {
+#ifndef LANE_WIDTH
+#define LANE_WIDTH 8
+#endif
+#ifndef KERNEL_TARGET
+#define KERNEL_TARGET any
+#endif
 
-inline constexpr int lane_count = 8;
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wpsabi" // vectors that are passed by value stay within one object file
+#endif
+
+namespace paradesc::kernels {
+inline namespace KERNEL_TARGET {
+
+inline constexpr int lane_count = LANE_WIDTH;
 
 struct Choices {
-  std::array<bool, lane_count> lane;
+  using Bits [[gnu::vector_size(LANE_WIDTH * sizeof(int32_t))]] = int32_t;
+  Bits lane; // -1: yes, 0: no
 };
 
 struct Lanes {
-  std::array<float, lane_count> lane;
+  using Floats [[gnu::vector_size(LANE_WIDTH * sizeof(float))]] = float;
+  Floats lane;
   Lanes() = default;
-  Lanes(float all) { lane.fill(all); } // of literals
+  Lanes(float all) : lane(Floats{} + all) {} // of literals
   explicit Lanes(double all) : Lanes(static_cast<float>(all)) {}
-  explicit Lanes(const std::array<float, lane_count> &values) : lane(values) {}
-
-  float sum() const {
-    const auto &v = lane;
-    return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
-  }
+  explicit Lanes(const Floats &values) : lane(values) {}
 };
 
-template <class Of> Lanes each_lane(const Lanes &a, const Lanes &b, const Of &of) {
-  Lanes result;
-  for (size_t i = 0; i < lane_count; ++i) result.lane[i] = of(a.lane[i], b.lane[i]);
-  return result;
-}
-template <class Of> Choices choose_lanes(const Lanes &a, const Lanes &b, const Of &of) {
-  Choices result;
-  for (size_t i = 0; i < lane_count; ++i) result.lane[i] = of(a.lane[i], b.lane[i]);
-  return result;
-}
-
-inline Lanes operator+(const Lanes &a, const Lanes &b) { return each_lane(a, b, [](float x, float y) { return x + y; }); }
-inline Lanes operator-(const Lanes &a, const Lanes &b) { return each_lane(a, b, [](float x, float y) { return x - y; }); }
-inline Lanes operator*(const Lanes &a, const Lanes &b) { return each_lane(a, b, [](float x, float y) { return x * y; }); }
-inline Lanes operator/(const Lanes &a, const Lanes &b) { return each_lane(a, b, [](float x, float y) { return x / y; }); }
-inline Lanes operator-(const Lanes &a) { return Lanes(0.0f) - a; }
+inline Lanes operator+(const Lanes &a, const Lanes &b) { return Lanes(a.lane + b.lane); }
+inline Lanes operator-(const Lanes &a, const Lanes &b) { return Lanes(a.lane - b.lane); }
+inline Lanes operator*(const Lanes &a, const Lanes &b) { return Lanes(a.lane * b.lane); }
+inline Lanes operator/(const Lanes &a, const Lanes &b) { return Lanes(a.lane / b.lane); }
+inline Lanes operator-(const Lanes &a) { return Lanes(-a.lane); }
 inline Lanes &operator+=(Lanes &a, const Lanes &b) { return a = a + b; }
-inline Choices operator<(const Lanes &a, const Lanes &b) { return choose_lanes(a, b, [](float x, float y) { return x < y; }); }
-inline Choices operator>=(const Lanes &a, const Lanes &b) { return choose_lanes(a, b, [](float x, float y) { return x >= y; }); }
-inline Choices operator==(const Lanes &a, const Lanes &b) { return choose_lanes(a, b, [](float x, float y) { return x == y; }); }
-inline Choices operator||(const Choices &a, const Choices &b) {
-  Choices result;
-  for (size_t i = 0; i < lane_count; ++i) result.lane[i] = a.lane[i] || b.lane[i];
+inline Choices operator<(const Lanes &a, const Lanes &b) { return {a.lane < b.lane}; }
+inline Choices operator>(const Lanes &a, const Lanes &b) { return {a.lane > b.lane}; }
+inline Choices operator>=(const Lanes &a, const Lanes &b) { return {a.lane >= b.lane}; }
+inline Choices operator==(const Lanes &a, const Lanes &b) { return {a.lane == b.lane}; }
+inline Choices operator||(const Choices &a, const Choices &b) { return {a.lane | b.lane}; }
+inline Choices operator&&(const Choices &a, const Choices &b) { return {a.lane & b.lane}; }
+
+inline Lanes mix(const Lanes &a, const Lanes &b, const Choices &choice) { return Lanes(choice.lane ? b.lane : a.lane); }
+inline Lanes min(const Lanes &a, const Lanes &b) { return mix(a, b, b < a); }
+inline Lanes max(const Lanes &a, const Lanes &b) { return mix(a, b, a < b); }
+inline Choices isnan(const Lanes &a) { return {a.lane != a.lane}; }
+inline Lanes sqrt(const Lanes &a) {
+  Lanes result;
+  for (int i = 0; i < lane_count; ++i) result.lane[i] = std::sqrt(a.lane[i]);
   return result;
 }
 
-inline Lanes min(const Lanes &a, const Lanes &b) { return each_lane(a, b, [](float x, float y) { return y < x ? y : x; }); }
-inline Lanes max(const Lanes &a, const Lanes &b) { return each_lane(a, b, [](float x, float y) { return x < y ? y : x; }); }
-inline Lanes sqrt(const Lanes &a) { return each_lane(a, a, [](float x, float) { return std::sqrt(x); }); }
-inline Lanes exp(const Lanes &a) { return each_lane(a, a, [](float x, float) { return std::exp(x); }); }
-inline Choices isnan(const Lanes &a) { return choose_lanes(a, a, [](float x, float) { return std::isnan(x); }); }
-inline Lanes mix(const Lanes &a, const Lanes &b, const Choices &choice) {
-  Lanes result;
-  for (size_t i = 0; i < lane_count; ++i) result.lane[i] = choice.lane[i] ? b.lane[i] : a.lane[i];
-  return result;
+// To 2e-7 of the result, for what is neither NaN nor far above 0: 2^n e^f by a polynomial, n whole and |f| at most ln(2)/2.
+inline Lanes exp(const Lanes &a) {
+  const Lanes x = max(a, -87.0f), whole_maker = 12582912.0f; // 1.5 * 2^23: its neighbors are whole numbers
+  const Lanes shifted = x * 1.44269504f + whole_maker, n = shifted - whole_maker;
+  const Lanes f = (x - n * 0.693359375f) - n * -2.12194440e-4f; // ln(2) in two parts: n times the first is exact
+  Lanes sum = 1.98756915e-4f;
+  for (const float term : {1.39819995e-3f, 8.33345191e-3f, 4.16657968e-2f, 0.166666657f, 0.5f}) sum = sum * f + term;
+  sum = sum * f * f + f + 1.0f;
+  const auto bits = std::bit_cast<Choices::Bits>(shifted.lane) - std::bit_cast<int32_t>(12582912.0f) + 127;
+  return sum * Lanes(std::bit_cast<Lanes::Floats>(bits << 23));
+}
+
+// All lanes together, halves first, so that the order of sums does not depend on the width: lanes of a wider vector are added in
+// pairs to those of one half as wide.
+template <size_t width> float sum_of(const std::array<float, width> &lanes) {
+  if constexpr (width == 1) {
+    return lanes[0];
+  } else {
+    std::array<float, width / 2> half;
+    for (size_t i = 0; i < width / 2; ++i) half[i] = lanes[i] + lanes[i + width / 2];
+    return sum_of(half);
+  }
 }
 
 // Adds up the sums of all lanes: a struct of lanes becomes the same struct of floats.
 template <class Narrow, class Wide> Narrow add_lanes(const Wide &wide) {
   constexpr size_t count = sizeof(Narrow) / sizeof(float);
   static_assert(sizeof(Wide) == lane_count * sizeof(Narrow));
-  const auto lanes = std::bit_cast<std::array<Lanes, count>>(wide);
+  const auto lanes = std::bit_cast<std::array<std::array<float, lane_count>, count>>(wide);
   std::array<float, count> sums;
-  for (size_t i = 0; i < count; ++i) sums[i] = lanes[i].sum();
+  for (size_t i = 0; i < count; ++i) sums[i] = sum_of(lanes[i]);
   return std::bit_cast<Narrow>(sums);
 }
 
+} // namespace KERNEL_TARGET
 } // namespace paradesc::kernels

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <type_traits>
 
+#include "engine/kernels/lanes.h"
+
 namespace paradesc::kernels {
+inline namespace KERNEL_TARGET {
 
 // ---- Single numbers
 
@@ -110,4 +113,5 @@ template <class T> Matrix3<T> inverse(const Matrix3<T> &m) {
   return transpose(Matrix3<T>(cross(m.b, m.c), cross(m.c, m.a), cross(m.a, m.b))) / determinant(m);
 }
 
+} // namespace KERNEL_TARGET
 } // namespace paradesc::kernels
