@@ -1,0 +1,214 @@
+// Level by level: each cluster takes the neighbor with which it is roundest, counted in edges.
+#include "mesh/cluster_tree.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "support/cancel.h"
+
+namespace paradesc {
+
+namespace {
+
+// The clusters of one level: how many edges they share with others, and in all.
+struct ClusterGraph {
+  struct Link {
+    int32_t other, edges;
+  };
+  std::vector<int32_t> begin{0}; // (clusters + 1) into link
+  std::vector<Link> link;
+  std::vector<int32_t> perimeter; // edges
+  std::vector<int32_t> triangles;
+
+  int32_t size() const { return static_cast<int32_t>(perimeter.size()); }
+};
+
+// Edges of the union's border over what a disk of as many triangles would have, squared; a little more where it is large, so that
+// small clusters do not wait.
+double roughness(int32_t perimeter, int32_t triangles) {
+  const double edges = perimeter, count = triangles;
+  return edges * edges / count + 0.05 * count;
+}
+
+// The clusters of the next level: which of this level's belong to each.
+class Matching {
+public:
+  explicit Matching(const ClusterGraph &graph) : graph_(graph), parent_(graph.perimeter.size(), -1) {
+    for (int32_t cluster = 0; cluster < graph.size(); ++cluster)
+      if (parent_[cluster] < 0 && !pair(cluster) && !join(cluster)) open(cluster);
+  }
+
+  std::vector<int32_t> take_parents() { return std::move(parent_); }
+  int32_t count() const { return static_cast<int32_t>(members_.size()); }
+  const std::vector<int32_t> &triangles() const { return triangles_; }
+
+private:
+  static constexpr int max_members = 3;
+
+  int32_t open(int32_t cluster) {
+    members_.push_back(1);
+    perimeter_.push_back(graph_.perimeter[cluster]);
+    triangles_.push_back(graph_.triangles[cluster]);
+    return parent_[cluster] = count() - 1;
+  }
+
+  void add(int32_t cluster, int32_t group, int32_t edges) {
+    parent_[cluster] = group;
+    ++members_[group];
+    perimeter_[group] += graph_.perimeter[cluster] - 2 * edges;
+    triangles_[group] += graph_.triangles[cluster];
+  }
+
+  bool pair(int32_t cluster) {
+    double least = std::numeric_limits<double>::max();
+    ClusterGraph::Link best{-1, 0};
+    for (int32_t k = graph_.begin[cluster]; k < graph_.begin[cluster + 1]; ++k) {
+      const ClusterGraph::Link link = graph_.link[k];
+      if (parent_[link.other] >= 0) continue;
+      const double rough = roughness(graph_.perimeter[cluster] + graph_.perimeter[link.other] - 2 * link.edges,
+                                     graph_.triangles[cluster] + graph_.triangles[link.other]);
+      if (rough >= least) continue;
+      least = rough;
+      best = link;
+    }
+    if (best.other >= 0) add(best.other, open(cluster), best.edges);
+    return best.other >= 0;
+  }
+
+  // All neighbors are taken: one of their groups takes it, too.
+  bool join(int32_t cluster) {
+    double least = std::numeric_limits<double>::max();
+    int32_t best = -1, edges = 0;
+    for (int32_t k = graph_.begin[cluster]; k < graph_.begin[cluster + 1]; ++k) {
+      const ClusterGraph::Link link = graph_.link[k];
+      const int32_t group = parent_[link.other];
+      if (members_[group] >= max_members) continue;
+      const double rough = roughness(perimeter_[group] + graph_.perimeter[cluster] - 2 * link.edges,
+                                     triangles_[group] + graph_.triangles[cluster]);
+      if (rough >= least) continue;
+      least = rough;
+      best = group;
+      edges = link.edges;
+    }
+    if (best >= 0) add(cluster, best, edges);
+    return best >= 0;
+  }
+
+  const ClusterGraph &graph_;
+  std::vector<int32_t> parent_;
+  std::vector<int32_t> members_, perimeter_, triangles_; // of each group
+};
+
+// The members of each parent, one parent after the other.
+struct Members {
+  std::vector<int32_t> begin, member;
+  Members(const std::vector<int32_t> &parent, int32_t parents)
+      : begin(static_cast<size_t>(parents) + 1, 0), member(parent.size()) {
+    for (const int32_t p : parent) ++begin[p + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<int32_t> next(begin.begin(), begin.end() - 1);
+    for (size_t i = 0; i < parent.size(); ++i) member[next[parent[i]]++] = static_cast<int32_t>(i);
+  }
+};
+
+} // namespace
+
+static ClusterGraph graph_of_triangles(const HalfEdges &half_edges, const std::vector<int32_t> &triangles,
+                                       const std::vector<int32_t> &rank) {
+  ClusterGraph graph;
+  graph.begin.reserve(triangles.size() + 1);
+  graph.link.reserve(3 * triangles.size());
+  for (const int32_t triangle : triangles) {
+    for (int32_t half_edge = 3 * triangle; half_edge < 3 * triangle + 3; ++half_edge) {
+      const int32_t twin = half_edges.twin[half_edge];
+      if (twin >= 0 && twin / 3 != triangle) graph.link.push_back({rank[twin / 3], 1});
+    }
+    graph.begin.push_back(static_cast<int32_t>(graph.link.size()));
+  }
+  graph.perimeter.assign(triangles.size(), 3);
+  graph.triangles.assign(triangles.size(), 1);
+  return graph;
+}
+
+static ClusterGraph coarsen(const ClusterGraph &graph, const std::vector<int32_t> &parent, const Matching &matching) {
+  const Members members(parent, matching.count());
+  ClusterGraph coarse;
+  coarse.triangles = matching.triangles();
+  coarse.link.reserve(graph.link.size() / 2);
+  std::vector<size_t> at(static_cast<size_t>(matching.count()), 0); // where the link to another group is, if it is this group's
+  for (int32_t group = 0; group < matching.count(); ++group) {
+    const size_t first = coarse.link.size();
+    int32_t perimeter = 0;
+    for (int32_t m = members.begin[group]; m < members.begin[group + 1]; ++m) {
+      const int32_t member = members.member[m];
+      perimeter += graph.perimeter[member];
+      for (int32_t k = graph.begin[member]; k < graph.begin[member + 1]; ++k) {
+        const ClusterGraph::Link link = graph.link[k];
+        const int32_t other = parent[link.other];
+        if (other == group) {
+          perimeter -= link.edges;
+        } else if (at[other] >= first && at[other] < coarse.link.size() && coarse.link[at[other]].other == other) {
+          coarse.link[at[other]].edges += link.edges;
+        } else {
+          at[other] = coarse.link.size();
+          coarse.link.push_back({other, link.edges});
+        }
+      }
+    }
+    coarse.perimeter.push_back(perimeter);
+    coarse.begin.push_back(static_cast<int32_t>(coarse.link.size()));
+  }
+  return coarse;
+}
+
+// From the top down: the order in which each level's clusters stand.
+static void put_in_order(const std::vector<std::vector<int32_t>> &parents, const std::vector<int32_t> &sizes, ClusterTree &tree) {
+  std::vector<int32_t> order(static_cast<size_t>(sizes.back()));
+  std::iota(order.begin(), order.end(), 0);
+  tree.child_begin.resize(parents.size());
+  for (size_t level = parents.size(); level-- > 0;) {
+    const Members members(parents[level], sizes[level + 1]);
+    std::vector<int32_t> below, &begin = tree.child_begin[level];
+    below.reserve(parents[level].size());
+    begin.assign(1, 0);
+    for (const int32_t cluster : order) {
+      below.insert(below.end(), members.member.begin() + members.begin[cluster],
+                   members.member.begin() + members.begin[cluster + 1]);
+      begin.push_back(static_cast<int32_t>(below.size()));
+    }
+    order.swap(below);
+  }
+  std::vector<int32_t> triangles;
+  triangles.reserve(order.size());
+  for (const int32_t i : order) triangles.push_back(tree.triangle[i]);
+  tree.triangle.swap(triangles);
+}
+
+ClusterTree build_cluster_tree(const HalfEdges &half_edges) {
+  constexpr double least_gain = 0.95; // a level that hardly has fewer clusters is the last: what is left are parts of their own
+  ClusterTree tree;
+  tree.rank.assign(half_edges.corner_point.size() / 3, -1);
+  for (size_t t = 0; t < tree.rank.size(); ++t) {
+    if (half_edges.corner_point[3 * t] < 0) continue;
+    tree.rank[t] = static_cast<int32_t>(tree.triangle.size());
+    tree.triangle.push_back(static_cast<int32_t>(t));
+  }
+  ClusterGraph graph = graph_of_triangles(half_edges, tree.triangle, tree.rank);
+  std::vector<std::vector<int32_t>> parents;
+  std::vector<int32_t> sizes{graph.size()};
+  while (graph.size() > 1) {
+    checkpoint();
+    Matching matching(graph);
+    if (matching.count() > least_gain * graph.size()) break;
+    parents.push_back(matching.take_parents());
+    sizes.push_back(matching.count());
+    graph = coarsen(graph, parents.back(), matching);
+  }
+  put_in_order(parents, sizes, tree);
+  for (size_t i = 0; i < tree.triangle.size(); ++i) tree.rank[tree.triangle[i]] = static_cast<int32_t>(i);
+  return tree;
+}
+
+} // namespace paradesc

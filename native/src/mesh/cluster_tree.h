@@ -1,0 +1,27 @@
+// Half-edges → a tree of connected clusters of triangles: pairs of neighbors, pairs of pairs, and so on.
+//
+// It depends on how the mesh hangs together alone, not on positions: every frame of an animation has the same tree, whichever
+// frame came first.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mesh/halfedge.h"
+
+namespace paradesc {
+
+// Level 0 has one cluster for each triangle that is not left out. The clusters of a level stand in the order of their triangles,
+// so that each cluster is a range of every level below it.
+struct ClusterTree {
+  std::vector<int32_t> triangle;                 // of level 0
+  std::vector<int32_t> rank;                     // (triangle_count) its index in there; -1: left out
+  std::vector<std::vector<int32_t>> child_begin; // [level - 1](clusters + 1) into the level below
+
+  size_t levels() const { return child_begin.size() + 1; }
+  size_t size(size_t level) const { return level == 0 ? triangle.size() : child_begin[level - 1].size() - 1; }
+};
+
+ClusterTree build_cluster_tree(const HalfEdges &half_edges);
+
+} // namespace paradesc
