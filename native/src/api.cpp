@@ -165,7 +165,7 @@ int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context
   return guarded([&] {
     need(context, "context");
     const auto ours = read_struct(options, pdesc_context_options_init, "pdesc_context_options");
-    check_range("backend", ours.backend, PDESC_BACKEND_AUTO, PDESC_BACKEND_REFERENCE);
+    check_range("backend", ours.backend, PDESC_BACKEND_AUTO, PDESC_BACKEND_CPU);
     check_range("device_index", ours.device_index, -1, 1023);
     check_range("threads", ours.threads, 0, 4096);
     check_range("memory_limit", ours.memory_limit, 0, INT64_MAX);
@@ -293,7 +293,7 @@ int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, 
                           int32_t backend, pdesc_memory *memory) {
   return guarded([&] {
     need_live(mesh, "mesh");
-    check_range("backend", backend, PDESC_BACKEND_AUTO, PDESC_BACKEND_REFERENCE);
+    check_range("backend", backend, PDESC_BACKEND_AUTO, PDESC_BACKEND_CPU);
     const auto ours = read_struct(options, pdesc_options_init, "pdesc_options");
     check_options(ours);
     const std::vector<int> requested = rows_of(names, count);

@@ -80,7 +80,8 @@ typedef enum pdesc_backend {
   PDESC_BACKEND_AUTO = 0,      /* gpu, else software, else reference */
   PDESC_BACKEND_GPU = 1,       /* a hardware device by EGL, OpenGL 4.5 */
   PDESC_BACKEND_SOFTWARE = 2,  /* a software rasterizer by EGL (llvmpipe), OpenGL 4.5 */
-  PDESC_BACKEND_REFERENCE = 3  /* object space on the CPU, exact quadrature over the surface, needs no UV map */
+  PDESC_BACKEND_REFERENCE = 3, /* object space on the CPU, exact quadrature over the surface, needs no UV map */
+  PDESC_BACKEND_CPU = 4        /* samples of the surface on all cores, needs no UV map; no texels, no surface maps */
 } pdesc_backend;
 
 typedef enum pdesc_normals {

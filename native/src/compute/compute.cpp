@@ -56,11 +56,11 @@ static void refuse_beyond_abilities(const Mesh &mesh) {
   const Abilities abilities = mesh.engine->abilities();
   if (abilities.texture_space && mesh.triangles.corner_uv.empty())
     throw Error(PDESC_ERROR_INVALID_OPERATION,
-                "The mesh has no UV map, which texture space needs; unwrap it, or use the reference backend.");
+                "The mesh has no UV map, which texture space needs; unwrap it, or use the cpu or the reference backend.");
   if (!abilities.surface_maps && mesh.maps.any())
     throw Error(
         PDESC_ERROR_INVALID_OPERATION,
-        "Displacement and normal maps live in texture space, which the reference backend does without; take the maps away, "
+        "Displacement and normal maps live in texture space, which this backend does without; take the maps away, "
         "or use the gpu or software backend.");
   check_triangle_count(*mesh.context, mesh.triangles.triangle_count);
 }

@@ -46,11 +46,21 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
          (mesh.patches ? bytes_of(*mesh.patches) : 0);
 }
 
+// Of the radius that the surface has the area of, about: as a sphere of the same extent. What no computation accepts is none.
+static double disks_of(const Mesh &mesh, const pdesc_options &options) {
+  const double unit = options.radius_unit == PDESC_RADIUS_DIAGONAL    ? 1.0
+                      : options.radius_unit == PDESC_RADIUS_MEAN_EDGE ? mesh.extent.mean_edge / mesh.extent.diagonal
+                                                                      : 1.0 / mesh.extent.diagonal;
+  const double part = options.radius * unit;
+  return part > 1e-6 ? 1.0 / (3.0 * part * part) : 0.0;
+}
+
 MemoryForecast forecast_memory_of(const Mesh &mesh, int backend, const pdesc_options &options, std::span<const int> descriptors) {
   const Charts &charts = mesh.atlases.current().charts;
-  MemoryForecast memory = forecast_memory(
-      backend, {mesh.triangles.triangle_count, mesh.half_edges.point_count, static_cast<int64_t>(charts.wedges.size()),
-                static_cast<int64_t>(charts.borders.size()), mesh.maps.any(), mesh.patches.has_value(), options, descriptors});
+  MemoryForecast memory =
+      forecast_memory(backend, {mesh.triangles.triangle_count, mesh.half_edges.point_count,
+                                static_cast<int64_t>(charts.wedges.size()), static_cast<int64_t>(charts.borders.size()),
+                                mesh.maps.any(), mesh.patches.has_value(), disks_of(mesh, options), options, descriptors});
   memory.mesh = bytes_of_mesh(mesh);
   return memory;
 }

@@ -86,6 +86,11 @@ CenterResults run_passes(int point_count, std::span<const int> requested, int ma
   return results;
 }
 
+int samples_of(const Pass &pass, const pdesc_options &options) {
+  const bool more = pass.stage == Stage::source || pass.stage == Stage::map;
+  return more ? std::max(options.samples, std::min(4 * options.samples, 4096)) : options.samples;
+}
+
 double radius_of(const Pass &pass, const pdesc_options &options, double radius) {
   return pass.stage == Stage::windows ? WINDOW_RADIUS * options.map_sigma * radius : radius;
 }

@@ -31,6 +31,9 @@ std::vector<Pass> plan_passes(std::span<const int> requested, int map_row);
 using RunPass = std::function<CenterResults(const Pass &pass, const MapValues *map, int number, int count)>;
 CenterResults run_passes(int point_count, std::span<const int> requested, int map_row, const RunPass &run);
 
+// How many samples a pass takes over each neighborhood: derivatives magnify the noise of what they are taken of, and their own.
+int samples_of(const Pass &pass, const pdesc_options &options);
+
 // The radius of the neighborhoods of a pass.
 double radius_of(const Pass &pass, const pdesc_options &options, double radius);
 

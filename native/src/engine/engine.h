@@ -100,6 +100,7 @@ struct ComputationSize {
   int64_t triangles, points, wedges, borders;
   bool surface_maps; // the mesh has some
   bool patches;      // they are made already
+  double disks;      // of the radius that the surface has the area of, about
   const pdesc_options &options;
   std::span<const int> descriptors;
 };

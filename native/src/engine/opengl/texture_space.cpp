@@ -26,12 +26,6 @@ int64_t TextureSpace::bytes_kept_for_others() const {
   return all;
 }
 
-// Derivatives magnify the noise of what they are taken of, and their own.
-static int samples_of(const Pass &pass, const pdesc_options &options) {
-  const bool more = pass.stage == Stage::source || pass.stage == Stage::map;
-  return more ? std::max(options.samples, std::min(4 * options.samples, 4096)) : options.samples;
-}
-
 // A pattern over an enlarged ellipse has its samples farther apart: more of them keep as many within the ball.
 static int pattern_samples(const Job &job, const Frame &frame, int samples) {
   if (!frame.displaced || job.connected()) return samples;

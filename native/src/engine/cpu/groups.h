@@ -1,0 +1,26 @@
+// Centers → groups of such that lie near each other and look for their neighborhoods together.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/cpu/surfels.h"
+
+namespace paradesc {
+
+// Where something is evaluated.
+struct TreeCenter {
+  vec3 position;
+  vec3 normal;      // unit
+  int32_t triangle; // on which it lies
+};
+
+struct CenterGroups {
+  std::vector<int32_t> center; // all centers whose triangle is not left out, group after group
+  std::vector<int32_t> begin;  // (groups + 1) into center
+};
+
+// Groups are clusters of the tree, no wider than part of the radius.
+CenterGroups group_centers(const ClusterTree &tree, const std::vector<TreeCenter> &centers, float radius);
+
+} // namespace paradesc

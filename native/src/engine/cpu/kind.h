@@ -1,0 +1,37 @@
+// One kernel of engine/cpu/kinds.h: KERNEL is its name, and what it needs is defined as 1.
+#ifndef SURFACE
+#define SURFACE 0
+#endif
+#ifndef JET
+#define JET 0
+#endif
+#ifndef WINDOWS
+#define WINDOWS 0
+#endif
+#ifndef INTEGRAL
+#define INTEGRAL 0
+#endif
+#ifndef EXTRAPOLATED
+#define EXTRAPOLATED 0
+#endif
+#ifndef GEODESIC_BALL
+#define GEODESIC_BALL 0
+#endif
+#define FACES SURFACE
+#define MAP (JET || WINDOWS)
+#define TERMS_AREA SURFACE
+#define TERMS_BALL SURFACE
+#define TERMS_BENDING SURFACE
+#define TERMS_JET (JET || WINDOWS)
+#define TERMS_GAUSSIANS WINDOWS
+#define TERMS_TENSOR WINDOWS
+#include "engine/kernels/kernels.h"
+#undef KERNEL
+#undef SURFACE
+#undef JET
+#undef WINDOWS
+#undef INTEGRAL
+#undef EXTRAPOLATED
+#undef GEODESIC_BALL
+#undef FACES
+#undef MAP

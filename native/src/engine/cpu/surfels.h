@@ -1,0 +1,63 @@
+// Triangles, normals and a radius → surfels, pieces of the surface that are small against the radius: what sums over
+// neighborhoods run over. Clusters of small triangles are one surfel; large triangles are divided when a neighborhood asks for
+// them.
+//
+// Surfels are collected in cells, connected pieces of surface of some dozens of samples, by whose links a neighborhood is found.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bake/distortion.h"
+#include "mesh/cluster_tree.h"
+#include "mesh/halfedge.h"
+#include "mesh/normals.h"
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+// A surface at one moment.
+struct SurfelSource {
+  const Triangles &triangles;
+  const HalfEdges &half_edges;
+  const Normals &normals;
+  const ClusterTree &tree;
+  const BakeSpace &space;       // all that follows is in its units
+  const std::vector<vec4> *map; // (point_count) gradient and value of what operators work on, or null
+  int threads;
+
+  vec3 position(int32_t corner) const { return space.to_buffer(triangles.position(corner)); }
+};
+
+struct Surfel {
+  vec3 position; // mean over its area
+  float area;
+  vec3 normal;   // mean, not normalized: shorter where the surface turns
+  vec3 face;     // likewise, of the triangles' planes
+  float samples; // about as many; above 1: a triangle that is divided
+};
+
+struct Surfels {
+  float radius = 0;
+  float largest_spread = 0;   // mean squared distance of a sample's surface from its middle
+  std::vector<Surfel> surfel; // in the order of the tree
+  std::vector<int32_t> first; // (surfels + 1) into ClusterTree::triangle
+  std::vector<vec4> map;      // (surfels) mean gradient and value; empty: no map
+
+  std::vector<int32_t> cell_begin;     // (cells + 1) into surfel
+  std::vector<vec4> cell_sphere;       // (cells) middle, radius
+  std::vector<int32_t> link_begin;     // (cells + 1) into link
+  std::vector<int32_t> link;           // neighboring cells
+  std::vector<int32_t> boundary_begin; // (cells + 1) into boundary
+  std::vector<int32_t> boundary;       // half-edges on the mesh's boundary
+
+  std::vector<int32_t> triangle_cell;   // (triangle_count) -1: left out
+  std::vector<int32_t> triangle_surfel; // (triangle_count) likewise
+
+  int32_t cells() const { return static_cast<int32_t>(cell_sphere.size()); }
+};
+
+// samples: that a disk of the radius is divided into, about.
+Surfels build_surfels(const SurfelSource &source, float radius, int samples);
+
+} // namespace paradesc
