@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from .. import __version__
-from ..bridge import InputError, MeshArrays, ParadescError, ProgressFunction, abi
+from ..bridge import METHODS, InputError, MeshArrays, ParadescError, ProgressFunction, abi, uses_texture_space
 from ..core import job
 from ..core.digests import digest
 from ..core.stream import Stream
@@ -73,14 +73,14 @@ class FrameBaker:
         if settings.space != "object":
             raise refuse("Frames are measured in object space; choose that, and apply the scale where it matters.")
         self.normals = settings.options.normals == "mesh"
-        self.needs_uvs = settings.backend != "reference"
+        self.needs_uvs = uses_texture_space(settings.backend)
         self.notes: list[str] = []
         self.reading: source_meshes.Reading | None = None
         self._rest: job.Results | None = None
         self.base = mesh_io.read_object(target, self.normals, self.needs_uvs)
         self.add_maps(self.base)
         self.stream = Stream(self.base, settings)
-        self.by_device = self.stream.backend != "reference"
+        self.method = METHODS[self.stream.backend]
         try:
             self.stream.settings = at_fixed_radii(settings, self.stream.mesh_at(self.base).report())
             self.key = self.make_key()
@@ -181,8 +181,8 @@ class FrameBaker:
         return Done(task.frame, path, seconds, f"{results.backend}: {results.device}", results.warnings)
 
     def check_method(self, results: job.Results) -> None:
-        """Refuses what the reference computed because a device failed: all frames have one method in common."""
-        if self.by_device and results.backend == "reference":
+        """Refuses what another method computed because a device failed: all frames have one method in common."""
+        if METHODS[results.backend] != self.method:
             failure = results.fallback.rstrip(".")
             raise ParadescError(
                 abi.STATUS_DEVICE_LOST,

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from ..bridge import MeshArrays, Options, ProgressFunction
+from ..bridge import MeshArrays, Options, ProgressFunction, uses_texture_space
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
 from ..core.job import Results, Settings, registry_row
@@ -168,7 +168,7 @@ class Session:
         if known and not self.edited and (self.results is None or self.painter.is_there(target.data)):
             return
         mesh_io.check_writable(target)
-        arrays = mesh_io.read_object(target, settings.options.normals == "mesh", settings.backend != "reference")
+        arrays = mesh_io.read_object(target, settings.options.normals == "mesh", uses_texture_space(settings.backend))
         surface_maps.add_maps(target, arrays, surface_maps.MapChoice(material=measures_maps(target)))
         if arrays.maps is not None and arrays.maps.normals is not None:
             raise refuse("Live mode does not follow normal maps; switch Material Maps off.")

@@ -20,6 +20,7 @@ from .options import (
     ESTIMATORS,
     EVALUATIONS,
     GEODESICS,
+    METHODS,
     NORMALS,
     PATTERNS,
     PRECISIONS,
@@ -27,6 +28,7 @@ from .options import (
     RELOCATIONS,
     VARIANCE_REDUCTIONS,
     Options,
+    uses_texture_space,
 )
 from .session import BUFFERS, Context, Field, Mesh, ProgressFunction
 from .uv_images import TexelMap, draw_uv_image, fill_gutter
@@ -41,6 +43,7 @@ __all__ = [
     "ESTIMATORS",
     "EVALUATIONS",
     "GEODESICS",
+    "METHODS",
     "NORMALS",
     "PATTERNS",
     "PRECISIONS",
@@ -65,5 +68,6 @@ __all__ = [
     "fill_gutter",
     "load_library",
     "missing_sentence",
+    "uses_texture_space",
     "without_devices",
 ]

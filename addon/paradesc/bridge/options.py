@@ -11,6 +11,15 @@ BACKENDS = {
     "gpu": abi.BACKEND_GPU,
     "software": abi.BACKEND_SOFTWARE,
     "reference": abi.BACKEND_REFERENCE,
+    "cpu": abi.BACKEND_CPU,
+}
+# How each backend measures: values of one method agree from machine to machine, those of two methods do only nearly.
+METHODS = {
+    "auto": "texture space",
+    "gpu": "texture space",
+    "software": "texture space",
+    "reference": "reference",
+    "cpu": "surface samples",
 }
 NORMALS = {"fitted": abi.NORMALS_FITTED, "max": abi.NORMALS_MAX, "mesh": abi.NORMALS_MESH}
 RADIUS_UNITS = {
@@ -58,6 +67,11 @@ NUMBERS = {
 }
 # What --adaptive means without a number, in radians.
 ADAPTIVE_THRESHOLD = 0.05
+
+
+def uses_texture_space(backend: str) -> bool:
+    """Says whether a backend needs a UV map, and bakes buffers over it."""
+    return METHODS[backend] == "texture space"
 
 
 @dataclass

@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from ..bridge import uses_texture_space
 from ..files import maps, results
 from ..files.results import Baked, folder_fault, write_whole
 from .common import UsageError, check_outputs, check_overwriting
@@ -38,8 +39,8 @@ def check_files(arguments: argparse.Namespace) -> None:
     folder = arguments.dump_buffers
     if folder is None and not paths:
         raise UsageError("There is nothing to write; give --output, --map, --dump-buffers or --json.")
-    if folder is not None and arguments.backend == "reference":
-        raise UsageError("The reference bakes no buffers to dump; choose another backend.")
+    if folder is not None and arguments.backend and not uses_texture_space(arguments.backend):
+        raise UsageError(f"The backend {arguments.backend} bakes no buffers to dump; choose another.")
     if folder is not None and folder_fault(folder):
         raise UsageError(folder_fault(folder))
 

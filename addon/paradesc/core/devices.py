@@ -8,12 +8,13 @@ from ..bridge import ParadescError
 
 # More graphics cards than this are not listed.
 MOST = 16
-TITLES = {"auto": "Automatic", "gpu": "Graphics Card", "software": "Software", "reference": "Reference"}
+TITLES = {"auto": "Automatic", "gpu": "Graphics Card", "software": "Software", "reference": "Reference", "cpu": "Processor"}
 ABOUT = {
     "auto": "A graphics card where there is one, else the software rasterizer, else the reference",
     "gpu": "A graphics card with OpenGL 4.5",
     "software": "The same method on the processor, by a software rasterizer",
     "reference": "Exact integration over the triangles on the processor; slow, needs no UV map",
+    "cpu": "Samples of the surface on all cores of the processor; needs no UV map",
 }
 
 
@@ -34,8 +35,8 @@ class Device:
 
 @lru_cache(maxsize=1)
 def found() -> tuple[Device, ...]:
-    """Every graphics card, the software rasterizer, and the reference."""
-    return (*graphics_cards(), first_of("software"), first_of("reference"))
+    """Every graphics card, the software rasterizer, the reference, and the processor."""
+    return (*graphics_cards(), first_of("software"), first_of("reference"), first_of("cpu"))
 
 
 def graphics_cards() -> list[Device]:

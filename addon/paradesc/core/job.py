@@ -178,10 +178,10 @@ def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = F
 
 def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:
     """Refuses arrays without UV coordinates where texture space is needed."""
-    if arrays.corner_uvs is None and backend != "reference":
+    if arrays.corner_uvs is None and bridge.uses_texture_space(backend):
         raise bridge.ParadescError(
             abi.STATUS_INVALID_ARGUMENT,
-            "The arrays have no UV coordinates; give them, or choose the backend reference, which needs none.",
+            "The arrays have no UV coordinates; give them, or choose the backend cpu or reference, which need none.",
         )
 
 
@@ -195,7 +195,7 @@ def run_on(
 ) -> Results:
     """Computes the descriptors on a mesh that was made of these arrays."""
     results = run_radii(context, mesh, settings, progress, with_buffers)
-    if arrays.layout is not None and context.backend != "reference":
+    if arrays.layout is not None and bridge.uses_texture_space(context.backend):
         results.unwrapped = arrays.layout
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
     add_corners(results, arrays)
@@ -246,11 +246,11 @@ def run_radii(
             results.field_reports[suffix] = found.report()
             results.values.update({name + suffix: found.values(name) for name in settings.descriptors})
             results.warnings += [line for line in found.warnings() if line not in results.warnings]
-            if options.seam_error and context.backend != "reference":
+            if options.seam_error and bridge.uses_texture_space(context.backend):
                 near_seam = mesh.near_seam(found.report()["radius"])
                 results.near_seam = near_seam if results.near_seam is None else results.near_seam | near_seam
                 results.seam_error.update({name + suffix: found.seam_error(name) for name in settings.descriptors})
-            if context.backend != "reference":
+            if bridge.uses_texture_space(context.backend):
                 keep_texels(results, mesh, found, suffix, with_buffers)
     return results
 

@@ -213,7 +213,7 @@ def goes_on(results: job.Results) -> bool:
     if results.mesh_report["nonmanifold_vertices"]:
         return False
     texels = SPARSE_SHARE * results.settings.options.buffer_size**2
-    return results.backend == "reference" or all(
+    return not bridge.uses_texture_space(results.backend) or all(
         not report["private_layout"]
         and report["covered_texels"] >= texels
         and report["radius_in_texels"] >= SPARSE_TEXELS

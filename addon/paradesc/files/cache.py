@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bridge import MeshArrays, ParadescError, abi
+from ..bridge import METHODS, MeshArrays, ParadescError, abi
 from ..core import color_maps, job, stored
 from ..core.digests import digest
 from . import results
@@ -113,10 +113,10 @@ def frame_range(first: int, last: int, step: int) -> range:
 def key_of(arrays: MeshArrays, settings: job.Settings, **more: object) -> str:
     """A name for what frames of one cache have in common: the mesh without its positions, and how it is measured.
 
-    The device is left out, so that machines can share the work; the reference counts, because its method differs.
+    The device is left out, so that machines can share the work; its method counts.
     """
     content = settings.as_dict()
-    content["method"] = "reference" if content.pop("backend") == "reference" else "texture space"
+    content["method"] = METHODS[content.pop("backend")]
     del content["device_index"]
     content.update(more, version=VERSION)
     text = json.dumps(content, sort_keys=True).encode()

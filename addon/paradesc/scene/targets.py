@@ -95,7 +95,7 @@ class Read:
 
 def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest) -> Read:
     """The object's mesh by its source, before or after modifiers; the mesh stays as it is."""
-    needs_uvs = settings.backend != "reference"
+    needs_uvs = bridge.uses_texture_space(settings.backend)
     reading = source_meshes.read(target, request.source, settings.options.normals == "mesh", needs_uvs)
     arrays, notes = reading.arrays, list(reading.notes)
     if reading.source == "original":
