@@ -96,7 +96,7 @@ def test_nothing_to_write_is_said_by_the_poll(settings):
         ({"image_path": " "}, "has no path"),
         ({"image_path": "/no/such/folder/curves.exr"}, "There is no folder"),
         ({"write_buffers": True, "buffers_path": "/no/such/folder/buffers"}, "There is no folder"),
-        ({"write_buffers": True, "backend": "reference"}, "The reference bakes no buffers"),
+        ({"write_buffers": True, "backend": "reference"}, "The backend reference bakes no buffers"),
     ],
     ids=str,
 )

@@ -192,4 +192,4 @@ def test_last_run_is_there_only_while_the_values_are():
 def test_devices_that_are_missing_are_in_the_menu_too():
     shown = drawn_by(panel.PARADESC_MT_devices)["operator"]
     assert shown[0] == "Automatic"
-    assert [text.split(":")[0] for text in shown[1:]] == ["Graphics Card", "Software", "Reference"]
+    assert [text.split(":")[0] for text in shown[1:]] == ["Graphics Card", "Software", "Reference", "Processor"]

@@ -268,7 +268,9 @@ protected:
     if (!context) GTEST_SKIP() << why_not;
   }
 };
-INSTANTIATE_TEST_SUITE_P(, Cancel, ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, int32_t{PDESC_BACKEND_SOFTWARE}),
+INSTANTIATE_TEST_SUITE_P(, Cancel,
+                         ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, int32_t{PDESC_BACKEND_SOFTWARE},
+                                           int32_t{PDESC_BACKEND_CPU}),
                          backend_name);
 
 TEST_P(Cancel, progress_rises_on_the_calling_thread) {

@@ -1,4 +1,4 @@
-// The registry's rows, one by one: texture space (software) against object space (reference), alone against together.
+// The registry's rows, one by one: every engine against the reference, alone against together.
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -17,21 +17,21 @@
 namespace paradesc::test {
 namespace {
 
-class Parity : public ::testing::Test {
+class Parity : public ::testing::TestWithParam<int32_t> {
 protected:
   void SetUp() override {
     std::string why_not;
     reference = open_context(PDESC_BACKEND_REFERENCE, why_not);
     ASSERT_TRUE(reference);
-    software = open_context(PDESC_BACKEND_SOFTWARE, why_not);
-    if (!software) GTEST_SKIP() << why_not;
+    engine = open_context(GetParam(), why_not);
+    if (!engine) GTEST_SKIP() << why_not;
     names = registered_descriptors();
   }
 
   // The oracle is asked at some thousand vertices, and for operators, whose windows are wide, at some hundred: all would take it
   // minutes.
   Results expect_parity(const TestMesh &mesh, const Settings &settings) {
-    const Results fast = compute(software.get(), mesh, settings, names);
+    const Results fast = compute(engine.get(), mesh, settings, names);
     std::vector<std::string> of_surface, of_map;
     for (const std::string &name : names) (map_degree_of(name) > 0 ? of_map : of_surface).push_back(name);
     std::vector<int32_t> vertices(mesh.points.size());
@@ -129,35 +129,35 @@ protected:
     return 100 * difference / total;
   }
 
-  Context reference, software;
+  Context reference, engine;
   std::vector<std::string> names;
 };
 
-TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_a_torus_of_60_charts) {
+TEST_P(Parity, every_descriptor_agrees_with_the_oracle_on_a_torus_of_60_charts) {
   TestMesh mesh = torus(1, 0.4);
   lay_out(mesh, {.charts = 60});
   expect_parity(mesh, {});
 }
 
-TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_an_ellipsoid_of_15_charts) {
+TEST_P(Parity, every_descriptor_agrees_with_the_oracle_on_an_ellipsoid_of_15_charts) {
   TestMesh mesh = ellipsoid(1, 0.75, 0.5);
   lay_out(mesh, {.charts = 15});
   expect_parity(mesh, {});
 }
 
-TEST_F(Parity, every_descriptor_agrees_with_the_oracle_at_twice_the_radius) {
+TEST_P(Parity, every_descriptor_agrees_with_the_oracle_at_twice_the_radius) {
   TestMesh mesh = torus(1, 0.4);
   lay_out(mesh, {.charts = 15});
   expect_parity(mesh, {.radius = 0.04});
 }
 
-TEST_F(Parity, every_descriptor_agrees_with_the_oracle_along_the_surface) {
+TEST_P(Parity, every_descriptor_agrees_with_the_oracle_along_the_surface) {
   TestMesh mesh = ellipsoid(1, 0.75, 0.5);
   lay_out(mesh, {.charts = 15});
   expect_parity(mesh, {.radius = 0.06, .distance = PDESC_DISTANCE_GEODESIC, .map_sigma = 0.5});
 }
 
-TEST_F(Parity, integrals_agree_with_the_oracle) {
+TEST_P(Parity, integrals_agree_with_the_oracle) {
   TestMesh mesh = ellipsoid(1, 0.75, 0.5);
   lay_out(mesh, {.charts = 15});
   expect_parity(mesh, {.radius = 0.06, .estimator = PDESC_ESTIMATOR_INTEGRAL, .map_sigma = 0.5});
@@ -166,24 +166,24 @@ TEST_F(Parity, integrals_agree_with_the_oracle) {
 }
 
 // What differs from the integral is H and what follows from it alone.
-TEST_F(Parity, extrapolated_mean_curvature_agrees_with_the_oracle) {
+TEST_P(Parity, extrapolated_mean_curvature_agrees_with_the_oracle) {
   TestMesh mesh = ellipsoid(1, 0.75, 0.5, {.vertices = 3000});
   lay_out(mesh, {.charts = 15});
   const std::vector<std::string> of_h = {"mean_curvature", "convexity"};
   const Settings settings{.radius = 0.16, .estimator = PDESC_ESTIMATOR_EXTRAPOLATED};
-  const Results fast = compute(software.get(), mesh, settings, of_h), oracle = compute(reference.get(), mesh, settings, of_h);
+  const Results fast = compute(engine.get(), mesh, settings, of_h), oracle = compute(reference.get(), mesh, settings, of_h);
   EXPECT_LE(percent_ae(fast["mean_curvature"], as_double(oracle["mean_curvature"])).mean, 1);
   EXPECT_LE(percent_ae(fast["convexity"], as_double(oracle["convexity"])).mean, 1);
 }
 
 // Paper eq. (8), (11), (10) and (9), from the library's own V_r and GA.
-TEST_F(Parity, curvatures_of_the_integral_estimator_follow_from_volume_and_area) {
+TEST_P(Parity, curvatures_of_the_integral_estimator_follow_from_volume_and_area) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 3000});
   lay_out(mesh, {.charts = 6});
   const std::vector<std::string> followed{
       "sphere_volume",           "geodesic_area",           "mean_curvature", "gaussian_curvature",
       "principal_curvature_max", "principal_curvature_min", "shape_index",    "curvedness"};
-  for (pdesc_context *context : {reference.get(), software.get()}) {
+  for (pdesc_context *context : {reference.get(), engine.get()}) {
     const Results results = compute(context, mesh, {.radius = 0.06, .estimator = PDESC_ESTIMATOR_INTEGRAL}, followed);
     const double r = results.report.radius, pi = std::numbers::pi;
     for (size_t v = 0; v < mesh.points.size(); ++v) {
@@ -203,7 +203,7 @@ TEST_F(Parity, curvatures_of_the_integral_estimator_follow_from_volume_and_area)
   }
 }
 
-TEST_F(Parity, adaptive_sampling_agrees_with_the_oracle) {
+TEST_P(Parity, adaptive_sampling_agrees_with_the_oracle) {
   TestMesh mesh = ellipsoid(1, 0.75, 0.5);
   lay_out(mesh, {.charts = 15});
   expect_parity(mesh, {.radius = 0.04, .adaptive = 0.002, .map_sigma = 0.5});
@@ -220,7 +220,7 @@ TestMesh open_surface(int vertices) {
   return mesh;
 }
 
-TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_an_open_surface_with_loose_vertices) {
+TEST_P(Parity, every_descriptor_agrees_with_the_oracle_on_an_open_surface_with_loose_vertices) {
   const TestMesh mesh = open_surface(8000);
   const Results fast = expect_parity(mesh, {});
   for (size_t v = 0; v < mesh.points.size(); ++v)
@@ -228,9 +228,9 @@ TEST_F(Parity, every_descriptor_agrees_with_the_oracle_on_an_open_surface_with_l
   EXPECT_EQ(fast.report.undefined_vertices, 3);
 }
 
-TEST_F(Parity, loose_vertices_are_undefined_on_both_sides) {
+TEST_P(Parity, loose_vertices_are_undefined_on_both_sides) {
   const TestMesh mesh = open_surface(1000);
-  for (pdesc_context *context : {reference.get(), software.get()}) {
+  for (pdesc_context *context : {reference.get(), engine.get()}) {
     const Results results = compute(context, mesh, {.radius = 0.05}, names);
     for (size_t v = 0; v < mesh.points.size(); ++v) {
       ASSERT_EQ((results.mask[v] & PDESC_MASK_NO_FACE) != 0, v + 3 >= mesh.points.size()) << "vertex " << v;
@@ -242,11 +242,11 @@ TEST_F(Parity, loose_vertices_are_undefined_on_both_sides) {
 }
 
 // Boundaries are seen by both, though each in its own way: texture space by the samples that meet one.
-TEST_F(Parity, the_boundary_mask_agrees_with_the_oracle) {
+TEST_P(Parity, the_boundary_mask_agrees_with_the_oracle) {
   TestMesh mesh = cylinder(0.5, 2, {.vertices = 8000});
   lay_out(mesh, {.charts = 6});
   const std::vector<std::string> any{"mean_curvature"};
-  const Results fast = compute(software.get(), mesh, {}, any), oracle = compute(reference.get(), mesh, {}, any);
+  const Results fast = compute(engine.get(), mesh, {}, any), oracle = compute(reference.get(), mesh, {}, any);
   const double r = fast.report.radius;
   for (size_t v = 0; v < mesh.points.size(); ++v) {
     // A tenth of the radius on either side of the rim is left to the samples' spacing, r/16, and to the triangles' edges.
@@ -258,11 +258,11 @@ TEST_F(Parity, the_boundary_mask_agrees_with_the_oracle) {
 }
 
 // Together they share one sampling, and must not share more.
-TEST_F(Parity, a_descriptor_alone_has_the_bits_it_has_among_the_others) {
+TEST_P(Parity, a_descriptor_alone_has_the_bits_it_has_among_the_others) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 800});
   lay_out(mesh, {.charts = 6});
   const Settings settings{.radius = 0.08, .buffer_size = 512}; // some twenty vertices to a ball
-  for (pdesc_context *context : {reference.get(), software.get()}) {
+  for (pdesc_context *context : {reference.get(), engine.get()}) {
     const Results together = compute(context, mesh, settings, names);
     for (const std::string &name : names) {
       SCOPED_TRACE(name);
@@ -270,6 +270,8 @@ TEST_F(Parity, a_descriptor_alone_has_the_bits_it_has_among_the_others) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(, Parity, ::testing::Values(int32_t{PDESC_BACKEND_SOFTWARE}, int32_t{PDESC_BACKEND_CPU}), backend_name);
 
 } // namespace
 } // namespace paradesc::test

@@ -145,7 +145,8 @@ std::vector<float> OnBackend::compute_one(const TestMesh &mesh, const std::strin
 }
 
 std::string backend_name(const ::testing::TestParamInfo<int32_t> &info) {
-  return info.param == PDESC_BACKEND_REFERENCE ? "reference" : info.param == PDESC_BACKEND_SOFTWARE ? "software" : "gpu";
+  constexpr const char *names[] = {"auto", "gpu", "software", "reference", "cpu"};
+  return names[info.param];
 }
 
 void expect_near(std::span<const float> values, std::span<const double> expected, double tolerance,
