@@ -58,10 +58,10 @@ static void refuse_beyond_abilities(const Mesh &mesh) {
     throw Error(PDESC_ERROR_INVALID_OPERATION,
                 "The mesh has no UV map, which texture space needs; unwrap it, or use the cpu or the reference backend.");
   if (!abilities.surface_maps && mesh.maps.any())
-    throw Error(
-        PDESC_ERROR_INVALID_OPERATION,
-        "Displacement and normal maps live in texture space, which this backend does without; take the maps away, "
-        "or use the gpu or software backend.");
+    throw Error(PDESC_ERROR_INVALID_OPERATION,
+                std::string("Displacement and normal maps live in texture space, which the ") +
+                    (mesh.engine->backend() == PDESC_BACKEND_CPU ? "cpu" : "reference") +
+                    " backend does without; take the maps away, or use the gpu or software backend.");
   check_triangle_count(*mesh.context, mesh.triangles.triangle_count);
 }
 
