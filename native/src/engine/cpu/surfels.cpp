@@ -14,6 +14,7 @@ namespace {
 
 constexpr int block_size = 8192;
 constexpr float samples_of_cell = 48;
+constexpr float least_spread = 1e-13f;   // pieces of less could not be told apart by floats
 constexpr float least_coherence = 0.95f; // of a surfel's mean normal, squared: it does not fold
 
 // One cluster of the tree.
@@ -36,7 +37,8 @@ struct Counts {
 class Builder {
 public:
   Builder(const SurfelSource &source, float radius, int samples)
-      : source_(source), tree_(source.tree), largest_spread_(0.5f * radius * radius / static_cast<float>(samples)) {
+      : source_(source), tree_(source.tree),
+        largest_spread_(std::max(0.5f * radius * radius / static_cast<float>(samples), least_spread)) {
     result_.radius = radius;
     result_.largest_spread = largest_spread_;
   }
