@@ -69,16 +69,17 @@ def test_defaults_are_those_of_the_library():
     assert native.normals == bridge.NORMALS[ours.normals]
 
 
-@pytest.mark.parametrize("backend", ["software", "reference"])
+@pytest.mark.parametrize("backend", ["software", "cpu", "reference"])
 def test_sphere_has_mean_curvature_one_over_radius(sphere, backend):
     values = compute(sphere, backend=backend)["mean_curvature"]
     # A 14-step cube sphere is a polyhedron; its fitted normals carry the sphere's curvature to well within two percent.
     np.testing.assert_allclose(values, 1 / RADIUS, rtol=0.02)
 
 
-def test_software_and_reference_agree(sphere):
+@pytest.mark.parametrize("backend", [DEVICE, "cpu"])
+def test_backends_agree_with_the_reference(sphere, backend):
     names = ("mean_curvature", "gaussian_curvature", "local_bending_energy", "sphere_volume_normalized")
-    device, reference = compute(sphere, names), compute(sphere, names, backend="reference")
+    device, reference = compute(sphere, names, backend=backend), compute(sphere, names, backend="reference")
     for name in names:
         # Noise of 128 samples on a coarse sphere; on fine meshes the mean errors are an order below.
         assert np.abs(device[name] - reference[name]).mean() < 0.01 * np.abs(reference[name]).mean(), name
@@ -173,9 +174,10 @@ def test_field_outlives_its_mesh_and_context(sphere):
     field.close()
 
 
-def test_reference_needs_no_uv_map(sphere):
+@pytest.mark.parametrize("backend", ["cpu", "reference"])
+def test_some_backends_need_no_uv_map(sphere, backend):
     arrays = dataclasses.replace(sphere, corner_uvs=None)
-    values = compute(arrays, backend="reference")["mean_curvature"]
+    values = compute(arrays, backend=backend)["mean_curvature"]
     np.testing.assert_allclose(values, 1 / RADIUS, rtol=0.02)
 
 

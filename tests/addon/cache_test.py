@@ -170,12 +170,13 @@ def test_key_is_of_mesh_and_settings_but_not_of_device_or_pose():
     assert cache.key_of(arrays, replace(settings, backend="software", device_index=1), source="deformed") == key
     others = [
         cache.key_of(arrays, replace(settings, backend="reference"), source="deformed"),
+        cache.key_of(arrays, replace(settings, backend="cpu"), source="deformed"),
         cache.key_of(arrays, job.Settings(options=bridge.Options(samples=99)), source="deformed"),
         cache.key_of(arrays, settings, source="evaluated"),
         cache.key_of(replace(arrays, corner_uvs=arrays.corner_uvs * np.float32(0.5)), settings, source="deformed"),
         cache.key_of(as_arrays(*cube_sphere(5)), settings, source="deformed"),
     ]
-    assert len({key, *others}) == 6
+    assert len({key, *others}) == 7
 
 
 # A change of any of these has to make a new key; each has another value than the default.

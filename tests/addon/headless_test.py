@@ -256,7 +256,7 @@ def test_list_describes_descriptors_and_devices(run, report):
     assert rows["principal_direction_max"]["kind"] == "direction"
     assert rows["harris"]["kind"] == "operator"
     devices = report()["devices"]
-    assert list(dict.fromkeys(row["backend"] for row in devices)) == ["gpu", "software", "reference"]
+    assert list(dict.fromkeys(row["backend"] for row in devices)) == ["gpu", "software", "reference", "cpu"]
     for row in devices:
         assert bool(row["device"]) != bool(row["missing"])
         assert row["missing"] in ended.output

@@ -160,7 +160,7 @@ def test_a_radius_is_shown_as_a_length_of_the_scene(settings):
 
 def test_devices_there_are_can_be_chosen_and_missing_ones_say_why(settings):
     rows = devices.found()
-    assert {row.backend for row in rows} == {"gpu", "software", "reference"}
+    assert {row.backend for row in rows} == {"gpu", "software", "reference", "cpu"}
     assert all(row.name or row.missing for row in rows)
     for row in rows:
         bpy.ops.paradesc.choose_device(backend=row.backend, index=row.index)

@@ -8,7 +8,13 @@ from ..bridge import ParadescError
 
 # More graphics cards than this are not listed.
 MOST = 16
-TITLES = {"auto": "Automatic", "gpu": "Graphics Card", "software": "Software", "reference": "Reference", "cpu": "Processor"}
+TITLES = {
+    "auto": "Automatic",
+    "gpu": "Graphics Card",
+    "software": "Software",
+    "reference": "Reference",
+    "cpu": "Processor",
+}
 ABOUT = {
     "auto": "A graphics card where there is one, else the software rasterizer, else the reference",
     "gpu": "A graphics card with OpenGL 4.5",

@@ -17,9 +17,7 @@
 #define KERNEL_TARGET any
 #endif
 
-#ifndef __clang__
 #pragma GCC diagnostic ignored "-Wpsabi" // vectors that are passed by value stay within one object file
-#endif
 
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
