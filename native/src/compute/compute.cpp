@@ -12,10 +12,7 @@
 namespace paradesc {
 
 static double resolve_radius(const Mesh &mesh, const pdesc_options &options) {
-  const double unit = options.radius_unit == PDESC_RADIUS_DIAGONAL    ? mesh.extent.diagonal
-                      : options.radius_unit == PDESC_RADIUS_MEAN_EDGE ? mesh.extent.mean_edge
-                                                                      : 1.0;
-  const double radius = options.radius * unit;
+  const double radius = requested_radius(mesh, options);
   if (radius > mesh.extent.diagonal)
     throw Error(PDESC_ERROR_INVALID_ARGUMENT, "The radius is " + std::to_string(radius) + ", but the mesh's diagonal is only " +
                                                   std::to_string(mesh.extent.diagonal) + "; choose a smaller radius.");

@@ -46,12 +46,10 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
          (mesh.patches ? bytes_of(*mesh.patches) : 0);
 }
 
-// Of the radius that the surface has the area of, about: as a sphere of the same extent. What no computation accepts is none.
+// About how many disks of the radius have the surface's area, if that is a sphere's of the same extent; 0 for a radius that no
+// computation accepts.
 static double disks_of(const Mesh &mesh, const pdesc_options &options) {
-  const double unit = options.radius_unit == PDESC_RADIUS_DIAGONAL    ? 1.0
-                      : options.radius_unit == PDESC_RADIUS_MEAN_EDGE ? mesh.extent.mean_edge / mesh.extent.diagonal
-                                                                      : 1.0 / mesh.extent.diagonal;
-  const double part = options.radius * unit;
+  const double part = requested_radius(mesh, options) / mesh.extent.diagonal;
   return part > 1e-6 ? 1.0 / (3.0 * part * part) : 0.0;
 }
 

@@ -72,6 +72,13 @@ void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   mesh.extent = measure_extent(mesh.triangles, mesh.half_edges, mesh.context->threads);
 }
 
+double requested_radius(const Mesh &mesh, const pdesc_options &options) {
+  const double unit = options.radius_unit == PDESC_RADIUS_DIAGONAL    ? mesh.extent.diagonal
+                      : options.radius_unit == PDESC_RADIUS_MEAN_EDGE ? mesh.extent.mean_edge
+                                                                      : 1.0;
+  return options.radius * unit;
+}
+
 const Normals &normals_of(Mesh &mesh, int32_t kind) {
   const int threads = mesh.context->threads;
   return mesh.normals.get({mesh.positions_version, kind}, [&] {

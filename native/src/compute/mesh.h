@@ -37,6 +37,7 @@ struct Mesh {
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input);
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count);
 pdesc_mesh_report report_of(const Mesh &mesh);
+double requested_radius(const Mesh &mesh, const pdesc_options &options); // in units of the positions
 const Normals &normals_of(Mesh &mesh, int32_t kind); // pdesc_normals
 const Patches &patches_of(Mesh &mesh);
 

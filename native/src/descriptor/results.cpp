@@ -2,8 +2,18 @@
 #include "descriptor/results.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace paradesc {
+
+CenterResults results_at_points(int point_count) {
+  CenterResults results;
+  results.point.resize(point_count);
+  std::iota(results.point.begin(), results.point.end(), 0);
+  results.primary.assign(point_count, 1);
+  results.coverage.assign(point_count, 1.0f);
+  return results;
+}
 
 void append(CenterResults &all, CenterResults &&part) {
   const auto add = [](auto &to, const auto &from) { to.insert(to.end(), from.begin(), from.end()); };

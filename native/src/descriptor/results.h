@@ -15,6 +15,9 @@ struct CenterResults {
   std::vector<uint8_t> boundary;          // (centers)
 };
 
+// Results of every point as its own only center, all of whose surface was found; values and boundary are left to the caller.
+CenterResults results_at_points(int point_count);
+
 // Adds the results of further centers.
 void append(CenterResults &all, CenterResults &&part);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "support/cancel.h"
@@ -61,39 +62,46 @@ private:
     triangles_[group] += graph_.triangles[cluster];
   }
 
-  bool pair(int32_t cluster) {
+  struct Size {
+    int32_t perimeter, triangles;
+  };
+
+  // The link to that with which the cluster is roundest; other: -1 if there is none. size_of(link): of what lies behind it, if
+  // that can be taken.
+  template <class SizeOf> ClusterGraph::Link roundest(int32_t cluster, const SizeOf &size_of) const {
     double least = std::numeric_limits<double>::max();
     ClusterGraph::Link best{-1, 0};
     for (int32_t k = graph_.begin[cluster]; k < graph_.begin[cluster + 1]; ++k) {
       const ClusterGraph::Link link = graph_.link[k];
-      if (parent_[link.other] >= 0) continue;
-      const double rough = roughness(graph_.perimeter[cluster] + graph_.perimeter[link.other] - 2 * link.edges,
-                                     graph_.triangles[cluster] + graph_.triangles[link.other]);
+      const std::optional<Size> size = size_of(link);
+      if (!size) continue;
+      const double rough =
+          roughness(size->perimeter + graph_.perimeter[cluster] - 2 * link.edges, size->triangles + graph_.triangles[cluster]);
       if (rough >= least) continue;
       least = rough;
       best = link;
     }
+    return best;
+  }
+
+  bool pair(int32_t cluster) {
+    const ClusterGraph::Link best = roundest(cluster, [&](const ClusterGraph::Link &link) -> std::optional<Size> {
+      if (parent_[link.other] >= 0) return {};
+      return Size{graph_.perimeter[link.other], graph_.triangles[link.other]};
+    });
     if (best.other >= 0) add(best.other, open(cluster), best.edges);
     return best.other >= 0;
   }
 
   // All neighbors are taken: one of their groups takes it, too.
   bool join(int32_t cluster) {
-    double least = std::numeric_limits<double>::max();
-    int32_t best = -1, edges = 0;
-    for (int32_t k = graph_.begin[cluster]; k < graph_.begin[cluster + 1]; ++k) {
-      const ClusterGraph::Link link = graph_.link[k];
+    const ClusterGraph::Link best = roundest(cluster, [&](const ClusterGraph::Link &link) -> std::optional<Size> {
       const int32_t group = parent_[link.other];
-      if (members_[group] >= max_members) continue;
-      const double rough = roughness(perimeter_[group] + graph_.perimeter[cluster] - 2 * link.edges,
-                                     triangles_[group] + graph_.triangles[cluster]);
-      if (rough >= least) continue;
-      least = rough;
-      best = group;
-      edges = link.edges;
-    }
-    if (best >= 0) add(cluster, best, edges);
-    return best >= 0;
+      if (members_[group] >= max_members) return {};
+      return Size{perimeter_[group], triangles_[group]};
+    });
+    if (best.other >= 0) add(cluster, parent_[best.other], best.edges);
+    return best.other >= 0;
   }
 
   const ClusterGraph &graph_;

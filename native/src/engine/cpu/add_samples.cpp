@@ -55,21 +55,23 @@ template <class Wide> struct Adder {
   }
 };
 
-// The sums of all lanes: each pass' lanes go where they belong among block_lanes.
-template <class Part> float *store(const Part &part, int pass, float *lanes) {
+using AllLanes = std::array<float, block_lanes>;
+
+// The lanes of one pass go where they belong among all. Returns where the next part's go.
+template <class Part> AllLanes *store(const Part &part, int pass, AllLanes *lanes) {
   constexpr size_t count = sizeof(Part) / sizeof(Lanes);
   for (size_t i = 0; i < count; ++i)
-    __builtin_memcpy(lanes + i * block_lanes + pass * lane_count, reinterpret_cast<const char *>(&part) + i * sizeof(Lanes),
+    __builtin_memcpy(lanes[i].data() + pass * lane_count, reinterpret_cast<const char *>(&part) + i * sizeof(Lanes),
                      sizeof(Lanes));
-  return lanes + count * block_lanes;
+  return lanes + count;
 }
 
 template <template <class, class> class Kernel>
 float add_samples(const EvaluateParams &params, const SampleBlocks &samples, const SumCenter &center, float *sums) {
   using Wide = Kernel<Lanes, Choices>;
-  alignas(64) float lanes[max_sums * block_lanes];
+  alignas(64) AllLanes lanes[max_sums];
+  AllLanes *end = lanes;
   float along = 0.0f;
-  size_t count = 0;
   for (int pass = 0; pass < passes; ++pass) {
     Adder<Wide> adder{Wide{params}, {}, 0.0f};
     const auto all = [](const float *v) { return Vector<3, Lanes>(v[0], v[1], v[2]); };
@@ -79,18 +81,12 @@ float add_samples(const EvaluateParams &params, const SampleBlocks &samples, con
         const ptrdiff_t block = samples.block[first + __builtin_ctz(blocks)];
         adder.add(samples.data + samples.stride * block + pass * lane_count);
       }
-    float *end = store(adder.sums.moments, pass, lanes);
+    end = store(adder.sums.moments, pass, lanes);
     if constexpr (requires { adder.sums.half_ball; }) end = store(adder.sums.half_ball, pass, end);
     end = store(adder.sums.terms, pass, end);
-    count = static_cast<size_t>(end - lanes) / block_lanes;
     for (int i = 0; i < lane_count; ++i) along = adder.along.lane[i] > along ? adder.along.lane[i] : along;
   }
-  for (size_t i = 0; i < count; ++i) {
-    float *const v = lanes + i * block_lanes;
-    for (int width = block_lanes / 2; width > 0; width /= 2)
-      for (int k = 0; k < width; ++k) v[k] += v[k + width];
-    sums[i] = v[0];
-  }
+  for (const AllLanes *one = lanes; one != end; ++one) *sums++ = sum_of(*one);
   return along;
 }
 

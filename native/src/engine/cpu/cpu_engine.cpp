@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
 #include <optional>
 
 #include "descriptor/passes.h"
@@ -97,15 +96,11 @@ static void evaluate_group(const Evaluation &pass, AddSamples add_samples, std::
 
 static CenterResults evaluate(const Evaluation &pass) {
   const size_t count = pass.centers.size();
-  CenterResults results;
+  CenterResults results = results_at_points(static_cast<int>(count));
   for (const int row : pass.rows)
     results.values.emplace_back(count * static_cast<size_t>(descriptor_row(row).components),
                                 std::numeric_limits<float>::quiet_NaN());
   results.boundary.assign(count, 0);
-  results.coverage.assign(count, 1.0f);
-  results.primary.assign(count, 1);
-  results.point.resize(count);
-  std::iota(results.point.begin(), results.point.end(), 0);
   const AddSamples add_samples = sum_targets()[0].by_kind[static_cast<size_t>(pass.plan.kind)];
   const auto groups = static_cast<int>(pass.groups.begin.size()) - 1;
   std::atomic<int> done{0};

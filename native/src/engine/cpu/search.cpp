@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "sample/connected_triangles.h"
+
 namespace paradesc {
 
 Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples)
@@ -74,16 +76,11 @@ void Search::list_blocks(float reach) {
 }
 
 bool Search::meets_ball(const Link &link, vec3 center) const {
-  const vec3 from = link.from - center, edge = link.to - link.from;
-  const float square = dot(edge, edge);
-  const float t = square > 0.0f ? std::clamp(-dot(from, edge) / square, 0.0f, 1.0f) : 0.0f;
-  const vec3 nearest = from + t * edge;
-  return dot(nearest, nearest) < surfels_.radius * surfels_.radius;
+  return segment_in_ball(link.from, link.to, center, surfels_.radius);
 }
 
 bool Search::near_boundary(const TreeCenter &center) const {
-  const vec3 position = center.position;
-  return std::ranges::any_of(boundary_, [&](const Link &edge) { return meets_ball(edge, position); });
+  return std::ranges::any_of(boundary_, [&](const Link &edge) { return meets_ball(edge, center.position); });
 }
 
 // -1: its cell was not found.
@@ -123,13 +120,12 @@ Search::Connected Search::connected(const TreeCenter &center) {
   const auto reach = [&](int32_t surfel) {
     if (std::exchange(reached_mark_[surfel], floods_) != floods_) reached_.push_back(surfel);
   };
-  const vec3 position = center.position;
   Connected connected{};
   reach(number_here(surfels_.triangle_surfel[center.triangle]));
   for (size_t i = 0; i < reached_.size(); ++i)
     for (int32_t k = link_begin_[reached_[i]]; k < link_begin_[reached_[i] + 1]; ++k) {
       const Link &link = link_[k];
-      if ((link.surfel >= 0 && reached_mark_[link.surfel] == floods_) || !meets_ball(link, position)) continue;
+      if ((link.surfel >= 0 && reached_mark_[link.surfel] == floods_) || !meets_ball(link, center.position)) continue;
       if (link.surfel >= 0)
         reach(link.surfel);
       else

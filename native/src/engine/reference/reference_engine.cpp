@@ -1,8 +1,6 @@
 // Points of the mesh → quadrature at each, pass by pass.
 #include "engine/reference/reference_engine.h"
 
-#include <numeric>
-
 #include "descriptor/passes.h"
 #include "engine/memory.h"
 #include "engine/reference/reference.h"
@@ -32,15 +30,10 @@ private:
 
 } // namespace
 
-// Every point is its own only center.
 static CenterResults at_all_points(ReferenceField &&field, int point_count) {
-  CenterResults results;
+  CenterResults results = results_at_points(point_count);
   results.values = std::move(field.values);
   results.boundary = std::move(field.boundary);
-  results.point.resize(point_count);
-  std::iota(results.point.begin(), results.point.end(), 0);
-  results.primary.assign(point_count, 1);
-  results.coverage.assign(point_count, 1.0f);
   return results;
 }
 
