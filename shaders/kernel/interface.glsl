@@ -25,6 +25,7 @@ struct Center {
 struct Neighbor {
   vec3 offset;     // d = q - p
   float rho;       // |d|
+  float mean_rho;  // mean of |d| over the surface it stands for
   vec3 normal;     // n_i, unit
 #if FACES
   vec3 face;       // unit normal of the triangle it lies on
@@ -33,8 +34,9 @@ struct Neighbor {
   float geodesic;  // s, the distance along the surface
   float distance;  // rho or s: what bounds the neighborhood
   float area;      // the surface area this neighbor stands for
-  float per_side;  // one over the side of a square of that area
   float weight;    // w: the part of that area within the neighborhood
+  float inside;    // the part within r along the surface
+  float turning;   // mean of |n - n_i|^2/rho^2 over that surface
   bool near;       // nearer than one texel: too near for anything divided by rho
 #if MAP
   vec2 coordinates; // d in the tangents of p, in units of r

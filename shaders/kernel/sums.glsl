@@ -63,30 +63,13 @@ float geodesic_distance(Center center, Neighbor neighbor) {
 // A tangent vector v at a normal m, turned with it into the tangent plane of n: no projection would keep its length.
 vec3 turn_to(vec3 n, vec3 m, vec3 v) { return v - (n + m) * (dot(n, v) / max(1.0f + dot(n, m), float(LEAST_TURN))); }
 
-// Adds one sample of the surface. per_side: as per_side_of(area). face: the unit normal of its triangle, where FACES are asked for. near: nearer to the center than texels can
-// tell. geodesic: its distance along the surface where that is known, else below 0. map: gradient and value of f there, where there is a MAP.
-void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float area, float per_side, bool near, float geodesic,
+// Adds a neighbor of which all but what follows from its place in the tangent plane is known. inner: likewise, as half of the radius sees it.
+void add_weighted(INOUT(Sums) sums, Neighbor neighbor,
+#if EXTRAPOLATED
+                  Neighbor inner,
+#endif
                   vec4 map) {
   Center center = sums.center;
-  Neighbor neighbor;
-  neighbor.offset = position - center.position;
-  neighbor.rho = length(neighbor.offset);
-  neighbor.normal = normal;
-#if FACES
-  neighbor.face = face;
-#endif
-  neighbor.area = area;
-  neighbor.per_side = per_side;
-  neighbor.geodesic = mix(geodesic, geodesic_distance(center, neighbor), geodesic < 0.0f);
-#if GEODESIC_BALL
-  neighbor.distance = neighbor.geodesic;
-#else
-  neighbor.distance = neighbor.rho;
-#endif
-  // A square that the rim cuts counts by the part of it that lies inside. Where none does all of this adds nothing: software devices would
-  // mask every sum that follows a return.
-  neighbor.weight = area * rim_share(neighbor.distance, params.radius, per_side);
-  neighbor.near = near || neighbor.rho == 0.0f;
   vec2 x = vec2(dot(neighbor.offset, center.t1), dot(neighbor.offset, center.t2)) * (1.0f / params.radius);
   vec2 y = vec2(dot(neighbor.normal, center.t1), dot(neighbor.normal, center.t2));
   neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12f));
@@ -97,7 +80,7 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
   sums.moments.yy += neighbor.weight * dot(y, y);
 #if MAP
   bool unknown = isnan(map.w); // the map does not exist there
-  vec3 slope = params.map_radius * turn_to(center.normal, normal, vec3(map.x, map.y, map.z));
+  vec3 slope = params.map_radius * turn_to(center.normal, neighbor.normal, vec3(map.x, map.y, map.z));
   neighbor.weight = mix(neighbor.weight, 0.0f, unknown);
   neighbor.coordinates = x;
   neighbor.value = mix(map.w - center.value, 0.0f, unknown);
@@ -105,9 +88,45 @@ void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float
 #endif
   terms_add(sums.terms, center, neighbor);
 #if EXTRAPOLATED
+  inner.direction = neighbor.direction;
+  ball_add(sums.half_ball, center, inner);
+#endif
+}
+
+// Adds one sample of the surface. face: the unit normal of its triangle, where FACES are asked for. near: nearer to the center than
+// texels can tell. geodesic: its distance along the surface where that is known, else below 0. map: gradient and value of f there, where
+// there is a MAP.
+void add_neighbor(INOUT(Sums) sums, vec3 position, vec3 normal, vec3 face, float area, bool near, float geodesic, vec4 map) {
+  Center center = sums.center;
+  Neighbor neighbor;
+  neighbor.offset = position - center.position;
+  neighbor.rho = length(neighbor.offset);
+  neighbor.mean_rho = neighbor.rho;
+  neighbor.normal = normal;
+#if FACES
+  neighbor.face = face;
+#endif
+  neighbor.area = area;
+  neighbor.geodesic = mix(geodesic, geodesic_distance(center, neighbor), geodesic < 0.0f);
+#if GEODESIC_BALL
+  neighbor.distance = neighbor.geodesic;
+#else
+  neighbor.distance = neighbor.rho;
+#endif
+  // A square that the rim cuts counts by the part of it that lies inside. Where none does all of this adds nothing: software devices would
+  // mask every sum that follows a return.
+  float per_side = per_side_of(area);
+  neighbor.weight = area * rim_share(neighbor.distance, params.radius, per_side);
+  neighbor.inside = area * rim_share(neighbor.geodesic, params.radius, per_side);
+  neighbor.near = near || neighbor.rho == 0.0f;
+  vec3 turn = center.normal - normal;
+  neighbor.turning = dot(turn, turn) / mix(neighbor.rho * neighbor.rho, 1.0f, neighbor.near);
+#if EXTRAPOLATED
   Neighbor inner = neighbor;
   inner.weight = area * rim_share(neighbor.distance, 0.5f * params.radius, per_side);
-  ball_add(sums.half_ball, center, inner);
+  add_weighted(sums, neighbor, inner, map);
+#else
+  add_weighted(sums, neighbor, map);
 #endif
 }
 

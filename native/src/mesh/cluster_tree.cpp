@@ -46,7 +46,6 @@ public:
   const std::vector<int32_t> &triangles() const { return triangles_; }
 
 private:
-  static constexpr int max_members = 3;
 
   int32_t open(int32_t cluster) {
     members_.push_back(1);
@@ -97,7 +96,7 @@ private:
   bool join(int32_t cluster) {
     const ClusterGraph::Link best = roundest(cluster, [&](const ClusterGraph::Link &link) -> std::optional<Size> {
       const int32_t group = parent_[link.other];
-      if (members_[group] >= max_members) return {};
+      if (members_[group] >= static_cast<int>(ClusterTree::max_children)) return {};
       return Size{perimeter_[group], triangles_[group]};
     });
     if (best.other >= 0) add(cluster, parent_[best.other], best.edges);

@@ -14,6 +14,7 @@ namespace paradesc {
 // Level 0 has one cluster for each triangle that is not left out. The clusters of a level stand in the order of their triangles,
 // so that each cluster is a range of every level below it.
 struct ClusterTree {
+  static constexpr size_t max_children = 3;
   std::vector<int32_t> triangle;                 // of level 0
   std::vector<int32_t> rank;                     // (triangle_count) its index in there; -1: left out
   std::vector<std::vector<int32_t>> child_begin; // [level - 1](clusters + 1) into the level below

@@ -18,6 +18,7 @@ using glm::dvec3;
 using glm::dvec4;
 using glm::ivec2;
 using glm::ivec4;
+using glm::mat3;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;

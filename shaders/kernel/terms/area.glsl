@@ -22,7 +22,7 @@ void area_init(OUT(AreaTerms) terms) {
   terms.moments = vec4(0.0f);
 }
 void area_add(INOUT(AreaTerms) terms, Center center, Neighbor neighbor) {
-  terms.inside += neighbor.area * rim_share(neighbor.geodesic, params.radius, neighbor.per_side);
+  terms.inside += neighbor.inside;
 #if FACES
   terms.projected += neighbor.weight * dot(center.normal, neighbor.face);
 #else

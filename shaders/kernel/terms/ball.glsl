@@ -10,7 +10,7 @@ void ball_init(OUT(BallTerms) terms) {
   terms.moments = vec3(0.0f);
 }
 void ball_add(INOUT(BallTerms) terms, Center center, Neighbor neighbor) {
-  terms.rho += neighbor.weight * neighbor.rho;
+  terms.rho += neighbor.weight * neighbor.mean_rho;
   terms.height += neighbor.weight * dot(center.normal, neighbor.offset);
   terms.moments += neighbor.weight * neighbor.rho * neighbor.rho * outer(neighbor.direction);
 }

@@ -8,8 +8,7 @@ void bending_init(OUT(BendingTerms) terms) {
   terms.moments = vec3(0.0f);
 }
 void bending_add(INOUT(BendingTerms) terms, Center center, Neighbor neighbor) {
-  vec3 turn = center.normal - neighbor.normal;
   float weight = mix(neighbor.weight, 0.0f, neighbor.near);
-  terms.energy += weight * dot(turn, turn) / mix(neighbor.rho * neighbor.rho, 1.0f, neighbor.near);
+  terms.energy += weight * neighbor.turning;
   terms.moments += weight * outer(neighbor.direction);
 }

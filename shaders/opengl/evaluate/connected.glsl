@@ -57,7 +57,7 @@ void add_texelless_samples(inout Sums sums, int range, int end_range, float shar
     TexellessSample one = texelless[i];
     vec3 offset = one.position - sums.center.position;
     if (is_connected(one.triangle))
-      add_neighbor(sums, one.position, one.normal, face_of(one.triangle), share * one.area, per_side_of(share * one.area),
+      add_neighbor(sums, one.position, one.normal, face_of(one.triangle), share * one.area,
                    dot(offset, offset) < one.area, -1.0, MAP_OF_TEXELLESS(i));
     ++i;
   }

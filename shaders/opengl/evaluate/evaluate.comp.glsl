@@ -52,7 +52,7 @@ void add_point(inout Sums sums, vec3 position, vec3 normal, float area, float ex
 #else
   const vec4 map = vec4(0.0);
 #endif
-  add_neighbor(sums, position, normal, face_of(triangle), area, per_side_of(area), near, geodesic, map);
+  add_neighbor(sums, position, normal, face_of(triangle), area, near, geodesic, map);
 }
 
 // Adds one texel. cell: the area in (u, v) that it stands for.

@@ -30,7 +30,7 @@ void main() {
   sums.moments.hits_boundary = centers[3 * index + 1].w;
   for (int i = int(centers[3 * index + 2].x); i < int(centers[3 * index + 2].y); ++i) {
     vec4 position = neighbors[4 * i], normal = neighbors[4 * i + 1], face = neighbors[4 * i + 2];
-    add_neighbor(sums, position.xyz, normal.xyz, face.xyz, position.w, per_side_of(position.w), normal.w > 0.0, face.w,
+    add_neighbor(sums, position.xyz, normal.xyz, face.xyz, position.w, normal.w > 0.0, face.w,
                  neighbors[4 * i + 3]);
   }
   Neighborhood neighborhood = finish_neighborhood(sums, 1.0);

@@ -158,8 +158,7 @@ template <template <class, class> class Kernel> std::vector<float> one_at_a_time
   sums.moments.hits_boundary = recorded.hits_boundary;
   for (const RecordedNeighbor &neighbor : recorded.neighbors)
     kernel.add_neighbor(sums, as<float>(neighbor.position), as<float>(neighbor.normal), as<float>(neighbor.face), neighbor.area,
-                        kernel.per_side_of(neighbor.area), neighbor.near, neighbor.geodesic,
-                        {neighbor.map.x, neighbor.map.y, neighbor.map.z, neighbor.map.w});
+                        neighbor.near, neighbor.geodesic, {neighbor.map.x, neighbor.map.y, neighbor.map.z, neighbor.map.w});
   return finish_all(kernel, sums);
 }
 
@@ -191,7 +190,7 @@ template <template <class, class> class Kernel> std::vector<float> eight_at_a_ti
     for (size_t i = 0; i < lane_count; ++i) near.lane[i] = neighbor(i).near ? -1 : 0;
     wide.add_neighbor(
         sums, vectors(&RecordedNeighbor::position), vectors(&RecordedNeighbor::normal), vectors(&RecordedNeighbor::face), area,
-        wide.per_side_of(area), near, lanes([](const RecordedNeighbor &p) { return p.geodesic; }),
+        near, lanes([](const RecordedNeighbor &p) { return p.geodesic; }),
         {lanes([](const RecordedNeighbor &p) { return p.map.x; }), lanes([](const RecordedNeighbor &p) { return p.map.y; }),
          lanes([](const RecordedNeighbor &p) { return p.map.z; }), lanes([](const RecordedNeighbor &p) { return p.map.w; })});
   }

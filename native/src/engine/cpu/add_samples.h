@@ -15,25 +15,21 @@ struct EvaluateParams;
 
 inline constexpr int block_lanes = 16;
 
-// What a sample has, a row of block_lanes floats each.
+// What a Sample has, a row of block_lanes floats each.
 enum SampleRow {
-  SAMPLE_X,
-  SAMPLE_Y,
-  SAMPLE_Z,
-  SAMPLE_NORMAL_X,
-  SAMPLE_NORMAL_Y,
-  SAMPLE_NORMAL_Z,
-  SAMPLE_FACE_X, // of the triangles' planes, where SAMPLE_NORMAL is of the normals at their corners
-  SAMPLE_FACE_Y,
-  SAMPLE_FACE_Z,
-  SAMPLE_AREA,
-  SAMPLE_PER_SIDE,   // one over the side of a square of that area
-  SAMPLE_GRADIENT_X, // of a map, where there is one
-  SAMPLE_GRADIENT_Y,
-  SAMPLE_GRADIENT_Z,
-  SAMPLE_VALUE,
+  SAMPLE_POSITION, // three rows, as of every vector
+  SAMPLE_ALONG = SAMPLE_POSITION + 3,
+  SAMPLE_NORMAL = SAMPLE_ALONG + 6,
+  SAMPLE_NORMAL_ALONG = SAMPLE_NORMAL + 3,
+  SAMPLE_FACE = SAMPLE_NORMAL_ALONG + 6,
+  SAMPLE_AREA = SAMPLE_FACE + 3,
+  SAMPLE_PER_AREA,
+  SAMPLE_REACH,
+  SAMPLE_TURN,
+  SAMPLE_GRADIENT, // of a map, where there is one
+  SAMPLE_VALUE = SAMPLE_GRADIENT + 3,
   ALL_ROWS,
-  SURFACE_ROWS = SAMPLE_GRADIENT_X
+  SURFACE_ROWS = SAMPLE_GRADIENT
 };
 
 // Some blocks of samples: block i begins at data + stride * block[i], its rows one after the other, 64 bytes aligned. Samples
@@ -42,6 +38,7 @@ struct SampleBlocks {
   const float *data;
   int32_t stride;
   const int32_t *block;
+  const uint16_t *shown; // (count) a bit for each sample that counts
   // (count, filled up to block_lanes with such that reach nothing): the middle of each; the square of the radius around its
   // samples plus that of the neighborhood.
   const float *middle[3];
@@ -69,14 +66,18 @@ enum class SumKind : int32_t {
 inline constexpr int sum_kinds = 9;
 inline constexpr size_t max_sums = 96; // floats
 
-// sums: Moments, BallTerms of half the radius where the kind has them, Terms. Returns the largest share of a sample's distance
-// from the center that lies along its normal, squared: 1 where the surface is nearest to the center or farthest from it.
-using AddSamples = float (*)(const EvaluateParams &params, const SampleBlocks &samples, const SumCenter &center, float *sums);
+// sums: Moments, BallTerms of half the radius where the kind has them, Terms. Returns the number of samples in the ball on which
+// the surface may come nearer to the center than around them.
+using AddSamples = int32_t (*)(const EvaluateParams &params, const SampleBlocks &samples, const SumCenter &center, float *sums);
+// That number among samples [begin, end) of a list alone.
+using CountNearest = int32_t (*)(float radius, const float *data, int32_t stride, int32_t begin, int32_t end,
+                                 const SumCenter &center);
 
 // One set of instructions.
 struct SumTarget {
   const char *name;
   const AddSamples *by_kind; // (sum_kinds)
+  CountNearest count_nearest;
 };
 // Those that this processor has, the widest first.
 std::vector<SumTarget> sum_targets();

@@ -56,10 +56,16 @@ struct Evaluation {
 
 } // namespace
 
-// The surface within the ball has no place nearest to the center or farthest from it, but where this share of the distance lies
-// along the normal, squared; and a piece of surface that is not connected to the center within the ball always has one. So where
-// no sample comes near that, all of them are connected.
-static constexpr float connected_along = 0.81f;
+static int32_t sum_up(const Evaluation &pass, AddSamples add_samples, const Search &search, const SumCenter &center,
+                      float *sums) {
+  const int32_t nearest = add_samples(pass.params, search.stored(), center, sums);
+  const SampleBlocks divided = search.divided();
+  if (divided.count == 0) return nearest;
+  float more[max_sums] = {};
+  const int32_t nearest_of_divided = add_samples(pass.params, divided, center, more);
+  for (size_t i = 0; i < max_sums; ++i) sums[i] += more[i];
+  return nearest + nearest_of_divided;
+}
 
 static void evaluate_group(const Evaluation &pass, AddSamples add_samples, std::span<const int32_t> group, Search &search,
                            CenterResults &results) {
@@ -71,26 +77,20 @@ static void evaluate_group(const Evaluation &pass, AddSamples add_samples, std::
     const vec3 position = center.position, normal = center.normal;
     const float value = pass.source.map ? (*pass.source.map)[index].w : 0.0f;
     const SumCenter at{{position.x, position.y, position.z}, {normal.x, normal.y, normal.z}, value};
-    float along = add_samples(pass.params, search.stored(), at, sums);
-    if (const SampleBlocks divided = search.divided(); divided.count > 0) {
-      float more[max_sums] = {};
-      along = std::max(along, add_samples(pass.params, divided, at, more));
-      for (size_t i = 0; i < max_sums; ++i) sums[i] += more[i];
-    }
-    bool boundary = false;
-    if (!(along < connected_along) || search.near_boundary(center)) {
-      const Search::Connected connected = search.connected(center);
-      boundary = connected.boundary;
-      add_samples(pass.params, connected.samples, at, sums);
+    const int32_t nearest = sum_up(pass, add_samples, search, at, sums);
+    const Search::Connected connected = search.find_connected(center, at, nearest);
+    if (!connected.all) {
+      sum_up(pass, add_samples, search, at, sums);
+      search.forget_connected();
     }
     values.clear();
-    finish(pass.plan, pass.params, at, sums, boundary, pass.rows, values);
+    finish(pass.plan, pass.params, at, sums, connected.boundary, pass.rows, values);
     for (size_t k = 0, next = 0; k < pass.rows.size(); ++k) {
       const auto components = static_cast<size_t>(descriptor_row(pass.rows[k]).components);
       std::copy_n(&values[next], components, &results.values[k][static_cast<size_t>(index) * components]);
       next += components;
     }
-    results.boundary[index] = boundary;
+    results.boundary[index] = connected.boundary;
   }
 }
 
@@ -101,7 +101,8 @@ static CenterResults evaluate(const Evaluation &pass) {
     results.values.emplace_back(count * static_cast<size_t>(descriptor_row(row).components),
                                 std::numeric_limits<float>::quiet_NaN());
   results.boundary.assign(count, 0);
-  const AddSamples add_samples = sum_targets()[0].by_kind[static_cast<size_t>(pass.plan.kind)];
+  const SumTarget target = sum_targets()[0];
+  const AddSamples add_samples = target.by_kind[static_cast<size_t>(pass.plan.kind)];
   const auto groups = static_cast<int>(pass.groups.begin.size()) - 1;
   std::atomic<int> done{0};
   const CancelScope cancel([&] { pass.progress(static_cast<double>(done) / std::max(groups, 1)); });
@@ -112,7 +113,7 @@ static CenterResults evaluate(const Evaluation &pass) {
   };
   Pool<Search> searches;
   parallel_blocks(groups, pass.source.threads, 8, [&](int begin, int end) {
-    searches.with_one([&] { return Search(pass.source, pass.surfels, pass.samples); },
+    searches.with_one([&] { return Search(pass.source, pass.surfels, pass.samples, target.count_nearest); },
                       [&](Search &search) {
                         for (int g = begin; g < end; ++g) evaluate_one(g, search);
                       });
@@ -137,11 +138,22 @@ static void scale_values(std::span<const int> rows, double scale, CenterResults 
   }
 }
 
-static EvaluateParams params_of(const Request &request, double scale, float radius) {
+static float share_of_clusters(const Surfels &surfels) {
+  double clusters = 0, all = 0;
+  for (size_t k = 0; k < surfels.surfel.size(); ++k) {
+    const double triangles = surfels.first[k + 1] - surfels.first[k];
+    all += triangles;
+    if (surfels.surfel[k].level > 0) clusters += triangles;
+  }
+  return all > 0 ? static_cast<float>(clusters / all) : 0.0f;
+}
+
+// share_of_clusters: of the triangles. The rim cuts triangles exactly: only what clusters leave is noise to be reduced.
+static EvaluateParams params_of(const Request &request, double scale, float radius, float share_of_clusters) {
   const pdesc_options &options = request.options;
   EvaluateParams params{};
   params.radius = radius;
-  params.variate_share = options.variance_reduction == PDESC_VARIANCE_REDUCTION_NONE ? 0.0f : 1.0f;
+  if (options.variance_reduction != PDESC_VARIANCE_REDUCTION_NONE) params.variate_share = share_of_clusters;
   params.map_radius = static_cast<float>(request.radius * scale);
   params.map_sigma = static_cast<float>(options.map_sigma) * params.map_radius;
   params.harris_k = static_cast<float>(options.harris_k);
@@ -174,7 +186,7 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
     const CenterGroups groups = group_centers(*tree_, centers, radius);
     CenterResults results =
         evaluate({source, surfels, samples, centers, groups, plan_sums(pass.rows, options, pass.stage == Stage::windows),
-                  params_of(request, space.scale, radius), pass.rows, part});
+                  params_of(request, space.scale, radius, share_of_clusters(surfels)), pass.rows, part});
     scale_values(pass.rows, space.scale, results);
     return results;
   };

@@ -13,7 +13,7 @@ namespace paradesc {
 namespace kernels {
 #define DECLARE_TARGET(target)                                                                                                   \
   inline namespace target {                                                                                                      \
-  extern const AddSamples add_samples_by_kind_of_##target[sum_kinds];                                                            \
+  extern const SumTarget sums_of_##target;                                                                                       \
   }
 DECLARE_TARGET(baseline)
 #if defined(__x86_64__)
@@ -50,10 +50,10 @@ std::vector<SumTarget> sum_targets() {
   std::vector<SumTarget> targets;
 #if defined(__x86_64__)
   const Instructions found = find_instructions();
-  if (found.avx512) targets.push_back({"avx512", kernels::add_samples_by_kind_of_avx512});
-  if (found.avx2) targets.push_back({"avx2", kernels::add_samples_by_kind_of_avx2});
+  if (found.avx512) targets.push_back(kernels::sums_of_avx512);
+  if (found.avx2) targets.push_back(kernels::sums_of_avx2);
 #endif
-  targets.push_back({"baseline", kernels::add_samples_by_kind_of_baseline});
+  targets.push_back(kernels::sums_of_baseline);
   return targets;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #define LANE_WIDTH 16
 #define KERNEL_TARGET blocks
@@ -12,41 +13,59 @@
 namespace paradesc {
 
 void Samples::clear(bool with_map) {
-  rows_ = with_map ? ALL_ROWS : SURFACE_ROWS;
+  const int32_t rows = with_map ? ALL_ROWS : SURFACE_ROWS;
+  if (std::exchange(rows_, rows) != rows) room_ = 0;
   count_ = 0;
 }
 
-void Samples::reserve(int32_t count) {
-  const size_t needed = static_cast<size_t>((count + block_lanes - 1) / block_lanes) * static_cast<size_t>(rows_);
-  if (blocks_.size() < needed) blocks_.resize(needed + needed / 2);
+void Samples::grow(int32_t count) {
+  const int32_t blocks = (count + count / 2) / block_lanes + 1;
+  auto grown = std::make_unique_for_overwrite<Row[]>(static_cast<size_t>(blocks) * static_cast<size_t>(rows_));
+  if (count_ > 0) std::copy_n(rows_of(0), this->blocks() * rows_, grown.get());
+  rows_of_blocks_ = std::move(grown);
+  room_ = blocks * block_lanes;
 }
 
-void Samples::add(const Sample &sample) {
-  const auto &[position, normal, face, area, map] = sample;
-  const float values[ALL_ROWS] = {
-      position.x, position.y, position.z, normal.x, normal.y, normal.z, face.x, face.y, face.z, area, 1.0f / std::sqrt(area),
-      map.x,      map.y,      map.z,      map.w};
+void Samples::add(const Sample &sample, vec4 map) {
   reserve(count_ + 1);
-  Row *const rows = &row(count_ / block_lanes, 0);
-  for (int i = 0; i < rows_; ++i) rows[i].lane[count_ % block_lanes] = values[i];
+  float *to = rows_of(count_ / block_lanes)->lane + count_ % block_lanes;
+  const auto put = [&](float value) {
+    *to = value;
+    to += block_lanes;
+  };
+  for (const vec3 &v : {sample.position, sample.along[0], sample.along[1], sample.normal, sample.normal_along[0],
+                        sample.normal_along[1], sample.face})
+    for (int axis = 0; axis < 3; ++axis) put(v[axis]);
+  for (const float value : {sample.area, 1.0f / sample.area, sample.reach, sample.turn}) put(value);
+  if (rows_ != ALL_ROWS) return void(++count_);
+  for (int i = 0; i < 4; ++i) put(map[i]);
   ++count_;
 }
 
 void Samples::append(const Samples &other, int32_t begin, int32_t end) {
   reserve(count_ + end - begin);
   for (; begin < end; ++begin, ++count_) {
-    const Row *const from = &other.row(begin / block_lanes, 0);
-    Row *const to = &row(count_ / block_lanes, 0);
+    const Row *const from = other.rows_of(begin / block_lanes);
+    Row *const to = rows_of(count_ / block_lanes);
     for (int i = 0; i < rows_; ++i) to[i].lane[count_ % block_lanes] = from[i].lane[begin % block_lanes];
   }
 }
 
 void Samples::fill_block() {
   if (count_ % block_lanes == 0) return;
-  Row *const rows = &row(count_ / block_lanes, 0);
+  Row *const rows = rows_of(count_ / block_lanes);
   const int last = (count_ - 1) % block_lanes;
   for (int i = 0; i < rows_; ++i) std::fill(rows[i].lane + last + 1, rows[i].lane + block_lanes, rows[i].lane[last]);
   std::fill(rows[SAMPLE_AREA].lane + last + 1, rows[SAMPLE_AREA].lane + block_lanes, 0.0f);
+}
+
+void Samples::resize_blocks(int32_t blocks) {
+  reserve(blocks * block_lanes);
+  count_ = blocks * block_lanes;
+}
+
+void Samples::copy_blocks(const Samples &other, int32_t block) {
+  if (other.blocks() > 0) std::copy_n(other.rows_of(0), other.blocks() * rows_, rows_of(block));
 }
 
 static float largest(const kernels::Lanes &lanes) {
@@ -59,32 +78,60 @@ static float largest(const kernels::Lanes &lanes) {
 
 vec4 Samples::sphere(int32_t block) const {
   using kernels::Lanes;
-  const auto lanes = [&](int r) { return std::bit_cast<Lanes>(row(block, r)); };
-  const Lanes x = lanes(SAMPLE_X), y = lanes(SAMPLE_Y), z = lanes(SAMPLE_Z);
+  const auto lanes = [&](int r) { return std::bit_cast<Lanes>(rows_of(block)[r]); };
+  const Lanes x = lanes(SAMPLE_POSITION), y = lanes(SAMPLE_POSITION + 1), z = lanes(SAMPLE_POSITION + 2);
   const auto middle = [](const Lanes &v) { return 0.25f * ((v.lane[1] + v.lane[6]) + (v.lane[10] + v.lane[15])); };
   const vec3 at(middle(x), middle(y), middle(z));
   const Lanes dx = x - at.x, dy = y - at.y, dz = z - at.z;
-  return vec4(at, std::sqrt(largest(dx * dx + dy * dy + dz * dz)) - 0.5f / largest(-lanes(SAMPLE_PER_SIDE)));
+  return vec4(at, 1.00001f * (std::sqrt(largest(dx * dx + dy * dy + dz * dz)) + largest(lanes(SAMPLE_REACH))));
 }
+
+static constexpr uint16_t all_shown = 0xffff;
 
 void BlockSet::add(int32_t block, vec4 sphere, float radius) {
   const auto at = static_cast<size_t>(count_++);
   if (at % block_lanes == 0) {
     block_.resize(std::max(block_.size(), at + block_lanes));
+    shown_.resize(block_.size());
+    taken_.resize(block_.size());
     for (std::vector<float> *list : {&middle_[0], &middle_[1], &middle_[2], &limit_})
       list->resize(std::max(list->size(), at + block_lanes));
     std::fill_n(limit_.begin() + static_cast<ptrdiff_t>(at), block_lanes, -1.0f);
   }
   block_[at] = block;
+  shown_[at] = all_shown;
+  taken_[at] = 0;
   for (int axis = 0; axis < 3; ++axis) middle_[axis][at] = sphere[axis];
   const float limit = radius + sphere.w;
   limit_[at] = limit * limit;
 }
 
 SampleBlocks BlockSet::of(const Samples &samples) const {
-  return {samples.data(), samples.stride(),
-          block_.data(),  {middle_[0].data(), middle_[1].data(), middle_[2].data()},
-          limit_.data(),  count_};
+  return {samples.data(),
+          samples.stride(),
+          block_.data(),
+          shown_.data(),
+          {middle_[0].data(), middle_[1].data(), middle_[2].data()},
+          limit_.data(),
+          count_};
 }
+
+void BlockSet::take(int32_t begin, int32_t end) {
+  if (begin >= end) return;
+  size_t at =
+      static_cast<size_t>(std::lower_bound(block_.begin(), block_.begin() + count_, begin / block_lanes) - block_.begin());
+  for (; at < static_cast<size_t>(count_) && block_[at] * block_lanes < end; ++at) {
+    const int32_t from = std::max(begin - block_[at] * block_lanes, 0),
+                  to = std::min(end - block_[at] * block_lanes, block_lanes);
+    taken_[at] = static_cast<uint16_t>(taken_[at] | ((1u << to) - (1u << from)));
+  }
+}
+
+void BlockSet::hide_rest() {
+  std::swap(shown_, taken_);
+  std::fill_n(taken_.begin(), count_, uint16_t{0});
+}
+
+void BlockSet::show_all() { std::fill_n(shown_.begin(), count_, all_shown); }
 
 } // namespace paradesc

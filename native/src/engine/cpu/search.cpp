@@ -8,9 +8,9 @@
 
 namespace paradesc {
 
-Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples)
-    : source_(source), surfels_(surfels), samples_(samples), mark_(surfels.cell_sphere.size(), 0),
-      first_here_(surfels.cell_sphere.size(), 0) {}
+Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, CountNearest count_nearest)
+    : source_(source), surfels_(surfels), samples_(samples), count_nearest_(count_nearest), mark_(surfels.cell_sphere.size(), 0),
+      reached_mark_(surfels.surfel.size(), 0) {}
 
 void Search::look(const std::vector<TreeCenter> &centers, std::span<const int32_t> group) {
   vec3 low(std::numeric_limits<float>::max()), high(-low);
@@ -22,7 +22,6 @@ void Search::look(const std::vector<TreeCenter> &centers, std::span<const int32_
   const float reach = surfels_.radius + 0.5f * length(high - low);
   find_cells(centers, group, reach);
   list_blocks(reach);
-  linked_ = false;
 }
 
 // All cells that are connected to the group's own by cells that come near the balls of its centers.
@@ -51,11 +50,8 @@ void Search::list_blocks(float reach) {
   divided_samples_.clear(source_.map != nullptr);
   divided_surfels_.clear();
   boundary_.clear();
-  int32_t here = 0;
   for (const int32_t cell : cells_) {
-    first_here_[cell] = here;
     const int32_t first = surfels_.cell_begin[cell], last = surfels_.cell_begin[cell + 1];
-    here += last - first;
     const int32_t begin = samples_.first[first], end = samples_.first[last];
     if (begin < end)
       for (int32_t block = begin / block_lanes; block <= (end - 1) / block_lanes; ++block)
@@ -63,96 +59,107 @@ void Search::list_blocks(float reach) {
     if (surfels_.surfel[first].samples > max_stored_samples) { // a cell of its own
       const int32_t before = divided_samples_.count();
       divide_triangle(source_, surfels_, first, middle_, reach, divided_samples_);
-      divided_surfels_.push_back({here - 1, before, divided_samples_.count()});
+      divided_surfels_.push_back({first, before, divided_samples_.count()});
     }
-    for (int32_t k = surfels_.boundary_begin[cell]; k < surfels_.boundary_begin[cell + 1]; ++k) {
-      const int32_t half_edge = surfels_.boundary[k];
-      boundary_.push_back({-1, source_.position(half_edge), source_.position(next_corner(half_edge))});
-    }
+    boundary_.insert(boundary_.end(), surfels_.boundary.begin() + surfels_.boundary_begin[cell],
+                     surfels_.boundary.begin() + surfels_.boundary_begin[cell + 1]);
   }
   divided_samples_.fill_block();
   for (int32_t block = 0; block < divided_samples_.blocks(); ++block)
     divided_.add(block, divided_samples_.sphere(block), surfels_.radius);
 }
 
-bool Search::meets_ball(const Link &link, vec3 center) const {
-  return segment_in_ball(link.from, link.to, center, surfels_.radius);
+bool Search::meets_ball(int32_t half_edge, vec3 center) const {
+  return segment_in_ball(source_.position(half_edge), source_.position(next_corner(half_edge)), center, surfels_.radius);
 }
 
-bool Search::near_boundary(const TreeCenter &center) const {
-  return std::ranges::any_of(boundary_, [&](const Link &edge) { return meets_ball(edge, center.position); });
+bool Search::near_boundary(vec3 center) const {
+  return std::ranges::any_of(boundary_, [&](int32_t half_edge) { return meets_ball(half_edge, center); });
 }
 
-// -1: its cell was not found.
-int32_t Search::number_here(int32_t surfel) const {
-  const int32_t cell = surfels_.triangle_cell[source_.tree.triangle[surfels_.first[surfel]]];
-  return mark_[cell] == searches_ ? first_here_[cell] + surfel - surfels_.cell_begin[cell] : -1;
+// Null: it is not very large, or it was not found.
+const Search::Range *Search::find_divided(int32_t surfel) const {
+  if (surfels_.surfel[surfel].samples <= max_stored_samples) return nullptr;
+  const auto found = std::ranges::lower_bound(divided_surfels_, surfel, {}, &Range::surfel);
+  return found != divided_surfels_.end() && found->surfel == surfel ? &*found : nullptr;
 }
 
-void Search::link_surfel(int32_t surfel) {
+int32_t Search::count_nearest_of(int32_t surfel, const SumCenter &at) const {
+  const auto count = [&](const Samples &samples, int32_t begin, int32_t end) {
+    return begin < end ? count_nearest_(surfels_.radius, samples.data(), samples.stride(), begin, end, at) : 0;
+  };
+  if (const Range *range = find_divided(surfel)) return count(divided_samples_, range->begin, range->end);
+  return count(samples_.samples, samples_.first[surfel], samples_.first[surfel + 1]);
+}
+
+void Search::start_flood(int32_t triangle) {
+  ++floods_;
+  reached_.clear();
+  reach(surfels_.triangle_surfel[triangle]);
+}
+
+void Search::reach(int32_t surfel) {
+  if (std::exchange(reached_mark_[surfel], floods_) != floods_) reached_.push_back(surfel);
+}
+
+// A piece of surface that is not connected to the center would come nearest to it somewhere: so there is none if all samples
+// where the surface may do so are connected to the center by each other.
+bool Search::is_one_piece(const TreeCenter &center, const SumCenter &at, int32_t nearest) {
+  start_flood(center.triangle);
+  int32_t found = 0;
+  for (size_t i = 0; i < reached_.size() && found < nearest; ++i) {
+    const int32_t surfel = reached_[i], here = count_nearest_of(surfel, at);
+    found += here;
+    const bool is_empty = samples_.first[surfel] == samples_.first[surfel + 1];
+    if (i > 0 && here == 0 && !is_empty) continue;
+    if (surfels_.surfel[surfel].level == 0)
+      reach_neighbors(surfel, center.position);
+    else // clusters are small
+      for (int32_t k = surfels_.neighbor_begin[surfel]; k < surfels_.neighbor_begin[surfel + 1]; ++k) reach(surfels_.neighbor[k]);
+  }
+  return found == nearest;
+}
+
+// Whether the boundary is met, too.
+bool Search::reach_neighbors(int32_t surfel, vec3 center) {
+  bool boundary = false;
   for (int32_t i = surfels_.first[surfel]; i < surfels_.first[surfel + 1]; ++i)
     for (int32_t half_edge = 3 * source_.tree.triangle[i]; half_edge < 3 * source_.tree.triangle[i] + 3; ++half_edge) {
       const int32_t twin = source_.half_edges.twin[half_edge];
       const int32_t behind = twin < 0 ? -1 : surfels_.triangle_surfel[twin / 3];
-      if (behind == surfel) continue;
-      const int32_t number = behind < 0 ? -1 : number_here(behind);
-      if (behind >= 0 && number < 0) continue;
-      link_.push_back({number, source_.position(half_edge), source_.position(next_corner(half_edge))});
-    }
-}
-
-void Search::list_links() {
-  link_.clear();
-  link_begin_.assign(1, 0);
-  for (const int32_t cell : cells_)
-    for (int32_t k = surfels_.cell_begin[cell]; k < surfels_.cell_begin[cell + 1]; ++k) {
-      link_surfel(k);
-      link_begin_.push_back(static_cast<int32_t>(link_.size()));
-    }
-  reached_mark_.resize(std::max(reached_mark_.size(), link_begin_.size()), 0);
-  linked_ = true;
-}
-
-Search::Connected Search::connected(const TreeCenter &center) {
-  if (!linked_) list_links();
-  ++floods_;
-  reached_.clear();
-  const auto reach = [&](int32_t surfel) {
-    if (std::exchange(reached_mark_[surfel], floods_) != floods_) reached_.push_back(surfel);
-  };
-  Connected connected{};
-  reach(number_here(surfels_.triangle_surfel[center.triangle]));
-  for (size_t i = 0; i < reached_.size(); ++i)
-    for (int32_t k = link_begin_[reached_[i]]; k < link_begin_[reached_[i] + 1]; ++k) {
-      const Link &link = link_[k];
-      if ((link.surfel >= 0 && reached_mark_[link.surfel] == floods_) || !meets_ball(link, center.position)) continue;
-      if (link.surfel >= 0)
-        reach(link.surfel);
+      if ((behind >= 0 && reached_mark_[behind] == floods_) || !meets_ball(half_edge, center)) continue;
+      if (behind >= 0)
+        reach(behind);
       else
-        connected.boundary = true;
+        boundary = true;
     }
-  list_reached();
-  connected.samples = connected_.of(connected_samples_);
+  return boundary;
+}
+
+Search::Connected Search::find_connected(const TreeCenter &center, const SumCenter &at, int32_t nearest) {
+  const bool may_end = near_boundary(center.position);
+  if (!may_end && is_one_piece(center, at, nearest)) return {true, false};
+  start_flood(center.triangle);
+  Connected connected{false, false};
+  int32_t found = 0;
+  for (size_t i = 0; i < reached_.size(); ++i) {
+    if (reach_neighbors(reached_[i], center.position)) connected.boundary = true;
+    if (may_end) continue;
+    found += count_nearest_of(reached_[i], at);
+    if (found == nearest) return {true, false};
+  }
+  for (const int32_t surfel : reached_) {
+    stored_.take(samples_.first[surfel], samples_.first[surfel + 1]);
+    if (const Range *range = find_divided(surfel)) divided_.take(range->begin, range->end);
+  }
+  stored_.hide_rest();
+  divided_.hide_rest();
   return connected;
 }
 
-// The samples of the surfels that were reached.
-void Search::list_reached() {
-  std::sort(reached_.begin(), reached_.end());
-  connected_samples_.clear(source_.map != nullptr);
-  size_t cell = 0;
-  for (const int32_t here : reached_) {
-    while (cell + 1 < cells_.size() && first_here_[cells_[cell + 1]] <= here) ++cell;
-    const int32_t surfel = surfels_.cell_begin[cells_[cell]] + here - first_here_[cells_[cell]];
-    connected_samples_.append(samples_.samples, samples_.first[surfel], samples_.first[surfel + 1]);
-    if (surfels_.surfel[surfel].samples <= max_stored_samples) continue;
-    const Range &range = *std::ranges::lower_bound(divided_surfels_, here, {}, &Range::surfel);
-    connected_samples_.append(divided_samples_, range.begin, range.end);
-  }
-  connected_samples_.fill_block();
-  connected_.clear();
-  for (int32_t block = 0; block < connected_samples_.blocks(); ++block)
-    connected_.add(block, connected_samples_.sphere(block), surfels_.radius);
+void Search::forget_connected() {
+  stored_.show_all();
+  divided_.show_all();
 }
 
 } // namespace paradesc

@@ -14,35 +14,42 @@ namespace {
 // Part of a triangle.
 struct Piece {
   vec3 corner[3];
-  vec2 weights[3]; // of the triangle's corners 1 and 2, at each
-  float area;
+  vec2 weights[3];      // of the triangle's corners 1 and 2, at each
+  bool at_rim() const { // some corner lies on an edge of the triangle
+    return std::ranges::any_of(weights, [](vec2 w) { return w.x == 0.0f || w.y == 0.0f || w.x + w.y == 1.0f; });
+  }
 };
 
 // Pieces are halved at their longest edge: then they are hardly longer than wide.
 class Divider {
 public:
-  Divider(const SurfelSource &source, const Surfels &surfels, int32_t triangle, vec3 face, vec3 middle, float limit,
-          Samples &samples)
-      : face_(face), middle_(middle), limit_(limit), largest_spread_(surfels.largest_spread), samples_(samples) {
-    for (int k = 0; k < 3; ++k) {
+  Divider(const SurfelSource &source, const Surfels &surfels, int32_t triangle, vec3 middle, float limit, Samples &samples)
+      : lean_(lean_of(source, surfels, triangle)), middle_(middle), limit_(limit), largest_spread_(surfels.largest_spread),
+        samples_(samples) {
+    for (int32_t k = 0; k < 3; ++k) {
       const int32_t corner = 3 * triangle + k;
+      whole_.corner[k] = source.position(corner);
+      whole_.weights[k] = {k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f};
       normal_[k] = source.normals.corner(static_cast<size_t>(corner));
       map_[k] = source.map ? (*source.map)[source.half_edges.corner_point[corner]] : vec4(0.0f);
     }
   }
 
+  void run() { divide(whole_); }
+
+private:
+  static float square(vec3 v) { return dot(v, v); }
+
   void divide(const Piece &piece) {
     const auto &p = piece.corner;
     const float edges[3] = {square(p[1] - p[0]), square(p[2] - p[1]), square(p[0] - p[2])};
     const float spread = (edges[0] + edges[1] + edges[2]) * (1.0f / 36.0f);
-    const vec3 middle = (p[0] + p[1] + p[2]) * (1.0f / 3.0f);
-    if (!(spread > largest_spread_)) return add(piece, middle);
+    if (!(spread > largest_spread_)) return add(piece);
     const float beyond = limit_ + 3.5f * std::sqrt(spread); // no corner is farther from the middle
-    if (square(middle - middle_) > beyond * beyond) return;
+    if (square((p[0] + p[1] + p[2]) * (1.0f / 3.0f) - middle_) > beyond * beyond) return;
     const int longest = edges[0] >= edges[1] && edges[0] >= edges[2] ? 0 : edges[1] >= edges[2] ? 1 : 2;
     const int from = longest, to = (longest + 1) % 3;
     Piece half = piece;
-    half.area *= 0.5f;
     half.corner[to] = 0.5f * (p[from] + p[to]);
     half.weights[to] = 0.5f * (piece.weights[from] + piece.weights[to]);
     divide(half);
@@ -53,18 +60,24 @@ public:
     divide(half);
   }
 
-private:
-  static float square(vec3 v) { return dot(v, v); }
-
-  void add(const Piece &piece, vec3 middle) {
-    const vec2 weights = (piece.weights[0] + piece.weights[1] + piece.weights[2]) * (1.0f / 3.0f);
-    const auto mean = [&](const auto &of) { return of[0] + (of[1] - of[0]) * weights.x + (of[2] - of[0]) * weights.y; };
-    const vec3 normal = mean(normal_);
-    const float size = length(normal);
-    samples_.add({middle, size > 0.0f ? normal / size : normal_[0], face_, piece.area, mean(map_)});
+  template <class T> static T at(const T *of, vec2 weights) {
+    return of[0] + (of[1] - of[0]) * weights.x + (of[2] - of[0]) * weights.y;
   }
 
-  vec3 face_, middle_;
+  void add(const Piece &piece) {
+    vec3 normals[3];
+    for (int k = 0; k < 3; ++k) {
+      const vec3 normal = at(normal_, piece.weights[k]);
+      const float length_squared = square(normal);
+      normals[k] = length_squared > 0.0f ? normal / std::sqrt(length_squared) : normal_[0];
+    }
+    const vec4 map = at(map_, (piece.weights[0] + piece.weights[1] + piece.weights[2]) * (1.0f / 3.0f));
+    samples_.add(sample_of_triangle(piece.corner, normals, piece.at_rim() ? lean_ : 0.0f), map);
+  }
+
+  Piece whole_;
+  float lean_;
+  vec3 middle_;
   float limit_, largest_spread_;
   Samples &samples_;
   vec3 normal_[3];
@@ -73,52 +86,53 @@ private:
 
 } // namespace
 
-void divide_triangle(const SurfelSource &source, const Surfels &surfels, int32_t index, vec3 middle, float limit,
+void divide_triangle(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit,
                      Samples &samples) {
-  const Surfel &surfel = surfels.surfel[index];
-  const int32_t triangle = source.tree.triangle[surfels.first[index]];
-  const auto corner = [&](int k) { return source.position(3 * triangle + k); };
-  Divider(source, surfels, triangle, surfel.face, middle, limit, samples)
-      .divide({{corner(0), corner(1), corner(2)}, {{0.0f, 0.0f}, {1.0f, 0.0f}, {0.0f, 1.0f}}, surfel.area});
+  Divider(source, surfels, source.tree.triangle[surfels.first[surfel]], middle, limit, samples).run();
 }
+
+static constexpr float least_area = 1e-30f; // one over it is a float
 
 static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32_t index, Samples &samples) {
   const Surfel &surfel = surfels.surfel[index];
-  if (!(surfel.area > 0.0f) || surfel.samples > max_stored_samples) return;
+  if (surfel.samples > max_stored_samples) return;
   if (surfel.samples > 1.0f)
-    divide_triangle(source, surfels, index, vec3(0.0f), std::numeric_limits<float>::max(), samples);
-  else
-    samples.add(
-        {surfel.position, surfel.normal, surfel.face, surfel.area, surfels.map.empty() ? vec4(0.0f) : surfels.map[index]});
+    return divide_triangle(source, surfels, index, vec3(0.0f), std::numeric_limits<float>::max(), samples);
+  const Sample sample = surfel.level > 0 ? sample_of(surfels.clusters[surfel.level][surfel.cluster])
+                                         : sample_of(source, surfels, source.tree.triangle[surfels.first[index]]);
+  if (sample.area > least_area) samples.add(sample, surfels.map.empty() ? vec4(0.0f) : surfels.map[index]);
 }
 
+// Each part of the list fills its blocks.
 SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels) {
   constexpr int surfels_of_part = 4096;
   const auto count = static_cast<int>(surfels.surfel.size());
-  const bool with_map = source.map != nullptr;
-  std::vector<Samples> parts(static_cast<size_t>((count + surfels_of_part - 1) / surfels_of_part));
+  const int part_count = (count + surfels_of_part - 1) / surfels_of_part;
+  std::vector<Samples> parts(static_cast<size_t>(part_count));
   SurfaceSamples result;
   result.first.resize(static_cast<size_t>(count) + 1);
   parallel_blocks(count, source.threads, surfels_of_part, [&](int begin, int end) {
     Samples &part = parts[begin / surfels_of_part];
-    part.clear(with_map);
+    part.clear(source.map != nullptr);
     for (int k = begin; k < end; ++k) {
+      result.first[k] = part.count();
       add_surfel(source, surfels, k, part);
-      result.first[k + 1] = part.count();
     }
+    part.fill_block();
   });
-  std::vector<int32_t> offsets{0};
-  for (const Samples &part : parts) offsets.push_back(offsets.back() + part.count());
-  for (int k = 0; k < count; ++k) result.first[k + 1] += offsets[k / surfels_of_part];
-  result.samples.clear(with_map);
-  for (Samples &part : parts) {
-    result.samples.append(part, 0, part.count());
+  std::vector<int32_t> blocks{0};
+  for (const Samples &part : parts) blocks.push_back(blocks.back() + part.blocks());
+  result.samples.clear(source.map != nullptr);
+  result.samples.resize_blocks(blocks.back());
+  result.block_sphere.resize(static_cast<size_t>(blocks.back()));
+  result.first[count] = blocks.back() * block_lanes;
+  parallel_blocks(part_count, source.threads, 1, [&](int index, int) {
+    Samples &part = parts[index];
+    result.samples.copy_blocks(part, blocks[index]);
+    for (int32_t k = 0; k < part.blocks(); ++k) result.block_sphere[blocks[index] + k] = part.sphere(k);
+    const int end = std::min((index + 1) * surfels_of_part, count);
+    for (int k = index * surfels_of_part; k < end; ++k) result.first[k] += blocks[index] * block_lanes;
     part = Samples();
-  }
-  result.samples.fill_block();
-  result.block_sphere.resize(static_cast<size_t>(result.samples.blocks()));
-  parallel_blocks(result.samples.blocks(), source.threads, 1024, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) result.block_sphere[k] = result.samples.sphere(k);
   });
   return result;
 }

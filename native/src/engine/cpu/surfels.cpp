@@ -3,8 +3,11 @@
 #include "engine/cpu/surfels.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "support/parallel.h"
 
@@ -15,16 +18,10 @@ namespace {
 constexpr int block_size = 8192;
 constexpr float samples_of_cell = 48;
 constexpr float least_spread = 1e-13f;   // pieces of less could not be told apart by floats
-constexpr float least_coherence = 0.95f; // of a surfel's mean normal, squared: it does not fold
-
-// One cluster of the tree.
-struct Cluster {
-  vec3 position{0.0f}; // mean
-  float area = 0;
-  vec3 normal{0.0f}; // mean
-  vec3 face{0.0f};   // mean
-  float spread = 0;  // mean squared distance from the mean position
-};
+// What the rim cuts of triangles is known exactly, so that they may be larger than clusters. Where a map is looked at, which no
+// sample knows how it varies, all are smaller.
+constexpr float spread_of_triangles = 4;
+constexpr float least_coherence = 0.95f; // of a surfel's mean normals, squared: it does not fold
 
 // What a cluster consists of.
 struct Counts {
@@ -36,15 +33,15 @@ struct Counts {
 
 class Builder {
 public:
-  Builder(const SurfelSource &source, float radius, int samples)
-      : source_(source), tree_(source.tree),
-        largest_spread_(std::max(0.5f * radius * radius / static_cast<float>(samples), least_spread)) {
+  Builder(const SurfelSource &source, float radius, int samples) : source_(source), tree_(source.tree) {
+    const bool with_map = source.map != nullptr;
+    largest_spread_ = std::max((with_map ? 0.5f : 2.0f) * radius * radius / static_cast<float>(samples), least_spread);
     result_.radius = radius;
-    result_.largest_spread = largest_spread_;
+    result_.largest_spread = with_map ? largest_spread_ : spread_of_triangles * largest_spread_;
   }
 
   Surfels run() {
-    clusters_.resize(tree_.levels());
+    result_.clusters.resize(tree_.levels());
     counts_.resize(tree_.levels());
     measure_triangles();
     bool any_small = true;
@@ -62,36 +59,41 @@ private:
   }
 
   void measure_triangles() {
-    clusters_[0].resize(tree_.size(0));
     counts_[0].resize(tree_.size(0));
+    result_.lean.assign(static_cast<size_t>(source_.half_edges.point_count), 0.0f);
     for_each(tree_.size(0), [&](size_t i) {
       const int32_t corner = 3 * tree_.triangle[i];
       const vec3 a = source_.position(corner), ab = source_.position(corner + 1) - a, ac = source_.position(corner + 2) - a;
-      const vec3 bc = ac - ab;
-      Cluster &cluster = clusters_[0][i];
-      cluster.position = a + (ab + ac) * (1.0f / 3.0f);
-      const vec3 plane = cross(ab, ac);
-      const float size = length(plane);
-      cluster.area = 0.5f * size;
-      if (size > 0.0f) cluster.face = plane / size;
-      for (int k = 0; k < 3; ++k) cluster.normal += source_.normals.corner(static_cast<size_t>(corner + k)) * (1.0f / 3.0f);
-      cluster.spread = (dot(ab, ab) + dot(ac, ac) + dot(bc, bc)) * (1.0f / 36.0f);
-      counts_[0][i] = {samples_of(cluster), 1, 1, cluster.spread <= largest_spread_};
+      const vec3 bc = ac - ab, plane = cross(ab, ac);
+      const float twice_area = length(plane), spread = (dot(ab, ab) + dot(ac, ac) + dot(bc, bc)) * (1.0f / 36.0f);
+      counts_[0][i] = {samples_of(0.5f * twice_area, spread), 1, 1, spread <= result_.largest_spread};
+      if (!(twice_area > 0.0f)) return;
+      for (int32_t k = corner; k < corner + 3; ++k) {
+        const int32_t point = source_.half_edges.corner_point[k];
+        raise(result_.lean[point], length(plane / twice_area - source_.normals.point[point]));
+      }
     });
   }
 
+  static void raise(float &largest, float value) {
+    std::atomic_ref<float> shared(largest);
+    float known = shared.load(std::memory_order_relaxed);
+    while (value > known && !shared.compare_exchange_weak(known, value, std::memory_order_relaxed)) {
+    }
+  }
+
   // About as many as a triangle is divided into: of a sliver, along its length alone.
-  float samples_of(const Cluster &triangle) const {
+  float samples_of(float area, float spread) const {
     constexpr float area_of_equilateral = 5.2f; // over its spread
-    return std::max(
-        {1.0f, std::sqrt(triangle.spread / largest_spread_), triangle.area / (area_of_equilateral * largest_spread_)});
+    return std::max({1.0f, std::sqrt(spread / result_.largest_spread), area / (area_of_equilateral * result_.largest_spread)});
   }
 
   // Whether any cluster of this level may be one surfel.
   bool measure_level(size_t level, bool any_small_below) {
     const std::vector<int32_t> &children = tree_.child_begin[level - 1];
     const size_t count = tree_.size(level);
-    if (any_small_below) clusters_[level].resize(count);
+    std::vector<Cluster> &clusters = result_.clusters[level];
+    if (any_small_below) clusters.resize(count);
     counts_[level].resize(count);
     std::atomic<bool> any_small{false};
     for_each(count, [&](size_t i) {
@@ -105,9 +107,8 @@ private:
         counts.is_small = counts.is_small && child.is_small;
       }
       if (counts.is_small) {
-        clusters_[level][i] = join(level, begin, end);
-        const Cluster &cluster = clusters_[level][i];
-        counts.is_small = cluster.spread <= largest_spread_ && dot(cluster.normal, cluster.normal) > least_coherence;
+        clusters[i] = join_children(level, begin, end);
+        counts.is_small = is_small(clusters[i]);
       }
       if (counts.is_small) {
         counts.samples = 1;
@@ -120,25 +121,19 @@ private:
     return any_small;
   }
 
-  Cluster join(size_t level, size_t begin, size_t end) const {
-    const std::vector<Cluster> &below = clusters_[level - 1];
-    Cluster sum;
-    for (size_t k = begin; k < end; ++k) {
-      sum.area += below[k].area;
-      sum.position += below[k].area * below[k].position;
-      sum.normal += below[k].area * below[k].normal;
-      sum.face += below[k].area * below[k].face;
-    }
-    if (!(sum.area > 0.0f)) return below[begin];
-    sum.position /= sum.area;
-    sum.normal /= sum.area;
-    sum.face /= sum.area;
-    for (size_t k = begin; k < end; ++k) {
-      const vec3 gap = below[k].position - sum.position;
-      sum.spread += below[k].area * (below[k].spread + dot(gap, gap));
-    }
-    sum.spread /= sum.area;
-    return sum;
+  // Whether one sample stands for it.
+  bool is_small(const Cluster &cluster) const {
+    return cluster.spread() <= largest_spread_ && dot(cluster.normal, cluster.normal) > least_coherence &&
+           dot(cluster.face, cluster.face) > least_coherence;
+  }
+
+  Cluster join_children(size_t level, size_t begin, size_t end) const {
+    if (level > 1) return join(std::span(result_.clusters[level - 1]).subspan(begin, end - begin));
+    std::array<Cluster, ClusterTree::max_children> triangles;
+    for (size_t k = begin; k < end; ++k)
+      triangles[k - begin] =
+          cluster_of(sample_of(source_, result_, tree_.triangle[k]), lean_of(source_, result_, tree_.triangle[k]));
+    return join(std::span(triangles).first(end - begin));
   }
 
   // Which surfel and which cell a cluster begins with, or is part of.
@@ -171,8 +166,9 @@ private:
   void place_cluster(size_t level, size_t i, Start start, std::vector<Start> &below) {
     const Counts &counts = counts_[level][i];
     if (counts.is_small && !start.in_surfel) {
-      const Cluster &cluster = clusters_[level][i];
-      result_.surfel[start.surfel] = {cluster.position, cluster.area, cluster.normal, cluster.face, 1.0f};
+      const Cluster &cluster = result_.clusters[level][i];
+      result_.surfel[start.surfel] = {cluster.position, cluster.reach, 1.0f, static_cast<int32_t>(level),
+                                      static_cast<int32_t>(i)};
     }
     start.in_surfel = start.in_surfel || counts.is_small;
     start.in_cell = start.in_cell || counts.samples <= samples_of_cell;
@@ -193,15 +189,18 @@ private:
       if (i == 0 || starts[i - 1].surfel != surfel) result_.first[surfel] = static_cast<int32_t>(i);
       if (i == 0 || starts[i - 1].cell != cell) result_.cell_begin[cell] = surfel;
       if (in_surfel) return;
-      const Cluster &cluster = clusters_[0][i];
-      result_.surfel[surfel] = {cluster.position, cluster.area, cluster.normal, cluster.face,
-                                counts_[0][i].is_small ? 1.0f : std::max(counts_[0][i].samples, 2.0f)};
+      const int32_t corner = 3 * tree_.triangle[i];
+      const vec3 a = source_.position(corner), b = source_.position(corner + 1), c = source_.position(corner + 2);
+      const vec3 middle = (a + b + c) * (1.0f / 3.0f);
+      const float reach = std::max({length(a - middle), length(b - middle), length(c - middle)});
+      const float samples = counts_[0][i].is_small ? 1.0f : std::max(counts_[0][i].samples, 2.0f);
+      result_.surfel[surfel] = {middle, reach, samples, 0, static_cast<int32_t>(i)};
     });
   }
 
-  // The links and the boundary of some cells in a row.
+  // The links, the boundary and the surfels' neighbors of some cells in a row.
   struct Part {
-    std::vector<int32_t> links, boundary, link_count, boundary_count;
+    std::vector<int32_t> links, boundary, neighbors, link_count, boundary_count, neighbor_count;
   };
 
   void link() {
@@ -214,55 +213,89 @@ private:
       for (int cell = begin; cell < end; ++cell) link_cell(cell, part);
       parts[begin / cells_of_part] = std::move(part);
     });
-    result_.link_begin.assign(1, 0);
-    result_.boundary_begin.assign(1, 0);
+    for (auto *begin : {&result_.link_begin, &result_.boundary_begin, &result_.neighbor_begin}) begin->assign(1, 0);
+    const auto append = [](const std::vector<int32_t> &counts, const std::vector<int32_t> &items, std::vector<int32_t> &begin,
+                           std::vector<int32_t> &all) {
+      for (const int32_t count : counts) begin.push_back(begin.back() + count);
+      all.insert(all.end(), items.begin(), items.end());
+    };
     for (const Part &part : parts) {
-      for (const int32_t count : part.link_count) result_.link_begin.push_back(result_.link_begin.back() + count);
-      for (const int32_t count : part.boundary_count) result_.boundary_begin.push_back(result_.boundary_begin.back() + count);
-      result_.link.insert(result_.link.end(), part.links.begin(), part.links.end());
-      result_.boundary.insert(result_.boundary.end(), part.boundary.begin(), part.boundary.end());
+      append(part.link_count, part.links, result_.link_begin, result_.link);
+      append(part.boundary_count, part.boundary, result_.boundary_begin, result_.boundary);
+      append(part.neighbor_count, part.neighbors, result_.neighbor_begin, result_.neighbor);
     }
+  }
+
+  static void add_once(std::vector<int32_t> &list, size_t first, int32_t value) {
+    if (std::find(list.begin() + static_cast<ptrdiff_t>(first), list.end(), value) == list.end()) list.push_back(value);
   }
 
   void link_cell(int32_t cell, Part &part) {
     const size_t first_link = part.links.size(), first_boundary = part.boundary.size();
     vec3 low(std::numeric_limits<float>::max()), high(-low);
-    const auto begin = static_cast<size_t>(result_.first[result_.cell_begin[cell]]);
-    const auto end = static_cast<size_t>(result_.first[result_.cell_begin[cell + 1]]);
-    for (size_t i = begin; i < end; ++i)
-      for (int32_t half_edge = 3 * tree_.triangle[i]; half_edge < 3 * tree_.triangle[i] + 3; ++half_edge) {
-        const vec3 position = source_.position(half_edge);
-        low = glm::min(low, position);
-        high = glm::max(high, position);
-        const int32_t twin = source_.half_edges.twin[half_edge];
-        const int32_t other = twin < 0 ? -1 : result_.triangle_cell[twin / 3];
-        if (twin < 0)
-          part.boundary.push_back(half_edge);
-        else if (other != cell &&
-                 std::find(part.links.begin() + static_cast<ptrdiff_t>(first_link), part.links.end(), other) == part.links.end())
-          part.links.push_back(other);
-      }
+    for (int32_t surfel = result_.cell_begin[cell]; surfel < result_.cell_begin[cell + 1]; ++surfel) {
+      link_surfel(surfel, cell, first_link, part);
+      const Surfel &sample = result_.surfel[surfel];
+      low = glm::min(low, sample.position - sample.reach);
+      high = glm::max(high, sample.position + sample.reach);
+    }
     const vec3 middle = 0.5f * (low + high);
-    float square = 0.0f;
-    for (size_t i = begin; i < end; ++i)
-      for (int32_t corner = 3 * tree_.triangle[i]; corner < 3 * tree_.triangle[i] + 3; ++corner) {
-        const vec3 gap = source_.position(corner) - middle;
-        square = std::max(square, dot(gap, gap));
-      }
-    result_.cell_sphere[cell] = vec4(middle, std::sqrt(square));
+    float radius = 0.0f;
+    for (int32_t surfel = result_.cell_begin[cell]; surfel < result_.cell_begin[cell + 1]; ++surfel) {
+      const Surfel &sample = result_.surfel[surfel];
+      radius = std::max(radius, length(sample.position - middle) + sample.reach);
+    }
+    result_.cell_sphere[cell] = vec4(middle, radius);
     part.link_count.push_back(static_cast<int32_t>(part.links.size() - first_link));
     part.boundary_count.push_back(static_cast<int32_t>(part.boundary.size() - first_boundary));
   }
 
+  void link_surfel(int32_t surfel, int32_t cell, size_t first_link, Part &part) {
+    const size_t first_neighbor = part.neighbors.size();
+    const bool is_cluster = result_.first[surfel + 1] - result_.first[surfel] > 1;
+    for (int32_t i = result_.first[surfel]; i < result_.first[surfel + 1]; ++i)
+      for (int32_t half_edge = 3 * tree_.triangle[i]; half_edge < 3 * tree_.triangle[i] + 3; ++half_edge) {
+        const int32_t twin = source_.half_edges.twin[half_edge];
+        if (twin < 0) {
+          part.boundary.push_back(half_edge);
+        } else if (const int32_t other = result_.triangle_surfel[twin / 3]; other != surfel) {
+          if (is_cluster) add_once(part.neighbors, first_neighbor, other);
+          if (const int32_t behind = result_.triangle_cell[twin / 3]; behind != cell) add_once(part.links, first_link, behind);
+        }
+      }
+    part.neighbor_count.push_back(static_cast<int32_t>(part.neighbors.size() - first_neighbor));
+  }
+
   const SurfelSource &source_;
   const ClusterTree &tree_;
-  float largest_spread_;
+  float largest_spread_; // of clusters
   Surfels result_;
-  std::vector<std::vector<Cluster>> clusters_; // by level
   std::vector<std::vector<Counts>> counts_;
 };
 
 } // namespace
+
+float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle) {
+  const vec3 corner = source.position(3 * triangle);
+  const vec3 plane = cross(source.position(3 * triangle + 1) - corner, source.position(3 * triangle + 2) - corner);
+  const float size = length(plane);
+  if (!(size > 0.0f)) return 2.0f;
+  float lean = 0.0f;
+  for (int32_t k = 3 * triangle; k < 3 * triangle + 3; ++k) {
+    const int32_t point = source.half_edges.corner_point[k];
+    lean = std::max(lean, length(plane / size - source.normals.point[point]) + surfels.lean[point]);
+  }
+  return lean;
+}
+
+Sample sample_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle) {
+  vec3 corners[3], normals[3];
+  for (int32_t k = 0; k < 3; ++k) {
+    corners[k] = source.position(3 * triangle + k);
+    normals[k] = source.normals.corner(static_cast<size_t>(3 * triangle + k));
+  }
+  return sample_of_triangle(corners, normals, lean_of(source, surfels, triangle));
+}
 
 // (surfels) the map's mean over each; at its triangles' corners where it is one triangle alone.
 static std::vector<vec4> mean_map(const SurfelSource &source, const Surfels &surfels) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bake/distortion.h"
+#include "engine/cpu/pieces.h"
 #include "mesh/cluster_tree.h"
 #include "mesh/halfedge.h"
 #include "mesh/normals.h"
@@ -30,19 +31,21 @@ struct SurfelSource {
 };
 
 struct Surfel {
-  vec3 position; // mean over its area
-  float area;
-  vec3 normal;   // mean, not normalized: shorter where the surface turns
-  vec3 face;     // likewise, of the triangles' planes
-  float samples; // about as many; above 1: a triangle that is divided
+  vec3 position;          // mean
+  float reach;            // no point of it is farther from there
+  float samples;          // about as many; above 1: a triangle that is divided
+  int32_t level, cluster; // of the tree; level 0: a triangle
 };
 
 struct Surfels {
   float radius = 0;
-  float largest_spread = 0;   // mean squared distance of a sample's surface from its middle
-  std::vector<Surfel> surfel; // in the order of the tree
-  std::vector<int32_t> first; // (surfels + 1) into ClusterTree::triangle
-  std::vector<vec4> map;      // (surfels) mean gradient and value; empty: no map
+  float largest_spread = 0;                   // of triangles and of their parts
+  std::vector<Surfel> surfel;                 // in the order of the tree
+  std::vector<int32_t> first;                 // (surfels + 1) into ClusterTree::triangle
+  std::vector<std::vector<Cluster>> clusters; // of the tree, by level; those of triangles are not kept
+  std::vector<vec4> map;                      // (surfels) mean gradient and value; empty: no map
+  std::vector<int32_t> neighbor_begin;        // (surfels + 1) into neighbor
+  std::vector<int32_t> neighbor;              // of those with several triangles: surfels that share edges with them
 
   std::vector<int32_t> cell_begin;     // (cells + 1) into surfel
   std::vector<vec4> cell_sphere;       // (cells) middle, radius
@@ -51,11 +54,17 @@ struct Surfels {
   std::vector<int32_t> boundary_begin; // (cells + 1) into boundary
   std::vector<int32_t> boundary;       // half-edges on the mesh's boundary
 
+  std::vector<float> lean; // (point_count) how far triangles around a point lean from its normal, as points of the unit sphere
+
   std::vector<int32_t> triangle_cell;   // (triangle_count) -1: left out
   std::vector<int32_t> triangle_surfel; // (triangle_count) likewise
 
   int32_t cells() const { return static_cast<int32_t>(cell_sphere.size()); }
 };
+
+// Of a whole triangle.
+Sample sample_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle);
+float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle); // as Cluster::lean
 
 // samples: that a disk of the radius is divided into, about.
 Surfels build_surfels(const SurfelSource &source, float radius, int samples);

@@ -32,6 +32,7 @@ template <class Float, class Bool> struct KERNEL {
   using vec4 = Vector<4, Float>;
   using mat3 = Matrix3<Float>;
   EvaluateParams params;
+  static constexpr int geodesic_ball = GEODESIC_BALL;
 
 #include "kernel/sums.glsl"
 #include "descriptors.glsl"

@@ -1,0 +1,110 @@
+// Moments of triangles, and the triangle that has the moments of a cluster.
+#include "engine/cpu/pieces.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace paradesc {
+
+static vec3 unit_or(vec3 v, vec3 otherwise) {
+  const float square = dot(v, v);
+  return square > 0.0f ? v / std::sqrt(square) : otherwise;
+}
+
+// The tangent of the angle between unit vectors, of whose difference this is the length.
+static float tangent(float gap) {
+  constexpr float right_angle = 1.4f; // about: beyond it, none is large enough
+  if (gap > right_angle) return 1e6f;
+  const float cosine = 1.0f - 0.5f * gap * gap;
+  return std::sqrt(1.0f - cosine * cosine) / cosine;
+}
+
+// The corners lie at (-2 sqrt(2), 0) and (sqrt(2), +-sqrt(6)) of (a, b), the middles of the edges at (sqrt(2), 0) and
+// (-sqrt(1/2), +-sqrt(3/2)); their mean is that over the triangle for whatever is quadratic.
+Sample sample_of_triangle(const vec3 *corners, const vec3 *normals, float lean) {
+  const vec3 edge = corners[1] - corners[0], other = corners[2] - corners[0], plane = cross(edge, other);
+  Sample sample;
+  sample.position = corners[0] + (edge + other) * (1.0f / 3.0f);
+  sample.along[0] = (edge + other) * 0.11785113f; // 1 / (6 sqrt(2))
+  sample.along[1] = (edge - other) * 0.20412415f; // 1 / (2 sqrt(6))
+  const float twice_area = length(plane);
+  sample.area = 0.5f * twice_area;
+  if (twice_area > 0.0f) sample.face = plane / twice_area;
+  const auto between = [&](int i, int k) { return unit_or(normals[i] + normals[k], normals[i]); };
+  const vec3 opposite = between(1, 2), left = between(0, 1), right = between(0, 2);
+  sample.normal = (opposite + left + right) * (1.0f / 3.0f);
+  sample.normal_along[0] = (2.0f * opposite - left - right) * 0.23570226f; // sqrt(1/2) / 3
+  sample.normal_along[1] = (left - right) * 0.40824829f;                   // sqrt(3/2) / 3
+  float square = 0.0f;
+  for (int k = 0; k < 3; ++k) square = std::max(square, dot(corners[k] - sample.position, corners[k] - sample.position));
+  sample.reach = std::sqrt(square);
+  sample.turn = tangent(lean);
+  return sample;
+}
+
+Cluster cluster_of(const Sample &sample, float lean) {
+  Cluster cluster;
+  cluster.position = sample.position;
+  cluster.normal = sample.normal;
+  cluster.face = sample.face;
+  cluster.area = sample.area;
+  cluster.reach = sample.reach;
+  cluster.lean = lean;
+  for (int k = 0; k < 2; ++k) {
+    cluster.variance += glm::outerProduct(sample.along[k], sample.along[k]);
+    cluster.normal_variance += glm::outerProduct(sample.normal_along[k], sample.along[k]);
+  }
+  return cluster;
+}
+
+Cluster join(std::span<const Cluster> parts) {
+  Cluster whole;
+  for (const Cluster &part : parts) {
+    whole.area += part.area;
+    whole.position += part.area * part.position;
+    whole.normal += part.area * part.normal;
+    whole.face += part.area * part.face;
+  }
+  if (!(whole.area > 0.0f)) return parts[0];
+  const float share = 1.0f / whole.area;
+  whole.position *= share;
+  whole.normal *= share;
+  whole.face *= share;
+  const vec3 face = unit_or(whole.face, vec3(0.0f));
+  for (const Cluster &part : parts) {
+    const vec3 gap = part.position - whole.position;
+    const float weight = part.area * share;
+    whole.variance += weight * (part.variance + glm::outerProduct(gap, gap));
+    whole.normal_variance += weight * (part.normal_variance + glm::outerProduct(part.normal - whole.normal, gap));
+    whole.reach = std::max(whole.reach, part.reach + length(gap));
+    if (part.area > 0.0f) whole.lean = std::max(whole.lean, part.lean + length(unit_or(part.face, vec3(0.0f)) - face));
+  }
+  return whole;
+}
+
+// Two directions in the plane of the mean face, such that positions vary along the first and what is left along the second.
+Sample sample_of(const Cluster &cluster) {
+  Sample sample;
+  sample.position = cluster.position;
+  sample.normal = cluster.normal;
+  sample.face = cluster.face;
+  sample.area = cluster.area;
+  sample.turn = tangent(cluster.lean);
+  sample.reach = cluster.reach * (1.0f + sample.turn * sample.turn); // it may rise by its turn as far as it reaches
+  const vec3 n = unit_or(cluster.face, vec3(0.0f, 0.0f, 1.0f));
+  const vec3 first = glm::normalize(cross(n, std::abs(n.x) < 0.6f ? vec3(1.0f, 0.0f, 0.0f) : vec3(0.0f, 1.0f, 0.0f)));
+  const vec3 second = cross(n, first);
+  const vec3 of_first = cluster.variance * first;
+  const float xx = dot(first, of_first), xy = dot(second, of_first);
+  if (!(xx > 0.0f)) return sample;
+  const float a = std::sqrt(xx), b = xy / a, rest = dot(second, cluster.variance * second) - b * b;
+  sample.along[0] = a * first + b * second;
+  sample.normal_along[0] = cluster.normal_variance * first / a;
+  if (!(rest > 1e-6f * xx)) return sample;
+  const float c = std::sqrt(rest);
+  sample.along[1] = c * second;
+  sample.normal_along[1] = (cluster.normal_variance * second - (b / a) * (cluster.normal_variance * first)) / c;
+  return sample;
+}
+
+} // namespace paradesc
