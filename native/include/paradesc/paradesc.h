@@ -81,7 +81,7 @@ typedef enum pdesc_backend {
   PDESC_BACKEND_GPU = 1,       /* a hardware device by EGL, OpenGL 4.5 */
   PDESC_BACKEND_SOFTWARE = 2,  /* a software rasterizer by EGL (llvmpipe), OpenGL 4.5 */
   PDESC_BACKEND_REFERENCE = 3, /* object space on the CPU, exact quadrature over the surface, needs no UV map */
-  PDESC_BACKEND_CPU = 4        /* samples of the surface on all cores, needs no UV map; no texels, no surface maps */
+  PDESC_BACKEND_CPU = 4        /* samples of the surface on all cores, needs a UV map at texels alone; no surface maps */
 } pdesc_backend;
 
 typedef enum pdesc_normals {
@@ -221,7 +221,7 @@ typedef struct pdesc_mesh_input {
   const float *positions;            /* (vertex_count, 3) */
   const int32_t *corner_vertices;    /* (corner_count) */
   const int32_t *triangle_corners;   /* (triangle_count, 3) */
-  const float *corner_uvs;           /* (corner_count, 2), or NULL: only backend REFERENCE can compute */
+  const float *corner_uvs;           /* (corner_count, 2), or NULL: REFERENCE computes, and CPU at vertices */
   const float *corner_normals;       /* (corner_count, 3) unit, or NULL; read by PDESC_NORMALS_MESH and normal maps only */
   const uint8_t *triangle_smooth;    /* (triangle_count) 0 where flat shaded, or NULL: all smooth */
   const int32_t *sharp_edges;        /* (sharp_edge_count, 2) vertex pairs marked sharp, or NULL. Between two smooth faces fitted and

@@ -25,7 +25,6 @@ static void warn(const Mesh &mesh, Field &field) {
   if (mesh.context->given_up)
     add(std::string("The graphics device failed, and ") + mesh.context->device.load() +
         " computed instead: " + mesh.context->fallback.load());
-  if (!mesh.engine->abilities().texture_space) return;
   if (report.private_layout == PDESC_LAYOUT_OVERLAPS)
     add("Charts of the UV map share texture space" +
         (report.cut_charts > 0 ? ", " + std::to_string(report.cut_charts) + " of them with themselves and cut for that"
@@ -34,6 +33,7 @@ static void warn(const Mesh &mesh, Field &field) {
   if (report.private_layout == PDESC_LAYOUT_SPARSE)
     add("The UV map uses little of its square; its charts were laid out afresh for the computation, and the UV map itself is "
         "unchanged.");
+  if (!mesh.engine->abilities().texture_space) return;
   if (report.radius_in_texels < 4.0)
     add("The radius spans only " + std::to_string(report.radius_in_texels).substr(0, 4) +
         " texels of the buffers; use larger buffers or a larger radius.");
@@ -49,11 +49,14 @@ static void warn(const Mesh &mesh, Field &field) {
         " vertices more than a tenth of the neighborhood was not found in the UV map.");
 }
 
-static void refuse_beyond_abilities(const Mesh &mesh) {
+static void refuse_beyond_abilities(const Mesh &mesh, const pdesc_options &options) {
   const Abilities abilities = mesh.engine->abilities();
   if (abilities.texture_space && mesh.triangles.corner_uv.empty())
     throw Error(PDESC_ERROR_INVALID_OPERATION,
                 "The mesh has no UV map, which texture space needs; unwrap it, or use the cpu or the reference backend.");
+  if (abilities.texels && options.evaluate == PDESC_EVALUATE_TEXEL && mesh.triangles.corner_uv.empty())
+    throw Error(PDESC_ERROR_INVALID_OPERATION, "Texels were to be evaluated, and the mesh has no UV map in which they could lie; "
+                                               "unwrap it, or evaluate at vertices, which needs none.");
   if (!abilities.surface_maps && mesh.maps.any())
     throw Error(PDESC_ERROR_INVALID_OPERATION,
                 std::string("Displacement and normal maps live in texture space, which the ") +
@@ -64,7 +67,7 @@ static void refuse_beyond_abilities(const Mesh &mesh) {
 
 static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors,
                                const Progress &progress) {
-  refuse_beyond_abilities(mesh);
+  refuse_beyond_abilities(mesh, options);
   Clock clock, stages;
   const Request request{options, descriptors, resolve_radius(mesh, options)};
   const char *stage = "prepare";
