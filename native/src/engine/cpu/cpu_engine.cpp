@@ -220,7 +220,7 @@ private:
 
 } // namespace
 
-static constexpr size_t texels_of_band = size_t{1} << 18; // that are evaluated together
+static constexpr size_t texels_of_band = size_t{1} << 17; // that are evaluated together
 
 // What the passes that follow read of the map, at points; nothing of the other rows.
 static CenterResults values_for_map(const RunningPass &running, const Pass &pass, int points,
@@ -339,7 +339,10 @@ MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   // In parts, and as one list that grows by half.
   constexpr int64_t of_sample = (5 * static_cast<int64_t>(SURFACE_ROWS * sizeof(float))) / 2;
   const auto triangles = static_cast<double>(size.triangles);
-  const double divided = std::min(1.5 * size.options.samples * size.disks, triangles * static_cast<double>(max_stored_samples));
+  const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
+  const Pass finest{std::ranges::any_of(size.descriptors, reads_map) ? Stage::map : Stage::surface, {}};
+  const double divided =
+      std::min(1.5 * samples_of(finest, size.options) * size.disks, triangles * static_cast<double>(max_stored_samples));
   MemoryForecast memory;
   memory.host = bytes_of_results(size) + size.triangles * of_triangle + static_cast<int64_t>(triangles + divided) * of_sample;
   if (size.options.evaluate == PDESC_EVALUATE_TEXEL) memory.host += bytes_of_texels(size);
