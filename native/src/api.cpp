@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "api_edge.h"
+#include "compute/choice.h"
 #include "compute/compute.h"
 #include "compute/memory.h"
 #include "descriptor/passes.h"
@@ -299,7 +300,7 @@ int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, 
     const std::vector<int> requested = rows_of(names, count);
     const Turn turn(*mesh->mesh->context);
     const paradesc::Context &context = *mesh->mesh->context;
-    if (backend == PDESC_BACKEND_AUTO) backend = context.backend;
+    if (backend == PDESC_BACKEND_AUTO) backend = paradesc::backend_for(*mesh->mesh, ours);
     const paradesc::MemoryForecast needed = paradesc::forecast_memory_of(*mesh->mesh, backend, ours, requested);
     pdesc_memory found{};
     found.mesh = needed.mesh;
@@ -309,6 +310,17 @@ int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, 
     const int64_t allowed = paradesc::allowed_memory(context.memory_limit, needed.mesh);
     found.allowed = allowed > INT64_MAX - needed.mesh ? INT64_MAX : needed.mesh + allowed;
     write_struct(found, memory, "pdesc_memory");
+  });
+}
+
+int32_t pdesc_mesh_backend(const pdesc_mesh *mesh, const pdesc_options *options, int32_t *backend) {
+  return guarded([&] {
+    need_live(mesh, "mesh");
+    need(backend, "backend");
+    const auto ours = read_struct(options, pdesc_options_init, "pdesc_options");
+    check_options(ours);
+    const Turn turn(*mesh->mesh->context);
+    *backend = paradesc::backend_for(*mesh->mesh, ours);
   });
 }
 
@@ -360,6 +372,8 @@ int32_t pdesc_field_get_report(const pdesc_field *field, pdesc_field_report *rep
 
 const char *pdesc_field_warnings(const pdesc_field *field) { return live().contains(field) ? field->field.warnings.c_str() : ""; }
 
+const char *pdesc_field_device(const pdesc_field *field) { return live().contains(field) ? field->field.device.c_str() : ""; }
+
 int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *values, int32_t vertex_count) {
   return guarded([&] {
     need_live(field, "field");
@@ -375,8 +389,9 @@ int32_t pdesc_field_seam_error(const pdesc_field *field, const char *name, float
     need_live(field, "field");
     need(values, "values");
     if (field->field.seam_error.empty())
-      throw Error(PDESC_ERROR_INVALID_OPERATION,
-                  "This field has no seam errors; compute with seam_error = 1 on a backend other than the reference.");
+      throw Error(
+          PDESC_ERROR_INVALID_OPERATION,
+          "This field has no seam errors; compute with seam_error = 1 in texture space: on the backend auto, gpu or software.");
     const auto &ours = column(field->field, field->field.seam_error, name);
     check_length(vertex_count, ours.size());
     std::copy(ours.begin(), ours.end(), values);

@@ -1,4 +1,4 @@
-// Backends in the order of AUTO, each tried where the one before has failed.
+// AUTO is a graphics card where there is one that works, else the processor.
 #include "context.h"
 
 namespace paradesc {
@@ -11,16 +11,14 @@ static void use(Context &context, int backend) {
   context.device = keep(context, context.engine->device());
 }
 
-// The first of the backends from this one on that works; the reference does everywhere.
-static void use_first(Context &context, int backend) {
-  for (; backend <= PDESC_BACKEND_SOFTWARE; ++backend) {
-    try {
-      return use(context, backend);
-    } catch (const Error &error) {
-      context.fallback = keep(context, error.what());
-    }
+// A graphics card, else the processor.
+static void use_best(Context &context) {
+  try {
+    use(context, PDESC_BACKEND_GPU);
+  } catch (const Error &error) {
+    context.fallback = keep(context, error.what());
+    use(context, PDESC_BACKEND_CPU);
   }
-  use(context, PDESC_BACKEND_REFERENCE);
 }
 
 Resources resources_of(const Context &context) { return {context.threads, context.memory_limit, context.smallest_tile}; }
@@ -33,10 +31,17 @@ std::shared_ptr<Context> make_context(const pdesc_context_options &options, Driv
   context->memory_limit = options.memory_limit;
   context->substitute = std::move(substitute);
   if (options.backend == PDESC_BACKEND_AUTO)
-    use_first(*context, PDESC_BACKEND_GPU);
+    use_best(*context);
   else
     use(*context, options.backend);
   return context;
+}
+
+std::shared_ptr<Engine> engine_of(Context &context, int32_t backend) {
+  if (backend == context.backend) return context.engine;
+  std::shared_ptr<Engine> &engine = context.beside[backend];
+  if (!engine || engine->lost()) engine = open_engine(backend, -1, context.threads, context.substitute);
+  return engine;
 }
 
 void reopen_lost_device(Context &context) {
@@ -57,11 +62,10 @@ bool is_of_device(const Error &error) {
 }
 
 bool fall_back(Context &context, const Error &error) {
-  if (context.requested_backend != PDESC_BACKEND_AUTO || context.backend == PDESC_BACKEND_REFERENCE || !is_of_device(error))
+  if (context.requested_backend != PDESC_BACKEND_AUTO || context.backend != PDESC_BACKEND_GPU || !is_of_device(error))
     return false;
-  const char *why = keep(context, error.what());
-  use_first(context, context.backend + 1);
-  context.fallback = why;
+  context.fallback = keep(context, error.what());
+  use(context, PDESC_BACKEND_CPU);
   context.given_up = true;
   return true;
 }

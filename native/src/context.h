@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -19,8 +20,9 @@ struct Context {
   int requested_backend = PDESC_BACKEND_AUTO;
   int device_index = -1;
   int threads = 0;
-  int64_t memory_limit = 0;       // as in pdesc_context_options
-  std::shared_ptr<Engine> engine; // the one in use
+  int64_t memory_limit = 0;                          // as in pdesc_context_options
+  std::shared_ptr<Engine> engine;                    // the one in use
+  std::map<int32_t, std::shared_ptr<Engine>> beside; // by backend: for what that one cannot do, opened when first needed
   std::atomic<const char *> device = "";
   std::atomic<const char *> fallback = "";
   bool given_up = false;        // a device that worked at first failed later, as fallback says
@@ -35,6 +37,9 @@ Resources resources_of(const Context &context);
 
 // substitute: what tests make of the driver.
 std::shared_ptr<Context> make_context(const pdesc_context_options &options, DriverSubstitute substitute = {});
+
+// The engine of a backend: the one in use, or one beside it. Throws Error(UNSUPPORTED).
+std::shared_ptr<Engine> engine_of(Context &context, int32_t backend);
 
 // Opens a device that was lost once more, where it was asked for by name. Throws Error(DEVICE_LOST).
 void reopen_lost_device(Context &context);

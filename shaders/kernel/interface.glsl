@@ -31,6 +31,7 @@ struct Neighbor {
   vec3 face;       // unit normal of the triangle it lies on
 #endif
   vec2 direction;  // unit tangent direction e of d
+  vec3 directions; // mean of e e^T over the surface it stands for
   float geodesic;  // s, the distance along the surface
   float distance;  // rho or s: what bounds the neighborhood
   float area;      // the surface area this neighbor stands for

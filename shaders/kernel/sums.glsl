@@ -73,6 +73,9 @@ void add_weighted(INOUT(Sums) sums, Neighbor neighbor,
   vec2 x = vec2(dot(neighbor.offset, center.t1), dot(neighbor.offset, center.t2)) * (1.0f / params.radius);
   vec2 y = vec2(dot(neighbor.normal, center.t1), dot(neighbor.normal, center.t2));
   neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12f));
+#ifndef WIDE_NEIGHBORS
+  neighbor.directions = outer(neighbor.direction);
+#endif
   sums.moments.area += neighbor.weight;
   sums.moments.squares += neighbor.weight * neighbor.weight;
   sums.moments.xx += neighbor.weight * outer(x);

@@ -19,9 +19,9 @@ import paradesc as package  # noqa: E402
 from cli_test import accepted  # noqa: E402
 from paradesc import bridge, cli  # noqa: E402
 from paradesc.animation import frames  # noqa: E402
-from paradesc.core import job  # noqa: E402
+from paradesc.core import contexts, job  # noqa: E402
 from paradesc.files import cache  # noqa: E402
-from paradesc.scene import mesh_io, source_meshes  # noqa: E402
+from paradesc.scene import mesh_io, source_meshes, unwrap  # noqa: E402
 from scene import fingerprint  # noqa: E402
 
 QUICK = ("--radius", "0.1", "--samples", "64", "--buffer", "256", "--backend", "software")
@@ -100,6 +100,53 @@ def test_frame_that_the_reference_computed_for_a_failed_device_is_not_kept(tmp_p
     assert not contents(tmp_path)
     monkeypatch.undo()
     assert bake(target, tmp_path, (1,)) == [1]
+
+
+# ---- One method for all frames
+
+AUTO = replace(SETTINGS, backend="auto")
+
+
+def no_graphics_card():
+    if contexts.automatic() != "cpu":
+        pytest.skip("auto takes the graphics card")
+
+
+def test_auto_goes_on_by_the_method_of_frames_that_an_earlier_version_left(tmp_path):
+    no_graphics_card()
+    target = animated.bent_cylinder(rings=6, sides=8)
+    bake(target, tmp_path / "old", (1, 2))  # by what auto was; no file says the method
+    before = contents(tmp_path / "old")
+    assert bake(target, tmp_path / "old", (1, 2, 3), settings=AUTO) == [3]
+    assert before.items() <= contents(tmp_path / "old").items()
+    bake(target, tmp_path / "software", (3,))
+    assert values(tmp_path / "old", 3).tobytes() == values(tmp_path / "software", 3).tobytes()
+
+
+def test_auto_goes_on_by_the_method_that_was_chosen_first(tmp_path, monkeypatch):
+    no_graphics_card()
+    target = animated.bent_cylinder(rings=6, sides=8)
+    assert bake(target, tmp_path / "auto", (1,), settings=AUTO) == [1]
+    bake(target, tmp_path / "cpu", (1, 2), settings=replace(SETTINGS, backend="cpu"))
+    assert values(tmp_path / "auto", 1).tobytes() == values(tmp_path / "cpu", 1).tobytes()
+
+    def with_card(stream):
+        return "gpu" if stream.settings.backend == "auto" else stream.settings.backend
+
+    monkeypatch.setattr(frames.Stream, "backend", property(with_card))  # as a machine that has one
+    assert bake(target, tmp_path / "auto", (1, 2), settings=AUTO) == [2]
+    assert contents(tmp_path / "auto") == contents(tmp_path / "cpu")
+
+
+def test_a_mesh_without_a_uv_map_is_unwrapped_only_where_its_frames_are_of_texture_space(tmp_path, monkeypatch):
+    no_graphics_card()
+    target = animated.bent_cylinder(rings=6, sides=8)
+    while target.data.uv_layers:
+        target.data.uv_layers.remove(target.data.uv_layers[0])
+    bake(target, tmp_path / "old", (1,))
+    assert bake(target, tmp_path / "old", (1, 2), settings=AUTO) == [2]
+    monkeypatch.setattr(unwrap, "lay_out", lambda *_: pytest.fail("it was unwrapped"))
+    assert bake(target, tmp_path / "new", (1, 2), settings=AUTO) == [1, 2]
 
 
 def test_radius_is_that_of_the_rest_pose_in_every_frame(tmp_path):

@@ -5,6 +5,7 @@ import json
 import os
 import struct
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 
 from paradesc import bridge
 from paradesc.core import job
+from paradesc.core.digests import digest
 from paradesc.files import cache
 from shapes import as_arrays, cube_sphere
 
@@ -165,16 +167,20 @@ def test_names_of_objects_become_folders_of_their_own(tmp_path):
 def test_key_is_of_mesh_and_settings_but_not_of_device_or_pose():
     arrays = as_arrays(*cube_sphere(4))
     settings = job.Settings()
-    key = cache.key_of(arrays, settings, source="deformed")
-    assert cache.key_of(replace(arrays, positions=2 * arrays.positions), settings, source="deformed") == key
-    assert cache.key_of(arrays, replace(settings, backend="software", device_index=1), source="deformed") == key
+
+    def key_of(arrays=arrays, settings=settings, backend="gpu", source="deformed"):
+        return cache.key_of(arrays, settings, bridge.METHODS[backend], source=source)
+
+    key = key_of()
+    assert key_of(replace(arrays, positions=2 * arrays.positions)) == key
+    assert key_of(settings=replace(settings, backend="software", device_index=1), backend="software") == key
     others = [
-        cache.key_of(arrays, replace(settings, backend="reference"), source="deformed"),
-        cache.key_of(arrays, replace(settings, backend="cpu"), source="deformed"),
-        cache.key_of(arrays, job.Settings(options=bridge.Options(samples=99)), source="deformed"),
-        cache.key_of(arrays, settings, source="evaluated"),
-        cache.key_of(replace(arrays, corner_uvs=arrays.corner_uvs * np.float32(0.5)), settings, source="deformed"),
-        cache.key_of(as_arrays(*cube_sphere(5)), settings, source="deformed"),
+        key_of(backend="reference"),
+        key_of(backend="cpu"),
+        key_of(settings=job.Settings(options=bridge.Options(samples=99))),
+        key_of(source="evaluated"),
+        key_of(replace(arrays, corner_uvs=arrays.corner_uvs * np.float32(0.5))),
+        key_of(as_arrays(*cube_sphere(5))),
     ]
     assert len({key, *others}) == 7
 
@@ -195,15 +201,48 @@ def test_every_setting_is_part_of_the_key_but_those_of_the_machine():
     arrays = as_arrays(*cube_sphere(4))
     settings = job.Settings()
     assert ALL_SETTINGS.keys() | OF_THE_MACHINE == settings.as_dict().keys()
-    keys = {"": cache.key_of(arrays, settings)}
+    keys = {"": cache.key_of(arrays, settings, "reference")}
     for name, value in ALL_SETTINGS.items():
         if hasattr(settings, name):
             other = replace(settings, **{name: value})
         else:
             other = replace(settings, options=replace(settings.options, **{name: value}))
         assert other != settings, name
-        keys[name] = cache.key_of(arrays, other)
+        keys[name] = cache.key_of(arrays, other, "reference")
     assert len(set(keys.values())) == len(keys), keys
+
+
+def test_the_key_of_frames_that_earlier_versions_baked_by_auto_is_that_of_texture_space():
+    content = job.Settings().as_dict()
+    arrays = as_arrays(*cube_sphere(4))
+    del content["backend"], content["device_index"]
+    text = json.dumps({**content, "method": "texture space", "version": 1}, sort_keys=True).encode()  # as they wrote it
+    names = ("corner_vertices", "triangle_corners", "corner_uvs", "triangle_smooth", "sharp_edges")
+    shape = (getattr(arrays, name) for name in names)
+    assert cache.key_of(arrays, job.Settings(), "texture space") == digest(np.frombuffer(text, np.uint8), *shape)
+
+
+def test_the_first_machine_says_by_which_method_an_animation_is_baked(tmp_path):
+    folder = tmp_path / "new"
+    assert cache.settled_method(folder, "a" * 64, "surface samples") == "surface samples"
+    assert cache.settled_method(folder, "a" * 64, "texture space") == "surface samples"
+    assert cache.settled_method(folder, "b" * 64, "texture space") == "texture space", "of another animation"
+    assert cache.frames_in(folder) == {}
+
+
+def test_of_many_machines_at_once_one_says_the_method(tmp_path):
+    methods = ["surface samples", "texture space"] * 8
+    with ThreadPoolExecutor(16) as machines:
+        found = list(machines.map(lambda own: cache.settled_method(tmp_path, "c" * 64, own), methods))
+    assert len(set(found)) == 1
+
+
+def test_a_method_that_cannot_be_read_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(cache, "METHOD_WAIT", 0)
+    for content in ("", "{}", '{"method": "magic"}', "[]", "\xff"):
+        (tmp_path / f"method_{16 * 'd'}.json").write_bytes(content.encode("latin-1"))
+        with pytest.raises(bridge.ParadescError, match="damaged"):
+            cache.settled_method(tmp_path, 64 * "d", "surface samples")
 
 
 def test_one_range_over_all_frames_is_that_of_all_values(tmp_path):

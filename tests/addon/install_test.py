@@ -380,9 +380,3 @@ def test_windows_without_room_for_the_copy_says_so_in_one_sentence(tmp_path, mon
     monkeypatch.setattr(library.tempfile, "gettempdir", lambda: str(tmp_path / "nowhere"))
     with pytest.raises(library.ParadescError, match=r"native library cannot be loaded – .*nowhere"):
         library.open_library(tmp_path / "paradesc.dll")
-
-
-@pytest.mark.parametrize(("system", "says"), [("linux", False), ("win32", True), ("darwin", True)])
-def test_panel_says_where_no_device_is_used(monkeypatch, system, says):
-    monkeypatch.setattr(library.sys, "platform", system)
-    assert ("slower" in library.without_devices()) == says

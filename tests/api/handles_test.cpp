@@ -50,6 +50,7 @@ TEST_F(Api, a_destroyed_field_is_refused_by_every_call) {
   refused(pdesc_field_map(field, name, values.data(), 1));
   EXPECT_EQ(pdesc_field_map_size(field), 0);
   EXPECT_STREQ(pdesc_field_warnings(field), "");
+  EXPECT_STREQ(pdesc_field_device(field), "");
   pdesc_field_destroy(field); // again
 }
 

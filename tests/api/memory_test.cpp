@@ -78,7 +78,7 @@ TEST_F(Memory, more_triangles_than_shaders_tell_apart_are_refused_by_name) {
   context = open_limited(PDESC_BACKEND_SOFTWARE, std::numeric_limits<int64_t>::max());
   input.triangle_count = (1 << 24) + 1;
   pdesc_mesh *mesh = never_mesh();
-  expect_refused(pdesc_mesh_create(context.get(), &input, &mesh), PDESC_ERROR_UNSUPPORTED, {"16777217", "16777216", "reference"});
+  expect_refused(pdesc_mesh_create(context.get(), &input, &mesh), PDESC_ERROR_UNSUPPORTED, {"16777217", "16777216", "cpu"});
 }
 
 TEST_F(Memory, a_computation_over_the_limit_is_refused_and_the_mesh_stays_usable) {

@@ -88,7 +88,13 @@ TEST_P(Stale, a_bent_mesh_is_computed_as_a_new_one) {
   bend_and_compare(with([](Settings &s) { s.radius = 0.05; }), "another radius");
   bend_and_compare(with([](Settings &s) { s.distance = PDESC_DISTANCE_GEODESIC; }), "along the surface");
   bend_and_compare(with([](Settings &s) { s.estimator = PDESC_ESTIMATOR_INTEGRAL; }), "integrals");
-  if (!on_device) return; // it has no UV map to go by
+  if (GetParam() == PDESC_BACKEND_CPU)
+    bend_and_compare(with([](Settings &s) {
+                       s.evaluate = PDESC_EVALUATE_TEXEL;
+                       s.texels = 64;
+                     }),
+                     "at texels");
+  if (!on_device) return; // the rest is of texture space
   bend_and_compare(with([](Settings &s) { s.precision = PDESC_PRECISION_HALF; }), "half floats");
   bend_and_compare(with([](Settings &s) { s.seam_error = 1; }), "every place of a vertex");
   bend_and_compare(with([](Settings &s) { s.relocation = PDESC_RELOCATION_AFFINE; }), "samples that walk");

@@ -381,6 +381,7 @@ private:
     Passed<pdesc_field_report> passed(bytes_, ours);
     done(pdesc_field_get_report(slot.field, passed.get()));
     claim(pdesc_field_warnings(slot.field) != nullptr, "warnings are no text");
+    claim(*pdesc_field_device(slot.field) != 0, "nothing computed");
     pdesc_descriptor_info info;
     pdesc_descriptor_info_init(&info);
     Passed<pdesc_descriptor_info> row(bytes_, info);
@@ -435,6 +436,7 @@ private:
     pdesc_context_destroy(reinterpret_cast<pdesc_context *>(meshes_[1].mesh));
     claim(pdesc_mesh_buffer_size(as_mesh) == 0 && pdesc_field_map_size(as_field) == 0, "a handle of another kind answers");
     claim(*pdesc_field_warnings(as_field) == 0, "a handle of another kind warns");
+    claim(*pdesc_field_device(as_field) == 0, "a handle of another kind was computed");
   }
 
   void destroy(MeshSlot &slot) {

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from .. import __version__
-from ..bridge import METHODS, InputError, MeshArrays, ParadescError, ProgressFunction, abi, uses_texture_space
+from ..bridge import METHODS, InputError, MeshArrays, ParadescError, ProgressFunction, abi
 from ..core import job
 from ..core.digests import digest
 from ..core.stream import Stream
@@ -27,6 +27,9 @@ OWN_VERTICES = (
     "The modifiers lose original vertices, so that frames hold the values of the evaluated mesh's own vertices: they "
     "are for reading, and cannot be played on the object."
 )
+
+
+DEVICE_METHOD, CPU_METHOD = METHODS["software"], METHODS["cpu"]
 
 
 @dataclass
@@ -73,29 +76,63 @@ class FrameBaker:
         if settings.space != "object":
             raise refuse("Frames are measured in object space; choose that, and apply the scale where it matters.")
         self.normals = settings.options.normals == "mesh"
-        self.needs_uvs = uses_texture_space(settings.backend)
         self.notes: list[str] = []
         self.reading: source_meshes.Reading | None = None
         self._rest: job.Results | None = None
-        self.base = mesh_io.read_object(target, self.normals, self.needs_uvs)
-        self.add_maps(self.base)
-        self.stream = Stream(self.base, settings)
-        self.method = METHODS[self.stream.backend]
+        self.open(settings)
         try:
-            self.stream.settings = at_fixed_radii(settings, self.stream.mesh_at(self.base).report())
-            self.key = self.make_key()
             cache.sweep(request.folder)
+            settled = self.settled()
+            if settled != settings.backend:
+                self.stream.close()
+                self.open(replace(settings, backend=settled))
+            self.key = self.make_key()
         except BaseException:
             self.stream.close()
             raise
 
-    def make_key(self) -> str:
+    def open(self, settings: job.Settings) -> None:
+        """Reads the original mesh as these settings need it, and opens their device."""
+        self.needs_uvs = job.needs_uvs(settings)
+        self.base = mesh_io.read_object(self.target, self.normals, self.needs_uvs)
+        self.add_maps(self.base)
+        self.stream = Stream(self.base, settings)
+        try:
+            self.stream.settings = at_fixed_radii(settings, self.stream.mesh_at(self.base).report())
+            self.method = METHODS[self.stream.backend]
+        except BaseException:
+            self.stream.close()
+            raise
+
+    def settled(self) -> str:
+        """The backend for these frames: auto is what this machine has, unless frames of the other method are there."""
+        own = self.request.settings.backend
+        if own != "auto":
+            return own
+        animation = self.make_key("", without_layout(self.base))
+        method = cache.settled_method(self.request.folder, animation, self.method_there() or self.method)
+        if method == self.method:
+            return own
+        return "cpu" if method == CPU_METHOD else "software"
+
+    def method_there(self) -> str:
+        """The method of frames that are there already, "" if none are: of an earlier version, or copied."""
+        folder = self.request.folder
+        if not cache.frames_in(folder) or cache.has_key(folder, self.make_key()):
+            return ""
+        other = CPU_METHOD if self.method == DEVICE_METHOD else DEVICE_METHOD
+        base = mesh_io.read_object(self.target, self.normals, other == DEVICE_METHOD)
+        return other if cache.has_key(folder, self.make_key(other, replace(base, maps=self.base.maps))) else ""
+
+    def make_key(self, method: str | None = None, base: MeshArrays | None = None) -> str:
         """Makes the key of everything that the frames have in common."""
-        maps = self.base.maps
-        rest = digest(self.base.positions) if self.request.relative else ""
+        base = self.base if base is None else base
+        maps = base.maps
+        rest = digest(base.positions) if self.request.relative else ""
         images = digest(maps.heights) + f"{maps.midlevel!r} {maps.scale!r}" if maps is not None else ""
         more = {"source": self.request.source, "rest": rest, "maps": images, "paradesc": __version__}
-        return cache.key_of(self.base, self.stream.settings, names=self.names(), **more)
+        method = self.method if method is None else method
+        return cache.key_of(base, self.stream.settings, method, names=self.names(), **more)
 
     def names(self) -> list[str]:
         """The names of the values, after the radius that was asked for."""
@@ -238,6 +275,11 @@ def frame_kept(scene: bpy.types.Scene) -> Iterator[None]:
         yield
     finally:
         scene.frame_set(frame, subframe=part)
+
+
+def without_layout(arrays: MeshArrays) -> MeshArrays:
+    """The same mesh without the UV map that was made for the computation, which some methods need and others do not."""
+    return arrays if arrays.layout is None else replace(arrays, corner_uvs=None, layout=None)
 
 
 def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> job.Settings:

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from ..bridge import MeshArrays, Options, ProgressFunction, uses_texture_space
+from ..bridge import MeshArrays, Options, ProgressFunction
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
-from ..core.job import Results, Settings, registry_row
+from ..core.job import Results, Settings, needs_uvs, registry_row
 from ..core.latest import Latest, Outcome, is_cancelled
 from ..core.stream import Stream
 from ..scene import mesh_io, record, source_meshes, surface_maps
@@ -168,7 +168,7 @@ class Session:
         if known and not self.edited and (self.results is None or self.painter.is_there(target.data)):
             return
         mesh_io.check_writable(target)
-        arrays = mesh_io.read_object(target, settings.options.normals == "mesh", uses_texture_space(settings.backend))
+        arrays = mesh_io.read_object(target, settings.options.normals == "mesh", needs_uvs(settings))
         surface_maps.add_maps(target, arrays, surface_maps.MapChoice(material=measures_maps(target)))
         if arrays.maps is not None and arrays.maps.normals is not None:
             raise refuse("Live mode does not follow normal maps; switch Material Maps off.")
@@ -287,7 +287,7 @@ def topology_of(target: bpy.types.Object, settings: Settings) -> tuple[object, .
     layer = mesh.uv_layers.active
     counts = (len(mesh.vertices), len(mesh.edges), len(mesh.loops), len(mesh.polygons))
     maps, layer_name = measures_maps(target), "" if layer is None else layer.name
-    return (identity(mesh), *counts, layer_name, settings.options.normals, settings.backend, maps)
+    return (identity(mesh), *counts, layer_name, settings.options.normals, needs_uvs(settings), maps)
 
 
 def identity(datablock: bpy.types.ID) -> object:

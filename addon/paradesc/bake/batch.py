@@ -44,7 +44,7 @@ class Batch(Pieces):
         """Takes the settings as they are now, and the chosen objects; raises if nothing can be computed."""
         group = context.scene.paradesc
         maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
-        self.request = targets.ReadRequest(group.shape_key, maps, source)
+        self.request = targets.ReadRequest(group.shape_key, maps, source, group.write_buffers)
         self.write_attributes = group.write_attributes
         self.settings = properties.job_settings(group)
         job.check_descriptors(self.settings.descriptors)
@@ -109,7 +109,7 @@ class Batch(Pieces):
     def take(self, piece: MeshBake, worker: Worker[job.Results]) -> None:
         """Keeps a worker's results until all are there."""
         piece.results = worker.result()
-        piece.results.warnings += [*piece.results.facet_notes(), *piece.notes]
+        piece.results.warnings += [*piece.results.facet_notes(), *piece.results.unused_notes(), *piece.notes]
 
     def close(self) -> None:
         """Cancels what is left, waits for it, and takes away the files that lie aside. Safe to call again."""

@@ -133,7 +133,7 @@ class PARADESC_OT_choose_device(bpy.types.Operator):
     bl_options = {"INTERNAL", "UNDO"}
 
     backend: bpy.props.StringProperty(
-        name="Backend", description="One of auto, gpu, software and reference", default="auto"
+        name="Backend", description="One of auto, gpu, cpu, software and reference", default="auto"
     )
     index: bpy.props.IntProperty(name="Device", description="Number among the backend's devices, or -1", default=-1)
 

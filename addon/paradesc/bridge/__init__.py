@@ -9,7 +9,6 @@ from .library import (
     descriptors,
     load_library,
     missing_sentence,
-    without_devices,
 )
 from .options import (
     ADAPTIVE_THRESHOLD,
@@ -28,6 +27,7 @@ from .options import (
     RELOCATIONS,
     VARIANCE_REDUCTIONS,
     Options,
+    needs_texture_space,
     uses_texture_space,
 )
 from .session import BUFFERS, Context, Field, Mesh, ProgressFunction
@@ -68,6 +68,6 @@ __all__ = [
     "fill_gutter",
     "load_library",
     "missing_sentence",
+    "needs_texture_space",
     "uses_texture_space",
-    "without_devices",
 ]

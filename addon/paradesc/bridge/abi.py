@@ -189,6 +189,7 @@ class ComputeOptions(Structure):
         ("map_descriptor", c_char_p),
         ("map_sigma", c_double),
         ("harris_k", c_double),
+        ("buffers", c_int32),
     ]
 
 
@@ -297,6 +298,10 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "pdesc_mesh_get_report": (c_int32, [MeshPointer, POINTER(MeshReport)]),  # mesh, report
     "pdesc_mesh_destroy": (None, [MeshPointer]),  # mesh
     "pdesc_options_init": (None, [POINTER(ComputeOptions)]),  # options
+    "pdesc_mesh_backend": (
+        c_int32,
+        [MeshPointer, POINTER(ComputeOptions), Int32Pointer],  # mesh, options, backend
+    ),
     "pdesc_compute": (
         c_int32,
         [
@@ -321,6 +326,7 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "pdesc_field_report_init": (None, [POINTER(FieldReport)]),  # report
     "pdesc_field_get_report": (c_int32, [FieldPointer, POINTER(FieldReport)]),  # field, report
     "pdesc_field_warnings": (c_char_p, [FieldPointer]),  # field
+    "pdesc_field_device": (c_char_p, [FieldPointer]),  # field
     "pdesc_field_values": (
         c_int32,
         [FieldPointer, c_char_p, Float32Pointer, c_int32],  # field, name, values, vertex_count

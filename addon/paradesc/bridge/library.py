@@ -88,13 +88,6 @@ def library_path() -> Path:
     return Path(__file__).resolve().parent.parent / "lib" / name
 
 
-def without_devices() -> str:
-    """One sentence about what to expect if the library of this system uses no graphics devices; "" if it does."""
-    if sys.platform == "linux":
-        return ""
-    return "On this system the exact reference computes, which is slower than a graphics device."
-
-
 def missing_sentence() -> str:
     """Why the native library cannot be used, as one sentence; "" when it can."""
     try:

@@ -15,7 +15,6 @@ BACKENDS = {
 }
 # How each backend measures: values of one method agree from machine to machine, those of two methods do only nearly.
 METHODS = {
-    "auto": "texture space",
     "gpu": "texture space",
     "software": "texture space",
     "reference": "reference",
@@ -70,7 +69,7 @@ ADAPTIVE_THRESHOLD = 0.05
 
 
 def uses_texture_space(backend: str) -> bool:
-    """Says whether a backend needs a UV map, and bakes buffers over it."""
+    """Says whether a backend, any but auto, needs a UV map, and bakes buffers over it."""
     return METHODS[backend] == "texture space"
 
 
@@ -102,8 +101,20 @@ class Options:
     harris_k: float = 0.04
 
 
-def native_options(library: ctypes.CDLL, options: Options) -> abi.ComputeOptions:
-    """The C struct of the options."""
+def needs_texture_space(options: Options, maps: bool = False, buffers: bool = False) -> bool:
+    """Says whether auto takes OpenGL for these options, as pdesc_mesh_backend does of a mesh that is there."""
+    return (
+        maps
+        or buffers
+        or options.seam_error
+        or options.relocation != "connected"
+        or options.precision == "half"
+        or options.adaptive > 0
+    )
+
+
+def native_options(library: ctypes.CDLL, options: Options, buffers: bool = False) -> abi.ComputeOptions:
+    """The C struct of the options; buffers: those that are baked will be read."""
     native = new_struct(library, abi.ComputeOptions)
     native.radius = options.radius
     native.adaptive = options.adaptive
@@ -118,6 +129,7 @@ def native_options(library: ctypes.CDLL, options: Options) -> abi.ComputeOptions
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, f"The seed {options.seed} is not between 0 and {2**32 - 1}.")
     native.seed = options.seed
     native.seam_error = int(options.seam_error)
+    native.buffers = int(buffers)
     return native
 
 

@@ -35,6 +35,16 @@ class Field:
         check(self._library, self._library.pdesc_field_get_report(self._pointer, byref(report)))
         return as_dict(report)
 
+    @property
+    def backend(self) -> str:
+        """The backend that computed."""
+        return backend_name(int(self.report()["backend"]))
+
+    @property
+    def device(self) -> str:
+        """The name of the device that computed, for people."""
+        return text(self._library.pdesc_field_device(self._pointer))
+
     def warnings(self) -> list[str]:
         """One sentence each about what limits these results."""
         return [line for line in text(self._library.pdesc_field_warnings(self._pointer)).splitlines() if line.strip()]
@@ -131,12 +141,23 @@ class Mesh:
         check(self._library, self._library.pdesc_mesh_near_seam(self._pointer, radius, pointer, self.vertex_count))
         return near.astype(bool)
 
+    def backend(self, options: Options | None = None, buffers: bool = False) -> str:
+        """The backend that would compute with these options; under "auto" it may be another than the context's own."""
+        native = native_options(self._library, options or Options(), buffers)
+        number = ctypes.c_int32()
+        check(self._library, self._library.pdesc_mesh_backend(self._pointer, byref(native), byref(number)))
+        return backend_name(number.value)
+
     def compute(
-        self, descriptors: Sequence[str], options: Options | None = None, progress: ProgressFunction | None = None
+        self,
+        descriptors: Sequence[str],
+        options: Options | None = None,
+        progress: ProgressFunction | None = None,
+        buffers: bool = False,
     ) -> Field:
-        """Computes the named descriptors at every vertex from one sampling."""
+        """Computes the named descriptors at every vertex from one sampling; buffers: baked buffers are to be read."""
         names = (ctypes.c_char_p * len(descriptors))(*[name.encode() for name in descriptors])
-        native = native_options(self._library, options or Options())
+        native = native_options(self._library, options or Options(), buffers)
         pointer = abi.FieldPointer()
         caught: list[BaseException] = []
         callback = progress_callback(progress, caught)
@@ -208,8 +229,7 @@ class Context:
     @property
     def backend(self) -> str:
         """The backend in use."""
-        number = self._library.pdesc_context_backend(self._pointer)
-        return next((name for name, value in BACKENDS.items() if value == number), str(number))
+        return backend_name(self._library.pdesc_context_backend(self._pointer))
 
     @property
     def device(self) -> str:
@@ -254,6 +274,11 @@ class Context:
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
+
+
+def backend_name(number: int) -> str:
+    """The name of a pdesc_backend."""
+    return next((name for name, value in BACKENDS.items() if value == number), str(number))
 
 
 def progress_callback(progress: ProgressFunction | None, caught: list[BaseException]) -> object:

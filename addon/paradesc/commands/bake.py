@@ -141,7 +141,7 @@ def bake_objects(
             else:
                 reading, computed = known.reading, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
-            notes = [*notes, *computed.facet_notes()]
+            notes = [*notes, *computed.facet_notes(), *computed.unused_notes()]
             matrix = mesh_io.world_matrix(target)
             baked.append(results.Baked(target.name, computed, reading.arrays, matrix, notes, reading))
             of_mesh.setdefault(target.data.name_full, baked[-1])

@@ -39,7 +39,8 @@ def check_files(arguments: argparse.Namespace) -> None:
     folder = arguments.dump_buffers
     if folder is None and not paths:
         raise UsageError("There is nothing to write; give --output, --map, --dump-buffers or --json.")
-    if folder is not None and arguments.backend and not uses_texture_space(arguments.backend):
+    named = arguments.backend if arguments.backend != "auto" else None
+    if folder is not None and named and not uses_texture_space(named):
         raise UsageError(f"The backend {arguments.backend} bakes no buffers to dump; choose another.")
     if folder is not None and folder_fault(folder):
         raise UsageError(folder_fault(folder))

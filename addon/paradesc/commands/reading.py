@@ -18,7 +18,8 @@ def read_object(target: "bpy.types.Object", settings: job.Settings, arguments: a
     from ..scene import targets
 
     shape = arguments.shape_key or "basis"
-    request = targets.ReadRequest(shape, map_sources(arguments), source=arguments.source, remedy="give --space world")
+    buffers = getattr(arguments, "dump_buffers", None) is not None
+    request = targets.ReadRequest(shape, map_sources(arguments), arguments.source, buffers, "give --space world")
     with quiet(arguments.verbose):
         read = targets.read(target, settings, request)
     read.notes += read.map_notes

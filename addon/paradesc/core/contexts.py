@@ -6,6 +6,7 @@ the other, such as live objects, share one. One unused context of each device is
 
 import threading
 from dataclasses import dataclass, field
+from functools import lru_cache
 from types import TracebackType
 
 from .. import bridge
@@ -94,6 +95,13 @@ class Lease:
         if error is not None:
             self.failed(error)
         self.close()
+
+
+@lru_cache(maxsize=1)
+def automatic() -> str:
+    """The backend that "auto" takes on this machine, "gpu" or "cpu"; looked for once."""
+    with Lease("auto", -1) as context:
+        return context.backend
 
 
 def close_idle() -> None:

@@ -16,10 +16,10 @@ TITLES = {
     "cpu": "Processor",
 }
 ABOUT = {
-    "auto": "A graphics card where there is one, else the software rasterizer, else the reference",
+    "auto": "A graphics card where there is one, else the processor; the software rasterizer for what takes OpenGL",
     "gpu": "A graphics card with OpenGL 4.5",
-    "software": "The same method on the processor, by a software rasterizer",
-    "reference": "Exact integration over the triangles on the processor; slow, needs no UV map",
+    "software": "The method of graphics cards on the processor, by a software rasterizer",
+    "reference": "Exact integration over the triangles, to compare with; slow, needs no UV map",
     "cpu": "Samples of the surface on all cores of the processor; needs no UV map",
 }
 

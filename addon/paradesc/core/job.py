@@ -114,6 +114,16 @@ class Results:
         share = f"{least / edge:.2g}"
         return [f"The radius is {share} of the mean edge: values show facets, not the surface; choose a larger one."]
 
+    def unused_notes(self) -> list[str]:
+        """Says which numbers that were chosen have no effect on the processor."""
+        options, usual = self.settings.options, bridge.Options()
+        chosen = {"buffer size": options.buffer_size != usual.buffer_size, "seed": options.seed != usual.seed}
+        names = " and the ".join(name for name, given in chosen.items() if given)
+        if self.backend != "cpu" or not names:
+            return []
+        verb = "have" if " and " in names else "has"
+        return [f"The {names} {verb} no effect on the processor, which needs neither."]
+
 
 def radius_suffix(radius: float) -> str:
     """What follows a descriptor's name where several radii are computed: "_r0.02"."""
@@ -176,6 +186,21 @@ def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = F
     return lease
 
 
+def backend_for(settings: Settings, maps: bool = False, buffers: bool = False) -> str:
+    """The backend that computes with these settings, told before there is a mesh; maps: displacement or normal maps."""
+    if settings.backend != "auto":
+        return settings.backend
+    here = contexts.automatic()
+    needed = bridge.needs_texture_space(settings.options, maps, buffers)
+    return "software" if needed and not bridge.uses_texture_space(here) else here
+
+
+def needs_uvs(settings: Settings, buffers: bool = False) -> bool:
+    """Whether a mesh without a UV map gets a layout for the computation; images that displace it need its own map."""
+    backend = backend_for(settings, buffers=buffers)
+    return bridge.uses_texture_space(backend) or (backend == "cpu" and settings.options.evaluate == "texel")
+
+
 def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:
     """Refuses arrays without UV coordinates where texture space is needed."""
     if arrays.corner_uvs is None and bridge.uses_texture_space(backend):
@@ -195,7 +220,7 @@ def run_on(
 ) -> Results:
     """Computes the descriptors on a mesh that was made of these arrays."""
     results = run_radii(context, mesh, settings, progress, with_buffers)
-    if arrays.layout is not None and bridge.uses_texture_space(context.backend):
+    if arrays.layout is not None and (bridge.uses_texture_space(results.backend) or results.maps):
         results.unwrapped = arrays.layout
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
     add_corners(results, arrays)
@@ -227,7 +252,7 @@ def run_radii(
     for index, radius in enumerate(radii):
         suffix = radius_suffix(radius) if len(radii) > 1 else ""
         options = replace(settings.options, radius=radius)
-        with mesh.compute(settings.descriptors, options, part_of(progress, index, len(radii))) as found:
+        with mesh.compute(settings.descriptors, options, part_of(progress, index, len(radii)), with_buffers) as found:
             if results is None:
                 results = Results(
                     settings=settings,
@@ -236,8 +261,8 @@ def run_radii(
                     mask=found.mask(),
                     mesh_report=mesh.report(),
                     field_report=found.report(),
-                    backend=context.backend,
-                    device=context.device,
+                    backend=found.backend,
+                    device=found.device,
                     fallback=context.fallback,
                     warnings=[],
                 )
@@ -246,11 +271,11 @@ def run_radii(
             results.field_reports[suffix] = found.report()
             results.values.update({name + suffix: found.values(name) for name in settings.descriptors})
             results.warnings += [line for line in found.warnings() if line not in results.warnings]
-            if options.seam_error and bridge.uses_texture_space(context.backend):
+            if options.seam_error and bridge.uses_texture_space(found.backend):
                 near_seam = mesh.near_seam(found.report()["radius"])
                 results.near_seam = near_seam if results.near_seam is None else results.near_seam | near_seam
                 results.seam_error.update({name + suffix: found.seam_error(name) for name in settings.descriptors})
-            if bridge.uses_texture_space(context.backend):
+            if found.backend != "reference":
                 keep_texels(results, mesh, found, suffix, with_buffers)
     return results
 
@@ -263,7 +288,7 @@ def part_of(progress: ProgressFunction | None, index: int, count: int) -> Progre
 
 
 def keep_texels(results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix: str, with_buffers: bool) -> None:
-    """Adds what lies in texture space: the maps of texel evaluation, and the baked buffers if asked for."""
+    """Adds what lies over the layout: the maps of texel evaluation, and the baked buffers if asked for."""
     if results.settings.options.evaluate == "texel":
         names = (*results.settings.descriptors, "coverage")
         results.maps.update({name + suffix: found.map(name) for name in names})

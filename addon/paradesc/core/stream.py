@@ -42,8 +42,10 @@ class Stream:
 
     @property
     def backend(self) -> str:
-        """The backend in use."""
-        return self._context.backend
+        """The backend that computes with the settings."""
+        if self._mesh is not None:
+            return self._mesh.backend(self.settings.options)
+        return job.backend_for(self.settings, self.arrays.maps is not None)
 
     def matches(self, arrays: MeshArrays) -> bool:
         """Whether only positions differ (and normals and tangents, which follow them)."""
@@ -55,7 +57,7 @@ class Stream:
 
     def replace(self, arrays: MeshArrays) -> None:
         """Takes another mesh on the same device."""
-        job.check_uvs(arrays, self.backend)
+        job.check_uvs(arrays, self._context.backend)
         self.forget()
         self.arrays = arrays
 
@@ -212,11 +214,11 @@ def goes_on(results: job.Results) -> bool:
     """
     if results.mesh_report["nonmanifold_vertices"]:
         return False
+    if any(report["private_layout"] for report in results.field_reports.values()):
+        return False
     texels = SPARSE_SHARE * results.settings.options.buffer_size**2
     return not bridge.uses_texture_space(results.backend) or all(
-        not report["private_layout"]
-        and report["covered_texels"] >= texels
-        and report["radius_in_texels"] >= SPARSE_TEXELS
+        report["covered_texels"] >= texels and report["radius_in_texels"] >= SPARSE_TEXELS
         for report in results.field_reports.values()
     )
 

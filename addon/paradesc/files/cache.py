@@ -37,6 +37,8 @@ QUANTILES = 257
 FRAMES = re.compile(r"(-?\d+)(?::(-?\d+))?(?::(\d+))?")
 MOST_FRAMES = 1_000_000
 RANGE_FILE = "range.json"
+# How often, and after how many seconds, a file is looked at again that another machine is writing.
+METHOD_TRIES, METHOD_WAIT = 20, 0.1
 # The folder beside the .blend, if no other is given.
 DEFAULT_FOLDER = "paradesc_cache"
 
@@ -110,15 +112,14 @@ def frame_range(first: int, last: int, step: int) -> range:
 # ---- Keys
 
 
-def key_of(arrays: MeshArrays, settings: job.Settings, **more: object) -> str:
+def key_of(arrays: MeshArrays, settings: job.Settings, method: str, **more: object) -> str:
     """A name for what frames of one cache have in common: the mesh without its positions, and how it is measured.
 
-    The device is left out, so that machines can share the work; its method counts.
+    The device is left out, so that machines can share the work; its method, one of METHODS, counts.
     """
     content = settings.as_dict()
-    content["method"] = METHODS[content.pop("backend")]
-    del content["device_index"]
-    content.update(more, version=VERSION)
+    del content["backend"], content["device_index"]
+    content.update(more, method=method, version=VERSION)
     text = json.dumps(content, sort_keys=True).encode()
     return digest(
         np.frombuffer(text, np.uint8),
@@ -287,6 +288,56 @@ def kept(folder: Path, frame: int, key: str, content: str) -> bool:
     except ParadescError:
         return False
     return (found.key, found.input) == (key, content)
+
+
+def has_key(folder: Path, key: str) -> bool:
+    """Whether any frame that is there says that it has this key; only the headers are read."""
+    return any(read_key(path) == key for path in frames_in(folder).values())
+
+
+def read_key(path: Path) -> str:
+    """The key in a file's header, "" where there is none."""
+    try:
+        with path.open("rb") as file:
+            if file.read(len(MAGIC)) != MAGIC:
+                return ""
+            (length,) = struct.unpack("<Q", file.read(8))
+            return str(json.loads(file.read(min(length, LARGEST_HEADER)))["key"])
+    except (OSError, ValueError, TypeError, KeyError, RecursionError, struct.error):
+        return ""
+
+
+# ---- One method for all frames
+
+
+def settled_method(folder: Path, animation: str, own: str) -> str:
+    """The method of an animation's frames: its folder keeps what the first machine that baked there said.
+
+    animation names the frames whatever their method; own is what this machine says if it is the first.
+    """
+    path = folder / f"method_{animation[:16]}.json"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with path.open("x", encoding="utf-8") as file:  # only one of several machines succeeds
+            json.dump({"method": own}, file)
+        return own
+    except FileExistsError:
+        return read_method(path)
+    except OSError as error:
+        raise refused(f'The file "{path}" cannot be written: {error.strerror or error}.') from error
+
+
+def read_method(path: Path) -> str:
+    """What another machine wrote there, which it may be about to do."""
+    for _ in range(METHOD_TRIES):
+        try:
+            method = json.loads(path.read_text(encoding="utf-8"))["method"]
+            if method in METHODS.values():
+                return method
+        except (OSError, ValueError, TypeError, KeyError):
+            pass
+        time.sleep(METHOD_WAIT)
+    raise refused(f'The file "{path}" is damaged; remove it, and bake all frames again.')
 
 
 # ---- One range over all

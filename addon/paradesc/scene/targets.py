@@ -79,6 +79,7 @@ class ReadRequest:
     shape_key: str = "basis"  # or "active"
     maps: surface_maps.MapChoice = field(default_factory=surface_maps.MapChoice)
     source: str = "original"
+    buffers: bool = False  # those that are baked will be written
     remedy: str = "measure in World"  # what a sentence suggests if the scale does not count
 
 
@@ -95,7 +96,7 @@ class Read:
 
 def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest) -> Read:
     """The object's mesh by its source, before or after modifiers; the mesh stays as it is."""
-    needs_uvs = bridge.uses_texture_space(settings.backend)
+    needs_uvs = job.needs_uvs(settings, request.buffers)
     reading = source_meshes.read(target, request.source, settings.options.normals == "mesh", needs_uvs)
     arrays, notes = reading.arrays, list(reading.notes)
     if reading.source == "original":

@@ -157,9 +157,6 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
         column.alignment = "RIGHT"
         column.label(text="Device")
         split.menu("PARADESC_MT_devices", text=devices.label_of(settings.backend, settings.device_index))
-        note = bridge.without_devices()
-        if note:
-            sentence_lines(context, layout, note, "INFO")
 
 
 class PARADESC_MT_devices(bpy.types.Menu):
@@ -287,8 +284,6 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
         cut = f", {field['cut_charts']:,} cut" if field.get("cut_charts") else ""
         lines.append("Charts laid out afresh" + cut)
     lines += [f"{mesh[name]:,} {words}" for name, words in DEFECTS if mesh[name]]
-    if stored.get("fallback") and stored["backend"] == "reference":
-        lines.append(stored["fallback"])
     return lines
 
 

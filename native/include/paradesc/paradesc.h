@@ -77,11 +77,11 @@ typedef enum pdesc_status {
 } pdesc_status;
 
 typedef enum pdesc_backend {
-  PDESC_BACKEND_AUTO = 0,      /* gpu, else software, else reference */
+  PDESC_BACKEND_AUTO = 0,      /* gpu, else cpu; see pdesc_context_create */
   PDESC_BACKEND_GPU = 1,       /* a hardware device by EGL, OpenGL 4.5 */
   PDESC_BACKEND_SOFTWARE = 2,  /* a software rasterizer by EGL (llvmpipe), OpenGL 4.5 */
   PDESC_BACKEND_REFERENCE = 3, /* object space on the CPU, exact quadrature over the surface, needs no UV map */
-  PDESC_BACKEND_CPU = 4        /* samples of the surface on all cores, needs no UV map; no texels, no surface maps */
+  PDESC_BACKEND_CPU = 4        /* samples of the surface on all cores, needs a UV map at texels alone; no surface maps */
 } pdesc_backend;
 
 typedef enum pdesc_normals {
@@ -196,10 +196,12 @@ typedef struct pdesc_context_options {
 } pdesc_context_options;
 
 PDESC_API void pdesc_context_options_init(pdesc_context_options *options);
-/* options may be NULL: defaults. AUTO never fails for want of a device: it falls back to REFERENCE and
- * pdesc_context_fallback says why. Nor does it fail where a device fails later (it is lost, out of memory, or its driver refuses a
- * program): the next backend then computes, for the rest of the context, and every field's warnings say so. Any other backend
- * gives the error, and the context stays usable. */
+/* options may be NULL: defaults. AUTO takes a graphics card where there is one, else CPU, and then pdesc_context_fallback says why.
+ * Nor does it fail where a card fails later (it is lost, out of memory, or its driver refuses a program): CPU then computes, for the rest
+ * of the context, and every field's warnings say so. What belongs to texture space alone - surface maps, the relocations AFFINE and
+ * PAPER, half floats, adaptive sampling, seam errors, buffers to be read - goes under AUTO to the card, else to SOFTWARE, with a
+ * sentence in the field's warnings, and is UNSUPPORTED where there is no OpenGL; a mesh without a UV map goes to CPU. Any other
+ * backend gives the error, and the context stays usable. */
 PDESC_API int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context **context);
 PDESC_API void pdesc_context_destroy(pdesc_context *context); /* NULL is allowed */
 /* The strings live as long as the context. */
@@ -221,7 +223,7 @@ typedef struct pdesc_mesh_input {
   const float *positions;            /* (vertex_count, 3) */
   const int32_t *corner_vertices;    /* (corner_count) */
   const int32_t *triangle_corners;   /* (triangle_count, 3) */
-  const float *corner_uvs;           /* (corner_count, 2), or NULL: only backend REFERENCE can compute */
+  const float *corner_uvs;           /* (corner_count, 2), or NULL: REFERENCE computes, and CPU at vertices */
   const float *corner_normals;       /* (corner_count, 3) unit, or NULL; read by PDESC_NORMALS_MESH and normal maps only */
   const uint8_t *triangle_smooth;    /* (triangle_count) 0 where flat shaded, or NULL: all smooth */
   const int32_t *sharp_edges;        /* (sharp_edge_count, 2) vertex pairs marked sharp, or NULL. Between two smooth faces fitted and
@@ -267,7 +269,7 @@ PDESC_API int32_t pdesc_mesh_create(pdesc_context *context, const pdesc_mesh_inp
 PDESC_API int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32_t vertex_count);
 /* Images over the mesh's UV map, which change what is measured and leave the mesh as it is: its diagonal, mean edge and report are those
  * of the base. Rows run from bottom to top as v does (as Blender's images do), lookups are bilinear by the UVs as given, and repeat
- * outside [0,1]. Images are copied; NULL takes a map away. Backend REFERENCE refuses to compute with a map. */
+ * outside [0,1]. Images are copied; NULL takes a map away. Backends REFERENCE and CPU refuse to compute with a map. */
 /* Displacement: (height, width) floats. Every surface point p moves to p + n (value - midlevel) scale, n the interpolated unit normal,
  * scale in units of the positions. A vertex with several places in the UV map moves by their mean, weighted by angle. */
 PDESC_API int32_t pdesc_mesh_set_displacement(pdesc_mesh *mesh, const float *heights, int32_t width, int32_t height,
@@ -288,10 +290,10 @@ typedef struct pdesc_options {
   double radius;        /* > 0; default 0.02 */
   int32_t radius_unit;  /* pdesc_radius_unit; default DIAGONAL. The radius may not exceed the diagonal */
   int32_t samples;      /* over the neighborhood of a vertex, at least, 8 to 4096; default 256. Not used by REFERENCE */
-  int32_t buffer_size;  /* texels along a side of the square buffers, 64 to 8192; default 1024. Not used by REFERENCE */
+  int32_t buffer_size;  /* texels along a side of the square buffers, 64 to 8192; default 1024. Not used by REFERENCE, nor by CPU */
   int32_t normals;      /* pdesc_normals; default FITTED */
   int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used by AFFINE and PAPER relocation only; the paper: 1 */
-  uint32_t seed;        /* of the choice of samples, of which the connected relocation has eight; default 0 */
+  uint32_t seed;        /* of the choice of samples, of which the connected relocation has eight; default 0. Not used by CPU */
   int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map by itself, and keep the differences; default 0 */
   int32_t relocation;   /* pdesc_relocation; default CONNECTED. Not used by REFERENCE */
   int32_t estimator;    /* pdesc_estimator; default SHAPE_OPERATOR */
@@ -311,9 +313,14 @@ typedef struct pdesc_options {
   double map_sigma;     /* of the Gaussian windows of harris and difference_of_gaussians, times the radius, 0.1 to 4; default 1. Windows
                            end at 2 sigma: f itself is smooth at the scale of the radius, and a corner lies in the middle of its slopes */
   double harris_k;      /* k of harris (16), in [0, 0.25); default 0.04 */
+  int32_t buffers;      /* 1: baked buffers are to be read afterwards (pdesc_mesh_read_buffer); default 0. GPU and SOFTWARE always leave
+                           some, AUTO where it computed in texture space */
 } pdesc_options;
 
 PDESC_API void pdesc_options_init(pdesc_options *options);
+/* The pdesc_backend that would compute with these options, and the surface maps that are set: under AUTO it may be another than the
+ * context's own. Opens no device. */
+PDESC_API int32_t pdesc_mesh_backend(const pdesc_mesh *mesh, const pdesc_options *options, int32_t *backend);
 
 /* Computes the named descriptors at every vertex from one sampling. descriptor_count >= 1. progress may be NULL. */
 PDESC_API int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
@@ -331,7 +338,7 @@ typedef struct pdesc_memory {
   int64_t allowed; /* of total: pdesc_context_options.memory_limit, else mesh and half of what is free now */
 } pdesc_memory;
 PDESC_API void pdesc_memory_init(pdesc_memory *memory);
-/* backend: a pdesc_backend, AUTO for the one that the mesh's context uses. */
+/* backend: a pdesc_backend, AUTO for the one that would compute, as pdesc_mesh_backend says. */
 PDESC_API int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
                                     int32_t descriptor_count, int32_t backend, pdesc_memory *memory);
 
@@ -343,8 +350,8 @@ typedef enum pdesc_layout {
   PDESC_LAYOUT_SPARSE = 2    /* less than 15 % of the texels were used, or the radius spanned less than four of them, and half of the
                                 surface has 1.5 times as many along a line now */
 } pdesc_layout;
-/* What the last compute baked (not on REFERENCE): texels along a side, 0 before a compute; and (size, size, components) values, row
- * by row from v = 0 up. name: "position" (3, units of the positions), "normal" (3), "chart" (1, a number, -1 for none), "neighbor"
+/* What the last compute baked, in texture space (under AUTO: with options.buffers = 1): texels along a side, 0 if nothing was; and
+ * (size, size, components) values, row by row from v = 0 up. name: "position" (3, units of the positions), "normal" (3), "chart" (1, a number, -1 for none), "neighbor"
  * (1, the chart beyond a seam that runs through the texel, -1 for none), "distortion" (4: sigma_u, sigma_v, theta_e, area element,
  * paper 3.3). NaN where no chart is. count: of floats. */
 PDESC_API int32_t pdesc_mesh_buffer_size(const pdesc_mesh *mesh);
@@ -381,12 +388,14 @@ PDESC_API void pdesc_field_report_init(pdesc_field_report *report);
 PDESC_API int32_t pdesc_field_get_report(const pdesc_field *field, pdesc_field_report *report);
 /* One sentence per line about what limits these results (overlapping UVs, a coarse buffer, ...), or "". */
 PDESC_API const char *pdesc_field_warnings(const pdesc_field *field);
+/* The name of the device that computed, for people. */
+PDESC_API const char *pdesc_field_device(const pdesc_field *field);
 
 /* values: (vertex_count) float32, one for each original vertex; (vertex_count, 3) of a descriptor with three components.
  * name: a descriptor asked for, or "coverage". */
 PDESC_API int32_t pdesc_field_values(const pdesc_field *field, const char *name, float *values, int32_t vertex_count);
 /* The largest difference between the results from two places of the vertex in the UV map; NaN at a vertex with one place.
- * Needs options.seam_error = 1 and a backend other than REFERENCE. */
+ * Needs options.seam_error = 1, and texture space: GPU, SOFTWARE or AUTO. */
 PDESC_API int32_t pdesc_field_seam_error(const pdesc_field *field, const char *name, float *values, int32_t vertex_count);
 /* (vertex_count) bits PDESC_MASK_*. */
 PDESC_API int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int32_t vertex_count);

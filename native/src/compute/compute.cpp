@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "compute/choice.h"
 #include "compute/memory.h"
 #include "descriptor/registry.h"
 #include "support/cancel.h"
@@ -19,13 +20,14 @@ static double resolve_radius(const Mesh &mesh, const pdesc_options &options) {
   return radius;
 }
 
-static void warn(const Mesh &mesh, Field &field) {
+static void warn(const Mesh &mesh, const pdesc_options &options, Field &field) {
   auto add = [&](const std::string &sentence) { field.warnings += (field.warnings.empty() ? "" : "\n") + sentence; };
   const pdesc_field_report &report = field.report;
   if (mesh.context->given_up)
-    add(std::string("The graphics device failed, and ") + mesh.context->device.load() +
-        " computed instead: " + mesh.context->fallback.load());
-  if (!mesh.engine->abilities().texture_space) return;
+    add("The graphics device failed, and " + mesh.engine->device() + " computed instead: " + mesh.context->fallback.load());
+  if (mesh.engine != mesh.context->engine && mesh.engine->abilities().texture_space)
+    add("Only texture space has " + texture_space_needs(mesh, options) + ", so " + mesh.engine->device() +
+        " computed instead of the processor.");
   if (report.private_layout == PDESC_LAYOUT_OVERLAPS)
     add("Charts of the UV map share texture space" +
         (report.cut_charts > 0 ? ", " + std::to_string(report.cut_charts) + " of them with themselves and cut for that"
@@ -34,6 +36,7 @@ static void warn(const Mesh &mesh, Field &field) {
   if (report.private_layout == PDESC_LAYOUT_SPARSE)
     add("The UV map uses little of its square; its charts were laid out afresh for the computation, and the UV map itself is "
         "unchanged.");
+  if (!mesh.engine->abilities().texture_space) return;
   if (report.radius_in_texels < 4.0)
     add("The radius spans only " + std::to_string(report.radius_in_texels).substr(0, 4) +
         " texels of the buffers; use larger buffers or a larger radius.");
@@ -49,22 +52,9 @@ static void warn(const Mesh &mesh, Field &field) {
         " vertices more than a tenth of the neighborhood was not found in the UV map.");
 }
 
-static void refuse_beyond_abilities(const Mesh &mesh) {
-  const Abilities abilities = mesh.engine->abilities();
-  if (abilities.texture_space && mesh.triangles.corner_uv.empty())
-    throw Error(PDESC_ERROR_INVALID_OPERATION,
-                "The mesh has no UV map, which texture space needs; unwrap it, or use the cpu or the reference backend.");
-  if (!abilities.surface_maps && mesh.maps.any())
-    throw Error(PDESC_ERROR_INVALID_OPERATION,
-                std::string("Displacement and normal maps live in texture space, which the ") +
-                    (mesh.engine->backend() == PDESC_BACKEND_CPU ? "cpu" : "reference") +
-                    " backend does without; take the maps away, or use the gpu or software backend.");
-  check_triangle_count(*mesh.context, mesh.triangles.triangle_count);
-}
-
 static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors,
                                const Progress &progress) {
-  refuse_beyond_abilities(mesh);
+  refuse_beyond_abilities(mesh, options);
   Clock clock, stages;
   const Request request{options, descriptors, resolve_radius(mesh, options)};
   const char *stage = "prepare";
@@ -95,35 +85,26 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   gather(mesh.half_edges, computed.results, with_seam_error, mesh.context->threads, field);
   field.report.radius = request.radius;
   field.report.backend = mesh.engine->backend();
+  field.device = mesh.engine->device();
   field.report.memory_megabytes =
       1e-6 * static_cast<double>(forecast_memory_of(mesh, field.report.backend, options, descriptors).total());
   field.report.seconds_prepare += seconds_normals;
   field.report.seconds_total = clock.lap();
-  warn(mesh, field);
+  warn(mesh, options, field);
   return field;
 }
 
-// The mesh goes where the context computes now.
-static void take_engine(Mesh &mesh) {
-  reopen_lost_device(*mesh.context);
-  if (mesh.session && mesh.engine == mesh.context->engine) return;
-  mesh.session.reset();
-  mesh.engine = mesh.context->engine;
-  mesh.session = mesh.engine->open_session();
-}
-
-// If an engine fails, the next one computes, provided that the caller asked for AUTO.
+// If a card fails, the processor computes, provided that the caller asked for AUTO.
 Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors, const Progress &progress) {
   check_memory_of_compute(mesh, options, descriptors);
   while (true) {
     try {
-      take_engine(mesh);
+      take_engine(mesh, options);
       return compute_on_engine(mesh, options, descriptors, progress);
     } catch (const Error &error) {
       if (!is_of_device(error)) throw;
       mesh.session.reset(); // half of it may be missing
-      if (!fall_back(*mesh.context, error)) throw;
-      if (mesh.maps.any() && !mesh.context->engine->abilities().surface_maps) throw;
+      if (backend_for(mesh, options) != mesh.context->backend || !fall_back(*mesh.context, error)) throw;
     }
   }
 }

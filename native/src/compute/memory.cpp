@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "compute/choice.h"
 #include "engine/engines.h"
 #include "support/free_memory.h"
 
@@ -93,9 +94,9 @@ void check_memory_of_input(const Context &context, const pdesc_mesh_input &input
 }
 
 void check_memory_of_compute(const Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors) {
-  const Engine &engine = *mesh.context->engine;
-  const MemoryForecast memory = forecast_memory_of(mesh, engine.backend(), options, descriptors);
-  const bool buffers = engine.abilities().texture_space;
+  const int32_t backend = backend_for(mesh, options);
+  const MemoryForecast memory = forecast_memory_of(mesh, backend, options, descriptors);
+  const bool buffers = backend == PDESC_BACKEND_GPU || backend == PDESC_BACKEND_SOFTWARE;
   const int64_t kept_for_others = mesh.session ? mesh.session->bytes_kept_for_others() : 0;
   check_memory(*mesh.context,
                "A computation on " + std::to_string(mesh.triangles.triangle_count) + " triangles" +

@@ -38,16 +38,16 @@ pdesc_mesh_report report_of(const Mesh &mesh) {
   return report;
 }
 
-void check_triangle_count(const Context &context, int32_t triangles) {
-  const int32_t max_triangles = context.engine->abilities().max_triangles;
+void check_triangle_count(const Engine &engine, int32_t triangles) {
+  const int32_t max_triangles = engine.abilities().max_triangles;
   if (triangles > max_triangles)
     throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh has " + std::to_string(triangles) + " triangles, and graphics devices take " +
-                                             std::to_string(max_triangles) + "; use fewer, or the reference backend.");
+                                             std::to_string(max_triangles) + "; use fewer, or the backend cpu.");
 }
 
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
   check_memory_of_input(*context, input);
-  if (context->requested_backend != PDESC_BACKEND_AUTO) check_triangle_count(*context, input.triangle_count);
+  if (context->requested_backend != PDESC_BACKEND_AUTO) check_triangle_count(*context->engine, input.triangle_count);
   const CancelScope cancel([&] {
     if (input.progress && !input.progress(input.user, "mesh", 0.0))
       throw Error(PDESC_ERROR_CANCELLED, "Cancelled in stage mesh.");

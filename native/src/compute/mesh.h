@@ -38,14 +38,14 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count);
 pdesc_mesh_report report_of(const Mesh &mesh);
 double requested_radius(const Mesh &mesh, const pdesc_options &options); // in units of the positions
-const Normals &normals_of(Mesh &mesh, int32_t kind); // pdesc_normals
+const Normals &normals_of(Mesh &mesh, int32_t kind);                     // pdesc_normals
 const Patches &patches_of(Mesh &mesh);
 
 // As Session::read_buffer and buffer_size.
 ReadBuffer read_buffer(Mesh &mesh, const std::string &name);
 int buffer_size(const Mesh &mesh);
 
-// Throws Error(UNSUPPORTED) for more triangles than the context's engine takes.
-void check_triangle_count(const Context &context, int32_t triangles);
+// Throws Error(UNSUPPORTED) for more triangles than the engine takes.
+void check_triangle_count(const Engine &engine, int32_t triangles);
 
 } // namespace paradesc

@@ -26,6 +26,7 @@ namespace paradesc {
 struct Abilities {
   bool texture_space = false; // it needs a UV map, has buffers to read, and has results for each wedge of a point
   bool surface_maps = false;  // it follows displacement and normal maps
+  bool texels = false;        // it evaluates at texels of a map, for which alone it may need a UV map
   int32_t max_triangles = std::numeric_limits<int32_t>::max();
 };
 

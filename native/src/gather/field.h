@@ -20,6 +20,7 @@ struct Field {
   int map_size = 0;
   pdesc_field_report report{};
   std::string warnings;
+  std::string device; // that computed
 };
 
 // Every vertex takes the values at its point's primary center. with_seam_error: also the spread over all centers of a point.

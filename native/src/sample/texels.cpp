@@ -8,10 +8,12 @@
 #include "bake/seam_links.h"
 #include "descriptor/registry.h"
 #include "sample/pattern.h"
+#include "support/cancel.h"
 #include "support/parallel.h"
 
 namespace paradesc {
 
+static constexpr int many = 256; // texels of a row, or triangles, that take long enough to ask whether to go on
 static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 namespace {
@@ -38,17 +40,22 @@ static void draw_triangle(const Raster &raster, int32_t triangle, int32_t chart,
   if (area == 0.0) return;
   const ivec2 rows = raster.range(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}));
   const ivec2 columns = raster.range(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}));
-  for (int y = rows.x; y <= rows.y; ++y)
+  for (int y = rows.x; y <= rows.y; ++y) {
+    if (columns.y - columns.x >= many) checkpoint();
     for (int x = columns.x; x <= columns.y; ++x) {
       const dvec2 position(x + 0.5, y + 0.5);
       const double wb = cross(position - a, c - a) / area, wc = cross(b - a, position - a) / area;
       if (wb < 0.0 || wc < 0.0 || wb + wc > 1.0) continue;
       int32_t &entry = raster.map.index[raster.index(x, y)];
-      if (entry >= 0) continue;
+      if (entry >= 0) {
+        raster.map.overlapping += wb > 0.0 && wc > 0.0 && wb + wc < 1.0;
+        continue;
+      }
       entry = static_cast<int32_t>(found.size());
       const dvec2 uv = position / static_cast<double>(raster.map.size);
       found.push_back({static_cast<int32_t>(raster.index(x, y)), triangle, chart, vec2(wb, wc), vec2(uv), false});
     }
+  }
 }
 
 // Texels that a border passes through take the nearest position on it. distance: of the border from the texels that it has, from
@@ -62,6 +69,7 @@ static void draw_border(const Raster &raster, const Border &border, size_t owned
   const double square = std::max(dot(way, way), 1e-30);
   const ivec2 rows = raster.range(std::min(0.0, way.y) + a.y - half_diagonal, std::max(0.0, way.y) + a.y + half_diagonal);
   for (int y = rows.x; y <= rows.y; ++y) {
+    if (way.x * way.x > many * many) checkpoint();
     // The part of the edge that this row's texels can be near to.
     double from = 0.0, to = 1.0;
     if (std::abs(way.y) > 1e-9) {
@@ -96,18 +104,36 @@ static void draw_border(const Raster &raster, const Border &border, size_t owned
   }
 }
 
+// Puts the centers in the order of their texels.
+static void sort_by_texel(TexelMap &map) {
+  std::vector<TexelCenter> sorted;
+  sorted.reserve(map.centers.size());
+  for (size_t texel = 0; texel < map.index.size(); ++texel) {
+    if (texel % 65536 == 0) checkpoint();
+    int32_t &entry = map.index[texel];
+    if (entry < 0) continue;
+    sorted.push_back(map.centers[entry]);
+    entry = static_cast<int32_t>(sorted.size()) - 1;
+  }
+  map.centers = std::move(sorted);
+}
+
 TexelMap build_texel_map(const Charts &charts, int size) {
   TexelMap map;
   map.size = size;
   map.index.assign(static_cast<size_t>(size) * static_cast<size_t>(size), -1);
   const Raster raster{charts, map};
-  for (int32_t t = 0; t < static_cast<int32_t>(charts.triangle_chart.size()); ++t)
+  for (int32_t t = 0; t < static_cast<int32_t>(charts.triangle_chart.size()); ++t) {
+    if (t % many == 0) checkpoint();
     if (const int32_t chart = charts.triangle_chart[t]; chart >= 0) draw_triangle(raster, t, chart, map.centers);
+  }
   std::vector<double> distance;
   const size_t owned = map.centers.size();
-  for (const Border &border : charts.borders) draw_border(raster, border, owned, map.centers, distance);
-  std::sort(map.centers.begin(), map.centers.end(), [](const TexelCenter &a, const TexelCenter &b) { return a.texel < b.texel; });
-  for (size_t i = 0; i < map.centers.size(); ++i) map.index[map.centers[i].texel] = static_cast<int32_t>(i);
+  for (size_t i = 0; i < charts.borders.size(); ++i) {
+    if (i % many == 0) checkpoint();
+    draw_border(raster, charts.borders[i], owned, map.centers, distance);
+  }
+  sort_by_texel(map);
   return map;
 }
 

@@ -32,6 +32,7 @@ struct TexelMap {
   int size = 0;
   std::vector<TexelCenter> centers; // by texel
   std::vector<int32_t> index;       // (size * size) into centers, or -1
+  int overlapping = 0;              // texels whose middle lies within several triangles
 };
 
 TexelMap build_texel_map(const Charts &charts, int size);

@@ -10,5 +10,5 @@ void bending_init(OUT(BendingTerms) terms) {
 void bending_add(INOUT(BendingTerms) terms, Center center, Neighbor neighbor) {
   float weight = mix(neighbor.weight, 0.0f, neighbor.near);
   terms.energy += weight * neighbor.turning;
-  terms.moments += weight * outer(neighbor.direction);
+  terms.moments += weight * neighbor.directions;
 }

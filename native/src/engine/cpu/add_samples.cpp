@@ -188,7 +188,7 @@ template <class Wide> struct Adder {
     for (int k = 0; k < 3; ++k) squares[k] = square_to(seen, k);
     const Part part = clip_at(seen, squares, radius);
     place(seen, part, neighbor);
-    if constexpr (requires { sums.terms.bending; }) neighbor.turning = turning_of(seen, part, squares);
+    if constexpr (requires { sums.terms.bending; }) find_turning(seen, part, squares, neighbor);
     neighbor.inside = Wide::geodesic_ball ? part.area : part.area - strip_of(seen, part);
     Vector<4, Lanes> map(0.0f);
     if constexpr (requires { sums.center.value; }) {
@@ -255,30 +255,37 @@ template <class Wide> struct Adder {
     neighbor.near = Choices{};
   }
 
-  // The mean of |n - n_i|^2/rho^2, by three places. Of a triangle that has the center at a corner it is that along the opposite
-  // edge, where it is not cut, for it depends on the direction alone; of others, that over the part.
-  Lanes turning_of(const Seen &seen, const Part &part, const Lanes *squares) const {
+  // The means of |n - n_i|^2/rho^2 and of e e^T, by four places. Of a triangle that has the center at a corner they are those along
+  // the opposite edge, where it is not cut, for they depend on the direction alone: by Gauss's places on both sides of the
+  // bisector. Of others, those over the part.
+  void find_turning(const Seen &seen, const Part &part, const Lanes *squares, Neighbor &neighbor) {
     const float near = 1e-6f * kernel.params.radius * kernel.params.radius;
-    const Choices at0 = squares[0] < near, at1 = squares[1] < near, at2 = squares[2] < near, apart = !(at0 || at1 || at2);
-    const Lanes extent = fast_sqrt(part.area * seen.per_area);
+    const Choices at0 = squares[0] < near, at2 = squares[2] < near, apart = !(at0 || squares[1] < near || at2);
+    const auto choose = [&](const Lanes &of0, const Lanes &of1, const Lanes &of2) { return mix(mix(of1, of2, at2), of0, at0); };
     constexpr float root2 = Seen::root2, root6 = Seen::root6;
-    // Corners of the opposite edge, and those of a triangle inside that has the moments of the part.
-    const Lanes from[2] = {mix(mix(root2, -2.0f * root2, at2), root2, at0), mix(mix(-1.0f * root6, 0.0f, at2), root6, at0)};
-    const Lanes to[2] = {mix(mix(-2.0f * root2, root2, at0), root2, at2), mix(mix(0.0f, -1.0f * root6, at0), root6, at2)};
-    constexpr float inner[3][2] = {{-root2, 0.0f}, {0.5f * root2, 0.5f * root6}, {0.5f * root2, -0.5f * root6}};
-    constexpr float along[3] = {0.11270167f, 0.5f, 0.88729833f}; // Gauss's places and weights
-    constexpr float weight[3] = {5.0f / 18.0f, 8.0f / 18.0f, 5.0f / 18.0f};
-    const Lanes least = mix(0.0f, 0.05f * seen.spread(), apart); // nearer, a mean normal is not known well enough
-    Lanes mean = 0.0f;
-    for (int k = 0; k < 3; ++k) {
+    const Lanes from[2] = {choose(root2, root2, -2.0f * root2), choose(root6, -1.0f * root6, 0.0f)};
+    const Lanes to[2] = {choose(root2, -2.0f * root2, root2), choose(-1.0f * root6, 0.0f, root6)};
+    const Lanes from_length = fast_sqrt(choose(squares[1], squares[2], squares[0]));
+    const Lanes to_length = fast_sqrt(choose(squares[2], squares[0], squares[1]));
+    const Lanes bisector = from_length / max(from_length + to_length, 1e-30f);
+    const Lanes extent = fast_sqrt(part.area * seen.per_area);
+    constexpr float inner[4][2] = {{-1.0f, -1.0f}, {-1.0f, 1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}};
+    constexpr float gauss[2] = {0.21132487f, 0.78867513f};
+    neighbor.turning = 0.0f;
+    neighbor.directions = Vector<3, Lanes>(Lanes(0.0f));
+    for (int k = 0; k < 4; ++k) {
+      const Lanes start = k < 2 ? Lanes(0.0f) : bisector, size = k < 2 ? bisector : 1.0f - bisector;
+      const Lanes along = start + gauss[k % 2] * size, share = mix(0.5f * size, 0.25f, apart);
       Lanes place[2];
       for (int axis = 0; axis < 2; ++axis)
-        place[axis] = mix(from[axis] + along[k] * (to[axis] - from[axis]), part.place[axis] + extent * inner[k][axis], apart);
+        place[axis] = mix(from[axis] + along * (to[axis] - from[axis]), part.place[axis] + extent * inner[k][axis], apart);
       const Vector<3, Lanes> turn = seen.normal_at(place) - sums.center.normal, way = seen.at(place);
-      const Lanes root = fast_inversesqrt(max(max(square_of(way), least), near));
-      mean += mix(weight[k], 1.0f / 3.0f, apart) * square_of(turn) * root * root;
+      const Lanes root = fast_inversesqrt(max(square_of(way), near));
+      const Lanes x = dot(way, sums.center.t1), y = dot(way, sums.center.t2);
+      const Lanes root_of_flat = fast_inversesqrt(max(x * x + y * y, near));
+      neighbor.turning += share * square_of(turn) * root * root;
+      neighbor.directions += share * root_of_flat * root_of_flat * Vector<3, Lanes>(x * x, x * y, y * y);
     }
-    return mean;
   }
 
   // To the moments that the parts' mean positions and normals have, what these vary within them.

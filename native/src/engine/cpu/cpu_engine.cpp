@@ -10,10 +10,12 @@
 
 #include "descriptor/passes.h"
 #include "descriptor/registry.h"
+#include "engine/cpu/centers.h"
 #include "engine/cpu/finish.h"
 #include "engine/cpu/groups.h"
 #include "engine/cpu/search.h"
 #include "engine/memory.h"
+#include "support/keyed.h"
 #include "support/parallel.h"
 #include "support/pool.h"
 
@@ -26,7 +28,10 @@ public:
   Computed compute(const Surface &surface, const Request &request, const Resources &resources, const Progress &progress) override;
 
 private:
+  const TexelMap &texels(const Surface &surface, int size, int threads);
+
   std::optional<ClusterTree> tree_;
+  Keyed<std::pair<int, int>, TexelMap> texels_; // by the atlas's version and the size
 };
 
 class CpuEngine final : public Engine {
@@ -34,7 +39,7 @@ public:
   explicit CpuEngine(int threads) : device_("CPU, " + std::to_string(thread_count(threads)) + " threads") {}
   int32_t backend() const override { return PDESC_BACKEND_CPU; }
   const std::string &device() const override { return device_; }
-  Abilities abilities() const override { return {}; }
+  Abilities abilities() const override { return {.texels = true}; }
   std::unique_ptr<Session> open_session() override { return std::make_unique<CpuSession>(); }
 
 private:
@@ -47,7 +52,8 @@ struct Evaluation {
   const Surfels &surfels;
   const SurfaceSamples &samples;
   const std::vector<TreeCenter> &centers;
-  const CenterGroups &groups;
+  const MapValues &map; // (centers) of what operators work on; or empty
+  CenterGroups groups;
   SumPlan plan;
   EvaluateParams params;
   std::span<const int> rows;
@@ -75,7 +81,7 @@ static void evaluate_group(const Evaluation &pass, AddSamples add_samples, std::
   for (const int32_t index : group) {
     const TreeCenter &center = pass.centers[index];
     const vec3 position = center.position, normal = center.normal;
-    const float value = pass.source.map ? (*pass.source.map)[index].w : 0.0f;
+    const float value = pass.map.empty() ? 0.0f : pass.map[index].w;
     const SumCenter at{{position.x, position.y, position.z}, {normal.x, normal.y, normal.z}, value};
     const int32_t nearest = sum_up(pass, add_samples, search, at, sums);
     const Search::Connected connected = search.find_connected(center, at, nearest);
@@ -121,14 +127,6 @@ static CenterResults evaluate(const Evaluation &pass) {
   return results;
 }
 
-static std::vector<TreeCenter> centers_at_points(const Surface &surface, const BakeSpace &space) {
-  std::vector<TreeCenter> centers(static_cast<size_t>(surface.half_edges.point_count));
-  for (size_t i = 0; i < centers.size(); ++i)
-    centers[i] = {space.to_buffer(surface.triangles.positions[surface.half_edges.point_vertex[i]]), surface.normals.point[i],
-                  surface.half_edges.point_half_edge[i] / 3};
-  return centers;
-}
-
 // To the units of the positions.
 static void scale_values(std::span<const int> rows, double scale, CenterResults &results) {
   for (size_t k = 0; k < rows.size(); ++k) {
@@ -167,32 +165,151 @@ static int samples_of_both_radii(const Pass &pass, const pdesc_options &options)
   return samples_of(pass, options) * (two_radii ? 4 : 1);
 }
 
+namespace {
+
+// One pass on a surface that is divided for it.
+class RunningPass {
+public:
+  RunningPass(const Surface &surface, const Request &request, const ClusterTree &tree, const BakeSpace &space, const Pass &pass,
+              const MapValues *map, int threads)
+      : surface_(surface), request_(request), pass_(pass),
+        radius_(static_cast<float>(radius_of(pass, request.options, request.radius) * space.scale)),
+        source_{surface.triangles, surface.half_edges, surface.normals, tree, space, map, threads},
+        surfels_(build_surfels(source_, radius_, samples_of_both_radii(pass, request.options))),
+        samples_(list_samples(source_, surfels_)) {}
+
+  CenterResults at_points(std::span<const int> rows, const std::function<void(double)> &progress) const {
+    return at(centers_at_points(surface_, source_.space), source_.map ? *source_.map : MapValues(), rows, progress);
+  }
+
+  // Texels [first, last).
+  CenterResults at_texels(const TexelMap &texels, size_t first, size_t last, std::span<const int> rows,
+                          const std::function<void(double)> &progress) const {
+    MapValues map;
+    if (source_.map) map = map_at_texels(surface_, texels, *source_.map, first, last, source_.threads);
+    return at(centers_at_texels(surface_, source_.space, texels, first, last, source_.threads), map, rows, progress);
+  }
+
+private:
+  // map: at the centers, where there is one.
+  CenterResults at(const std::vector<TreeCenter> &centers, const MapValues &map, std::span<const int> rows,
+                   const std::function<void(double)> &progress) const {
+    const double scale = source_.space.scale;
+    CenterResults results = evaluate({source_, surfels_, samples_, centers, map, group_centers(source_.tree, centers, radius_),
+                                      plan_sums(rows, request_.options, pass_.stage == Stage::windows),
+                                      params_of(request_, scale, radius_, share_of_clusters(surfels_)), rows, progress});
+    scale_values(rows, scale, results);
+    return results;
+  }
+
+  const Surface &surface_;
+  const Request &request_;
+  const Pass &pass_;
+  float radius_;
+  SurfelSource source_;
+  Surfels surfels_;
+  SurfaceSamples samples_;
+};
+
+} // namespace
+
+static constexpr size_t texels_of_band = size_t{1} << 17; // that are evaluated together
+
+// What the passes that follow read of the map, at points; nothing of the other rows.
+static CenterResults values_for_map(const RunningPass &running, const Pass &pass, int points,
+                                    const std::function<void(double)> &progress) {
+  CenterResults results = results_at_points(points);
+  results.values.resize(pass.rows.size());
+  for (size_t i = 0; i < pass.rows.size(); ++i)
+    if (pass.stage == Stage::source || pass.rows[i] == gradient_row())
+      results.values[i] = std::move(running.at_points(std::span(&pass.rows[i], 1), progress).values[0]);
+  return results;
+}
+
+// Adds what a pass computes at texels, band by band, to the results of all.
+static void add_texels(const RunningPass &running, const Pass &pass, std::span<const int> requested, const TexelMap &texels,
+                       const std::function<void(double)> &progress, CenterResults &all) {
+  std::vector<int> rows;
+  std::vector<size_t> places; // among those requested
+  for (size_t k = 0; k < requested.size(); ++k)
+    if (pass.stage != Stage::source && std::ranges::find(pass.rows, requested[k]) != pass.rows.end()) {
+      rows.push_back(requested[k]);
+      places.push_back(k);
+    }
+  const size_t count = rows.empty() ? 0 : texels.centers.size();
+  for (size_t first = 0, last = 0; first < count; first = last) {
+    last = std::min(first + texels_of_band, count);
+    const std::function<void(double)> part = [&](double done) {
+      progress((static_cast<double>(first) + done * static_cast<double>(last - first)) / static_cast<double>(count));
+    };
+    const CenterResults found = running.at_texels(texels, first, last, rows, part);
+    for (size_t i = 0; i < rows.size(); ++i) {
+      const size_t width = found.values[i].size() / (last - first);
+      std::ranges::copy(found.values[i], all.values[places[i]].begin() + static_cast<ptrdiff_t>(first * width));
+    }
+    std::ranges::copy(found.boundary, all.boundary.begin() + static_cast<ptrdiff_t>(first));
+  }
+}
+
+// At all texels, before anything is computed.
+static CenterResults results_at_texels(const TexelMap &texels, std::span<const int> requested) {
+  CenterResults results = results_at_points(static_cast<int>(texels.centers.size()));
+  for (const int row : requested)
+    results.values.emplace_back(texels.centers.size() * static_cast<size_t>(descriptor_row(row).components),
+                                std::numeric_limits<float>::quiet_NaN());
+  results.boundary.assign(texels.centers.size(), 0);
+  return results;
+}
+
+const TexelMap &CpuSession::texels(const Surface &surface, int size, int threads) {
+  const auto key = [&] { return std::pair(surface.atlases.current().version, size); };
+  if (const TexelMap *const kept = texels_.find(key())) return *kept;
+  texels_.clear();
+  TexelMap made = lay_out_texels(surface, size, threads); // in an atlas that it may replace
+  return texels_.get(key(), [&] { return std::move(made); });
+}
+
+// Images, and values at vertices that are looked up there.
+static void give_texels(const Surface &surface, const Request &request, const Resources &resources, const TexelMap &texels,
+                        const CenterResults &results, Computed &computed) {
+  const Atlas &atlas = surface.atlases.current();
+  computed.results = look_up(texels, results, atlas.charts, false, resources.threads);
+  computed.images = images_of(texels, results, request.descriptors);
+  computed.image_size = texels.size;
+  computed.report.places = static_cast<int32_t>(texels.centers.size());
+  computed.report.private_layout = atlas.layout;
+  computed.report.cut_charts = atlas.cut_charts;
+}
+
 Computed CpuSession::compute(const Surface &surface, const Request &request, const Resources &resources,
                              const Progress &progress) {
   const pdesc_options &options = request.options;
   Clock clock;
   if (!tree_) tree_ = build_cluster_tree(surface.half_edges);
   const BakeSpace space = bake_space_of(surface.extent.box);
-  const std::vector<TreeCenter> centers = centers_at_points(surface, space);
+  const TexelMap *map_texels = nullptr;
+  CenterResults at_texels;
+  if (options.evaluate == PDESC_EVALUATE_TEXEL) {
+    map_texels = &texels(surface, options.texels, resources.threads);
+    at_texels = results_at_texels(*map_texels, request.descriptors);
+  }
   Computed computed;
   computed.report.seconds_prepare = clock.lap();
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
     const std::function<void(double)> part = [&](double done) { check_cancel(progress, "evaluate", (number + done) / count); };
     part(0.0);
-    const auto radius = static_cast<float>(radius_of(pass, options, request.radius) * space.scale);
-    const SurfelSource source{surface.triangles, surface.half_edges, surface.normals, *tree_, space, map, resources.threads};
-    const Surfels surfels = build_surfels(source, radius, samples_of_both_radii(pass, options));
-    const SurfaceSamples samples = list_samples(source, surfels);
-    const CenterGroups groups = group_centers(*tree_, centers, radius);
-    CenterResults results =
-        evaluate({source, surfels, samples, centers, groups, plan_sums(pass.rows, options, pass.stage == Stage::windows),
-                  params_of(request, space.scale, radius, share_of_clusters(surfels)), pass.rows, part});
-    scale_values(pass.rows, space.scale, results);
-    return results;
+    const RunningPass running(surface, request, *tree_, space, pass, map, resources.threads);
+    if (!map_texels) return running.at_points(pass.rows, part);
+    constexpr double share = 0.7; // of the texels, where points are evaluated after them
+    const std::function<void(double)> first = [&](double done) { part(share * done); };
+    const std::function<void(double)> second = [&](double done) { part(share + (1.0 - share) * done); };
+    add_texels(running, pass, request.descriptors, *map_texels, first, at_texels);
+    return values_for_map(running, pass, surface.half_edges.point_count, second);
   };
   computed.results = run_passes(surface.half_edges.point_count, request.descriptors, find_map(options.map_descriptor), run);
-  check_cancel(progress, "evaluate", 1.0);
   computed.report.places = surface.half_edges.point_count;
+  if (map_texels) give_texels(surface, request, resources, *map_texels, at_texels, computed);
+  check_cancel(progress, "evaluate", 1.0);
   computed.report.refined_share = 1.0;
   computed.report.seconds_evaluate = clock.lap();
   return computed;
@@ -200,15 +317,28 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
 
 std::shared_ptr<Engine> open_cpu_engine(int threads) { return std::make_shared<CpuEngine>(threads); }
 
+// Centers, in their first order and in that of the texels; results and images; and what a band of them takes, beside which the
+// values of a map at points stand.
+static int64_t bytes_of_texels(const ComputationSize &size) {
+  const int64_t texels = int64_t{size.options.texels} * size.options.texels, rows = rows_of(size.descriptors);
+  const int64_t band = std::min<int64_t>(texels, texels_of_band) + size.points;
+  return texels * static_cast<int64_t>(4 + 2 * sizeof(TexelCenter)) + texels * 8 * rows +
+         band * static_cast<int64_t>(sizeof(TreeCenter) + sizeof(vec4) + 16 + 8 * rows);
+}
+
 MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   // The tree, and while it is cut for a radius: clusters, counts, surfels, cells.
   constexpr int64_t of_triangle = 24 + 2 * (sizeof(Surfel) + 32) + sizeof(Surfel) + 40;
   // In parts, and as one list that grows by half.
   constexpr int64_t of_sample = (5 * static_cast<int64_t>(SURFACE_ROWS * sizeof(float))) / 2;
   const auto triangles = static_cast<double>(size.triangles);
-  const double divided = std::min(1.5 * size.options.samples * size.disks, triangles * static_cast<double>(max_stored_samples));
+  const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
+  const Pass finest{std::ranges::any_of(size.descriptors, reads_map) ? Stage::map : Stage::surface, {}};
+  const double divided =
+      std::min(1.5 * samples_of(finest, size.options) * size.disks, triangles * static_cast<double>(max_stored_samples));
   MemoryForecast memory;
   memory.host = bytes_of_results(size) + size.triangles * of_triangle + static_cast<int64_t>(triangles + divided) * of_sample;
+  if (size.options.evaluate == PDESC_EVALUATE_TEXEL) memory.host += bytes_of_texels(size);
   return memory;
 }
 

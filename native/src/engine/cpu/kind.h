@@ -17,6 +17,7 @@
 #ifndef GEODESIC_BALL
 #define GEODESIC_BALL 0
 #endif
+#define WIDE_NEIGHBORS // who calls add_weighted() knows their means
 #define FACES SURFACE
 #define MAP (JET || WINDOWS)
 #define TERMS_AREA SURFACE
@@ -33,5 +34,6 @@
 #undef INTEGRAL
 #undef EXTRAPOLATED
 #undef GEODESIC_BALL
+#undef WIDE_NEIGHBORS
 #undef FACES
 #undef MAP

@@ -20,7 +20,7 @@ constexpr float samples_of_cell = 48;
 constexpr float least_spread = 1e-13f;   // pieces of less could not be told apart by floats
 // What the rim cuts of triangles is known exactly, so that they may be larger than clusters. Where a map is looked at, which no
 // sample knows how it varies, all are smaller.
-constexpr float spread_of_triangles = 4;
+constexpr float spread_of_triangles = 2;
 constexpr float least_coherence = 0.95f; // of a surfel's mean normals, squared: it does not fold
 
 // What a cluster consists of.

@@ -21,7 +21,9 @@ public:
   int32_t backend() const override { return software_ ? PDESC_BACKEND_SOFTWARE : PDESC_BACKEND_GPU; }
   const std::string &device() const override { return thread_->device(); }
   // Shaders carry triangles' numbers in floats, which are exact up to 2^24.
-  Abilities abilities() const override { return {.texture_space = true, .surface_maps = true, .max_triangles = 1 << 24}; }
+  Abilities abilities() const override {
+    return {.texture_space = true, .surface_maps = true, .texels = true, .max_triangles = 1 << 24};
+  }
   bool lost() const override { return thread_->lost(); }
   std::unique_ptr<Session> open_session() override { return open_texture_space(thread_, software_); }
 

@@ -1,0 +1,78 @@
+// What asks for texture space is listed in one place: texture_space_needs().
+#include "compute/choice.h"
+
+#include <vector>
+
+#include "support/error.h"
+
+namespace paradesc {
+
+std::string texture_space_needs(const Mesh &mesh, const pdesc_options &options) {
+  std::vector<std::string> needs;
+  if (mesh.maps.any()) needs.emplace_back("displacement and normal maps");
+  if (options.relocation == PDESC_RELOCATION_AFFINE) needs.emplace_back("the relocation affine");
+  if (options.relocation == PDESC_RELOCATION_PAPER) needs.emplace_back("the relocation paper");
+  if (options.precision == PDESC_PRECISION_HALF) needs.emplace_back("half floats");
+  if (options.adaptive > 0.0) needs.emplace_back("adaptive sampling");
+  if (options.seam_error != 0) needs.emplace_back("seam errors");
+  if (options.buffers != 0) needs.emplace_back("baked buffers");
+  std::string sentence;
+  for (size_t i = 0; i < needs.size(); ++i) sentence += (i == 0 ? "" : i + 1 < needs.size() ? ", " : " and ") + needs[i];
+  return sentence;
+}
+
+int32_t backend_for(const Mesh &mesh, const pdesc_options &options) {
+  const Context &context = *mesh.context;
+  if (context.requested_backend != PDESC_BACKEND_AUTO) return context.backend;
+  const bool needed = !texture_space_needs(mesh, options).empty();
+  if (needed && !context.engine->abilities().texture_space) return PDESC_BACKEND_SOFTWARE;
+  const bool mapped = !mesh.triangles.corner_uv.empty() || options.evaluate == PDESC_EVALUATE_TEXEL;
+  return needed || mapped ? context.backend.load() : PDESC_BACKEND_CPU;
+}
+
+static std::shared_ptr<Engine> open_for(const Mesh &mesh, const pdesc_options &options, int32_t backend) {
+  try {
+    return engine_of(*mesh.context, backend);
+  } catch (const Error &error) {
+    if (backend != PDESC_BACKEND_SOFTWARE || mesh.context->requested_backend != PDESC_BACKEND_AUTO) throw;
+    std::string why = error.what();
+    while (why.ends_with('.')) why.pop_back();
+    throw Error(PDESC_ERROR_UNSUPPORTED, "A computation with " + texture_space_needs(mesh, options) +
+                                             " takes OpenGL, and no device has it here (" + why + "); do without " +
+                                             "what was asked for, or install a driver.");
+  }
+}
+
+void take_engine(Mesh &mesh, const pdesc_options &options) {
+  reopen_lost_device(*mesh.context);
+  const std::shared_ptr<Engine> engine = open_for(mesh, options, backend_for(mesh, options));
+  if (mesh.session && mesh.engine == engine) return;
+  mesh.session.reset();
+  mesh.engine = engine;
+  mesh.session = engine->open_session();
+}
+
+// What of texture space an engine goes without: the reference leaves options of sampling aside, and follows no map.
+static void refuse_without_texture_space(const Mesh &mesh, const pdesc_options &options) {
+  const bool reference = mesh.engine->backend() == PDESC_BACKEND_REFERENCE;
+  if (reference && !mesh.maps.any()) return;
+  std::string needs = reference ? "displacement and normal maps" : texture_space_needs(mesh, options);
+  if (needs.empty()) return;
+  throw Error(PDESC_ERROR_INVALID_OPERATION, "A computation with " + needs + " takes texture space, which the backend " +
+                                                 (reference ? "reference" : "cpu") +
+                                                 " does without; use the backend gpu, software or auto.");
+}
+
+void refuse_beyond_abilities(const Mesh &mesh, const pdesc_options &options) {
+  const Abilities abilities = mesh.engine->abilities();
+  if (abilities.texture_space && mesh.triangles.corner_uv.empty())
+    throw Error(PDESC_ERROR_INVALID_OPERATION,
+                "The mesh has no UV map, which texture space needs; unwrap it, or use the cpu or the reference backend.");
+  if (!abilities.texture_space) refuse_without_texture_space(mesh, options);
+  if (abilities.texels && options.evaluate == PDESC_EVALUATE_TEXEL && mesh.triangles.corner_uv.empty())
+    throw Error(PDESC_ERROR_INVALID_OPERATION, "Texels were to be evaluated, and the mesh has no UV map in which they could lie; "
+                                               "unwrap it, or evaluate at vertices, which needs none.");
+  check_triangle_count(*mesh.engine, mesh.triangles.triangle_count);
+}
+
+} // namespace paradesc
