@@ -3,26 +3,20 @@
 # the Windows one under Wine, and the add-on's own tests with the Linux one. The packages stay in build/release/packages.
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
+source "$root/tests/support/foreign.sh"
 
 ZIG_PACKAGE=ziglang==0.17.1 # a C++ compiler for all of them, with their C and C++ libraries
 LIEF_PACKAGE=lief==1.0.0    # reads ELF, PE and Mach-O
 release=$root/build/release
 tools=$root/build/release-tools
 
-# get_openmesh: Debian's source of OpenMesh, checked by apt, without a change to this system's lists.
+# get_openmesh: the source of this system's OpenMesh.
 get_openmesh() {
-  local folder=$tools/openmesh suite options
+  local folder=$tools/openmesh
   openmesh=$(find "$folder" -maxdepth 1 -type d -name 'OpenMesh-*' 2>/dev/null | head -n 1)
   [ -z "$openmesh" ] || return 0
   command -v apt-get >/dev/null || fail "OpenMesh's source is got by apt; elsewhere unpack OpenMesh 9 into $folder/OpenMesh-9."
-  suite=$(. /etc/os-release && echo "$VERSION_CODENAME")
-  mkdir -p "$folder/lists/partial"
-  echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian $suite main" \
-    >"$folder/sources.list"
-  options=(-q -o Dir::Etc::sourcelist="$folder/sources.list" -o Dir::Etc::sourceparts=/dev/null
-    -o Dir::State::lists="$folder/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache=)
-  (cd "$folder" && apt-get "${options[@]}" update && apt-get "${options[@]}" source --download-only openmesh) \
-    >"$folder/log" 2>&1 || fail "apt-get could not get OpenMesh's source; all of its output is in $folder/log."
+  get_package "$(. /etc/os-release && echo "$VERSION_CODENAME")" deb-src openmesh "$folder"
   tar -xf "$folder"/openmesh_*.orig.tar.* -C "$folder"
   openmesh=$(find "$folder" -maxdepth 1 -type d -name 'OpenMesh-*' | head -n 1)
 }
