@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "engine/kernels/lanes.h"
+#include "support/angle.h"
 
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
@@ -16,8 +17,7 @@ inline float min(float a, float b) { return b < a ? b : a; }
 inline float max(float a, float b) { return a < b ? b : a; }
 inline float sqrt(float x) { return std::sqrt(x); }
 inline float exp(float x) { return std::exp(x); }
-inline float pow(float x, float power) { return std::pow(x, power); }
-inline float atan(float y, float x) { return std::atan2(y, x); }
+inline float atan(float y, float x) { return static_cast<float>(angle_of(y, x)); }
 inline bool isnan(float x) { return std::isnan(x); }
 // Does what GLSL's does: takes the second value where the choice is true.
 inline float mix(float a, float b, bool choice) { return choice ? b : a; }
