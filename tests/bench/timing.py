@@ -32,6 +32,8 @@ class Bench:
     """An engine that is warmed up: its programs are compiled and its threads exist."""
 
     def __init__(self, backend: str = "auto", threads: int = 0) -> None:
+        from bench import open_device
+
         self.context = open_device(threads) if backend == "auto" else Context(backend, threads=threads)
         self.texture_space = bridge.uses_texture_space(self.context.backend)
         self._warm: set[tuple] = set()
@@ -94,18 +96,6 @@ class Bench:
             if error_of(mesh, arrays, replace(tried, samples=FEWEST[-1]), truth) <= ALLOWED_ERROR:
                 return self.cheapest(mesh, arrays, tried, truth, ALLOWED_ERROR)
         return replace(tried, samples=FEWEST[-1])
-
-
-def open_device(threads: int = 0) -> Context:
-    """A graphics card, or else OpenGL without one."""
-    try:
-        return Context("gpu", threads=threads)
-    except ParadescError:
-        pass
-    try:
-        return Context("software", threads=threads)
-    except ParadescError as error:
-        raise SystemExit(f"There is no device to measure. {error.sentence}") from None
 
 
 def positions_of(arrays: MeshArrays, turn: int) -> np.ndarray:
