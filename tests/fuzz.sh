@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Fuzzes the C interface on the reference and on the software backend, and with computations that are stopped before they take
-# long, and what the add-on reads from files.
+# Fuzzes the C interface on the CPU, on the reference and on the software backend, and with computations that are stopped before
+# they take long, and what the add-on reads from files.
 #   bash tests/fuzz.sh                 the corpus, then new inputs, 100,000 in all; the same ones every time
 #   bash tests/fuzz.sh --inputs N      so many in all
 #   bash tests/fuzz.sh --hours H       as many as fit, others every time, at the lowest priority; the corpus grows in build/fuzz/corpus
@@ -24,7 +24,7 @@ install_packages "${BUILD_PACKAGES[@]}" "${RUN_PACKAGES[@]}" "${CLANG_PACKAGES[@
 [ -x "$python" ] || make_environment "${REQUIREMENTS[@]}"
 folder=$root/build/fuzz
 mkdir -p "$folder/findings"
-build_with_clang "$folder" "-O2 -gline-tables-only" "paradesc_fuzz_reference paradesc_fuzz_software paradesc_fuzz_stopped" \
+build_with_clang "$folder" "-O2 -gline-tables-only" "paradesc_fuzz_cpu paradesc_fuzz_reference paradesc_fuzz_software paradesc_fuzz_stopped" \
   -DPARADESC_FUZZ=ON -DPARADESC_TESTS=OFF
 [ -f "$root/addon/paradesc/lib/libparadesc.so" ] || build_library paradesc
 
@@ -35,9 +35,9 @@ priority=10 patience=60
 # cut short: a mesh, options and the first calls, of which there are twice as many a second as of long sequences. The device keeps
 # its programs from input to input, so leaks are looked for at the end; elsewhere after each.
 calls() {
-  local target=$1 name=$2 seeds=${1/stopped/reference} log=$folder/$2.log longest=1024 leaks=1 status
+  local target=$1 name=$2 seeds=reference log=$folder/$2.log longest=1024 leaks=1 status
   [ "$target" != stopped ] || longest=256
-  [ "$target" != software ] || leaks=0
+  [ "$target" != software ] || seeds=software leaks=0
   shift 2
   mkdir -p "$folder/corpus/$name"
   nice -n "$priority" "$folder/paradesc_fuzz_$target" "-max_len=$longest" "-detect_leaks=$leaks" "-timeout=$patience" \
@@ -65,7 +65,7 @@ files_for() {
 }
 
 stopped_and_files() {
-  calls stopped stopped -seed=3 "-runs=$((inputs / 5))" && files --inputs "$((inputs * 2 / 5))"
+  calls stopped stopped -seed=3 "-runs=$((inputs / 10))" && files --inputs "$((inputs * 2 / 5))"
 }
 
 failed=0
@@ -83,22 +83,25 @@ finish() {
 }
 
 # Two at a time, one for each core of a small machine. An input on the device costs some twenty times as much as one on the
-# reference, which costs many times a stopped one or a file.
+# reference, which costs many times one on the CPU, a stopped one or a file.
 if [ "$seconds" -gt 0 ]; then
   priority=19 patience=1200 # other work on the machine may keep an input waiting
-  start calls reference reference "-max_total_time=$((seconds / 2))"
-  start calls software software "-max_total_time=$((seconds / 2))"
+  start calls cpu cpu "-max_total_time=$((seconds / 2))"
+  start calls reference reference "-max_total_time=$((seconds / 4))"
+  wait "${running[1]}" || failed=1
+  start calls software software "-max_total_time=$((seconds / 4))"
   finish
   start calls stopped stopped "-max_total_time=$((seconds / 2))"
   start files_for $((seconds / 2))
   finish
 else
-  start calls reference reference-1 -seed=1 "-runs=$((inputs / 5))"
-  start calls reference reference-2 -seed=2 "-runs=$((inputs / 5))"
+  start calls cpu cpu-1 -seed=1 "-runs=$((inputs / 5))"
+  start calls cpu cpu-2 -seed=2 "-runs=$((inputs / 5))"
   finish
   start calls software software -seed=1 "-runs=$((inputs / 500))"
-  start stopped_and_files
+  start calls reference reference -seed=1 "-runs=$((inputs / 10))"
   finish
+  stopped_and_files || failed=1
 fi
 [ $failed -eq 0 ] && echo "Nothing found."
 exit $failed

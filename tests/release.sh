@@ -1,33 +1,28 @@
 #!/usr/bin/env bash
-# Builds the release packages for all systems from this one, and tests what users get: exports and needs of each library,
-# the Windows one under Wine, and the add-on's own tests with the Linux one. The packages stay in build/release/packages.
+# Builds the release packages for all systems from this one, and tests what users get: exports and needs of each library, the
+# same bits under Wine and on other processors under QEMU, and the add-on's own tests with the Linux one. The packages stay in
+# build/release/packages.
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
+source "$root/tests/support/foreign.sh"
 
 ZIG_PACKAGE=ziglang==0.17.1 # a C++ compiler for all of them, with their C and C++ libraries
 LIEF_PACKAGE=lief==1.0.0    # reads ELF, PE and Mach-O
 release=$root/build/release
 tools=$root/build/release-tools
 
-# get_openmesh: Debian's source of OpenMesh, checked by apt, without a change to this system's lists.
+# get_openmesh: the source of this system's OpenMesh.
 get_openmesh() {
-  local folder=$tools/openmesh suite options
+  local folder=$tools/openmesh
   openmesh=$(find "$folder" -maxdepth 1 -type d -name 'OpenMesh-*' 2>/dev/null | head -n 1)
   [ -z "$openmesh" ] || return 0
   command -v apt-get >/dev/null || fail "OpenMesh's source is got by apt; elsewhere unpack OpenMesh 9 into $folder/OpenMesh-9."
-  suite=$(. /etc/os-release && echo "$VERSION_CODENAME")
-  mkdir -p "$folder/lists/partial"
-  echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian $suite main" \
-    >"$folder/sources.list"
-  options=(-q -o Dir::Etc::sourcelist="$folder/sources.list" -o Dir::Etc::sourceparts=/dev/null
-    -o Dir::State::lists="$folder/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache=)
-  (cd "$folder" && apt-get "${options[@]}" update && apt-get "${options[@]}" source --download-only openmesh) \
-    >"$folder/log" 2>&1 || fail "apt-get could not get OpenMesh's source; all of its output is in $folder/log."
+  get_package "$(. /etc/os-release && echo "$VERSION_CODENAME")" deb-src openmesh "$folder"
   tar -xf "$folder"/openmesh_*.orig.tar.* -C "$folder"
   openmesh=$(find "$folder" -maxdepth 1 -type d -name 'OpenMesh-*' | head -n 1)
 }
 
-install_packages "${BUILD_PACKAGES[@]}" "${RUN_PACKAGES[@]}" "${TEST_PACKAGES[@]}" wine64
+install_packages "${BUILD_PACKAGES[@]}" "${RUN_PACKAGES[@]}" "${TEST_PACKAGES[@]}" wine64 qemu-user-static libc6-arm64-cross
 make_environment "${REQUIREMENTS[@]}" "${TEST_REQUIREMENTS[@]}"
 "$tools/bin/python" -c 'import lief, pytest, ziglang' 2>/dev/null || {
   "$python" -m venv "$tools" && "$tools/bin/pip" install -q "$ZIG_PACKAGE" "$LIEF_PACKAGE" "${TEST_REQUIREMENTS[@]}"
@@ -35,7 +30,9 @@ make_environment "${REQUIREMENTS[@]}" "${TEST_REQUIREMENTS[@]}"
 zig=$("$tools/bin/python" -c 'import ziglang, pathlib; print(pathlib.Path(ziglang.__file__).with_name("zig"))')
 get_openmesh
 
-echo "Building for Linux, Windows and macOS (the first time about 12 minutes of one core: Zig builds a C++ library for each)"
+[ -f "$root/build/libparadesc.so" ] || build_library paradesc # by this system's compiler, to compare with
+
+echo "Building for Linux, Windows and macOS (the first time about 18 minutes of one core: Zig builds a C++ library for each)"
 mkdir -p "$release"
 { cmake -S "$root" -B "$release" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPARADESC_TESTS=OFF -DPARADESC_ZIG="$zig" \
   -DOPENMESH_SOURCE_DIR="$openmesh" && cmake --build "$release" --target package_addon; } >"$release/build.log" 2>&1 || {
@@ -45,7 +42,7 @@ mkdir -p "$release"
 tail -n 8 "$release/build.log"
 
 status=0
-export PARADESC_RELEASE=$release
+export PARADESC_RELEASE=$release PARADESC_OTHER_LIBRARY=$root/build/libparadesc.so
 "$tools/bin/python" -m pytest -q -s -p no:cacheprovider --rootdir "$root" -o testpaths= \
   "$root/tests/packages/release_test.py" || status=1
 

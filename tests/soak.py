@@ -1,6 +1,6 @@
 """Bakes changing meshes with changing options, backends and endings in one process, whose memory and files stay level.
 
-Usage: python tests/soak.py [--bakes 1000] [--seed 1] [--every 25] [--backends software,reference] [--json FILE]
+Usage: python tests/soak.py [--bakes 1000] [--seed 1] [--every 25] [--backends software,cpu,reference] [--json FILE]
 Ends with 1 if something grew, or if a bake ended in another way than it should.
 """
 
@@ -31,7 +31,7 @@ from paradesc.core.stream import Stream  # noqa: E402
 from paradesc.core.threads import Worker  # noqa: E402
 from shapes import as_arrays, cube_sphere  # noqa: E402
 
-BACKENDS = ("software", "reference")
+BACKENDS = ("software", "cpu", "reference")
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of glibc's malloc.h
 # The most steps along the side of a chart: 26 to 488 vertices.
 FINEST = 9
@@ -148,7 +148,9 @@ def random_settings(chance: np.random.Generator, arrays: bridge.MeshArrays, back
 
 def whole(arrays: bridge.MeshArrays, settings: job.Settings, _chance: np.random.Generator) -> str:
     """Runs a bake from start to end."""
-    job.run(arrays, settings, with_buffers=settings.backend != "reference" and settings.options.seed % 4 == 0)
+    job.run(
+        arrays, settings, with_buffers=bridge.uses_texture_space(settings.backend) and settings.options.seed % 4 == 0
+    )
     return "done"
 
 
@@ -241,7 +243,7 @@ def bake(chance: np.random.Generator, backends: tuple[str, ...] = BACKENDS) -> s
     way = list(WAYS)[int(chance.choice(len(WAYS), p=list(WAYS.values())))]
     backend = str(chance.choice(backends))
     arrays = random_mesh(chance)
-    if backend == "reference":
+    if not bridge.uses_texture_space(backend):
         arrays = replace(arrays, maps=None)
     settings = random_settings(chance, arrays, backend)
     if arrays.maps is not None:

@@ -1,10 +1,11 @@
-"""Computes every real mesh × descriptor × three radii × both precisions; no value of a surface that was found may lack.
+"""Computes every real mesh × descriptor × three radii, in both precisions and on the CPU; no value may lack.
 
 Usage: python tests/sweep.py [--quick] [--meshes FOLDER] [--only spot,fox] [--radii 0.01,0.02,0.04] [--json FILE]
-It needs Blender's module bpy, which reads the files as the command line does, and unwraps meshes without a UV map. A
-derivative of a map may be missing if the reference has none either: a part that is thin against the radius, such as a
-lath, does not determine a quadratic. It ends with 1 if it found something: a value that is missing or outside its
-range, an error of the device, memory or files that stay.
+                             [--backends software,cpu]
+Of a surface that was found, that is. It needs Blender's module bpy, which reads the files as the command line does,
+and unwraps meshes without a UV map. A derivative of a map may be missing if the reference has none either: a part
+that is thin against the radius, such as a lath, does not determine a quadratic. It ends with 1 if it found something:
+a value that is missing or outside its range, an error of the device, memory or files that stay.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field, replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +31,7 @@ from paradesc.scene import mesh_io, scene_io  # noqa: E402
 
 MESHES = ROOT.parent / "shared" / "meshes"
 RADII = (0.01, 0.02, 0.04)
+BACKENDS = ("software", "cpu")
 # The radius has to span so many texels. Every bake below warns, and a quadratic of a map may have too few of them.
 COARSE = 4.0
 SMALLEST = 40_000  # bytes; --quick reads smaller files only
@@ -66,7 +69,7 @@ class Row:
     mesh: str
     triangles: int
     radius: float
-    precision: str
+    precision: str  # of texture space; elsewhere the backend
     vertices: int = 0
     whole: int = 0  # vertices whose neighborhood was found: faces, a place in the UV map, coverage of 0.9
     planes: int = 0  # of those, without a shape index because they lie in a plane
@@ -91,7 +94,7 @@ def check(results: job.Results, row: Row, reference: Callable[[tuple[str, ...]],
         missing = np.isnan(columns).any(axis=1) & whole
         if name == "shape_index":
             missing &= ~plane
-        if results.field_report["radius_in_texels"] < COARSE and job.registry_row(name).map_degree:
+        if 0 < results.field_report["radius_in_texels"] < COARSE and job.registry_row(name).map_degree:
             row.coarse += int(missing.sum())
             continue
         if missing.any() and name in DERIVATIVES:
@@ -119,16 +122,22 @@ def only_here(missing: np.ndarray, reference: np.ndarray, row: Row, whole: int) 
     return alone if alone.sum() > max(AT_THRESHOLD * missing.sum(), ANYWHERE * whole) else missing & False
 
 
-def bakes(name: str, arrays: bridge.MeshArrays, radii: tuple[float, ...], **options: int) -> Iterator[Row]:
-    """Bakes one mesh at every radius in both precisions, with all descriptors at once."""
+def bakes(
+    name: str,
+    arrays: bridge.MeshArrays,
+    radii: tuple[float, ...],
+    backends: tuple[str, ...] = BACKENDS[:1],
+    **options: int,
+) -> Iterator[Row]:
+    """Bakes one mesh at every radius on every backend, in all precisions that it has, with all descriptors at once."""
     names = tuple(row.name for row in bridge.descriptors())
-    with bridge.Context("software") as context, context.mesh(arrays) as mesh:
-        for precision in bridge.PRECISIONS:
-            for radius in radii:
-                row = Row(name, len(arrays.triangle_corners), radius, precision)
-                settings = job.Settings(
-                    names, bridge.Options(radius=radius, precision=precision, **options), "software"
-                )
+    for backend in backends:
+        precisions = tuple(bridge.PRECISIONS) if bridge.uses_texture_space(backend) else ("full",)
+        with bridge.Context(backend) as context, context.mesh(arrays) as mesh:
+            for precision, radius in product(precisions, radii):
+                label = precision if bridge.uses_texture_space(backend) else backend
+                row = Row(name, len(arrays.triangle_corners), radius, label)
+                settings = job.Settings(names, bridge.Options(radius=radius, precision=precision, **options), backend)
                 start = time.perf_counter()
 
                 def reference(asked: tuple[str, ...], settings: job.Settings = settings) -> job.Results:
@@ -150,12 +159,12 @@ def files(folder: Path, quick: bool, only: tuple[str, ...] = ()) -> list[Path]:
     return [path for path in found if not only or path.stem in only]
 
 
-def sweep_file(path: Path, radii: tuple[float, ...], **options: int) -> Iterator[Row]:
+def sweep_file(path: Path, radii: tuple[float, ...], backends: tuple[str, ...], **options: int) -> Iterator[Row]:
     """Makes all bakes of the largest mesh of a file; gives one row if it cannot be used, which is no finding."""
     try:
         scene_io.open_scene(path)
         arrays = mesh_io.read_object(scene_io.choose_object(None, prefer_active=False), corner_normals=False)
-        yield from bakes(path.stem, arrays, radii, **options)
+        yield from bakes(path.stem, arrays, radii, backends, **options)
     except ParadescError as error:
         row = Row(path.stem, 0, 0.0, "", refused=error.sentence)
         if error.status not in (abi.STATUS_INVALID_ARGUMENT, abi.STATUS_INVALID_OPERATION):
@@ -164,13 +173,17 @@ def sweep_file(path: Path, radii: tuple[float, ...], **options: int) -> Iterator
 
 
 def sweep(
-    paths: list[Path], radii: tuple[float, ...] = RADII, tell: Callable[[Row], None] | None = None, **options: int
+    paths: list[Path],
+    radii: tuple[float, ...] = RADII,
+    tell: Callable[[Row], None] | None = None,
+    backends: tuple[str, ...] = BACKENDS,
+    **options: int,
 ) -> tuple[list[Row], list[Sample]]:
     """Makes all bakes of all files; gives also what the process held after each file."""
     rows, samples = [], []
     start = time.perf_counter()
     for number, path in enumerate(paths):
-        for row in sweep_file(path, radii, **options):
+        for row in sweep_file(path, radii, backends, **options):
             rows.append(row)
             if tell:
                 tell(row)
@@ -193,6 +206,7 @@ def main(words: list[str] | None = None) -> int:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="small files, small buffers, few samples")
+    parser.add_argument("--backends", default=",".join(BACKENDS))
     parser.add_argument("--meshes", type=Path, default=MESHES)
     parser.add_argument("--only", default="", help="names of files without their suffix, with commas between")
     parser.add_argument("--radii", default=",".join(map(str, RADII)), help="shares of the diagonal")
@@ -210,7 +224,8 @@ def main(words: list[str] | None = None) -> int:
         sys.stdout.flush()
 
     radii = tuple(map(float, asked.radii.split(",")))
-    rows, samples = sweep(paths, radii, tell, **(QUICK if asked.quick else {}))
+    backends = tuple(asked.backends.split(","))
+    rows, samples = sweep(paths, radii, tell, backends, **(QUICK if asked.quick else {}))
     kept = [sentence for sentence in growths(samples) if "files" in sentence or "threads" in sentence]
     found = sum(len(row.findings) for row in rows) + len(kept)
     done = [row for row in rows if not row.refused]

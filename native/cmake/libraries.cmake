@@ -18,11 +18,13 @@ if(PARADESC_EGL)
   paradesc_headers(EGL eglext.h)
 endif()
 
-add_library(paradesc_openmesh INTERFACE)
-target_include_directories(paradesc_openmesh SYSTEM INTERFACE ${PARADESC_HEADERS})
+add_library(paradesc_headers INTERFACE)
+target_include_directories(paradesc_headers SYSTEM INTERFACE ${PARADESC_HEADERS})
 if(WIN32)
-  target_compile_definitions(paradesc_openmesh INTERFACE APIENTRY=__stdcall) # else glcorearb.h includes windows.h for it
+  target_compile_definitions(paradesc_headers INTERFACE APIENTRY=__stdcall) # else glcorearb.h includes windows.h for it
 endif()
+add_library(paradesc_openmesh INTERFACE)
+target_link_libraries(paradesc_openmesh INTERFACE paradesc_headers)
 if(OPENMESH_SOURCE_DIR)
   file(CREATE_LINK ${OPENMESH_SOURCE_DIR}/src/OpenMesh ${PARADESC_HEADERS}/OpenMesh SYMBOLIC)
   file(GLOB OPENMESH_SOURCES ${PARADESC_HEADERS}/OpenMesh/Core/Mesh/*.cc ${PARADESC_HEADERS}/OpenMesh/Core/System/*.cc

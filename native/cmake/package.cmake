@@ -2,7 +2,8 @@
 #
 # With PARADESC_ZIG the libraries come from Zig's compiler, one build a platform; without, the one for this system is packed.
 set(PARADESC_ZIG "" CACHE FILEPATH "Zig's compiler, for release builds: .../site-packages/ziglang/zig")
-set(PARADESC_PLATFORMS linux-x64 windows-x64 macos-arm64 macos-x64 CACHE STRING "Platforms of release builds")
+set(PARADESC_PLATFORMS linux-x64 windows-x64 windows-arm64 macos-arm64 macos-x64 CACHE STRING "Platforms of release builds")
+set(PARADESC_TRIED linux-arm64 CACHE STRING "Platforms that are built to be tried here, and not packed")
 set(PARADESC_WEBSITE "" CACHE STRING "Address that packages link, as doc_url and website; none if empty")
 find_program(PARADESC_PYTHON python3 HINTS ${PROJECT_SOURCE_DIR}/.venv/bin)
 
@@ -16,11 +17,14 @@ endif()
 
 if(PARADESC_PLATFORM)
   if(NOT APPLE)
-    # A caller of the library, to run on this system and under Wine.
-    add_executable(sphere_curvature ${PROJECT_SOURCE_DIR}/tests/packages/sphere_curvature.c)
-    target_include_directories(sphere_curvature PRIVATE native/include)
-    set_target_properties(sphere_curvature PROPERTIES C_EXTENSIONS ON)
-    target_link_libraries(sphere_curvature PRIVATE $<$<NOT:$<PLATFORM_ID:Windows>>:m>)
+    # Callers of the library, to run on this system, under Wine and under QEMU.
+    foreach(caller sphere_curvature bits)
+      add_executable(${caller} ${PROJECT_SOURCE_DIR}/tests/packages/${caller}.c)
+      target_include_directories(${caller} PRIVATE native/include)
+      target_compile_options(${caller} PRIVATE -ffp-contract=off) # the same meshes everywhere
+      set_target_properties(${caller} PROPERTIES C_EXTENSIONS ON)
+      target_link_libraries(${caller} PRIVATE $<$<NOT:$<PLATFORM_ID:Windows>>:m>)
+    endforeach()
   endif()
   return()
 endif()
@@ -36,7 +40,7 @@ endif()
 set(arguments "")
 if(PARADESC_ZIG)
   include(ExternalProject)
-  foreach(platform ${PARADESC_PLATFORMS})
+  foreach(platform ${PARADESC_PLATFORMS} ${PARADESC_TRIED})
     ExternalProject_Add(library_${platform} EXCLUDE_FROM_ALL ON
       SOURCE_DIR ${PROJECT_SOURCE_DIR} BINARY_DIR ${PROJECT_BINARY_DIR}/${platform}
       CMAKE_ARGS -DCMAKE_TOOLCHAIN_FILE=${PROJECT_SOURCE_DIR}/native/cmake/zig.cmake -DPARADESC_ZIG=${PARADESC_ZIG}
@@ -44,7 +48,9 @@ if(PARADESC_ZIG)
                  -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
       BUILD_ALWAYS ON USES_TERMINAL_BUILD ON INSTALL_COMMAND "")
     list(APPEND libraries library_${platform})
-    list(APPEND arguments --folder ${platform}=${PROJECT_BINARY_DIR}/${platform})
+    if(platform IN_LIST PARADESC_PLATFORMS)
+      list(APPEND arguments --folder ${platform}=${PROJECT_BINARY_DIR}/${platform})
+    endif()
   endforeach()
 else()
   set(libraries paradesc)

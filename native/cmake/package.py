@@ -29,9 +29,12 @@ ADDON = ROOT / "addon" / "paradesc"
 LIBRARIES = {
     "linux-x64": "libparadesc.so",
     "windows-x64": "paradesc.dll",
+    "windows-arm64": "paradesc.dll",
     "macos-x64": "libparadesc-x86_64.dylib",
     "macos-arm64": "libparadesc-arm64.dylib",
 }
+# Blender runs there from 4.5 on: the zip for older ones has nothing for it, and one place for each name.
+ONLY_EXTENSIONS = {"windows-arm64"}
 SYSTEMS = {"Linux": "linux", "Windows": "windows", "Darwin": "macos"}
 MACHINES = {"x86_64": "x64", "AMD64": "x64", "arm64": "arm64", "aarch64": "arm64"}
 # The folders' pages are packed: whoever opens an installed add-on finds its way by them.
@@ -137,7 +140,8 @@ def package(output: Path, libraries: dict[str, list[Path]], website: str) -> lis
     repository.mkdir(parents=True)
     zips = [output / f"{name}-legacy.zip"]
     with tempfile.TemporaryDirectory() as work:
-        stage(Path(work) / "legacy" / "paradesc", libraries, website)
+        older = {name: files for name, files in libraries.items() if name not in ONLY_EXTENSIONS}
+        stage(Path(work) / "legacy" / "paradesc", older, website)
         write_zip(Path(work) / "legacy" / "paradesc", zips[0])
         for platform_name, files in libraries.items():
             source = Path(work) / platform_name

@@ -3,21 +3,25 @@
 # PARADESC_PLATFORM is a platform's name in Blender's extension manifests.
 set(platforms
   "linux-x64|x86_64-linux-gnu.2.28|Linux|x86_64" # 2.28: the glibc of the systems that Blender itself is built on
+  "linux-arm64|aarch64-linux-gnu.2.28|Linux|aarch64" # not packed: it shows what ARM processors compute, by emulation
   "windows-x64|x86_64-windows-gnu|Windows|AMD64"
+  "windows-arm64|aarch64-windows-gnu|Windows|ARM64"
   "macos-x64|x86_64-macos.10.13|Darwin|x86_64"
   "macos-arm64|aarch64-macos.11.0|Darwin|arm64")
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES PARADESC_ZIG PARADESC_PLATFORM)
 
 set(found "")
+set(names "")
 foreach(row ${platforms})
   string(REPLACE "|" ";" row ${row})
   list(GET row 0 name)
+  list(APPEND names ${name})
   if(name STREQUAL PARADESC_PLATFORM)
     set(found ${row})
   endif()
 endforeach()
 if(NOT found)
-  message(FATAL_ERROR "PARADESC_PLATFORM is '${PARADESC_PLATFORM}'; choose linux-x64, windows-x64, macos-x64 or macos-arm64.")
+  message(FATAL_ERROR "PARADESC_PLATFORM is '${PARADESC_PLATFORM}'; choose one of ${names}.")
 endif()
 list(GET found 1 target)
 list(GET found 2 CMAKE_SYSTEM_NAME)

@@ -171,7 +171,7 @@ void find_directions(Center center, INOUT(Neighborhood) neighborhood) {
 // The tolerance on the second moments of a full disk. Few samples leave noise: the rim cuts 2 sqrt(pi n) of n samples.
 float disk_tolerance(Moments m) {
   float share = m.squares / max(m.area * m.area, 1e-30f); // 1 / n
-  return max(float(DISK_DEVIATION), 6.0f * pow(share, 0.75f) - 0.09f);
+  return max(float(DISK_DEVIATION), 6.0f * sqrt(share * sqrt(share)) - 0.09f);
 }
 
 Neighborhood unfitted_neighborhood(float area, float scale) {

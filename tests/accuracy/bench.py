@@ -1,4 +1,4 @@
-"""Computes meshes and options on a device and with the reference, and measures the errors."""
+"""Computes meshes and options on a device, on the CPU and with the reference, and measures the errors."""
 
 import platform
 from dataclasses import asdict, dataclass, fields, replace
@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from paradesc import bridge
-from paradesc.bridge import abi
 from paradesc.core import compare, job
 from paradesc.files.results import registry_row
 
@@ -96,14 +95,20 @@ def angle(values, truth, weight, subset=None):
     return float(np.average(degrees[counts], weights=weight[counts])) if counts.any() else np.nan
 
 
+def open_device(threads=0):
+    """A graphics card, or else OpenGL without one."""
+    try:
+        return bridge.Context("gpu", threads=threads)
+    except bridge.ParadescError:
+        return bridge.Context("software", threads=threads)
+
+
 class Bench:
-    """The two backends, opened once."""
+    """The engines, opened once."""
 
     def __init__(self, backend):
-        self.context = bridge.Context(backend)
-        if self.context.backend == "reference":
-            sentence = f"There is no device to compare with the reference. {self.context.fallback}".strip()
-            raise bridge.ParadescError(abi.STATUS_UNSUPPORTED, sentence)
+        self.context = open_device() if backend == "auto" else bridge.Context(backend)
+        self.cpu = bridge.Context("cpu")
         self.oracle = bridge.Context("reference")
         self.meshes = {}
         self.kept = {}
@@ -128,8 +133,11 @@ class Bench:
 
     def run(self, arrays, names, chosen=None):
         """The device's results."""
-        chosen = chosen or bridge.Options()
-        return self.compute(self.context, arrays, tuple(names), chosen)
+        return self.compute(self.context, arrays, tuple(names), chosen or bridge.Options())
+
+    def on_cpu(self, arrays, names, chosen=None):
+        """The results of the engine on the CPU."""
+        return self.compute(self.cpu, arrays, tuple(names), chosen or bridge.Options())
 
     def reference(self, arrays, names, chosen=None):
         """The reference's results, computed once for the options that it reads."""

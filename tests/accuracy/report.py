@@ -19,6 +19,7 @@ sys.path[:0] = [str(ROOT / "addon"), str(HERE)]
 
 import bench  # noqa: E402
 import page  # noqa: E402
+import sections_engines  # noqa: E402
 import sections_models  # noqa: E402
 import sections_settings  # noqa: E402
 import sections_surfaces  # noqa: E402
@@ -30,6 +31,7 @@ SECTIONS = {
     **sections_surfaces.SECTIONS,
     **sections_models.SECTIONS,
     **sections_settings.SECTIONS,
+    **sections_engines.SECTIONS,
 }
 
 
@@ -39,7 +41,7 @@ def parse(words):
     parser.add_argument(
         "--output", type=Path, default=HERE / "REPORT.md", help="the page (default: tests/accuracy/REPORT.md)"
     )
-    parser.add_argument("--quick", action="store_true", help="fewer surfaces, models and settings: under two minutes")
+    parser.add_argument("--quick", action="store_true", help="fewer surfaces, models and settings: some two minutes")
     parser.add_argument("--sections", default="", metavar="A,B", help="measure these only (default: all)")
     parser.add_argument("--backend", choices=("auto", "gpu", "software"), default="auto", help="which device")
     arguments = parser.parse_args(words)

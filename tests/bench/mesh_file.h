@@ -1,5 +1,6 @@
-// The file of a mesh that the benchmarks' scripts hand to their programs: int32 vertex count and corner count (three a triangle),
-// then float positions, int32 vertices of the corners, float (u, v) of the corners, as programs.py writes it.
+// The files between the benchmarks' scripts and their programs, as programs.py writes and reads them. A mesh: int32 vertex count
+// and corner count (three a triangle), then float positions, int32 vertices of the corners, float (u, v) of the corners. Values:
+// int32 count, then int32 vertices, float values.
 #pragma once
 
 #include <fstream>
@@ -31,6 +32,15 @@ inline test::TestMesh read_mesh(const std::string &path) {
   mesh.triangle_corners.resize(corners);
   std::iota(mesh.triangle_corners.begin(), mesh.triangle_corners.end(), 0);
   return mesh;
+}
+
+inline void write_values(const std::string &path, const std::vector<int32_t> &vertices, const std::vector<float> &values) {
+  std::ofstream file(path, std::ios::binary);
+  const auto count = static_cast<int32_t>(vertices.size());
+  file.write(reinterpret_cast<const char *>(&count), sizeof(count));
+  file.write(reinterpret_cast<const char *>(vertices.data()), static_cast<std::streamsize>(vertices.size() * sizeof(int32_t)));
+  file.write(reinterpret_cast<const char *>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(float)));
+  if (!file) throw std::runtime_error("The values cannot be written to " + path + ".");
 }
 
 } // namespace paradesc::bench

@@ -12,7 +12,6 @@
 #include <cstdio>
 #include <ctime>
 #include <exception>
-#include <fstream>
 #include <map>
 #include <numeric>
 #include <random>
@@ -20,8 +19,8 @@
 
 #include "bench/baseline.h"
 #include "bench/mesh_file.h"
-#include "engine/reference/reference.h"
 #include "descriptor/registry.h"
+#include "engine/reference/reference.h"
 #include "support/parallel.h"
 
 namespace paradesc::bench {
@@ -52,15 +51,10 @@ Surface read_surface(const std::string &path, int32_t normals, int threads) {
   return surface;
 }
 
-void write_values(const Words &words, const char *name, const std::vector<int32_t> &vertices, const std::vector<float> &values) {
+void write_if_asked(const Words &words, const char *name, const std::vector<int32_t> &vertices,
+                    const std::vector<float> &values) {
   const auto found = words.find(name);
-  if (found == words.end()) return;
-  std::ofstream file(found->second, std::ios::binary);
-  const auto count = static_cast<int32_t>(vertices.size());
-  file.write(reinterpret_cast<const char *>(&count), sizeof(count));
-  file.write(reinterpret_cast<const char *>(vertices.data()), static_cast<std::streamsize>(vertices.size() * sizeof(int32_t)));
-  file.write(reinterpret_cast<const char *>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(float)));
-  if (!file) throw std::runtime_error("The values cannot be written to " + found->second + ".");
+  if (found != words.end()) write_values(found->second, vertices, values);
 }
 
 // Seconds are those of all points; of the baseline extrapolated from those that were timed.
@@ -93,7 +87,7 @@ void baseline(const Words &words, const Surface &surface, double radius, int thr
   std::vector<int32_t> vertices;
   for (const int32_t point : requested)
     vertices.push_back(surface.half_edges.point_vertex[static_cast<size_t>(made.origin[static_cast<size_t>(point)])]);
-  write_values(words, "baseline_values", vertices, values);
+  write_if_asked(words, "baseline_values", vertices, values);
 }
 
 void reference(const Words &words, const Surface &surface, double radius, int threads, double start) {
@@ -118,7 +112,7 @@ void reference(const Words &words, const Surface &surface, double radius, int th
     vertices.push_back(surface.half_edges.point_vertex[static_cast<size_t>(point)]);
     values.push_back(field.values[0][static_cast<size_t>(point)]);
   }
-  write_values(words, "reference_values", vertices, values);
+  write_if_asked(words, "reference_values", vertices, values);
 }
 
 int run(int count, char **arguments) {

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import meshes
@@ -17,6 +18,7 @@ import peers
 import programs
 import surfaces
 import timing
+from figures import ALLOWED_ERROR, CPU, FINE_ERROR
 from programs import MissingError
 from timing import NAME
 
@@ -34,20 +36,22 @@ EIGHT = (
     "local_bending_energy",
     "sphere_volume",
 )
+DEVICE = "device"
 THREE_RADII = (0.01, 0.02, 0.04)  # the middle one alone is what they are compared with
 FEWEST_IN_COMMON = 50
 AT_TEXELS = {"evaluate": "texel", "texels": 128, "buffer_size": 512}  # the paper's way, for many vertices
 PEER_MESH = 12000  # vertices of the torus on which errors against the closed form are taken
+TURNS = 3  # of peers and our frames; a peer that takes longer than LONG_TURN seconds has one
+LONG_TURN = 2.5
 
 
 @dataclass
 class Run:
     """What all parts share, and what they have found."""
 
-    bench: timing.Bench
+    engines: dict[str, timing.Bench]  # the device, and the engine on the CPU
     build: Path
     folder: Path
-    backend: str
     baseline_seconds: float = 2.0  # a sample of the baseline runs about so long
     reference_points: int = 400
     scale: float = 1.0  # of the meshes, to try the script itself
@@ -55,6 +59,16 @@ class Run:
     reasons: dict[str, str] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
     cpu_seconds: dict[str, float] = field(default_factory=dict)  # of all cores, those of other processes too
+
+    @property
+    def device(self) -> timing.Bench:
+        """The engine in texture space."""
+        return self.engines[DEVICE]
+
+    def each(self, measure: Callable[[timing.Bench], dict]) -> dict:
+        """What every engine measures, one after the other: the device's own, and the others' under their names."""
+        found = {name: measure(bench) for name, bench in self.engines.items()}
+        return found.pop(DEVICE) | found
 
     @contextmanager
     def part(self, *names: str):
@@ -85,9 +99,10 @@ def say(text: str) -> None:
 
 @contextmanager
 def open_run(arguments: object):
-    """The device and a folder for files."""
+    """The engines and a folder for files."""
     with tempfile.TemporaryDirectory() as folder:
-        run = Run(timing.Bench(arguments.backend), arguments.build, Path(folder), arguments.backend)
+        engines = {DEVICE: timing.Bench(arguments.backend), CPU: timing.Bench(CPU)}
+        run = Run(engines, arguments.build, Path(folder))
         run.scale = arguments.scale
         run.baseline_seconds *= min(1.0, run.scale)
         yield run
@@ -96,42 +111,56 @@ def open_run(arguments: object):
 def against_baseline(
     run: Run, arrays: MeshArrays, fraction: float, normals: tuple[str, ...] = ("fitted",), texels: bool = False
 ) -> dict:
-    """Measures the baseline and our frames: with the fewest samples, with 256, at texels; and their errors."""
+    """Measures the baseline before and after each engine's frames, and their errors."""
     path = programs.write_mesh(run.folder / "mesh", arrays)
     radius = fraction * meshes.diagonal(arrays)
     taken, found = programs.object_space(run.build, path, radius, run.baseline_seconds, run.reference_points)
     truth = found["reference"]
-    options = Options(radius=fraction)
-    mesh, once = run.bench.mesh(arrays, options)
+    result = run.each(lambda bench: ways(bench, arrays, Options(radius=fraction), truth, normals, texels))
+    again, _ = programs.object_space(run.build, path, radius, run.baseline_seconds, methods="baseline")
+    base = timing.fastest([taken["baseline"], again["baseline"]])
+    return result | {
+        "triangles": len(arrays.triangle_corners),
+        "vertices": len(arrays.positions),
+        "radius": fraction,
+        "baseline": base | {"error": common_error(found["baseline"], truth, radius)},
+        "reference_points": len(truth.vertices),
+    }
+
+
+def ways(
+    bench: timing.Bench,
+    arrays: MeshArrays,
+    options: Options,
+    truth: programs.Values,
+    normals: tuple[str, ...],
+    texels: bool,
+) -> dict:
+    """Measures one engine's frames and their errors: 256 samples, the fewest that keep an error, texels."""
+    mesh, once = bench.mesh(arrays, options)
+    few = 1 if len(arrays.triangle_corners) > 500_000 else 2
+
+    def frame(chosen: Options, repeats: int) -> dict:
+        return timing.with_error(bench.frame(mesh, arrays, chosen, repeats=repeats), truth)
+
     with mesh:
-        big = len(arrays.triangle_corners) > 500_000
-        result = {
-            "triangles": len(arrays.triangle_corners),
-            "vertices": len(arrays.positions),
-            "radius": fraction,
-            "once": once,
-            "baseline": taken["baseline"] | {"error": common_error(found["baseline"], truth, radius)},
-            "reference_points": len(truth.vertices),
-            "at_256": timing.with_error(run.bench.frame(mesh, arrays, options, repeats=1 if big else 2), truth),
-        }
+        found = {"once": once, "at_256": frame(options, few)}
     # This is another mesh, because small buffers may have laid the first one out afresh.
-    mesh, _ = run.bench.mesh(arrays, replace(options, buffer_size=timing.SMALLER[0]))
+    mesh, _ = bench.mesh(arrays, replace(options, buffer_size=timing.SMALLER[0]))
     with mesh:
-        fewest = timing.cheapest(mesh, arrays, options, truth)
-        result["fewest"] = timing.with_error(run.bench.frame(mesh, arrays, fewest, repeats=2 if big else 4), truth)
+        fewest = bench.cheapest(mesh, arrays, options, truth, ALLOWED_ERROR)
+        found["fewest"] = frame(fewest, 2 * few)
+        if not bench.texture_space:
+            found["fine"] = frame(bench.cheapest(mesh, arrays, options, truth, FINE_ERROR), 2 * few)
         if "max" in normals:
-            cheap = replace(fewest, normals="max")
-            result["max_normals"] = timing.with_error(
-                run.bench.frame(mesh, arrays, cheap, repeats=1 if big else 2), truth
-            )
-            paper = timing.cheapest(mesh, arrays, replace(options, normals="max", **AT_TEXELS), truth)
-            result["at_texels"] = timing.with_error(run.bench.frame(mesh, arrays, paper, repeats=3), truth)
-        if texels:
-            chosen = timing.cheapest_texels(mesh, arrays, options, truth)
-            result["at_fewest_texels"] = timing.with_error(run.bench.frame(mesh, arrays, chosen, repeats=2), truth) | {
-                "texels": chosen.texels
-            }
-    return result
+            found["max_normals"] = frame(replace(fewest, normals="max"), few)
+        if "max" in normals and bench.texture_space:
+            paper = replace(options, normals="max", **AT_TEXELS)
+            found["at_texels"] = frame(bench.cheapest(mesh, arrays, paper, truth, ALLOWED_ERROR), 3)
+        if texels and bench.texture_space:
+            chosen = bench.cheapest_texels(mesh, arrays, options, truth)
+            found["at_fewest_texels"] = frame(chosen, 2) | {"texels": chosen.texels}
+    return found
 
 
 def torus(run: Run, triangles: int, charts: int = 2) -> MeshArrays:
@@ -149,17 +178,27 @@ def radius(run: Run, triangles: int = 600_000, radii: tuple[float, float] = (0.0
     """Measures Fig. 11, right: the radius grows eight times."""
     with run.part("radius"):
         arrays = torus(run, triangles)
-        options = Options(radius=radii[0])
-        mesh, _ = run.bench.mesh(arrays, options)
-        with mesh:
-            found = {"triangles": len(arrays.triangle_corners)}
-            for label, samples in (("", 256), ("_32_samples", 32)):
-                for name, fraction in zip(("small", "large"), radii, strict=True):
-                    chosen = replace(options, radius=fraction, samples=samples)
-                    frame = run.bench.frame(mesh, arrays, chosen, repeats=1)
-                    frame.pop("values")
-                    found[name + label] = frame
-        run.measured["radius"] = found
+
+        def grown(bench: timing.Bench) -> dict:
+            mesh, _ = bench.mesh(arrays, Options(radius=radii[0]))
+            with mesh:
+                chosen = {
+                    name + label: Options(radius=fraction, samples=samples)
+                    for label, samples in (("", 256), ("_32_samples", 32))
+                    for name, fraction in zip(("small", "large"), radii, strict=True)
+                }
+                return in_turns(
+                    {name: partial(bench.frame, mesh, arrays, one, repeats=1) for name, one in chosen.items()}
+                )
+
+        run.measured["radius"] = run.each(grown) | {"triangles": len(arrays.triangle_corners)}
+
+
+def in_turns(frames: dict[str, Callable[[], dict]], turns: int = 2) -> dict[str, dict]:
+    """The fastest frame of each name, without its values."""
+    taken = [{name: frame() for name, frame in frames.items()} for _ in range(turns)]
+    best = {name: timing.fastest([one[name] for one in taken]) for name in frames}
+    return {name: {key: value for key, value in frame.items() if key != "values"} for name, frame in best.items()}
 
 
 def bunny(run: Run) -> MeshArrays | None:
@@ -174,60 +213,76 @@ def bunny(run: Run) -> MeshArrays | None:
 
 
 def together(run: Run) -> None:
-    """Measures eight descriptors from one sampling, and three radii of one frame."""
+    """Measures several descriptors from one sampling, and three radii of one frame."""
     with run.part("together"):
         arrays = torus(run, 70_000)
-        options = Options(radius=THREE_RADII[1])
-        mesh, _ = run.bench.mesh(arrays, options)
-        with mesh:
-            one = run.bench.frame(mesh, arrays, options)
-            eight = run.bench.frame(mesh, arrays, options, EIGHT)
-            three = {"seconds": fastest(lambda turn: three_radii(mesh, timing.positions_of(arrays, turn), options))}
-        del one["values"], eight["values"]
-        run.measured["together"] = {"one": one, "eight": eight, "three_radii": three}
+        rows = bridge.descriptors()
+        names = {
+            "one": (NAME,),
+            "eight": EIGHT,
+            "sixteen": tuple(row.name for row in rows if not row.map_degree),
+            "twenty": tuple(row.name for row in rows),
+        }
+
+        def several(bench: timing.Bench) -> dict:
+            options = Options(radius=THREE_RADII[1])
+            mesh, _ = bench.mesh(arrays, options)
+            with mesh:
+                frames = {name: partial(bench.frame, mesh, arrays, options, some, 1) for name, some in names.items()}
+                return in_turns(frames | {"three_radii": partial(three_radii, mesh, arrays, options)}, 3)
+
+        run.measured["together"] = run.each(several)
 
 
-def three_radii(mesh: bridge.Mesh, positions: np.ndarray, options: Options) -> None:
-    """Measures one frame at three radii, as job.run_radii computes them."""
-    mesh.set_positions(positions)
-    for fraction in THREE_RADII:
-        with mesh.compute((NAME,), replace(options, radius=fraction)) as found:
-            found.values(NAME)
-
-
-def fastest(action: Callable[[int], object], times: int = 5) -> float:
-    """Seconds of the fastest of several turns; the action gets the number of its turn."""
+def three_radii(mesh: bridge.Mesh, arrays: MeshArrays, options: Options) -> dict[str, float]:
+    """Measures a frame at three radii, as job.run_radii computes them; the faster of two."""
     taken = []
-    for turn in range(1, times + 1):
+    for turn in (1, 2):
         start = time.perf_counter()
-        action(turn)
+        mesh.set_positions(timing.positions_of(arrays, turn))
+        for fraction in THREE_RADII:
+            with mesh.compute((NAME,), replace(options, radius=fraction)) as found:
+                found.values(NAME)
         taken.append(time.perf_counter() - start)
-    return min(taken)
+    return {"seconds": min(taken)}
 
 
 def gather(run: Run, name: str, charts: int) -> None:
     """Measures an evaluation with 256 samples and the bare fetches of as many, at the same vertices and layout."""
     with run.part(name):
         arrays = torus(run, 100_000, charts)
-        options = Options(radius=0.02)
-        mesh, _ = run.bench.mesh(arrays, options)
+        options, bench = Options(radius=0.02), run.device
+        mesh, _ = bench.mesh(arrays, options)
         with mesh:
-            frame = run.bench.frame(mesh, arrays, options)
+            frame = bench.frame(mesh, arrays, options)
             del frame["values"]
             layout = replace(arrays, corner_uvs=mesh.layout().reshape(-1, 2))
-            affine = run.bench.frame(mesh, arrays, replace(options, relocation="affine"), repeats=1)
+            affine = bench.frame(mesh, arrays, replace(options, relocation="affine"), repeats=1)
             del affine["values"]
             count = mesh.report()["charts"]
         path = programs.write_mesh(run.folder / "layout", layout)
-        gpu = run.bench.context.backend == "gpu"
+        gpu = bench.context.backend == "gpu"
         bare = programs.gather(run.build, path, frame["radius_in_texels"], options.samples, options.buffer_size, gpu)
         run.measured[name] = {"charts": count, "evaluate": frame, "bare": bare, "affine": affine}
 
 
 def memory(run: Run, triangles: int = 1_000_000) -> None:
-    """Measures the memory of a mesh and a frame in a process of their own."""
-    with run.part("memory"):
-        run.measured["memory"] = timing.memory_of_its_own(int(run.scale * triangles), run.backend)
+    """Measures the memory of a mesh and a frame."""
+    alone(run, "memory", triangles)
+
+
+def first_bake(run: Run, triangles: int = 70_000) -> None:
+    """Measures the first bake of a process and later ones."""
+    alone(run, "first_bake", triangles)
+
+
+def alone(run: Run, measure: str, triangles: int) -> None:
+    """Measures every engine in a process of its own."""
+    with run.part(measure):
+        count = int(run.scale * triangles)
+        run.measured[measure] = run.each(
+            lambda bench: timing.in_a_process_of_its_own(measure, bench.context.backend, count)
+        )
 
 
 def blender(run: Run, arrays: MeshArrays | None) -> None:
@@ -238,7 +293,7 @@ def blender(run: Run, arrays: MeshArrays | None) -> None:
         corners = given.triangle_corners.ravel()
         vertices, uvs = given.corner_vertices[corners], given.corner_uvs[corners]
         np.savez(path, positions=given.positions, corner_vertices=vertices, corner_uvs=uvs)
-        words = [sys.executable, str(HERE / "blender_times.py"), str(path), run.backend]
+        words = [sys.executable, str(HERE / "blender_times.py"), str(path), run.device.context.backend]
         done = subprocess.run(words, capture_output=True, text=True, check=False)
         if done.returncode:
             last = (done.stderr.strip().splitlines() or ["no output"])[-1]
@@ -254,12 +309,12 @@ def blender(run: Run, arrays: MeshArrays | None) -> None:
 
 
 def others(run: Run, arrays: MeshArrays | None) -> None:
-    """Measures every peer: time and error on the bunny, and the error against the closed form on a torus."""
+    """Measures every peer and our frames in turns on the bunny, and the errors there and on a torus."""
     if arrays is None:
         run.reasons |= dict.fromkeys(peers.PEERS, run.reasons["bunny"])
         return
     surface = surfaces.torus(PEER_MESH)
-    radius, torus_radius = 0.02 * meshes.diagonal(arrays), 0.02 * surface.diagonal
+    radius = 0.02 * meshes.diagonal(arrays)
     path = programs.write_mesh(run.folder / "peers", arrays)
     with run.part("truth of the peers", *peers.PEERS):
         truth = programs.object_space(run.build, path, radius, points=2000, methods="reference")[1]["reference"]
@@ -267,40 +322,93 @@ def others(run: Run, arrays: MeshArrays | None) -> None:
         return
     closed = programs.Values(np.arange(len(surface.mean)), surface.mean)
     found = run.measured.setdefault("peers", {})
-    for name, (label, package, function) in peers.PEERS.items():
-        with run.part(name):
-            try:
-                here, there = function(arrays, radius), function(surface.arrays, torus_radius)
-            except ImportError:
-                raise MissingError(f"{package} is not installed ({peers.INSTALL}).") from None
-            except Exception as error:  # noqa: BLE001 (a peer's own failure must not end the run)
-                raise MissingError(f"{label} failed: {error}") from None
-            found[name] = {
-                "label": label,
-                "seconds": here.seconds,
-                "note": here.note,
-                "error": peer_error(here, truth, radius),
-                "error_closed": peer_error(there, closed, torus_radius),
-            }
+    for turn in range(TURNS):
+        for name, peer in peers.PEERS.items():
+            if turn > 0 and (name not in found or found[name]["seconds"] > LONG_TURN):
+                continue
+            with run.part(name):
+                if turn == 0:
+                    found[name] = first_of(run, peer, (arrays, radius, truth), (surface, closed))
+                else:
+                    found[name]["seconds"] = min(found[name]["seconds"], ran(run, peer, arrays, radius).seconds)
+        with run.part("our turns"):
+            our_turn(run, arrays)
     ours(run, surface, closed)
+
+
+def first_of(run: Run, peer: peers.Peer, bunny: tuple, torus: tuple) -> dict[str, object]:
+    """A peer's time on the bunny and its errors there and on the torus."""
+    arrays, radius, truth = bunny
+    surface, closed = torus
+    torus_radius = 0.02 * surface.diagonal
+    here, there = ran(run, peer, arrays, radius), ran(run, peer, surface.arrays, torus_radius)
+    return {
+        "label": peer.label,
+        "seconds": here.seconds,
+        "note": here.note,
+        "same_radius": peer.same_radius,
+        "error": peer_error(here, truth, radius),
+        "error_closed": peer_error(there, closed, torus_radius),
+    }
+
+
+def ran(run: Run, peer: peers.Peer, arrays: MeshArrays, radius: float) -> peers.Found:
+    """What a peer found; its own failure must not end the run."""
+    try:
+        return peer.function(peers.Task(arrays, radius, run.build, run.folder))
+    except ImportError:
+        raise MissingError(f"{peer.package} is not installed ({peers.INSTALL}).") from None
+    except MissingError:
+        raise
+    except Exception as error:  # noqa: BLE001
+        raise MissingError(f"{peer.label} failed: {error}") from None
+
+
+def our_turn(run: Run, arrays: MeshArrays) -> None:
+    """Measures the bunny's frames once more, between peers; the fastest of all turns counts."""
+    bunny = run.measured["bunny"]
+    one_core = timing.Bench(CPU, threads=1)  # for a peer that computes on one
+    for bench, kept, wanted in (
+        (run.device, bunny, ("at_256", "fewest")),
+        (run.engines[CPU], bunny[CPU], ("at_256", "fewest")),
+        (one_core, bunny[CPU], ("one_core",)),
+    ):
+        mesh, _ = bench.mesh(arrays, Options())
+        with mesh:
+            for way in wanted:
+                before = kept.get(way, kept["at_256"] | {"seconds": np.inf})
+                again = bench.frame(mesh, arrays, settings_of(before))
+                del again["values"]
+                kept[way] = timing.fastest([before, again | {"error": before["error"]}])
+    one_core.context.close()
+
+
+def settings_of(frame: dict) -> Options:
+    """The options of a frame that was measured."""
+    return Options(samples=frame["samples"], buffer_size=frame["buffer_size"])
 
 
 def ours(run: Run, surface: surfaces.Surface, closed: programs.Values) -> None:
     """Measures the same errors for us and for the baseline."""
     with run.part("errors on the torus"):
-        options = Options(radius=0.02)
-        mesh, _ = run.bench.mesh(surface.arrays, options)
-        with mesh:
-            errors = {}
-            for name in ("at_256", "fewest"):
-                chosen = {key: run.measured["bunny"][name][key] for key in ("samples", "buffer_size")}
-                frame = run.bench.frame(mesh, surface.arrays, replace(options, **chosen), repeats=1)
-                errors[name] = timing.with_error(frame, closed)["error"]
+        bunny = run.measured["bunny"]
+
+        def errors(bench: timing.Bench) -> dict[str, float]:
+            measured = bunny if bench.texture_space else bunny[CPU]
+            mesh, _ = bench.mesh(surface.arrays, Options())
+            with mesh:
+                frames = {
+                    way: bench.frame(mesh, surface.arrays, settings_of(measured[way]), repeats=1)
+                    for way in ("at_256", "fewest")
+                }
+            return {way: timing.with_error(frame, closed)["error"] for way, frame in frames.items()}
+
+        found = run.each(errors)
         path = programs.write_mesh(run.folder / "peers", surface.arrays)
-        found = programs.object_space(run.build, path, 0.02 * surface.diagonal, methods="baseline")[1]["baseline"]
-        truth = closed.values[found.vertices]
-        errors["baseline"] = timing.percent_error(found.values, truth, 0.02 * surface.diagonal)
-        run.measured["errors_closed"] = errors
+        base = programs.object_space(run.build, path, 0.02 * surface.diagonal, methods="baseline")[1]["baseline"]
+        truth = closed.values[base.vertices]
+        found["baseline"] = timing.percent_error(base.values, truth, 0.02 * surface.diagonal)
+        run.measured["errors_closed"] = found
 
 
 def peer_error(found: peers.Found, truth: programs.Values, radius: float) -> float | None:

@@ -8,13 +8,25 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+import programs
 
 from paradesc.bridge import MeshArrays
 
 INSTALL = "pip install libigl pymeshlab trimesh scipy rtree vtk"
 SAMPLED = 1000  # vertices that the slowest are timed at
+
+
+@dataclass
+class Task:
+    """What a peer computes, and where native ones lie."""
+
+    arrays: MeshArrays
+    radius: float  # in units of the positions
+    build: Path
+    folder: Path  # for files
 
 
 @dataclass
@@ -112,32 +124,62 @@ def vtk_mean(arrays: MeshArrays) -> Found:
     return Found(seconds, vtk_to_numpy(curvatures.GetOutput().GetPointData().GetScalars()).astype(np.float64))
 
 
+def pymeshlab_apss(arrays: MeshArrays, scale: float) -> Found:
+    """Runs its fit of algebraic spheres, which gives twice H; the scale is relative to the distance of vertices."""
+    meshes = pymeshlab_set(arrays)
+    seconds, _ = timed(lambda: meshes.compute_curvature_and_color_apss_per_vertex(filterscale=scale))
+    values = pymeshlab_values(meshes, arrays)
+    return Found(seconds, None if values is None else values / 2)
+
+
+def cgal(task: Task) -> Found:
+    """Runs CGAL's interpolated corrected curvatures in the same ball."""
+    path = programs.write_mesh(task.folder / "cgal", task.arrays)
+    seconds, found = programs.cgal(task.build, path, task.radius)
+    return Found(seconds, found.values, found.vertices)
+
+
+@dataclass
+class Peer:
+    """One row of the table."""
+
+    label: str
+    package: str
+    function: Callable[[Task], Found]
+    same_radius: bool = False
+
+
 QUADRIC, PCA = "Scale Dependent Quadric Fitting", "Principal Component Analysis"
-# name: (label, package, function of the mesh and the radius)
-PEERS: dict[str, tuple[str, str, Callable[[MeshArrays, float], Found]]] = {
-    "libigl2": ("libigl, 2 rings", "libigl", lambda mesh, _: libigl(mesh, 2)),
-    "libigl5": ("libigl, 5 rings", "libigl", lambda mesh, _: libigl(mesh, 5)),
-    "pymeshlab_discrete": ("PyMeshLab, discrete", "pymeshlab", lambda mesh, _: pymeshlab_discrete(mesh)),
-    "pymeshlab_quadric": (
+PEERS: dict[str, Peer] = {
+    "libigl2": Peer("libigl, 2 rings", "libigl", lambda task: libigl(task.arrays, 2)),
+    "libigl5": Peer("libigl, 5 rings", "libigl", lambda task: libigl(task.arrays, 5)),
+    "pymeshlab_discrete": Peer("PyMeshLab, discrete", "pymeshlab", lambda task: pymeshlab_discrete(task.arrays)),
+    "pymeshlab_quadric": Peer(
         "PyMeshLab, scale-dependent quadric, the same radius",
         "pymeshlab",
-        lambda mesh, radius: pymeshlab_directions(mesh, QUADRIC, radius),
+        lambda task: pymeshlab_directions(task.arrays, QUADRIC, task.radius),
+        same_radius=True,
     ),
-    "pymeshlab_pca": (
-        "PyMeshLab, PCA, its own radius",
-        "pymeshlab",
-        lambda mesh, _: pymeshlab_directions(mesh, PCA, None),
+    "pymeshlab_pca": Peer(
+        "PyMeshLab, PCA, its own radius", "pymeshlab", lambda task: pymeshlab_directions(task.arrays, PCA, None)
     ),
-    "pymeshlab_pca_same_radius": (
+    "pymeshlab_pca_same_radius": Peer(
         "PyMeshLab, PCA, the same radius",
         "pymeshlab",
-        lambda mesh, radius: pymeshlab_directions(mesh, PCA, radius),
+        lambda task: pymeshlab_directions(task.arrays, PCA, task.radius),
+        same_radius=True,
     ),
-    "trimesh": ("trimesh, ball measure, the same radius", "trimesh", trimesh_measure),
-    "vtk": ("VTK, mean curvature", "vtk", lambda mesh, _: vtk_mean(mesh)),
+    "pymeshlab_apss4": Peer("MeshLab's APSS, scale 4", "pymeshlab", lambda task: pymeshlab_apss(task.arrays, 4)),
+    "pymeshlab_apss8": Peer("MeshLab's APSS, scale 8", "pymeshlab", lambda task: pymeshlab_apss(task.arrays, 8)),
+    "cgal": Peer("CGAL 6, corrected curvatures, the same radius, one core", "CGAL 6", cgal, same_radius=True),
+    "trimesh": Peer(
+        "trimesh, ball measure, the same radius",
+        "trimesh",
+        lambda task: trimesh_measure(task.arrays, task.radius),
+        same_radius=True,
+    ),
+    "vtk": Peer("VTK, mean curvature", "vtk", lambda task: vtk_mean(task.arrays)),
 }
-# Those of them whose H is at the same radius.
-SAME_RADIUS = ("pymeshlab_quadric", "pymeshlab_pca_same_radius", "trimesh")
 
 
 def with_sign(values: np.ndarray, truth: np.ndarray) -> np.ndarray:

@@ -11,7 +11,9 @@ import numpy as np
 from paradesc.bridge import MeshArrays
 
 ROOT = Path(__file__).resolve().parents[2]
-OBJECT_SPACE, GATHER = "paradesc_object_space", "paradesc_gather_bench"
+OBJECT_SPACE, GATHER, CGAL = "paradesc_object_space", "paradesc_gather_bench", "paradesc_cgal_curvature"
+# What a program needs beyond the library's own.
+NEEDS = {GATHER: "it needs libbenchmark-dev", CGAL: "it needs CGAL 6: bash tests/bench/cgal.sh"}
 
 
 class MissingError(Exception):
@@ -50,7 +52,7 @@ def program(build: Path, name: str) -> Path:
             except OSError:
                 raise MissingError(f"{name} is not built, and there is no CMake to build it.") from None
             if done.returncode:
-                hint = " (it needs libbenchmark-dev)" if name == GATHER else ""
+                hint = f" ({NEEDS[name]})" if name in NEEDS else ""
                 raise MissingError(f'{name} could not be built{hint}; see "{" ".join(step)}".')
     return path
 
@@ -65,16 +67,28 @@ def object_space(
     normals: str = "fitted",
 ) -> tuple[dict[str, dict], dict[str, Values]]:
     """Times and values of the baseline and the reference, by method; radius in units of the positions."""
-    words = [str(program(build, OBJECT_SPACE)), methods, str(mesh), repr(radius), "normals", normals]
+    words = [methods, str(mesh), repr(radius), "normals", normals]
     words += ["seconds", str(seconds), "points", str(points)]
     files = {method: mesh.with_suffix(f".{method}") for method in ("baseline", "reference")}
     for method, file in files.items():
         words += [f"{method}_values", str(file)]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise MissingError(f"{OBJECT_SPACE}: {done.stderr.strip()}")
-    taken = {row.pop("method"): row for row in map(json.loads, done.stdout.splitlines())}
+    taken = {row.pop("method"): row for row in map(json.loads, printed(build, OBJECT_SPACE, words).splitlines())}
     return taken, {method: read_values(files[method]) for method in taken}
+
+
+def cgal(build: Path, mesh: Path, radius: float) -> tuple[float, Values]:
+    """Seconds and H of CGAL's interpolated corrected curvatures."""
+    file = mesh.with_suffix(".values")
+    seconds = float(printed(build, CGAL, [str(mesh), repr(radius), str(file)]))
+    return seconds, read_values(file)
+
+
+def printed(build: Path, name: str, words: list[str]) -> str:
+    """What a program prints; MissingError says what it complains of."""
+    done = subprocess.run([str(program(build, name)), *words], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise MissingError(f"{name}: {done.stderr.strip()}")
+    return done.stdout
 
 
 def read_values(path: Path) -> Values:

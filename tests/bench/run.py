@@ -1,8 +1,9 @@
-"""Times the native library against the baseline, other programs, and the bare fetches of the device.
+"""Times the device and the engine on the CPU against the baseline, other programs, and the device's bare fetches.
 
-    .venv/bin/python tests/bench/run.py --quick --json FILE      # the ratios that are asked for, in under five minutes
+    .venv/bin/python tests/bench/run.py --quick --json FILE      # the ratios that are asked for, in some ten minutes
     .venv/bin/python tests/bench/run.py --quick --page           # and tests/bench/REPORT.md, its plot, README's table
     .venv/bin/python tests/bench/run.py --sweep detail --sweep charts --page
+    .venv/bin/python tests/bench/run.py --quick --sweep models --json FILE     # with the ratios of this sweep
 
 FILE has the device, the CPU, the date, the commit and one key for each ratio (null with a reason if a part is missing),
 and the parts themselves. A sweep takes minutes, and writes results/<sweep>.json; --page puts together all that are
@@ -43,7 +44,9 @@ def parse(words: list[str] | None) -> argparse.Namespace:
         "--page", action="store_true", help="write REPORT.md, the plot and README's table from all results"
     )
     parser.add_argument("--no-peers", action="store_true", help="leave other programs out")
-    parser.add_argument("--backend", choices=("auto", "gpu", "software"), default="auto", help="which device")
+    parser.add_argument(
+        "--backend", choices=("auto", "gpu", "software"), default="auto", help="which device stands beside the CPU"
+    )
     parser.add_argument(
         "--build", type=Path, default=ROOT / "build", help="folder of the native programs (default: build)"
     )
@@ -59,9 +62,10 @@ def parse(words: list[str] | None) -> argparse.Namespace:
 
 def about(run: parts.Run, command: str) -> dict[str, object]:
     """Says where, when and on what this was measured."""
-    context = run.bench.context
+    context = run.device.context
     return {
         "device": f"{context.backend}: {context.device}",
+        "engines": {name: bench.context.device for name, bench in run.engines.items()},
         "cpu": accuracy_bench.cpu_model(),
         "cores": os.cpu_count(),
         "load_before": round(os.getloadavg()[0], 2),
@@ -82,9 +86,12 @@ def quick(run: parts.Run, with_peers: bool) -> None:
     parts.gather(run, "gather_one_chart", 1)
     parts.gather(run, "gather_many_charts", 6)
     parts.memory(run)
+    parts.first_bake(run)
     parts.blender(run, arrays)
     if with_peers:
         parts.others(run, arrays)
+    if "models" not in run.measured:
+        run.reasons["models"] = "--sweep models measures it."
 
 
 def content(run: parts.Run, stamp: dict[str, object]) -> dict[str, object]:
@@ -109,7 +116,7 @@ def show(found: dict[str, object]) -> None:
         wanted = f"{'≥' if figure.at_least else '≤'} {figure.target:g}"
         state = "–" if value is None else "met" if figure.met(value) else "missed"
         shown = found["reasons"].get(name, "") if value is None else f"{value:g}"
-        sys.stdout.write(f"{name:26} {shown:>10}   {wanted:8} {state}\n")
+        sys.stdout.write(f"{name:30} {shown:>10}   {wanted:8} {state}\n")
     for name, value in found["beside"].items():
         sys.stdout.write(f"{name:40} {value:g}\n")
 
@@ -124,6 +131,8 @@ def main(words: list[str] | None = None) -> int:
     if arguments.quick or arguments.sweep:
         with parts.open_run(arguments) as run:
             stamp = about(run, command.strip())
+            for name in arguments.sweep:
+                sweeps.measure(name, run, stamp, results)
             if arguments.quick:
                 quick(run, not arguments.no_peers)
                 found = content(run, stamp)
@@ -132,8 +141,6 @@ def main(words: list[str] | None = None) -> int:
                 for path in {arguments.json or kept, *([kept] if arguments.page else [])}:
                     path.write_text(text)
                 show(found)
-            for name in arguments.sweep:
-                sweeps.measure(name, run, stamp, results)
     if arguments.page:
         speed_page.write(results, ROOT / "README.md" if results == HERE / "results" else None)
     parts.say(f"{time.monotonic() - start:.0f} s in all\n")

@@ -6,11 +6,12 @@ from pathlib import Path
 import figures
 import numpy as np
 import page
-import peers
 import sweeps
 import timing
+from figures import CPU
 
 START, END = "<!-- speed: written by tests/bench/run.py --page -->", "<!-- end of speed -->"
+SIZE_NAMES = {"100k": "100 K", "1m": "1 M", "2m": "2 M"}
 QUICK, PLOT = "quick.json", "peers.png"
 
 
@@ -45,7 +46,9 @@ def intro() -> list[str]:
         "cores; its set-up, normals and weights are not counted. It is timed at a random sample of the same "
         "mesh's vertices, as many as it can do in two seconds, and extrapolated. *Fewest*: the smallest buffers of "
         "256, 512 and 1024 texels, and then as few samples, as "
-        f"keep the mean error against the reference at 400 random vertices to {timing.ALLOWED_ERROR:g} %. "
+        f"keep the mean error against the reference at 400 random vertices to {figures.ALLOWED_ERROR:g} %. "
+        f"*Fine*, of the engine on the CPU: to {figures.FINE_ERROR:g} %. Frames are timed beside what they are "
+        "compared with: the baseline before and after them, other programs in turns with them. "
         "Errors are the one definition of this project (`addon/paradesc/core/compare.py`).",
         "",
     ]
@@ -80,13 +83,19 @@ def peer_rows(found: dict) -> list[tuple[str, float, float | None, float | None,
     measured = found["measured"]
     bunny, closed = measured.get("bunny"), measured.get("errors_closed", {})
     rows = []
-    for name, row in measured.get("peers", {}).items():
-        note = "" if name in peers.SAME_RADIUS else row.get("note", "") or "another radius"
-        rows.append((row["label"], row["seconds"], row.get("error"), row.get("error_closed"), row.get("note") or note))
+    for row in measured.get("peers", {}).values():
+        note = row.get("note") or ("" if row.get("same_radius") else "another radius")
+        rows.append((row["label"], row["seconds"], row.get("error"), row.get("error_closed"), note))
     if bunny:
-        for name in ("fewest", "at_256"):
-            label = f"Paradesc, {bunny[name]['samples']} samples, whole frame"
-            rows.append((label, bunny[name]["seconds"], bunny[name]["error"], closed.get(name), ""))
+        for where, frames, errors in (
+            ("CPU", bunny.get(CPU, {}), closed.get(CPU, {})),
+            ("texture space without a card" if "software" in found["device"] else "graphics card", bunny, closed),
+        ):
+            for way in ("fewest", "at_256", "one_core"):
+                if way in frames:
+                    label = f"Paradesc, {where}, {frames[way]['samples']} samples" + ", one core" * (way == "one_core")
+                    error = errors.get("at_256" if way == "one_core" else way)
+                    rows.append((label, frames[way]["seconds"], frames[way]["error"], error, ""))
         base = bunny["baseline"]
         rows.append(("the paper's object-space method", base["seconds"], base.get("error"), closed.get("baseline"), ""))
     return sorted(rows, key=lambda row: row[1])
@@ -134,25 +143,21 @@ def peer_lines(found: dict, image: str) -> list[str]:
 def stage_lines(found: dict) -> list[str]:
     """Shows where the time goes."""
     rows = []
+    detail = ("fewest", "fine", "max_normals", "at_texels", "at_256", "one_core")
     for part, kinds in (
-        ("detail_100k", ("fewest", "max_normals", "at_texels", "at_256")),
-        ("detail_1m", ("fewest", "max_normals", "at_texels", "at_256")),
-        ("detail_2m", ("fewest", "max_normals", "at_texels", "at_256")),
+        ("detail_100k", detail),
+        ("detail_1m", detail),
+        ("detail_2m", detail),
         ("radius", ("small", "large")),
-        ("bunny", ("fewest", "max_normals", "at_texels", "at_256")),
+        ("bunny", detail),
         ("gather_one_chart", ("evaluate", "affine")),
         ("gather_many_charts", ("evaluate", "affine")),
-        ("together", ("one", "eight")),
+        ("together", ("one", "eight", "sixteen", "twenty")),
     ):
-        for kind in kinds:
-            row = found["measured"].get(part, {}).get(kind)
-            if row:
-                stages = [row[f"seconds_{stage}"] for stage in timing.STAGES]
-                rest = row["seconds"] - stages[-1]
-                times = [row["seconds"], row["cpu_seconds"], *stages[:-1], rest]
-                error = percent(row.get("error"))
-                settings = [str(row["samples"]), str(row["buffer_size"])]
-                rows.append([part, kind, *settings, error, *(f"{1e3 * one:.1f}" for one in times)])
+        both = found["measured"].get(part, {})
+        for name, measured in (("", both), ("CPU", both.get(CPU, {}))):
+            for kind in (kind for kind in kinds if kind in measured):
+                rows.append([part, f"{name} {kind}".strip(), *stage_cells(measured[kind], bool(name))])
     head = [
         "mesh",
         "",
@@ -169,6 +174,14 @@ def stage_lines(found: dict) -> list[str]:
     lines = ["## Where a frame's time goes", "", "| " + " | ".join(head) + " |"]
     lines += ["|" + " --- |" * 2 + " ---: |" * (len(head) - 2)]
     return [*lines, *("| " + " | ".join(row) + " |" for row in rows), "", *stamp_lines(found)]
+
+
+def stage_cells(row: dict, on_cpu: bool) -> list[str]:
+    """One frame's settings, error and milliseconds by stage."""
+    stages = [row[f"seconds_{stage}"] for stage in timing.STAGES]
+    times = [row["seconds"], row["cpu_seconds"], *stages[:-1], row["seconds"] - stages[-1]]
+    settings = [str(row["samples"]), "–" if on_cpu else str(row["buffer_size"]), percent(row.get("error"))]
+    return [*settings, *(f"{1e3 * one:.1f}" for one in times)]
 
 
 def plot(found: dict, path: Path) -> bool:
@@ -205,21 +218,30 @@ def readme_lines(found: dict) -> list[str]:
     ]
     for label, seconds, _, closed, note in peer_rows(found):
         bold = "**" if label.startswith("Paradesc") else ""
-        name = label.removesuffix(", whole frame") + (f" ({note})" if note.startswith("extrapolated") else "")
+        name = label + (f" ({note})" if note.startswith("extrapolated") else "")
         lines.append(f"| {bold}{name}{bold} | {1e3 * seconds:.0f} | {percent(closed)} |")
-    growth = [
-        f"{page.shown(found[f'speedup_{name}'])} times at {triangles}"
-        for name, triangles in (("100k", "100 K triangles"), ("1m", "1 M"), ("2m", "2 M"))
-        if found.get(f"speedup_{name}") is not None
+    return [*lines, "", *growth_lines(found), *stamp_lines(found)]
+
+
+def growth_lines(found: dict) -> list[str]:
+    """How many times faster than the baseline, at vertices: on the CPU, and in texture space."""
+    said = []
+    for where, error, key in (
+        ("on the CPU", figures.FINE_ERROR, "cpu_speedup_{}"),
+        ("in texture space", figures.ALLOWED_ERROR, "speedup_{}_at_vertices"),
+    ):
+        every = found["beside"] | {name: found.get(name) for name in figures.FIGURES}
+        growth = [(size, every.get(key.format(size))) for size in figures.SIZES]
+        shown = [f"{page.shown(times)} at {SIZE_NAMES[size]}" for size, times in growth if times]
+        if shown:
+            said.append(f"{where} (error below {error:g} %) {', '.join(shown)}")
+    if not said:
+        return []
+    return [
+        "At vertices, r = 4 %, a frame is so many times faster than the paper's object-space method on all cores, by"
+        f" the number of triangles: {'; '.join(said)}. [All figures and targets](tests/bench/REPORT.md)",
+        "",
     ]
-    lines.append("")
-    if growth:
-        lines += [
-            "The lead over the paper's object-space method on all cores grows with the mesh (r = 4 %, error below"
-            f" 0.5 %): {', '.join(growth)}. [All figures and targets](tests/bench/REPORT.md)",
-            "",
-        ]
-    return [*lines, *stamp_lines(found)]
 
 
 def fill(readme: Path, lines: list[str]) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from figures import ALLOWED_ERROR
 
 from paradesc import bridge
-from paradesc.bridge import Context, Mesh, MeshArrays, Options
+from paradesc.bridge import Context, Mesh, MeshArrays, Options, ParadescError
 from paradesc.core import compare
 from paradesc.files.results import registry_row
 
@@ -24,16 +24,18 @@ SMALLER = (256, 512)  # texels along buffers that may be enough
 TEXELS = (128, 256, 512, 1024)  # texels along maps that may be enough
 FIRST_FRAMES = 3  # of meshes made anew, if each takes no more than so many seconds
 LONG = 4.0
+LATER_BAKES = 4
 MOST_OF_SMALLER = 48  # most samples tried with these: a neighborhood has hardly more texels there
 
 
 class Bench:
-    """A device that is warmed up: its programs are compiled and its threads exist."""
+    """An engine that is warmed up: its programs are compiled and its threads exist."""
 
-    def __init__(self, backend: str = "auto") -> None:
-        self.context = Context(backend)
-        if self.context.backend == "reference":
-            raise SystemExit(f"There is no device to measure. {self.context.fallback}".strip())
+    def __init__(self, backend: str = "auto", threads: int = 0) -> None:
+        from bench import open_device
+
+        self.context = open_device(threads) if backend == "auto" else Context(backend, threads=threads)
+        self.texture_space = bridge.uses_texture_space(self.context.backend)
         self._warm: set[tuple] = set()
 
     def warm(self, names: tuple[str, ...], options: Options) -> None:
@@ -77,6 +79,24 @@ class Bench:
                 best["values"] = one["values"]
         return best
 
+    def cheapest(self, mesh: Mesh, arrays: MeshArrays, options: Options, truth: object, allowed: float) -> Options:
+        """The smallest buffers, and then the fewest samples, whose mean error in percent at some vertices (Values) is
+        small enough."""
+        sizes = [size for size in SMALLER if self.texture_space and size < options.buffer_size]
+        fewer = [samples for samples in FEWEST if samples <= MOST_OF_SMALLER]
+        tries = [replace(options, buffer_size=size, samples=samples) for size in sizes for samples in fewer]
+        tries += [replace(options, samples=samples) for samples in FEWEST]
+        good = (tried for tried in tries[:-1] if error_of(mesh, arrays, tried, truth) <= allowed)
+        return next(good, tries[-1])
+
+    def cheapest_texels(self, mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> Options:
+        """The same at the texels of the smallest map that is good enough; of the largest if none is."""
+        for size in TEXELS:
+            tried = replace(options, evaluate="texel", texels=size)
+            if error_of(mesh, arrays, replace(tried, samples=FEWEST[-1]), truth) <= ALLOWED_ERROR:
+                return self.cheapest(mesh, arrays, tried, truth, ALLOWED_ERROR)
+        return replace(tried, samples=FEWEST[-1])
+
 
 def positions_of(arrays: MeshArrays, turn: int) -> np.ndarray:
     """(n, 3) the mesh's positions in even turns, others in odd ones, because a mesh that stays is not baked again."""
@@ -119,29 +139,6 @@ def percent_error(values: np.ndarray, truth: np.ndarray, radius: float) -> float
     return float(np.nanmean(found.percent))
 
 
-def cheapest(mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> Options:
-    """The smallest buffers, and then the fewest samples, whose mean error at some vertices (Values) is small enough."""
-    for size in (size for size in SMALLER if size < options.buffer_size):
-        for samples in (samples for samples in FEWEST if samples <= MOST_OF_SMALLER):
-            tried = replace(options, buffer_size=size, samples=samples)
-            if error_of(mesh, arrays, tried, truth) <= ALLOWED_ERROR:
-                return tried
-    for samples in FEWEST[:-1]:
-        tried = replace(options, samples=samples)
-        if error_of(mesh, arrays, tried, truth) <= ALLOWED_ERROR:
-            return tried
-    return replace(options, samples=FEWEST[-1])
-
-
-def cheapest_texels(mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> Options:
-    """The same at the texels of the smallest map that is good enough; of the largest if none is."""
-    for size in TEXELS:
-        tried = replace(options, evaluate="texel", texels=size)
-        if error_of(mesh, arrays, replace(tried, samples=FEWEST[-1]), truth) <= ALLOWED_ERROR:
-            return cheapest(mesh, arrays, tried, truth)
-    return replace(tried, samples=FEWEST[-1])
-
-
 def error_of(mesh: Mesh, arrays: MeshArrays, options: Options, truth: object) -> float:
     """Mean %AE at the vertices of the truth (Values)."""
     one = timed(mesh, arrays.positions, (NAME,), options)
@@ -154,7 +151,12 @@ def with_error(frame: dict, truth: object) -> dict:
     return frame | {"error": percent_error(values[truth.vertices], truth.values, frame["radius"])}
 
 
-# ---- Memory
+def fastest(frames: list[dict]) -> dict:
+    """The frame that took the least time."""
+    return min(frames, key=lambda frame: frame["seconds"])
+
+
+# ---- In processes of their own
 
 
 def status_bytes(name: str) -> int:
@@ -170,13 +172,14 @@ def resident() -> int:
     return status_bytes("VmRSS")
 
 
-def measure_memory(triangles: int, backend: str) -> dict[str, float]:
-    """Bytes that a mesh and one frame add at most to a process that has its arrays and a device."""
+def measure_memory(backend: str, triangles: int) -> dict[str, float]:
+    """Bytes that a mesh and one frame add at most to a process that has its arrays and an engine."""
     import surfaces
 
     arrays = surfaces.torus(triangles // 2, charts=2).arrays
-    options = Options(samples=16)
     bench = Bench(backend)
+    # Without texture space the samples are those of the surface, and a part of what is measured.
+    options = Options(samples=16) if bench.texture_space else Options()
     bench.warm((NAME,), options)
     before = resident()
     with bench.context.mesh(arrays) as mesh:
@@ -191,15 +194,32 @@ def measure_memory(triangles: int, backend: str) -> dict[str, float]:
     }
 
 
-def memory_of_its_own(triangles: int, backend: str) -> dict[str, float]:
-    """Runs measure_memory in a process of its own."""
-    words = [sys.executable, __file__, "--memory", str(triangles), backend]
+def measure_first_bake(backend: str, triangles: int) -> dict[str, float]:
+    """Seconds from arrays to values: the first time in a process, library and engine included, and later."""
+    import surfaces
+
+    arrays = surfaces.torus(triangles // 2).arrays
+    taken = []
+    for _ in range(LATER_BAKES + 1):
+        start = time.perf_counter()
+        with Bench(backend).context as context, context.mesh(arrays) as mesh:
+            timed(mesh, arrays.positions, (NAME,), Options())
+        taken.append(time.perf_counter() - start)
+    return {"first": taken[0], "later": min(taken[1:])}
+
+
+MEASURES = {"memory": measure_memory, "first_bake": measure_first_bake}
+
+
+def in_a_process_of_its_own(measure: str, backend: str, triangles: int) -> dict[str, float]:
+    """Runs one of MEASURES there."""
+    words = [sys.executable, __file__, measure, backend, str(triangles)]
     paths = os.pathsep.join(path for path in sys.path if path)
     done = subprocess.run(words, capture_output=True, text=True, check=False, env=os.environ | {"PYTHONPATH": paths})
     if done.returncode:
-        raise bridge.ParadescError(0, (done.stderr.strip().splitlines() or ["no output"])[-1])
+        raise ParadescError(0, (done.stderr.strip().splitlines() or ["no output"])[-1])
     return json.loads(done.stdout.splitlines()[-1])
 
 
 if __name__ == "__main__":
-    sys.stdout.write(json.dumps(measure_memory(int(sys.argv[2]), sys.argv[3])) + "\n")
+    sys.stdout.write(json.dumps(MEASURES[sys.argv[1]](sys.argv[2], int(sys.argv[3]))) + "\n")

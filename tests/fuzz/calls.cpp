@@ -16,7 +16,7 @@
 #include "programs.h"
 
 #ifndef PARADESC_FUZZ_BACKEND
-#define PARADESC_FUZZ_BACKEND PDESC_BACKEND_REFERENCE
+#define PARADESC_FUZZ_BACKEND PDESC_BACKEND_CPU
 #endif
 #ifndef PARADESC_FUZZ_STOPPED
 #define PARADESC_FUZZ_STOPPED 0
@@ -25,7 +25,10 @@
 namespace paradesc::fuzz {
 namespace {
 
-constexpr bool on_device = PARADESC_FUZZ_BACKEND != PDESC_BACKEND_REFERENCE;
+constexpr bool on_device = PARADESC_FUZZ_BACKEND == PDESC_BACKEND_SOFTWARE;
+// Samples cost time on all backends but the reference, which reads neither their number nor that of texels.
+constexpr bool on_reference = PARADESC_FUZZ_BACKEND == PDESC_BACKEND_REFERENCE;
+constexpr int32_t most_samples = on_reference ? 4096 : on_device ? 64 : 256, most_texels = on_reference ? 8192 : 64;
 constexpr bool mostly_stopped = PARADESC_FUZZ_STOPPED;
 // Without a limit every mesh and computation asks the system what is free, for longer than many an input takes.
 constexpr int64_t usual_limit = int64_t{1} << 31;
@@ -63,9 +66,9 @@ pdesc_options make_options(Bytes &bytes) {
   pdesc_options options;
   pdesc_options_init(&options);
   const double share = bytes.share();
-  options.radius = share * std::abs(share); // mostly a few triangles: what takes time is the quadrature over them
+  options.radius = share * std::abs(share); // mostly a few triangles: what takes time are the sums over them
   options.radius_unit = choice(bytes, 3);
-  options.samples = size_of(bytes, 8, on_device ? 64 : 4096);
+  options.samples = size_of(bytes, 8, most_samples);
   options.buffer_size = size_of(bytes, 64, on_device ? 160 : 8192);
   options.normals = choice(bytes, 3);
   options.max_jumps = size_of(bytes, 0, 64);
@@ -79,7 +82,7 @@ pdesc_options make_options(Bytes &bytes) {
   options.pattern = choice(bytes, 2);
   options.ellipse = choice(bytes, 2);
   options.evaluate = choice(bytes, 2);
-  options.texels = size_of(bytes, 16, on_device ? 64 : 8192);
+  options.texels = size_of(bytes, 16, most_texels);
   options.precision = choice(bytes, 2);
   if (bytes.one_in(4)) options.adaptive = static_cast<double>(bytes.number());
   if (bytes.one_in(4)) options.map_descriptor = any_descriptor(bytes);
@@ -148,7 +151,7 @@ private:
     const bool rare = bytes_.one_in(32);
     options.threads = rare ? 1 + bytes_.below(3) : 1;
     options.memory_limit = rare ? 0 : usual_limit;
-    claim(done(pdesc_context_create(&options, &context_)), "the reference backend is not there");
+    claim(done(pdesc_context_create(&options, &context_)), "the backend is not there");
     claim(pdesc_context_backend(context_) == PARADESC_FUZZ_BACKEND && *pdesc_context_device(context_), "a context is another");
   }
 
@@ -253,7 +256,7 @@ private:
     check_field(slot, mesh);
   }
 
-  // -1: never. What takes time is the quadrature, so the target of stopped computations gets as far as that, and rarely on.
+  // -1: never. What takes time are the sums, so the target of stopped computations gets as far as those, and rarely on.
   int calls_until_cancel() {
     if (mostly_stopped) return bytes_.one_in(32) ? -1 : bytes_.below(2);
     return bytes_.one_in(8) ? bytes_.below(40) : -1;

@@ -1,4 +1,4 @@
-"""The libraries of a release as users get them: what they need and export, and that Windows computes as Linux does.
+"""The libraries of a release as users get them: what they need and export, and that all compute the same bits.
 
 tests/release.sh runs this; it builds them and names their folder in PARADESC_RELEASE.
 """
@@ -6,6 +6,7 @@ tests/release.sh runs this; it builds them and names their folder in PARADESC_RE
 import math
 import os
 import re
+import shutil
 import subprocess
 import zipfile
 from pathlib import Path
@@ -19,10 +20,16 @@ NEWEST_GLIBC = (2, 28)  # of the systems that Blender is built on: Rocky Linux 8
 LIBRARIES = {
     "linux-x64": "libparadesc.so",
     "windows-x64": "paradesc.dll",
+    "windows-arm64": "paradesc.dll",
     "macos-x64": "libparadesc-x86_64.dylib",
     "macos-arm64": "libparadesc-arm64.dylib",
 }
+WINDOWS = {"windows-x64": "AMD64", "windows-arm64": "ARM64"}
 MACS = {"macos-x64": "x86_64", "macos-arm64": "arm64"}
+WINE = next((path for path in map(Path, ("/usr/lib/wine/wine64", "/usr/bin/wine64")) if path.is_file()), None)
+# Who runs another processor's program: words before it, and how to get them.
+ON_ARM = ("qemu-aarch64-static", "-L", "/usr/aarch64-linux-gnu")
+ON_OLD_X64 = ("qemu-x86_64-static", "-cpu", "qemu64")  # without AVX
 # Zig's C++ library leaves these visible on a Mac: marks of every library, and operators new and delete as weak symbols,
 # which those of the system replace.
 MAC_EXTRAS = re.compile(r"__mh_dylib_header|___dso_handle|__Zn[wa]m.*|__Zd[la]Pv.*")
@@ -41,7 +48,7 @@ def public_functions():
 def exports(platform):
     """The names that a library exports."""
     binary = lief.parse(str(path_of(platform)))
-    entries = binary.get_export().entries if platform == "windows-x64" else binary.exported_symbols
+    entries = binary.get_export().entries if platform in WINDOWS else binary.exported_symbols
     return {entry.name for entry in entries}
 
 
@@ -49,7 +56,7 @@ def test_header_declares_functions():
     assert {"pdesc_abi_version", "pdesc_compute", "pdesc_field_destroy"} <= public_functions()
 
 
-@pytest.mark.parametrize("platform", ["linux-x64", "windows-x64"])
+@pytest.mark.parametrize("platform", ["linux-x64", *WINDOWS])
 def test_library_shows_the_public_functions_alone(platform):
     assert exports(platform) == public_functions()
 
@@ -74,10 +81,12 @@ def test_linux_library_needs_the_c_library_alone():
     assert set(binary.libraries) <= {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "ld-linux-x86-64.so.2"}
 
 
-def test_windows_library_needs_windows_alone():
-    binary = lief.parse(str(path_of("windows-x64")))  # kept, because its parts live only as long as it does
+@pytest.mark.parametrize(("platform", "machine"), WINDOWS.items())
+def test_windows_library_needs_windows_alone(platform, machine):
+    binary = lief.parse(str(path_of(platform)))  # kept, because its parts live only as long as it does
     names = {entry.name.lower() for entry in binary.imports}
     assert all(name in {"kernel32.dll", "ntdll.dll"} or name.startswith("api-ms-win-crt-") for name in names), names
+    assert str(binary.header.machine).rsplit(".", 1)[-1].upper() == machine
 
 
 @pytest.mark.parametrize(("platform", "machine"), MACS.items())
@@ -90,24 +99,72 @@ def test_mac_library_needs_the_system_alone_and_is_found_by_its_name(platform, m
     assert machine != "arm64" or binary.has_code_signature  # macOS kills an unsigned one
 
 
-def curvatures(words):
-    """What sphere_curvature prints: version, device, and values by descriptor."""
+def printed(words):
+    """What a caller of the library prints."""
     environment = {**os.environ, "WINEPREFIX": str(RELEASE / "wine"), "WINEDEBUG": "-all"}
     environment["WINEDLLOVERRIDES"] = "mscoree=;mshtml="
     done = subprocess.run(
-        list(map(str, words)), env=environment, capture_output=True, text=True, timeout=300, check=True
+        list(map(str, words)), env=environment, capture_output=True, text=True, timeout=600, check=True
     )
-    return dict(line.split(" ", 1) for line in done.stdout.splitlines())
+    return done.stdout.splitlines()
+
+
+def curvatures(words):
+    """What sphere_curvature prints: version, device, and values by descriptor."""
+    return dict(line.split(" ", 1) for line in printed(words))
+
+
+def under_wine(program):
+    """The words that run a Windows program with the Windows library."""
+    if WINE is None:
+        pytest.skip("wine64 is not here")
+    library = "Z:" + str(path_of("windows-x64")).replace("/", "\\")
+    return [WINE, RELEASE / "windows-x64" / f"{program}.exe", library]
+
+
+@pytest.fixture(scope="module")
+def bits():
+    """The lines of the Linux library on this processor."""
+    found = printed([RELEASE / "linux-x64" / "bits", path_of("linux-x64")])
+    assert len(found) == len(set(found)) >= 3 * 7 * 20  # shapes, settings, descriptors
+    return found
+
+
+def emulated(words, platform):
+    """The words that run the caller of a platform by an emulator, if that is here."""
+    if shutil.which(words[0]) is None or not all(Path(word).is_dir() for word in words if word.startswith("/")):
+        pytest.skip(f"{words[0]} is not here, or the libraries that it needs")
+    return [*words, RELEASE / platform / "bits", RELEASE / platform / "libparadesc.so"]
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_any_number_of_threads_computes_the_same_bits(bits, threads):
+    assert printed([RELEASE / "linux-x64" / "bits", path_of("linux-x64"), threads]) == bits
+
+
+def test_another_compilers_library_computes_the_same_bits(bits):
+    library = os.environ.get("PARADESC_OTHER_LIBRARY")
+    if not library:
+        pytest.skip("PARADESC_OTHER_LIBRARY names none")
+    assert printed([RELEASE / "linux-x64" / "bits", library]) == bits
+
+
+def test_windows_library_computes_the_same_bits(bits):
+    assert printed(under_wine("bits")) == bits
+
+
+def test_arm_processors_compute_the_same_bits(bits):
+    assert printed(emulated(ON_ARM, "linux-arm64")) == bits
+
+
+def test_processors_without_avx_compute_the_same_bits(bits):
+    assert printed(emulated(ON_OLD_X64, "linux-x64")) == bits
 
 
 def test_windows_library_computes_as_the_linux_one_does():
-    wine = next((path for path in map(Path, ("/usr/lib/wine/wine64", "/usr/bin/wine64")) if path.is_file()), None)
-    if wine is None:
-        pytest.skip("wine64 is not here")
-    linux, windows = RELEASE / "linux-x64", RELEASE / "windows-x64"
+    linux = RELEASE / "linux-x64"
     ours = curvatures([linux / "sphere_curvature", path_of("linux-x64")])
-    library = "Z:" + str(path_of("windows-x64")).replace("/", "\\")
-    theirs = curvatures([wine, windows / "sphere_curvature.exe", library])
+    theirs = curvatures(under_wine("sphere_curvature"))
     assert theirs["device"].startswith("CPU")  # found by backend auto
     assert theirs["version"] == ours["version"]
     for name in ("mean_curvature", "gaussian_curvature", "sphere_volume"):
@@ -129,9 +186,10 @@ def test_zips_hold_the_libraries_that_were_tested():
         assert archive.read(f"lib/{name}") == path_of(platform).read_bytes()
         assert f'platforms = ["{platform}"]' in archive.read("blender_manifest.toml").decode()
     legacy = zipfile.ZipFile(next(path for key, path in zips.items() if key.endswith("-legacy.zip")))
-    assert {Path(entry).name for entry in legacy.namelist() if "/lib/l" in entry or "/lib/p" in entry} == set(
-        LIBRARIES.values()
-    )
+    found = [Path(entry) for entry in legacy.namelist() if "/lib/l" in entry or "/lib/p" in entry]
+    assert sorted(path.name for path in found) == sorted(set(LIBRARIES.values()))
+    inside = next(entry for entry in legacy.namelist() if entry.endswith("paradesc.dll"))
+    assert legacy.read(inside) == path_of("windows-x64").read_bytes()  # Windows on ARM has no Blender that reads it
 
 
 def test_libraries_are_stripped_and_small():

@@ -2,48 +2,12 @@
  *   sphere_curvature LIBRARY
  * Built for two systems, it has to print the same numbers on both. */
 #include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
 
-#include "paradesc/paradesc.h"
-
-#if defined(_WIN32)
-#  include <windows.h>
-typedef HMODULE library_t;
-static library_t open_library(const char *path) { return LoadLibraryA(path); }
-#  define FIND(library, name) GetProcAddress(library, name)
-#else
-#  include <dlfcn.h>
-typedef void *library_t;
-static library_t open_library(const char *path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
-#  define FIND(library, name) dlsym(library, name)
-#endif
-
-/* call(name) is the library's function of that name; all of them are looked up before the first is used. */
-#define FUNCTIONS(F)                                                                                                             \
-  F(pdesc_version) F(pdesc_last_error) F(pdesc_context_options_init) F(pdesc_context_create) F(pdesc_context_destroy)            \
-  F(pdesc_context_device) F(pdesc_mesh_input_init) F(pdesc_mesh_create) F(pdesc_mesh_destroy) F(pdesc_options_init)              \
-  F(pdesc_compute) F(pdesc_field_values) F(pdesc_field_destroy)
-#define DECLARE(name) static __typeof__(&name) call_##name;
-FUNCTIONS(DECLARE)
-#define call(name) call_##name
+#include "loaded.h"
 
 enum { RINGS = 16, SEGMENTS = 24, VERTICES = (RINGS + 1) * SEGMENTS, TRIANGLES = 2 * RINGS * SEGMENTS };
 static float positions[3 * VERTICES], values[VERTICES];
 static int32_t corner_vertices[3 * TRIANGLES], triangle_corners[3 * TRIANGLES];
-
-static int find_functions(library_t library) {
-#define LOOK_UP(name)                                                                                                            \
-  {                                                                                                                              \
-    void (*found)(void);                                                                                                         \
-    *(void **)&found = (void *)FIND(library, #name);                                                                             \
-    if (!found) return fprintf(stderr, "no %s\n", #name), 0;                                                                     \
-    memcpy(&call_##name, &found, sizeof found);                                                                                  \
-  }
-  FUNCTIONS(LOOK_UP)
-  return 1;
-}
 
 /* A sphere open at its poles, of two triangles a cell. */
 static void make_sphere(void) {
@@ -64,11 +28,6 @@ static void make_sphere(void) {
       for (int i = 0; i < 6; ++i) *corner++ = cell[i];
     }
   for (int i = 0; i < 3 * TRIANGLES; ++i) triangle_corners[i] = i;
-}
-
-static int fail(const char *what) {
-  fprintf(stderr, "%s: %s\n", what, call(pdesc_last_error)());
-  return 1;
 }
 
 int main(int argc, char **argv) {

@@ -21,7 +21,7 @@ LIBRARY_NAMES = {
     "darwin": f"libparadesc-{platform.machine()}.dylib",
 }
 # What release packages hold libraries for; platform.machine() by sys.platform.
-MACHINES = {"linux": ("x86_64",), "win32": ("AMD64",), "darwin": ("x86_64", "arm64")}
+MACHINES = {"linux": ("x86_64",), "win32": ("AMD64", "ARM64"), "darwin": ("x86_64", "arm64")}
 # libparadesc needs these libraries; they are loaded first if they are in the same folder.
 COMPANION_NAMES = ("libOpenMeshCore.so.9.0",)
 # Bytes kept free behind every struct: a newer library of the same ABI version may know more members than abi.py.

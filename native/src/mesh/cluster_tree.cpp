@@ -46,7 +46,6 @@ public:
   const std::vector<int32_t> &triangles() const { return triangles_; }
 
 private:
-
   int32_t open(int32_t cluster) {
     members_.push_back(1);
     perimeter_.push_back(graph_.perimeter[cluster]);

@@ -16,6 +16,7 @@
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
+#include "support/angle.h"
 #include "support/cancel.h"
 #include "support/parallel.h"
 
@@ -296,7 +297,7 @@ double surface_angle(const Triangles &triangles, int corner) {
   const dvec3 p = position(triangles, corner);
   const dvec3 a = position(triangles, next_corner(corner)) - p;
   const dvec3 b = position(triangles, previous_corner(corner)) - p;
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+  return angle_of(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
 Fans trace_fans(const std::vector<int32_t> &link, const std::vector<uint8_t> &left_out) {

@@ -255,8 +255,8 @@ template <class Wide> struct Adder {
     neighbor.near = Choices{};
   }
 
-  // The means of |n - n_i|^2/rho^2 and of e e^T, by four places. Of a triangle that has the center at a corner they are those along
-  // the opposite edge, where it is not cut, for they depend on the direction alone: by Gauss's places on both sides of the
+  // The means of |n - n_i|^2/rho^2 and of e e^T, by four places. Of a triangle that has the center at a corner they are those
+  // along the opposite edge, where it is not cut, for they depend on the direction alone: by Gauss's places on both sides of the
   // bisector. Of others, those over the part.
   void find_turning(const Seen &seen, const Part &part, const Lanes *squares, Neighbor &neighbor) {
     const float near = 1e-6f * kernel.params.radius * kernel.params.radius;

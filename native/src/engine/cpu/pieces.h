@@ -18,7 +18,7 @@ struct Sample {
   float area = 0;
   float reach = 0; // no point of it is farther from its position; nor, in the plane of face, from the way through it along a
                    // normal of its surface that starts as high above that plane as its position
-  float turn = 0; // no triangle of it, or around it, leans from face by an angle of a larger tangent
+  float turn = 0;  // no triangle of it, or around it, leans from face by an angle of a larger tangent
   // Mean squared distance from the position.
   float spread() const { return dot(along[0], along[0]) + dot(along[1], along[1]); }
 };

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int block_size = 8192;
 constexpr float samples_of_cell = 48;
-constexpr float least_spread = 1e-13f;   // pieces of less could not be told apart by floats
+constexpr float least_spread = 1e-13f; // pieces of less could not be told apart by floats
 // What the rim cuts of triangles is known exactly, so that they may be larger than clusters. Where a map is looked at, which no
 // sample knows how it varies, all are smaller.
 constexpr float spread_of_triangles = 2;

@@ -1,0 +1,154 @@
+/* Loads libparadesc as a host does and prints a hash of the bits of every descriptor on generated meshes, by the engine on the
+ * CPU with every estimator, distance and kind of normals:
+ *   bits LIBRARY [THREADS]
+ * Every system, processor, compiler and number of threads has to print the same lines. The meshes are made of sums, products,
+ * quotients and square roots alone, which IEEE 754 determines; a NaN is one whatever its bits are. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "loaded.h"
+
+enum { SIDE = 8, ACROSS = 12, AROUND = 24, CELLS = 6 * SIDE * SIDE > ACROSS *AROUND ? 6 * SIDE *SIDE : ACROSS *AROUND };
+enum { MOST_VERTICES = 6 * (SIDE + 1) * (SIDE + 1), MOST_DESCRIPTORS = 64 };
+
+typedef struct {
+  int vertices, triangles;
+  float positions[3 * MOST_VERTICES];
+  int32_t corner_vertices[6 * CELLS], triangle_corners[6 * CELLS];
+} grid;
+
+static grid made;
+static float values[3 * MOST_VERTICES];
+
+static void add_cell(int32_t a, int32_t b, int32_t c, int32_t d) {
+  const int32_t cell[6] = {a, b, c, c, b, d};
+  for (int i = 0; i < 6; ++i) {
+    const int corner = 3 * made.triangles + i;
+    made.corner_vertices[corner] = cell[i];
+    made.triangle_corners[corner] = corner;
+  }
+  made.triangles += 2;
+}
+
+static void add_vertex(double x, double y, double z) {
+  float *position = made.positions + 3 * made.vertices++;
+  position[0] = (float)x;
+  position[1] = (float)y;
+  position[2] = (float)z;
+}
+
+/* The place at i of n on a circle, by a rational parametrization of each half. */
+static void on_circle(int i, int n, double *x, double *y) {
+  const double t = -1.0 + 4.0 * (i % (n / 2)) / n, sign = i < n / 2 ? 1.0 : -1.0;
+  *x = sign * (1.0 - t * t) / (1.0 + t * t);
+  *y = sign * 2.0 * t / (1.0 + t * t);
+}
+
+static void make_torus(void) {
+  made.vertices = made.triangles = 0;
+  for (int i = 0; i < AROUND; ++i)
+    for (int j = 0; j < ACROSS; ++j) {
+      double x, y, u, v;
+      on_circle(i, AROUND, &x, &y);
+      on_circle(j, ACROSS, &u, &v);
+      add_vertex((1.0 + 0.4 * u) * x, (1.0 + 0.4 * u) * y, 0.4 * v);
+      const int next = (i + 1) % AROUND * ACROSS, up = (j + 1) % ACROSS;
+      add_cell(i * ACROSS + j, next + j, i * ACROSS + up, next + up);
+    }
+}
+
+/* Six faces of a cube, welded by their positions; on an ellipsoid if they are rounded. */
+static void make_block(int rounded) {
+  static const int axes[6][2] = {{1, 2}, {2, 1}, {2, 0}, {0, 2}, {0, 1}, {1, 0}};
+  made.vertices = made.triangles = 0;
+  for (int face = 0; face < 6; ++face) {
+    const int first = made.vertices, u = axes[face][0], v = axes[face][1];
+    for (int i = 0; i <= SIDE; ++i)
+      for (int j = 0; j <= SIDE; ++j) {
+        double p[3];
+        p[3 - u - v] = face % 2 ? -1.0 : 1.0;
+        p[u] = 2.0 * i / SIDE - 1.0;
+        p[v] = 2.0 * j / SIDE - 1.0;
+        const double length = rounded ? sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) : 1.0;
+        add_vertex(p[0] / length, (rounded ? 0.75 : 1.0) * p[1] / length, (rounded ? 0.5 : 1.0) * p[2] / length);
+        const int32_t at = first + i * (SIDE + 1) + j;
+        if (i < SIDE && j < SIDE) add_cell(at, at + SIDE + 1, at + 1, at + SIDE + 2);
+      }
+  }
+}
+
+static uint64_t hash(const float *bits, int count) {
+  uint64_t state = 14695981039346656037u; /* FNV-1a */
+  for (int i = 0; i < count; ++i) {
+    uint32_t word = 0x7fc00000u;
+    if (bits[i] == bits[i]) memcpy(&word, bits + i, sizeof word);
+    for (int byte = 0; byte < 4; ++byte) state = (state ^ (word >> 8 * byte & 255u)) * 1099511628211u;
+  }
+  return state;
+}
+
+static int print_bits(pdesc_mesh *mesh, const char *shape, const pdesc_options *options) {
+  static const char *names[MOST_DESCRIPTORS];
+  int32_t widths[MOST_DESCRIPTORS];
+  const int32_t count = call(pdesc_descriptor_count)();
+  for (int32_t i = 0; i < count && i < MOST_DESCRIPTORS; ++i) {
+    pdesc_descriptor_info info;
+    call(pdesc_descriptor_info_init)(&info);
+    if (call(pdesc_descriptor_get)(i, &info)) return fail("descriptor");
+    names[i] = info.name;
+    widths[i] = info.components;
+  }
+  pdesc_field *field = NULL;
+  if (call(pdesc_compute)(mesh, options, names, count, NULL, NULL, &field)) return fail("compute");
+  for (int32_t i = 0; i < count; ++i) {
+    if (call(pdesc_field_values)(field, names[i], values, made.vertices)) return fail(names[i]);
+    printf("%s estimator %d distance %d normals %d %s %016llx\n", shape, options->estimator, options->distance, options->normals,
+           names[i], (unsigned long long)hash(values, widths[i] * made.vertices));
+  }
+  call(pdesc_field_destroy)(field);
+  return 0;
+}
+
+static int print_shape(pdesc_context *context, const char *shape, double radius) {
+  pdesc_mesh_input input;
+  pdesc_mesh *mesh = NULL;
+  call(pdesc_mesh_input_init)(&input);
+  input.vertex_count = made.vertices;
+  input.corner_count = 3 * made.triangles;
+  input.triangle_count = made.triangles;
+  input.positions = made.positions;
+  input.corner_vertices = made.corner_vertices;
+  input.triangle_corners = made.triangle_corners;
+  if (call(pdesc_mesh_create)(context, &input, &mesh)) return fail("mesh");
+  for (int choice = 0; choice < 7; ++choice) {
+    pdesc_options options;
+    call(pdesc_options_init)(&options);
+    options.radius = radius;
+    options.estimator = choice % 3;
+    options.distance = choice / 3 % 2;
+    options.normals = choice == 6 ? PDESC_NORMALS_MAX : PDESC_NORMALS_FITTED;
+    options.samples = 64; /* emulators are slow */
+    if (print_bits(mesh, shape, &options)) return 1;
+  }
+  call(pdesc_mesh_destroy)(mesh);
+  return 0;
+}
+
+int main(int argc, char **argv) {
+  const library_t library = argc > 1 ? open_library(argv[1]) : NULL;
+  if (!library || !find_functions(library)) return fprintf(stderr, "cannot load the library\n"), 1;
+  pdesc_context_options options;
+  pdesc_context *context = NULL;
+  call(pdesc_context_options_init)(&options);
+  options.backend = PDESC_BACKEND_CPU;
+  options.threads = argc > 2 ? atoi(argv[2]) : 0;
+  if (call(pdesc_context_create)(&options, &context)) return fail("context");
+  make_torus();
+  if (print_shape(context, "torus", 0.08)) return 1;
+  make_block(1);
+  if (print_shape(context, "ellipsoid", 0.06)) return 1;
+  make_block(0);
+  if (print_shape(context, "cube", 0.05)) return 1;
+  call(pdesc_context_destroy)(context);
+  return 0;
+}
