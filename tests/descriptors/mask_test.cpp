@@ -54,8 +54,7 @@ int32_t marching(int32_t relocation, int32_t backend) {
 TEST_P(Masks, coverage_below_nine_tenths_is_low) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 2000});
   lay_out(mesh, {.charts = 60});
-  const Results results =
-      compute(mesh, {.radius = 0.04, .relocation = marching(PDESC_RELOCATION_PAPER, GetParam()), .max_jumps = 0});
+  const Results results = compute(mesh, {.radius = 0.04, .relocation = marching(PDESC_RELOCATION_PAPER, GetParam()), .max_jumps = 0});
   if (GetParam() != PDESC_BACKEND_SOFTWARE) {
     EXPECT_EQ(count(results, PDESC_MASK_LOW_COVERAGE), 0) << "it needs no UV map";
     EXPECT_EQ(results.report.coverage_mean, 1);

@@ -10,20 +10,20 @@
  *   euclidean area length^2; normalized sphere volume, shape index and coverage have none. Length is that of
  *   the positions given: apply the object's scale first where world units are wanted.
  *   Operators (gradient_magnitude, laplacian, difference_of_gaussians, harris) work on a map f: the values of a descriptor at the
- *   vertices, linear on triangles. Derivatives are those along the surface, per length. The Harris response is made of r grad f,
- * so its unit is that of f to the fourth power, and equal shapes of any size have equal responses at equal relative radius.
+ *   vertices, linear on triangles. Derivatives are those along the surface, per length. The Harris response is made of r grad f, so
+ *   its unit is that of f to the fourth power, and equal shapes of any size have equal responses at equal relative radius.
  *   Derivatives are those of a quadratic, which a part of the surface that is narrower than about a seventh of the radius, or a
  *   quarter at its end, does not determine: gradient and Laplacian do not exist there, nor does Harris where no place of its
  *   window has one.
- *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) or is larger than a float holds is NaN
- * in raw results.
+ *   A value that does not exist (shape index of a plane, a loose vertex, no surface found) or is larger than a float holds is NaN in
+ *   raw results.
  *
  * MEMORY AND THREADS
  *   Inputs are borrowed for the duration of a call; outputs are allocated by the caller, who says their length.
  *   Handles are opaque. Every handle may be used from any thread; calls on one context, on its meshes and on their fields are
- *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh. A handle that was destroyed, or one of
- * another kind, is refused (INVALID_ARGUMENT), as long as no new one has got its address; while one thread destroys a handle, no
- * other may use it. A progress callback may not call into the context that it was called from: INVALID_OPERATION.
+ *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh. A handle that was destroyed, or one of another
+ *   kind, is refused (INVALID_ARGUMENT), as long as no new one has got its address; while one thread destroys a handle, no other may use it.
+ *   A progress callback may not call into the context that it was called from: INVALID_OPERATION.
  *
  * ERRORS
  *   A call that can fail returns a pdesc_status, and on failure leaves one sentence (what was asked, what was found, what to
@@ -32,10 +32,9 @@
  *
  * SAME INPUT, SAME RESULT
  *   One device gives the same bits again, whatever the number of threads and however the work is cut into dispatches; so does
- *   REFERENCE on one machine. Another device, or another version of its driver, rounds differently: on smooth surfaces, at the
- * defaults of pdesc_options, it differs from REFERENCE by PDESC_PARITY_PERCENT of a descriptor's range over the mesh (areas: of
- * their value), directions by PDESC_PARITY_DEGREES, both as means over the vertices, and so from any other device by twice that
- * at most.
+ *   REFERENCE on one machine. Another device, or another version of its driver, rounds differently: on smooth surfaces, at the defaults
+ *   of pdesc_options, it differs from REFERENCE by PDESC_PARITY_PERCENT of a descriptor's range over the mesh (areas: of their value),
+ *   directions by PDESC_PARITY_DEGREES, both as means over the vertices, and so from any other device by twice that at most.
  *
  * GROWTH
  *   Every struct starts with struct_size, set by its *_init function; members are only ever appended.
@@ -46,13 +45,13 @@
 #include <stdint.h>
 
 #if defined(_WIN32)
-#if defined(PARADESC_BUILDING)
-#define PDESC_API __declspec(dllexport)
+#  if defined(PARADESC_BUILDING)
+#    define PDESC_API __declspec(dllexport)
+#  else
+#    define PDESC_API __declspec(dllimport)
+#  endif
 #else
-#define PDESC_API __declspec(dllimport)
-#endif
-#else
-#define PDESC_API __attribute__((visibility("default")))
+#  define PDESC_API __attribute__((visibility("default")))
 #endif
 
 #ifdef __cplusplus
@@ -72,9 +71,9 @@ typedef enum pdesc_status {
   PDESC_ERROR_INVALID_ARGUMENT = 2,  /* an input is unusable; the sentence names the first offender */
   PDESC_ERROR_INVALID_OPERATION = 3, /* the call does not fit the state of the object */
   PDESC_ERROR_OUT_OF_MEMORY = 4,
-  PDESC_ERROR_UNSUPPORTED = 5, /* no device of the backend asked for, or the device lacks something */
-  PDESC_ERROR_CANCELLED = 6,   /* the progress callback returned 0; the mesh stays usable */
-  PDESC_ERROR_DEVICE_LOST = 7  /* the driver gave the device up; the next compute opens it again, or says that it cannot */
+  PDESC_ERROR_UNSUPPORTED = 5,       /* no device of the backend asked for, or the device lacks something */
+  PDESC_ERROR_CANCELLED = 6,         /* the progress callback returned 0; the mesh stays usable */
+  PDESC_ERROR_DEVICE_LOST = 7        /* the driver gave the device up; the next compute opens it again, or says that it cannot */
 } pdesc_status;
 
 typedef enum pdesc_backend {
@@ -92,30 +91,29 @@ typedef enum pdesc_normals {
 } pdesc_normals;
 
 typedef enum pdesc_radius_unit {
-  PDESC_RADIUS_DIAGONAL = 0, /* fraction of the bounding box's diagonal */
-  PDESC_RADIUS_ABSOLUTE = 1, /* units of the positions */
-  PDESC_RADIUS_MEAN_EDGE = 2 /* multiples of the mean edge length */
+  PDESC_RADIUS_DIAGONAL = 0,  /* fraction of the bounding box's diagonal */
+  PDESC_RADIUS_ABSOLUTE = 1,  /* units of the positions */
+  PDESC_RADIUS_MEAN_EDGE = 2  /* multiples of the mean edge length */
 } pdesc_radius_unit;
 
 typedef enum pdesc_relocation {
-  PDESC_RELOCATION_CONNECTED = 0, /* the texels of the surface connected to the vertex within the ball, found over links between
-                                     cells of the buffer; the same texels for every vertex */
-  PDESC_RELOCATION_AFFINE = 1,    /* each sample of a pattern carried over seams by itself (paper 3.4, with the affine map of each
-                                     seam    edge in place of eq. 2 and 3) */
-  PDESC_RELOCATION_PAPER = 2      /* the paper's: the whole pattern again on every chart that samples landed on, from the center
-                                     carried      there (corrected eq. 2 and 3), as far as max_jumps charts away */
+  PDESC_RELOCATION_CONNECTED = 0, /* the texels of the surface connected to the vertex within the ball, found over links between cells of
+                                     the buffer; the same texels for every vertex */
+  PDESC_RELOCATION_AFFINE = 1,    /* each sample of a pattern carried over seams by itself (paper 3.4, with the affine map of each seam
+                                     edge in place of eq. 2 and 3) */
+  PDESC_RELOCATION_PAPER = 2      /* the paper's: the whole pattern again on every chart that samples landed on, from the center carried
+                                     there (corrected eq. 2 and 3), as far as max_jumps charts away */
 } pdesc_relocation;
 
 typedef enum pdesc_estimator {
   PDESC_ESTIMATOR_SHAPE_OPERATOR = 0, /* curvatures are those of the least-squares shape operator */
-  PDESC_ESTIMATOR_INTEGRAL = 1, /* the paper's: H from the sphere volume (8), K from the geodesic area (11-14), k1 and k2 (10) */
-  PDESC_ESTIMATOR_EXTRAPOLATED = 2 /* the same with H extrapolated to r = 0 (Richardson): (4 H(r/2) - H(r))/3 */
+  PDESC_ESTIMATOR_INTEGRAL = 1,       /* the paper's: H from the sphere volume (8), K from the geodesic area (11-14), k1 and k2 (10) */
+  PDESC_ESTIMATOR_EXTRAPOLATED = 2    /* the same with H extrapolated to r = 0 (Richardson): (4 H(r/2) - H(r))/3 */
 } pdesc_estimator;
 
 typedef enum pdesc_variance_reduction {
-  PDESC_VARIANCE_REDUCTION_SHAPE =
-      0, /* integrals are taken of what the shape operator does not explain, and its exact part is added */
-  PDESC_VARIANCE_REDUCTION_NONE = 1 /* the plain sums of the paper */
+  PDESC_VARIANCE_REDUCTION_SHAPE = 0, /* integrals are taken of what the shape operator does not explain, and its exact part is added */
+  PDESC_VARIANCE_REDUCTION_NONE = 1   /* the plain sums of the paper */
 } pdesc_variance_reduction;
 
 typedef enum pdesc_geodesic {
@@ -140,16 +138,14 @@ typedef enum pdesc_ellipse {
 
 typedef enum pdesc_evaluate {
   PDESC_EVALUATE_VERTEX = 0, /* at the vertices themselves */
-  PDESC_EVALUATE_TEXEL =
-      1 /* at the texels of a square map over the layout, as the paper does; vertices are looked up in it, bilinearly,
-           beside a chart's border by a plane fitted to its texels. A vertex without a place in the UV map is NaN */
+  PDESC_EVALUATE_TEXEL = 1   /* at the texels of a square map over the layout, as the paper does; vertices are looked up in it, bilinearly,
+                                beside a chart's border by a plane fitted to its texels. A vertex without a place in the UV map is NaN */
 } pdesc_evaluate;
 
 typedef enum pdesc_precision {
   PDESC_PRECISION_FULL = 0, /* 32-bit floats in the buffers */
-  PDESC_PRECISION_HALF =
-      1 /* 16-bit floats: 32 instead of 48 bytes a texel. What rounding takes from positions and normals is kept in
-           numbers that are free, so results hardly change; the center of an evaluation stays in 32 bits */
+  PDESC_PRECISION_HALF = 1  /* 16-bit floats: 32 instead of 48 bytes a texel. What rounding takes from positions and normals is kept in
+                               numbers that are free, so results hardly change; the center of an evaluation stays in 32 bits */
 } pdesc_precision;
 
 /* Bits of a vertex' mask. */
@@ -164,24 +160,24 @@ typedef struct pdesc_field pdesc_field;     /* results at the vertices of one me
 
 /* ---- Library ------------------------------------------------------------------------------------------------------------ */
 
-PDESC_API int32_t pdesc_abi_version(void);    /* compare with PDESC_ABI_VERSION before any other call */
-PDESC_API const char *pdesc_version(void);    /* "0.1.0" */
-PDESC_API const char *pdesc_last_error(void); /* sentence of the calling thread's last failure; valid until its next call */
+PDESC_API int32_t pdesc_abi_version(void);        /* compare with PDESC_ABI_VERSION before any other call */
+PDESC_API const char *pdesc_version(void);        /* "0.1.0" */
+PDESC_API const char *pdesc_last_error(void);     /* sentence of the calling thread's last failure; valid until its next call */
 
 /* One row of the descriptor registry. Strings live as long as the library is loaded. */
 typedef struct pdesc_descriptor_info {
   uint32_t struct_size;
-  const char *name;        /* "mean_curvature": used in every call, and as attribute name */
-  const char *label;       /* "Mean Curvature" */
-  const char *description; /* one sentence with the source */
-  int32_t length_power;    /* unit is length^power: -1 for H */
-  int32_t is_signed;       /* 1: zero is the neutral value, show with a diverging color map */
-  double neutral_value;    /* the value of a plane (NaN where a plane has none); in units that do not depend on r */
-  double display_minimum;  /* fixed display range, NaN where the range is to be taken from the values */
+  const char *name;         /* "mean_curvature": used in every call, and as attribute name */
+  const char *label;        /* "Mean Curvature" */
+  const char *description;  /* one sentence with the source */
+  int32_t length_power;     /* unit is length^power: -1 for H */
+  int32_t is_signed;        /* 1: zero is the neutral value, show with a diverging color map */
+  double neutral_value;     /* the value of a plane (NaN where a plane has none); in units that do not depend on r */
+  double display_minimum;   /* fixed display range, NaN where the range is to be taken from the values */
   double display_maximum;
-  int32_t components; /* 1, or 3: a vector in object space */
-  int32_t map_degree; /* 0: a descriptor of the surface; else an operator on pdesc_options.map_descriptor, whose unit is
-                         length^length_power times the map's unit to this power */
+  int32_t components;       /* 1, or 3: a vector in object space */
+  int32_t map_degree;       /* 0: a descriptor of the surface; else an operator on pdesc_options.map_descriptor, whose unit is
+                               length^length_power times the map's unit to this power */
 } pdesc_descriptor_info;
 
 PDESC_API void pdesc_descriptor_info_init(pdesc_descriptor_info *info);
@@ -200,21 +196,20 @@ typedef struct pdesc_context_options {
 } pdesc_context_options;
 
 PDESC_API void pdesc_context_options_init(pdesc_context_options *options);
-/* options may be NULL: defaults. AUTO takes a graphics card where there is one, else CPU, and then pdesc_context_fallback says
- * why. Nor does it fail where a card fails later (it is lost, out of memory, or its driver refuses a program): CPU then computes,
- * for the rest of the context, and every field's warnings say so. What belongs to texture space alone - surface maps, the
- * relocations AFFINE and PAPER, half floats, adaptive sampling, seam errors, buffers to be read - goes under AUTO to the card,
- * else to SOFTWARE, with a sentence in the field's warnings, and is UNSUPPORTED where there is no OpenGL; a mesh without a UV map
- * goes to CPU. Any other backend gives the error, and the context stays usable. */
+/* options may be NULL: defaults. AUTO takes a graphics card where there is one, else CPU, and then pdesc_context_fallback says why.
+ * Nor does it fail where a card fails later (it is lost, out of memory, or its driver refuses a program): CPU then computes, for the rest
+ * of the context, and every field's warnings say so. What belongs to texture space alone - surface maps, the relocations AFFINE and
+ * PAPER, half floats, adaptive sampling, seam errors, buffers to be read - goes under AUTO to the card, else to SOFTWARE, with a
+ * sentence in the field's warnings, and is UNSUPPORTED where there is no OpenGL; a mesh without a UV map goes to CPU. Any other
+ * backend gives the error, and the context stays usable. */
 PDESC_API int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context **context);
 PDESC_API void pdesc_context_destroy(pdesc_context *context); /* NULL is allowed */
 /* The strings live as long as the context. */
-PDESC_API int32_t pdesc_context_backend(const pdesc_context *context);      /* the pdesc_backend in use */
-PDESC_API const char *pdesc_context_device(const pdesc_context *context);   /* its name, for people */
-PDESC_API const char *pdesc_context_fallback(const pdesc_context *context); /* why AUTO did not get a device, or "" */
+PDESC_API int32_t pdesc_context_backend(const pdesc_context *context);       /* the pdesc_backend in use */
+PDESC_API const char *pdesc_context_device(const pdesc_context *context);    /* its name, for people */
+PDESC_API const char *pdesc_context_fallback(const pdesc_context *context);  /* why AUTO did not get a device, or "" */
 
-/* stage: "mesh", "bake", ...; fraction of the whole in [0, 1]. Return 0 to cancel. Called on the calling thread, every few
- * milliseconds. */
+/* stage: "mesh", "bake", ...; fraction of the whole in [0, 1]. Return 0 to cancel. Called on the calling thread, every few milliseconds. */
 typedef int32_t (*pdesc_progress)(void *user, const char *stage, double fraction);
 
 /* ---- Mesh --------------------------------------------------------------------------------------------------------------- */
@@ -225,17 +220,17 @@ typedef struct pdesc_mesh_input {
   int32_t vertex_count;
   int32_t corner_count;
   int32_t triangle_count;
-  const float *positions;          /* (vertex_count, 3) */
-  const int32_t *corner_vertices;  /* (corner_count) */
-  const int32_t *triangle_corners; /* (triangle_count, 3) */
-  const float *corner_uvs;         /* (corner_count, 2), or NULL: REFERENCE computes, and CPU at vertices */
-  const float *corner_normals;     /* (corner_count, 3) unit, or NULL; read by PDESC_NORMALS_MESH and normal maps only */
-  const uint8_t *triangle_smooth;  /* (triangle_count) 0 where flat shaded, or NULL: all smooth */
-  const int32_t *sharp_edges; /* (sharp_edge_count, 2) vertex pairs marked sharp, or NULL. Between two smooth faces fitted and
-                                 Max's normals do not reach across them */
+  const float *positions;            /* (vertex_count, 3) */
+  const int32_t *corner_vertices;    /* (corner_count) */
+  const int32_t *triangle_corners;   /* (triangle_count, 3) */
+  const float *corner_uvs;           /* (corner_count, 2), or NULL: REFERENCE computes, and CPU at vertices */
+  const float *corner_normals;       /* (corner_count, 3) unit, or NULL; read by PDESC_NORMALS_MESH and normal maps only */
+  const uint8_t *triangle_smooth;    /* (triangle_count) 0 where flat shaded, or NULL: all smooth */
+  const int32_t *sharp_edges;        /* (sharp_edge_count, 2) vertex pairs marked sharp, or NULL. Between two smooth faces fitted and
+                                        Max's normals do not reach across them */
   int32_t sharp_edge_count;
-  pdesc_progress progress; /* called with stage "mesh" and fraction 0 while the mesh is made, or NULL */
-  void *user;              /* its first argument */
+  pdesc_progress progress;           /* called with stage "mesh" and fraction 0 while the mesh is made, or NULL */
+  void *user;                        /* its first argument */
 } pdesc_mesh_input;
 
 PDESC_API void pdesc_mesh_input_init(pdesc_mesh_input *input);
@@ -245,22 +240,21 @@ typedef struct pdesc_mesh_report {
   uint32_t struct_size;
   int32_t vertex_count;
   int32_t triangle_count;
-  int32_t loose_vertices;         /* no usable face */
-  int32_t welded_vertices;        /* vertices that share their point with an earlier one (split by an exporter) */
-  int32_t degenerate_triangles;   /* no area in space, or a corner used twice: left out */
-  int32_t zero_uv_area_triangles; /* on the surface, but carried by no texel: no area in the UV map, or a needle of less than 1e-7
-                                     of it */
-  int32_t flipped_triangles;      /* their UV orientation is that of the lesser part of the UV area */
-  int32_t nonmanifold_edges;      /* more than two faces, or two wound against each other: taken apart */
-  int32_t nonmanifold_vertices;   /* several fans of faces at one vertex: taken apart */
-  int32_t boundary_edges;         /* one face */
+  int32_t loose_vertices;           /* no usable face */
+  int32_t welded_vertices;          /* vertices that share their point with an earlier one (split by an exporter) */
+  int32_t degenerate_triangles;     /* no area in space, or a corner used twice: left out */
+  int32_t zero_uv_area_triangles;   /* on the surface, but carried by no texel: no area in the UV map, or a needle of less than 1e-7 of it */
+  int32_t flipped_triangles;        /* their UV orientation is that of the lesser part of the UV area */
+  int32_t nonmanifold_edges;        /* more than two faces, or two wound against each other: taken apart */
+  int32_t nonmanifold_vertices;     /* several fans of faces at one vertex: taken apart */
+  int32_t boundary_edges;           /* one face */
   int32_t charts;
-  int32_t seam_edges;      /* mesh edges whose two sides lie apart in the UV map */
-  int32_t self_seam_edges; /* of those, within one chart */
-  int32_t unlinked_edges;  /* chart edges that border a triangle without UV area: nothing can be carried across */
-  int32_t parts;           /* connected pieces */
-  int32_t uv_remapped;     /* 1: UVs outside [0,1] were mapped into the unit square by one affine map */
-  float diagonal;          /* of the bounding box of the vertices with a face */
+  int32_t seam_edges;               /* mesh edges whose two sides lie apart in the UV map */
+  int32_t self_seam_edges;          /* of those, within one chart */
+  int32_t unlinked_edges;           /* chart edges that border a triangle without UV area: nothing can be carried across */
+  int32_t parts;                    /* connected pieces */
+  int32_t uv_remapped;              /* 1: UVs outside [0,1] were mapped into the unit square by one affine map */
+  float diagonal;                   /* of the bounding box of the vertices with a face */
   float mean_edge;
 } pdesc_mesh_report;
 
@@ -269,23 +263,21 @@ PDESC_API void pdesc_mesh_report_init(pdesc_mesh_report *report);
 /* Validates and copies the input, builds adjacency, charts and seams. INVALID_ARGUMENT names the first index or coordinate
  * that cannot be used. */
 PDESC_API int32_t pdesc_mesh_create(pdesc_context *context, const pdesc_mesh_input *input, pdesc_mesh **mesh);
-/* New positions for the same topology: (vertex_count, 3). Report's diagonal and mean_edge follow. Results are those of a new
- * mesh, to the bit, as long as the same vertices coincide, the same triangles have no area, no vertex has several fans of faces
- * and the UV map itself is baked (private_layout is 0): these stay as the mesh was made, and so do corner_normals. */
+/* New positions for the same topology: (vertex_count, 3). Report's diagonal and mean_edge follow. Results are those of a new mesh, to the
+ * bit, as long as the same vertices coincide, the same triangles have no area, no vertex has several fans of faces and the UV map itself
+ * is baked (private_layout is 0): these stay as the mesh was made, and so do corner_normals. */
 PDESC_API int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32_t vertex_count);
-/* Images over the mesh's UV map, which change what is measured and leave the mesh as it is: its diagonal, mean edge and report
- * are those of the base. Rows run from bottom to top as v does (as Blender's images do), lookups are bilinear by the UVs as
- * given, and repeat outside [0,1]. Images are copied; NULL takes a map away. Backends REFERENCE and CPU refuse to compute with a
- * map. */
-/* Displacement: (height, width) floats. Every surface point p moves to p + n (value - midlevel) scale, n the interpolated unit
- * normal, scale in units of the positions. A vertex with several places in the UV map moves by their mean, weighted by angle. */
+/* Images over the mesh's UV map, which change what is measured and leave the mesh as it is: its diagonal, mean edge and report are those
+ * of the base. Rows run from bottom to top as v does (as Blender's images do), lookups are bilinear by the UVs as given, and repeat
+ * outside [0,1]. Images are copied; NULL takes a map away. Backends REFERENCE and CPU refuse to compute with a map. */
+/* Displacement: (height, width) floats. Every surface point p moves to p + n (value - midlevel) scale, n the interpolated unit normal,
+ * scale in units of the positions. A vertex with several places in the UV map moves by their mean, weighted by angle. */
 PDESC_API int32_t pdesc_mesh_set_displacement(pdesc_mesh *mesh, const float *heights, int32_t width, int32_t height,
                                               double midlevel, double scale);
-/* Normal map: (height, width, 3) red, green, blue in [0,1] for components -1 to 1 in the tangent space of each corner
- * (MikkTSpace): corner_tangents (corner_count, 4) are the unit tangent and the sign of the bitangent, sign * cross(normal,
- * tangent). Its normals are the corner normals given with the mesh, else those computed: give the mesh's own where the map was
- * made from them. The map's normals replace those of the surface, displaced or not. After pdesc_mesh_set_positions set it again
- * with the new tangents. */
+/* Normal map: (height, width, 3) red, green, blue in [0,1] for components -1 to 1 in the tangent space of each corner (MikkTSpace):
+ * corner_tangents (corner_count, 4) are the unit tangent and the sign of the bitangent, sign * cross(normal, tangent). Its normals are
+ * the corner normals given with the mesh, else those computed: give the mesh's own where the map was made from them. The map's normals
+ * replace those of the surface, displaced or not. After pdesc_mesh_set_positions set it again with the new tangents. */
 PDESC_API int32_t pdesc_mesh_set_normal_map(pdesc_mesh *mesh, const float *rgb, int32_t width, int32_t height,
                                             const float *corner_tangents, int32_t corner_count);
 PDESC_API int32_t pdesc_mesh_get_report(const pdesc_mesh *mesh, pdesc_mesh_report *report);
@@ -295,53 +287,48 @@ PDESC_API void pdesc_mesh_destroy(pdesc_mesh *mesh); /* NULL is allowed */
 
 typedef struct pdesc_options {
   uint32_t struct_size;
-  double radius;       /* > 0; default 0.02 */
-  int32_t radius_unit; /* pdesc_radius_unit; default DIAGONAL. The radius may not exceed the diagonal */
-  int32_t samples;     /* over the neighborhood of a vertex, at least, 8 to 4096; default 256. Not used by REFERENCE */
-  int32_t
-      buffer_size; /* texels along a side of the square buffers, 64 to 8192; default 1024. Not used by REFERENCE, nor by CPU */
-  int32_t normals; /* pdesc_normals; default FITTED */
-  int32_t
-      max_jumps; /* seams that one sample may cross, 0 to 64; default 8. Used by AFFINE and PAPER relocation only; the paper: 1 */
-  uint32_t seed; /* of the choice of samples, of which the connected relocation has eight; default 0. Not used by CPU */
-  int32_t seam_error; /* 1: evaluate every place that a vertex has in the UV map by itself, and keep the differences; default 0 */
-  int32_t relocation; /* pdesc_relocation; default CONNECTED. Not used by REFERENCE */
-  int32_t estimator;  /* pdesc_estimator; default SHAPE_OPERATOR */
-  int32_t
-      variance_reduction; /* pdesc_variance_reduction; default SHAPE. Not used by REFERENCE, which integrates the definitions */
-  int32_t geodesic;       /* pdesc_geodesic; default LOCAL. REFERENCE always uses LOCAL */
-  int32_t distance;       /* pdesc_distance; default EUCLIDEAN */
-  int32_t pattern;        /* pdesc_pattern; default GOLDEN_ANGLE. Used by AFFINE and PAPER relocation only */
-  int32_t ellipse;        /* pdesc_ellipse; default CENTER. Used by AFFINE and PAPER relocation only */
-  int32_t evaluate;       /* pdesc_evaluate; default VERTEX. Not used by REFERENCE */
-  int32_t texels;         /* along a side of the map of TEXEL evaluation, 16 to 8192; default 512 */
-  int32_t
-      precision; /* pdesc_precision of the buffers; default FULL. Not used by REFERENCE, nor while a surface map is set (full) */
-  double adaptive; /* above 0: half of the samples first, the others only where the normals there deviate from the shape operator
-                      by more than this, root mean square, in radians (paper 4.2). Default 0: all samples everywhere */
-  const char *map_descriptor; /* the map f that operators work on: a descriptor of the surface with one component, at the same
-                                 radius. Default NULL: "sphere_volume_normalized". It and its derivatives take four times the
-                                 samples. Read during the call only */
-  double map_sigma; /* of the Gaussian windows of harris and difference_of_gaussians, times the radius, 0.1 to 4; default 1.
-                       Windows end at 2 sigma: f itself is smooth at the scale of the radius, and a corner lies in the middle of
-                       its slopes */
-  double harris_k;  /* k of harris (16), in [0, 0.25); default 0.04 */
-  int32_t buffers;  /* 1: baked buffers are to be read afterwards (pdesc_mesh_read_buffer); default 0. GPU and SOFTWARE always
-                       leave  some, AUTO where it computed in texture space */
+  double radius;        /* > 0; default 0.02 */
+  int32_t radius_unit;  /* pdesc_radius_unit; default DIAGONAL. The radius may not exceed the diagonal */
+  int32_t samples;      /* over the neighborhood of a vertex, at least, 8 to 4096; default 256. Not used by REFERENCE */
+  int32_t buffer_size;  /* texels along a side of the square buffers, 64 to 8192; default 1024. Not used by REFERENCE, nor by CPU */
+  int32_t normals;      /* pdesc_normals; default FITTED */
+  int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used by AFFINE and PAPER relocation only; the paper: 1 */
+  uint32_t seed;        /* of the choice of samples, of which the connected relocation has eight; default 0. Not used by CPU */
+  int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map by itself, and keep the differences; default 0 */
+  int32_t relocation;   /* pdesc_relocation; default CONNECTED. Not used by REFERENCE */
+  int32_t estimator;    /* pdesc_estimator; default SHAPE_OPERATOR */
+  int32_t variance_reduction; /* pdesc_variance_reduction; default SHAPE. Not used by REFERENCE, which integrates the definitions */
+  int32_t geodesic;     /* pdesc_geodesic; default LOCAL. REFERENCE always uses LOCAL */
+  int32_t distance;     /* pdesc_distance; default EUCLIDEAN */
+  int32_t pattern;      /* pdesc_pattern; default GOLDEN_ANGLE. Used by AFFINE and PAPER relocation only */
+  int32_t ellipse;      /* pdesc_ellipse; default CENTER. Used by AFFINE and PAPER relocation only */
+  int32_t evaluate;     /* pdesc_evaluate; default VERTEX. Not used by REFERENCE */
+  int32_t texels;       /* along a side of the map of TEXEL evaluation, 16 to 8192; default 512 */
+  int32_t precision;    /* pdesc_precision of the buffers; default FULL. Not used by REFERENCE, nor while a surface map is set (full) */
+  double adaptive;      /* above 0: half of the samples first, the others only where the normals there deviate from the shape operator by
+                           more than this, root mean square, in radians (paper 4.2). Default 0: all samples everywhere */
+  const char *map_descriptor; /* the map f that operators work on: a descriptor of the surface with one component, at the same radius.
+                                 Default NULL: "sphere_volume_normalized". It and its derivatives take four times the samples.
+                                 Read during the call only */
+  double map_sigma;     /* of the Gaussian windows of harris and difference_of_gaussians, times the radius, 0.1 to 4; default 1. Windows
+                           end at 2 sigma: f itself is smooth at the scale of the radius, and a corner lies in the middle of its slopes */
+  double harris_k;      /* k of harris (16), in [0, 0.25); default 0.04 */
+  int32_t buffers;      /* 1: baked buffers are to be read afterwards (pdesc_mesh_read_buffer); default 0. GPU and SOFTWARE always leave
+                           some, AUTO where it computed in texture space */
 } pdesc_options;
 
 PDESC_API void pdesc_options_init(pdesc_options *options);
-/* The pdesc_backend that would compute with these options, and the surface maps that are set: under AUTO it may be another than
- * the context's own. Opens no device. */
+/* The pdesc_backend that would compute with these options, and the surface maps that are set: under AUTO it may be another than the
+ * context's own. Opens no device. */
 PDESC_API int32_t pdesc_mesh_backend(const pdesc_mesh *mesh, const pdesc_options *options, int32_t *backend);
 
 /* Computes the named descriptors at every vertex from one sampling. descriptor_count >= 1. progress may be NULL. */
 PDESC_API int32_t pdesc_compute(pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
                                 int32_t descriptor_count, pdesc_progress progress, void *user, pdesc_field **field);
 
-/* What a computation would take, in bytes, found from counts and options before anything is allocated. A little more than it
- * comes to, as a rule. pdesc_mesh_create and pdesc_compute refuse (OUT_OF_MEMORY, with these numbers) what is more than allowed;
- * so they do where a neighborhood turns out to have too many pieces on the way. */
+/* What a computation would take, in bytes, found from counts and options before anything is allocated. A little more than it comes
+ * to, as a rule. pdesc_mesh_create and pdesc_compute refuse (OUT_OF_MEMORY, with these numbers) what is more than allowed; so they do
+ * where a neighborhood turns out to have too many pieces on the way. */
 typedef struct pdesc_memory {
   uint32_t struct_size;
   int64_t mesh;    /* held by the mesh, with or without a computation */
@@ -355,46 +342,46 @@ PDESC_API void pdesc_memory_init(pdesc_memory *memory);
 PDESC_API int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
                                     int32_t descriptor_count, int32_t backend, pdesc_memory *memory);
 
-/* Why a mesh was given a private layout: its charts moved, turned and scaled, their texel densities brought within a factor of
- * two of the median. The mesh keeps it; the UV map itself is not touched, and pdesc_mesh_report goes on describing that. */
+/* Why a mesh was given a private layout: its charts moved, turned and scaled, their texel densities brought within a factor of two of
+ * the median. The mesh keeps it; the UV map itself is not touched, and pdesc_mesh_report goes on describing that. */
 typedef enum pdesc_layout {
   PDESC_LAYOUT_GIVEN = 0,    /* none: the UV map was used as it is, outside [0,1] after one affine map */
   PDESC_LAYOUT_OVERLAPS = 1, /* places of the UV map belonged to several triangles, of several charts or of one */
-  PDESC_LAYOUT_SPARSE = 2 /* less than 15 % of the texels were used, or the radius spanned less than four of them, and half of the
-                             surface has 1.5 times as many along a line now */
+  PDESC_LAYOUT_SPARSE = 2    /* less than 15 % of the texels were used, or the radius spanned less than four of them, and half of the
+                                surface has 1.5 times as many along a line now */
 } pdesc_layout;
-/* What the last compute baked, in texture space (under AUTO: with options.buffers = 1): texels along a side, 0 if nothing was;
- * and (size, size, components) values, row by row from v = 0 up. name: "position" (3, units of the positions), "normal" (3),
- * "chart" (1, a number, -1 for none), "neighbor" (1, the chart beyond a seam that runs through the texel, -1 for none),
- * "distortion" (4: sigma_u, sigma_v, theta_e, area element, paper 3.3). NaN where no chart is. count: of floats. */
+/* What the last compute baked, in texture space (under AUTO: with options.buffers = 1): texels along a side, 0 if nothing was; and
+ * (size, size, components) values, row by row from v = 0 up. name: "position" (3, units of the positions), "normal" (3), "chart" (1, a number, -1 for none), "neighbor"
+ * (1, the chart beyond a seam that runs through the texel, -1 for none), "distortion" (4: sigma_u, sigma_v, theta_e, area element,
+ * paper 3.3). NaN where no chart is. count: of floats. */
 PDESC_API int32_t pdesc_mesh_buffer_size(const pdesc_mesh *mesh);
 PDESC_API int32_t pdesc_mesh_read_buffer(pdesc_mesh *mesh, const char *name, float *values, int64_t count);
-/* (triangle_count, 3, 2) the (u, v) in use of every triangle's corners: the UV map's own, or those of the private layout, as the
- * last compute left it. Maps and buffers lie in it. */
+/* (triangle_count, 3, 2) the (u, v) in use of every triangle's corners: the UV map's own, or those of the private layout, as the last
+ * compute left it. Maps and buffers lie in it. */
 PDESC_API int32_t pdesc_mesh_layout(const pdesc_mesh *mesh, float *uvs, int32_t triangle_count);
 
 typedef struct pdesc_field_report {
   uint32_t struct_size;
-  double radius;              /* as used, in units of the positions */
-  double coverage_mean;       /* over vertices with a face; 1 where nothing is lost */
-  int32_t undefined_vertices; /* NaN in at least one of the descriptors */
-  int32_t boundary_vertices;  /* PDESC_MASK_BOUNDARY */
+  double radius;                /* as used, in units of the positions */
+  double coverage_mean;         /* over vertices with a face; 1 where nothing is lost */
+  int32_t undefined_vertices;   /* NaN in at least one of the descriptors */
+  int32_t boundary_vertices;    /* PDESC_MASK_BOUNDARY */
   int32_t low_coverage_vertices;
-  int32_t overlapping_texels; /* texels claimed by more than one triangle, in the layout used: only where rasterizers round */
+  int32_t overlapping_texels;   /* texels claimed by more than one triangle, in the layout used: only where rasterizers round */
   int32_t covered_texels;
-  int32_t bare_triangles;  /* usable triangles without a texel of their own */
-  double radius_in_texels; /* median of the support radius measured in texels; below 4 the buffer is too coarse */
-  double seconds_prepare;  /* normals, metric and seam maps on the CPU */
+  int32_t bare_triangles;       /* usable triangles without a texel of their own */
+  double radius_in_texels;      /* median of the support radius measured in texels; below 4 the buffer is too coarse */
+  double seconds_prepare;       /* normals, metric and seam maps on the CPU */
   double seconds_bake;
   double seconds_evaluate;
   double seconds_total;
-  int32_t private_layout;  /* pdesc_layout */
-  int32_t places;          /* of evaluation: vertices, or texels */
-  double refined_share;    /* of the places of evaluation that took all samples; 1 without adaptive sampling */
-  double buffer_megabytes; /* of the baked buffers on the device, 10^6 bytes */
-  int32_t cut_charts;      /* charts that overlapped themselves and were cut into pieces for the private layout */
-  int32_t backend;         /* the pdesc_backend that computed */
-  double memory_megabytes; /* of the host that the mesh and the computation took at most, as pdesc_mesh_memory expects it */
+  int32_t private_layout;       /* pdesc_layout */
+  int32_t places;               /* of evaluation: vertices, or texels */
+  double refined_share;         /* of the places of evaluation that took all samples; 1 without adaptive sampling */
+  double buffer_megabytes;      /* of the baked buffers on the device, 10^6 bytes */
+  int32_t cut_charts;           /* charts that overlapped themselves and were cut into pieces for the private layout */
+  int32_t backend;              /* the pdesc_backend that computed */
+  double memory_megabytes;      /* of the host that the mesh and the computation took at most, as pdesc_mesh_memory expects it */
 } pdesc_field_report;
 
 PDESC_API void pdesc_field_report_init(pdesc_field_report *report);
@@ -412,43 +399,43 @@ PDESC_API int32_t pdesc_field_values(const pdesc_field *field, const char *name,
 PDESC_API int32_t pdesc_field_seam_error(const pdesc_field *field, const char *name, float *values, int32_t vertex_count);
 /* (vertex_count) bits PDESC_MASK_*. */
 PDESC_API int32_t pdesc_field_mask(const pdesc_field *field, uint8_t *mask, int32_t vertex_count);
-/* (vertex_count) 1 where a seam of the UV map, or of the private layout, lies within the radius, measured along edges from vertex
- * to vertex. */
+/* (vertex_count) 1 where a seam of the UV map, or of the private layout, lies within the radius, measured along edges from vertex to
+ * vertex. */
 PDESC_API int32_t pdesc_mesh_near_seam(const pdesc_mesh *mesh, double radius, uint8_t *near_seam, int32_t vertex_count);
-/* The map of PDESC_EVALUATE_TEXEL: texels along a side, 0 where there is none; and its values over the layout used, row by row
- * from v = 0 up, each row from u = 0: (size, size, components). NaN where no surface is. count: of floats. */
+/* The map of PDESC_EVALUATE_TEXEL: texels along a side, 0 where there is none; and its values over the layout used, row by row from
+ * v = 0 up, each row from u = 0: (size, size, components). NaN where no surface is. count: of floats. */
 PDESC_API int32_t pdesc_field_map_size(const pdesc_field *field);
 PDESC_API int32_t pdesc_field_map(const pdesc_field *field, const char *name, float *values, int64_t count);
 PDESC_API void pdesc_field_destroy(pdesc_field *field); /* NULL is allowed */
 
 /* ---- Images over a UV map ------------------------------------------------------------------------------------------------ */
 
-/* What to draw: values at the corners of triangles, linear over each, seen by the triangles' UVs. Needs no context and no device;
- * the same input gives the same bits on every machine. */
+/* What to draw: values at the corners of triangles, linear over each, seen by the triangles' UVs. Needs no context and no device; the
+ * same input gives the same bits on every machine. */
 typedef struct pdesc_uv_image_input {
   uint32_t struct_size;
-  int32_t size; /* texels along a side of the square image, 1 to 16384 */
+  int32_t size;                    /* texels along a side of the square image, 1 to 16384 */
   int32_t triangle_count;
   int32_t value_count;
-  int32_t components; /* of a value: 1, or 3 for directions, which have no sign: v and -v are one */
-  int32_t threads;    /* 0 (default): all cores. Images do not depend on it */
-  const float *uvs;   /* (triangle_count, 3, 2), modulo whole tiles as in a repeated texture, 16 x 16 of them for a triangle at
-                         most; NaN counts as 0 */
-  const int32_t *triangle_values; /* (triangle_count, 3) which value each corner has: of values at vertices, its vertex */
-  const float *values;     /* (value_count, components) in any unit, which is that of the image; one that is not finite leaves
-                              its triangles to their other corners */
-  const float *map;        /* (map_size, map_size, components) as pdesc_field_map gives, whose values, bilinear at the same place
-                              of the triangle, come before those of the corners where there are any; or NULL */
-  int32_t map_size;        /* 1 to 16384 */
-  const float *map_uvs;    /* (triangle_count, 3, 2) where the triangles lie in the map, as pdesc_mesh_layout gives */
-  pdesc_progress progress; /* called with stage "image", or NULL */
-  void *user;              /* its first argument */
+  int32_t components;              /* of a value: 1, or 3 for directions, which have no sign: v and -v are one */
+  int32_t threads;                 /* 0 (default): all cores. Images do not depend on it */
+  const float *uvs;                /* (triangle_count, 3, 2), modulo whole tiles as in a repeated texture, 16 x 16 of them for a triangle at
+                                      most; NaN counts as 0 */
+  const int32_t *triangle_values;  /* (triangle_count, 3) which value each corner has: of values at vertices, its vertex */
+  const float *values;             /* (value_count, components) in any unit, which is that of the image; one that is not finite leaves
+                                      its triangles to their other corners */
+  const float *map;                /* (map_size, map_size, components) as pdesc_field_map gives, whose values, bilinear at the same place
+                                      of the triangle, come before those of the corners where there are any; or NULL */
+  int32_t map_size;                /* 1 to 16384 */
+  const float *map_uvs;            /* (triangle_count, 3, 2) where the triangles lie in the map, as pdesc_mesh_layout gives */
+  pdesc_progress progress;         /* called with stage "image", or NULL */
+  void *user;                      /* its first argument */
 } pdesc_uv_image_input;
 
 PDESC_API void pdesc_uv_image_input_init(pdesc_uv_image_input *input);
-/* image: (size, size, components), row by row from v = 0 up, each row from u = 0. A texel shows the last triangle that its center
- * lies in or on the border of; NaN where there is none, or where that one has no value. count: of floats. INVALID_ARGUMENT names
- * the first index that is out of range. */
+/* image: (size, size, components), row by row from v = 0 up, each row from u = 0. A texel shows the last triangle that its center lies in
+ * or on the border of; NaN where there is none, or where that one has no value. count: of floats. INVALID_ARGUMENT names the first
+ * index that is out of range. */
 PDESC_API int32_t pdesc_uv_image_draw(const pdesc_uv_image_input *input, float *image, int64_t count);
 /* Fills an image (height, width, components), in place: steps rings of texels (0 to 64) around what is finite take the mean of
  * those beside them, so that filtering and mipmaps show no seam; all others that are not finite become 0. count: of floats;

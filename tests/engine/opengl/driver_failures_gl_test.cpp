@@ -156,8 +156,7 @@ protected:
     test::expect_one_sentence(text);
   }
 
-  // By name it is refused with this word in the sentence; so is what needs it under AUTO, which computes all else by the
-  // processor.
+  // By name it is refused with this word in the sentence; so is what needs it under AUTO, which computes all else by the processor.
   void expect_refused_at_once(const FailingDriver &failing, const char *word) const {
     try {
       open(PDESC_BACKEND_SOFTWARE, failing);
@@ -302,9 +301,9 @@ TEST_F(DriverFailures, a_graphics_card_that_is_lost_leaves_texture_space_to_the_
   if (!has_software()) GTEST_SKIP();
   script.hardware = 1;
   options.precision = PDESC_PRECISION_HALF;
-  const auto context =
-      open(PDESC_BACKEND_AUTO,
-           as_card(FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status)));
+  const auto context = open(PDESC_BACKEND_AUTO, as_card(FailingDriver()
+                                                            .put("glDispatchCompute", dispatch)
+                                                            .put("glGetGraphicsResetStatus", reset_status)));
   ASSERT_EQ(context->backend, PDESC_BACKEND_GPU) << context->fallback.load();
   const char *card = context->device.load();
   const auto mesh = mesh_on(context), other = mesh_on(context);

@@ -1,9 +1,9 @@
-// shaders/kernel as C++: KERNEL<float, bool> adds one neighbor at a time and finishes; KERNEL<Lanes, Choices> adds eight, whose
-// sums are added up before they are finished by add_lanes().
+// shaders/kernel as C++: KERNEL<float, bool> adds one neighbor at a time and finishes; KERNEL<Lanes, Choices> adds eight, whose sums
+// are added up before they are finished by add_lanes().
 //
-// No include guard: each engine, or each choice of an engine, includes it with a name of its own for KERNEL. What GLSL chooses
-// when it compiles is chosen in the same way: INTEGRAL, EXTRAPOLATED, GEODESIC_BALL, FACES and MAP are 0 or 1, as are TERMS_BALL
-// and so on for each of shaders/kernel/terms, 1 where nothing is said.
+// No include guard: each engine, or each choice of an engine, includes it with a name of its own for KERNEL. What GLSL chooses when it
+// compiles is chosen in the same way: INTEGRAL, EXTRAPOLATED, GEODESIC_BALL, FACES and MAP are 0 or 1, as are TERMS_BALL and so on for
+// each of shaders/kernel/terms, 1 where nothing is said.
 #include <limits>
 
 #include "engine/kernels/lanes.h"
@@ -34,8 +34,8 @@ template <class Float, class Bool> struct KERNEL {
   EvaluateParams params;
   static constexpr int geodesic_ball = GEODESIC_BALL;
 
-#include "descriptors.glsl"
 #include "kernel/sums.glsl"
+#include "descriptors.glsl"
 };
 
 #undef bool

@@ -86,7 +86,9 @@ template <int n, class T> Vector<n, T> abs(const Vector<n, T> &a) {
 }
 template <class T> T dot(const Vector<2, T> &a, const Vector<2, T> &b) { return a.x * b.x + a.y * b.y; }
 template <class T> T dot(const Vector<3, T> &a, const Vector<3, T> &b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-template <class T> T dot(const Vector<4, T> &a, const Vector<4, T> &b) { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
+template <class T> T dot(const Vector<4, T> &a, const Vector<4, T> &b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
+}
 template <class T> Vector<3, T> cross(const Vector<3, T> &a, const Vector<3, T> &b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
@@ -99,13 +101,9 @@ template <class T> struct Matrix3 {
   Vector<3, T> a, b, c;
   Matrix3(const Vector<3, T> &a_, const Vector<3, T> &b_, const Vector<3, T> &c_) : a(a_), b(b_), c(c_) {}
 };
-template <class T> Matrix3<T> operator/(const Matrix3<T> &m, const std::type_identity_t<T> &s) {
-  return {m.a / s, m.b / s, m.c / s};
-}
+template <class T> Matrix3<T> operator/(const Matrix3<T> &m, const std::type_identity_t<T> &s) { return {m.a / s, m.b / s, m.c / s}; }
 template <class T> Matrix3<T> operator-(const Matrix3<T> &m, const Matrix3<T> &n) { return {m.a - n.a, m.b - n.b, m.c - n.c}; }
-template <class T> Vector<3, T> operator*(const Matrix3<T> &m, const Vector<3, T> &v) {
-  return m.a * v.x + m.b * v.y + m.c * v.z;
-}
+template <class T> Vector<3, T> operator*(const Matrix3<T> &m, const Vector<3, T> &v) { return m.a * v.x + m.b * v.y + m.c * v.z; }
 template <class T> Matrix3<T> operator*(const Matrix3<T> &m, const Matrix3<T> &n) { return {m * n.a, m * n.b, m * n.c}; }
 template <class T> Matrix3<T> transpose(const Matrix3<T> &m) {
   return {{m.a.x, m.b.x, m.c.x}, {m.a.y, m.b.y, m.c.y}, {m.a.z, m.b.z, m.c.z}};
