@@ -289,7 +289,8 @@ typedef struct pdesc_options {
   uint32_t struct_size;
   double radius;        /* > 0; default 0.02 */
   int32_t radius_unit;  /* pdesc_radius_unit; default DIAGONAL. The radius may not exceed the diagonal */
-  int32_t samples;      /* over the neighborhood of a vertex, at least, 8 to 4096; default 256. Not used by REFERENCE */
+  int32_t samples;      /* over the neighborhood of a vertex, at least, 8 to 4096; default 256. CPU divides the surface by it, into fewer pieces,
+                           for it knows what the rim cuts of them. Not used by REFERENCE */
   int32_t buffer_size;  /* texels along a side of the square buffers, 64 to 8192; default 1024. Not used by REFERENCE, nor by CPU */
   int32_t normals;      /* pdesc_normals; default FITTED */
   int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used by AFFINE and PAPER relocation only; the paper: 1 */
@@ -297,7 +298,8 @@ typedef struct pdesc_options {
   int32_t seam_error;   /* 1: evaluate every place that a vertex has in the UV map by itself, and keep the differences; default 0 */
   int32_t relocation;   /* pdesc_relocation; default CONNECTED. Not used by REFERENCE */
   int32_t estimator;    /* pdesc_estimator; default SHAPE_OPERATOR */
-  int32_t variance_reduction; /* pdesc_variance_reduction; default SHAPE. Not used by REFERENCE, which integrates the definitions */
+  int32_t variance_reduction; /* pdesc_variance_reduction; default SHAPE. CPU uses it by the share of the surface that clusters of triangles
+                                 stand for. Not used by REFERENCE, which integrates the definitions */
   int32_t geodesic;     /* pdesc_geodesic; default LOCAL. REFERENCE always uses LOCAL */
   int32_t distance;     /* pdesc_distance; default EUCLIDEAN */
   int32_t pattern;      /* pdesc_pattern; default GOLDEN_ANGLE. Used by AFFINE and PAPER relocation only */
