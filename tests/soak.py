@@ -248,6 +248,8 @@ def bake(chance: np.random.Generator, backends: tuple[str, ...] = BACKENDS) -> s
     settings = random_settings(chance, arrays, backend)
     if arrays.maps is not None:
         settings.options.evaluate = "vertex"
+    if backend == "cpu" and bridge.needs_texture_space(settings.options):
+        settings = replace(settings, backend="software")
     return way(arrays, settings, chance)
 
 

@@ -16,6 +16,7 @@ if str(ACCURACY) not in sys.path:
     sys.path.insert(0, str(ACCURACY))
 
 import baseline  # noqa: E402
+import bench  # noqa: E402
 import meshes  # noqa: E402
 import surfaces  # noqa: E402
 
@@ -102,10 +103,11 @@ def test_baseline_has_a_spheres_curvature_where_it_sees_many_vertices():
 @pytest.mark.slow
 @IN_PYTHON
 def test_a_section_is_written_and_kept_while_another_is_measured(tmp_path):
-    with bridge.Context("auto") as context:
-        if context.backend == "reference":
-            pytest.skip(context.fallback)
-        device = context.device
+    try:
+        with bench.open_device() as context:
+            device = context.device
+    except bridge.ParadescError as error:
+        pytest.skip(str(error))
 
     def write(section):
         words = ["--quick", "--sections", section, "--output", str(tmp_path / "page.md")]
