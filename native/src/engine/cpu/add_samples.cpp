@@ -6,44 +6,17 @@
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
 
-constexpr int passes = block_lanes / lane_count;
+constexpr int passes = max_lanes / lane_count;
 
 inline Lanes load(const float *from) {
   Lanes lanes;
   __builtin_memcpy(&lanes, from, sizeof lanes);
   return lanes;
 }
-
-// A row of a block, and the two that follow it.
-inline Vector<3, Lanes> load3(const float *from) { return {load(from), load(from + block_lanes), load(from + 2 * block_lanes)}; }
-
-// A bit for each of these blocks that may have samples in the ball.
-inline uint32_t blocks_in_ball(const SampleBlocks &samples, const SumCenter &center, int first) {
-  uint32_t in_ball = 0;
-  for (int part = 0; part < passes; ++part) {
-    const size_t at = static_cast<size_t>(first + part * lane_count);
-    const Lanes x = load(samples.middle[0] + at) - center.position[0], y = load(samples.middle[1] + at) - center.position[1],
-                z = load(samples.middle[2] + at) - center.position[2];
-    const Choices inside = x * x + y * y + z * z < load(samples.limit + at);
-    for (int i = 0; i < lane_count; ++i) in_ball |= static_cast<uint32_t>(inside.lane[i] & 1) << (part * lane_count + i);
-  }
-  return in_ball;
-}
+inline Vector<3, Lanes> all(const float *v) { return {v[0], v[1], v[2]}; }
 
 inline Lanes square_of(const Vector<3, Lanes> &v) { return dot(v, v); }
 inline Lanes fast_sqrt(const Lanes &square) { return square * fast_inversesqrt(max(square, 1e-30f)); }
-
-// Whether the surface may come nearer to the center on a sample than around it, within the ball: there the way to the center is
-// one of the surface's normals, or lies between them, which lean from that of the face by SAMPLE_TURN at most.
-inline Choices may_be_nearest(const Vector<3, Lanes> &offset, const float *block, float radius) {
-  constexpr float normals_length = 0.95f; // squared, at least: of mean normals
-  const auto row = [&](int index) { return load(block + index * block_lanes); };
-  const Lanes square = square_of(offset), reach = row(SAMPLE_REACH), beyond = radius + reach;
-  const Lanes height = dot(offset, load3(block + SAMPLE_FACE * block_lanes));
-  const Lanes across = square - height * height * (1.0f / normals_length);
-  const Lanes turned = reach + row(SAMPLE_TURN) * max(height, -1.0f * height);
-  return across < turned * turned && square < beyond * beyond && row(SAMPLE_AREA) > 0.0f;
-}
 
 // Those lanes whose bits are set.
 inline Choices chosen(int bits) {
@@ -59,54 +32,63 @@ inline bool any(const Choices &choices) {
   return all != 0;
 }
 
-inline int32_t count(const Choices::Bits &per_lane) {
-  int32_t all = 0;
-  for (int i = 0; i < lane_count; ++i) all -= per_lane[i];
-  return all;
+inline int bits_of(const Choices &choices) {
+  int bits = 0;
+  for (int i = 0; i < lane_count; ++i) bits |= (choices.lane[i] & 1) << i;
+  return bits;
 }
 
-// Samples as a center sees them.
+// A sample as the centers see it.
 struct Seen {
   static constexpr float root2 = 1.41421356f, root6 = 2.44948974f;
-  Vector<3, Lanes> offset, along[2], normal, normal_along[2];
-  Lanes area, per_area;
-  Lanes edge[3]; // squared: between corners 0 and 1, 1 and 2, 2 and 0
-  Lanes height;  // of the position above the plane of the face
+  const FlatSample &sample;
+  Vector<3, Lanes> offset;
+  Lanes height; // of the position above the plane of the face
+  Lanes area;
+  float edge[3]; // squared: between corners 0 and 1, 1 and 2, 2 and 0
+  float spread;
 
-  Seen(const float *block, const SumCenter &center) {
-    const auto row3 = [&](int index) { return load3(block + index * block_lanes); };
-    offset = row3(SAMPLE_POSITION) - Vector<3, Lanes>(center.position[0], center.position[1], center.position[2]);
-    normal = row3(SAMPLE_NORMAL);
-    for (int k = 0; k < 2; ++k) {
-      along[k] = row3(SAMPLE_ALONG + 3 * k);
-      normal_along[k] = row3(SAMPLE_NORMAL_ALONG + 3 * k);
-    }
-    area = load(block + SAMPLE_AREA * block_lanes);
-    per_area = load(block + SAMPLE_PER_AREA * block_lanes);
-    height = dot(offset, row3(SAMPLE_FACE));
-    const Lanes u = square_of(along[0]), v = square_of(along[1]), uv = dot(along[0], along[1]) * (6.0f * root2 * root6);
+  Seen(const FlatSample &from, const Vector<3, Lanes> &center, const Choices &shown)
+      : sample(from), offset(all(from.position) - center), height(dot(offset, all(from.face))),
+        area(mix(0.0f, from.area, shown)) {
+    const auto product = [](const float *a, const float *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+    const float u = product(from.along[0], from.along[0]), v = product(from.along[1], from.along[1]);
+    const float uv = product(from.along[0], from.along[1]) * (6.0f * root2 * root6);
     edge[0] = 18.0f * u + 6.0f * v + uv;
     edge[1] = 24.0f * v;
     edge[2] = 18.0f * u + 6.0f * v - uv;
+    spread = u + v;
   }
 
-  Vector<3, Lanes> at(const Lanes *place) const { return offset + along[0] * place[0] + along[1] * place[1]; }
+  Vector<3, Lanes> along(int k) const { return all(sample.along[k]); }
+  Vector<3, Lanes> normal_along(int k) const { return all(sample.normal_along[k]); }
+  Vector<3, Lanes> at(const Lanes *place) const { return offset + along(0) * place[0] + along(1) * place[1]; }
   Vector<3, Lanes> normal_at(const Lanes *place) const {
-    return normal + normal_along[0] * place[0] + normal_along[1] * place[1];
+    return all(sample.normal) + normal_along(0) * place[0] + normal_along(1) * place[1];
   }
-  // Offset or normal at a corner.
-  static Vector<3, Lanes> at_corner(int corner, const Vector<3, Lanes> &mean, const Vector<3, Lanes> *along) {
-    if (corner == 0) return mean - along[0] * Lanes(2.0f * root2);
-    return mean + along[0] * Lanes(root2) + along[1] * Lanes(corner == 1 ? root6 : -root6);
-  }
-  Vector<3, Lanes> corner(int k) const { return at_corner(k, offset, along); }
   // Of the circle in which the ball of this radius meets the plane.
   Lanes per_radius_of_arc(float radius) const {
     constexpr float least = 1e-4f;
     return fast_inversesqrt(max(radius * radius - height * height, least * radius * radius));
   }
-  Lanes spread() const { return square_of(along[0]) + square_of(along[1]); }
 };
+
+// The corners of a sample, along its two directions.
+constexpr float corner_place[3][2] = {{-2.0f * Seen::root2, 0.0f}, {Seen::root2, Seen::root6}, {Seen::root2, -Seen::root6}};
+inline Vector<3, Lanes> at_corner(int k, const Vector<3, Lanes> &mean, const float along[2][3]) {
+  const auto gap = [&](int axis) { return corner_place[k][0] * along[0][axis] + corner_place[k][1] * along[1][axis]; };
+  return {mean.x + gap(0), mean.y + gap(1), mean.z + gap(2)};
+}
+
+// Whether the surface may come nearer to the center on a sample than around it, within the ball: there the way to the center is
+// one of the surface's normals, or lies between them, which lean from that of the face by its turn at most.
+inline Choices may_be_nearest(const Seen &seen, float radius) {
+  constexpr float normals_length = 0.95f; // squared, at least: of mean normals
+  const float reach = seen.sample.reach, beyond = radius + reach;
+  const Lanes square = square_of(seen.offset), height = max(seen.height, -1.0f * seen.height);
+  const Lanes across = square - height * height * (1.0f / normals_length), turned = reach + seen.sample.turn * height;
+  return across < turned * turned && square < beyond * beyond;
+}
 
 // The part of samples that lies in a ball.
 struct Part {
@@ -172,29 +154,24 @@ template <class Wide> struct Adder {
   using Neighbor = typename Wide::Neighbor;
   Wide kernel;
   typename Wide::Sums sums;
-  Choices::Bits nearest; // less one for each
 
-  // block: from the lanes of this pass on. shown: a bit for each of them that counts.
-  void add(const float *block, int shown, const SumCenter &center) {
-    const auto row = [&](int index) { return block + index * block_lanes; };
-    Seen seen(block, center);
-    seen.area = mix(0.0f, seen.area, chosen(shown));
+  // Returns the bits of the centers to which the surface may come nearest on it.
+  int add(const FlatSample &sample, const Choices &shown) {
+    const Seen seen(sample, sums.center.position, shown);
     const float radius = kernel.params.radius;
-    const Choices may_be = may_be_nearest(seen.offset, block, radius);
-    nearest = nearest + may_be.lane;
-    Neighbor neighbor;
-    if constexpr (requires { neighbor.face; }) neighbor.face = load3(row(SAMPLE_FACE));
+    const Choices may_be = may_be_nearest(seen, radius);
     Lanes squares[3]; // of the distances of the corners
     for (int k = 0; k < 3; ++k) squares[k] = square_to(seen, k);
+    const int nearest = any(may_be) ? bits_of(may_be) : 0;
+    if (!any(min(min(squares[0], squares[1]), squares[2]) < radius * radius)) return nearest;
+    Neighbor neighbor;
+    if constexpr (requires { neighbor.face; }) neighbor.face = all(sample.face);
     const Part part = clip_at(seen, squares, radius);
     place(seen, part, neighbor);
     if constexpr (requires { sums.terms.bending; }) find_turning(seen, part, squares, neighbor);
     neighbor.inside = Wide::geodesic_ball ? part.area : part.area - strip_of(seen, part);
     Vector<4, Lanes> map(0.0f);
-    if constexpr (requires { sums.center.value; }) {
-      const Vector<3, Lanes> gradient = load3(row(SAMPLE_GRADIENT));
-      map = {gradient.x, gradient.y, gradient.z, load(row(SAMPLE_VALUE))};
-    }
+    if constexpr (requires { sums.center.value; }) map = {sample.map[0], sample.map[1], sample.map[2], sample.map[3]};
     if constexpr (requires { sums.half_ball; }) {
       Neighbor inner = neighbor;
       place(seen, clip_at(seen, squares, 0.5f * radius), inner);
@@ -203,16 +180,17 @@ template <class Wide> struct Adder {
       kernel.add_weighted(sums, neighbor, map);
     }
     add_variance(seen, part);
+    return nearest;
   }
 
   // Of the distance of a corner that bounds the ball.
   Lanes square_to(const Seen &seen, int corner) {
     Neighbor neighbor;
-    neighbor.offset = seen.corner(corner);
+    neighbor.offset = at_corner(corner, seen.offset, seen.sample.along);
     const Lanes square = square_of(neighbor.offset);
     if constexpr (!Wide::geodesic_ball) return square;
     neighbor.rho = fast_sqrt(square);
-    neighbor.normal = Seen::at_corner(corner, seen.normal, seen.normal_along);
+    neighbor.normal = at_corner(corner, all(seen.sample.normal), seen.sample.normal_along);
     const Lanes geodesic = kernel.geodesic_distance(sums.center, neighbor);
     return geodesic * geodesic;
   }
@@ -242,12 +220,12 @@ template <class Wide> struct Adder {
   void place(const Seen &seen, const Part &part, Neighbor &neighbor) {
     neighbor.offset = seen.at(part.place);
     neighbor.normal = seen.normal_at(part.place);
-    const Lanes square = square_of(neighbor.offset), share = part.area * seen.per_area;
+    const Lanes square = square_of(neighbor.offset), share = part.area * seen.sample.per_area;
     neighbor.rho = fast_sqrt(square);
     // The mean distance grows by what varies across the way.
-    const Lanes u = dot(neighbor.offset, seen.along[0]), v = dot(neighbor.offset, seen.along[1]);
+    const Lanes u = dot(neighbor.offset, seen.along(0)), v = dot(neighbor.offset, seen.along(1));
     const Lanes per_rho = fast_inversesqrt(max(square, 1e-30f));
-    neighbor.mean_rho = fast_sqrt(square + share * max(seen.spread() - (u * u + v * v) * per_rho * per_rho, 0.0f));
+    neighbor.mean_rho = fast_sqrt(square + share * max(seen.spread - (u * u + v * v) * per_rho * per_rho, 0.0f));
     neighbor.geodesic = kernel.geodesic_distance(sums.center, neighbor);
     neighbor.distance = Wide::geodesic_ball ? neighbor.geodesic : neighbor.rho;
     neighbor.area = seen.area;
@@ -268,7 +246,7 @@ template <class Wide> struct Adder {
     const Lanes from_length = fast_sqrt(choose(squares[1], squares[2], squares[0]));
     const Lanes to_length = fast_sqrt(choose(squares[2], squares[0], squares[1]));
     const Lanes bisector = from_length / max(from_length + to_length, 1e-30f);
-    const Lanes extent = fast_sqrt(part.area * seen.per_area);
+    const Lanes extent = fast_sqrt(part.area * seen.sample.per_area);
     constexpr float inner[4][2] = {{-1.0f, -1.0f}, {-1.0f, 1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}};
     constexpr float gauss[2] = {0.21132487f, 0.78867513f};
     neighbor.turning = 0.0f;
@@ -290,65 +268,44 @@ template <class Wide> struct Adder {
 
   // To the moments that the parts' mean positions and normals have, what these vary within them.
   void add_variance(const Seen &seen, const Part &part) {
-    const Lanes weight = part.area * part.area * seen.per_area;
+    const Lanes weight = part.area * part.area * seen.sample.per_area;
     for (int k = 0; k < 2; ++k) {
-      const Lanes x = dot(seen.along[k], sums.center.t1) * (1.0f / kernel.params.radius),
-                  y = dot(seen.along[k], sums.center.t2) * (1.0f / kernel.params.radius);
-      const Lanes turn_x = dot(seen.normal_along[k], sums.center.t1), turn_y = dot(seen.normal_along[k], sums.center.t2);
+      const Lanes x = dot(seen.along(k), sums.center.t1) * (1.0f / kernel.params.radius),
+                  y = dot(seen.along(k), sums.center.t2) * (1.0f / kernel.params.radius);
+      const Lanes turn_x = dot(seen.normal_along(k), sums.center.t1), turn_y = dot(seen.normal_along(k), sums.center.t2);
       sums.moments.xx += weight * Vector<3, Lanes>(x * x, x * y, y * y);
       sums.moments.xy += weight * Vector<3, Lanes>(x * turn_x, x * turn_y + y * turn_x, y * turn_y);
     }
   }
 };
 
-using AllLanes = std::array<float, block_lanes>;
-
 // The lanes of one pass go where they belong among all. Returns where the next part's go.
-template <class Part> AllLanes *store(const Part &part, int pass, AllLanes *lanes) {
+template <class Part> size_t store(const Part &part, int pass, Sums &sums, size_t at) {
   constexpr size_t count = sizeof(Part) / sizeof(Lanes);
   for (size_t i = 0; i < count; ++i)
-    __builtin_memcpy(lanes[i].data() + pass * lane_count, reinterpret_cast<const char *>(&part) + i * sizeof(Lanes),
-                     sizeof(Lanes));
-  return lanes + count;
+    __builtin_memcpy(sums[at + i] + pass * lane_count, reinterpret_cast<const char *>(&part) + i * sizeof(Lanes), sizeof(Lanes));
+  return at + count;
 }
 
 template <template <class, class> class Kernel>
-int32_t add_samples(const EvaluateParams &params, const SampleBlocks &samples, const SumCenter &center, float *sums) {
+void add_samples(const EvaluateParams &params, const FlatSample *const *samples, const uint16_t *shown, int32_t count,
+                 const SumCenters &centers, Sums &sums, uint16_t *nearest) {
   using Wide = Kernel<Lanes, Choices>;
-  alignas(64) AllLanes lanes[max_sums];
-  AllLanes *end = lanes;
-  int32_t nearest = 0;
   for (int pass = 0; pass < passes; ++pass) {
-    Adder<Wide> adder{Wide{params}, {}, {}};
-    const auto all = [](const float *v) { return Vector<3, Lanes>(v[0], v[1], v[2]); };
-    adder.kernel.sums_init(adder.sums, all(center.position), all(center.normal), center.value);
-    for (int first = 0; first < samples.count; first += block_lanes)
-      for (uint32_t blocks = blocks_in_ball(samples, center, first); blocks; blocks &= blocks - 1) {
-        const int index = first + __builtin_ctz(blocks);
-        const ptrdiff_t block = samples.block[index];
-        adder.add(samples.data + samples.stride * block + pass * lane_count, samples.shown[index] >> (pass * lane_count), center);
-      }
-    end = store(adder.sums.moments, pass, lanes);
-    if constexpr (requires { adder.sums.half_ball; }) end = store(adder.sums.half_ball, pass, end);
-    end = store(adder.sums.terms, pass, end);
-    nearest += count(adder.nearest);
-  }
-  for (const AllLanes *one = lanes; one != end; ++one) *sums++ = sum_of(*one);
-  return nearest;
-}
-
-int32_t count_nearest(float radius, const float *data, int32_t stride, int32_t begin, int32_t end, const SumCenter &center) {
-  Choices::Bits nearest{}, lane;
-  for (int i = 0; i < lane_count; ++i) lane[i] = i;
-  for (int32_t block = begin / block_lanes; block * block_lanes < end; ++block)
-    for (int pass = 0; pass < passes; ++pass) {
-      const float *const from = data + static_cast<ptrdiff_t>(stride) * block + pass * lane_count;
-      const Choices::Bits index = lane + (block * block_lanes + pass * lane_count);
-      const Vector<3, Lanes> offset = load3(from) - Vector<3, Lanes>(center.position[0], center.position[1], center.position[2]);
-      const Choices may_be = may_be_nearest(offset, from, radius);
-      nearest = nearest + (may_be.lane & (index >= begin) & (index < end));
+    const int first = pass * lane_count;
+    const auto load3 = [&](const float(&v)[3][max_lanes]) {
+      return Vector<3, Lanes>(load(v[0] + first), load(v[1] + first), load(v[2] + first));
+    };
+    Adder<Wide> adder{Wide{params}, {}};
+    adder.kernel.sums_init(adder.sums, load3(centers.position), load3(centers.normal), load(centers.value + first));
+    for (int32_t i = 0; i < count; ++i) {
+      const int bits = adder.add(*samples[i], chosen(shown[i] >> first)) << first;
+      nearest[i] = static_cast<uint16_t>(pass == 0 ? bits : nearest[i] | bits);
     }
-  return count(nearest);
+    size_t at = store(adder.sums.moments, pass, sums, 0);
+    if constexpr (requires { adder.sums.half_ball; }) at = store(adder.sums.half_ball, pass, sums, at);
+    store(adder.sums.terms, pass, sums, at);
+  }
 }
 
 constexpr AddSamples by_kind[sum_kinds] = {add_samples<FitKernel>,
@@ -366,7 +323,7 @@ constexpr AddSamples by_kind[sum_kinds] = {add_samples<FitKernel>,
 #define JOIN(a, b) a##b
 #define SUMS_OF(target) JOIN(sums_of_, target)
 extern const SumTarget SUMS_OF(KERNEL_TARGET);
-const SumTarget SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), by_kind, count_nearest};
+const SumTarget SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), by_kind};
 
 } // namespace KERNEL_TARGET
 } // namespace paradesc::kernels

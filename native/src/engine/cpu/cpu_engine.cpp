@@ -62,41 +62,51 @@ struct Evaluation {
 
 } // namespace
 
-static int32_t sum_up(const Evaluation &pass, AddSamples add_samples, const Search &search, const SumCenter &center,
-                      float *sums) {
-  const int32_t nearest = add_samples(pass.params, search.stored(), center, sums);
-  const SampleBlocks divided = search.divided();
-  if (divided.count == 0) return nearest;
-  float more[max_sums] = {};
-  const int32_t nearest_of_divided = add_samples(pass.params, divided, center, more);
-  for (size_t i = 0; i < max_sums; ++i) sums[i] += more[i];
-  return nearest + nearest_of_divided;
+static SumCenters lanes_of(const Evaluation &pass, std::span<const int32_t> group) {
+  SumCenters lanes;
+  for (size_t lane = 0; lane < max_lanes; ++lane) {
+    const int32_t index = group[std::min(lane, group.size() - 1)];
+    const TreeCenter &center = pass.centers[index];
+    for (int axis = 0; axis < 3; ++axis) {
+      lanes.position[axis][lane] = center.position[axis];
+      lanes.normal[axis][lane] = center.normal[axis];
+    }
+    lanes.value[lane] = pass.map.empty() ? 0.0f : pass.map[index].w;
+  }
+  return lanes;
 }
 
 static void evaluate_group(const Evaluation &pass, AddSamples add_samples, std::span<const int32_t> group, Search &search,
                            CenterResults &results) {
-  float sums[max_sums] = {};
-  std::vector<float> values;
   search.look(pass.centers, group);
-  for (const int32_t index : group) {
-    const TreeCenter &center = pass.centers[index];
-    const vec3 position = center.position, normal = center.normal;
-    const float value = pass.map.empty() ? 0.0f : pass.map[index].w;
-    const SumCenter at{{position.x, position.y, position.z}, {normal.x, normal.y, normal.z}, value};
-    const int32_t nearest = sum_up(pass, add_samples, search, at, sums);
-    const Search::Connected connected = search.find_connected(center, at, nearest);
-    if (!connected.all) {
-      sum_up(pass, add_samples, search, at, sums);
-      search.forget_connected();
-    }
+  const SumCenters lanes = lanes_of(pass, group);
+  alignas(64) Sums sums = {};
+  const auto sum_up = [&] {
+    const auto samples = search.samples();
+    add_samples(pass.params, samples.data(), search.shown(), static_cast<int32_t>(samples.size()), lanes, sums, search.nearest());
+  };
+  sum_up();
+  bool all = true;
+  for (size_t lane = 0; lane < group.size(); ++lane) {
+    const Search::Connected connected = search.find_connected(pass.centers[group[lane]], static_cast<int>(lane));
+    results.boundary[group[lane]] = connected.boundary;
+    all = all && connected.all;
+  }
+  if (!all) sum_up();
+  std::vector<float> values;
+  for (size_t lane = 0; lane < group.size(); ++lane) {
+    const auto index = static_cast<size_t>(group[lane]);
+    float of_lane[max_sums];
+    for (size_t i = 0; i < max_sums; ++i) of_lane[i] = sums[i][lane];
+    const auto at = [&](const float(&v)[3][max_lanes]) { return vec3(v[0][lane], v[1][lane], v[2][lane]); };
     values.clear();
-    finish(pass.plan, pass.params, at, sums, connected.boundary, pass.rows, values);
+    finish(pass.plan, pass.params, {at(lanes.position), at(lanes.normal), lanes.value[lane]}, of_lane,
+           results.boundary[index] != 0, pass.rows, values);
     for (size_t k = 0, next = 0; k < pass.rows.size(); ++k) {
       const auto components = static_cast<size_t>(descriptor_row(pass.rows[k]).components);
-      std::copy_n(&values[next], components, &results.values[k][static_cast<size_t>(index) * components]);
+      std::copy_n(&values[next], components, &results.values[k][index * components]);
       next += components;
     }
-    results.boundary[index] = connected.boundary;
   }
 }
 
@@ -107,8 +117,7 @@ static CenterResults evaluate(const Evaluation &pass) {
     results.values.emplace_back(count * static_cast<size_t>(descriptor_row(row).components),
                                 std::numeric_limits<float>::quiet_NaN());
   results.boundary.assign(count, 0);
-  const SumTarget target = sum_targets()[0];
-  const AddSamples add_samples = target.by_kind[static_cast<size_t>(pass.plan.kind)];
+  const AddSamples add_samples = sum_targets()[0].by_kind[static_cast<size_t>(pass.plan.kind)];
   const auto groups = static_cast<int>(pass.groups.begin.size()) - 1;
   std::atomic<int> done{0};
   const CancelScope cancel([&] { pass.progress(static_cast<double>(done) / std::max(groups, 1)); });
@@ -119,7 +128,7 @@ static CenterResults evaluate(const Evaluation &pass) {
   };
   Pool<Search> searches;
   parallel_blocks(groups, pass.source.threads, 8, [&](int begin, int end) {
-    searches.with_one([&] { return Search(pass.source, pass.surfels, pass.samples, target.count_nearest); },
+    searches.with_one([&] { return Search(pass.source, pass.surfels, pass.samples); },
                       [&](Search &search) {
                         for (int g = begin; g < end; ++g) evaluate_one(g, search);
                       });
@@ -330,7 +339,7 @@ MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   // The tree, and while it is cut for a radius: clusters, counts, surfels, cells.
   constexpr int64_t of_triangle = 24 + 2 * (sizeof(Surfel) + 32) + sizeof(Surfel) + 40;
   // In parts, and as one list that grows by half.
-  constexpr int64_t of_sample = (5 * static_cast<int64_t>(SURFACE_ROWS * sizeof(float))) / 2;
+  constexpr int64_t of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
   const auto triangles = static_cast<double>(size.triangles);
   const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
   const Pass finest{std::ranges::any_of(size.descriptors, reads_map) ? Stage::map : Stage::surface, {}};

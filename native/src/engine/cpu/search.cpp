@@ -8,9 +8,9 @@
 
 namespace paradesc {
 
-Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, CountNearest count_nearest)
-    : source_(source), surfels_(surfels), samples_(samples), count_nearest_(count_nearest), mark_(surfels.cell_sphere.size(), 0),
-      reached_mark_(surfels.surfel.size(), 0) {}
+Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples)
+    : source_(source), surfels_(surfels), samples_(samples), mark_(surfels.cell_sphere.size(), 0),
+      nearest_of_surfel_(surfels.surfel.size(), 0), reached_mark_(surfels.surfel.size(), 0) {}
 
 void Search::look(const std::vector<TreeCenter> &centers, std::span<const int32_t> group) {
   vec3 low(std::numeric_limits<float>::max()), high(-low);
@@ -21,7 +21,7 @@ void Search::look(const std::vector<TreeCenter> &centers, std::span<const int32_
   middle_ = 0.5f * (low + high);
   const float reach = surfels_.radius + 0.5f * length(high - low);
   find_cells(centers, group, reach);
-  list_blocks(reach);
+  list_samples(reach);
 }
 
 // All cells that are connected to the group's own by cells that come near the balls of its centers.
@@ -44,29 +44,33 @@ void Search::find_cells(const std::vector<TreeCenter> &centers, std::span<const 
   std::sort(cells_.begin(), cells_.end()); // one order of summation, wherever the search began
 }
 
-void Search::list_blocks(float reach) {
-  stored_.clear();
+void Search::list_samples(float reach) {
+  for (const int32_t surfel : nearest_surfels_) nearest_of_surfel_[surfel] = 0;
+  nearest_surfels_.clear();
+  noted_ = false;
+  found_.clear();
   divided_.clear();
-  divided_samples_.clear(source_.map != nullptr);
-  divided_surfels_.clear();
   boundary_.clear();
+  for (const int32_t cell : cells_) { // very large triangles, each a cell of its own, before any of them is pointed to
+    const int32_t first = surfels_.cell_begin[cell];
+    if (surfels_.surfel[first].samples > max_stored_samples) divide_triangle(source_, surfels_, first, middle_, reach, divided_);
+  }
+  size_t next = 0;
   for (const int32_t cell : cells_) {
     const int32_t first = surfels_.cell_begin[cell], last = surfels_.cell_begin[cell + 1];
-    const int32_t begin = samples_.first[first], end = samples_.first[last];
-    if (begin < end)
-      for (int32_t block = begin / block_lanes; block <= (end - 1) / block_lanes; ++block)
-        if (stored_.empty() || stored_.last() < block) stored_.add(block, samples_.block_sphere[block], surfels_.radius);
-    if (surfels_.surfel[first].samples > max_stored_samples) { // a cell of its own
-      const int32_t before = divided_samples_.count();
-      divide_triangle(source_, surfels_, first, middle_, reach, divided_samples_);
-      divided_surfels_.push_back({first, before, divided_samples_.count()});
-    }
+    for (int32_t i = samples_.first[first]; i < samples_.first[last]; ++i) add_sample(samples_.sample[i], reach);
+    for (; next < divided_.size() && divided_[next].surfel == first; ++next) add_sample(divided_[next], reach);
     boundary_.insert(boundary_.end(), surfels_.boundary.begin() + surfels_.boundary_begin[cell],
                      surfels_.boundary.begin() + surfels_.boundary_begin[cell + 1]);
   }
-  divided_samples_.fill_block();
-  for (int32_t block = 0; block < divided_samples_.blocks(); ++block)
-    divided_.add(block, divided_samples_.sphere(block), surfels_.radius);
+  shown_.assign(found_.size(), 0xffff);
+  nearest_.resize(found_.size());
+}
+
+void Search::add_sample(const FlatSample &sample, float reach) {
+  const float x = sample.position[0] - middle_.x, y = sample.position[1] - middle_.y, z = sample.position[2] - middle_.z;
+  const float limit = 1.00001f * (reach + sample.reach);
+  if (x * x + y * y + z * z < limit * limit) found_.push_back(&sample);
 }
 
 bool Search::meets_ball(int32_t half_edge, vec3 center) const {
@@ -77,19 +81,19 @@ bool Search::near_boundary(vec3 center) const {
   return std::ranges::any_of(boundary_, [&](int32_t half_edge) { return meets_ball(half_edge, center); });
 }
 
-// Null: it is not very large, or it was not found.
-const Search::Range *Search::find_divided(int32_t surfel) const {
-  if (surfels_.surfel[surfel].samples <= max_stored_samples) return nullptr;
-  const auto found = std::ranges::lower_bound(divided_surfels_, surfel, {}, &Range::surfel);
-  return found != divided_surfels_.end() && found->surfel == surfel ? &*found : nullptr;
+void Search::note_nearest() {
+  if (std::exchange(noted_, true)) return;
+  for (size_t i = 0; i < found_.size(); ++i) {
+    if (nearest_[i] == 0) continue;
+    uint16_t &of_surfel = nearest_of_surfel_[found_[i]->surfel];
+    if (of_surfel == 0) nearest_surfels_.push_back(found_[i]->surfel);
+    of_surfel = static_cast<uint16_t>(of_surfel | nearest_[i]);
+  }
 }
 
-int32_t Search::count_nearest_of(int32_t surfel, const SumCenter &at) const {
-  const auto count = [&](const Samples &samples, int32_t begin, int32_t end) {
-    return begin < end ? count_nearest_(surfels_.radius, samples.data(), samples.stride(), begin, end, at) : 0;
-  };
-  if (const Range *range = find_divided(surfel)) return count(divided_samples_, range->begin, range->end);
-  return count(samples_.samples, samples_.first[surfel], samples_.first[surfel + 1]);
+int32_t Search::count_nearest(int lane) const {
+  return static_cast<int32_t>(
+      std::ranges::count_if(nearest_surfels_, [&](int32_t surfel) { return (nearest_of_surfel_[surfel] >> lane & 1) != 0; }));
 }
 
 void Search::start_flood(int32_t triangle) {
@@ -104,18 +108,22 @@ void Search::reach(int32_t surfel) {
 
 // A piece of surface that is not connected to the center would come nearest to it somewhere: so there is none if all samples
 // where the surface may do so are connected to the center by each other.
-bool Search::is_one_piece(const TreeCenter &center, const SumCenter &at, int32_t nearest) {
+bool Search::is_one_piece(const TreeCenter &center, int lane) {
   start_flood(center.triangle);
+  const int32_t nearest = count_nearest(lane);
   int32_t found = 0;
+  size_t around = 1; // the center's own surfel, and those around it
   for (size_t i = 0; i < reached_.size() && found < nearest; ++i) {
-    const int32_t surfel = reached_[i], here = count_nearest_of(surfel, at);
-    found += here;
+    const int32_t surfel = reached_[i];
+    const bool may_be_nearest = (nearest_of_surfel_[surfel] >> lane & 1) != 0;
     const bool is_empty = samples_.first[surfel] == samples_.first[surfel + 1];
-    if (i > 0 && here == 0 && !is_empty) continue;
+    if (may_be_nearest) ++found;
+    if (i >= around && !may_be_nearest && !is_empty) continue;
     if (surfels_.surfel[surfel].level == 0)
       reach_neighbors(surfel, center.position);
     else // clusters are small
       for (int32_t k = surfels_.neighbor_begin[surfel]; k < surfels_.neighbor_begin[surfel + 1]; ++k) reach(surfels_.neighbor[k]);
+    if (i == 0) around = reached_.size();
   }
   return found == nearest;
 }
@@ -136,30 +144,22 @@ bool Search::reach_neighbors(int32_t surfel, vec3 center) {
   return boundary;
 }
 
-Search::Connected Search::find_connected(const TreeCenter &center, const SumCenter &at, int32_t nearest) {
+Search::Connected Search::find_connected(const TreeCenter &center, int lane) {
+  note_nearest();
   const bool may_end = near_boundary(center.position);
-  if (!may_end && is_one_piece(center, at, nearest)) return {true, false};
+  if (!may_end && is_one_piece(center, lane)) return {true, false};
   start_flood(center.triangle);
   Connected connected{false, false};
+  const int32_t nearest = count_nearest(lane);
   int32_t found = 0;
   for (size_t i = 0; i < reached_.size(); ++i) {
     if (reach_neighbors(reached_[i], center.position)) connected.boundary = true;
-    if (may_end) continue;
-    found += count_nearest_of(reached_[i], at);
-    if (found == nearest) return {true, false};
+    if ((nearest_of_surfel_[reached_[i]] >> lane & 1) != 0) ++found;
+    if (!may_end && found == nearest) return {true, false};
   }
-  for (const int32_t surfel : reached_) {
-    stored_.take(samples_.first[surfel], samples_.first[surfel + 1]);
-    if (const Range *range = find_divided(surfel)) divided_.take(range->begin, range->end);
-  }
-  stored_.hide_rest();
-  divided_.hide_rest();
+  for (size_t i = 0; i < found_.size(); ++i)
+    if (reached_mark_[found_[i]->surfel] != floods_) shown_[i] = static_cast<uint16_t>(shown_[i] & ~(1u << lane));
   return connected;
-}
-
-void Search::forget_connected() {
-  stored_.show_all();
-  divided_.show_all();
 }
 
 } // namespace paradesc

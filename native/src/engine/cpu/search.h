@@ -13,56 +13,53 @@ namespace paradesc {
 // What one thread keeps from group to group.
 class Search {
 public:
-  Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, CountNearest count_nearest);
+  Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples);
 
   // Looks around these centers. What follows is about them.
   void look(const std::vector<TreeCenter> &centers, std::span<const int32_t> group);
 
-  // All samples that may lie in the ball of any center: those that are stored, and those of very large triangles. Valid until
-  // look() is called again.
-  SampleBlocks stored() const { return stored_.of(samples_.samples); }
-  SampleBlocks divided() const { return divided_.of(divided_samples_); }
+  // All samples that may lie in the ball of any center, in their order. Valid until look() is called again, as is what follows.
+  std::span<const FlatSample *const> samples() const { return found_; }
+  // Of each of them, the bits of the centers that it counts for; and, to be filled in, as AddSamples does.
+  uint16_t *shown() { return shown_.data(); }
+  uint16_t *nearest() { return nearest_.data(); }
 
   struct Connected {
-    bool all;      // all samples in the ball; if not, stored() and divided() have those alone until the next center
+    bool all;      // all samples in the ball; if not, the others are no longer shown to the center
     bool boundary; // the mesh's boundary lies in the ball, and belongs to them
   };
-  // What is connected to the center within its ball, over edges that meet it. nearest: on how many samples in the ball the
-  // surface may come nearer to the center than around them.
-  Connected find_connected(const TreeCenter &center, const SumCenter &at, int32_t nearest);
-  // All samples again.
-  void forget_connected();
+  // What is connected to a center within its ball, over edges that meet it. nearest() is known. lane: of the center.
+  Connected find_connected(const TreeCenter &center, int lane);
 
 private:
-  // The samples of a very large triangle among those divided.
-  struct Range {
-    int32_t surfel, begin, end;
-  };
   void find_cells(const std::vector<TreeCenter> &centers, std::span<const int32_t> group, float reach);
-  void list_blocks(float reach);
+  void list_samples(float reach);
+  void add_sample(const FlatSample &sample, float reach);
   bool meets_ball(int32_t half_edge, vec3 center) const;
   bool near_boundary(vec3 center) const;
-  const Range *find_divided(int32_t surfel) const;
-  int32_t count_nearest_of(int32_t surfel, const SumCenter &at) const;
+  void note_nearest();
+  int32_t count_nearest(int lane) const;
   void start_flood(int32_t triangle);
   void reach(int32_t surfel);
   bool reach_neighbors(int32_t surfel, vec3 center);
-  bool is_one_piece(const TreeCenter &center, const SumCenter &at, int32_t nearest);
+  bool is_one_piece(const TreeCenter &center, int lane);
 
   const SurfelSource &source_;
   const Surfels &surfels_;
   const SurfaceSamples &samples_;
-  CountNearest count_nearest_;
   vec3 middle_{0.0f};
-  std::vector<int32_t> cells_;        // found, in their order
-  std::vector<int32_t> mark_;         // (cells) the search that found it last
-  std::vector<int32_t> boundary_;     // half-edges of the cells found
-  std::vector<int32_t> reached_mark_; // (surfels) the flood that reached it last
+  std::vector<int32_t> cells_;    // found, in their order
+  std::vector<int32_t> mark_;     // (cells) the search that found it last
+  std::vector<int32_t> boundary_; // half-edges of the cells found
+  std::vector<const FlatSample *> found_;
+  std::vector<uint16_t> shown_, nearest_; // (found)
+  std::vector<FlatSample> divided_;       // of very large triangles
+  bool noted_ = false;
+  std::vector<int32_t> nearest_surfels_;
+  std::vector<uint16_t> nearest_of_surfel_; // (surfels) the bits of the centers to which it may come nearest
+  std::vector<int32_t> reached_mark_;       // (surfels) the flood that reached it last
   std::vector<int32_t> reached_;
   int32_t searches_ = 0, floods_ = 0;
-  BlockSet stored_, divided_;
-  Samples divided_samples_;
-  std::vector<Range> divided_surfels_; // by their order
 };
 
 } // namespace paradesc

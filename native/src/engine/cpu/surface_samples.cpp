@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "support/parallel.h"
 
@@ -23,9 +24,11 @@ struct Piece {
 // Pieces are halved at their longest edge: then they are hardly longer than wide.
 class Divider {
 public:
-  Divider(const SurfelSource &source, const Surfels &surfels, int32_t triangle, vec3 middle, float limit, Samples &samples)
-      : lean_(lean_of(source, surfels, triangle)), middle_(middle), limit_(limit), largest_spread_(surfels.largest_spread),
-        samples_(samples) {
+  Divider(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit,
+          std::vector<FlatSample> &samples)
+      : middle_(middle), limit_(limit), largest_spread_(surfels.largest_spread), surfel_(surfel), samples_(samples) {
+    const int32_t triangle = source.tree.triangle[surfels.first[surfel]];
+    lean_ = lean_of(source, surfels, triangle);
     for (int32_t k = 0; k < 3; ++k) {
       const int32_t corner = 3 * triangle + k;
       whole_.corner[k] = source.position(corner);
@@ -72,14 +75,15 @@ private:
       normals[k] = length_squared > 0.0f ? normal / std::sqrt(length_squared) : normal_[0];
     }
     const vec4 map = at(map_, (piece.weights[0] + piece.weights[1] + piece.weights[2]) * (1.0f / 3.0f));
-    samples_.add(sample_of_triangle(piece.corner, normals, piece.at_rim() ? lean_ : 0.0f), map);
+    samples_.push_back(flat(sample_of_triangle(piece.corner, normals, piece.at_rim() ? lean_ : 0.0f), surfel_, map));
   }
 
   Piece whole_;
   float lean_;
   vec3 middle_;
   float limit_, largest_spread_;
-  Samples &samples_;
+  int32_t surfel_;
+  std::vector<FlatSample> &samples_;
   vec3 normal_[3];
   vec4 map_[3];
 };
@@ -87,52 +91,45 @@ private:
 } // namespace
 
 void divide_triangle(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit,
-                     Samples &samples) {
-  Divider(source, surfels, source.tree.triangle[surfels.first[surfel]], middle, limit, samples).run();
+                     std::vector<FlatSample> &samples) {
+  Divider(source, surfels, surfel, middle, limit, samples).run();
 }
 
 static constexpr float least_area = 1e-30f; // one over it is a float
 
-static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32_t index, Samples &samples) {
+static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32_t index, std::vector<FlatSample> &samples) {
   const Surfel &surfel = surfels.surfel[index];
   if (surfel.samples > max_stored_samples) return;
   if (surfel.samples > 1.0f)
     return divide_triangle(source, surfels, index, vec3(0.0f), std::numeric_limits<float>::max(), samples);
   const Sample sample = surfel.level > 0 ? sample_of(surfels.clusters[surfel.level][surfel.cluster])
                                          : sample_of(source, surfels, source.tree.triangle[surfels.first[index]]);
-  if (sample.area > least_area) samples.add(sample, surfels.map.empty() ? vec4(0.0f) : surfels.map[index]);
+  if (sample.area > least_area) samples.push_back(flat(sample, index, surfels.map.empty() ? vec4(0.0f) : surfels.map[index]));
 }
 
-// Each part of the list fills its blocks.
 SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels) {
   constexpr int surfels_of_part = 4096;
   const auto count = static_cast<int>(surfels.surfel.size());
   const int part_count = (count + surfels_of_part - 1) / surfels_of_part;
-  std::vector<Samples> parts(static_cast<size_t>(part_count));
+  std::vector<std::vector<FlatSample>> parts(static_cast<size_t>(part_count));
   SurfaceSamples result;
   result.first.resize(static_cast<size_t>(count) + 1);
   parallel_blocks(count, source.threads, surfels_of_part, [&](int begin, int end) {
-    Samples &part = parts[begin / surfels_of_part];
-    part.clear(source.map != nullptr);
+    std::vector<FlatSample> &part = parts[begin / surfels_of_part];
+    part.reserve(static_cast<size_t>(end - begin));
     for (int k = begin; k < end; ++k) {
-      result.first[k] = part.count();
+      result.first[k] = static_cast<int32_t>(part.size());
       add_surfel(source, surfels, k, part);
     }
-    part.fill_block();
   });
-  std::vector<int32_t> blocks{0};
-  for (const Samples &part : parts) blocks.push_back(blocks.back() + part.blocks());
-  result.samples.clear(source.map != nullptr);
-  result.samples.resize_blocks(blocks.back());
-  result.block_sphere.resize(static_cast<size_t>(blocks.back()));
-  result.first[count] = blocks.back() * block_lanes;
+  std::vector<int32_t> begin{0};
+  for (const auto &part : parts) begin.push_back(begin.back() + static_cast<int32_t>(part.size()));
+  result.sample.resize(static_cast<size_t>(begin.back()));
+  result.first[count] = begin.back();
   parallel_blocks(part_count, source.threads, 1, [&](int index, int) {
-    Samples &part = parts[index];
-    result.samples.copy_blocks(part, blocks[index]);
-    for (int32_t k = 0; k < part.blocks(); ++k) result.block_sphere[blocks[index] + k] = part.sphere(k);
+    std::ranges::copy(std::exchange(parts[index], {}), result.sample.begin() + begin[index]);
     const int end = std::min((index + 1) * surfels_of_part, count);
-    for (int k = index * surfels_of_part; k < end; ++k) result.first[k] += blocks[index] * block_lanes;
-    part = Samples();
+    for (int k = index * surfels_of_part; k < end; ++k) result.first[k] += begin[index];
   });
   return result;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -60,26 +59,15 @@ private:
 
   void measure_triangles() {
     counts_[0].resize(tree_.size(0));
-    result_.lean.assign(static_cast<size_t>(source_.half_edges.point_count), 0.0f);
+    result_.face.assign(tree_.rank.size(), vec3(0.0f));
     for_each(tree_.size(0), [&](size_t i) {
       const int32_t corner = 3 * tree_.triangle[i];
       const vec3 a = source_.position(corner), ab = source_.position(corner + 1) - a, ac = source_.position(corner + 2) - a;
       const vec3 bc = ac - ab, plane = cross(ab, ac);
       const float twice_area = length(plane), spread = (dot(ab, ab) + dot(ac, ac) + dot(bc, bc)) * (1.0f / 36.0f);
       counts_[0][i] = {samples_of(0.5f * twice_area, spread), 1, 1, spread <= result_.largest_spread};
-      if (!(twice_area > 0.0f)) return;
-      for (int32_t k = corner; k < corner + 3; ++k) {
-        const int32_t point = source_.half_edges.corner_point[k];
-        raise(result_.lean[point], length(plane / twice_area - source_.normals.point[point]));
-      }
+      if (twice_area > 0.0f) result_.face[tree_.triangle[i]] = plane / twice_area;
     });
-  }
-
-  static void raise(float &largest, float value) {
-    std::atomic_ref<float> shared(largest);
-    float known = shared.load(std::memory_order_relaxed);
-    while (value > known && !shared.compare_exchange_weak(known, value, std::memory_order_relaxed)) {
-    }
   }
 
   // About as many as a triangle is divided into: of a sliver, along its length alone.
@@ -276,16 +264,21 @@ private:
 } // namespace
 
 float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle) {
-  const vec3 corner = source.position(3 * triangle);
-  const vec3 plane = cross(source.position(3 * triangle + 1) - corner, source.position(3 * triangle + 2) - corner);
-  const float size = length(plane);
-  if (!(size > 0.0f)) return 2.0f;
-  float lean = 0.0f;
-  for (int32_t k = 3 * triangle; k < 3 * triangle + 3; ++k) {
-    const int32_t point = source.half_edges.corner_point[k];
-    lean = std::max(lean, length(plane / size - source.normals.point[point]) + surfels.lean[point]);
+  const std::vector<int32_t> &twin = source.half_edges.twin;
+  const vec3 face = surfels.face[triangle];
+  float square = 0.0f;
+  const auto look_at = [&](int32_t corner) {
+    const vec3 gap = surfels.face[corner / 3] - face;
+    square = std::max(square, dot(gap, gap));
+  };
+  for (int32_t first = 3 * triangle; first < 3 * triangle + 3; ++first) {
+    int32_t corner = first;
+    while ((corner = twin[previous_corner(corner)]) >= 0 && corner != first) look_at(corner);
+    if (corner == first) continue;
+    corner = first; // the fan ends at the boundary: its other side
+    while ((corner = twin[corner]) >= 0) look_at(corner = next_corner(corner));
   }
-  return lean;
+  return std::sqrt(square);
 }
 
 Sample sample_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle) {

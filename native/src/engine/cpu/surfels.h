@@ -54,7 +54,7 @@ struct Surfels {
   std::vector<int32_t> boundary_begin; // (cells + 1) into boundary
   std::vector<int32_t> boundary;       // half-edges on the mesh's boundary
 
-  std::vector<float> lean; // (point_count) how far triangles around a point lean from its normal, as points of the unit sphere
+  std::vector<vec3> face; // (triangle_count) unit normals; 0 without area, or left out
 
   std::vector<int32_t> triangle_cell;   // (triangle_count) -1: left out
   std::vector<int32_t> triangle_surfel; // (triangle_count) likewise
