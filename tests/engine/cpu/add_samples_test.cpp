@@ -1,6 +1,7 @@
 // Sums over samples: the same bits by every set of instructions that this processor has.
 #include "engine/cpu/add_samples.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -21,7 +22,7 @@ constexpr float radius = 0.1f;
 using Height = float (*)(float x, float y);
 
 // Triangles of a sheet over the square |x|, |y| < 1.5 r, irregular ones; some have a map that does not exist.
-Samples sheet(int side, Height height) {
+std::vector<FlatSample> sheet(int side, Height height) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
   const float step = 3.0f * radius / static_cast<float>(side);
@@ -35,28 +36,49 @@ Samples sheet(int side, Height height) {
       normal.push_back(normalize(
           vec3((height(x - d, y) - height(x + d, y)) / (2.0f * d), (height(x, y - d) - height(x, y + d)) / (2.0f * d), 1.0f)));
     }
-  Samples samples;
-  samples.clear(true);
+  std::vector<FlatSample> samples;
   for (int i = 0; i < side; ++i)
     for (int k = 0; k < side; ++k) {
       const int a = i * (side + 1) + k, b = a + side + 1;
       for (const auto &[p, q, r] : {std::array{a, b, b + 1}, std::array{a, b + 1, a + 1}}) {
         const vec3 corners[] = {position[p], position[q], position[r]}, normals[] = {normal[p], normal[q], normal[r]};
         const float value = (i + k) % 17 == 0 ? std::nanf("") : unit(random);
-        samples.add(sample_of_triangle(corners, normals, 0.1f), vec4(unit(random), unit(random), unit(random), value));
+        samples.push_back(flat(sample_of_triangle(corners, normals, 0.1f), i * side + k,
+                               vec4(unit(random), unit(random), unit(random), value)));
       }
     }
-  samples.fill_block();
   return samples;
 }
 
-float flat(float, float) { return 0.0f; }
+float flat_height(float, float) { return 0.0f; }
 float bent(float x, float y) { return -1.5f * x * x + y * y; }
 
-BlockSet all_blocks(const Samples &samples) {
-  BlockSet set;
-  for (int32_t block = 0; block < samples.blocks(); ++block) set.add(block, samples.sphere(block), radius);
-  return set;
+struct Summed {
+  alignas(64) Sums sums = {};
+  std::vector<uint16_t> nearest;
+};
+
+Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, const std::vector<FlatSample> &samples,
+              const SumCenters &centers) {
+  std::vector<const FlatSample *> all;
+  for (const FlatSample &sample : samples) all.push_back(&sample);
+  const std::vector<uint16_t> shown(samples.size(), 0xffff);
+  Summed summed;
+  summed.nearest.resize(samples.size());
+  target.by_kind[kind](params, all.data(), shown.data(), static_cast<int32_t>(all.size()), centers, summed.sums,
+                       summed.nearest.data());
+  return summed;
+}
+
+// Along a line from the first place, so many units of the radius apart.
+SumCenters centers_from(vec3 place, vec3 step) {
+  SumCenters centers{};
+  for (int lane = 0; lane < max_lanes; ++lane)
+    for (int axis = 0; axis < 3; ++axis) {
+      centers.position[axis][lane] = place[axis] + static_cast<float>(lane) * step[axis];
+      centers.normal[axis][lane] = axis == 2 ? 1.0f : 0.0f;
+    }
+  return centers;
 }
 
 EvaluateParams params() {
@@ -68,64 +90,65 @@ EvaluateParams params() {
 }
 
 TEST(AddSamples, has_the_same_bits_by_every_set_of_instructions) {
-  const Samples samples = sheet(24, bent);
-  const BlockSet blocks = all_blocks(samples);
-  const SumCenter center{{0.01f, -0.02f, 0.0f}, {0.03f, 0.04f, std::sqrt(1.0f - 0.0025f)}, 0.3f};
+  const std::vector<FlatSample> samples = sheet(24, bent);
+  const SumCenters centers = centers_from(vec3(0.01f, -0.02f, 0.0f), vec3(0.003f, 0.004f, 0.001f));
   const std::vector<SumTarget> targets = sum_targets();
   ASSERT_FALSE(targets.empty());
   for (int kind = 0; kind < sum_kinds; ++kind) {
-    float first[max_sums] = {};
-    const int32_t nearest = targets[0].by_kind[kind](params(), blocks.of(samples), center, first);
-    EXPECT_GT(first[0], 0.0f) << "the area";
+    const Summed first = sum_up(targets[0], kind, params(), samples, centers);
+    EXPECT_GT(first.sums[0][0], 0.0f) << "the area";
     for (const SumTarget &target : targets) {
-      float sums[max_sums] = {};
-      EXPECT_EQ(target.by_kind[kind](params(), blocks.of(samples), center, sums), nearest) << target.name;
-      EXPECT_EQ(std::memcmp(sums, first, sizeof sums), 0) << "kind " << kind << " by " << target.name;
-      EXPECT_EQ(target.count_nearest(radius, samples.data(), samples.stride(), 0, samples.count(), center), nearest);
+      const Summed other = sum_up(target, kind, params(), samples, centers);
+      EXPECT_EQ(other.nearest, first.nearest) << target.name;
+      EXPECT_EQ(std::memcmp(other.sums, first.sums, sizeof first.sums), 0) << "kind " << kind << " by " << target.name;
     }
   }
 }
 
-struct Cut {
-  double area, xx, xy, yy; // over those of a disk of the radius
-};
-
-Cut cut(const Samples &samples, const SumCenter &center) {
-  const BlockSet blocks = all_blocks(samples);
-  float sums[max_sums] = {};
-  sum_targets()[0].by_kind[0](params(), blocks.of(samples), center, sums);
-  const double disk = 3.14159265358979 * static_cast<double>(radius * radius);
-  return {sums[0] / disk, sums[1] / (0.25 * disk), sums[2] / (0.25 * disk), sums[3] / (0.25 * disk)};
+// Whatever the others are, and whichever samples are far from it.
+TEST(AddSamples, has_the_same_bits_whichever_centers_are_beside_one) {
+  const std::vector<FlatSample> samples = sheet(24, bent);
+  SumCenters centers = centers_from(vec3(0.01f, -0.02f, 0.0f), vec3(0.003f, 0.004f, 0.001f));
+  const Summed together = sum_up(sum_targets()[0], 1, params(), samples, centers);
+  for (int axis = 0; axis < 3; ++axis) std::fill_n(centers.position[axis], max_lanes, centers.position[axis][max_lanes - 1]);
+  std::vector<FlatSample> near;
+  for (const FlatSample &sample : samples) {
+    float square = 0.0f;
+    for (int axis = 0; axis < 3; ++axis) square += std::pow(sample.position[axis] - centers.position[axis][0], 2.0f);
+    if (square < std::pow(radius + sample.reach, 2.0f)) near.push_back(sample);
+  }
+  ASSERT_LT(near.size(), samples.size());
+  const Summed alone = sum_up(sum_targets()[0], 1, params(), near, centers);
+  for (size_t i = 0; i < max_sums; ++i) EXPECT_EQ(alone.sums[i][0], together.sums[i][max_lanes - 1]) << i;
 }
 
 // A plane at some height cuts a disk out of the ball: r^2 - h^2 instead of r^2, and its square in the second moments.
 TEST(AddSamples, cuts_triangles_as_the_ball_does) {
   for (const int side : {12, 16, 40}) // some 56, 100 and 630 triangles in the ball
-    for (const float height : {0.0f, 0.3f, 0.8f})
-      for (const float x : {0.0f, 0.013f, 0.027f}) {
-        const Cut found = cut(sheet(side, flat), {{x, -0.5f * x, height * radius}, {0.0f, 0.0f, 1.0f}, 0.0f});
-        const double share = 1.0 - static_cast<double>(height * height);
-        EXPECT_NEAR(found.area, share, 2e-4) << side << " at " << height;
-        EXPECT_NEAR(found.xx, share * share, 2e-3) << "what varies within cut triangles is estimated";
-        EXPECT_NEAR(found.yy, share * share, 2e-3);
-        EXPECT_NEAR(found.xy, 0.0, 2e-3);
+    for (const float height : {0.0f, 0.3f, 0.8f}) {
+      const SumCenters centers = centers_from(vec3(0.0f, 0.0f, height * radius), vec3(0.002f, -0.001f, 0.0f));
+      const Summed found = sum_up(sum_targets()[0], 0, params(), sheet(side, flat_height), centers);
+      const double share = 1.0 - static_cast<double>(height * height),
+                   disk = 3.14159265358979 * static_cast<double>(radius * radius);
+      for (int lane = 0; lane < max_lanes; ++lane) {
+        EXPECT_NEAR(found.sums[0][lane] / disk, share, 2e-4) << side << " at " << height;
+        EXPECT_NEAR(found.sums[1][lane] / (0.25 * disk), share * share, 2e-3) << "what varies within cut triangles is estimated";
+        EXPECT_NEAR(found.sums[2][lane] / (0.25 * disk), 0.0, 2e-3);
+        EXPECT_NEAR(found.sums[3][lane] / (0.25 * disk), share * share, 2e-3);
       }
+    }
 }
 
 // Another sheet, as far as there may be, is nearest to the center somewhere.
 TEST(AddSamples, sees_that_another_sheet_comes_nearest) {
-  const Samples samples = sheet(24, bent);
-  const auto nearest = [](const Samples &of, const SumCenter &center) {
-    const BlockSet blocks = all_blocks(of);
-    float sums[max_sums] = {};
-    return sum_targets()[0].by_kind[0](params(), blocks.of(of), center, sums);
-  };
-  const int32_t alone = nearest(samples, {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f}, 0.0f});
-  EXPECT_GE(alone, 1);
-  EXPECT_LE(alone, 24) << "those around the center";
-  for (const float height : {0.05f, 0.5f, 0.95f}) {
-    const int32_t other = nearest(samples, {{0.0f, 0.0f, height * radius}, {0.0f, 0.0f, 1.0f}, 0.0f});
-    EXPECT_GE(other, 1) << "of a sheet at " << height << " of the radius";
+  const SumCenters centers = centers_from(vec3(0.0f), vec3(0.0f, 0.0f, 0.95f / 15.0f * radius));
+  const Summed found = sum_up(sum_targets()[0], 0, params(), sheet(24, bent), centers);
+  for (int lane = 0; lane < max_lanes; ++lane) {
+    const auto nearest = std::ranges::count_if(found.nearest, [&](uint16_t bits) { return (bits >> lane & 1) != 0; });
+    EXPECT_GE(nearest, 1) << "of a sheet at " << centers.position[2][lane];
+    if (lane == 0) {
+      EXPECT_LE(nearest, 24) << "those around the center";
+    }
   }
 }
 
