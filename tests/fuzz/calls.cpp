@@ -384,7 +384,7 @@ private:
     Passed<pdesc_field_report> passed(bytes_, ours);
     done(pdesc_field_get_report(slot.field, passed.get()));
     claim(pdesc_field_warnings(slot.field) != nullptr, "warnings are no text");
-    claim(!slot.field || *pdesc_field_device(slot.field) != 0, "nothing computed");
+    claim(pdesc_field_device(slot.field) != nullptr, "a device is no text");
     pdesc_descriptor_info info;
     pdesc_descriptor_info_init(&info);
     Passed<pdesc_descriptor_info> row(bytes_, info);
