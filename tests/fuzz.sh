@@ -65,7 +65,7 @@ files_for() {
 }
 
 stopped_and_files() {
-  calls stopped stopped -seed=3 "-runs=$((inputs / 10))" && files --inputs "$((inputs * 2 / 5))"
+  calls stopped stopped -seed=3 "-runs=$((inputs / 10))" && files --inputs "$((inputs * 7 / 10))"
 }
 
 failed=0
@@ -95,8 +95,8 @@ if [ "$seconds" -gt 0 ]; then
   start files_for $((seconds / 2))
   finish
 else
-  start calls cpu cpu-1 -seed=1 "-runs=$((inputs / 5))"
-  start calls cpu cpu-2 -seed=2 "-runs=$((inputs / 5))"
+  start calls cpu cpu-1 -seed=1 "-runs=$((inputs / 20))"
+  start calls cpu cpu-2 -seed=2 "-runs=$((inputs / 20))"
   finish
   start calls software software -seed=1 "-runs=$((inputs / 500))"
   start calls reference reference -seed=1 "-runs=$((inputs / 10))"
