@@ -27,14 +27,6 @@ protected:
     return Field(field);
   }
 
-  static std::vector<float> map_of(const pdesc_field *field, const char *name, size_t components = 1) {
-    const auto size = static_cast<size_t>(pdesc_field_map_size(field));
-    std::vector<float> values(size * size * components, sentinel);
-    EXPECT_EQ(pdesc_field_map(field, name, values.data(), static_cast<int64_t>(values.size())), PDESC_OK) << pdesc_last_error();
-    EXPECT_EQ(std::count(values.begin(), values.end(), sentinel), 0);
-    return values;
-  }
-
   static std::vector<float> at_vertices(const pdesc_field *field, int32_t vertex_count) {
     std::vector<float> values(static_cast<size_t>(vertex_count), sentinel);
     EXPECT_EQ(pdesc_field_values(field, "mean_curvature", values.data(), vertex_count), PDESC_OK) << pdesc_last_error();

@@ -54,6 +54,26 @@ protected:
       {"baked buffers", [](pdesc_options &o) { o.buffers = 1; }},
   };
 
+  // Each need by itself, in one sentence that names it and has these words.
+  void expect_all_refused(Mesh &mesh, int32_t status, std::initializer_list<const char *> words) {
+    const pdesc_options usual = options;
+    for (const Need &need : needs) {
+      options = usual;
+      need.ask(options);
+      try {
+        compute_on(mesh);
+        ADD_FAILURE() << need.word << " was computed";
+      } catch (const Error &error) {
+        EXPECT_EQ(error.status(), status);
+        test::expect_one_sentence(error.what());
+        EXPECT_NE(std::string(error.what()).find(need.word), std::string::npos) << need.word << " is not in: " << error.what();
+        for (const char *word : words)
+          EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << word << " is not in: " << error.what();
+      }
+    }
+    options = usual;
+  }
+
   test::TestMesh ball;
   pdesc_options options;
 };
@@ -112,40 +132,13 @@ TEST_F(Choice, follows_surface_maps_to_the_software_device) {
 
 TEST_F(Choice, refuses_what_takes_opengl_where_there_is_none_in_one_sentence) {
   const auto mesh = mesh_on(open(PDESC_BACKEND_AUTO, false));
-  const pdesc_options usual = options;
-  for (const Need &need : needs) {
-    options = usual;
-    need.ask(options);
-    try {
-      compute_on(*mesh);
-      ADD_FAILURE() << need.word << " was computed";
-    } catch (const Error &error) {
-      EXPECT_EQ(error.status(), PDESC_ERROR_UNSUPPORTED);
-      test::expect_one_sentence(error.what());
-      for (const char *word : {need.word, "OpenGL", "libEGL.so.1"})
-        EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << word << " is not in: " << error.what();
-    }
-  }
-  options = usual;
+  expect_all_refused(*mesh, PDESC_ERROR_UNSUPPORTED, {"OpenGL", "libEGL.so.1"});
   EXPECT_EQ(compute_on(*mesh).report.backend, PDESC_BACKEND_CPU);
 }
 
 TEST_F(Choice, refuses_by_the_name_cpu_what_it_does_without_and_names_who_has_it) {
   const auto mesh = mesh_on(open(PDESC_BACKEND_CPU));
-  const pdesc_options usual = options;
-  for (const Need &need : needs) {
-    options = usual;
-    need.ask(options);
-    try {
-      compute_on(*mesh);
-      ADD_FAILURE() << need.word << " was computed";
-    } catch (const Error &error) {
-      EXPECT_EQ(error.status(), PDESC_ERROR_INVALID_OPERATION);
-      test::expect_one_sentence(error.what());
-      for (const char *word : {need.word, "cpu", "software"})
-        EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << word << " is not in: " << error.what();
-    }
-  }
+  expect_all_refused(*mesh, PDESC_ERROR_INVALID_OPERATION, {"cpu", "software"});
 }
 
 TEST_F(Choice, of_the_processor_makes_buffers_and_seed_without_effect) {

@@ -1,9 +1,11 @@
 // Fixture for the tests of the C interface: a small mesh, and refusals with their sentences.
 #pragma once
 
+#include <algorithm>
 #include <cctype>
 #include <initializer_list>
 #include <string>
+#include <vector>
 
 #include "paradesc/paradesc.h"
 #include "support/layout.h"
@@ -25,6 +27,15 @@ inline void expect_refused(int32_t status, int32_t code, std::initializer_list<c
   expect_one_sentence(sentence);
   for (const char *offender : offenders)
     EXPECT_NE(lower(sentence).find(lower(offender)), std::string::npos) << "no \"" << offender << "\" in: " << sentence;
+}
+
+// Values of a map (size * size, components), all of which are set.
+inline std::vector<float> map_of(const pdesc_field *field, const char *name, size_t components = 1) {
+  const auto size = static_cast<size_t>(pdesc_field_map_size(field));
+  std::vector<float> values(size * size * components, sentinel);
+  EXPECT_EQ(pdesc_field_map(field, name, values.data(), static_cast<int64_t>(values.size())), PDESC_OK) << pdesc_last_error();
+  EXPECT_EQ(std::count(values.begin(), values.end(), sentinel), 0);
+  return values;
 }
 
 // A small ball on six charts and the reference backend, which every machine has.

@@ -289,8 +289,7 @@ typedef struct pdesc_options {
   uint32_t struct_size;
   double radius;        /* > 0; default 0.02 */
   int32_t radius_unit;  /* pdesc_radius_unit; default DIAGONAL. The radius may not exceed the diagonal */
-  int32_t samples;      /* over the neighborhood of a vertex, at least, 8 to 4096; default 256. CPU divides the surface by it, into fewer pieces,
-                           for it knows what the rim cuts of them. Not used by REFERENCE */
+  int32_t samples;      /* over the neighborhood of a vertex, at least, 8 to 4096; default 256. CPU takes fewer pieces, cut exactly. Not used by REFERENCE */
   int32_t buffer_size;  /* texels along a side of the square buffers, 64 to 8192; default 1024. Not used by REFERENCE, nor by CPU */
   int32_t normals;      /* pdesc_normals; default FITTED */
   int32_t max_jumps;    /* seams that one sample may cross, 0 to 64; default 8. Used by AFFINE and PAPER relocation only; the paper: 1 */

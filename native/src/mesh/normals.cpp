@@ -267,7 +267,7 @@ public:
       normals_[fan] = vec3(n);
       return;
     }
-    const dvec3 e1 = glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
+    const dvec3 e1 = tangent_of(n);
     members_[used_] = {fan, spread, n, e1, glm::cross(n, e1)};
     take_heights(members_[used_]);
     if (++used_ == lane_count) fit();

@@ -1,6 +1,8 @@
 // Vectors for the whole library. Only this file includes GLM.
 #pragma once
 
+#include <cmath>
+
 #include <glm/geometric.hpp>
 #include <glm/mat2x2.hpp>
 #include <glm/mat3x3.hpp>
@@ -27,6 +29,10 @@ inline constexpr double pi = 3.14159265358979323846;
 
 // Twice the signed area of a triangle in the plane.
 inline double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
+
+// A unit vector at a right angle to the unit vector n.
+inline dvec3 tangent_of(dvec3 n) { return glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0))); }
+inline vec3 tangent_of(vec3 n) { return glm::normalize(glm::cross(n, std::abs(n.x) < 0.6f ? vec3(1, 0, 0) : vec3(0, 1, 0))); }
 
 // Half-edge 3t + i runs from corner i of triangle t to the next corner.
 inline constexpr int next_corner(int corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }

@@ -240,9 +240,6 @@ template <class Wide> struct Adder {
     const float near = 1e-6f * kernel.params.radius * kernel.params.radius;
     const Choices at0 = squares[0] < near, at2 = squares[2] < near, apart = !(at0 || squares[1] < near || at2);
     const auto choose = [&](const Lanes &of0, const Lanes &of1, const Lanes &of2) { return mix(mix(of1, of2, at2), of0, at0); };
-    constexpr float root2 = Seen::root2, root6 = Seen::root6;
-    const Lanes from[2] = {choose(root2, root2, -2.0f * root2), choose(root6, -1.0f * root6, 0.0f)};
-    const Lanes to[2] = {choose(root2, -2.0f * root2, root2), choose(-1.0f * root6, 0.0f, root6)};
     const Lanes from_length = fast_sqrt(choose(squares[1], squares[2], squares[0]));
     const Lanes to_length = fast_sqrt(choose(squares[2], squares[0], squares[1]));
     const Lanes bisector = from_length / max(from_length + to_length, 1e-30f);
@@ -255,8 +252,11 @@ template <class Wide> struct Adder {
       const Lanes start = k < 2 ? Lanes(0.0f) : bisector, size = k < 2 ? bisector : 1.0f - bisector;
       const Lanes along = start + gauss[k % 2] * size, share = mix(0.5f * size, 0.25f, apart);
       Lanes place[2];
-      for (int axis = 0; axis < 2; ++axis)
-        place[axis] = mix(from[axis] + along * (to[axis] - from[axis]), part.place[axis] + extent * inner[k][axis], apart);
+      for (int axis = 0; axis < 2; ++axis) {
+        const auto corner = [&](int i) { return Lanes(corner_place[i][axis]); };
+        const Lanes from = choose(corner(1), corner(2), corner(0)), to = choose(corner(2), corner(0), corner(1));
+        place[axis] = mix(from + along * (to - from), part.place[axis] + extent * inner[k][axis], apart);
+      }
       const Vector<3, Lanes> turn = seen.normal_at(place) - sums.center.normal, way = seen.at(place);
       const Lanes root = fast_inversesqrt(max(square_of(way), near));
       const Lanes x = dot(way, sums.center.t1), y = dot(way, sums.center.t2);

@@ -110,13 +110,19 @@ static void evaluate_group(const Evaluation &pass, AddSamples add_samples, std::
   }
 }
 
-static CenterResults evaluate(const Evaluation &pass) {
-  const size_t count = pass.centers.size();
+// Before anything is computed.
+static CenterResults unknown_results(size_t count, std::span<const int> rows) {
   CenterResults results = results_at_points(static_cast<int>(count));
-  for (const int row : pass.rows)
+  for (const int row : rows)
     results.values.emplace_back(count * static_cast<size_t>(descriptor_row(row).components),
                                 std::numeric_limits<float>::quiet_NaN());
   results.boundary.assign(count, 0);
+  return results;
+}
+
+static CenterResults evaluate(const Evaluation &pass) {
+  const size_t count = pass.centers.size();
+  CenterResults results = unknown_results(count, pass.rows);
   const AddSamples add_samples = sum_targets()[0].by_kind[static_cast<size_t>(pass.plan.kind)];
   const auto groups = static_cast<int>(pass.groups.begin.size()) - 1;
   std::atomic<int> done{0};
@@ -185,7 +191,10 @@ public:
         radius_(static_cast<float>(radius_of(pass, request.options, request.radius) * space.scale)),
         source_{surface.triangles, surface.half_edges, surface.normals, tree, space, map, threads},
         surfels_(build_surfels(source_, radius_, samples_of_both_radii(pass, request.options))),
-        samples_(list_samples(source_, surfels_)) {}
+        samples_(list_samples(source_, surfels_)),
+        params_(params_of(request, space.scale, radius_, share_of_clusters(surfels_))) {
+    surfels_.clusters = {}; // samples stand for them
+  }
 
   CenterResults at_points(std::span<const int> rows, const std::function<void(double)> &progress) const {
     return at(centers_at_points(surface_, source_.space), source_.map ? *source_.map : MapValues(), rows, progress);
@@ -203,11 +212,10 @@ private:
   // map: at the centers, where there is one.
   CenterResults at(const std::vector<TreeCenter> &centers, const MapValues &map, std::span<const int> rows,
                    const std::function<void(double)> &progress) const {
-    const double scale = source_.space.scale;
-    CenterResults results = evaluate({source_, surfels_, samples_, centers, map, group_centers(source_.tree, centers, radius_),
-                                      plan_sums(rows, request_.options, pass_.stage == Stage::windows),
-                                      params_of(request_, scale, radius_, share_of_clusters(surfels_)), rows, progress});
-    scale_values(rows, scale, results);
+    CenterResults results =
+        evaluate({source_, surfels_, samples_, centers, map, group_centers(source_.tree, centers, radius_),
+                  plan_sums(rows, request_.options, pass_.stage == Stage::windows), params_, rows, progress});
+    scale_values(rows, source_.space.scale, results);
     return results;
   }
 
@@ -218,6 +226,7 @@ private:
   SurfelSource source_;
   Surfels surfels_;
   SurfaceSamples samples_;
+  EvaluateParams params_;
 };
 
 } // namespace
@@ -260,16 +269,6 @@ static void add_texels(const RunningPass &running, const Pass &pass, std::span<c
   }
 }
 
-// At all texels, before anything is computed.
-static CenterResults results_at_texels(const TexelMap &texels, std::span<const int> requested) {
-  CenterResults results = results_at_points(static_cast<int>(texels.centers.size()));
-  for (const int row : requested)
-    results.values.emplace_back(texels.centers.size() * static_cast<size_t>(descriptor_row(row).components),
-                                std::numeric_limits<float>::quiet_NaN());
-  results.boundary.assign(texels.centers.size(), 0);
-  return results;
-}
-
 const TexelMap &CpuSession::texels(const Surface &surface, int size, int threads) {
   const auto key = [&] { return std::pair(surface.atlases.current().version, size); };
   if (const TexelMap *const kept = texels_.find(key())) return *kept;
@@ -300,7 +299,7 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
   CenterResults at_texels;
   if (options.evaluate == PDESC_EVALUATE_TEXEL) {
     map_texels = &texels(surface, options.texels, resources.threads);
-    at_texels = results_at_texels(*map_texels, request.descriptors);
+    at_texels = unknown_results(map_texels->centers.size(), request.descriptors);
   }
   Computed computed;
   computed.report.seconds_prepare = clock.lap();
@@ -338,7 +337,7 @@ static int64_t bytes_of_texels(const ComputationSize &size) {
 MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   // The tree, and while it is cut for a radius: clusters, counts, surfels, cells.
   constexpr int64_t of_triangle = 24 + 2 * (sizeof(Surfel) + 32) + sizeof(Surfel) + 40;
-  // In parts, and as one list that grows by half.
+  // In parts that grow, and as one list.
   constexpr int64_t of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
   const auto triangles = static_cast<double>(size.triangles);
   const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };

@@ -92,8 +92,7 @@ Sample sample_of(const Cluster &cluster) {
   sample.turn = tangent(cluster.lean);
   sample.reach = cluster.reach * (1.0f + sample.turn * sample.turn); // it may rise by its turn as far as it reaches
   const vec3 n = unit_or(cluster.face, vec3(0.0f, 0.0f, 1.0f));
-  const vec3 first = glm::normalize(cross(n, std::abs(n.x) < 0.6f ? vec3(1.0f, 0.0f, 0.0f) : vec3(0.0f, 1.0f, 0.0f)));
-  const vec3 second = cross(n, first);
+  const vec3 first = tangent_of(n), second = cross(n, first);
   const vec3 of_first = cluster.variance * first;
   const float xx = dot(first, of_first), xy = dot(second, of_first);
   if (!(xx > 0.0f)) return sample;

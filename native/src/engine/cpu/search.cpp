@@ -108,9 +108,8 @@ void Search::reach(int32_t surfel) {
 
 // A piece of surface that is not connected to the center would come nearest to it somewhere: so there is none if all samples
 // where the surface may do so are connected to the center by each other.
-bool Search::is_one_piece(const TreeCenter &center, int lane) {
+bool Search::is_one_piece(const TreeCenter &center, int lane, int32_t nearest) {
   start_flood(center.triangle);
-  const int32_t nearest = count_nearest(lane);
   int32_t found = 0;
   size_t around = 1; // the center's own surfel, and those around it
   for (size_t i = 0; i < reached_.size() && found < nearest; ++i) {
@@ -146,11 +145,11 @@ bool Search::reach_neighbors(int32_t surfel, vec3 center) {
 
 Search::Connected Search::find_connected(const TreeCenter &center, int lane) {
   note_nearest();
+  const int32_t nearest = count_nearest(lane);
   const bool may_end = near_boundary(center.position);
-  if (!may_end && is_one_piece(center, lane)) return {true, false};
+  if (!may_end && is_one_piece(center, lane, nearest)) return {true, false};
   start_flood(center.triangle);
   Connected connected{false, false};
-  const int32_t nearest = count_nearest(lane);
   int32_t found = 0;
   for (size_t i = 0; i < reached_.size(); ++i) {
     if (reach_neighbors(reached_[i], center.position)) connected.boundary = true;

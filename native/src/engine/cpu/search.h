@@ -42,7 +42,7 @@ private:
   void start_flood(int32_t triangle);
   void reach(int32_t surfel);
   bool reach_neighbors(int32_t surfel, vec3 center);
-  bool is_one_piece(const TreeCenter &center, int lane);
+  bool is_one_piece(const TreeCenter &center, int lane, int32_t nearest);
 
   const SurfelSource &source_;
   const Surfels &surfels_;

@@ -102,8 +102,9 @@ static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32
   if (surfel.samples > max_stored_samples) return;
   if (surfel.samples > 1.0f)
     return divide_triangle(source, surfels, index, vec3(0.0f), std::numeric_limits<float>::max(), samples);
+  const int32_t triangle = source.tree.triangle[surfels.first[index]];
   const Sample sample = surfel.level > 0 ? sample_of(surfels.clusters[surfel.level][surfel.cluster])
-                                         : sample_of(source, surfels, source.tree.triangle[surfels.first[index]]);
+                                         : sample_of(source, triangle, lean_of(source, surfels, triangle));
   if (sample.area > least_area) samples.push_back(flat(sample, index, surfels.map.empty() ? vec4(0.0f) : surfels.map[index]));
 }
 

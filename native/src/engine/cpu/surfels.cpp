@@ -118,9 +118,11 @@ private:
   Cluster join_children(size_t level, size_t begin, size_t end) const {
     if (level > 1) return join(std::span(result_.clusters[level - 1]).subspan(begin, end - begin));
     std::array<Cluster, ClusterTree::max_children> triangles;
-    for (size_t k = begin; k < end; ++k)
-      triangles[k - begin] =
-          cluster_of(sample_of(source_, result_, tree_.triangle[k]), lean_of(source_, result_, tree_.triangle[k]));
+    for (size_t k = begin; k < end; ++k) {
+      const int32_t triangle = tree_.triangle[k];
+      const float lean = lean_of(source_, result_, triangle);
+      triangles[k - begin] = cluster_of(sample_of(source_, triangle, lean), lean);
+    }
     return join(std::span(triangles).first(end - begin));
   }
 
@@ -281,13 +283,13 @@ float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t triang
   return std::sqrt(square);
 }
 
-Sample sample_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle) {
+Sample sample_of(const SurfelSource &source, int32_t triangle, float lean) {
   vec3 corners[3], normals[3];
   for (int32_t k = 0; k < 3; ++k) {
     corners[k] = source.position(3 * triangle + k);
     normals[k] = source.normals.corner(static_cast<size_t>(3 * triangle + k));
   }
-  return sample_of_triangle(corners, normals, lean_of(source, surfels, triangle));
+  return sample_of_triangle(corners, normals, lean);
 }
 
 // (surfels) the map's mean over each; at its triangles' corners where it is one triangle alone.

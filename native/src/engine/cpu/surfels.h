@@ -62,9 +62,9 @@ struct Surfels {
   int32_t cells() const { return static_cast<int32_t>(cell_sphere.size()); }
 };
 
-// Of a whole triangle.
-Sample sample_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle);
-float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle); // as Cluster::lean
+// Of a whole triangle. lean: as Cluster's.
+float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle);
+Sample sample_of(const SurfelSource &source, int32_t triangle, float lean);
 
 // samples: that a disk of the radius is divided into, about.
 Surfels build_surfels(const SurfelSource &source, float radius, int samples);

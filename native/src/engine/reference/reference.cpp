@@ -262,7 +262,7 @@ private:
     const auto i = static_cast<size_t>(point);
     position_ = dvec3(surface_.triangles.positions[surface_.half_edges.point_vertex[i]]);
     const dvec3 n = glm::normalize(dvec3(surface_.normals.point[i]));
-    const dvec3 tangent = glm::normalize(glm::cross(n, std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
+    const dvec3 tangent = tangent_of(n);
     const bool with_map = surface_.map != nullptr;
     center_ = {n,
                tangent,
