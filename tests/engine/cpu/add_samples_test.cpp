@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -44,7 +45,7 @@ std::vector<FlatSample> sheet(int side, Height height) {
         const vec3 corners[] = {position[p], position[q], position[r]}, normals[] = {normal[p], normal[q], normal[r]};
         const float value = (i + k) % 17 == 0 ? std::nanf("") : unit(random);
         samples.push_back(flat(sample_of_triangle(corners, normals, 0.1f), i * side + k,
-                               vec4(unit(random), unit(random), unit(random), value)));
+                               {vec4(unit(random), unit(random), unit(random), value), vec2(0.1f * unit(random))}));
       }
     }
   return samples;
@@ -54,32 +55,53 @@ float flat_height(float, float) { return 0.0f; }
 float bent(float x, float y) { return -1.5f * x * x + y * y; }
 
 struct Summed {
-  alignas(64) Sums sums = {};
-  std::vector<uint16_t> nearest;
+  std::array<float, max_sums> sums{};
+  std::vector<int32_t> whole, cut, nearest; // samples
 };
 
 Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, const std::vector<FlatSample> &samples,
-              const SumCenters &centers) {
-  std::vector<const FlatSample *> all;
-  for (const FlatSample &sample : samples) all.push_back(&sample);
-  const std::vector<uint16_t> shown(samples.size(), 0xffff);
+              const SumCenter &center) {
+  std::vector<SampleBlock> blocks;
+  std::vector<float> spheres[4];
+  for (size_t first = 0; first < samples.size(); first += block_lanes) {
+    const auto of_block = std::span(samples).subspan(first, std::min<size_t>(block_lanes, samples.size() - first));
+    blocks.push_back(block_of(of_block));
+    const vec4 sphere = sphere_of(of_block);
+    for (int i = 0; i < 4; ++i) spheres[i].push_back(sphere[i]);
+  }
+  std::vector<const SampleBlock *> listed;
+  for (const SampleBlock &block : blocks) listed.push_back(&block);
+  const std::vector<uint16_t> shown(blocks.size(), 0xffff);
+  while (spheres[0].size() % block_lanes != 0)
+    for (auto &column : spheres) column.push_back(1e18f);
+  std::fill(spheres[3].begin() + static_cast<ptrdiff_t>(blocks.size()), spheres[3].end(), 0.0f);
   Summed summed;
-  summed.nearest.resize(samples.size());
-  target.by_kind[kind](params, all.data(), shown.data(), static_cast<int32_t>(all.size()), centers, summed.sums,
-                       summed.nearest.data());
+  for (auto *list : {&summed.whole, &summed.cut, &summed.nearest}) list->resize(blocks.size() * block_lanes);
+  Selection selection{summed.whole.data(), summed.cut.data(), summed.nearest.data(), 0, 0, 0};
+  target.select({listed.data(),
+                 shown.data(),
+                 {spheres[0].data(), spheres[1].data(), spheres[2].data(), spheres[3].data()},
+                 static_cast<int32_t>(spheres[0].size())},
+                center.position, params.radius, selection);
+  summed.whole.resize(static_cast<size_t>(selection.wholes));
+  summed.cut.resize(static_cast<size_t>(selection.cuts));
+  summed.nearest.resize(static_cast<size_t>(selection.nearests));
+  const FlatSample nothing{};
+  const auto filled = [&](const std::vector<int32_t> &list) {
+    std::vector<const FlatSample *> all;
+    for (const int32_t i : list) all.push_back(&samples[static_cast<size_t>(i)]);
+    while (all.size() % block_lanes != 0) all.push_back(&nothing);
+    return all;
+  };
+  const auto whole = filled(summed.whole), cut = filled(summed.cut);
+  target.by_kind[kind](params,
+                       {whole.data(), cut.data(), static_cast<int32_t>(whole.size()) / block_lanes,
+                        static_cast<int32_t>(cut.size()) / block_lanes},
+                       center, summed.sums.data());
   return summed;
 }
 
-// Along a line from the first place, so many units of the radius apart.
-SumCenters centers_from(vec3 place, vec3 step) {
-  SumCenters centers{};
-  for (int lane = 0; lane < max_lanes; ++lane)
-    for (int axis = 0; axis < 3; ++axis) {
-      centers.position[axis][lane] = place[axis] + static_cast<float>(lane) * step[axis];
-      centers.normal[axis][lane] = axis == 2 ? 1.0f : 0.0f;
-    }
-  return centers;
-}
+SumCenter center_at(vec3 place) { return {{place.x, place.y, place.z}, {0.0f, 0.0f, 1.0f}, 0.25f}; }
 
 EvaluateParams params() {
   EvaluateParams params{};
@@ -91,63 +113,83 @@ EvaluateParams params() {
 
 TEST(AddSamples, has_the_same_bits_by_every_set_of_instructions) {
   const std::vector<FlatSample> samples = sheet(24, bent);
-  const SumCenters centers = centers_from(vec3(0.01f, -0.02f, 0.0f), vec3(0.003f, 0.004f, 0.001f));
+  const SumCenter center = center_at(vec3(0.013f, -0.016f, 0.001f));
   const std::vector<SumTarget> targets = sum_targets();
   ASSERT_FALSE(targets.empty());
   for (int kind = 0; kind < sum_kinds; ++kind) {
-    const Summed first = sum_up(targets[0], kind, params(), samples, centers);
-    EXPECT_GT(first.sums[0][0], 0.0f) << "the area";
+    const Summed first = sum_up(targets[0], kind, params(), samples, center);
+    EXPECT_GT(first.sums[0], 0.0f) << "the area";
     for (const SumTarget &target : targets) {
-      const Summed other = sum_up(target, kind, params(), samples, centers);
+      const Summed other = sum_up(target, kind, params(), samples, center);
+      EXPECT_EQ(other.whole, first.whole) << target.name;
+      EXPECT_EQ(other.cut, first.cut) << target.name;
       EXPECT_EQ(other.nearest, first.nearest) << target.name;
-      EXPECT_EQ(std::memcmp(other.sums, first.sums, sizeof first.sums), 0) << "kind " << kind << " by " << target.name;
+      EXPECT_EQ(std::memcmp(&other.sums, &first.sums, sizeof first.sums), 0) << "kind " << kind << " by " << target.name;
     }
   }
 }
 
-// Whatever the others are, and whichever samples are far from it.
-TEST(AddSamples, has_the_same_bits_whichever_centers_are_beside_one) {
+TEST(AddSamples, has_the_same_bits_whichever_samples_outside_the_ball_are_looked_at) {
   const std::vector<FlatSample> samples = sheet(24, bent);
-  SumCenters centers = centers_from(vec3(0.01f, -0.02f, 0.0f), vec3(0.003f, 0.004f, 0.001f));
-  const Summed together = sum_up(sum_targets()[0], 1, params(), samples, centers);
-  for (int axis = 0; axis < 3; ++axis) std::fill_n(centers.position[axis], max_lanes, centers.position[axis][max_lanes - 1]);
+  const SumCenter center = center_at(vec3(0.013f, -0.016f, 0.001f));
   std::vector<FlatSample> near;
   for (const FlatSample &sample : samples) {
     float square = 0.0f;
-    for (int axis = 0; axis < 3; ++axis) square += std::pow(sample.position[axis] - centers.position[axis][0], 2.0f);
+    for (int axis = 0; axis < 3; ++axis) square += std::pow(sample.position[axis] - center.position[axis], 2.0f);
     if (square < std::pow(radius + sample.reach, 2.0f)) near.push_back(sample);
   }
   ASSERT_LT(near.size(), samples.size());
-  const Summed alone = sum_up(sum_targets()[0], 1, params(), near, centers);
-  for (size_t i = 0; i < max_sums; ++i) EXPECT_EQ(alone.sums[i][0], together.sums[i][max_lanes - 1]) << i;
+  for (const SumTarget &target : sum_targets())
+    for (int kind = 0; kind < sum_kinds; ++kind)
+      EXPECT_EQ(sum_up(target, kind, params(), near, center).sums, sum_up(target, kind, params(), samples, center).sums) << kind;
+}
+
+// Each sample that lies in the ball, once, by itself.
+TEST(AddSamples, takes_what_lies_in_the_ball) {
+  const std::vector<FlatSample> samples = sheet(24, bent);
+  const SumCenter center = center_at(vec3(0.013f, -0.016f, 0.001f));
+  std::vector<int32_t> whole, cut;
+  for (size_t i = 0; i < samples.size(); ++i) {
+    int inside = 0;
+    for (const vec3 &corner : corners_of(samples[i], vec3(center.position[0], center.position[1], center.position[2])))
+      inside += dot(corner, corner) < radius * radius ? 1 : 0;
+    if (inside > 0) (inside == 3 ? whole : cut).push_back(static_cast<int32_t>(i));
+  }
+  ASSERT_GT(whole.size(), 100u);
+  for (const SumTarget &target : sum_targets()) {
+    const Summed found = sum_up(target, 0, params(), samples, center);
+    EXPECT_EQ(found.whole, whole) << target.name;
+    EXPECT_EQ(found.cut, cut) << target.name;
+  }
 }
 
 // A plane at some height cuts a disk out of the ball: r^2 - h^2 instead of r^2, and its square in the second moments.
 TEST(AddSamples, cuts_triangles_as_the_ball_does) {
   for (const int side : {12, 16, 40}) // some 56, 100 and 630 triangles in the ball
     for (const float height : {0.0f, 0.3f, 0.8f}) {
-      const SumCenters centers = centers_from(vec3(0.0f, 0.0f, height * radius), vec3(0.002f, -0.001f, 0.0f));
-      const Summed found = sum_up(sum_targets()[0], 0, params(), sheet(side, flat_height), centers);
+      const std::vector<FlatSample> samples = sheet(side, flat_height);
       const double share = 1.0 - static_cast<double>(height * height),
                    disk = 3.14159265358979 * static_cast<double>(radius * radius);
-      for (int lane = 0; lane < max_lanes; ++lane) {
-        EXPECT_NEAR(found.sums[0][lane] / disk, share, 2e-4) << side << " at " << height;
-        EXPECT_NEAR(found.sums[1][lane] / (0.25 * disk), share * share, 2e-3) << "what varies within cut triangles is estimated";
-        EXPECT_NEAR(found.sums[2][lane] / (0.25 * disk), 0.0, 2e-3);
-        EXPECT_NEAR(found.sums[3][lane] / (0.25 * disk), share * share, 2e-3);
+      for (int i = 0; i < 16; ++i) {
+        const vec3 place(0.002f * static_cast<float>(i), -0.001f * static_cast<float>(i), height * radius);
+        const Summed found = sum_up(sum_targets()[0], 0, params(), samples, center_at(place));
+        EXPECT_NEAR(found.sums[0] / disk, share, 2e-4) << side << " at " << height;
+        EXPECT_NEAR(found.sums[1] / (0.25 * disk), share * share, 2e-3) << "what varies within cut triangles is estimated";
+        EXPECT_NEAR(found.sums[2] / (0.25 * disk), 0.0, 2e-3);
+        EXPECT_NEAR(found.sums[3] / (0.25 * disk), share * share, 2e-3);
       }
     }
 }
 
 // Another sheet, as far as there may be, is nearest to the center somewhere.
 TEST(AddSamples, sees_that_another_sheet_comes_nearest) {
-  const SumCenters centers = centers_from(vec3(0.0f), vec3(0.0f, 0.0f, 0.95f / 15.0f * radius));
-  const Summed found = sum_up(sum_targets()[0], 0, params(), sheet(24, bent), centers);
-  for (int lane = 0; lane < max_lanes; ++lane) {
-    const auto nearest = std::ranges::count_if(found.nearest, [&](uint16_t bits) { return (bits >> lane & 1) != 0; });
-    EXPECT_GE(nearest, 1) << "of a sheet at " << centers.position[2][lane];
-    if (lane == 0) {
-      EXPECT_LE(nearest, 24) << "those around the center";
+  const std::vector<FlatSample> samples = sheet(24, bent);
+  for (int i = 0; i < 16; ++i) {
+    const vec3 place(0.0f, 0.0f, 0.95f / 15.0f * radius * static_cast<float>(i));
+    const size_t nearest = sum_up(sum_targets()[0], 0, params(), samples, center_at(place)).nearest.size();
+    EXPECT_GE(nearest, 1u) << "of a sheet at " << place.z;
+    if (i == 0) {
+      EXPECT_LE(nearest, 24u) << "those around the center";
     }
   }
 }
@@ -157,13 +199,17 @@ TEST(Pieces, of_a_cluster_have_the_moments_of_their_triangles) {
   const auto normal = [](vec3 p) { return normalize(vec3(0.02f * p.x, -0.01f * p.y + 0.01f * p.x, 1.0f)); };
   const auto triangle = [&](int a, int b, int c) {
     const vec3 p[] = {corners[a], corners[b], corners[c]}, n[] = {normal(p[0]), normal(p[1]), normal(p[2])};
-    return sample_of_triangle(p, n, 0.01f);
+    return sample_of_triangle(p, n);
   };
-  const Cluster parts[] = {cluster_of(triangle(0, 1, 2), 0.01f), cluster_of(triangle(1, 3, 2), 0.01f)};
-  const Cluster whole = join(parts);
-  const Sample sample = sample_of(whole);
+  ClusterSums sums(corners[0]);
+  sums.add(triangle(0, 1, 2));
+  sums.add(triangle(1, 3, 2));
+  const Cluster whole = sums.cluster();
+  const Sample sample = sample_of(whole, 0.01f);
   EXPECT_FLOAT_EQ(sample.area, 3.0f + 3.5f);
-  const Cluster again = cluster_of(sample, 0.01f);
+  ClusterSums of_sample(corners[3]);
+  of_sample.add(sample);
+  const Cluster again = of_sample.cluster();
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) {
       EXPECT_NEAR(again.variance[i][k], whole.variance[i][k], 1e-5f);

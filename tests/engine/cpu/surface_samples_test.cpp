@@ -27,7 +27,7 @@ Sampled sample(const TestMesh &mesh, double radius) {
       compute_normals(triangles, half_edges, build_normal_rings(triangles, half_edges), PDESC_NORMALS_FITTED, 1);
   const ClusterTree tree = build_cluster_tree(half_edges);
   const BakeSpace space = bake_space_of(measure_extent(triangles, half_edges, 1).box);
-  const SurfelSource source{triangles, half_edges, normals, tree, space, nullptr, 2};
+  const SurfelSource source{triangles, half_edges, normals, tree, positions_in(space, triangles, 2), nullptr, 2};
   const auto scaled = static_cast<float>(radius * space.scale);
   const Surfels surfels = build_surfels(source, scaled, 256);
   const SurfaceSamples stored = list_samples(source, surfels);

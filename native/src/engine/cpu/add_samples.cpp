@@ -1,198 +1,188 @@
 // The sums of one set of instructions: compiled once for each, with LANE_WIDTH lanes and under the name KERNEL_TARGET.
 #include "engine/cpu/add_samples.h"
 
+#include <array>
+#include <bit>
+#include <cstddef>
+
 #include "engine/cpu/kinds.h"
+#include "engine/cpu/seen_samples.h"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 namespace paradesc::kernels {
 inline namespace KERNEL_TARGET {
 
-constexpr int passes = max_lanes / lane_count;
-
-inline Lanes load(const float *from) {
-  Lanes lanes;
-  __builtin_memcpy(&lanes, from, sizeof lanes);
-  return lanes;
-}
-inline Vector<3, Lanes> all(const float *v) { return {v[0], v[1], v[2]}; }
-
-inline Lanes square_of(const Vector<3, Lanes> &v) { return dot(v, v); }
-inline Lanes fast_sqrt(const Lanes &square) { return square * fast_inversesqrt(max(square, 1e-30f)); }
-
-// Those lanes whose bits are set.
-inline Choices chosen(int bits) {
-  Choices::Bits lane;
-  for (int i = 0; i < lane_count; ++i) lane[i] = 1 << i;
-  return {(lane & bits) != 0};
-}
-
-inline bool any(const Choices &choices) {
-  using Words = std::array<uint64_t, lane_count / 2>;
-  uint64_t all = 0;
-  for (const uint64_t word : std::bit_cast<Words>(choices)) all |= word;
-  return all != 0;
-}
-
-inline int bits_of(const Choices &choices) {
-  int bits = 0;
-  for (int i = 0; i < lane_count; ++i) bits |= (choices.lane[i] & 1) << i;
+// The lanes that are chosen, as bits.
+inline uint32_t bits_of(const Choices &choices) {
+#if defined(__AVX512DQ__) && LANE_WIDTH == 16
+  return _mm512_movepi32_mask(std::bit_cast<__m512i>(choices.lane));
+#elif defined(__AVX2__) && LANE_WIDTH == 8
+  return static_cast<uint32_t>(_mm256_movemask_ps(std::bit_cast<__m256>(choices.lane)));
+#elif defined(__SSE2__) && LANE_WIDTH == 4
+  return static_cast<uint32_t>(_mm_movemask_ps(std::bit_cast<__m128>(choices.lane)));
+#else
+  uint32_t bits = 0;
+  for (int i = 0; i < lane_count; ++i) bits |= (choices.lane[i] & 1u) << i;
   return bits;
+#endif
 }
 
-// A sample as the centers see it.
-struct Seen {
-  static constexpr float root2 = 1.41421356f, root6 = 2.44948974f;
-  const FlatSample &sample;
-  Vector<3, Lanes> offset;
-  Lanes height; // of the position above the plane of the face
-  Lanes area;
-  float edge[3]; // squared: between corners 0 and 1, 1 and 2, 2 and 0
-  float spread;
+// ---- Which samples
 
-  Seen(const FlatSample &from, const Vector<3, Lanes> &center, const Choices &shown)
-      : sample(from), offset(all(from.position) - center), height(dot(offset, all(from.face))),
-        area(mix(0.0f, from.area, shown)) {
-    const auto product = [](const float *a, const float *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
-    const float u = product(from.along[0], from.along[0]), v = product(from.along[1], from.along[1]);
-    const float uv = product(from.along[0], from.along[1]) * (6.0f * root2 * root6);
-    edge[0] = 18.0f * u + 6.0f * v + uv;
-    edge[1] = 24.0f * v;
-    edge[2] = 18.0f * u + 6.0f * v - uv;
-    spread = u + v;
-  }
-
-  Vector<3, Lanes> along(int k) const { return all(sample.along[k]); }
-  Vector<3, Lanes> normal_along(int k) const { return all(sample.normal_along[k]); }
-  Vector<3, Lanes> at(const Lanes *place) const { return offset + along(0) * place[0] + along(1) * place[1]; }
-  Vector<3, Lanes> normal_at(const Lanes *place) const {
-    return all(sample.normal) + normal_along(0) * place[0] + normal_along(1) * place[1];
-  }
-  // Of the circle in which the ball of this radius meets the plane.
-  Lanes per_radius_of_arc(float radius) const {
-    constexpr float least = 1e-4f;
-    return fast_inversesqrt(max(radius * radius - height * height, least * radius * radius));
-  }
-};
-
-// The corners of a sample, along its two directions.
-constexpr float corner_place[3][2] = {{-2.0f * Seen::root2, 0.0f}, {Seen::root2, Seen::root6}, {Seen::root2, -Seen::root6}};
-inline Vector<3, Lanes> at_corner(int k, const Vector<3, Lanes> &mean, const float along[2][3]) {
-  const auto gap = [&](int axis) { return corner_place[k][0] * along[0][axis] + corner_place[k][1] * along[1][axis]; };
-  return {mean.x + gap(0), mean.y + gap(1), mean.z + gap(2)};
-}
-
-// Whether the surface may come nearer to the center on a sample than around it, within the ball: there the way to the center is
-// one of the surface's normals, or lies between them, which lean from that of the face by its turn at most.
-inline Choices may_be_nearest(const Seen &seen, float radius) {
+// Whether the surface may come nearer to the center on a sample than around it: there the way to the center is one of the
+// surface's normals, or lies between them, which lean from that of the face by its turn at most.
+inline Choices may_be_nearest(const Lanes &square, const Lanes &height, const Lanes &foot, const Lanes &turn) {
   constexpr float normals_length = 0.95f; // squared, at least: of mean normals
-  const float reach = seen.sample.reach, beyond = radius + reach;
-  const Lanes square = square_of(seen.offset), height = max(seen.height, -1.0f * seen.height);
-  const Lanes across = square - height * height * (1.0f / normals_length), turned = reach + seen.sample.turn * height;
-  return across < turned * turned && square < beyond * beyond;
+  const Lanes turned = foot + turn * max(height, -1.0f * height);
+  return square - height * height * (1.0f / normals_length) < turned * turned;
 }
 
-// The part of samples that lies in a ball.
-struct Part {
-  Lanes area;
-  Lanes place[2];       // its mean position, along both of the sample's directions
-  Lanes chord;          // squared: between the places where the rim meets the sample's edges; 0: it does not
-  Lanes chord_place[2]; // its middle
-};
+using FourIndices [[gnu::vector_size(16)]] = int32_t;
 
-// How far along the edge from a corner to another the rim is met. beyond: how far the squared distances of both are below that of
-// the rim; between them the distance falls as the edge is straight.
-inline void meet_rim(const Lanes &beyond, const Lanes &other_beyond, const Lanes &edge, Lanes &above, Lanes &below) {
-  const Lanes slope = other_beyond - beyond + edge;
-  const Lanes root = fast_sqrt(max(slope * slope + 4.0f * edge * beyond, 0.0f));
-  above = 2.0f * max(beyond, -1.0f * beyond);
-  below = max(root + mix(slope, -1.0f * slope, beyond > 0.0f), 1e-18f);
+// Of four bits, those that are set, first.
+constexpr auto set_bits = [] {
+  struct {
+    int32_t places[16][4], count[16];
+  } table{};
+  for (int bits = 0; bits < 16; ++bits)
+    for (int i = 0; i < 4; ++i)
+      if ((bits >> i & 1) != 0) table.places[bits][table.count[bits]++] = i;
+  return table;
+}();
+
+// Four at a time, of which those that are not set are written over. Returns the number of items.
+inline int32_t append(uint32_t bits, int32_t first, int32_t *list, int32_t count) {
+  for (int i = 0; i < lane_count; i += 4) {
+    const uint32_t four = bits >> i & 15;
+    FourIndices places;
+    __builtin_memcpy(&places, set_bits.places[four], sizeof places);
+    places += first + i;
+    __builtin_memcpy(list + count, &places, sizeof places);
+    count += set_bits.count[four];
+  }
+  return count;
 }
 
-// What of a triangle lies in the ball: all but or only the part at the corner that is alone on its side of the rim, which is
-// bounded by two edges, and by an arc that lies beyond its chord. inside: how far the squared distances of the corners are below
-// that of the rim. per_radius: one over that of the arc.
-[[gnu::always_inline]] inline Part clip(const Seen &seen, const Lanes *inside, const Lanes &per_radius) {
-  const Choices in0 = inside[0] > 0.0f, in1 = inside[1] > 0.0f, in2 = inside[2] > 0.0f;
-  const Choices alone1 = (in0 != in1) && (in1 != in2), alone2 = (in1 != in2) && (in2 != in0);
-  const auto choose = [&](const Lanes &of0, const Lanes &of1, const Lanes &of2) {
-    return mix(mix(of0, of1, alone1), of2, alone2);
-  };
-  const Lanes alone = choose(inside[0], inside[1], inside[2]), next = choose(inside[1], inside[2], inside[0]),
-              previous = choose(inside[2], inside[0], inside[1]);
-  const Lanes to_next = choose(seen.edge[0], seen.edge[1], seen.edge[2]),
-              to_previous = choose(seen.edge[2], seen.edge[0], seen.edge[1]),
-              opposite = choose(seen.edge[1], seen.edge[2], seen.edge[0]);
-  Lanes above_next, below_next, above_previous, below_previous;
-  meet_rim(alone, next, to_next, above_next, below_next);
-  meet_rim(alone, previous, to_previous, above_previous, below_previous);
-  const Lanes root = fast_inversesqrt(max(below_next * below_previous, 1e-36f)), reciprocal = root * root;
-  const Lanes p = min(above_next * below_previous * reciprocal, 1.0f), q = min(above_previous * below_next * reciprocal, 1.0f);
-  const Lanes chord = p * p * to_next + q * q * to_previous - p * q * (to_next + to_previous - opposite);
-  const Lanes corner = seen.area * p * q, arc = min(max(chord, 0.0f) * fast_sqrt(chord) * (1.0f / 12.0f) * per_radius, seen.area);
-  const Choices only_corner = alone > 0.0f, cut = (in0 != in1) || (in1 != in2);
-  const Lanes sign = mix(-1.0f, 1.0f, only_corner);
-  // Areas by corners: that of the triangle at the corner by thirds, that of the arc by halves of its chord.
-  const Lanes third = sign * corner * (1.0f / 3.0f), half = arc * 0.5f;
-  const Lanes all = mix(seen.area, 0.0f, only_corner);
-  const Lanes at_next = p * (third + half), at_previous = q * (third + half);
-  const Lanes at_alone = 3.0f * third + arc - at_next - at_previous;
-  const Lanes at0 = choose(at_alone, at_previous, at_next), at1 = choose(at_next, at_alone, at_previous),
-              at2 = choose(at_previous, at_next, at_alone);
-  Part part;
-  part.area = mix(mix(0.0f, seen.area, in0), max(all + 3.0f * third + arc, 0.0f), cut);
-  const Lanes root_area = fast_inversesqrt(max(part.area, 1e-30f)), per_area = mix(0.0f, root_area * root_area, cut);
-  part.place[0] = (Seen::root2 * (at1 + at2) - 2.0f * Seen::root2 * at0) * per_area;
-  part.place[1] = Seen::root6 * (at1 - at2) * per_area;
-  const Lanes half_next = p * 0.5f, half_previous = q * 0.5f, rest = 1.0f - half_next - half_previous;
-  const Lanes m1 = choose(half_next, rest, half_previous), m2 = choose(half_previous, half_next, rest);
-  part.chord = mix(0.0f, max(chord, 0.0f), cut && seen.area > 0.0f);
-  part.chord_place[0] = Seen::root2 * (3.0f * (m1 + m2) - 2.0f); // their sum is 1
-  part.chord_place[1] = Seen::root6 * (m1 - m2);
-  return part;
+inline Vector<3, Lanes> load3(const float (*v)[block_lanes], int first) {
+  return {load(v[0] + first), load(v[1] + first), load(v[2] + first)};
 }
+
+// index: of the block's first sample. shown: the bits of those that count.
+inline void select_of_block(const SampleBlock &block, uint32_t shown, int32_t index, const Vector<3, Lanes> &center, float radius,
+                            Selection &to) {
+  for (int first = 0; first < block_lanes; first += lane_count) {
+    const Vector<3, Lanes> corners[3] = {load3(block.corner[0], first) - center, load3(block.corner[1], first) - center,
+                                         load3(block.corner[2], first) - center};
+    const Vector<3, Lanes> offset = (corners[0] + corners[1] + corners[2]) * (1.0f / 3.0f);
+    const Lanes square = square_of(offset), beyond = radius + load(block.reach + first);
+    const uint32_t near = bits_of(square < beyond * beyond) & shown >> first;
+    if (near == 0) continue;
+    const Choices in[3] = {square_of(corners[0]) < radius * radius, square_of(corners[1]) < radius * radius,
+                           square_of(corners[2]) < radius * radius};
+    const uint32_t all = near & bits_of(in[0] && in[1] && in[2]), some = near & bits_of(in[0] || in[1] || in[2]);
+    const uint32_t nearest = near & bits_of(may_be_nearest(square, dot(offset, load3(block.face, first)),
+                                                           load(block.foot + first), load(block.turn + first)));
+    to.wholes = append(all, index + first, to.whole, to.wholes);
+    to.cuts = append(some & ~all, index + first, to.cut, to.cuts);
+    if (nearest != 0) to.nearests = append(nearest, index + first, to.nearest, to.nearests);
+  }
+}
+
+void select(const Candidates &from, const float *center, float radius, Selection &to) {
+  to.wholes = to.cuts = to.nearests = 0;
+  const Vector<3, Lanes> middle = all(center);
+  for (int32_t first = 0; first < from.count; first += lane_count) {
+    const Vector<3, Lanes> at(load(from.sphere[0] + first), load(from.sphere[1] + first), load(from.sphere[2] + first));
+    const Lanes beyond = radius + load(from.sphere[3] + first);
+    for (uint32_t bits = bits_of(square_of(at - middle) < beyond * beyond); bits != 0; bits &= bits - 1) {
+      const int32_t i = first + __builtin_ctz(bits);
+      select_of_block(*from.block[i], from.shown[i], i * block_lanes, middle, radius, to);
+    }
+  }
+}
+
+// ---- Their sums
 
 template <class Wide> struct Adder {
   using Neighbor = typename Wide::Neighbor;
   Wide kernel;
   typename Wide::Sums sums;
 
-  // Returns the bits of the centers to which the surface may come nearest on it.
-  int add(const FlatSample &sample, const Choices &shown) {
-    const Seen seen(sample, sums.center.position, shown);
+  // may_be_cut: the rim may cut some of the samples; else they lie in the ball.
+  template <bool may_be_cut> [[gnu::always_inline]] void add(const FlatSample *const *samples) {
+    const Seen seen(samples, sums.center.position);
     const float radius = kernel.params.radius;
-    const Choices may_be = may_be_nearest(seen, radius);
-    Lanes squares[3]; // of the distances of the corners
-    for (int k = 0; k < 3; ++k) squares[k] = square_to(seen, k);
-    const int nearest = any(may_be) ? bits_of(may_be) : 0;
-    if (!any(min(min(squares[0], squares[1]), squares[2]) < radius * radius)) return nearest;
-    Neighbor neighbor;
-    if constexpr (requires { neighbor.face; }) neighbor.face = all(sample.face);
-    const Part part = clip_at(seen, squares, radius);
-    place(seen, part, neighbor);
-    if constexpr (requires { sums.terms.bending; }) find_turning(seen, part, squares, neighbor);
-    neighbor.inside = Wide::geodesic_ball ? part.area : part.area - strip_of(seen, part);
-    Vector<4, Lanes> map(0.0f);
-    if constexpr (requires { sums.center.value; }) map = {sample.map[0], sample.map[1], sample.map[2], sample.map[3]};
-    if constexpr (requires { sums.half_ball; }) {
-      Neighbor inner = neighbor;
-      place(seen, clip_at(seen, squares, 0.5f * radius), inner);
-      kernel.add_weighted(sums, neighbor, inner, map);
-    } else {
-      kernel.add_weighted(sums, neighbor, map);
-    }
-    add_variance(seen, part);
-    return nearest;
+    const Distances distances = distances_of(seen);
+    Part part{seen.area, {0.0f, 0.0f}, 0.0f, {0.0f, 0.0f}};
+    if constexpr (may_be_cut) part = clip_at(seen, distances, radius);
+    if constexpr (requires { sums.center.value; })
+      add_middles<may_be_cut>(seen, part);
+    else
+      add_part<may_be_cut>(seen, distances, part);
   }
 
-  // Of the distance of a corner that bounds the ball.
-  Lanes square_to(const Seen &seen, int corner) {
+  // By its mean position and what varies around it.
+  template <bool may_be_cut>
+  [[gnu::always_inline]] void add_part(const Seen &seen, const Distances &distances, const Part &part) {
+    const float radius = kernel.params.radius;
     Neighbor neighbor;
-    neighbor.offset = at_corner(corner, seen.offset, seen.sample.along);
-    const Lanes square = square_of(neighbor.offset);
-    if constexpr (!Wide::geodesic_ball) return square;
-    neighbor.rho = fast_sqrt(square);
-    neighbor.normal = at_corner(corner, all(seen.sample.normal), seen.sample.normal_along);
-    const Lanes geodesic = kernel.geodesic_distance(sums.center, neighbor);
-    return geodesic * geodesic;
+    if constexpr (requires { neighbor.face; }) neighbor.face = seen.face;
+    place<may_be_cut>(seen, part, neighbor);
+    if constexpr (requires { sums.terms.bending; }) find_turning(seen, part, distances.corner, neighbor);
+    neighbor.inside = Wide::geodesic_ball || !may_be_cut ? part.area : part.area - strip_of(seen, part);
+    if constexpr (requires { sums.half_ball; }) {
+      Neighbor inner = neighbor;
+      place<true>(seen, clip_at(seen, distances, 0.5f * radius), inner);
+      kernel.add_weighted(sums, neighbor, inner, seen.map);
+    } else {
+      kernel.add_weighted(sums, neighbor, seen.map);
+    }
+    add_variance(seen, part);
+  }
+
+  // By the middles of its edges, where a quadratic has its mean: sums for operators have the map times squares of positions.
+  template <bool may_be_cut> void add_middles(const Seen &seen, const Part &part) {
+    constexpr float middles[3][2] = {{root2, 0.0f}, {-0.5f * root2, 0.5f * root6}, {-0.5f * root2, -0.5f * root6}};
+    const Lanes extent = may_be_cut ? fast_sqrt(part.area * seen.per_area) : Lanes(1.0f);
+    for (const float(&middle)[2] : middles) {
+      const Lanes at[2] = {part.place[0] + extent * middle[0], part.place[1] + extent * middle[1]};
+      Neighbor neighbor{};
+      neighbor.offset = seen.at(at);
+      neighbor.normal = seen.normal_at(at);
+      neighbor.rho = fast_sqrt(square_of(neighbor.offset));
+      neighbor.weight = part.area * (1.0f / 3.0f);
+      Vector<4, Lanes> map = seen.map;
+      map.w += seen.value_along[0] * at[0] + seen.value_along[1] * at[1];
+      kernel.add_weighted(sums, neighbor, map);
+    }
+  }
+
+  Distances distances_of(const Seen &seen) {
+    Vector<3, Lanes> corners[3];
+    find_corners(seen.offset, seen.along, corners);
+    Distances distances;
+    for (int k = 0; k < 3; ++k) distances.corner[k] = square_of(corners[k]);
+    if constexpr (Wide::geodesic_ball) {
+      Vector<3, Lanes> normals[3];
+      find_corners(seen.normal, seen.normal_along, normals);
+      for (int k = 0; k < 3; ++k) {
+        Neighbor neighbor;
+        neighbor.offset = corners[k];
+        neighbor.rho = fast_sqrt(distances.corner[k]);
+        neighbor.normal = normals[k];
+        const Lanes geodesic = kernel.geodesic_distance(sums.center, neighbor);
+        distances.corner[k] = geodesic * geodesic;
+      }
+    }
+    const Lanes u = square_of(seen.along[0]), v = square_of(seen.along[1]), uv = dot(seen.along[0], seen.along[1]);
+    const Lanes sum = 18.0f * u + 6.0f * v, gap = (6.0f * root2 * root6) * uv;
+    distances.edge[0] = sum + gap;
+    distances.edge[1] = 24.0f * v;
+    distances.edge[2] = sum - gap;
+    return distances;
   }
 
   // At the rim, what is within the radius, but not along the surface.
@@ -208,24 +198,25 @@ template <class Wide> struct Adder {
            (1.0f + chord * (1.0f / 24.0f + 3.0f / 640.0f * chord));
   }
 
-  [[gnu::always_inline]] static Part clip_at(const Seen &seen, const Lanes *squares, float radius) {
-    const Lanes rim = radius * radius, inside[3] = {rim - squares[0], rim - squares[1], rim - squares[2]};
+  [[gnu::always_inline]] static Part clip_at(const Seen &seen, const Distances &distances, float radius) {
+    const Lanes rim = radius * radius;
+    const Lanes inside[3] = {rim - distances.corner[0], rim - distances.corner[1], rim - distances.corner[2]};
     const Choices in = inside[0] > 0.0f;
     if (!any((in != (inside[1] > 0.0f)) || (in != (inside[2] > 0.0f))))
       return {mix(0.0f, seen.area, in), {0.0f, 0.0f}, 0.0f, {0.0f, 0.0f}};
-    return clip(seen, inside, seen.per_radius_of_arc(radius));
+    return clip(seen, inside, distances.edge, seen.per_radius_of_arc(radius));
   }
 
   // The neighbor stands for the part.
-  void place(const Seen &seen, const Part &part, Neighbor &neighbor) {
-    neighbor.offset = seen.at(part.place);
-    neighbor.normal = seen.normal_at(part.place);
-    const Lanes square = square_of(neighbor.offset), share = part.area * seen.sample.per_area;
+  template <bool may_be_cut> void place(const Seen &seen, const Part &part, Neighbor &neighbor) {
+    neighbor.offset = may_be_cut ? seen.at(part.place) : seen.offset;
+    neighbor.normal = may_be_cut ? seen.normal_at(part.place) : seen.normal;
+    const Lanes square = square_of(neighbor.offset), share = part.area * seen.per_area;
     neighbor.rho = fast_sqrt(square);
     // The mean distance grows by what varies across the way.
-    const Lanes u = dot(neighbor.offset, seen.along(0)), v = dot(neighbor.offset, seen.along(1));
+    const Lanes u = dot(neighbor.offset, seen.along[0]), v = dot(neighbor.offset, seen.along[1]);
     const Lanes per_rho = fast_inversesqrt(max(square, 1e-30f));
-    neighbor.mean_rho = fast_sqrt(square + share * max(seen.spread - (u * u + v * v) * per_rho * per_rho, 0.0f));
+    neighbor.mean_rho = fast_sqrt(square + share * max(seen.spread() - (u * u + v * v) * per_rho * per_rho, 0.0f));
     neighbor.geodesic = kernel.geodesic_distance(sums.center, neighbor);
     neighbor.distance = Wide::geodesic_ball ? neighbor.geodesic : neighbor.rho;
     neighbor.area = seen.area;
@@ -243,7 +234,7 @@ template <class Wide> struct Adder {
     const Lanes from_length = fast_sqrt(choose(squares[1], squares[2], squares[0]));
     const Lanes to_length = fast_sqrt(choose(squares[2], squares[0], squares[1]));
     const Lanes bisector = from_length / max(from_length + to_length, 1e-30f);
-    const Lanes extent = fast_sqrt(part.area * seen.sample.per_area);
+    const Lanes extent = fast_sqrt(part.area * seen.per_area);
     constexpr float inner[4][2] = {{-1.0f, -1.0f}, {-1.0f, 1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}};
     constexpr float gauss[2] = {0.21132487f, 0.78867513f};
     neighbor.turning = 0.0f;
@@ -268,19 +259,21 @@ template <class Wide> struct Adder {
 
   // To the moments that the parts' mean positions and normals have, what these vary within them.
   void add_variance(const Seen &seen, const Part &part) {
-    const Lanes weight = part.area * part.area * seen.sample.per_area;
+    const Lanes weight = part.area * part.area * seen.per_area;
     for (int k = 0; k < 2; ++k) {
-      const Lanes x = dot(seen.along(k), sums.center.t1) * (1.0f / kernel.params.radius),
-                  y = dot(seen.along(k), sums.center.t2) * (1.0f / kernel.params.radius);
-      const Lanes turn_x = dot(seen.normal_along(k), sums.center.t1), turn_y = dot(seen.normal_along(k), sums.center.t2);
+      const Lanes x = dot(seen.along[k], sums.center.t1) * (1.0f / kernel.params.radius),
+                  y = dot(seen.along[k], sums.center.t2) * (1.0f / kernel.params.radius);
+      const Lanes turn_x = dot(seen.normal_along[k], sums.center.t1), turn_y = dot(seen.normal_along[k], sums.center.t2);
       sums.moments.xx += weight * Vector<3, Lanes>(x * x, x * y, y * y);
       sums.moments.xy += weight * Vector<3, Lanes>(x * turn_x, x * turn_y + y * turn_x, y * turn_y);
     }
   }
 };
 
+using LanesOfSums = float[max_sums][block_lanes];
+
 // The lanes of one pass go where they belong among all. Returns where the next part's go.
-template <class Part> size_t store(const Part &part, int pass, Sums &sums, size_t at) {
+template <class Part> size_t store(const Part &part, int pass, LanesOfSums &sums, size_t at) {
   constexpr size_t count = sizeof(Part) / sizeof(Lanes);
   for (size_t i = 0; i < count; ++i)
     __builtin_memcpy(sums[at + i] + pass * lane_count, reinterpret_cast<const char *>(&part) + i * sizeof(Lanes), sizeof(Lanes));
@@ -288,23 +281,25 @@ template <class Part> size_t store(const Part &part, int pass, Sums &sums, size_
 }
 
 template <template <class, class> class Kernel>
-void add_samples(const EvaluateParams &params, const FlatSample *const *samples, const uint16_t *shown, int32_t count,
-                 const SumCenters &centers, Sums &sums, uint16_t *nearest) {
+void add_samples(const EvaluateParams &params, const SelectedSamples &samples, const SumCenter &center, float *sums) {
   using Wide = Kernel<Lanes, Choices>;
-  for (int pass = 0; pass < passes; ++pass) {
+  alignas(64) LanesOfSums of_lanes;
+  size_t count = 0;
+  for (int pass = 0; pass < block_lanes / lane_count; ++pass) {
     const int first = pass * lane_count;
-    const auto load3 = [&](const float(&v)[3][max_lanes]) {
-      return Vector<3, Lanes>(load(v[0] + first), load(v[1] + first), load(v[2] + first));
-    };
     Adder<Wide> adder{Wide{params}, {}};
-    adder.kernel.sums_init(adder.sums, load3(centers.position), load3(centers.normal), load(centers.value + first));
-    for (int32_t i = 0; i < count; ++i) {
-      const int bits = adder.add(*samples[i], chosen(shown[i] >> first)) << first;
-      nearest[i] = static_cast<uint16_t>(pass == 0 ? bits : nearest[i] | bits);
-    }
-    size_t at = store(adder.sums.moments, pass, sums, 0);
-    if constexpr (requires { adder.sums.half_ball; }) at = store(adder.sums.half_ball, pass, sums, at);
-    store(adder.sums.terms, pass, sums, at);
+    adder.kernel.sums_init(adder.sums, all(center.position), all(center.normal), center.value);
+    for (int32_t i = 0; i < samples.whole_blocks; ++i)
+      adder.template add<Wide::geodesic_ball>(samples.whole + i * block_lanes + first);
+    for (int32_t i = 0; i < samples.cut_blocks; ++i) adder.template add<true>(samples.cut + i * block_lanes + first);
+    count = store(adder.sums.moments, pass, of_lanes, 0);
+    if constexpr (requires { adder.sums.half_ball; }) count = store(adder.sums.half_ball, pass, of_lanes, count);
+    count = store(adder.sums.terms, pass, of_lanes, count);
+  }
+  for (size_t i = 0; i < count; ++i) {
+    std::array<float, block_lanes> lanes;
+    __builtin_memcpy(&lanes, of_lanes[i], sizeof lanes);
+    sums[i] = sum_of(lanes);
   }
 }
 
@@ -323,7 +318,7 @@ constexpr AddSamples by_kind[sum_kinds] = {add_samples<FitKernel>,
 #define JOIN(a, b) a##b
 #define SUMS_OF(target) JOIN(sums_of_, target)
 extern const SumTarget SUMS_OF(KERNEL_TARGET);
-const SumTarget SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), by_kind};
+const SumTarget SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), select, by_kind};
 
 } // namespace KERNEL_TARGET
 } // namespace paradesc::kernels

@@ -1,8 +1,7 @@
-// Samples of the surface → their sums over the neighborhoods of some centers side by side, by the widest instructions that the
-// processor has.
+// Samples of the surface → those in the ball around a center, and their sums, by the widest instructions that the processor has.
 //
-// Each center is a lane: its sums run over the samples one after the other, whatever the width of the lanes and whichever other
-// centers are beside it. So they have the same bits whatever the instructions, and wherever groups of centers begin.
+// A lane is a sample: samples are taken sixteen at a time whatever the width, and the sixteen sums are added up in one order. So
+// results have the same bits whatever the instructions, and whichever samples outside the ball were looked at.
 #pragma once
 
 #include <cstddef>
@@ -13,21 +12,49 @@ namespace paradesc {
 
 struct EvaluateParams;
 
-// A Sample of engine/cpu/pieces.h in plain floats.
-struct FlatSample {
-  float position[3], along[2][3];
-  float normal[3], normal_along[2][3];
-  float face[3], area, per_area, reach, turn;
-  int32_t surfel; // of which it is, or is part
-  float map[4];   // gradient and value, where there is a map
+// A Sample of engine/cpu/pieces.h in plain floats. Four are read at a time from wherever three belong together.
+struct alignas(64) FlatSample {
+  float position[3], area;
+  float normal[3], turn;
+  float along[2][3], normal_along[2][3];
+  float face[3], reach, foot;
+  int32_t surfel;       // of which it is, or is part
+  float value_along[2]; // of the map, where there is one
+  float map[4];         // mean gradient and value
 };
 
-inline constexpr int max_lanes = 16;
+inline constexpr int block_lanes = 16; // samples that are added together
 
-// The last one stands for those that are not there, too.
-struct SumCenters {
-  float position[3][max_lanes], normal[3][max_lanes];
-  float value[max_lanes]; // of the map
+struct SumCenter {
+  float position[3], normal[3];
+  float value; // of the map
+};
+
+// What is asked of samples before they are read, of those that follow each other.
+struct alignas(64) SampleBlock {
+  float corner[3][3][block_lanes], face[3][block_lanes], reach[block_lanes], turn[block_lanes], foot[block_lanes];
+};
+// Blocks in which a ball's samples may be, and the spheres around them: middles and radii, as many as fill whole blocks.
+struct Candidates {
+  const SampleBlock *const *block;
+  const uint16_t *shown; // (blocks) the bits of the samples that count
+  const float *sphere[4];
+  int32_t count; // of spheres
+};
+// Indices of candidates, block by block, in each list; which have room for all.
+struct Selection {
+  int32_t *whole;   // that lie in the ball
+  int32_t *cut;     // that may lie there in part
+  int32_t *nearest; // on which the surface may come nearer to the center than around it, within the ball
+  int32_t wholes, cuts, nearests;
+};
+using SelectSamples = void (*)(const Candidates &candidates, const float *center, float radius, Selection &selection);
+
+// Blocks of samples of each kind. What is left of the last ones is filled with samples that are all zero.
+struct SelectedSamples {
+  const FlatSample *const *whole;
+  const FlatSample *const *cut;
+  int32_t whole_blocks, cut_blocks;
 };
 
 // What is added up, compiled for itself.
@@ -44,16 +71,14 @@ enum class SumKind : int32_t {
 };
 inline constexpr int sum_kinds = 9;
 inline constexpr size_t max_sums = 96;
-using Sums = float[max_sums][max_lanes]; // of each: Moments, BallTerms of half the radius where the kind has them, Terms
 
-// shown: for each sample the bits of the centers that it counts for. nearest: those of the centers to which the surface may come
-// nearer on it than around it, within the ball.
-using AddSamples = void (*)(const EvaluateParams &params, const FlatSample *const *samples, const uint16_t *shown, int32_t count,
-                            const SumCenters &centers, Sums &sums, uint16_t *nearest);
+// sums: Moments, BallTerms of half the radius where the kind has them, Terms.
+using AddSamples = void (*)(const EvaluateParams &params, const SelectedSamples &samples, const SumCenter &center, float *sums);
 
 // One set of instructions.
 struct SumTarget {
   const char *name;
+  SelectSamples select;
   const AddSamples *by_kind; // (sum_kinds)
 };
 // Those that this processor has, the widest first.

@@ -62,46 +62,30 @@ struct Evaluation {
 
 } // namespace
 
-static SumCenters lanes_of(const Evaluation &pass, std::span<const int32_t> group) {
-  SumCenters lanes;
-  for (size_t lane = 0; lane < max_lanes; ++lane) {
-    const int32_t index = group[std::min(lane, group.size() - 1)];
-    const TreeCenter &center = pass.centers[index];
-    for (int axis = 0; axis < 3; ++axis) {
-      lanes.position[axis][lane] = center.position[axis];
-      lanes.normal[axis][lane] = center.normal[axis];
-    }
-    lanes.value[lane] = pass.map.empty() ? 0.0f : pass.map[index].w;
+static SumCenter sum_center(const Evaluation &pass, size_t index) {
+  const TreeCenter &center = pass.centers[index];
+  SumCenter to;
+  for (int axis = 0; axis < 3; ++axis) {
+    to.position[axis] = center.position[axis];
+    to.normal[axis] = center.normal[axis];
   }
-  return lanes;
+  to.value = pass.map.empty() ? 0.0f : pass.map[index].w;
+  return to;
 }
 
-static void evaluate_group(const Evaluation &pass, AddSamples add_samples, std::span<const int32_t> group, Search &search,
+static void evaluate_group(const Evaluation &pass, const SumTarget &target, std::span<const int32_t> group, Search &search,
                            CenterResults &results) {
   search.look(pass.centers, group);
-  const SumCenters lanes = lanes_of(pass, group);
-  alignas(64) Sums sums = {};
-  const auto sum_up = [&] {
-    const auto samples = search.samples();
-    add_samples(pass.params, samples.data(), search.shown(), static_cast<int32_t>(samples.size()), lanes, sums, search.nearest());
-  };
-  sum_up();
-  bool all = true;
-  for (size_t lane = 0; lane < group.size(); ++lane) {
-    const Search::Connected connected = search.find_connected(pass.centers[group[lane]], static_cast<int>(lane));
-    results.boundary[group[lane]] = connected.boundary;
-    all = all && connected.all;
-  }
-  if (!all) sum_up();
+  float sums[max_sums] = {};
   std::vector<float> values;
-  for (size_t lane = 0; lane < group.size(); ++lane) {
-    const auto index = static_cast<size_t>(group[lane]);
-    float of_lane[max_sums];
-    for (size_t i = 0; i < max_sums; ++i) of_lane[i] = sums[i][lane];
-    const auto at = [&](const float(&v)[3][max_lanes]) { return vec3(v[0][lane], v[1][lane], v[2][lane]); };
+  for (const int32_t i : group) {
+    const auto index = static_cast<size_t>(i);
+    const Search::Found found = search.find(pass.centers[index], target.select);
+    const SumCenter center = sum_center(pass, index);
+    target.by_kind[static_cast<size_t>(pass.plan.kind)](pass.params, found.samples, center, sums);
+    results.boundary[index] = found.boundary;
     values.clear();
-    finish(pass.plan, pass.params, {at(lanes.position), at(lanes.normal), lanes.value[lane]}, of_lane,
-           results.boundary[index] != 0, pass.rows, values);
+    finish(pass.plan, pass.params, center, sums, found.boundary, pass.rows, values);
     for (size_t k = 0, next = 0; k < pass.rows.size(); ++k) {
       const auto components = static_cast<size_t>(descriptor_row(pass.rows[k]).components);
       std::copy_n(&values[next], components, &results.values[k][index * components]);
@@ -123,13 +107,13 @@ static CenterResults unknown_results(size_t count, std::span<const int> rows) {
 static CenterResults evaluate(const Evaluation &pass) {
   const size_t count = pass.centers.size();
   CenterResults results = unknown_results(count, pass.rows);
-  const AddSamples add_samples = sum_targets()[0].by_kind[static_cast<size_t>(pass.plan.kind)];
+  const SumTarget target = sum_targets()[0];
   const auto groups = static_cast<int>(pass.groups.begin.size()) - 1;
   std::atomic<int> done{0};
   const CancelScope cancel([&] { pass.progress(static_cast<double>(done) / std::max(groups, 1)); });
   const auto evaluate_one = [&](int g, Search &search) {
     const auto first = static_cast<size_t>(pass.groups.begin[g]), last = static_cast<size_t>(pass.groups.begin[g + 1]);
-    evaluate_group(pass, add_samples, std::span(pass.groups.center).subspan(first, last - first), search, results);
+    evaluate_group(pass, target, std::span(pass.groups.center).subspan(first, last - first), search, results);
     ++done;
   };
   Pool<Search> searches;
@@ -156,7 +140,7 @@ static float share_of_clusters(const Surfels &surfels) {
   for (size_t k = 0; k < surfels.surfel.size(); ++k) {
     const double triangles = surfels.first[k + 1] - surfels.first[k];
     all += triangles;
-    if (surfels.surfel[k].level > 0) clusters += triangles;
+    if (surfels.surfel[k].cluster >= 0) clusters += triangles;
   }
   return all > 0 ? static_cast<float>(clusters / all) : 0.0f;
 }
@@ -173,11 +157,12 @@ static EvaluateParams params_of(const Request &request, double scale, float radi
   return params;
 }
 
-// Half of the radius has as many samples as the radius, where both count.
-static int samples_of_both_radii(const Pass &pass, const pdesc_options &options) {
-  const bool two_radii =
-      options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED && pass.stage != Stage::map && pass.stage != Stage::windows;
-  return samples_of(pass, options) * (two_radii ? 4 : 1);
+// How many of them divide a disk of the pass's radius. Half of the radius has as many as the radius, where both count; and the
+// products of gradients that windows add up take more, since no sample knows how gradients vary on it.
+static int samples_of_cut(const Pass &pass, const pdesc_options &options) {
+  if (pass.stage == Stage::windows) return 4 * options.samples;
+  const bool two_radii = options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED && pass.stage != Stage::map;
+  return two_radii ? 4 * options.samples : options.samples;
 }
 
 namespace {
@@ -189,15 +174,21 @@ public:
               const MapValues *map, int threads)
       : surface_(surface), request_(request), pass_(pass),
         radius_(static_cast<float>(radius_of(pass, request.options, request.radius) * space.scale)),
-        source_{surface.triangles, surface.half_edges, surface.normals, tree, space, map, threads},
-        surfels_(build_surfels(source_, radius_, samples_of_both_radii(pass, request.options))),
+        space_(space), source_{surface.triangles,
+                               surface.half_edges,
+                               surface.normals,
+                               tree,
+                               positions_in(space, surface.triangles, threads),
+                               map,
+                               threads},
+        surfels_(build_surfels(source_, radius_, samples_of_cut(pass, request.options))),
         samples_(list_samples(source_, surfels_)),
         params_(params_of(request, space.scale, radius_, share_of_clusters(surfels_))) {
-    surfels_.clusters = {}; // samples stand for them
+    surfels_.cluster = {}; // samples stand for them
   }
 
   CenterResults at_points(std::span<const int> rows, const std::function<void(double)> &progress) const {
-    return at(centers_at_points(surface_, source_.space), source_.map ? *source_.map : MapValues(), rows, progress);
+    return at(centers_at_points(surface_, space_), source_.map ? *source_.map : MapValues(), rows, progress);
   }
 
   // Texels [first, last).
@@ -205,17 +196,16 @@ public:
                           const std::function<void(double)> &progress) const {
     MapValues map;
     if (source_.map) map = map_at_texels(surface_, texels, *source_.map, first, last, source_.threads);
-    return at(centers_at_texels(surface_, source_.space, texels, first, last, source_.threads), map, rows, progress);
+    return at(centers_at_texels(surface_, space_, texels, first, last, source_.threads), map, rows, progress);
   }
 
 private:
   // map: at the centers, where there is one.
   CenterResults at(const std::vector<TreeCenter> &centers, const MapValues &map, std::span<const int> rows,
                    const std::function<void(double)> &progress) const {
-    CenterResults results =
-        evaluate({source_, surfels_, samples_, centers, map, group_centers(source_.tree, centers, radius_),
-                  plan_sums(rows, request_.options, pass_.stage == Stage::windows), params_, rows, progress});
-    scale_values(rows, source_.space.scale, results);
+    CenterResults results = evaluate({source_, surfels_, samples_, centers, map, group_centers(source_.tree, centers, radius_),
+                                      plan_sums(rows, request_.options, pass_.stage == Stage::windows), params_, rows, progress});
+    scale_values(rows, space_.scale, results);
     return results;
   }
 
@@ -223,6 +213,7 @@ private:
   const Request &request_;
   const Pass &pass_;
   float radius_;
+  const BakeSpace &space_;
   SurfelSource source_;
   Surfels surfels_;
   SurfaceSamples samples_;
@@ -306,7 +297,10 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
     const std::function<void(double)> part = [&](double done) { check_cancel(progress, "evaluate", (number + done) / count); };
     part(0.0);
-    const RunningPass running(surface, request, *tree_, space, pass, map, resources.threads);
+    const RunningPass running = [&] {
+      const CancelScope cancel([&] { part(0.0); });
+      return RunningPass(surface, request, *tree_, space, pass, map, resources.threads);
+    }();
     if (!map_texels) return running.at_points(pass.rows, part);
     constexpr double share = 0.7; // of the texels, where points are evaluated after them
     const std::function<void(double)> first = [&](double done) { part(share * done); };
@@ -335,15 +329,15 @@ static int64_t bytes_of_texels(const ComputationSize &size) {
 }
 
 MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
-  // The tree, and while it is cut for a radius: clusters, counts, surfels, cells.
-  constexpr int64_t of_triangle = 24 + 2 * (sizeof(Surfel) + 32) + sizeof(Surfel) + 40;
+  // The tree, positions, faces and places; sizes, counts and places of clusters while it is cut for a radius; links.
+  constexpr int64_t of_triangle = 12 + 40 + 120 + sizeof(Surfel) + 44;
   // In parts that grow, and as one list.
   constexpr int64_t of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
   const auto triangles = static_cast<double>(size.triangles);
   const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
-  const Pass finest{std::ranges::any_of(size.descriptors, reads_map) ? Stage::map : Stage::surface, {}};
+  const Pass finest{std::ranges::any_of(size.descriptors, reads_map) ? Stage::windows : Stage::surface, {}};
   const double divided =
-      std::min(1.5 * samples_of(finest, size.options) * size.disks, triangles * static_cast<double>(max_stored_samples));
+      std::min(1.5 * samples_of_cut(finest, size.options) * size.disks, triangles * static_cast<double>(max_stored_samples));
   MemoryForecast memory;
   memory.host = bytes_of_results(size) + size.triangles * of_triangle + static_cast<int64_t>(triangles + divided) * of_sample;
   if (size.options.evaluate == PDESC_EVALUATE_TEXEL) memory.host += bytes_of_texels(size);

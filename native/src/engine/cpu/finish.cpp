@@ -77,11 +77,11 @@ template <class Part> const float *load(const float *sums, Part &part) {
 }
 
 template <template <class, class> class Kernel>
-void finish_kernel(const EvaluateParams &params, const FinishCenter &center, const float *sums, bool boundary,
+void finish_kernel(const EvaluateParams &params, const SumCenter &center, const float *sums, bool boundary,
                    std::span<const int> rows, std::vector<float> &values) {
   using Narrow = Kernel<float, bool>;
   Finished<Narrow> finished{Narrow{params}, {}, {}};
-  const auto vector = [](vec3 v) { return kernels::Vector<3, float>(v.x, v.y, v.z); };
+  const auto vector = [](const float *v) { return kernels::Vector<3, float>(v[0], v[1], v[2]); };
   finished.kernel.sums_init(finished.sums, vector(center.position), vector(center.normal), center.value);
   sums = load(sums, finished.sums.moments);
   if constexpr (requires { finished.sums.half_ball; }) sums = load(sums, finished.sums.half_ball);
@@ -109,7 +109,7 @@ SumPlan plan_sums(std::span<const int> rows, const pdesc_options &options, bool 
   return {SumKind::fit, false};
 }
 
-void finish(const SumPlan &plan, const EvaluateParams &params, const FinishCenter &center, const float *sums, bool boundary,
+void finish(const SumPlan &plan, const EvaluateParams &params, const SumCenter &center, const float *sums, bool boundary,
             std::span<const int> rows, std::vector<float> &values) {
   using namespace kernels;
   if (!(sums[0] > 0.0f)) { // no surface there: what no term can tell from 0

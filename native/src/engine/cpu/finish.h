@@ -19,14 +19,9 @@ struct SumPlan {
 };
 SumPlan plan_sums(std::span<const int> rows, const pdesc_options &options, bool windows);
 
-struct FinishCenter {
-  vec3 position, normal;
-  float value; // of the map
-};
-
 // Appends the values of the rows, component by component; NaN where they do not exist. boundary: the mesh's boundary lies in the
 // ball.
-void finish(const SumPlan &plan, const EvaluateParams &params, const FinishCenter &center, const float *sums, bool boundary,
+void finish(const SumPlan &plan, const EvaluateParams &params, const SumCenter &center, const float *sums, bool boundary,
             std::span<const int> rows, std::vector<float> &values);
 
 } // namespace paradesc

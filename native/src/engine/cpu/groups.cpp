@@ -1,14 +1,13 @@
-// Centers in the order of the tree, in which what lies near on the surface is near; as many at a time as there are lanes.
+// Centers in the order of the tree, in which what lies near on the surface is near.
 #include "engine/cpu/groups.h"
 
 #include <limits>
 #include <numeric>
 
-#include "engine/cpu/add_samples.h"
-
 namespace paradesc {
 
-static constexpr float max_width = 1.0f; // half the diagonal of the box around a group, of the radius
+static constexpr float max_width = 0.75f; // half the diagonal of the box around a group, of the radius
+static constexpr int32_t max_centers = 48;
 
 // All centers whose triangle is not left out.
 static std::vector<int32_t> in_order(const ClusterTree &tree, const std::vector<TreeCenter> &centers) {
@@ -31,7 +30,7 @@ CenterGroups group_centers(const ClusterTree &tree, const std::vector<TreeCenter
     low = glm::min(low, position);
     high = glm::max(high, position);
     const int32_t begin = groups.begin.back();
-    if (i == begin || (i - begin < max_lanes && length(high - low) <= 2.0f * max_width * radius)) continue;
+    if (i == begin || (i - begin < max_centers && length(high - low) <= 2.0f * max_width * radius)) continue;
     groups.begin.push_back(i);
     low = high = position;
   }

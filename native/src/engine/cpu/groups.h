@@ -20,7 +20,7 @@ struct CenterGroups {
   std::vector<int32_t> begin;  // (groups + 1) into center
 };
 
-// Of max_lanes centers at most, no wider than some part of the radius.
+// Of a few dozens at most, no wider than some part of the radius.
 CenterGroups group_centers(const ClusterTree &tree, const std::vector<TreeCenter> &centers, float radius);
 
 } // namespace paradesc

@@ -39,58 +39,47 @@ Sample sample_of_triangle(const vec3 *corners, const vec3 *normals, float lean) 
   for (int k = 0; k < 3; ++k) square = std::max(square, dot(corners[k] - sample.position, corners[k] - sample.position));
   sample.reach = std::sqrt(square);
   sample.turn = tangent(lean);
+  sample.foot = sample.reach;
   return sample;
 }
 
-Cluster cluster_of(const Sample &sample, float lean) {
-  Cluster cluster;
-  cluster.position = sample.position;
-  cluster.normal = sample.normal;
-  cluster.face = sample.face;
-  cluster.area = sample.area;
-  cluster.reach = sample.reach;
-  cluster.lean = lean;
+void ClusterSums::add(const Sample &triangle) {
+  const vec3 gap = triangle.position - origin_;
+  mat3 variance = glm::outerProduct(gap, gap), normal_variance = glm::outerProduct(triangle.normal, gap);
   for (int k = 0; k < 2; ++k) {
-    cluster.variance += glm::outerProduct(sample.along[k], sample.along[k]);
-    cluster.normal_variance += glm::outerProduct(sample.normal_along[k], sample.along[k]);
+    variance += glm::outerProduct(triangle.along[k], triangle.along[k]);
+    normal_variance += glm::outerProduct(triangle.normal_along[k], triangle.along[k]);
   }
-  return cluster;
+  sums_.area += triangle.area;
+  sums_.position += triangle.area * gap;
+  sums_.normal += triangle.area * triangle.normal;
+  sums_.face += triangle.area * triangle.face;
+  sums_.variance += triangle.area * variance;
+  sums_.normal_variance += triangle.area * normal_variance;
 }
 
-Cluster join(std::span<const Cluster> parts) {
-  Cluster whole;
-  for (const Cluster &part : parts) {
-    whole.area += part.area;
-    whole.position += part.area * part.position;
-    whole.normal += part.area * part.normal;
-    whole.face += part.area * part.face;
-  }
-  if (!(whole.area > 0.0f)) return parts[0];
-  const float share = 1.0f / whole.area;
-  whole.position *= share;
+Cluster ClusterSums::cluster() const {
+  Cluster whole = sums_;
+  const float share = sums_.area > 0.0f ? 1.0f / sums_.area : 0.0f;
+  const vec3 gap = sums_.position * share;
+  whole.position = origin_ + gap;
   whole.normal *= share;
   whole.face *= share;
-  const vec3 face = unit_or(whole.face, vec3(0.0f));
-  for (const Cluster &part : parts) {
-    const vec3 gap = part.position - whole.position;
-    const float weight = part.area * share;
-    whole.variance += weight * (part.variance + glm::outerProduct(gap, gap));
-    whole.normal_variance += weight * (part.normal_variance + glm::outerProduct(part.normal - whole.normal, gap));
-    whole.reach = std::max(whole.reach, part.reach + length(gap));
-    if (part.area > 0.0f) whole.lean = std::max(whole.lean, part.lean + length(unit_or(part.face, vec3(0.0f)) - face));
-  }
+  whole.variance = sums_.variance * share - glm::outerProduct(gap, gap);
+  whole.normal_variance = sums_.normal_variance * share - glm::outerProduct(whole.normal, gap);
   return whole;
 }
 
 // Two directions in the plane of the mean face, such that positions vary along the first and what is left along the second.
-Sample sample_of(const Cluster &cluster) {
+Sample sample_of(const Cluster &cluster, float lean) {
   Sample sample;
   sample.position = cluster.position;
   sample.normal = cluster.normal;
   sample.face = cluster.face;
   sample.area = cluster.area;
-  sample.turn = tangent(cluster.lean);
-  sample.reach = cluster.reach * (1.0f + sample.turn * sample.turn); // it may rise by its turn as far as it reaches
+  sample.reach = cluster.reach;
+  sample.turn = tangent(lean);
+  sample.foot = cluster.reach * (1.0f + sample.turn * sample.turn); // it may rise by its turn as far as it reaches
   const vec3 n = unit_or(cluster.face, vec3(0.0f, 0.0f, 1.0f));
   const vec3 first = tangent_of(n), second = cross(n, first);
   const vec3 of_first = cluster.variance * first;

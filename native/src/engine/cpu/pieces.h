@@ -1,8 +1,6 @@
 // Pieces of the surface: triangles, parts of them and clusters of them, as sums over neighborhoods take them.
 #pragma once
 
-#include <span>
-
 #include "support/math.h"
 
 namespace paradesc {
@@ -16,16 +14,14 @@ struct Sample {
   vec3 normal_along[2] = {vec3(0.0f), vec3(0.0f)};
   vec3 face{0.0f}; // mean of the triangles' own normals, likewise
   float area = 0;
-  float reach = 0; // no point of it is farther from its position; nor, in the plane of face, from the way through it along a
-                   // normal of its surface that starts as high above that plane as its position
+  float reach = 0; // no point of it is farther from its position
   float turn = 0;  // no triangle of it, or around it, leans from face by an angle of a larger tangent
-  // Mean squared distance from the position.
-  float spread() const { return dot(along[0], along[0]) + dot(along[1], along[1]); }
+  float foot = 0;  // in the plane of face, no point is farther from the way through its position along one of its normals
 };
 
 // corners, normals: at each of three, in turning order; the normals are unit. lean: how far no normal of the triangles around is
 // from its own, as points of the unit sphere.
-Sample sample_of_triangle(const vec3 *corners, const vec3 *normals, float lean);
+Sample sample_of_triangle(const vec3 *corners, const vec3 *normals, float lean = 0.0f);
 
 // What a connected piece of many triangles comes to.
 struct Cluster {
@@ -33,16 +29,24 @@ struct Cluster {
   vec3 normal{0.0f};
   vec3 face{0.0f};
   float area = 0;
-  float reach = 0;     // no point of it is farther from its position
-  float lean = 0;      // no triangle of it, or around it, has a normal farther from that of face, as points of the unit sphere
-  mat3 variance{0.0f}; // of positions
+  float reach = 0;            // no point of it is farther from its position
+  mat3 variance{0.0f};        // of positions
   mat3 normal_variance{0.0f}; // of normals (rows) with positions (columns)
-  float spread() const { return variance[0][0] + variance[1][1] + variance[2][2]; }
 };
 
-Cluster cluster_of(const Sample &triangle, float lean);
-Cluster join(std::span<const Cluster> parts);
-// The triangle that stands for a cluster.
-Sample sample_of(const Cluster &cluster);
+// Adds up triangles. origin: some place near them.
+class ClusterSums {
+public:
+  explicit ClusterSums(vec3 origin) : origin_(origin) {}
+  void add(const Sample &triangle);
+  Cluster cluster() const; // but for its reach
+
+private:
+  vec3 origin_;
+  Cluster sums_;
+};
+
+// The triangle that stands for a cluster. lean: as that of a triangle, from its mean face.
+Sample sample_of(const Cluster &cluster, float lean);
 
 } // namespace paradesc

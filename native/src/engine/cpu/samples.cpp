@@ -2,11 +2,12 @@
 #include "engine/cpu/samples.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace paradesc {
 
-FlatSample flat(const Sample &sample, int32_t surfel, vec4 map) {
-  FlatSample to;
+FlatSample flat(const Sample &sample, int32_t surfel, const SampleMap &map) {
+  FlatSample to{};
   const auto copy = [](vec3 from, float *floats) { std::copy_n(&from.x, 3, floats); };
   copy(sample.position, to.position);
   copy(sample.normal, to.normal);
@@ -16,12 +17,51 @@ FlatSample flat(const Sample &sample, int32_t surfel, vec4 map) {
     copy(sample.normal_along[k], to.normal_along[k]);
   }
   to.area = sample.area;
-  to.per_area = 1.0f / sample.area;
   to.reach = sample.reach;
   to.turn = sample.turn;
+  to.foot = sample.foot;
   to.surfel = surfel;
-  std::copy_n(&map.x, 4, to.map);
+  std::copy_n(&map.mean.x, 4, to.map);
+  std::copy_n(&map.value_along.x, 2, to.value_along);
   return to;
+}
+
+std::array<vec3, 3> corners_of(const FlatSample &sample, vec3 center) {
+  const auto vector = [](const float *v) { return vec3(v[0], v[1], v[2]); };
+  const vec3 first = 1.41421356f * vector(sample.along[0]), second = 2.44948974f * vector(sample.along[1]);
+  const vec3 offset = vector(sample.position) - center;
+  return {offset - 2.0f * first, offset + first + second, offset + first - second};
+}
+
+SampleBlock block_of(std::span<const FlatSample> samples) {
+  SampleBlock block;
+  constexpr float nowhere = 1e18f;
+  std::fill_n(&block.corner[0][0][0], sizeof block / sizeof(float), nowhere);
+  std::fill_n(block.reach, block_lanes, 0.0f);
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const std::array<vec3, 3> corners = corners_of(samples[i], vec3(0.0f));
+    for (int axis = 0; axis < 3; ++axis) {
+      for (size_t k = 0; k < 3; ++k) block.corner[k][axis][i] = corners[k][axis];
+      block.face[axis][i] = samples[i].face[axis];
+    }
+    block.reach[i] = samples[i].reach;
+    block.turn[i] = samples[i].turn;
+    block.foot[i] = samples[i].foot;
+  }
+  return block;
+}
+
+vec4 sphere_of(std::span<const FlatSample> samples) {
+  vec3 low(std::numeric_limits<float>::max()), high(-low);
+  const auto position = [](const FlatSample &sample) { return vec3(sample.position[0], sample.position[1], sample.position[2]); };
+  for (const FlatSample &sample : samples) {
+    low = glm::min(low, position(sample) - sample.reach);
+    high = glm::max(high, position(sample) + sample.reach);
+  }
+  const vec3 middle = 0.5f * (low + high);
+  float radius = 0.0f;
+  for (const FlatSample &sample : samples) radius = std::max(radius, length(position(sample) - middle) + sample.reach);
+  return vec4(middle, 1.00001f * radius);
 }
 
 } // namespace paradesc

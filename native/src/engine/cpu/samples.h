@@ -1,7 +1,9 @@
 // Samples of the surface, as sums run over them.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/cpu/add_samples.h"
@@ -9,8 +11,17 @@
 
 namespace paradesc {
 
-// surfel: of which it is, or is part. map: gradient and value.
-FlatSample flat(const Sample &sample, int32_t surfel, vec4 map);
+// What a sample knows of a map.
+struct SampleMap {
+  vec4 mean{0.0f};        // gradient and value
+  vec2 value_along{0.0f}; // how the value varies along both of its directions
+};
+
+// surfel: of which it is, or is part.
+FlatSample flat(const Sample &sample, int32_t surfel, const SampleMap &map);
+
+// Of the triangle that it stands for, from the center.
+std::array<vec3, 3> corners_of(const FlatSample &sample, vec3 center);
 
 // Triangles that would have more samples than this are divided anew by each group of centers, as far as it is near.
 inline constexpr float max_stored_samples = 256;
@@ -18,6 +29,12 @@ inline constexpr float max_stored_samples = 256;
 struct SurfaceSamples {
   std::vector<FlatSample> sample; // of all surfels but the largest, in their order
   std::vector<int32_t> first;     // (surfels + 1) into sample
+  std::vector<SampleBlock> block; // of all samples, one after the other
+  std::vector<vec4> sphere;       // (blocks) middle, radius
 };
+
+// Of as many samples as a block has, or fewer.
+SampleBlock block_of(std::span<const FlatSample> samples);
+vec4 sphere_of(std::span<const FlatSample> samples);
 
 } // namespace paradesc

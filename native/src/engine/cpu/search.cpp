@@ -1,16 +1,15 @@
-// Cells by their links, then surfels by the edges between them.
+// Cells by their links, blocks by their spheres, then surfels by the edges between them.
 #include "engine/cpu/search.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
-
-#include "sample/connected_triangles.h"
 
 namespace paradesc {
 
 Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples)
-    : source_(source), surfels_(surfels), samples_(samples), mark_(surfels.cell_sphere.size(), 0),
-      nearest_of_surfel_(surfels.surfel.size(), 0), reached_mark_(surfels.surfel.size(), 0) {}
+    : source_(source), surfels_(surfels), samples_(samples), cell_mark_(surfels.cell_sphere.size(), 0),
+      nearest_mark_(surfels.surfel.size(), 0), reached_mark_(surfels.surfel.size(), 0), reached_(surfels.surfel.size() + 1) {}
 
 void Search::look(const std::vector<TreeCenter> &centers, std::span<const int32_t> group) {
   vec3 low(std::numeric_limits<float>::max()), high(-low);
@@ -21,21 +20,21 @@ void Search::look(const std::vector<TreeCenter> &centers, std::span<const int32_
   middle_ = 0.5f * (low + high);
   const float reach = surfels_.radius + 0.5f * length(high - low);
   find_cells(centers, group, reach);
-  list_samples(reach);
+  list_candidates(reach);
 }
 
 // All cells that are connected to the group's own by cells that come near the balls of its centers.
 void Search::find_cells(const std::vector<TreeCenter> &centers, std::span<const int32_t> group, float reach) {
-  ++searches_;
+  ++groups_;
   cells_.clear();
   const auto add = [&](int32_t cell) {
-    if (std::exchange(mark_[cell], searches_) != searches_) cells_.push_back(cell);
+    if (std::exchange(cell_mark_[cell], groups_) != groups_) cells_.push_back(cell);
   };
   for (const int32_t i : group) add(surfels_.triangle_cell[centers[i].triangle]);
   for (size_t i = 0; i < cells_.size(); ++i)
     for (int32_t k = surfels_.link_begin[cells_[i]]; k < surfels_.link_begin[cells_[i] + 1]; ++k) {
       const int32_t other = surfels_.link[k];
-      if (mark_[other] == searches_) continue;
+      if (cell_mark_[other] == groups_) continue;
       const vec4 sphere = surfels_.cell_sphere[other];
       const vec3 gap = vec3(sphere) - middle_;
       const float limit = reach + sphere.w;
@@ -44,121 +43,216 @@ void Search::find_cells(const std::vector<TreeCenter> &centers, std::span<const 
   std::sort(cells_.begin(), cells_.end()); // one order of summation, wherever the search began
 }
 
-void Search::list_samples(float reach) {
-  for (const int32_t surfel : nearest_surfels_) nearest_of_surfel_[surfel] = 0;
-  nearest_surfels_.clear();
-  noted_ = false;
-  found_.clear();
-  divided_.clear();
+void Search::list_candidates(float reach) {
+  blocks_.clear();
+  block_samples_.clear();
+  shown_.clear();
   boundary_.clear();
-  for (const int32_t cell : cells_) { // very large triangles, each a cell of its own, before any of them is pointed to
-    const int32_t first = surfels_.cell_begin[cell];
-    if (surfels_.surfel[first].samples > max_stored_samples) divide_triangle(source_, surfels_, first, middle_, reach, divided_);
-  }
-  size_t next = 0;
+  for (auto &column : spheres_) column.clear();
+  int32_t last_block = -1; // a cell may begin within the block in which the one before ends
+  bool is_listed = false;
   for (const int32_t cell : cells_) {
-    const int32_t first = surfels_.cell_begin[cell], last = surfels_.cell_begin[cell + 1];
-    for (int32_t i = samples_.first[first]; i < samples_.first[last]; ++i) add_sample(samples_.sample[i], reach);
-    for (; next < divided_.size() && divided_[next].surfel == first; ++next) add_sample(divided_[next], reach);
+    const int32_t begin = samples_.first[surfels_.cell_begin[cell]], end = samples_.first[surfels_.cell_begin[cell + 1]];
+    for (int32_t i = begin / block_lanes; i * block_lanes < end; ++i) {
+      if (i != std::exchange(last_block, i))
+        is_listed = add_block(&samples_.sample[i * block_lanes], samples_.block[i], samples_.sphere[i], reach);
+      if (!is_listed) continue;
+      const int32_t from = std::max(begin - i * block_lanes, 0), to = std::min(end - i * block_lanes, block_lanes);
+      shown_.back() = static_cast<uint16_t>(shown_.back() | ((1u << to) - (1u << from)));
+    }
     boundary_.insert(boundary_.end(), surfels_.boundary.begin() + surfels_.boundary_begin[cell],
                      surfels_.boundary.begin() + surfels_.boundary_begin[cell + 1]);
   }
-  shown_.assign(found_.size(), 0xffff);
-  nearest_.resize(found_.size());
+  add_divided(reach);
+  const size_t padded = (blocks_.size() + block_lanes - 1) / block_lanes * block_lanes;
+  constexpr float nowhere = 1e18f;
+  for (auto &column : spheres_) column.resize(padded, nowhere);
+  spheres_[3].resize(blocks_.size());
+  spheres_[3].resize(padded, 0.0f);
+  for (auto *list : {&whole_, &cut_, &nearest_}) list->resize(blocks_.size() * block_lanes);
+  for (auto *list : {&whole_samples_, &cut_samples_}) list->resize(blocks_.size() * block_lanes);
 }
 
-void Search::add_sample(const FlatSample &sample, float reach) {
-  const float x = sample.position[0] - middle_.x, y = sample.position[1] - middle_.y, z = sample.position[2] - middle_.z;
-  const float limit = 1.00001f * (reach + sample.reach);
-  if (x * x + y * y + z * z < limit * limit) found_.push_back(&sample);
+// None of its samples counts as yet. False where it lies too far off.
+bool Search::add_block(const FlatSample *samples, const SampleBlock &block, vec4 sphere, float reach) {
+  const vec3 gap = vec3(sphere) - middle_;
+  const float limit = reach + sphere.w;
+  if (!(dot(gap, gap) < limit * limit)) return false;
+  blocks_.push_back(&block);
+  block_samples_.push_back(samples);
+  for (int i = 0; i < 4; ++i) spheres_[i].push_back(sphere[i]);
+  shown_.push_back(0);
+  return true;
+}
+
+// Very large triangles, each of which is a cell of its own.
+void Search::add_divided(float reach) {
+  divided_.clear();
+  divided_blocks_.clear();
+  for (const int32_t cell : cells_) {
+    const int32_t first = surfels_.cell_begin[cell];
+    if (surfels_.surfel[first].samples > max_stored_samples) divide_triangle(source_, surfels_, first, middle_, reach, divided_);
+  }
+  const auto of_block = [&](size_t first) {
+    return std::span(divided_).subspan(first, std::min<size_t>(block_lanes, divided_.size() - first));
+  };
+  for (size_t first = 0; first < divided_.size(); first += block_lanes) divided_blocks_.push_back(block_of(of_block(first)));
+  for (size_t first = 0; first < divided_.size(); first += block_lanes)
+    if (add_block(&divided_[first], divided_blocks_[first / block_lanes], sphere_of(of_block(first)), reach))
+      shown_.back() = 0xffff;
+}
+
+Search::Found Search::find(const TreeCenter &center, SelectSamples select) {
+  const auto column = [&](size_t i) { return spheres_[i].data(); };
+  const Candidates candidates{
+      blocks_.data(), shown_.data(), {column(0), column(1), column(2), column(3)}, static_cast<int32_t>(spheres_[0].size())};
+  selection_ = {whole_.data(), cut_.data(), nearest_.data(), 0, 0, 0};
+  select(candidates, &center.position.x, surfels_.radius, selection_);
+  find_boundary(center.position);
+  if (!find_connected(center)) {
+    keep_reached(whole_, selection_.wholes);
+    keep_reached(cut_, selection_.cuts);
+  }
+  const auto belongs = [&](int32_t half_edge) { return is_reached(surfels_.triangle_surfel[half_edge / 3]); };
+  return {{whole_samples_.data(), cut_samples_.data(), take(whole_, selection_.wholes, whole_samples_),
+           take(cut_, selection_.cuts, cut_samples_)},
+          std::ranges::any_of(boundary_in_ball_, belongs)};
+}
+
+void Search::keep_reached(std::vector<int32_t> &list, int32_t &count) const {
+  const auto end =
+      std::remove_if(list.begin(), list.begin() + count, [&](int32_t i) { return !is_reached(candidate(i).surfel); });
+  count = static_cast<int32_t>(end - list.begin());
+}
+
+// Returns the number of blocks.
+int32_t Search::take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples) const {
+  static const FlatSample nothing{};
+  for (int32_t i = 0; i < count; ++i) samples[i] = &candidate(list[i]);
+  const int32_t blocks = (count + block_lanes - 1) / block_lanes;
+  std::fill(samples.begin() + count, samples.begin() + blocks * block_lanes, &nothing);
+  return blocks;
 }
 
 bool Search::meets_ball(int32_t half_edge, vec3 center) const {
-  return segment_in_ball(source_.position(half_edge), source_.position(next_corner(half_edge)), center, surfels_.radius);
+  const vec3 a = source_.position(half_edge) - center, b = source_.position(next_corner(half_edge)) - center, way = b - a;
+  const float square = surfels_.radius * surfels_.radius, of_a = dot(a, a) - square, of_b = dot(b, b) - square;
+  const float along = -dot(a, way), length = dot(way, way);
+  return of_a < 0.0f || of_b < 0.0f || (along > 0.0f && along < length && of_a * length < along * along);
 }
 
-bool Search::near_boundary(vec3 center) const {
-  return std::ranges::any_of(boundary_, [&](int32_t half_edge) { return meets_ball(half_edge, center); });
+void Search::find_boundary(vec3 center) {
+  boundary_in_ball_.clear();
+  std::ranges::copy_if(boundary_, std::back_inserter(boundary_in_ball_), [&](int32_t edge) { return meets_ball(edge, center); });
 }
 
-void Search::note_nearest() {
-  if (std::exchange(noted_, true)) return;
-  for (size_t i = 0; i < found_.size(); ++i) {
-    if (nearest_[i] == 0) continue;
-    uint16_t &of_surfel = nearest_of_surfel_[found_[i]->surfel];
-    if (of_surfel == 0) nearest_surfels_.push_back(found_[i]->surfel);
-    of_surfel = static_cast<uint16_t>(of_surfel | nearest_[i]);
+// Squared distance of a triangle from the origin, of which only the parts in the triangle's plane matter.
+static float square_in_plane(const std::array<vec3, 3> &corners, vec3 normal) {
+  float nearest = std::numeric_limits<float>::max();
+  bool over = true;
+  for (int k = 0; k < 3; ++k) {
+    const vec3 a = corners[k], way = corners[next_corner(k)] - a, across = cross(way, normal);
+    const float length = dot(way, way), along = -dot(a, way), outside = -dot(a, across);
+    over = over && outside <= 0.0f;
+    const vec3 gap = a + way * (length > 0.0f ? std::clamp(along / length, 0.0f, 1.0f) : 0.0f);
+    const float height = dot(gap, normal);
+    nearest = std::min(nearest, dot(gap, gap) - height * height);
   }
+  return over ? 0.0f : std::max(nearest, 0.0f);
 }
 
-int32_t Search::count_nearest(int lane) const {
-  return static_cast<int32_t>(
-      std::ranges::count_if(nearest_surfels_, [&](int32_t surfel) { return (nearest_of_surfel_[surfel] >> lane & 1) != 0; }));
+static bool is_within(vec3 gap, float room) { return room > 0.0f && dot(gap, gap) < room * room; }
+
+// select() has looked at the circle around it alone.
+bool Search::may_be_nearest(const FlatSample &sample, vec3 center) const {
+  const Surfel &surfel = surfels_.surfel[sample.surfel];
+  if (surfel.cluster >= 0 || is_within(surfel.position - center, surfels_.radius - surfel.reach)) return true;
+  const vec3 normal(sample.face[0], sample.face[1], sample.face[2]);
+  const std::array<vec3, 3> corners = corners_of(sample, center);
+  const float height = dot(corners[0], normal), across = square_in_plane(corners, normal);
+  const float turned = sample.turn * std::abs(height) + 0.001f * sample.reach;
+  return across <= turned * turned && across + height * height < 1.0001f * surfels_.radius * surfels_.radius;
+}
+
+// Marks the surfels in the ball to which the surface may come nearest. Returns their number.
+int32_t Search::mark_nearest(vec3 center) {
+  ++centers_;
+  int32_t count = 0;
+  for (int32_t i = 0; i < selection_.nearests; ++i) {
+    const FlatSample &sample = candidate(nearest_[i]);
+    if (nearest_mark_[sample.surfel] == centers_ || !may_be_nearest(sample, center)) continue;
+    nearest_mark_[sample.surfel] = centers_;
+    ++count;
+  }
+  return count;
 }
 
 void Search::start_flood(int32_t triangle) {
   ++floods_;
-  reached_.clear();
+  reached_count_ = 0;
+  nearest_reached_ = 0;
   reach(surfels_.triangle_surfel[triangle]);
 }
 
+// Without a branch: what was there before is written over by the next.
 void Search::reach(int32_t surfel) {
-  if (std::exchange(reached_mark_[surfel], floods_) != floods_) reached_.push_back(surfel);
+  const int32_t is_new = std::exchange(reached_mark_[surfel], floods_) != floods_ ? 1 : 0;
+  reached_[reached_count_] = surfel;
+  reached_count_ += static_cast<size_t>(is_new);
+  nearest_reached_ += nearest_mark_[surfel] == centers_ ? is_new : 0;
 }
 
 // A piece of surface that is not connected to the center would come nearest to it somewhere: so there is none if all samples
 // where the surface may do so are connected to the center by each other.
-bool Search::is_one_piece(const TreeCenter &center, int lane, int32_t nearest) {
+bool Search::is_one_piece(const TreeCenter &center, int32_t nearest) {
   start_flood(center.triangle);
-  int32_t found = 0;
   size_t around = 1; // the center's own surfel, and those around it
-  for (size_t i = 0; i < reached_.size() && found < nearest; ++i) {
+  for (size_t i = 0; i < reached_count_ && nearest_reached_ < nearest; ++i) {
     const int32_t surfel = reached_[i];
-    const bool may_be_nearest = (nearest_of_surfel_[surfel] >> lane & 1) != 0;
     const bool is_empty = samples_.first[surfel] == samples_.first[surfel + 1];
-    if (may_be_nearest) ++found;
-    if (i >= around && !may_be_nearest && !is_empty) continue;
-    if (surfels_.surfel[surfel].level == 0)
-      reach_neighbors(surfel, center.position);
-    else // clusters are small
-      for (int32_t k = surfels_.neighbor_begin[surfel]; k < surfels_.neighbor_begin[surfel + 1]; ++k) reach(surfels_.neighbor[k]);
-    if (i == 0) around = reached_.size();
+    if (i >= around && nearest_mark_[surfel] != centers_ && !is_empty) continue;
+    if (!reach_from_within(surfel, center.position)) reach_over_edges(surfel, center.position);
+    if (i == 0) around = reached_count_;
   }
-  return found == nearest;
+  return nearest_reached_ == nearest;
 }
 
-// Whether the boundary is met, too.
-bool Search::reach_neighbors(int32_t surfel, vec3 center) {
-  bool boundary = false;
-  for (int32_t i = surfels_.first[surfel]; i < surfels_.first[surfel + 1]; ++i)
-    for (int32_t half_edge = 3 * source_.tree.triangle[i]; half_edge < 3 * source_.tree.triangle[i] + 3; ++half_edge) {
-      const int32_t twin = source_.half_edges.twin[half_edge];
-      const int32_t behind = twin < 0 ? -1 : surfels_.triangle_surfel[twin / 3];
-      if ((behind >= 0 && reached_mark_[behind] == floods_) || !meets_ball(half_edge, center)) continue;
-      if (behind >= 0)
-        reach(behind);
-      else
-        boundary = true;
-    }
-  return boundary;
+// Over its edges, which all meet the ball. False where it does not lie within it.
+bool Search::reach_from_within(int32_t surfel, vec3 center) {
+  const Surfel &of = surfels_.surfel[surfel];
+  if (!is_within(of.position - center, surfels_.radius - of.reach)) return false;
+  const int32_t *const end = surfels_.neighbor.data() + surfels_.neighbor_begin[surfel + 1];
+  for (const int32_t *other = surfels_.neighbor.data() + surfels_.neighbor_begin[surfel]; other < end; ++other) reach(*other);
+  return true;
 }
 
-Search::Connected Search::find_connected(const TreeCenter &center, int lane) {
-  note_nearest();
-  const int32_t nearest = count_nearest(lane);
-  const bool may_end = near_boundary(center.position);
-  if (!may_end && is_one_piece(center, lane, nearest)) return {true, false};
+void Search::reach_over_edges(int32_t surfel, vec3 center) {
+  for (int32_t k = surfels_.neighbor_begin[surfel]; k < surfels_.neighbor_begin[surfel + 1]; ++k) {
+    const int32_t behind = surfels_.neighbor[k];
+    const Surfel &other = surfels_.surfel[behind];
+    if (is_reached(behind) || !is_within(other.position - center, 1.00001f * (surfels_.radius + other.reach))) continue;
+    const int32_t begin = surfels_.edge_begin[k], end = surfels_.edge_begin[k + 1];
+    if (std::any_of(&surfels_.edge[begin], &surfels_.edge[end], [&](int32_t edge) { return meets_ball(edge, center); }))
+      reach(behind);
+  }
+}
+
+// Whether all samples in the ball are connected to the center; if not, those that are, are reached. What lies within the ball
+// goes first, since no edge has to be looked at there.
+bool Search::find_connected(const TreeCenter &center) {
+  const int32_t nearest = mark_nearest(center.position);
+  const bool may_end = !boundary_in_ball_.empty(); // it may come nearest there, too
+  if (!may_end && is_one_piece(center, nearest)) return true;
   start_flood(center.triangle);
-  Connected connected{false, false};
-  int32_t found = 0;
-  for (size_t i = 0; i < reached_.size(); ++i) {
-    if (reach_neighbors(reached_[i], center.position)) connected.boundary = true;
-    if ((nearest_of_surfel_[reached_[i]] >> lane & 1) != 0) ++found;
-    if (!may_end && found == nearest) return {true, false};
+  rim_.clear();
+  for (size_t i = 0, at_rim = 0; i < reached_count_ || at_rim < rim_.size();) {
+    if (nearest_reached_ == nearest && !may_end) return true;
+    if (i == reached_count_)
+      reach_over_edges(rim_[at_rim++], center.position);
+    else if (const int32_t surfel = reached_[i++]; !reach_from_within(surfel, center.position))
+      rim_.push_back(surfel);
   }
-  for (size_t i = 0; i < found_.size(); ++i)
-    if (reached_mark_[found_[i]->surfel] != floods_) shown_[i] = static_cast<uint16_t>(shown_[i] & ~(1u << lane));
-  return connected;
+  return nearest_reached_ == nearest && !may_end;
 }
 
 } // namespace paradesc

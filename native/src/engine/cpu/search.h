@@ -1,5 +1,4 @@
-// A group of centers → the samples around them; and for a center whose ball may hold other pieces of surface, the samples of what
-// is connected to it within the ball.
+// A group of centers → what lies around them → for each of them, the samples in its ball that are connected to it there.
 #pragma once
 
 #include <span>
@@ -15,51 +14,62 @@ class Search {
 public:
   Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples);
 
-  // Looks around these centers. What follows is about them.
+  // Looks around these centers.
   void look(const std::vector<TreeCenter> &centers, std::span<const int32_t> group);
 
-  // All samples that may lie in the ball of any center, in their order. Valid until look() is called again, as is what follows.
-  std::span<const FlatSample *const> samples() const { return found_; }
-  // Of each of them, the bits of the centers that it counts for; and, to be filled in, as AddSamples does.
-  uint16_t *shown() { return shown_.data(); }
-  uint16_t *nearest() { return nearest_.data(); }
-
-  struct Connected {
-    bool all;      // all samples in the ball; if not, the others are no longer shown to the center
-    bool boundary; // the mesh's boundary lies in the ball, and belongs to them
+  struct Found {
+    SelectedSamples samples; // in the ball of a center and connected to it there, over edges that meet it
+    bool boundary;           // the mesh's boundary lies in the ball, and belongs to them
   };
-  // What is connected to a center within its ball, over edges that meet it. nearest() is known. lane: of the center.
-  Connected find_connected(const TreeCenter &center, int lane);
+  // Around one of these centers. Valid until the next is asked for.
+  Found find(const TreeCenter &center, SelectSamples select);
 
 private:
   void find_cells(const std::vector<TreeCenter> &centers, std::span<const int32_t> group, float reach);
-  void list_samples(float reach);
-  void add_sample(const FlatSample &sample, float reach);
+  void list_candidates(float reach);
+  bool add_block(const FlatSample *samples, const SampleBlock &block, vec4 sphere, float reach);
+  void add_divided(float reach);
+  const FlatSample &candidate(int32_t i) const { return block_samples_[i / block_lanes][i % block_lanes]; }
   bool meets_ball(int32_t half_edge, vec3 center) const;
-  bool near_boundary(vec3 center) const;
-  void note_nearest();
-  int32_t count_nearest(int lane) const;
+  void find_boundary(vec3 center);
+  int32_t mark_nearest(vec3 center);
+  bool may_be_nearest(const FlatSample &sample, vec3 center) const;
   void start_flood(int32_t triangle);
   void reach(int32_t surfel);
-  bool reach_neighbors(int32_t surfel, vec3 center);
-  bool is_one_piece(const TreeCenter &center, int lane, int32_t nearest);
+  bool reach_from_within(int32_t surfel, vec3 center);
+  bool is_reached(int32_t surfel) const { return reached_mark_[surfel] == floods_; }
+  void reach_over_edges(int32_t surfel, vec3 center);
+  bool is_one_piece(const TreeCenter &center, int32_t nearest);
+  bool find_connected(const TreeCenter &center);
+  void keep_reached(std::vector<int32_t> &list, int32_t &count) const;
+  int32_t take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples) const;
 
   const SurfelSource &source_;
   const Surfels &surfels_;
   const SurfaceSamples &samples_;
   vec3 middle_{0.0f};
-  std::vector<int32_t> cells_;    // found, in their order
-  std::vector<int32_t> mark_;     // (cells) the search that found it last
-  std::vector<int32_t> boundary_; // half-edges of the cells found
-  std::vector<const FlatSample *> found_;
-  std::vector<uint16_t> shown_, nearest_; // (found)
-  std::vector<FlatSample> divided_;       // of very large triangles
-  bool noted_ = false;
-  std::vector<int32_t> nearest_surfels_;
-  std::vector<uint16_t> nearest_of_surfel_; // (surfels) the bits of the centers to which it may come nearest
-  std::vector<int32_t> reached_mark_;       // (surfels) the flood that reached it last
-  std::vector<int32_t> reached_;
-  int32_t searches_ = 0, floods_ = 0;
+  std::vector<int32_t> cells_;     // near the group, in their order
+  std::vector<int32_t> cell_mark_; // (cells) the last group that it was near
+  int32_t groups_ = 0;
+  std::vector<int32_t> boundary_; // half-edges of these cells
+  std::vector<int32_t> boundary_in_ball_;
+  std::vector<FlatSample> divided_; // of very large triangles
+  std::vector<SampleBlock> divided_blocks_;
+  std::vector<const SampleBlock *> blocks_;       // of Candidates
+  std::vector<uint16_t> shown_;                   // likewise
+  std::vector<float> spheres_[4];                 // likewise
+  std::vector<const FlatSample *> block_samples_; // (blocks_) the first of each
+  std::vector<int32_t> whole_, cut_, nearest_;    // of Selection
+  Selection selection_{};
+  std::vector<const FlatSample *> whole_samples_, cut_samples_; // of SelectedSamples
+  std::vector<int32_t> nearest_mark_; // (surfels) the last center to which the surface may come nearest on it
+  int32_t centers_ = 0;
+  std::vector<int32_t> reached_mark_; // (surfels) the last flood that reached it
+  int32_t floods_ = 0;
+  std::vector<int32_t> reached_; // (reached_count_) by this flood
+  size_t reached_count_ = 0;
+  int32_t nearest_reached_ = 0;
+  std::vector<int32_t> rim_; // those of them that are not within the ball
 };
 
 } // namespace paradesc

@@ -28,7 +28,7 @@ public:
           std::vector<FlatSample> &samples)
       : middle_(middle), limit_(limit), largest_spread_(surfels.largest_spread), surfel_(surfel), samples_(samples) {
     const int32_t triangle = source.tree.triangle[surfels.first[surfel]];
-    lean_ = lean_of(source, surfels, triangle);
+    lean_ = lean_of(source, surfels, surfel, surfels.face[triangle]);
     for (int32_t k = 0; k < 3; ++k) {
       const int32_t corner = 3 * triangle + k;
       whole_.corner[k] = source.position(corner);
@@ -67,6 +67,12 @@ private:
     return of[0] + (of[1] - of[0]) * weights.x + (of[2] - of[0]) * weights.y;
   }
 
+  static SampleMap map_of_triangle(const vec4 (&values)[3]) {
+    const float to_next = values[1].w - values[0].w, to_previous = values[2].w - values[0].w;
+    return {(values[0] + values[1] + values[2]) * (1.0f / 3.0f),
+            {(to_next + to_previous) * 0.11785113f, (to_next - to_previous) * 0.20412415f}}; // as sample_of_triangle()
+  }
+
   void add(const Piece &piece) {
     vec3 normals[3];
     for (int k = 0; k < 3; ++k) {
@@ -74,8 +80,9 @@ private:
       const float length_squared = square(normal);
       normals[k] = length_squared > 0.0f ? normal / std::sqrt(length_squared) : normal_[0];
     }
-    const vec4 map = at(map_, (piece.weights[0] + piece.weights[1] + piece.weights[2]) * (1.0f / 3.0f));
-    samples_.push_back(flat(sample_of_triangle(piece.corner, normals, piece.at_rim() ? lean_ : 0.0f), surfel_, map));
+    const vec4 values[3] = {at(map_, piece.weights[0]), at(map_, piece.weights[1]), at(map_, piece.weights[2])};
+    samples_.push_back(
+        flat(sample_of_triangle(piece.corner, normals, piece.at_rim() ? lean_ : 0.0f), surfel_, map_of_triangle(values)));
   }
 
   Piece whole_;
@@ -95,6 +102,39 @@ void divide_triangle(const SurfelSource &source, const Surfels &surfels, int32_t
   Divider(source, surfels, surfel, middle, limit, samples).run();
 }
 
+// By the middles of its triangles' edges, where the product of two linear functions has its mean.
+static SampleMap map_of(const SurfelSource &source, const Surfels &surfels, int32_t surfel, const Sample &sample) {
+  const float u = dot(sample.along[0], sample.along[0]), v = dot(sample.along[1], sample.along[1]),
+              uv = dot(sample.along[0], sample.along[1]), determinant = u * v - uv * uv;
+  const bool is_line = !(determinant > 1e-6f * u * v);
+  const vec3 to_first =
+      is_line ? sample.along[0] / std::max(u, 1e-30f) : (v * sample.along[0] - uv * sample.along[1]) / determinant;
+  const vec3 to_second = is_line ? vec3(0.0f) : (u * sample.along[1] - uv * sample.along[0]) / determinant;
+  SampleMap map;
+  vec2 places(0.0f);
+  float area = 0.0f;
+  for (int32_t i = surfels.first[surfel]; i < surfels.first[surfel + 1]; ++i) {
+    const int32_t first = 3 * source.tree.triangle[i];
+    const vec3 a = source.position(first);
+    const float part = length(cross(source.position(first + 1) - a, source.position(first + 2) - a)) * (1.0f / 3.0f);
+    area += 3.0f * part;
+    for (int32_t corner = first; corner < first + 3; ++corner) {
+      const int32_t next = next_corner(corner);
+      const auto at = [&](int32_t c) { return (*source.map)[source.half_edges.corner_point[c]]; };
+      const vec4 value = part * 0.5f * (at(corner) + at(next));
+      const vec3 gap = 0.5f * (source.position(corner) + source.position(next)) - sample.position;
+      const vec2 place(dot(gap, to_first), dot(gap, to_second));
+      map.mean += value;
+      map.value_along += value.w * place;
+      places += part * place;
+    }
+  }
+  if (!(area > 0.0f)) return {};
+  map.mean /= area;
+  map.value_along = (map.value_along - map.mean.w * places) / area;
+  return map;
+}
+
 static constexpr float least_area = 1e-30f; // one over it is a float
 
 static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32_t index, std::vector<FlatSample> &samples) {
@@ -103,9 +143,25 @@ static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32
   if (surfel.samples > 1.0f)
     return divide_triangle(source, surfels, index, vec3(0.0f), std::numeric_limits<float>::max(), samples);
   const int32_t triangle = source.tree.triangle[surfels.first[index]];
-  const Sample sample = surfel.level > 0 ? sample_of(surfels.clusters[surfel.level][surfel.cluster])
-                                         : sample_of(source, triangle, lean_of(source, surfels, triangle));
-  if (sample.area > least_area) samples.push_back(flat(sample, index, surfels.map.empty() ? vec4(0.0f) : surfels.map[index]));
+  const Cluster *const cluster = surfel.cluster >= 0 ? &surfels.cluster[surfel.cluster] : nullptr;
+  const float lean = lean_of(source, surfels, index, cluster ? glm::normalize(cluster->face) : surfels.face[triangle]);
+  const Sample sample = cluster ? sample_of(*cluster, lean) : sample_of(source, triangle, lean);
+  if (!(sample.area > least_area)) return;
+  samples.push_back(flat(sample, index, source.map ? map_of(source, surfels, index, sample) : SampleMap()));
+}
+
+static void add_blocks(int threads, SurfaceSamples &samples) {
+  const size_t blocks = (samples.sample.size() + block_lanes - 1) / block_lanes;
+  samples.block.resize(blocks);
+  samples.sphere.resize(blocks);
+  parallel_blocks(static_cast<int>(blocks), threads, 256, [&](int begin, int end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      const size_t first = i * block_lanes, count = std::min<size_t>(block_lanes, samples.sample.size() - first);
+      const auto of_block = std::span(samples.sample).subspan(first, count);
+      samples.block[i] = block_of(of_block);
+      samples.sphere[i] = sphere_of(of_block);
+    }
+  });
 }
 
 SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels) {
@@ -132,6 +188,7 @@ SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels) 
     const int end = std::min((index + 1) * surfels_of_part, count);
     for (int k = index * surfels_of_part; k < end; ++k) result.first[k] += begin[index];
   });
+  add_blocks(source.threads, result);
   return result;
 }
 

@@ -3,10 +3,10 @@
 #include "engine/cpu/surfels.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "support/parallel.h"
 
@@ -17,10 +17,17 @@ namespace {
 constexpr int block_size = 8192;
 constexpr float samples_of_cell = 48;
 constexpr float least_spread = 1e-13f; // pieces of less could not be told apart by floats
-// What the rim cuts of triangles is known exactly, so that they may be larger than clusters. Where a map is looked at, which no
-// sample knows how it varies, all are smaller.
+// What the rim cuts of triangles is known exactly, so that they may be larger than clusters.
 constexpr float spread_of_triangles = 2;
+constexpr float spread_of_clusters = 2;  // squares of the radius over the number of samples
+constexpr float spread_with_map = 1;     // likewise, where operators look at one
 constexpr float least_coherence = 0.95f; // of a surfel's mean normals, squared: it does not fold
+
+// Enough of a piece of surface to see whether it can be one surfel.
+struct Size {
+  vec3 middle, normal, face; // means
+  float area, spread;
+};
 
 // What a cluster consists of.
 struct Counts {
@@ -34,18 +41,20 @@ class Builder {
 public:
   Builder(const SurfelSource &source, float radius, int samples) : source_(source), tree_(source.tree) {
     const bool with_map = source.map != nullptr;
-    largest_spread_ = std::max((with_map ? 0.5f : 2.0f) * radius * radius / static_cast<float>(samples), least_spread);
+    largest_spread_ =
+        std::max((with_map ? spread_with_map : spread_of_clusters) * radius * radius / static_cast<float>(samples), least_spread);
     result_.radius = radius;
-    result_.largest_spread = with_map ? largest_spread_ : spread_of_triangles * largest_spread_;
+    result_.largest_spread = spread_of_triangles * largest_spread_;
   }
 
   Surfels run() {
-    result_.clusters.resize(tree_.levels());
     counts_.resize(tree_.levels());
     measure_triangles();
     bool any_small = true;
     for (size_t level = 1; level < tree_.levels(); ++level) any_small = measure_level(level, any_small);
+    sizes_ = {};
     place();
+    gather_clusters();
     link();
     return std::move(result_);
   }
@@ -60,13 +69,18 @@ private:
   void measure_triangles() {
     counts_[0].resize(tree_.size(0));
     result_.face.assign(tree_.rank.size(), vec3(0.0f));
+    sizes_.resize(tree_.size(0));
     for_each(tree_.size(0), [&](size_t i) {
       const int32_t corner = 3 * tree_.triangle[i];
       const vec3 a = source_.position(corner), ab = source_.position(corner + 1) - a, ac = source_.position(corner + 2) - a;
       const vec3 bc = ac - ab, plane = cross(ab, ac);
       const float twice_area = length(plane), spread = (dot(ab, ab) + dot(ac, ac) + dot(bc, bc)) * (1.0f / 36.0f);
       counts_[0][i] = {samples_of(0.5f * twice_area, spread), 1, 1, spread <= result_.largest_spread};
-      if (twice_area > 0.0f) result_.face[tree_.triangle[i]] = plane / twice_area;
+      vec3 normal(0.0f);
+      for (int32_t k = corner; k < corner + 3; ++k) normal += (1.0f / 3.0f) * source_.normals.corner(static_cast<size_t>(k));
+      const vec3 face = twice_area > 0.0f ? plane / twice_area : vec3(0.0f);
+      sizes_[i] = {a + (ab + ac) * (1.0f / 3.0f), normal, face, 0.5f * twice_area, spread};
+      result_.face[tree_.triangle[i]] = face;
     });
   }
 
@@ -80,8 +94,7 @@ private:
   bool measure_level(size_t level, bool any_small_below) {
     const std::vector<int32_t> &children = tree_.child_begin[level - 1];
     const size_t count = tree_.size(level);
-    std::vector<Cluster> &clusters = result_.clusters[level];
-    if (any_small_below) clusters.resize(count);
+    std::vector<Size> sizes(any_small_below ? count : 0);
     counts_[level].resize(count);
     std::atomic<bool> any_small{false};
     for_each(count, [&](size_t i) {
@@ -95,8 +108,8 @@ private:
         counts.is_small = counts.is_small && child.is_small;
       }
       if (counts.is_small) {
-        clusters[i] = join_children(level, begin, end);
-        counts.is_small = is_small(clusters[i]);
+        sizes[i] = join(std::span(sizes_).subspan(begin, end - begin));
+        counts.is_small = is_small(sizes[i]);
       }
       if (counts.is_small) {
         counts.samples = 1;
@@ -106,24 +119,34 @@ private:
       if (counts.samples <= samples_of_cell) counts.cells = 1;
       counts_[level][i] = counts;
     });
+    sizes_ = std::move(sizes);
     return any_small;
   }
 
-  // Whether one sample stands for it.
-  bool is_small(const Cluster &cluster) const {
-    return cluster.spread() <= largest_spread_ && dot(cluster.normal, cluster.normal) > least_coherence &&
-           dot(cluster.face, cluster.face) > least_coherence;
+  static Size join(std::span<const Size> parts) {
+    Size whole{};
+    for (const Size &part : parts) {
+      whole.area += part.area;
+      whole.middle += part.area * (part.middle - parts[0].middle);
+      whole.normal += part.area * part.normal;
+      whole.face += part.area * part.face;
+    }
+    if (!(whole.area > 0.0f)) return parts[0];
+    whole.middle /= whole.area;
+    whole.normal /= whole.area;
+    whole.face /= whole.area;
+    for (const Size &part : parts) {
+      const vec3 gap = part.middle - parts[0].middle - whole.middle;
+      whole.spread += part.area * (part.spread + dot(gap, gap)) / whole.area;
+    }
+    whole.middle += parts[0].middle;
+    return whole;
   }
 
-  Cluster join_children(size_t level, size_t begin, size_t end) const {
-    if (level > 1) return join(std::span(result_.clusters[level - 1]).subspan(begin, end - begin));
-    std::array<Cluster, ClusterTree::max_children> triangles;
-    for (size_t k = begin; k < end; ++k) {
-      const int32_t triangle = tree_.triangle[k];
-      const float lean = lean_of(source_, result_, triangle);
-      triangles[k - begin] = cluster_of(sample_of(source_, triangle, lean), lean);
-    }
-    return join(std::span(triangles).first(end - begin));
+  // Whether one sample stands for it.
+  bool is_small(const Size &size) const {
+    return size.spread <= largest_spread_ && dot(size.normal, size.normal) > least_coherence &&
+           dot(size.face, size.face) > least_coherence;
   }
 
   // Which surfel and which cell a cluster begins with, or is part of.
@@ -155,11 +178,7 @@ private:
 
   void place_cluster(size_t level, size_t i, Start start, std::vector<Start> &below) {
     const Counts &counts = counts_[level][i];
-    if (counts.is_small && !start.in_surfel) {
-      const Cluster &cluster = result_.clusters[level][i];
-      result_.surfel[start.surfel] = {cluster.position, cluster.reach, 1.0f, static_cast<int32_t>(level),
-                                      static_cast<int32_t>(i)};
-    }
+    if (counts.is_small && !start.in_surfel) result_.surfel[start.surfel] = {vec3(0.0f), 0.0f, 1.0f, 0}; // see gather_clusters()
     start.in_surfel = start.in_surfel || counts.is_small;
     start.in_cell = start.in_cell || counts.samples <= samples_of_cell;
     for (int32_t k = tree_.child_begin[level - 1][i]; k < tree_.child_begin[level - 1][i + 1]; ++k) {
@@ -184,13 +203,42 @@ private:
       const vec3 middle = (a + b + c) * (1.0f / 3.0f);
       const float reach = std::max({length(a - middle), length(b - middle), length(c - middle)});
       const float samples = counts_[0][i].is_small ? 1.0f : std::max(counts_[0][i].samples, 2.0f);
-      result_.surfel[surfel] = {middle, reach, samples, 0, static_cast<int32_t>(i)};
+      result_.surfel[surfel] = {middle, reach, samples, -1};
+    });
+  }
+
+  // Of those surfels that consist of several triangles.
+  void gather_clusters() {
+    int32_t count = 0;
+    for (Surfel &surfel : result_.surfel)
+      if (surfel.cluster >= 0) surfel.cluster = count++;
+    result_.cluster.resize(static_cast<size_t>(count));
+    for_each(result_.surfel.size(), [&](size_t i) {
+      Surfel &surfel = result_.surfel[i];
+      if (surfel.cluster < 0) return;
+      const auto triangles =
+          std::span(tree_.triangle).subspan(result_.first[i], static_cast<size_t>(result_.first[i + 1] - result_.first[i]));
+      ClusterSums sums(source_.position(3 * triangles[0]));
+      for (const int32_t triangle : triangles) sums.add(sample_of(source_, triangle, 0.0f));
+      Cluster &cluster = result_.cluster[surfel.cluster];
+      cluster = sums.cluster();
+      float square = 0.0f;
+      for (const int32_t triangle : triangles)
+        for (int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
+          const vec3 gap = source_.position(corner) - cluster.position;
+          square = std::max(square, dot(gap, gap));
+        }
+      cluster.reach = std::sqrt(square);
+      surfel.position = cluster.position;
+      surfel.reach = cluster.reach;
+      if (triangles.size() == 1) surfel.cluster = -1;
     });
   }
 
   // The links, the boundary and the surfels' neighbors of some cells in a row.
   struct Part {
-    std::vector<int32_t> links, boundary, neighbors, link_count, boundary_count, neighbor_count;
+    std::vector<int32_t> links, boundary, neighbors, edges, link_count, boundary_count, neighbor_count, edge_count;
+    std::vector<std::pair<size_t, int32_t>> edges_of_surfel;
   };
 
   void link() {
@@ -203,7 +251,8 @@ private:
       for (int cell = begin; cell < end; ++cell) link_cell(cell, part);
       parts[begin / cells_of_part] = std::move(part);
     });
-    for (auto *begin : {&result_.link_begin, &result_.boundary_begin, &result_.neighbor_begin}) begin->assign(1, 0);
+    for (auto *begin : {&result_.link_begin, &result_.boundary_begin, &result_.neighbor_begin, &result_.edge_begin})
+      begin->assign(1, 0);
     const auto append = [](const std::vector<int32_t> &counts, const std::vector<int32_t> &items, std::vector<int32_t> &begin,
                            std::vector<int32_t> &all) {
       for (const int32_t count : counts) begin.push_back(begin.back() + count);
@@ -213,11 +262,16 @@ private:
       append(part.link_count, part.links, result_.link_begin, result_.link);
       append(part.boundary_count, part.boundary, result_.boundary_begin, result_.boundary);
       append(part.neighbor_count, part.neighbors, result_.neighbor_begin, result_.neighbor);
+      append(part.edge_count, part.edges, result_.edge_begin, result_.edge);
     }
   }
 
-  static void add_once(std::vector<int32_t> &list, size_t first, int32_t value) {
-    if (std::find(list.begin() + static_cast<ptrdiff_t>(first), list.end(), value) == list.end()) list.push_back(value);
+  // Returns its index.
+  static size_t add_once(std::vector<int32_t> &list, size_t first, int32_t value) {
+    const auto found = std::find(list.begin() + static_cast<ptrdiff_t>(first), list.end(), value);
+    const auto index = static_cast<size_t>(found - list.begin());
+    if (found == list.end()) list.push_back(value);
+    return index;
   }
 
   void link_cell(int32_t cell, Part &part) {
@@ -242,18 +296,25 @@ private:
 
   void link_surfel(int32_t surfel, int32_t cell, size_t first_link, Part &part) {
     const size_t first_neighbor = part.neighbors.size();
-    const bool is_cluster = result_.first[surfel + 1] - result_.first[surfel] > 1;
+    std::vector<std::pair<size_t, int32_t>> &edges = part.edges_of_surfel; // and their neighbors
+    edges.clear();
     for (int32_t i = result_.first[surfel]; i < result_.first[surfel + 1]; ++i)
       for (int32_t half_edge = 3 * tree_.triangle[i]; half_edge < 3 * tree_.triangle[i] + 3; ++half_edge) {
         const int32_t twin = source_.half_edges.twin[half_edge];
         if (twin < 0) {
           part.boundary.push_back(half_edge);
         } else if (const int32_t other = result_.triangle_surfel[twin / 3]; other != surfel) {
-          if (is_cluster) add_once(part.neighbors, first_neighbor, other);
+          edges.emplace_back(add_once(part.neighbors, first_neighbor, other), half_edge);
           if (const int32_t behind = result_.triangle_cell[twin / 3]; behind != cell) add_once(part.links, first_link, behind);
         }
       }
     part.neighbor_count.push_back(static_cast<int32_t>(part.neighbors.size() - first_neighbor));
+    std::sort(edges.begin(), edges.end());
+    part.edge_count.resize(part.neighbors.size(), 0);
+    for (const auto &[neighbor, half_edge] : edges) {
+      ++part.edge_count[neighbor];
+      part.edges.push_back(half_edge);
+    }
   }
 
   const SurfelSource &source_;
@@ -261,24 +322,39 @@ private:
   float largest_spread_; // of clusters
   Surfels result_;
   std::vector<std::vector<Counts>> counts_;
+  std::vector<Size> sizes_; // of the level that was measured last
 };
 
 } // namespace
 
-float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle) {
+std::vector<vec3> positions_in(const BakeSpace &space, const Triangles &triangles, int threads) {
+  std::vector<vec3> positions(triangles.positions.size());
+  parallel_blocks(static_cast<int>(positions.size()), threads, block_size, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) positions[i] = space.to_buffer(triangles.positions[i]);
+  });
+  return positions;
+}
+
+float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 face) {
   const std::vector<int32_t> &twin = source.half_edges.twin;
-  const vec3 face = surfels.face[triangle];
   float square = 0.0f;
   const auto look_at = [&](int32_t corner) {
     const vec3 gap = surfels.face[corner / 3] - face;
     square = std::max(square, dot(gap, gap));
   };
-  for (int32_t first = 3 * triangle; first < 3 * triangle + 3; ++first) {
+  const auto look_around = [&](int32_t first) {
     int32_t corner = first;
     while ((corner = twin[previous_corner(corner)]) >= 0 && corner != first) look_at(corner);
-    if (corner == first) continue;
+    if (corner == first) return;
     corner = first; // the fan ends at the boundary: its other side
     while ((corner = twin[corner]) >= 0) look_at(corner = next_corner(corner));
+  };
+  for (int32_t i = surfels.first[surfel]; i < surfels.first[surfel + 1]; ++i) {
+    const int32_t first = 3 * source.tree.triangle[i];
+    look_at(first);
+    for (int32_t corner = first; corner < first + 3; ++corner)
+      if (twin[corner] < 0 || surfels.triangle_surfel[twin[corner] / 3] != surfel)
+        look_around(corner); // within it, all are its own
   }
   return std::sqrt(square);
 }
@@ -292,31 +368,6 @@ Sample sample_of(const SurfelSource &source, int32_t triangle, float lean) {
   return sample_of_triangle(corners, normals, lean);
 }
 
-// (surfels) the map's mean over each; at its triangles' corners where it is one triangle alone.
-static std::vector<vec4> mean_map(const SurfelSource &source, const Surfels &surfels) {
-  std::vector<vec4> means(surfels.surfel.size());
-  parallel_blocks(static_cast<int>(means.size()), source.threads, block_size, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      vec4 sum(0.0f);
-      float area = 0.0f;
-      for (int32_t i = surfels.first[k]; i < surfels.first[k + 1]; ++i) {
-        const int32_t corner = 3 * source.tree.triangle[i];
-        const auto at = [&](int32_t c) { return (*source.map)[source.half_edges.corner_point[c]]; };
-        const vec3 a = source.position(corner);
-        const float part = length(cross(source.position(corner + 1) - a, source.position(corner + 2) - a));
-        sum += (at(corner) + at(corner + 1) + at(corner + 2)) * (part / 3.0f);
-        area += part;
-      }
-      means[k] = area > 0.0f ? sum / area : vec4(0.0f);
-    }
-  });
-  return means;
-}
-
-Surfels build_surfels(const SurfelSource &source, float radius, int samples) {
-  Surfels surfels = Builder(source, radius, samples).run();
-  if (source.map) surfels.map = mean_map(source, surfels);
-  return surfels;
-}
+Surfels build_surfels(const SurfelSource &source, float radius, int samples) { return Builder(source, radius, samples).run(); }
 
 } // namespace paradesc

@@ -23,29 +23,32 @@ struct SurfelSource {
   const HalfEdges &half_edges;
   const Normals &normals;
   const ClusterTree &tree;
-  const BakeSpace &space;       // all that follows is in its units
+  std::vector<vec3> positions;  // (vertex_count) in the units of all that follows
   const std::vector<vec4> *map; // (point_count) gradient and value of what operators work on, or null
   int threads;
 
-  vec3 position(int32_t corner) const { return space.to_buffer(triangles.position(corner)); }
+  vec3 position(int32_t corner) const { return positions[triangles.corner_vertex[corner]]; }
 };
+// As SurfelSource has them.
+std::vector<vec3> positions_in(const BakeSpace &space, const Triangles &triangles, int threads);
 
 struct Surfel {
-  vec3 position;          // mean
-  float reach;            // no point of it is farther from there
-  float samples;          // about as many; above 1: a triangle that is divided
-  int32_t level, cluster; // of the tree; level 0: a triangle
+  vec3 position;   // mean
+  float reach;     // no point of it is farther from there
+  float samples;   // about as many; above 1: a triangle that is divided
+  int32_t cluster; // -1: a triangle
 };
 
 struct Surfels {
   float radius = 0;
-  float largest_spread = 0;                   // of triangles and of their parts
-  std::vector<Surfel> surfel;                 // in the order of the tree
-  std::vector<int32_t> first;                 // (surfels + 1) into ClusterTree::triangle
-  std::vector<std::vector<Cluster>> clusters; // of the tree, by level; those of triangles are not kept
-  std::vector<vec4> map;                      // (surfels) mean gradient and value; empty: no map
-  std::vector<int32_t> neighbor_begin;        // (surfels + 1) into neighbor
-  std::vector<int32_t> neighbor;              // of those with several triangles: surfels that share edges with them
+  float largest_spread = 0;            // of triangles and of their parts
+  std::vector<Surfel> surfel;          // in the order of the tree
+  std::vector<int32_t> first;          // (surfels + 1) into ClusterTree::triangle
+  std::vector<Cluster> cluster;        // of surfels with several triangles
+  std::vector<int32_t> neighbor_begin; // (surfels + 1) into neighbor
+  std::vector<int32_t> neighbor;       // surfels that share edges with each
+  std::vector<int32_t> edge_begin;     // (neighbors + 1) into edge
+  std::vector<int32_t> edge;           // half-edges that each of them is met over
 
   std::vector<int32_t> cell_begin;     // (cells + 1) into surfel
   std::vector<vec4> cell_sphere;       // (cells) middle, radius
@@ -62,8 +65,9 @@ struct Surfels {
   int32_t cells() const { return static_cast<int32_t>(cell_sphere.size()); }
 };
 
-// Of a whole triangle. lean: as Cluster's.
-float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t triangle);
+// How far no normal of a surfel's triangles, and of those around them, is from the face, as points of the unit sphere.
+float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 face);
+// Of a whole triangle. lean: as sample_of_triangle() takes it.
 Sample sample_of(const SurfelSource &source, int32_t triangle, float lean);
 
 // samples: that a disk of the radius is divided into, about.

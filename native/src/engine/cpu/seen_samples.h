@@ -1,0 +1,187 @@
+// Samples side by side, as a center sees them, and what of them lies in a ball. Each set of instructions has its own, under
+// KERNEL_TARGET.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <utility>
+
+#include "engine/cpu/add_samples.h"
+#include "engine/kernels/vectors.h"
+
+namespace paradesc::kernels {
+inline namespace KERNEL_TARGET {
+
+inline Lanes load(const float *from) {
+  Lanes lanes;
+  __builtin_memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+inline Vector<3, Lanes> all(const float *v) { return {v[0], v[1], v[2]}; }
+
+inline Lanes square_of(const Vector<3, Lanes> &v) { return dot(v, v); }
+inline Lanes fast_sqrt(const Lanes &square) { return square * fast_inversesqrt(max(square, 1e-30f)); }
+
+inline bool any(const Choices &choices) {
+  using Words = std::array<uint64_t, lane_count / 2>;
+  uint64_t all = 0;
+  for (const uint64_t word : std::bit_cast<Words>(choices)) all |= word;
+  return all != 0;
+}
+
+// Those of a and b that the constants name in each part of four: 0 to 3 of a, 4 to 7 of b.
+template <int i0, int i1, int i2, int i3, size_t... k>
+Lanes::Floats shuffle(const Lanes::Floats &a, const Lanes::Floats &b, std::index_sequence<k...>) {
+  constexpr int from[4] = {i0, i1, i2, i3};
+  return __builtin_shufflevector(a, b, (from[k % 4] % 4 + static_cast<int>(k / 4) * 4 + from[k % 4] / 4 * lane_count)...);
+}
+template <int i0, int i1, int i2, int i3> Lanes::Floats shuffle(const Lanes::Floats &a, const Lanes::Floats &b) {
+  return shuffle<i0, i1, i2, i3>(a, b, std::make_index_sequence<lane_count>());
+}
+
+// Four floats of every fourth sample, one part after the other.
+template <size_t offset> Lanes::Floats every_fourth(const FlatSample *const *samples) {
+  using Four [[gnu::vector_size(16)]] = float;
+  const auto part = [&](int i) {
+    Four four;
+    __builtin_memcpy(&four, reinterpret_cast<const char *>(samples[i]) + offset, sizeof four);
+    return four;
+  };
+  if constexpr (lane_count == 4) {
+    return part(0);
+  } else {
+    const auto two = [&](int i) { return __builtin_shufflevector(part(i), part(i + 4), 0, 1, 2, 3, 4, 5, 6, 7); };
+    if constexpr (lane_count == 8)
+      return two(0);
+    else
+      return __builtin_shufflevector(two(0), two(8), 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  }
+}
+
+// Four floats that follow each other in each of the samples.
+template <size_t offset> [[gnu::always_inline]] inline Vector<4, Lanes> gather(const FlatSample *const *samples) {
+  const Lanes::Floats a = every_fourth<offset>(samples), b = every_fourth<offset>(samples + 1),
+                      c = every_fourth<offset>(samples + 2), d = every_fourth<offset>(samples + 3);
+  const Lanes::Floats ab = shuffle<0, 4, 1, 5>(a, b), cd = shuffle<0, 4, 1, 5>(c, d);
+  const Lanes::Floats ab2 = shuffle<2, 6, 3, 7>(a, b), cd2 = shuffle<2, 6, 3, 7>(c, d);
+  return {Lanes(shuffle<0, 1, 4, 5>(ab, cd)), Lanes(shuffle<2, 3, 6, 7>(ab, cd)), Lanes(shuffle<0, 1, 4, 5>(ab2, cd2)),
+          Lanes(shuffle<2, 3, 6, 7>(ab2, cd2))};
+}
+inline Vector<3, Lanes> first3(const Vector<4, Lanes> &v) { return {v.x, v.y, v.z}; }
+
+constexpr float root2 = 1.41421356f, root6 = 2.44948974f;
+
+// Samples as the center sees them.
+struct Seen {
+  Vector<3, Lanes> offset, along[2], normal, normal_along[2], face;
+  Lanes area, per_area;
+  Vector<4, Lanes> map;
+  Lanes value_along[2];
+
+  [[gnu::always_inline]] Seen(const FlatSample *const *samples, const Vector<3, Lanes> &center) {
+    const Vector<4, Lanes> position = gather<offsetof(FlatSample, position)>(samples);
+    offset = first3(position) - center;
+    area = position.w;
+    per_area = 1.0f / max(area, 1e-30f);
+    normal = first3(gather<offsetof(FlatSample, normal)>(samples));
+    along[0] = first3(gather<offsetof(FlatSample, along[0])>(samples));
+    along[1] = first3(gather<offsetof(FlatSample, along[1])>(samples));
+    normal_along[0] = first3(gather<offsetof(FlatSample, normal_along[0])>(samples));
+    normal_along[1] = first3(gather<offsetof(FlatSample, normal_along[1])>(samples));
+    face = first3(gather<offsetof(FlatSample, face)>(samples));
+    map = gather<offsetof(FlatSample, map)>(samples);
+    const Vector<4, Lanes> along_two = gather<offsetof(FlatSample, value_along)>(samples);
+    value_along[0] = along_two.x;
+    value_along[1] = along_two.y;
+  }
+
+  Vector<3, Lanes> at(const Lanes *place) const { return offset + along[0] * place[0] + along[1] * place[1]; }
+  Vector<3, Lanes> normal_at(const Lanes *place) const {
+    return normal + normal_along[0] * place[0] + normal_along[1] * place[1];
+  }
+  Lanes spread() const { return square_of(along[0]) + square_of(along[1]); }
+  // Of the circle in which the ball of this radius meets the plane.
+  Lanes per_radius_of_arc(float radius) const {
+    constexpr float least = 1e-4f;
+    const Lanes height = dot(offset, face);
+    return fast_inversesqrt(max(radius * radius - height * height, least * radius * radius));
+  }
+};
+
+// The corners of a sample, along its two directions.
+constexpr float corner_place[3][2] = {{-2.0f * root2, 0.0f}, {root2, root6}, {root2, -root6}};
+inline void find_corners(const Vector<3, Lanes> &mean, const Vector<3, Lanes> *along, Vector<3, Lanes> *corners) {
+  const Vector<3, Lanes> first = along[0] * root2, second = along[1] * root6, middle = mean + first;
+  corners[0] = mean - first * 2.0f;
+  corners[1] = middle + second;
+  corners[2] = middle - second;
+}
+
+// Squared distances.
+struct Distances {
+  Lanes corner[3]; // of the corners from the center
+  Lanes edge[3];   // between corners 0 and 1, 1 and 2, 2 and 0
+};
+
+// The part of samples that lies in a ball.
+struct Part {
+  Lanes area;
+  Lanes place[2];       // its mean position, along both of the sample's directions
+  Lanes chord;          // squared: between the places where the rim meets the sample's edges; 0: it does not
+  Lanes chord_place[2]; // its middle
+};
+
+// How far along the edge from a corner to another the rim is met. beyond: how far the squared distances of both are below that of
+// the rim; between them the distance falls as the edge is straight.
+inline void meet_rim(const Lanes &beyond, const Lanes &other_beyond, const Lanes &edge, Lanes &above, Lanes &below) {
+  const Lanes slope = other_beyond - beyond + edge;
+  const Lanes root = fast_sqrt(max(slope * slope + 4.0f * edge * beyond, 0.0f));
+  above = 2.0f * max(beyond, -1.0f * beyond);
+  below = max(root + mix(slope, -1.0f * slope, beyond > 0.0f), 1e-18f);
+}
+
+// What of a triangle lies in the ball: all but or only the part at the corner that is alone on its side of the rim, which is
+// bounded by two edges, and by an arc that lies beyond its chord. inside: how far the squared distances of the corners are below
+// that of the rim. edge: as Distances has them. per_radius: one over that of the arc.
+[[gnu::always_inline]] inline Part clip(const Seen &seen, const Lanes *inside, const Lanes *edge, const Lanes &per_radius) {
+  const Choices in0 = inside[0] > 0.0f, in1 = inside[1] > 0.0f, in2 = inside[2] > 0.0f;
+  const Choices alone1 = (in0 != in1) && (in1 != in2), alone2 = (in1 != in2) && (in2 != in0);
+  const auto choose = [&](const Lanes &of0, const Lanes &of1, const Lanes &of2) {
+    return mix(mix(of0, of1, alone1), of2, alone2);
+  };
+  const Lanes alone = choose(inside[0], inside[1], inside[2]), next = choose(inside[1], inside[2], inside[0]),
+              previous = choose(inside[2], inside[0], inside[1]);
+  const Lanes to_next = choose(edge[0], edge[1], edge[2]), to_previous = choose(edge[2], edge[0], edge[1]),
+              opposite = choose(edge[1], edge[2], edge[0]);
+  Lanes above_next, below_next, above_previous, below_previous;
+  meet_rim(alone, next, to_next, above_next, below_next);
+  meet_rim(alone, previous, to_previous, above_previous, below_previous);
+  const Lanes root = fast_inversesqrt(max(below_next * below_previous, 1e-36f)), reciprocal = root * root;
+  const Lanes p = min(above_next * below_previous * reciprocal, 1.0f), q = min(above_previous * below_next * reciprocal, 1.0f);
+  const Lanes chord = p * p * to_next + q * q * to_previous - p * q * (to_next + to_previous - opposite);
+  const Lanes corner = seen.area * p * q, arc = min(max(chord, 0.0f) * fast_sqrt(chord) * (1.0f / 12.0f) * per_radius, seen.area);
+  const Choices only_corner = alone > 0.0f, cut = (in0 != in1) || (in1 != in2);
+  const Lanes sign = mix(-1.0f, 1.0f, only_corner);
+  // Areas by corners: that of the triangle at the corner by thirds, that of the arc by halves of its chord.
+  const Lanes third = sign * corner * (1.0f / 3.0f), half = arc * 0.5f;
+  const Lanes all = mix(seen.area, 0.0f, only_corner);
+  const Lanes at_next = p * (third + half), at_previous = q * (third + half);
+  const Lanes at_alone = 3.0f * third + arc - at_next - at_previous;
+  const Lanes at0 = choose(at_alone, at_previous, at_next), at1 = choose(at_next, at_alone, at_previous),
+              at2 = choose(at_previous, at_next, at_alone);
+  Part part;
+  part.area = mix(mix(0.0f, seen.area, in0), max(all + 3.0f * third + arc, 0.0f), cut);
+  const Lanes root_area = fast_inversesqrt(max(part.area, 1e-30f)), per_area = mix(0.0f, root_area * root_area, cut);
+  part.place[0] = (root2 * (at1 + at2) - 2.0f * root2 * at0) * per_area;
+  part.place[1] = root6 * (at1 - at2) * per_area;
+  const Lanes half_next = p * 0.5f, half_previous = q * 0.5f, rest = 1.0f - half_next - half_previous;
+  const Lanes m1 = choose(half_next, rest, half_previous), m2 = choose(half_previous, half_next, rest);
+  part.chord = mix(0.0f, max(chord, 0.0f), cut && seen.area > 0.0f);
+  part.chord_place[0] = root2 * (3.0f * (m1 + m2) - 2.0f); // their sum is 1
+  part.chord_place[1] = root6 * (m1 - m2);
+  return part;
+}
+
+} // namespace KERNEL_TARGET
+} // namespace paradesc::kernels
