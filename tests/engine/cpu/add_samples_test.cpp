@@ -23,7 +23,7 @@ constexpr float radius = 0.1f;
 using Height = float (*)(float x, float y);
 
 // Triangles of a sheet over the square |x|, |y| < 1.5 r, irregular ones; some have a map that does not exist.
-std::vector<FlatSample> sheet(int side, Height height) {
+SampleList sheet(int side, Height height) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
   const float step = 3.0f * radius / static_cast<float>(side);
@@ -37,15 +37,18 @@ std::vector<FlatSample> sheet(int side, Height height) {
       normal.push_back(normalize(
           vec3((height(x - d, y) - height(x + d, y)) / (2.0f * d), (height(x, y - d) - height(x, y + d)) / (2.0f * d), 1.0f)));
     }
-  std::vector<FlatSample> samples;
+  SampleList samples;
   for (int i = 0; i < side; ++i)
     for (int k = 0; k < side; ++k) {
       const int a = i * (side + 1) + k, b = a + side + 1;
       for (const auto &[p, q, r] : {std::array{a, b, b + 1}, std::array{a, b + 1, a + 1}}) {
         const vec3 corners[] = {position[p], position[q], position[r]}, normals[] = {normal[p], normal[q], normal[r]};
         const float value = (i + k) % 17 == 0 ? std::nanf("") : unit(random);
-        samples.push_back(flat(sample_of_triangle(corners, normals, 0.1f), i * side + k,
-                               {vec4(unit(random), unit(random), unit(random), value), vec2(0.1f * unit(random))}));
+        samples.sample.push_back(flat(sample_of_triangle(corners, normals, 0.1f), i * side + k));
+        SampleMap map{{unit(random), unit(random), unit(random), value}, {}};
+        for (auto &along : map.along)
+          for (float &component : along) component = 0.1f * unit(random);
+        samples.map.push_back(map);
       }
     }
   return samples;
@@ -59,8 +62,8 @@ struct Summed {
   std::vector<int32_t> whole, cut, nearest; // samples
 };
 
-Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, const std::vector<FlatSample> &samples,
-              const SumCenter &center) {
+Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, const SampleList &list, const SumCenter &center) {
+  const std::vector<FlatSample> &samples = list.sample;
   std::vector<SampleBlock> blocks;
   std::vector<float> spheres[4];
   for (size_t first = 0; first < samples.size(); first += block_lanes) {
@@ -76,7 +79,7 @@ Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, c
     for (auto &column : spheres) column.push_back(1e18f);
   std::fill(spheres[3].begin() + static_cast<ptrdiff_t>(blocks.size()), spheres[3].end(), 0.0f);
   Summed summed;
-  for (auto *list : {&summed.whole, &summed.cut, &summed.nearest}) list->resize(blocks.size() * block_lanes);
+  for (auto *indices : {&summed.whole, &summed.cut, &summed.nearest}) indices->resize(blocks.size() * block_lanes);
   Selection selection{summed.whole.data(), summed.cut.data(), summed.nearest.data(), 0, 0, 0};
   target.select({listed.data(),
                  shown.data(),
@@ -86,17 +89,19 @@ Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, c
   summed.whole.resize(static_cast<size_t>(selection.wholes));
   summed.cut.resize(static_cast<size_t>(selection.cuts));
   summed.nearest.resize(static_cast<size_t>(selection.nearests));
-  const FlatSample nothing{};
-  const auto filled = [&](const std::vector<int32_t> &list) {
-    std::vector<const FlatSample *> all;
-    for (const int32_t i : list) all.push_back(&samples[static_cast<size_t>(i)]);
+  const auto filled = [](const auto &from, const std::vector<int32_t> &indices, const auto &nothing) {
+    std::vector<decltype(&nothing)> all;
+    for (const int32_t i : indices) all.push_back(&from[static_cast<size_t>(i)]);
     while (all.size() % block_lanes != 0) all.push_back(&nothing);
     return all;
   };
-  const auto whole = filled(summed.whole), cut = filled(summed.cut);
+  const FlatSample nothing{};
+  const SampleMap no_map{};
+  const auto whole = filled(samples, summed.whole, nothing), cut = filled(samples, summed.cut, nothing);
+  const auto whole_map = filled(list.map, summed.whole, no_map), cut_map = filled(list.map, summed.cut, no_map);
   target.by_kind[kind](params,
                        {whole.data(), cut.data(), static_cast<int32_t>(whole.size()) / block_lanes,
-                        static_cast<int32_t>(cut.size()) / block_lanes},
+                        static_cast<int32_t>(cut.size()) / block_lanes, whole_map.data(), cut_map.data()},
                        center, summed.sums.data());
   return summed;
 }
@@ -112,7 +117,7 @@ EvaluateParams params() {
 }
 
 TEST(AddSamples, has_the_same_bits_by_every_set_of_instructions) {
-  const std::vector<FlatSample> samples = sheet(24, bent);
+  const SampleList samples = sheet(24, bent);
   const SumCenter center = center_at(vec3(0.013f, -0.016f, 0.001f));
   const std::vector<SumTarget> targets = sum_targets();
   ASSERT_FALSE(targets.empty());
@@ -130,15 +135,18 @@ TEST(AddSamples, has_the_same_bits_by_every_set_of_instructions) {
 }
 
 TEST(AddSamples, has_the_same_bits_whichever_samples_outside_the_ball_are_looked_at) {
-  const std::vector<FlatSample> samples = sheet(24, bent);
+  const SampleList samples = sheet(24, bent);
   const SumCenter center = center_at(vec3(0.013f, -0.016f, 0.001f));
-  std::vector<FlatSample> near;
-  for (const FlatSample &sample : samples) {
+  SampleList near;
+  for (size_t i = 0; i < samples.sample.size(); ++i) {
+    const FlatSample &sample = samples.sample[i];
     float square = 0.0f;
     for (int axis = 0; axis < 3; ++axis) square += std::pow(sample.position[axis] - center.position[axis], 2.0f);
-    if (square < std::pow(radius + sample.reach, 2.0f)) near.push_back(sample);
+    if (square >= std::pow(radius + sample.reach, 2.0f)) continue;
+    near.sample.push_back(sample);
+    near.map.push_back(samples.map[i]);
   }
-  ASSERT_LT(near.size(), samples.size());
+  ASSERT_LT(near.sample.size(), samples.sample.size());
   for (const SumTarget &target : sum_targets())
     for (int kind = 0; kind < sum_kinds; ++kind)
       EXPECT_EQ(sum_up(target, kind, params(), near, center).sums, sum_up(target, kind, params(), samples, center).sums) << kind;
@@ -146,12 +154,12 @@ TEST(AddSamples, has_the_same_bits_whichever_samples_outside_the_ball_are_looked
 
 // Each sample that lies in the ball, once, by itself.
 TEST(AddSamples, takes_what_lies_in_the_ball) {
-  const std::vector<FlatSample> samples = sheet(24, bent);
+  const SampleList samples = sheet(24, bent);
   const SumCenter center = center_at(vec3(0.013f, -0.016f, 0.001f));
   std::vector<int32_t> whole, cut;
-  for (size_t i = 0; i < samples.size(); ++i) {
+  for (size_t i = 0; i < samples.sample.size(); ++i) {
     int inside = 0;
-    for (const vec3 &corner : corners_of(samples[i], vec3(center.position[0], center.position[1], center.position[2])))
+    for (const vec3 &corner : corners_of(samples.sample[i], vec3(center.position[0], center.position[1], center.position[2])))
       inside += dot(corner, corner) < radius * radius ? 1 : 0;
     if (inside > 0) (inside == 3 ? whole : cut).push_back(static_cast<int32_t>(i));
   }
@@ -167,7 +175,7 @@ TEST(AddSamples, takes_what_lies_in_the_ball) {
 TEST(AddSamples, cuts_triangles_as_the_ball_does) {
   for (const int side : {12, 16, 40}) // some 56, 100 and 630 triangles in the ball
     for (const float height : {0.0f, 0.3f, 0.8f}) {
-      const std::vector<FlatSample> samples = sheet(side, flat_height);
+      const SampleList samples = sheet(side, flat_height);
       const double share = 1.0 - static_cast<double>(height * height),
                    disk = 3.14159265358979 * static_cast<double>(radius * radius);
       for (int i = 0; i < 16; ++i) {
@@ -183,7 +191,7 @@ TEST(AddSamples, cuts_triangles_as_the_ball_does) {
 
 // Another sheet, as far as there may be, is nearest to the center somewhere.
 TEST(AddSamples, sees_that_another_sheet_comes_nearest) {
-  const std::vector<FlatSample> samples = sheet(24, bent);
+  const SampleList samples = sheet(24, bent);
   for (int i = 0; i < 16; ++i) {
     const vec3 place(0.0f, 0.0f, 0.95f / 15.0f * radius * static_cast<float>(i));
     const size_t nearest = sum_up(sum_targets()[0], 0, params(), samples, center_at(place)).nearest.size();

@@ -31,12 +31,12 @@ Sampled sample(const TestMesh &mesh, double radius) {
   const auto scaled = static_cast<float>(radius * space.scale);
   const Surfels surfels = build_surfels(source, scaled, 256);
   const SurfaceSamples stored = list_samples(source, surfels);
-  std::vector<FlatSample> all = stored.sample;
+  SampleList all = stored.list;
   Sampled found;
   for (size_t k = 0; k < surfels.surfel.size(); ++k)
     if (surfels.surfel[k].samples > max_stored_samples)
       divide_triangle(source, surfels, static_cast<int32_t>(k), vec3(0.0f), std::numeric_limits<float>::max(), all);
-  for (const FlatSample &one : all) found.samples += static_cast<double>(one.area);
+  for (const FlatSample &one : all.sample) found.samples += static_cast<double>(one.area);
   for (int32_t t = 0; t < triangles.triangle_count; ++t) {
     const vec3 a = source.position(3 * t);
     found.area += 0.5 * static_cast<double>(length(cross(source.position(3 * t + 1) - a, source.position(3 * t + 2) - a)));
@@ -44,7 +44,7 @@ Sampled sample(const TestMesh &mesh, double radius) {
     found.each_surfel_has_a_cell &=
         surfel >= surfels.cell_begin[static_cast<size_t>(cell)] && surfel < surfels.cell_begin[static_cast<size_t>(cell) + 1];
   }
-  found.count = static_cast<int32_t>(all.size());
+  found.count = static_cast<int32_t>(all.sample.size());
   found.surfels = static_cast<int32_t>(surfels.surfel.size());
   found.triangles = triangles.triangle_count;
   return found;

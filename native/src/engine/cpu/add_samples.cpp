@@ -112,14 +112,14 @@ template <class Wide> struct Adder {
   typename Wide::Sums sums;
 
   // may_be_cut: the rim may cut some of the samples; else they lie in the ball.
-  template <bool may_be_cut> [[gnu::always_inline]] void add(const FlatSample *const *samples) {
+  template <bool may_be_cut> [[gnu::always_inline]] void add(const FlatSample *const *samples, const SampleMap *const *maps) {
     const Seen seen(samples, sums.center.position);
     const float radius = kernel.params.radius;
     const Distances distances = distances_of(seen);
     Part part{seen.area, {0.0f, 0.0f}, 0.0f, {0.0f, 0.0f}};
     if constexpr (may_be_cut) part = clip_at(seen, distances, radius);
     if constexpr (requires { sums.center.value; })
-      add_middles<may_be_cut>(seen, part);
+      add_middles<may_be_cut>(seen, part, maps);
     else
       add_part<may_be_cut>(seen, distances, part);
   }
@@ -136,16 +136,18 @@ template <class Wide> struct Adder {
     if constexpr (requires { sums.half_ball; }) {
       Neighbor inner = neighbor;
       place<true>(seen, clip_at(seen, distances, 0.5f * radius), inner);
-      kernel.add_weighted(sums, neighbor, inner, seen.map);
+      kernel.add_weighted(sums, neighbor, inner, Vector<4, Lanes>(Lanes(0.0f)));
     } else {
-      kernel.add_weighted(sums, neighbor, seen.map);
+      kernel.add_weighted(sums, neighbor, Vector<4, Lanes>(Lanes(0.0f)));
     }
     add_variance(seen, part);
   }
 
   // By the middles of its edges, where a quadratic has its mean: sums for operators have the map times squares of positions.
-  template <bool may_be_cut> void add_middles(const Seen &seen, const Part &part) {
+  template <bool may_be_cut> void add_middles(const Seen &seen, const Part &part, const SampleMap *const *maps) {
     constexpr float middles[3][2] = {{root2, 0.0f}, {-0.5f * root2, 0.5f * root6}, {-0.5f * root2, -0.5f * root6}};
+    const Vector<4, Lanes> mean = gather<offsetof(SampleMap, mean)>(maps), first = gather<offsetof(SampleMap, along[0])>(maps),
+                           second = gather<offsetof(SampleMap, along[1])>(maps);
     const Lanes extent = may_be_cut ? fast_sqrt(part.area * seen.per_area) : Lanes(1.0f);
     for (const float(&middle)[2] : middles) {
       const Lanes at[2] = {part.place[0] + extent * middle[0], part.place[1] + extent * middle[1]};
@@ -154,9 +156,7 @@ template <class Wide> struct Adder {
       neighbor.normal = seen.normal_at(at);
       neighbor.rho = fast_sqrt(square_of(neighbor.offset));
       neighbor.weight = part.area * (1.0f / 3.0f);
-      Vector<4, Lanes> map = seen.map;
-      map.w += seen.value_along[0] * at[0] + seen.value_along[1] * at[1];
-      kernel.add_weighted(sums, neighbor, map);
+      kernel.add_weighted(sums, neighbor, mean + first * at[0] + second * at[1]);
     }
   }
 
@@ -289,9 +289,10 @@ void add_samples(const EvaluateParams &params, const SelectedSamples &samples, c
     const int first = pass * lane_count;
     Adder<Wide> adder{Wide{params}, {}};
     adder.kernel.sums_init(adder.sums, all(center.position), all(center.normal), center.value);
+    const auto at = [&](const auto *list, int32_t block) { return list ? list + block * block_lanes + first : nullptr; };
     for (int32_t i = 0; i < samples.whole_blocks; ++i)
-      adder.template add<Wide::geodesic_ball>(samples.whole + i * block_lanes + first);
-    for (int32_t i = 0; i < samples.cut_blocks; ++i) adder.template add<true>(samples.cut + i * block_lanes + first);
+      adder.template add<Wide::geodesic_ball>(at(samples.whole, i), at(samples.whole_map, i));
+    for (int32_t i = 0; i < samples.cut_blocks; ++i) adder.template add<true>(at(samples.cut, i), at(samples.cut_map, i));
     count = store(adder.sums.moments, pass, of_lanes, 0);
     if constexpr (requires { adder.sums.half_ball; }) count = store(adder.sums.half_ball, pass, of_lanes, count);
     count = store(adder.sums.terms, pass, of_lanes, count);

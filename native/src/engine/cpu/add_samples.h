@@ -13,14 +13,17 @@ namespace paradesc {
 struct EvaluateParams;
 
 // A Sample of engine/cpu/pieces.h in plain floats. Four are read at a time from wherever three belong together.
-struct alignas(64) FlatSample {
+struct alignas(16) FlatSample {
   float position[3], area;
   float normal[3], turn;
   float along[2][3], normal_along[2][3];
   float face[3], reach, foot;
-  int32_t surfel;       // of which it is, or is part
-  float value_along[2]; // of the map, where there is one
-  float map[4];         // mean gradient and value
+  int32_t surfel; // of which it is, or is part
+};
+
+// What operators look at: gradient and value, as the normal of a sample: their mean, and how they vary along both directions.
+struct alignas(16) SampleMap {
+  float mean[4], along[2][4];
 };
 
 inline constexpr int block_lanes = 16; // samples that are added together
@@ -55,6 +58,8 @@ struct SelectedSamples {
   const FlatSample *const *whole;
   const FlatSample *const *cut;
   int32_t whole_blocks, cut_blocks;
+  const SampleMap *const *whole_map; // of each, for kinds that read it
+  const SampleMap *const *cut_map;
 };
 
 // What is added up, compiled for itself.

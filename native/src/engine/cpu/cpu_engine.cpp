@@ -157,8 +157,8 @@ static EvaluateParams params_of(const Request &request, double scale, float radi
   return params;
 }
 
-// How many of them divide a disk of the pass's radius. Half of the radius has as many as the radius, where both count; and the
-// products of gradients that windows add up take more, since no sample knows how gradients vary on it.
+// How many of them divide a disk of the pass's radius. Half of the radius has as many as the radius, where both count; windows
+// take more, whose Gaussians fall off within samples.
 static int samples_of_cut(const Pass &pass, const pdesc_options &options) {
   if (pass.stage == Stage::windows) return 4 * options.samples;
   const bool two_radii = options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED && pass.stage != Stage::map;

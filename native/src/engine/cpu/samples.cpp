@@ -6,7 +6,7 @@
 
 namespace paradesc {
 
-FlatSample flat(const Sample &sample, int32_t surfel, const SampleMap &map) {
+FlatSample flat(const Sample &sample, int32_t surfel) {
   FlatSample to{};
   const auto copy = [](vec3 from, float *floats) { std::copy_n(&from.x, 3, floats); };
   copy(sample.position, to.position);
@@ -21,8 +21,6 @@ FlatSample flat(const Sample &sample, int32_t surfel, const SampleMap &map) {
   to.turn = sample.turn;
   to.foot = sample.foot;
   to.surfel = surfel;
-  std::copy_n(&map.mean.x, 4, to.map);
-  std::copy_n(&map.value_along.x, 2, to.value_along);
   return to;
 }
 

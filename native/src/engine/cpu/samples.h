@@ -11,14 +11,8 @@
 
 namespace paradesc {
 
-// What a sample knows of a map.
-struct SampleMap {
-  vec4 mean{0.0f};        // gradient and value
-  vec2 value_along{0.0f}; // how the value varies along both of its directions
-};
-
 // surfel: of which it is, or is part.
-FlatSample flat(const Sample &sample, int32_t surfel, const SampleMap &map);
+FlatSample flat(const Sample &sample, int32_t surfel);
 
 // Of the triangle that it stands for, from the center.
 std::array<vec3, 3> corners_of(const FlatSample &sample, vec3 center);
@@ -26,9 +20,14 @@ std::array<vec3, 3> corners_of(const FlatSample &sample, vec3 center);
 // Triangles that would have more samples than this are divided anew by each group of centers, as far as it is near.
 inline constexpr float max_stored_samples = 256;
 
+struct SampleList {
+  std::vector<FlatSample> sample;
+  std::vector<SampleMap> map; // of each; empty: there is none
+};
+
 struct SurfaceSamples {
-  std::vector<FlatSample> sample; // of all surfels but the largest, in their order
-  std::vector<int32_t> first;     // (surfels + 1) into sample
+  SampleList list;                // of all surfels but the largest, in their order
+  std::vector<int32_t> first;     // (surfels + 1) into the list
   std::vector<SampleBlock> block; // of all samples, one after the other
   std::vector<vec4> sphere;       // (blocks) middle, radius
 };

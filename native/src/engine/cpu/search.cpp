@@ -46,6 +46,7 @@ void Search::find_cells(const std::vector<TreeCenter> &centers, std::span<const 
 void Search::list_candidates(float reach) {
   blocks_.clear();
   block_samples_.clear();
+  block_maps_.clear();
   shown_.clear();
   boundary_.clear();
   for (auto &column : spheres_) column.clear();
@@ -55,7 +56,7 @@ void Search::list_candidates(float reach) {
     const int32_t begin = samples_.first[surfels_.cell_begin[cell]], end = samples_.first[surfels_.cell_begin[cell + 1]];
     for (int32_t i = begin / block_lanes; i * block_lanes < end; ++i) {
       if (i != std::exchange(last_block, i))
-        is_listed = add_block(&samples_.sample[i * block_lanes], samples_.block[i], samples_.sphere[i], reach);
+        is_listed = add_block(samples_.list, static_cast<size_t>(i * block_lanes), samples_.block[i], samples_.sphere[i], reach);
       if (!is_listed) continue;
       const int32_t from = std::max(begin - i * block_lanes, 0), to = std::min(end - i * block_lanes, block_lanes);
       shown_.back() = static_cast<uint16_t>(shown_.back() | ((1u << to) - (1u << from)));
@@ -71,15 +72,17 @@ void Search::list_candidates(float reach) {
   spheres_[3].resize(padded, 0.0f);
   for (auto *list : {&whole_, &cut_, &nearest_}) list->resize(blocks_.size() * block_lanes);
   for (auto *list : {&whole_samples_, &cut_samples_}) list->resize(blocks_.size() * block_lanes);
+  for (auto *list : {&whole_maps_, &cut_maps_}) list->resize(block_maps_.size() * block_lanes);
 }
 
 // None of its samples counts as yet. False where it lies too far off.
-bool Search::add_block(const FlatSample *samples, const SampleBlock &block, vec4 sphere, float reach) {
+bool Search::add_block(const SampleList &list, size_t first, const SampleBlock &block, vec4 sphere, float reach) {
   const vec3 gap = vec3(sphere) - middle_;
   const float limit = reach + sphere.w;
   if (!(dot(gap, gap) < limit * limit)) return false;
   blocks_.push_back(&block);
-  block_samples_.push_back(samples);
+  block_samples_.push_back(&list.sample[first]);
+  if (!list.map.empty()) block_maps_.push_back(&list.map[first]);
   for (int i = 0; i < 4; ++i) spheres_[i].push_back(sphere[i]);
   shown_.push_back(0);
   return true;
@@ -87,18 +90,19 @@ bool Search::add_block(const FlatSample *samples, const SampleBlock &block, vec4
 
 // Very large triangles, each of which is a cell of its own.
 void Search::add_divided(float reach) {
-  divided_.clear();
+  divided_ = {};
   divided_blocks_.clear();
   for (const int32_t cell : cells_) {
     const int32_t first = surfels_.cell_begin[cell];
     if (surfels_.surfel[first].samples > max_stored_samples) divide_triangle(source_, surfels_, first, middle_, reach, divided_);
   }
   const auto of_block = [&](size_t first) {
-    return std::span(divided_).subspan(first, std::min<size_t>(block_lanes, divided_.size() - first));
+    return std::span(divided_.sample).subspan(first, std::min<size_t>(block_lanes, divided_.sample.size() - first));
   };
-  for (size_t first = 0; first < divided_.size(); first += block_lanes) divided_blocks_.push_back(block_of(of_block(first)));
-  for (size_t first = 0; first < divided_.size(); first += block_lanes)
-    if (add_block(&divided_[first], divided_blocks_[first / block_lanes], sphere_of(of_block(first)), reach))
+  for (size_t first = 0; first < divided_.sample.size(); first += block_lanes)
+    divided_blocks_.push_back(block_of(of_block(first)));
+  for (size_t first = 0; first < divided_.sample.size(); first += block_lanes)
+    if (add_block(divided_, first, divided_blocks_[first / block_lanes], sphere_of(of_block(first)), reach))
       shown_.back() = 0xffff;
 }
 
@@ -114,8 +118,10 @@ Search::Found Search::find(const TreeCenter &center, SelectSamples select) {
     keep_reached(cut_, selection_.cuts);
   }
   const auto belongs = [&](int32_t half_edge) { return is_reached(surfels_.triangle_surfel[half_edge / 3]); };
-  return {{whole_samples_.data(), cut_samples_.data(), take(whole_, selection_.wholes, whole_samples_),
-           take(cut_, selection_.cuts, cut_samples_)},
+  const int32_t wholes = take(whole_, selection_.wholes, whole_samples_, whole_maps_),
+                cuts = take(cut_, selection_.cuts, cut_samples_, cut_maps_);
+  const auto maps = [&](const std::vector<const SampleMap *> &list) { return block_maps_.empty() ? nullptr : list.data(); };
+  return {{whole_samples_.data(), cut_samples_.data(), wholes, cuts, maps(whole_maps_), maps(cut_maps_)},
           std::ranges::any_of(boundary_in_ball_, belongs)};
 }
 
@@ -126,11 +132,16 @@ void Search::keep_reached(std::vector<int32_t> &list, int32_t &count) const {
 }
 
 // Returns the number of blocks.
-int32_t Search::take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples) const {
+int32_t Search::take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples,
+                     std::vector<const SampleMap *> &maps) const {
   static const FlatSample nothing{};
-  for (int32_t i = 0; i < count; ++i) samples[i] = &candidate(list[i]);
+  static const SampleMap no_map{};
   const int32_t blocks = (count + block_lanes - 1) / block_lanes;
+  for (int32_t i = 0; i < count; ++i) samples[i] = &candidate(list[i]);
   std::fill(samples.begin() + count, samples.begin() + blocks * block_lanes, &nothing);
+  if (maps.empty()) return blocks;
+  for (int32_t i = 0; i < count; ++i) maps[i] = block_maps_[list[i] / block_lanes] + list[i] % block_lanes;
+  std::fill(maps.begin() + count, maps.begin() + blocks * block_lanes, &no_map);
   return blocks;
 }
 

@@ -27,7 +27,7 @@ public:
 private:
   void find_cells(const std::vector<TreeCenter> &centers, std::span<const int32_t> group, float reach);
   void list_candidates(float reach);
-  bool add_block(const FlatSample *samples, const SampleBlock &block, vec4 sphere, float reach);
+  bool add_block(const SampleList &list, size_t first, const SampleBlock &block, vec4 sphere, float reach);
   void add_divided(float reach);
   const FlatSample &candidate(int32_t i) const { return block_samples_[i / block_lanes][i % block_lanes]; }
   bool meets_ball(int32_t half_edge, vec3 center) const;
@@ -42,7 +42,8 @@ private:
   bool is_one_piece(const TreeCenter &center, int32_t nearest);
   bool find_connected(const TreeCenter &center);
   void keep_reached(std::vector<int32_t> &list, int32_t &count) const;
-  int32_t take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples) const;
+  int32_t take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples,
+               std::vector<const SampleMap *> &maps) const;
 
   const SurfelSource &source_;
   const Surfels &surfels_;
@@ -53,15 +54,17 @@ private:
   int32_t groups_ = 0;
   std::vector<int32_t> boundary_; // half-edges of these cells
   std::vector<int32_t> boundary_in_ball_;
-  std::vector<FlatSample> divided_; // of very large triangles
+  SampleList divided_; // of very large triangles
   std::vector<SampleBlock> divided_blocks_;
   std::vector<const SampleBlock *> blocks_;       // of Candidates
   std::vector<uint16_t> shown_;                   // likewise
   std::vector<float> spheres_[4];                 // likewise
   std::vector<const FlatSample *> block_samples_; // (blocks_) the first of each
+  std::vector<const SampleMap *> block_maps_;     // likewise, where there is one
   std::vector<int32_t> whole_, cut_, nearest_;    // of Selection
   Selection selection_{};
   std::vector<const FlatSample *> whole_samples_, cut_samples_; // of SelectedSamples
+  std::vector<const SampleMap *> whole_maps_, cut_maps_;        // likewise
   std::vector<int32_t> nearest_mark_; // (surfels) the last center to which the surface may come nearest on it
   int32_t centers_ = 0;
   std::vector<int32_t> reached_mark_; // (surfels) the last flood that reached it

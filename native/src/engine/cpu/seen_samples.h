@@ -41,11 +41,11 @@ template <int i0, int i1, int i2, int i3> Lanes::Floats shuffle(const Lanes::Flo
 }
 
 // Four floats of every fourth sample, one part after the other.
-template <size_t offset> Lanes::Floats every_fourth(const FlatSample *const *samples) {
+template <size_t offset, class Item> Lanes::Floats every_fourth(const Item *const *items) {
   using Four [[gnu::vector_size(16)]] = float;
   const auto part = [&](int i) {
     Four four;
-    __builtin_memcpy(&four, reinterpret_cast<const char *>(samples[i]) + offset, sizeof four);
+    __builtin_memcpy(&four, reinterpret_cast<const char *>(items[i]) + offset, sizeof four);
     return four;
   };
   if constexpr (lane_count == 4) {
@@ -59,10 +59,10 @@ template <size_t offset> Lanes::Floats every_fourth(const FlatSample *const *sam
   }
 }
 
-// Four floats that follow each other in each of the samples.
-template <size_t offset> [[gnu::always_inline]] inline Vector<4, Lanes> gather(const FlatSample *const *samples) {
-  const Lanes::Floats a = every_fourth<offset>(samples), b = every_fourth<offset>(samples + 1),
-                      c = every_fourth<offset>(samples + 2), d = every_fourth<offset>(samples + 3);
+// Four floats that follow each other in each of the items.
+template <size_t offset, class Item> [[gnu::always_inline]] inline Vector<4, Lanes> gather(const Item *const *items) {
+  const Lanes::Floats a = every_fourth<offset>(items), b = every_fourth<offset>(items + 1), c = every_fourth<offset>(items + 2),
+                      d = every_fourth<offset>(items + 3);
   const Lanes::Floats ab = shuffle<0, 4, 1, 5>(a, b), cd = shuffle<0, 4, 1, 5>(c, d);
   const Lanes::Floats ab2 = shuffle<2, 6, 3, 7>(a, b), cd2 = shuffle<2, 6, 3, 7>(c, d);
   return {Lanes(shuffle<0, 1, 4, 5>(ab, cd)), Lanes(shuffle<2, 3, 6, 7>(ab, cd)), Lanes(shuffle<0, 1, 4, 5>(ab2, cd2)),
@@ -76,8 +76,6 @@ constexpr float root2 = 1.41421356f, root6 = 2.44948974f;
 struct Seen {
   Vector<3, Lanes> offset, along[2], normal, normal_along[2], face;
   Lanes area, per_area;
-  Vector<4, Lanes> map;
-  Lanes value_along[2];
 
   [[gnu::always_inline]] Seen(const FlatSample *const *samples, const Vector<3, Lanes> &center) {
     const Vector<4, Lanes> position = gather<offsetof(FlatSample, position)>(samples);
@@ -90,10 +88,6 @@ struct Seen {
     normal_along[0] = first3(gather<offsetof(FlatSample, normal_along[0])>(samples));
     normal_along[1] = first3(gather<offsetof(FlatSample, normal_along[1])>(samples));
     face = first3(gather<offsetof(FlatSample, face)>(samples));
-    map = gather<offsetof(FlatSample, map)>(samples);
-    const Vector<4, Lanes> along_two = gather<offsetof(FlatSample, value_along)>(samples);
-    value_along[0] = along_two.x;
-    value_along[1] = along_two.y;
   }
 
   Vector<3, Lanes> at(const Lanes *place) const { return offset + along[0] * place[0] + along[1] * place[1]; }

@@ -10,6 +10,14 @@
 
 namespace paradesc {
 
+static SampleMap flat(vec4 mean, vec4 first, vec4 second) {
+  SampleMap map;
+  std::copy_n(&mean.x, 4, map.mean);
+  std::copy_n(&first.x, 4, map.along[0]);
+  std::copy_n(&second.x, 4, map.along[1]);
+  return map;
+}
+
 namespace {
 
 // Part of a triangle.
@@ -24,9 +32,9 @@ struct Piece {
 // Pieces are halved at their longest edge: then they are hardly longer than wide.
 class Divider {
 public:
-  Divider(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit,
-          std::vector<FlatSample> &samples)
-      : middle_(middle), limit_(limit), largest_spread_(surfels.largest_spread), surfel_(surfel), samples_(samples) {
+  Divider(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit, SampleList &samples)
+      : middle_(middle), limit_(limit), largest_spread_(surfels.largest_spread), surfel_(surfel), samples_(samples),
+        has_map_(source.map != nullptr) {
     const int32_t triangle = source.tree.triangle[surfels.first[surfel]];
     lean_ = lean_of(source, surfels, surfel, surfels.face[triangle]);
     for (int32_t k = 0; k < 3; ++k) {
@@ -68,9 +76,9 @@ private:
   }
 
   static SampleMap map_of_triangle(const vec4 (&values)[3]) {
-    const float to_next = values[1].w - values[0].w, to_previous = values[2].w - values[0].w;
-    return {(values[0] + values[1] + values[2]) * (1.0f / 3.0f),
-            {(to_next + to_previous) * 0.11785113f, (to_next - to_previous) * 0.20412415f}}; // as sample_of_triangle()
+    const vec4 to_next = values[1] - values[0], to_previous = values[2] - values[0];
+    return flat((values[0] + values[1] + values[2]) * (1.0f / 3.0f), (to_next + to_previous) * 0.11785113f,
+                (to_next - to_previous) * 0.20412415f); // as sample_of_triangle()
   }
 
   void add(const Piece &piece) {
@@ -80,9 +88,10 @@ private:
       const float length_squared = square(normal);
       normals[k] = length_squared > 0.0f ? normal / std::sqrt(length_squared) : normal_[0];
     }
+    samples_.sample.push_back(flat(sample_of_triangle(piece.corner, normals, piece.at_rim() ? lean_ : 0.0f), surfel_));
+    if (!has_map_) return;
     const vec4 values[3] = {at(map_, piece.weights[0]), at(map_, piece.weights[1]), at(map_, piece.weights[2])};
-    samples_.push_back(
-        flat(sample_of_triangle(piece.corner, normals, piece.at_rim() ? lean_ : 0.0f), surfel_, map_of_triangle(values)));
+    samples_.map.push_back(map_of_triangle(values));
   }
 
   Piece whole_;
@@ -90,15 +99,16 @@ private:
   vec3 middle_;
   float limit_, largest_spread_;
   int32_t surfel_;
-  std::vector<FlatSample> &samples_;
+  SampleList &samples_;
   vec3 normal_[3];
+  bool has_map_;
   vec4 map_[3];
 };
 
 } // namespace
 
 void divide_triangle(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit,
-                     std::vector<FlatSample> &samples) {
+                     SampleList &samples) {
   Divider(source, surfels, surfel, middle, limit, samples).run();
 }
 
@@ -110,7 +120,7 @@ static SampleMap map_of(const SurfelSource &source, const Surfels &surfels, int3
   const vec3 to_first =
       is_line ? sample.along[0] / std::max(u, 1e-30f) : (v * sample.along[0] - uv * sample.along[1]) / determinant;
   const vec3 to_second = is_line ? vec3(0.0f) : (u * sample.along[1] - uv * sample.along[0]) / determinant;
-  SampleMap map;
+  vec4 mean(0.0f), first_sum(0.0f), second_sum(0.0f);
   vec2 places(0.0f);
   float area = 0.0f;
   for (int32_t i = surfels.first[surfel]; i < surfels.first[surfel + 1]; ++i) {
@@ -124,20 +134,20 @@ static SampleMap map_of(const SurfelSource &source, const Surfels &surfels, int3
       const vec4 value = part * 0.5f * (at(corner) + at(next));
       const vec3 gap = 0.5f * (source.position(corner) + source.position(next)) - sample.position;
       const vec2 place(dot(gap, to_first), dot(gap, to_second));
-      map.mean += value;
-      map.value_along += value.w * place;
+      mean += value;
+      first_sum += value * place.x;
+      second_sum += value * place.y;
       places += part * place;
     }
   }
   if (!(area > 0.0f)) return {};
-  map.mean /= area;
-  map.value_along = (map.value_along - map.mean.w * places) / area;
-  return map;
+  mean /= area;
+  return flat(mean, (first_sum - mean * places.x) / area, (second_sum - mean * places.y) / area);
 }
 
 static constexpr float least_area = 1e-30f; // one over it is a float
 
-static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32_t index, std::vector<FlatSample> &samples) {
+static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32_t index, SampleList &samples) {
   const Surfel &surfel = surfels.surfel[index];
   if (surfel.samples > max_stored_samples) return;
   if (surfel.samples > 1.0f)
@@ -147,17 +157,19 @@ static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32
   const float lean = lean_of(source, surfels, index, cluster ? glm::normalize(cluster->face) : surfels.face[triangle]);
   const Sample sample = cluster ? sample_of(*cluster, lean) : sample_of(source, triangle, lean);
   if (!(sample.area > least_area)) return;
-  samples.push_back(flat(sample, index, source.map ? map_of(source, surfels, index, sample) : SampleMap()));
+  samples.sample.push_back(flat(sample, index));
+  if (source.map) samples.map.push_back(map_of(source, surfels, index, sample));
 }
 
 static void add_blocks(int threads, SurfaceSamples &samples) {
-  const size_t blocks = (samples.sample.size() + block_lanes - 1) / block_lanes;
+  const std::vector<FlatSample> &all = samples.list.sample;
+  const size_t blocks = (all.size() + block_lanes - 1) / block_lanes;
   samples.block.resize(blocks);
   samples.sphere.resize(blocks);
   parallel_blocks(static_cast<int>(blocks), threads, 256, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      const size_t first = i * block_lanes, count = std::min<size_t>(block_lanes, samples.sample.size() - first);
-      const auto of_block = std::span(samples.sample).subspan(first, count);
+      const size_t first = i * block_lanes;
+      const auto of_block = std::span(all).subspan(first, std::min<size_t>(block_lanes, all.size() - first));
       samples.block[i] = block_of(of_block);
       samples.sphere[i] = sphere_of(of_block);
     }
@@ -168,23 +180,26 @@ SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels) 
   constexpr int surfels_of_part = 4096;
   const auto count = static_cast<int>(surfels.surfel.size());
   const int part_count = (count + surfels_of_part - 1) / surfels_of_part;
-  std::vector<std::vector<FlatSample>> parts(static_cast<size_t>(part_count));
+  std::vector<SampleList> parts(static_cast<size_t>(part_count));
   SurfaceSamples result;
   result.first.resize(static_cast<size_t>(count) + 1);
   parallel_blocks(count, source.threads, surfels_of_part, [&](int begin, int end) {
-    std::vector<FlatSample> &part = parts[begin / surfels_of_part];
-    part.reserve(static_cast<size_t>(end - begin));
+    SampleList &part = parts[begin / surfels_of_part];
+    part.sample.reserve(static_cast<size_t>(end - begin));
     for (int k = begin; k < end; ++k) {
-      result.first[k] = static_cast<int32_t>(part.size());
+      result.first[k] = static_cast<int32_t>(part.sample.size());
       add_surfel(source, surfels, k, part);
     }
   });
   std::vector<int32_t> begin{0};
-  for (const auto &part : parts) begin.push_back(begin.back() + static_cast<int32_t>(part.size()));
-  result.sample.resize(static_cast<size_t>(begin.back()));
+  for (const SampleList &part : parts) begin.push_back(begin.back() + static_cast<int32_t>(part.sample.size()));
+  result.list.sample.resize(static_cast<size_t>(begin.back()));
+  if (source.map) result.list.map.resize(static_cast<size_t>(begin.back()));
   result.first[count] = begin.back();
   parallel_blocks(part_count, source.threads, 1, [&](int index, int) {
-    std::ranges::copy(std::exchange(parts[index], {}), result.sample.begin() + begin[index]);
+    const SampleList part = std::exchange(parts[index], {});
+    std::ranges::copy(part.sample, result.list.sample.begin() + begin[index]);
+    std::ranges::copy(part.map, result.list.map.begin() + (source.map ? begin[index] : 0));
     const int end = std::min((index + 1) * surfels_of_part, count);
     for (int k = index * surfels_of_part; k < end; ++k) result.first[k] += begin[index];
   });

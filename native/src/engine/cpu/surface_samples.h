@@ -12,6 +12,6 @@ SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels);
 
 // Adds the samples of a large triangle that may lie nearer to the middle than the limit.
 void divide_triangle(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit,
-                     std::vector<FlatSample> &samples);
+                     SampleList &samples);
 
 } // namespace paradesc
