@@ -20,14 +20,24 @@ struct Sampled {
   bool each_surfel_has_a_cell = true;
 };
 
+// What samples are made of.
+struct Prepared {
+  explicit Prepared(const TestMesh &mesh)
+      : triangles(read_triangles(input_of(mesh))), half_edges(build_half_edges(triangles)),
+        normals(compute_normals(triangles, half_edges, build_normal_rings(triangles, half_edges), PDESC_NORMALS_FITTED, 1)),
+        tree(build_cluster_tree(half_edges)), space(bake_space_of(measure_extent(triangles, half_edges, 1).box)),
+        source{triangles, half_edges, normals, tree, positions_in(space, triangles, 2), nullptr, 2} {}
+  Triangles triangles;
+  HalfEdges half_edges;
+  Normals normals;
+  ClusterTree tree;
+  BakeSpace space;
+  SurfelSource source;
+};
+
 Sampled sample(const TestMesh &mesh, double radius) {
-  const Triangles triangles = read_triangles(input_of(mesh));
-  const HalfEdges half_edges = build_half_edges(triangles);
-  const Normals normals =
-      compute_normals(triangles, half_edges, build_normal_rings(triangles, half_edges), PDESC_NORMALS_FITTED, 1);
-  const ClusterTree tree = build_cluster_tree(half_edges);
-  const BakeSpace space = bake_space_of(measure_extent(triangles, half_edges, 1).box);
-  const SurfelSource source{triangles, half_edges, normals, tree, positions_in(space, triangles, 2), nullptr, 2};
+  const Prepared prepared(mesh);
+  const auto &[triangles, half_edges, normals, tree, space, source] = prepared;
   const auto scaled = static_cast<float>(radius * space.scale);
   const Surfels surfels = build_surfels(source, scaled, 256);
   const SurfaceSamples stored = list_samples(source, surfels);
@@ -76,6 +86,40 @@ TEST(SurfaceSamples, of_very_large_triangles_are_made_where_they_are_needed) {
   const Sampled found = sample(mesh, 0.01);
   EXPECT_NEAR(found.samples, found.area, 1e-3 * found.area) << "a hundred thousand floats";
   EXPECT_GT(found.count, 100000);
+}
+
+// A map whose gradient is the position, and whose value is linear in it: samples of triangles have it exactly, clusters but for
+// how they leave their planes.
+TEST(SurfaceSamples, know_how_a_map_varies_on_them) {
+  const TestMesh mesh = torus(1, 0.4, {.vertices = 3000});
+  for (const double radius : {0.05, 0.2, 1.5}) { // divided, as they are, in clusters
+    Prepared prepared(mesh);
+    const vec3 slope(1.0f, -2.0f, 0.5f);
+    std::vector<vec4> map;
+    for (const int32_t vertex : prepared.half_edges.point_vertex) {
+      const vec3 position = prepared.source.positions[static_cast<size_t>(vertex)];
+      map.emplace_back(position, dot(slope, position));
+    }
+    prepared.source.map = &map;
+    const Surfels surfels = build_surfels(prepared.source, static_cast<float>(radius * prepared.space.scale), 256);
+    SampleList all = list_samples(prepared.source, surfels).list;
+    for (size_t k = 0; k < surfels.surfel.size(); ++k)
+      if (surfels.surfel[k].samples > max_stored_samples)
+        divide_triangle(prepared.source, surfels, static_cast<int32_t>(k), vec3(0.0f), std::numeric_limits<float>::max(), all);
+    ASSERT_EQ(all.map.size(), all.sample.size());
+    const auto vector = [](const float *v) { return vec3(v[0], v[1], v[2]); };
+    for (size_t i = 0; i < all.sample.size(); ++i) {
+      const FlatSample &one = all.sample[i];
+      const bool is_cluster = surfels.surfel[static_cast<size_t>(one.surfel)].cluster >= 0;
+      const float limit = is_cluster ? 0.1f * one.reach : 1e-6f;
+      const auto expect_near = [&](const float *found, vec3 position) {
+        EXPECT_NEAR(length(vector(found) - position), 0.0f, limit) << i << " at radius " << radius;
+        EXPECT_NEAR(found[3], dot(slope, position), 3.0f * limit) << i << " at radius " << radius;
+      };
+      expect_near(all.map[i].mean, vector(one.position));
+      for (size_t k = 0; k < 2; ++k) expect_near(all.map[i].along[k], vector(one.along[k]));
+    }
+  }
 }
 
 } // namespace
