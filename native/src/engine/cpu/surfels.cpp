@@ -18,7 +18,7 @@ constexpr int block_size = 8192;
 constexpr float samples_of_cell = 48;
 constexpr float least_spread = 1e-13f; // pieces of less could not be told apart by floats
 // What the rim cuts of triangles is known exactly, so that they may be larger than clusters.
-constexpr float spread_of_triangles = 2;
+constexpr float spread_of_triangles = 1.5f;
 constexpr float spread_of_clusters = 2;  // squares of the radius over the number of samples
 constexpr float spread_with_map = 1;     // likewise, where operators look at one
 constexpr float least_coherence = 0.95f; // of a surfel's mean normals, squared: it does not fold
