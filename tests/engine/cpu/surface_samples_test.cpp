@@ -72,9 +72,9 @@ TEST(SurfaceSamples, stand_for_all_of_the_surface) {
 TEST(SurfaceSamples, are_as_many_as_the_radius_asks_for_however_fine_the_mesh) {
   const double disks = 15.8 / (3.1416 * 0.3 * 0.3); // of the radius, on the torus
   const Sampled coarse = sample(torus(1, 0.4, {.vertices = 800}), 0.3), fine = sample(torus(1, 0.4, {.vertices = 40000}), 0.3);
-  // Triangles are cut exactly: fewer of them do than clusters.
+  // Triangles are cut exactly, so that fewer of them do than clusters; but those on which normals turn are divided more.
   EXPECT_GT(coarse.count, 0.15 * 256 * disks);
-  EXPECT_LT(coarse.count, 0.4 * 256 * disks);
+  EXPECT_LT(coarse.count, 0.6 * 256 * disks);
   EXPECT_GT(fine.count, 0.4 * 256 * disks);
   EXPECT_LT(fine.count, 1.0 * 256 * disks);
   EXPECT_LT(fine.surfels, 0.5 * fine.triangles) << "clusters of small triangles";

@@ -33,8 +33,7 @@ struct Piece {
 class Divider {
 public:
   Divider(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit, SampleList &samples)
-      : middle_(middle), limit_(limit), largest_spread_(surfels.largest_spread), surfel_(surfel), samples_(samples),
-        has_map_(source.map != nullptr) {
+      : middle_(middle), limit_(limit), surfel_(surfel), samples_(samples), has_map_(source.map != nullptr) {
     const int32_t triangle = source.tree.triangle[surfels.first[surfel]];
     lean_ = lean_of(source, surfels, surfel, surfels.face[triangle]);
     for (int32_t k = 0; k < 3; ++k) {
@@ -44,6 +43,7 @@ public:
       normal_[k] = source.normals.corner(static_cast<size_t>(corner));
       map_[k] = source.map ? (*source.map)[source.half_edges.corner_point[corner]] : vec4(0.0f);
     }
+    largest_spread_ = surfels.largest_spread_between(normal_);
   }
 
   void run() { divide(whole_); }

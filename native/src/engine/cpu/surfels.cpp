@@ -75,19 +75,21 @@ private:
       const vec3 a = source_.position(corner), ab = source_.position(corner + 1) - a, ac = source_.position(corner + 2) - a;
       const vec3 bc = ac - ab, plane = cross(ab, ac);
       const float twice_area = length(plane), spread = (dot(ab, ab) + dot(ac, ac) + dot(bc, bc)) * (1.0f / 36.0f);
-      counts_[0][i] = {samples_of(0.5f * twice_area, spread), 1, 1, spread <= result_.largest_spread};
-      vec3 normal(0.0f);
-      for (int32_t k = corner; k < corner + 3; ++k) normal += (1.0f / 3.0f) * source_.normals.corner(static_cast<size_t>(k));
+      vec3 normals[3];
+      for (int32_t k = 0; k < 3; ++k) normals[k] = source_.normals.corner(static_cast<size_t>(corner + k));
+      const float largest = result_.largest_spread_between(normals);
+      counts_[0][i] = {samples_of(0.5f * twice_area, spread, largest), 1, 1, spread <= largest};
       const vec3 face = twice_area > 0.0f ? plane / twice_area : vec3(0.0f);
-      sizes_[i] = {a + (ab + ac) * (1.0f / 3.0f), normal, face, 0.5f * twice_area, spread};
+      sizes_[i] = {a + (ab + ac) * (1.0f / 3.0f), (normals[0] + normals[1] + normals[2]) * (1.0f / 3.0f), face, 0.5f * twice_area,
+                   spread};
       result_.face[tree_.triangle[i]] = face;
     });
   }
 
   // About as many as a triangle is divided into: of a sliver, along its length alone.
-  float samples_of(float area, float spread) const {
+  static float samples_of(float area, float spread, float largest_spread) {
     constexpr float area_of_equilateral = 5.2f; // over its spread
-    return std::max({1.0f, std::sqrt(spread / result_.largest_spread), area / (area_of_equilateral * result_.largest_spread)});
+    return std::max({1.0f, std::sqrt(spread / largest_spread), area / (area_of_equilateral * largest_spread)});
   }
 
   // Whether any cluster of this level may be one surfel.
@@ -326,6 +328,16 @@ private:
 };
 
 } // namespace
+
+float Surfels::largest_spread_between(const vec3 *normals) const {
+  float turn = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    const vec3 gap = normals[next_corner(k)] - normals[k];
+    turn = std::max(turn, dot(gap, gap));
+  }
+  constexpr float hardly = 0.15f, finer = 10.0f; // 0.15: 22 degrees
+  return largest_spread / (1.0f + finer * std::max(turn - hardly, 0.0f));
+}
 
 std::vector<vec3> positions_in(const BakeSpace &space, const Triangles &triangles, int threads) {
   std::vector<vec3> positions(triangles.positions.size());

@@ -41,7 +41,7 @@ struct Surfel {
 
 struct Surfels {
   float radius = 0;
-  float largest_spread = 0;            // of triangles and of their parts
+  float largest_spread = 0;            // of triangles and of their parts, where normals hardly turn
   std::vector<Surfel> surfel;          // in the order of the tree
   std::vector<int32_t> first;          // (surfels + 1) into ClusterTree::triangle
   std::vector<Cluster> cluster;        // of surfels with several triangles
@@ -63,6 +63,8 @@ struct Surfels {
   std::vector<int32_t> triangle_surfel; // (triangle_count) likewise
 
   int32_t cells() const { return static_cast<int32_t>(cell_sphere.size()); }
+  // Of a triangle with these normals at its corners: a sample does not know how far they are from varying linearly.
+  float largest_spread_between(const vec3 *normals) const;
 };
 
 // How far no normal of a surfel's triangles, and of those around them, is from the face, as points of the unit sphere.
