@@ -88,6 +88,55 @@ TEST(SurfaceSamples, of_very_large_triangles_are_made_where_they_are_needed) {
   EXPECT_GT(found.count, 100000);
 }
 
+// Halved at their longest edges they would come to hundreds of pieces side by side.
+TEST(SurfaceSamples, of_needles_are_as_many_as_lie_in_a_row) {
+  for (const float tip : {0.0f, 0.1f, 0.5f, 1.0f}) { // where the third corner is along the longest edge
+    TestMesh mesh;
+    mesh.vertex_count = 24;
+    for (int k = 0; k < 8; ++k) {
+      const float y = 0.05f * static_cast<float>(k);
+      for (const vec3 position : {vec3(0, y, 0), vec3(1, y, 0), vec3(tip, y + 1e-5f, 0)})
+        mesh.positions.insert(mesh.positions.end(), {position.x, position.y, position.z});
+      for (int corner = 0; corner < 3; ++corner) {
+        mesh.corner_vertices.push_back(3 * k + corner);
+        mesh.triangle_corners.push_back(3 * k + corner);
+      }
+    }
+    const double radius = 0.002;
+    const Sampled found = sample(mesh, radius);
+    EXPECT_NEAR(found.samples, found.area, 1e-3 * found.area);
+    const double across_a_sample = 4 * radius / std::sqrt(256.0); // about
+    EXPECT_LT(found.count, 8 * 8 / across_a_sample) << "third corner at " << tip;
+    EXPECT_GT(found.count, 8 / across_a_sample);
+  }
+}
+
+// Normals lie linearly between those of a triangle's corners before they get their length, and not between those of its parts.
+TEST(SurfaceSamples, of_parts_have_the_normals_of_the_whole) {
+  const Prepared prepared(sphere(1, {.vertices = 12}));
+  const SurfelSource &source = prepared.source;
+  const Surfels surfels = build_surfels(source, static_cast<float>(1.0 * prepared.space.scale), 256);
+  std::vector<vec3> found(surfels.surfel.size(), vec3(0.0f));
+  for (const FlatSample &one : list_samples(source, surfels).list.sample)
+    found[static_cast<size_t>(one.surfel)] += one.area * vec3(one.normal[0], one.normal[1], one.normal[2]);
+  for (int32_t t = 0; t < prepared.triangles.triangle_count; ++t) {
+    const vec3 a = source.position(3 * t), b = source.position(3 * t + 1), c = source.position(3 * t + 2);
+    const auto normal = [&](int32_t k) { return source.normals.corner(static_cast<size_t>(3 * t + k)); };
+    constexpr int parts = 100;
+    vec3 mean(0.0f);
+    for (int i = 0; i < parts; ++i)
+      for (int k = 0; k < parts; ++k) {
+        const float first = (static_cast<float>(i) + 0.5f) / parts, second = (static_cast<float>(k) + 0.5f) / parts;
+        const bool beyond = first + second > 1.0f;
+        const float u = beyond ? 1.0f - first : first, v = beyond ? 1.0f - second : second;
+        mean += glm::normalize((1.0f - u - v) * normal(0) + u * normal(1) + v * normal(2));
+      }
+    const vec3 expected = 0.5f * length(cross(b - a, c - a)) / (parts * parts) * mean;
+    const vec3 gap = found[static_cast<size_t>(surfels.triangle_surfel[static_cast<size_t>(t)])] - expected;
+    EXPECT_LT(length(gap), 1e-4f * length(expected)) << "triangle " << t;
+  }
+}
+
 // A map whose gradient is the position, and whose value is linear in it: samples of triangles have it exactly, clusters but for
 // how they leave their planes.
 TEST(SurfaceSamples, know_how_a_map_varies_on_them) {

@@ -19,8 +19,8 @@ struct Sample {
   float foot = 0;  // in the plane of face, no point is farther from the way through its position along one of its normals
 };
 
-// corners, normals: at each of three, in turning order; the normals are unit. lean: how far no normal of the triangles around is
-// from its own, as points of the unit sphere.
+// corners, normals: at each of three, in turning order; between them normals have the directions of what is linear. lean: how far
+// no normal of the triangles around is from its own, as points of the unit sphere.
 Sample sample_of_triangle(const vec3 *corners, const vec3 *normals, float lean = 0.0f);
 
 // What a connected piece of many triangles comes to.

@@ -20,54 +20,101 @@ static SampleMap flat(vec4 mean, vec4 first, vec4 second) {
 
 namespace {
 
-// Part of a triangle.
+// On a triangle.
+struct Place {
+  vec3 position;
+  vec2 weights; // of the triangle's corners 1 and 2
+  vec3 normal;  // shorter than 1 where normals turn: it lies linearly between those of the corners
+};
+
 struct Piece {
-  vec3 corner[3];
-  vec2 weights[3];      // of the triangle's corners 1 and 2, at each
+  Place corner[3];
   bool at_rim() const { // some corner lies on an edge of the triangle
-    return std::ranges::any_of(weights, [](vec2 w) { return w.x == 0.0f || w.y == 0.0f || w.x + w.y == 1.0f; });
+    return std::ranges::any_of(corner, [](const Place &place) {
+      const vec2 w = place.weights;
+      return w.x == 0.0f || w.y == 0.0f || w.x + w.y >= 0.999999f;
+    });
   }
 };
 
-// Pieces are halved at their longest edge: then they are hardly longer than wide.
+// Pieces are halved at their longest edge, which makes them hardly longer than wide: but of a needle far more than lie side by
+// side in it, so needles are cut across first.
 class Divider {
 public:
   Divider(const SurfelSource &source, const Surfels &surfels, int32_t surfel, vec3 middle, float limit, SampleList &samples)
-      : middle_(middle), limit_(limit), surfel_(surfel), samples_(samples), has_map_(source.map != nullptr) {
+      : surfels_(surfels), middle_(middle), limit_(limit), surfel_(surfel), samples_(samples), has_map_(source.map != nullptr) {
     const int32_t triangle = source.tree.triangle[surfels.first[surfel]];
     lean_ = lean_of(source, surfels, surfel, surfels.face[triangle]);
     for (int32_t k = 0; k < 3; ++k) {
       const int32_t corner = 3 * triangle + k;
-      whole_.corner[k] = source.position(corner);
-      whole_.weights[k] = {k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f};
-      normal_[k] = source.normals.corner(static_cast<size_t>(corner));
+      whole_.corner[k] = {source.position(corner),
+                          {k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f},
+                          source.normals.corner(static_cast<size_t>(corner))};
       map_[k] = source.map ? (*source.map)[source.half_edges.corner_point[corner]] : vec4(0.0f);
     }
-    largest_spread_ = surfels.largest_spread_between(normal_);
   }
 
-  void run() { divide(whole_); }
+  void run() {
+    constexpr float of_needles = 0.03125f; // height over length
+    const int longest = longest_edge(whole_);
+    const Place &from = whole_.corner[longest], &to = whole_.corner[(longest + 1) % 3], &top = whole_.corner[(longest + 2) % 3];
+    const vec3 along = to.position - from.position;
+    const float share = dot(top.position - from.position, along) / square(along);
+    const Place foot = between(from, to, glm::clamp(share, 0.0f, 1.0f));
+    if (!(square(top.position - foot.position) < of_needles * of_needles * square(along))) return divide(whole_);
+    cut_needle({from, foot, top}, 0.0f, 1.0f);
+    cut_needle({to, top, foot}, 0.0f, 1.0f);
+  }
 
 private:
   static float square(vec3 v) { return dot(v, v); }
 
+  static Place between(const Place &a, const Place &b, float share) {
+    return {a.position + (b.position - a.position) * share, a.weights + (b.weights - a.weights) * share,
+            a.normal + (b.normal - a.normal) * share};
+  }
+
+  static vec3 edge(const Piece &piece, int k) { return piece.corner[(k + 1) % 3].position - piece.corner[k].position; }
+
+  static int longest_edge(const Piece &piece) {
+    const float edges[3] = {square(edge(piece, 0)), square(edge(piece, 1)), square(edge(piece, 2))};
+    return edges[0] >= edges[1] && edges[0] >= edges[2] ? 0 : edges[1] >= edges[2] ? 1 : 2;
+  }
+
+  bool is_beyond(vec3 position, float reach) const {
+    const float beyond = limit_ + reach;
+    return square(position - middle_) > beyond * beyond;
+  }
+
+  // What is between these shares of the way from its tip, corner 0, to its base.
+  void cut_needle(const Piece &needle, float begin, float end) {
+    const vec3 to_base = edge(needle, 0);
+    const float width = end * length(edge(needle, 1)), half = 0.5f * (end - begin) * length(to_base);
+    if (is_beyond(needle.corner[0].position + (0.5f * (begin + end)) * to_base, half + width)) return;
+    if (2.0f * half > width && half * half > 4.5f * surfels_.largest_spread) {
+      cut_needle(needle, begin, 0.5f * (begin + end));
+      cut_needle(needle, 0.5f * (begin + end), end);
+      return;
+    }
+    const auto &[tip, left, right] = needle.corner;
+    const Place last = between(tip, left, end), across = between(tip, right, begin);
+    if (begin > 0.0f) divide({{between(tip, left, begin), last, across}});
+    divide({{across, last, between(tip, right, end)}});
+  }
+
   void divide(const Piece &piece) {
-    const auto &p = piece.corner;
-    const float edges[3] = {square(p[1] - p[0]), square(p[2] - p[1]), square(p[0] - p[2])};
-    const float spread = (edges[0] + edges[1] + edges[2]) * (1.0f / 36.0f);
-    if (!(spread > largest_spread_)) return add(piece);
-    const float beyond = limit_ + 3.5f * std::sqrt(spread); // no corner is farther from the middle
-    if (square((p[0] + p[1] + p[2]) * (1.0f / 3.0f) - middle_) > beyond * beyond) return;
-    const int longest = edges[0] >= edges[1] && edges[0] >= edges[2] ? 0 : edges[1] >= edges[2] ? 1 : 2;
-    const int from = longest, to = (longest + 1) % 3;
+    const vec3 a = piece.corner[0].position, b = piece.corner[1].position, c = piece.corner[2].position;
+    const float spread = (square(b - a) + square(c - b) + square(a - c)) * (1.0f / 36.0f);
+    const float turn = squared_turn(piece.corner[0].normal, piece.corner[1].normal, piece.corner[2].normal);
+    if (!(spread > surfels_.largest_spread_at(turn))) return add(piece);
+    if (is_beyond((a + b + c) * (1.0f / 3.0f), 3.5f * std::sqrt(spread))) return; // no corner is farther from the middle
+    const int from = longest_edge(piece), to = (from + 1) % 3;
+    const Place middle = between(piece.corner[from], piece.corner[to], 0.5f);
     Piece half = piece;
-    half.corner[to] = 0.5f * (p[from] + p[to]);
-    half.weights[to] = 0.5f * (piece.weights[from] + piece.weights[to]);
+    half.corner[to] = middle;
     divide(half);
-    half.corner[from] = half.corner[to];
-    half.weights[from] = half.weights[to];
-    half.corner[to] = p[to];
-    half.weights[to] = piece.weights[to];
+    half.corner[to] = piece.corner[to];
+    half.corner[from] = middle;
     divide(half);
   }
 
@@ -82,25 +129,25 @@ private:
   }
 
   void add(const Piece &piece) {
-    vec3 normals[3];
+    vec3 positions[3], normals[3];
+    vec4 values[3];
     for (int k = 0; k < 3; ++k) {
-      const vec3 normal = at(normal_, piece.weights[k]);
-      const float length_squared = square(normal);
-      normals[k] = length_squared > 0.0f ? normal / std::sqrt(length_squared) : normal_[0];
+      positions[k] = piece.corner[k].position;
+      normals[k] = piece.corner[k].normal;
+      values[k] = at(map_, piece.corner[k].weights);
     }
-    samples_.sample.push_back(flat(sample_of_triangle(piece.corner, normals, piece.at_rim() ? lean_ : 0.0f), surfel_));
+    samples_.sample.push_back(flat(sample_of_triangle(positions, normals, piece.at_rim() ? lean_ : 0.0f), surfel_));
     if (!has_map_) return;
-    const vec4 values[3] = {at(map_, piece.weights[0]), at(map_, piece.weights[1]), at(map_, piece.weights[2])};
     samples_.map.push_back(map_of_triangle(values));
   }
 
+  const Surfels &surfels_;
   Piece whole_;
   float lean_;
   vec3 middle_;
-  float limit_, largest_spread_;
+  float limit_;
   int32_t surfel_;
   SampleList &samples_;
-  vec3 normal_[3];
   bool has_map_;
   vec4 map_[3];
 };

@@ -77,7 +77,9 @@ private:
       const float twice_area = length(plane), spread = (dot(ab, ab) + dot(ac, ac) + dot(bc, bc)) * (1.0f / 36.0f);
       vec3 normals[3];
       for (int32_t k = 0; k < 3; ++k) normals[k] = source_.normals.corner(static_cast<size_t>(corner + k));
-      const float largest = result_.largest_spread_between(normals);
+      const float turn_of_part =
+          squared_turn(normals[0], normals[1], normals[2]) / std::max(spread / result_.largest_spread, 1.0f);
+      const float largest = result_.largest_spread_at(turn_of_part);
       counts_[0][i] = {samples_of(0.5f * twice_area, spread, largest), 1, 1, spread <= largest};
       const vec3 face = twice_area > 0.0f ? plane / twice_area : vec3(0.0f);
       sizes_[i] = {a + (ab + ac) * (1.0f / 3.0f), (normals[0] + normals[1] + normals[2]) * (1.0f / 3.0f), face, 0.5f * twice_area,
@@ -329,13 +331,16 @@ private:
 
 } // namespace
 
-float Surfels::largest_spread_between(const vec3 *normals) const {
-  float turn = 0.0f;
-  for (int k = 0; k < 3; ++k) {
-    const vec3 gap = normals[next_corner(k)] - normals[k];
-    turn = std::max(turn, dot(gap, gap));
-  }
-  constexpr float hardly = 0.15f, finer = 10.0f; // 0.15: 22 degrees
+float squared_turn(vec3 a, vec3 b, vec3 c) {
+  const auto square = [](vec3 v) { return dot(v, v); };
+  constexpr float opposite = 4.0f;
+  const float farthest = std::max({square(b - a), square(c - b), square(a - c)}),
+              least = std::min({square(a), square(b), square(c)});
+  return farthest < opposite * least ? farthest / least : opposite;
+}
+
+float Surfels::largest_spread_at(float turn) const {
+  constexpr float hardly = 0.1f, finer = 30.0f; // 0.1: 18 degrees
   return largest_spread / (1.0f + finer * std::max(turn - hardly, 0.0f));
 }
 

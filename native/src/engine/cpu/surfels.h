@@ -29,6 +29,8 @@ struct SurfelSource {
 
   vec3 position(int32_t corner) const { return positions[triangles.corner_vertex[corner]]; }
 };
+float squared_turn(vec3 a, vec3 b, vec3 c); // of normals: the largest squared distance between them, were they of length 1; about
+
 // As SurfelSource has them.
 std::vector<vec3> positions_in(const BakeSpace &space, const Triangles &triangles, int threads);
 
@@ -63,8 +65,9 @@ struct Surfels {
   std::vector<int32_t> triangle_surfel; // (triangle_count) likewise
 
   int32_t cells() const { return static_cast<int32_t>(cell_sphere.size()); }
-  // Of a triangle with these normals at its corners: a sample does not know how far they are from varying linearly.
-  float largest_spread_between(const vec3 *normals) const;
+  // Where the farthest two of the normals at the corners have this squared distance: a sample does not know how far they are from
+  // varying linearly.
+  float largest_spread_at(float turn) const;
 };
 
 // How far no normal of a surfel's triangles, and of those around them, is from the face, as points of the unit sphere.
