@@ -1,4 +1,4 @@
-/* Loads libparadesc as a host does and prints descriptors at the vertices of a sphere of radius 2, by the reference backend:
+/* Loads libparadesc as a host does and prints descriptors at the vertices of a sphere of radius 2, by the processor:
  *   sphere_curvature LIBRARY
  * Built for two systems, it has to print the same numbers on both. */
 #include <math.h>
@@ -37,9 +37,9 @@ int main(int argc, char **argv) {
 
   pdesc_context_options context_options;
   pdesc_context *context = NULL;
-  call(pdesc_context_options_init)(&context_options); /* auto: has to come to the reference by itself where there is no device */
+  call(pdesc_context_options_init)(&context_options); /* auto: has to come to the processor by itself where there is no device */
 #if !defined(_WIN32)
-  context_options.backend = PDESC_BACKEND_REFERENCE;
+  context_options.backend = PDESC_BACKEND_CPU;
 #endif
   if (call(pdesc_context_create)(&context_options, &context)) return fail("context");
 
