@@ -190,15 +190,14 @@ def plot(found: dict, path: Path) -> bool:
     rows = [row for row in every if row[2] < 100]  # a larger one means another unit, not an error
     if page.pyplot is None or len(rows) < 3:
         return False
-    figure, axes = page.pyplot.subplots(figsize=(7.2, 4.0), constrained_layout=True)
-    middle = float(np.sqrt(rows[0][1] * rows[-1][1]))
-    for number, (label, milliseconds, error) in enumerate(rows):
+    figure, axes = page.pyplot.subplots(figsize=(9.0, 4.0), constrained_layout=True)
+    for number, (label, milliseconds, error) in enumerate(rows, 1):
         color = "tab:red" if label.startswith("Paradesc") else "0.4"
-        right = milliseconds > middle
-        place = (-6 if right else 6, 4 if number % 2 else -9)
-        axes.loglog(milliseconds, error, "o", color=color)
-        wanted = {"textcoords": "offset points", "fontsize": 7, "color": color, "ha": "right" if right else "left"}
-        axes.annotate(label.removesuffix(", the same radius"), (milliseconds, error), place, **wanted)
+        name = f"{number}  {label.removesuffix(', the same radius')}"
+        axes.loglog(milliseconds, error, "o", color=color, label=name)
+        place = (5, 4) if number % 2 else (-5, -10)
+        axes.annotate(str(number), (milliseconds, error), place, textcoords="offset points", fontsize=7, color=color)
+    figure.legend(loc="outside right center", fontsize=7, frameon=False, handlelength=1, labelcolor="linecolor")
     axes.set(xlabel="ms, mean curvature of the bunny's 34 834 vertices", ylabel="mean error on a torus, %")
     axes.margins(x=0.12, y=0.15)
     axes.grid(alpha=0.3)
