@@ -4,7 +4,6 @@ import json
 from pathlib import Path
 
 import figures
-import numpy as np
 import page
 import sweeps
 import timing
