@@ -75,6 +75,7 @@ void check_options(const pdesc_options &options) {
   check_range("samples", options.samples, 8, 4096);
   check_range("buffer_size", options.buffer_size, 64, 8192);
   check_range("normals", options.normals, PDESC_NORMALS_FITTED, PDESC_NORMALS_MESH);
+  check_range("creases", options.creases, PDESC_CREASES_AUTO, PDESC_CREASES_NONE);
   check_range("max_jumps", options.max_jumps, 0, 64);
   check_range("relocation", options.relocation, PDESC_RELOCATION_CONNECTED, PDESC_RELOCATION_PAPER);
   check_range("estimator", options.estimator, PDESC_ESTIMATOR_SHAPE_OPERATOR, PDESC_ESTIMATOR_EXTRAPOLATED);

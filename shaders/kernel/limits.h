@@ -19,4 +19,10 @@
 #define JET_LEAST_PLANE 1e-4
 #define JET_LEAST_QUADRATIC 1e-10
 
+// Curvature goes over to that of the solid from where a crease comes nearer than this many radii, and is there where it meets the ball.
+#define CREASE_REACH 1.25
+
+// What creases turn normals by around them, over what all other edges do, where they count.
+#define CREASE_LEAST_SHARE 1.0
+
 #endif

@@ -51,7 +51,7 @@ TEST_F(Memory, sixteen_million_vertices_are_refused_in_a_moment_with_both_number
   const auto start = std::chrono::steady_clock::now();
   pdesc_mesh *mesh = never_mesh();
   expect_refused(pdesc_mesh_create(context.get(), &input, &mesh), PDESC_ERROR_OUT_OF_MEMORY,
-                 {"32000000 triangles", "16000000 vertices", "11.4 GB", "2.0 GB", "memory limit"});
+                 {"32000000 triangles", "16000000 vertices", "11.5 GB", "2.0 GB", "memory limit"});
   EXPECT_EQ(mesh, never_mesh());
   EXPECT_LT(std::chrono::steady_clock::now() - start,
             std::chrono::seconds(1)); // issue "Reliability", the one time that is asserted

@@ -88,6 +88,7 @@ pdesc_options make_options(Bytes &bytes) {
   if (bytes.one_in(4)) options.map_descriptor = any_descriptor(bytes);
   if (bytes.one_in(4)) options.map_sigma = 4.0 * bytes.share();
   if (bytes.one_in(4)) options.harris_k = 0.25 * bytes.share();
+  options.creases = choice(bytes, 3);
   return options;
 }
 

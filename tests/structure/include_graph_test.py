@@ -21,6 +21,7 @@ DIRECTION: tuple[tuple[str, ...], ...] = (
     ("sample",),
     ("engine",),  # engine.h, the seam
     ("engine/kernels",),  # what shaders/kernel is in C++
+    ("engine/creases",),  # what they make of the results of any engine
     ("engine/opengl", "engine/reference", "engine/cpu"),
     ("engine/engines",),  # makes them
     ("context",),  # holds one of them

@@ -90,6 +90,15 @@ typedef enum pdesc_normals {
   PDESC_NORMALS_MESH = 2    /* the corner normals given with the mesh */
 } pdesc_normals;
 
+/* The edges along which a surface has no tangent plane. Fitted and Max's normals do not reach over them, and within the radius of one
+ * curvatures, their directions, bending energy, cavity, convexity and sphere volume are those of the solid in the ball (paper eq. 8 with
+ * its true volume): H = 8 (pi - a)/(3 pi r) on an edge of the inner angle a. From 1.25 radii on they are those of the smooth surface. */
+typedef enum pdesc_creases {
+  PDESC_CREASES_AUTO = 0,   /* marked edges between smooth faces, and edges that bend far more than what lies beside them and around them */
+  PDESC_CREASES_MARKED = 1, /* marked edges alone */
+  PDESC_CREASES_NONE = 2    /* curvature as if there were none; normals end at marked edges all the same */
+} pdesc_creases;
+
 typedef enum pdesc_radius_unit {
   PDESC_RADIUS_DIAGONAL = 0,  /* fraction of the bounding box's diagonal */
   PDESC_RADIUS_ABSOLUTE = 1,  /* units of the positions */
@@ -316,6 +325,7 @@ typedef struct pdesc_options {
   double harris_k;      /* k of harris (16), in [0, 0.25); default 0.04 */
   int32_t buffers;      /* 1: baked buffers are to be read afterwards (pdesc_mesh_read_buffer); default 0. GPU and SOFTWARE always leave
                            some, AUTO where it computed in texture space */
+  int32_t creases;      /* pdesc_creases; default AUTO. Where surface maps displace the surface they only end normals */
 } pdesc_options;
 
 PDESC_API void pdesc_options_init(pdesc_options *options);
@@ -383,6 +393,7 @@ typedef struct pdesc_field_report {
   int32_t cut_charts;           /* charts that overlapped themselves and were cut into pieces for the private layout */
   int32_t backend;              /* the pdesc_backend that computed */
   double memory_megabytes;      /* of the host that the mesh and the computation took at most, as pdesc_mesh_memory expects it */
+  int32_t crease_edges;         /* edges of the mesh that counted as creases at this radius */
 } pdesc_field_report;
 
 PDESC_API void pdesc_field_report_init(pdesc_field_report *report);

@@ -63,11 +63,12 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   const CancelScope cancel([&] { check_cancel(progress, stage, reached); });
   check_cancel(reported, stage, reached);
 
-  const Normals &normals = normals_of(mesh, options.normals);
+  const Normals &normals = normals_of(mesh, options);
   const double seconds_normals = stages.lap();
   const Surface surface{mesh.triangles,
                         mesh.half_edges,
                         normals,
+                        options.creases == PDESC_CREASES_NONE ? nullptr : &creases_of(mesh, options),
                         mesh.maps,
                         mesh.extent,
                         mesh.atlases,
@@ -84,6 +85,7 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   const bool with_seam_error = options.seam_error != 0 && mesh.engine->abilities().texture_space;
   gather(mesh.half_edges, computed.results, with_seam_error, mesh.context->threads, field);
   field.report.radius = request.radius;
+  if (surface.creases) field.report.crease_edges = surface.creases->edges;
   field.report.backend = mesh.engine->backend();
   field.device = mesh.engine->device();
   field.report.memory_megabytes =

@@ -15,7 +15,7 @@ namespace paradesc {
 int64_t bytes_of_input(const pdesc_mesh_input &input) {
   const int64_t triangles = std::max(input.triangle_count, 0), vertices = std::max(input.vertex_count, 0);
   const int64_t edges = std::max(input.sharp_edge_count, 0);
-  int64_t a_triangle = 220;               // corners, half-edges, charts, and lists of edges while these are found
+  int64_t a_triangle = 224;               // corners, half-edges, charts, and lists of edges while these are found
   if (input.corner_uvs) a_triangle += 60; // as given, and in the unit square
   if (input.corner_normals) a_triangle += 36;
   return triangles * a_triangle + vertices * 80 + edges * 8;
@@ -41,7 +41,7 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
   const HalfEdges &h = mesh.half_edges;
   const Charts &c = mesh.atlases.current().charts;
   return bytes(t.positions, t.corner_vertex, t.input_corner, t.corner_normal, t.half_edge_sharp) + bytes_of_uvs(t, c) +
-         bytes(h.corner_point, h.twin, h.point_vertex, h.point_half_edge, h.vertex_point, h.point_boundary) +
+         bytes(h.corner_point, h.twin, h.triangle_piece, h.point_vertex, h.point_half_edge, h.vertex_point, h.point_boundary) +
          bytes(c.triangle_chart, c.corner_wedge, c.half_edge_border, c.wedges, c.point_wedge, c.shared_wedges, c.shared_corners,
                c.borders) +
          (mesh.patches ? bytes_of(*mesh.patches) : 0);

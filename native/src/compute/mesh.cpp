@@ -4,6 +4,7 @@
 #include <string>
 
 #include "compute/memory.h"
+#include "mesh/counting_creases.h"
 #include "support/cancel.h"
 #include "support/error.h"
 
@@ -79,11 +80,31 @@ double requested_radius(const Mesh &mesh, const pdesc_options &options) {
   return options.radius * unit;
 }
 
-const Normals &normals_of(Mesh &mesh, int32_t kind) {
+const Creases &creases_of(Mesh &mesh, const pdesc_options &options) {
   const int threads = mesh.context->threads;
-  return mesh.normals.get({mesh.positions_version, kind}, [&] {
-    if (!mesh.rings) mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges, threads);
-    return compute_normals(mesh.triangles, mesh.half_edges, *mesh.rings, kind, threads);
+  const int32_t kind = options.creases;
+  const Creases &all = mesh.creases.get({mesh.positions_version, kind}, [&] {
+    return kind == PDESC_CREASES_AUTO ? find_creases(mesh.triangles, mesh.half_edges, threads)
+                                      : marked_creases(mesh.triangles, mesh.half_edges);
+  });
+  if (kind != PDESC_CREASES_AUTO) return all;
+  const double radius = requested_radius(mesh, options);
+  return mesh.counting_creases.get({mesh.positions_version, kind, radius},
+                                   [&] { return creases_that_count(mesh.triangles, mesh.half_edges, all, radius, threads); });
+}
+
+const Normals &normals_of(Mesh &mesh, const pdesc_options &options) {
+  const int threads = mesh.context->threads;
+  const Creases &creases = creases_of(mesh, options);
+  const NormalRings &rings = mesh.rings.get(creases.half_edge, [&] {
+    ++mesh.rings_version;
+    return build_normal_rings(mesh.triangles, mesh.half_edges, creases, threads);
+  });
+  return mesh.normals.get({mesh.positions_version, static_cast<uint64_t>(options.normals), mesh.rings_version}, [&] {
+    Normals normals = compute_normals(mesh.triangles, mesh.half_edges, rings, options.normals, threads);
+    normals.version = ++mesh.normals_version;
+    normals.fans_version = mesh.rings_version;
+    return normals;
   });
 }
 

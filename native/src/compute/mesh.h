@@ -1,8 +1,10 @@
 // The caller's arrays → a mesh: its topology, its layout, and what an engine keeps of it between computations.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "context.h"
@@ -22,9 +24,12 @@ struct Mesh {
   pdesc_mesh_report found{}; // in the mesh and its UV map as they were given
 
   // Stages that every engine reads, made when first asked for.
-  std::optional<NormalRings> rings;
+  Keyed<std::pair<uint64_t, int32_t>, Creases> creases;                   // by the positions' version and pdesc_creases
+  Keyed<std::tuple<uint64_t, int32_t, double>, Creases> counting_creases; // and by the radius
+  Keyed<std::vector<uint8_t>, NormalRings> rings;                         // by Creases::half_edge
   std::optional<Patches> patches;
-  Keyed<std::pair<uint64_t, int32_t>, Normals> normals; // by the positions' version and pdesc_normals
+  Keyed<std::array<uint64_t, 3>, Normals> normals; // by the positions' version, pdesc_normals and the rings' version
+  uint64_t rings_version = 0, normals_version = 0;
 
   std::shared_ptr<Engine> engine; // that the session is of: the context may have gone on to another since
   std::unique_ptr<Session> session;
@@ -38,7 +43,8 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count);
 pdesc_mesh_report report_of(const Mesh &mesh);
 double requested_radius(const Mesh &mesh, const pdesc_options &options); // in units of the positions
-const Normals &normals_of(Mesh &mesh, int32_t kind);                     // pdesc_normals
+const Creases &creases_of(Mesh &mesh, const pdesc_options &options);     // at which normals end
+const Normals &normals_of(Mesh &mesh, const pdesc_options &options);
 const Patches &patches_of(Mesh &mesh);
 
 // As Session::read_buffer and buffer_size.

@@ -15,6 +15,7 @@
 #include "bake/surface_maps.h"
 #include "descriptor/results.h"
 #include "mesh/atlas.h"
+#include "mesh/creases.h"
 #include "mesh/extent.h"
 #include "mesh/normals.h"
 #include "mesh/patches.h"
@@ -41,6 +42,7 @@ struct Surface {
   const Triangles &triangles;
   const HalfEdges &half_edges;
   const Normals &normals;
+  const Creases *creases; // beside which curvature is that of the solid; or null
   const SurfaceMaps &maps;
   const Extent &extent;
   Atlases &atlases;                         // an engine in texture space may ask for a better one

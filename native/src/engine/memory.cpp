@@ -14,7 +14,8 @@ int64_t rows_of(std::span<const int> descriptors) {
 }
 
 int64_t bytes_of_results(const ComputationSize &size) {
-  return 60 * size.triangles + 400 * size.points + 12 * rows_of(size.descriptors) * size.points;
+  const int64_t creases = size.options.creases == PDESC_CREASES_NONE ? 0 : 100; // of which threads keep some
+  return (60 + creases) * size.triangles + 400 * size.points + 12 * rows_of(size.descriptors) * size.points;
 }
 
 } // namespace paradesc

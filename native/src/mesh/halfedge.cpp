@@ -362,7 +362,9 @@ HalfEdges build_half_edges(const Triangles &triangles, int threads) {
   checkpoint();
   parallel_blocks(2, threads, 1, [&](int part, int) {
     if (part == 0) {
-      result.components = trace_pieces(result.twin, left_out).count;
+      Pieces pieces = trace_pieces(result.twin, left_out);
+      result.components = pieces.count;
+      result.triangle_piece = std::move(pieces.triangle_piece);
       return;
     }
     describe_points(triangles, fans, result);

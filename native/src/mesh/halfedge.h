@@ -28,7 +28,8 @@ struct HalfEdges {
   int boundary_edges = 0;
   int welded_vertices = 0;
   int loose_vertices = 0;
-  int components = 0; // connected
+  int components = 0;                  // connected
+  std::vector<int32_t> triangle_piece; // (triangle_count) those of one component share a number; -1: left out
 };
 
 // threads as in pdesc_context_options.

@@ -34,16 +34,14 @@ struct FanCorners {
   std::vector<int32_t> corner;
 };
 
-// Fans end at creases: edges that are sharp between two smooth faces.
-FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, NormalRings &rings) {
+// Fans end at creases.
+FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, NormalRings &rings) {
   const auto vertex = [&](int32_t corner) { return triangles.corner_vertex[corner]; };
   std::vector<int32_t> link = half_edges.twin;
   std::vector<uint8_t> left_out(static_cast<size_t>(triangles.triangle_count));
   for (size_t h = 0; h < link.size(); ++h) {
     if (half_edges.corner_point[h] < 0) left_out[h / 3] = 1;
-    if (link[h] < 0 || !triangles.half_edge_sharp[h]) continue;
-    const auto twin = static_cast<size_t>(link[h]);
-    if (triangles.half_edge_sharp[twin]) link[h] = link[twin] = -1;
+    if (creases.half_edge[h]) link[h] = -1;
   }
   Fans traced = trace_fans(link, left_out);
   FanCorners fans;
@@ -372,9 +370,13 @@ vec3 point_normal(const Triangles &triangles, const HalfEdges &half_edges, const
 } // namespace
 
 NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
+  return build_normal_rings(triangles, half_edges, marked_creases(triangles, half_edges), threads);
+}
+
+NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, int threads) {
   constexpr int run_length = 8192; // of fans
   NormalRings rings;
-  const FanCorners fans = find_fans(triangles, half_edges, rings);
+  const FanCorners fans = find_fans(triangles, half_edges, creases, rings);
   checkpoint();
   std::vector<RingRun> runs(static_cast<size_t>((rings.fan_count + run_length - 1) / run_length));
   const auto run_count = static_cast<int>(runs.size());

@@ -14,6 +14,7 @@
 #include "engine/cpu/finish.h"
 #include "engine/cpu/groups.h"
 #include "engine/cpu/search.h"
+#include "engine/creases/blend.h"
 #include "engine/memory.h"
 #include "support/keyed.h"
 #include "support/parallel.h"
@@ -182,13 +183,15 @@ public:
                                map,
                                threads},
         surfels_(build_surfels(source_, radius_, samples_of_cut(pass, request.options))),
-        samples_(list_samples(source_, surfels_)),
-        params_(params_of(request, space.scale, radius_, share_of_clusters(surfels_))) {
+        samples_(list_samples(source_, surfels_)), params_(params_of(request, space.scale, radius_, share_of_clusters(surfels_))),
+        creases_(surface, radius_of(pass, request.options, request.radius), threads) {
     surfels_.cluster = {}; // samples stand for them
   }
 
   CenterResults at_points(std::span<const int> rows, const std::function<void(double)> &progress) const {
-    return at(centers_at_points(surface_, space_), source_.map ? *source_.map : MapValues(), rows, progress);
+    CenterResults results = at(centers_at_points(surface_, space_), source_.map ? *source_.map : MapValues(), rows, progress);
+    creases_.at_points(rows, results);
+    return results;
   }
 
   // Texels [first, last).
@@ -196,7 +199,9 @@ public:
                           const std::function<void(double)> &progress) const {
     MapValues map;
     if (source_.map) map = map_at_texels(surface_, texels, *source_.map, first, last, source_.threads);
-    return at(centers_at_texels(surface_, space_, texels, first, last, source_.threads), map, rows, progress);
+    CenterResults results = at(centers_at_texels(surface_, space_, texels, first, last, source_.threads), map, rows, progress);
+    creases_.at_texels(rows, texels, first, results);
+    return results;
   }
 
 private:
@@ -218,6 +223,7 @@ private:
   Surfels surfels_;
   SurfaceSamples samples_;
   EvaluateParams params_;
+  CreaseBlend creases_;
 };
 
 } // namespace

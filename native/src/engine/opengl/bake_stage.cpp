@@ -29,8 +29,8 @@ void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
   const Normals &normals = job.surface.normals;
   const int size = key.atlas.size;
   const BorderGrid &grid = grid_.get(key.atlas, [&] { return build_border_grid(charts, size); });
-  const BakeVertices &vertices = vertices_.get({key.atlas.atlas, key.own_normals}, [&] {
-    return build_bake_vertices(job.surface.triangles, charts, key.own_normals ? std::vector<int32_t>() : *normals.corner_fan);
+  const BakeVertices &vertices = vertices_.get({key.atlas.atlas, key.fans}, [&] {
+    return build_bake_vertices(job.surface.triangles, charts, key.fans == 0 ? std::vector<int32_t>() : *normals.corner_fan);
   });
   layout_.get(key, [&] {
     BakedLayout layout;
@@ -84,8 +84,8 @@ Frame TextureSpace::bake(const Job &job) {
   // Maps are applied to buffers of full precision.
   frame.key.layout = {{surface.atlases.current().version, options.buffer_size},
                       options.precision == PDESC_PRECISION_HALF && !surface.maps.any(),
-                      options.normals == PDESC_NORMALS_MESH};
-  frame.key.surface = {surface.positions_version, surface.maps.version, options.normals};
+                      surface.normals.corner_fan ? surface.normals.fans_version : 0};
+  frame.key.surface = {surface.positions_version, surface.maps.version, surface.normals.version};
   frame.space = bake_space_of(surface.extent.box);
   if (surface.maps.any()) {
     frame.displaced = &*displaced_.get(frame.key.surface, [&] {

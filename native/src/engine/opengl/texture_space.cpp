@@ -6,6 +6,7 @@
 #include <string>
 
 #include "descriptor/registry.h"
+#include "engine/creases/blend.h"
 #include "support/cancel.h"
 
 namespace paradesc {
@@ -55,7 +56,9 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Centers centers, Co
     const Progress part = [&](const char *stage, double fraction) {
       return job.progress(stage, 0.3 + 0.7 * (number + (fraction - 0.3) / 0.7) / count);
     };
-    return evaluate_centers(job, settings, pass_radius, frame, centers, part);
+    CenterResults results = evaluate_centers(job, settings, pass_radius, frame, centers, part);
+    CreaseBlend(job.surface, pass_radius, job.resources.threads).at_points(pass.rows, results);
+    return results;
   };
   computed.results =
       run_passes(job.surface.half_edges.point_count, job.request.descriptors, find_map(options.map_descriptor), run);
@@ -97,6 +100,7 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
   settings.descriptors = job.request.descriptors;
   const TexelMap &map = texel_map(job, frame);
   const std::vector<vec4> sizes = job.connected() ? std::vector<vec4>() : ellipses(job, frame.space, 1);
+  const CreaseBlend creases(surface, job.request.radius, job.resources.threads);
   CenterResults all;
   const size_t count = map.centers.size();
   for (size_t first = 0; first < count; first += batch) {
@@ -116,7 +120,9 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
     const double share = 0.7 / static_cast<double>(count);
     evaluate(job, settings, frame, centers, job.progress, 0.3 + share * static_cast<double>(first),
              0.3 + share * static_cast<double>(last));
-    append(all, read_results(settings, frame, centers.size()));
+    CenterResults results = read_results(settings, frame, centers.size());
+    creases.at_texels(settings.descriptors, map, first, results);
+    append(all, std::move(results));
   }
   computed.report.places = static_cast<int32_t>(count);
   computed.images = images_of(map, all, job.request.descriptors);

@@ -35,15 +35,15 @@ struct AtlasSize {
 
 struct LayoutKey {
   AtlasSize atlas;
-  bool half;        // the buffers hold 16-bit floats
-  bool own_normals; // each corner has a normal of its own
+  bool half;     // the buffers hold 16-bit floats
+  uint64_t fans; // Normals::fans_version; 0 where each corner has a normal of its own
   bool operator==(const LayoutKey &) const = default;
 };
 
 struct SurfaceKey {
   uint64_t positions; // their version
   int maps;           // likewise
-  int32_t normals;    // pdesc_normals
+  uint64_t normals;   // likewise
   bool operator==(const SurfaceKey &) const = default;
 };
 
@@ -82,9 +82,9 @@ struct Frame {
   BakeKey key;
   BakeSpace space;
   const DisplacedPoints *displaced = nullptr; // where maps displace it
-  float enlargement = ellipse_enlargement; // of sampling ellipses over the radius
-  std::vector<vec4> links;                 // as seam_links, if samples march
-  std::vector<int32_t> seams;              // as number_seams, in the paper's relocation
+  float enlargement = ellipse_enlargement;    // of sampling ellipses over the radius
+  std::vector<vec4> links;                    // as seam_links, if samples march
+  std::vector<int32_t> seams;                 // as number_seams, in the paper's relocation
   double radius_in_texels = 0.0;
 };
 
@@ -170,8 +170,8 @@ private:
   std::unique_ptr<OnDevice> device_ = std::make_unique<OnDevice>();
 
   Keyed<AtlasSize, BorderGrid> grid_;
-  Keyed<std::pair<int, bool>, BakeVertices> vertices_; // by the atlas's version, and whether corners have normals of their own
-  Keyed<LayoutKey, BakedLayout> layout_;               // what the buffers' owners are
+  Keyed<std::pair<int, uint64_t>, BakeVertices> vertices_; // by the atlas's version, and LayoutKey::fans
+  Keyed<LayoutKey, BakedLayout> layout_;                   // what the buffers' owners are
   Keyed<SurfaceKey, std::optional<DisplacedPoints>> displaced_;
   Keyed<BakeKey, BakeSpace> baked_;                                  // what the buffers hold
   Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas's version and the step

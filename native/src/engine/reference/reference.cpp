@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/reference/quadrature.h"
 #include "kernel/limits.h"
+#include "mesh/quadrature.h"
 #include "support/cancel.h"
 #include "support/error.h"
 #include "support/parallel.h"

@@ -2,6 +2,7 @@
 #include "engine/reference/reference_engine.h"
 
 #include "descriptor/passes.h"
+#include "engine/creases/blend.h"
 #include "engine/memory.h"
 #include "engine/reference/reference.h"
 #include "support/parallel.h"
@@ -53,9 +54,11 @@ Computed ReferenceSession::compute(const Surface &surface, const Request &reques
                    settings.radius = radius_of(pass, options, request.radius);
                    settings.map_sigma = pass.stage == Stage::windows ? options.map_sigma * request.radius : 0.0;
                    const auto part = [&](double fraction) { return progress("evaluate", (number + fraction) / count); };
-                   return at_all_points(compute_reference(surface.triangles, surface.half_edges, surface.normals, settings,
-                                                          pass.rows, resources.threads, part),
-                                        points);
+                   CenterResults results = at_all_points(compute_reference(surface.triangles, surface.half_edges, surface.normals,
+                                                                           settings, pass.rows, resources.threads, part),
+                                                         points);
+                   CreaseBlend(surface, settings.radius, resources.threads).at_points(pass.rows, results);
+                   return results;
                  });
   check_cancel(progress, "evaluate", 1.0); // other threads may have finished the last points
   computed.report.places = points;

@@ -1,5 +1,5 @@
 // The oracle's quadrature over the part of a triangle in a disc, against subdivision and against sums that must come out.
-#include "engine/reference/quadrature.h"
+#include "mesh/quadrature.h"
 
 #include <array>
 #include <cmath>

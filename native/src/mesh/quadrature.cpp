@@ -1,7 +1,9 @@
 // Triangle ∩ disc as a chain of segments and arcs; tables of Gauss-Legendre rules on [0, 1].
-#include "engine/reference/quadrature.h"
+#include "mesh/quadrature.h"
 
 #include <algorithm>
+
+#include "support/angle.h"
 
 namespace paradesc {
 namespace {
@@ -30,7 +32,7 @@ bool clip_edge(dvec2 a, dvec2 b, double radius, Chord &chord) {
 }
 
 double counter_clockwise_angle(dvec2 from, dvec2 to) {
-  const double angle = std::atan2(cross(from, to), glm::dot(from, to));
+  const double angle = angle_of(cross(from, to), glm::dot(from, to));
   return angle < 0 ? angle + 2 * pi : angle;
 }
 
@@ -38,7 +40,7 @@ void add_arc(DiscRegion &region, dvec2 from, dvec2 to) {
   const double angle = counter_clockwise_angle(from, to);
   // A whole turn between two ends that all but coincide is rounding: real ones lose at least a chord.
   if (!(angle > 0) || angle > 2 * pi - 0.9 * grazing) return;
-  region.pieces[region.count++] = {from, to, std::atan2(from.y, from.x), angle};
+  region.pieces[region.count++] = {from, to, angle_of(from.y, from.x), angle};
 }
 
 bool holds_origin(const std::array<dvec2, 3> &corners) {

@@ -1,0 +1,165 @@
+// The tensor of the solid → values of descriptors, by the kernels' own text; mixed with what was found.
+#include "engine/creases/blend.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "descriptor/registry.h"
+#include "support/parallel.h"
+#include "support/pool.h"
+
+#define KERNEL_TARGET creases
+#define KERNEL SolidKernel
+#define INTEGRAL 0
+#define EXTRAPOLATED 0
+#define GEODESIC_BALL 0
+#define FACES 0
+#define MAP 0
+#define TERMS_JET 0
+#define TERMS_GAUSSIANS 0
+#define TERMS_TENSOR 0
+#include "engine/kernels/kernels.h"
+
+namespace paradesc {
+
+using Kernel = kernels::SolidKernel<float, bool>;
+
+namespace {
+
+struct Solid {
+  Kernel kernel;
+  Kernel::Sums sums;
+  Kernel::Neighborhood neighborhood;
+};
+
+using Value = std::array<float, 3>;
+Value value_of(float value) { return {value}; }
+Value value_of(const Kernel::vec3 &v) { return {v.x, v.y, v.z}; }
+
+} // namespace
+
+// By row of descriptors.def: what a solid has there.
+using RowOfSolid = Value (*)(const Solid &);
+static constexpr RowOfSolid rows_of_solid[] = {
+#define DESCRIPTOR(name, label, description, power, is_signed, neutral, low, high, components, needed)                           \
+  [](const Solid &of) { return value_of(Kernel(of.kernel).name(of.sums.terms, of.sums.center, of.neighborhood)); },
+#include "descriptor/descriptors.def"
+#undef DESCRIPTOR
+};
+
+// Operators have a map to work on, and areas are what they are.
+static bool is_of_solid(int row) { return row < static_cast<int>(std::size(rows_of_solid)) && !uses_terms(row, "area"); }
+
+// Its H, its bending energy where the radius goes to 0, and the volume that belongs to H (paper eq. 8).
+static Solid solid_of(const Kernel &kernel, const Kernel::Sums &sums, const SolidTensor &tensor) {
+  Solid solid{kernel, sums, {}};
+  const float radius = kernel.params.radius;
+  solid.neighborhood = solid.kernel.unfitted_neighborhood(1.0f, 1.0f);
+  solid.neighborhood.shape = {static_cast<float>(tensor.xx), static_cast<float>(tensor.xy), static_cast<float>(tensor.yy)};
+  solid.kernel.find_directions(solid.sums.center, solid.neighborhood);
+  solid.kernel.find_curvatures(solid.sums, solid.neighborhood);
+  const Kernel::Neighborhood &found = solid.neighborhood;
+  solid.sums.terms.bending.energy = 0.5f * (found.k1 * found.k1 + found.k2 * found.k2);
+  solid.sums.terms.bending.moments = {1.0f, 0.0f, 0.0f};
+  solid.sums.terms.ball.rho = 1.0f;
+  solid.sums.terms.ball.height = -0.375f * radius * found.mean;
+  return solid;
+}
+
+// What exists alone stands for both. Directions have two signs.
+static void mix(float *value, const Value &solid, size_t components, float share) {
+  if (share >= 1.0f || std::isnan(value[0])) {
+    if (share > 0.5f || share >= 1.0f) std::copy_n(solid.begin(), components, value);
+    return;
+  }
+  if (std::isnan(solid[0])) return;
+  if (components == 1) {
+    value[0] += share * (solid[0] - value[0]);
+    return;
+  }
+  const vec3 from(value[0], value[1], value[2]), to(solid[0], solid[1], solid[2]);
+  const vec3 between = from * (1.0f - share) + (dot(from, to) < 0.0f ? -to : to) * share;
+  const vec3 size = glm::abs(between), unit = between / length(between);
+  const float largest = size.x >= size.y && size.x >= size.z ? unit.x : size.y >= size.z ? unit.y : unit.z;
+  for (int k = 0; k < 3; ++k) value[k] = largest < 0.0f ? -unit[k] : unit[k];
+}
+
+CreaseBlend::CreaseBlend(const Surface &surface, double radius, int threads)
+    : surface_(surface), radius_(radius), threads_(threads) {
+  if (!surface.creases || surface.creases->edges == 0 || surface.maps.any()) return;
+  creased_.emplace(surface.triangles, surface.half_edges, surface.normals, *surface.creases);
+  near_.emplace(*creased_, radius);
+}
+
+namespace {
+
+struct SolidPlace {
+  dvec3 position;
+  vec3 normal;
+  int32_t triangle, point;
+};
+
+} // namespace
+
+template <class FindPlace>
+void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace &find_place, CenterResults &results) const {
+  EvaluateParams params{};
+  params.radius = static_cast<float>(radius_);
+  const auto blend_one = [&](size_t i, SolidMeasure &measure) {
+    const SolidPlace place = find_place(i);
+    if (!near_->reach(place.position, place.triangle)) return;
+    Kernel kernel{params};
+    Kernel::Sums sums;
+    kernel.sums_init(sums, {}, {place.normal.x, place.normal.y, place.normal.z}, 0.0f);
+    const auto exact = [](const Kernel::vec3 &v) { return dvec3(v.x, v.y, v.z); };
+    const SolidTensor tensor = measure.at(
+        {place.position, exact(sums.center.normal), exact(sums.center.t1), exact(sums.center.t2), place.triangle, place.point});
+    if (!(tensor.weight > 0)) return;
+    const Solid solid = solid_of(kernel, sums, tensor);
+    for (size_t k = 0; k < rows.size(); ++k) {
+      if (!is_of_solid(rows[k])) continue;
+      const auto components = static_cast<size_t>(descriptor_row(rows[k]).components);
+      mix(&results.values[k][i * components], rows_of_solid[rows[k]](solid), components, static_cast<float>(tensor.weight));
+    }
+  };
+  Pool<SolidMeasure> measures;
+  parallel_blocks(static_cast<int>(count), threads_, 64, [&](int begin, int end) {
+    measures.with_one([&] { return SolidMeasure(*creased_, radius_); },
+                      [&](SolidMeasure &measure) {
+                        for (int i = begin; i < end; ++i) blend_one(static_cast<size_t>(i), measure);
+                      });
+  });
+}
+
+void CreaseBlend::at_points(std::span<const int> rows, CenterResults &results) const {
+  if (!near_ || std::ranges::none_of(rows, is_of_solid)) return;
+  const auto find_place = [&](size_t i) {
+    const int32_t point = results.point[i];
+    return SolidPlace{dvec3(surface_.triangles.positions[surface_.half_edges.point_vertex[point]]), surface_.normals.point[point],
+                      surface_.half_edges.point_half_edge[point] / 3, point};
+  };
+  blend(rows, results.point.size(), find_place, results);
+}
+
+void CreaseBlend::at_texels(std::span<const int> rows, const TexelMap &texels, size_t first, CenterResults &results) const {
+  if (!near_ || std::ranges::none_of(rows, is_of_solid)) return;
+  const auto find_place = [&](size_t i) {
+    const TexelCenter &center = texels.centers[first + i];
+    constexpr double inside = 1e-4; // on an edge it would be on neither of two triangles
+    const dvec3 given(1.0 - static_cast<double>(center.weights.x) - static_cast<double>(center.weights.y), center.weights.x,
+                      center.weights.y);
+    const dvec3 kept = glm::max(given, inside), weights = kept / (kept.x + kept.y + kept.z);
+    dvec3 position(0.0);
+    vec3 normal(0.0f);
+    for (int k = 0; k < 3; ++k) {
+      position += weights[k] * dvec3(surface_.triangles.position(3 * center.triangle + k));
+      normal += static_cast<float>(weights[k]) * surface_.normals.corner(static_cast<size_t>(3 * center.triangle + k));
+    }
+    const float size = length(normal);
+    return SolidPlace{position, size > 0.0f ? normal / size : vec3(0.0f, 0.0f, 1.0f), center.triangle, -1};
+  };
+  blend(rows, results.boundary.size(), find_place, results);
+}
+
+} // namespace paradesc

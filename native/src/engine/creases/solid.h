@@ -1,0 +1,88 @@
+// Creases around a center → the curvature tensor that they and what lies between them make within the ball, and how much of it
+// counts.
+//
+// H of the solid (paper eq. 8, with the true volume V of ball and solid) is a sum over the surface that needs no normal at p:
+//   2 H = 8/(3 pi r) (sum of b_e over the edges e at p + integral of h (1/rho^3 - 1/r^3)), h = d.f, f the face's normal,
+// b_e the angle by which the surface turns at e; both follow from the divergence of d (1 - r^3/rho^3), which vanishes on the
+// ball's rim, and from the solid angle at p, 2 pi - sum of b_e. Each term turns the surface about one axis: across it lies its
+// direction. The bends of edges that are no creases stand for a smooth surface. They are taken back, and the gradients of the
+// normals are added instead, both by the kernel g of the same H for what bends little: 2 H = 8/(pi r^4) integral of g (k1 + k2).
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "mesh/ball_flood.h"
+#include "mesh/creases.h"
+#include "mesh/halfedge.h"
+#include "mesh/normals.h"
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+// A surface with creases, borrowed.
+struct CreasedSurface {
+  const Triangles &triangles;
+  const HalfEdges &half_edges;
+  const Normals &normals;
+  const Creases &creases;
+};
+
+struct SolidCenter {
+  dvec3 position;
+  dvec3 normal, t1, t2; // orthonormal
+  int32_t triangle;
+  int32_t point; // -1: it lies within the triangle
+};
+
+struct SolidTensor {
+  double weight = 0;             // 0 where no crease comes nearer than CREASE_REACH r, 1 where one meets the ball
+  double xx = 0, xy = 0, yy = 0; // in the center's tangents, one over units of the positions
+};
+
+// What one thread keeps from center to center.
+class SolidMeasure {
+public:
+  SolidMeasure(const CreasedSurface &surface, double radius);
+  SolidTensor at(const SolidCenter &center);
+
+private:
+  struct Tensor;
+  struct Seen;
+
+  struct PlaneTensor {
+    double xx = 0, xy = 0, yy = 0;
+  };
+
+  // A triangle by itself.
+  struct Face {
+    dvec3 normal, first, second; // unit; the latter two in its plane, the first along its edge 0; zero where it has no area
+    double twice_area;
+    bool is_needle;       // which has the normal of what lies behind it
+    double bend[3];       // at each half-edge, positive where it is convex; 0 at boundaries
+    bool is_crease[3];    // likewise
+    PlaneTensor gradient; // of the normals in its plane
+    PlaneTensor excess;   // its sum over the area, without that of the bends of edges that are no creases
+  };
+
+  const Face &face(int32_t triangle);
+  PlaneTensor gradient_of(int32_t triangle, const Face &face) const;
+  void start(const SolidCenter &center);
+  double nearest_crease() const;
+  Seen see(int32_t triangle);
+  void add_own_edges(Tensor &tensor);
+  void add_face(Tensor &tensor, const Seen &seen) const;
+  void add_smooth(Tensor &tensor, const Seen &seen) const;
+  void add_in_tangents(Tensor &tensor, const Face &face, const PlaneTensor &there, double amount) const;
+
+  CreasedSurface surface_;
+  double radius_;
+  SolidCenter center_{};
+  double rounding_ = 0;       // of its coordinates
+  std::deque<Face> faces_;    // those that were looked at
+  std::vector<int32_t> face_; // (triangles) in faces_, or -1
+  BallFlood flood_;
+};
+
+} // namespace paradesc

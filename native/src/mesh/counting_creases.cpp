@@ -1,0 +1,115 @@
+// What bends in balls around creases, added up by lines.
+#include "mesh/counting_creases.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "kernel/limits.h"
+#include "mesh/ball_flood.h"
+#include "support/parallel.h"
+#include "support/pool.h"
+
+namespace paradesc {
+
+namespace {
+
+struct Bends {
+  double creases = 0, others = 0;
+};
+
+// Along the segment from a to b, the integral of 1 - rho^2 / r^2 within the ball.
+double bowl_on_segment(dvec3 begin, dvec3 end, double radius) {
+  const dvec3 edge = end - begin;
+  const double length = glm::length(edge);
+  if (!(length > 0)) return 0;
+  const double from = glm::dot(begin, edge) / length, half2 = radius * radius - (glm::dot(begin, begin) - from * from);
+  if (!(half2 > 0)) return 0;
+  const double half = std::sqrt(half2), low = std::max(from, -half), high = std::min(from + length, half);
+  const auto up_to = [&](double s) { return (half2 * s - s * s * s / 3) / (radius * radius); };
+  return low < high ? up_to(high) - up_to(low) : 0;
+}
+
+dvec3 middle_of(const Triangles &triangles, int32_t edge) {
+  return 0.5 * (dvec3(triangles.position(edge)) + dvec3(triangles.position(next_corner(edge))));
+}
+
+// Within this distance of the middle of a crease; its bends are about the angles.
+Bends bends_around(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases,
+                   const std::vector<vec3> &normals, double reach, int32_t edge, BallFlood &flood) {
+  const dvec3 center = middle_of(triangles, edge);
+  flood.start_in_triangle(center, edge / 3);
+  flood.grow(reach);
+  Bends bends;
+  for (const int32_t triangle : flood.triangles())
+    for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
+      const int32_t twin = half_edges.twin[h];
+      if (twin < 0) continue;
+      const vec3 turn = normals[triangle] - normals[twin / 3];
+      const float turn2 = dot(turn, turn);
+      if (!(turn2 > 0)) continue;
+      const dvec3 begin = dvec3(triangles.position(h)) - center, end = dvec3(triangles.position(next_corner(h))) - center;
+      (creases.half_edge[h] ? bends.creases : bends.others) +=
+          0.5 * std::sqrt(static_cast<double>(turn2)) * bowl_on_segment(begin, end, reach); // the twin has the other half
+    }
+  return bends;
+}
+
+// One crease of each line in each cell: those that lie close together see the same.
+std::vector<int32_t> spread_out(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases,
+                                const std::vector<int32_t> &line, double size) {
+  using Place = std::tuple<int32_t, double, double, double, int32_t>;
+  std::vector<Place> places;
+  for (size_t h = 0; h < creases.half_edge.size(); ++h) {
+    if (!creases.half_edge[h] || half_edges.twin[h] < static_cast<int32_t>(h)) continue;
+    const auto edge = static_cast<int32_t>(h);
+    const dvec3 cell = glm::floor(middle_of(triangles, edge) / size);
+    places.emplace_back(line[half_edges.corner_point[h]], cell.x, cell.y, cell.z, edge);
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<int32_t> chosen;
+  for (size_t i = 0; i < places.size(); ++i) {
+    const auto cell = [&](size_t k) {
+      return std::tuple(std::get<0>(places[k]), std::get<1>(places[k]), std::get<2>(places[k]), std::get<3>(places[k]));
+    };
+    if (i == 0 || cell(i) != cell(i - 1)) chosen.push_back(std::get<4>(places[i]));
+  }
+  return chosen;
+}
+
+} // namespace
+
+Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, double radius,
+                           int threads) {
+  const Creases marked = marked_creases(triangles, half_edges);
+  if (creases.edges == marked.edges) return creases;
+  const std::vector<int32_t> line = line_of_points(half_edges, creases);
+  constexpr double close = 0.5; // of the radius
+  const std::vector<int32_t> chosen = spread_out(triangles, half_edges, creases, line, close * radius);
+  const std::vector<vec3> normals = steady_normals(triangles, half_edges, threads);
+  std::vector<Bends> bends(chosen.size());
+  Pool<BallFlood> floods;
+  parallel_blocks(static_cast<int>(chosen.size()), threads, 4, [&](int begin, int end) {
+    floods.with_one([&] { return BallFlood(triangles, half_edges); },
+                    [&](BallFlood &flood) {
+                      for (int i = begin; i < end; ++i)
+                        bends[i] = bends_around(triangles, half_edges, creases, normals, CREASE_REACH * radius, chosen[i], flood);
+                    });
+  });
+  std::vector<Bends> of_line(line.size());
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    Bends &all = of_line[line[half_edges.corner_point[chosen[i]]]];
+    all.creases += bends[i].creases;
+    all.others += bends[i].others;
+  }
+  Creases counting = creases;
+  for (size_t h = 0; h < counting.half_edge.size(); ++h) {
+    if (!counting.half_edge[h] || marked.half_edge[h]) continue;
+    const Bends &all = of_line[line[half_edges.corner_point[h]]];
+    if (all.creases < CREASE_LEAST_SHARE * all.others) counting.half_edge[h] = 0;
+  }
+  counting.edges = count_edges(counting);
+  return counting;
+}
+
+} // namespace paradesc

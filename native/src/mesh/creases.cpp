@@ -1,0 +1,247 @@
+// Dihedral angles → candidates, by what bends beside them; candidates → lines that do not end in smooth surface.
+#include "mesh/creases.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "support/angle.h"
+#include "support/parallel.h"
+
+namespace paradesc {
+
+namespace {
+
+constexpr double degree = pi / 180;
+constexpr double least_bend = 20 * degree;
+constexpr double least_hard_bend = 50 * degree;
+constexpr double both_sides = 3, one_side = 8, own_triangles = 2.5; // times as much as what bends beside an edge
+constexpr double reach = 3;                                         // of the width of the narrower triangle
+constexpr double flat = 0.3;                                        // of the edge's bend: what the search goes on over
+constexpr size_t max_searched = 24;                                 // triangles on one side
+constexpr int least_open_line = 16;                                 // edges
+constexpr int block_size = 1024;
+
+dvec3 corner_position(const Triangles &triangles, int corner) { return dvec3(triangles.position(corner)); }
+
+dvec3 face_product(const Triangles &triangles, int face) {
+  const dvec3 a = corner_position(triangles, 3 * face);
+  return glm::cross(corner_position(triangles, 3 * face + 1) - a, corner_position(triangles, 3 * face + 2) - a);
+}
+
+// Lower than what rounds positions, by far: its normal says nothing.
+bool is_needle(const Triangles &triangles, int face, dvec3 product) {
+  double longest2 = 0, largest = 0;
+  for (int corner = 3 * face; corner < 3 * face + 3; ++corner) {
+    const dvec3 p = corner_position(triangles, corner), edge = corner_position(triangles, next_corner(corner)) - p;
+    longest2 = std::max(longest2, glm::dot(edge, edge));
+    largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  }
+  return glm::dot(product, product) < ROUNDING * ROUNDING * largest * largest * longest2;
+}
+
+// Other than this one.
+int longest_edge(const Triangles &triangles, int face, int other) {
+  int longest = -1;
+  double most = -1;
+  for (int corner = 3 * face; corner < 3 * face + 3; ++corner) {
+    const dvec3 edge = corner_position(triangles, next_corner(corner)) - corner_position(triangles, corner);
+    if (corner != other && glm::dot(edge, edge) > most) {
+      most = glm::dot(edge, edge);
+      longest = corner;
+    }
+  }
+  return longest;
+}
+
+// Looks at what bends beside edges.
+class Surroundings {
+public:
+  Surroundings(const Triangles &triangles, const HalfEdges &half_edges) : triangles_(triangles), half_edges_(half_edges) {}
+
+  bool stands_out(int half_edge) const {
+    const int twin = half_edges_.twin[half_edge];
+    const double bend = bend_of(half_edge), distance = reach * std::min(width(half_edge), width(twin));
+    if (!(bend >= least_bend) || !(distance > 0)) return false;
+    // Beside a needle the same bend may come twice, there and back.
+    if (is_needle_itself(half_edge / 3) || is_needle_itself(twin / 3)) return true;
+    const double left = most_bent(half_edge, distance), right = most_bent(twin, distance);
+    if (bend >= both_sides * std::max(left, right) || bend >= one_side * std::min(left, right)) return true;
+    return bend >= least_hard_bend && bend >= own_triangles * std::max(most_bent(half_edge, -1), most_bent(twin, -1));
+  }
+
+private:
+  bool is_needle_itself(int face) const { return is_needle(triangles_, face, face_product(triangles_, face)); }
+  double bend_of(int half_edge) const { return std::abs(bend_at(triangles_, half_edges_, half_edge)); }
+
+  // Of the triangle, across the edge.
+  double width(int half_edge) const {
+    const dvec3 a = corner_position(triangles_, half_edge), along = corner_position(triangles_, next_corner(half_edge)) - a;
+    const double span = glm::length(along);
+    if (!(span > 0)) return 0;
+    const int face = steady_face(triangles_, half_edges_, half_edge / 3);
+    double most = 0;
+    for (int corner = 3 * face; corner < 3 * face + 3; ++corner)
+      most = std::max(most, glm::length(glm::cross(along, corner_position(triangles_, corner) - a)) / span);
+    return most;
+  }
+
+  struct Line {
+    dvec3 begin, direction;
+    double length;
+  };
+
+  // An edge beside the line, not before or after it, and at most this far from it.
+  static bool is_beside(const Line &line, dvec3 p, dvec3 q, double distance) {
+    constexpr double overlap = 0.05;
+    const double from = glm::dot(p, line.direction), to = glm::dot(q, line.direction);
+    if (std::max(from, to) < overlap * line.length || std::min(from, to) > (1 - overlap) * line.length) return false;
+    return std::min(glm::length(p - from * line.direction), glm::length(q - to * line.direction)) <= distance;
+  }
+
+  // The most that an edge beside this one bends along it, on the side of this half-edge; below 0: of its own triangle's edges.
+  double most_bent(int half_edge, double distance) const {
+    const dvec3 begin = corner_position(triangles_, half_edge),
+                along = corner_position(triangles_, next_corner(half_edge)) - begin;
+    const double span = glm::length(along);
+    const Line line{begin, along / span, span};
+    const int other_side = half_edges_.twin[half_edge] / 3;
+    const double own_bend = bend_of(half_edge);
+    std::array<int, max_searched> faces{half_edge / 3};
+    size_t count = 1;
+    double most = 0;
+    for (size_t k = 0; k < count; ++k)
+      for (int i = 0; i < 3; ++i) {
+        const int edge = 3 * faces[k] + i, twin = half_edges_.twin[edge];
+        if (edge == half_edge || twin < 0 || twin / 3 == other_side) continue;
+        const dvec3 p = corner_position(triangles_, edge) - begin, q = corner_position(triangles_, next_corner(edge)) - begin;
+        if (k > 0 && !is_beside(line, p, q, distance)) continue;
+        const double length = glm::length(q - p), bend = bend_of(edge);
+        if (length > 0) most = std::max(most, bend * std::abs(glm::dot(q - p, line.direction)) / length);
+        const bool goes_on = distance > 0 && count < max_searched && bend < flat * own_bend;
+        if (goes_on && std::find(faces.begin(), faces.begin() + count, twin / 3) == faces.begin() + count)
+          faces[count++] = twin / 3;
+      }
+    return most;
+  }
+
+  const Triangles &triangles_;
+  const HalfEdges &half_edges_;
+};
+
+template <class Visit> void for_each_edge(const HalfEdges &half_edges, const Creases &creases, const Visit &visit) {
+  for (size_t h = 0; h < creases.half_edge.size(); ++h)
+    if (creases.half_edge[h] && half_edges.twin[h] > static_cast<int>(h))
+      visit(h, half_edges.corner_point[h], half_edges.corner_point[static_cast<size_t>(next_corner(static_cast<int>(h)))]);
+}
+
+int root_of(std::vector<int32_t> &parent, int point) {
+  while (parent[point] != point) point = parent[point] = parent[parent[point]];
+  return point;
+}
+
+// Takes away lines that begin or end within the surface and are short; the marked ones stay.
+void remove_short_lines(const HalfEdges &half_edges, const Creases &marked, Creases &creases) {
+  struct Line {
+    int edges = 0, ends = 0;
+  };
+  const auto points = static_cast<size_t>(half_edges.point_count);
+  const std::vector<int32_t> line_of = line_of_points(half_edges, creases);
+  std::vector<int32_t> degree_of(points, 0);
+  for_each_edge(half_edges, creases, [&](size_t, int a, int b) {
+    ++degree_of[a];
+    ++degree_of[b];
+  });
+  std::vector<Line> lines(points);
+  for_each_edge(half_edges, creases, [&](size_t, int a, int b) {
+    Line &line = lines[line_of[a]];
+    ++line.edges;
+    for (const int point : {a, b}) line.ends += degree_of[point] == 1 && !half_edges.point_boundary[point];
+  });
+  for_each_edge(half_edges, creases, [&](size_t h, int a, int) {
+    const Line &line = lines[line_of[a]];
+    if (marked.half_edge[h] || line.ends == 0 || line.edges >= least_open_line) return;
+    creases.half_edge[h] = creases.half_edge[half_edges.twin[h]] = 0;
+  });
+}
+
+} // namespace
+
+int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int face) {
+  constexpr int most_steps = 8; // needles lie beside needles
+  int steady = face, entered = -1;
+  for (int step = 0; step < most_steps; ++step) {
+    if (!is_needle(triangles, steady, face_product(triangles, steady))) return steady;
+    entered = half_edges.twin[longest_edge(triangles, steady, entered)];
+    if (entered < 0) break;
+    steady = entered / 3;
+  }
+  return face;
+}
+
+dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face) {
+  const dvec3 product = face_product(triangles, steady_face(triangles, half_edges, face));
+  const double length = glm::length(product);
+  return length > 0 ? product / length : dvec3(0);
+}
+
+std::vector<vec3> steady_normals(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
+  std::vector<vec3> normals(static_cast<size_t>(triangles.triangle_count));
+  parallel_blocks(triangles.triangle_count, threads, block_size, [&](int begin, int end) {
+    for (int t = begin; t < end; ++t) normals[t] = vec3(steady_normal(triangles, half_edges, t));
+  });
+  return normals;
+}
+
+double bend_at(const Triangles &triangles, const HalfEdges &half_edges, int half_edge) {
+  const int twin = half_edges.twin[half_edge];
+  if (twin < 0) return 0;
+  const dvec3 left = steady_normal(triangles, half_edges, half_edge / 3), right = steady_normal(triangles, half_edges, twin / 3);
+  const dvec3 along = corner_position(triangles, next_corner(half_edge)) - corner_position(triangles, half_edge);
+  const double span = glm::length(along);
+  return span > 0 ? angle_of(glm::dot(glm::cross(left, right), along) / span, glm::dot(left, right)) : 0.0;
+}
+
+int32_t count_edges(const Creases &creases) {
+  return static_cast<int32_t>(std::count(creases.half_edge.begin(), creases.half_edge.end(), 1) / 2);
+}
+
+std::vector<int32_t> line_of_points(const HalfEdges &half_edges, const Creases &creases) {
+  std::vector<int32_t> line(static_cast<size_t>(half_edges.point_count));
+  std::iota(line.begin(), line.end(), 0);
+  for_each_edge(half_edges, creases, [&](size_t, int a, int b) { line[root_of(line, a)] = root_of(line, b); });
+  for (int point = 0; point < half_edges.point_count; ++point) line[point] = root_of(line, point);
+  return line;
+}
+
+Creases marked_creases(const Triangles &triangles, const HalfEdges &half_edges) {
+  Creases creases;
+  creases.half_edge.assign(half_edges.twin.size(), 0);
+  for (size_t h = 0; h < half_edges.twin.size(); ++h) {
+    const int twin = half_edges.twin[h];
+    if (twin >= 0 && triangles.half_edge_sharp[h] && triangles.half_edge_sharp[twin]) creases.half_edge[h] = 1;
+  }
+  creases.edges = count_edges(creases);
+  return creases;
+}
+
+Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
+  const Creases marked = marked_creases(triangles, half_edges);
+  Creases creases = marked;
+  const std::vector<vec3> normals = steady_normals(triangles, half_edges, threads);
+  constexpr float least_cosine = 0.93969262f + 1e-3f; // of the least bend
+  const Surroundings surroundings(triangles, half_edges);
+  parallel_blocks(3 * triangles.triangle_count, threads, block_size, [&](int begin, int end) {
+    for (int h = begin; h < end; ++h) {
+      const int twin = half_edges.twin[h];
+      if (twin > h && glm::dot(normals[h / 3], normals[twin / 3]) < least_cosine && surroundings.stands_out(h))
+        creases.half_edge[h] = creases.half_edge[twin] = 1;
+    }
+  });
+  remove_short_lines(half_edges, marked, creases);
+  creases.edges = count_edges(creases);
+  return creases;
+}
+
+} // namespace paradesc

@@ -1,0 +1,28 @@
+// The natural logarithm, with the same bits on every system: the C library's differs from one to the next in its last bits.
+#pragma once
+
+#include <cmath>
+
+namespace paradesc {
+
+// Of a normal number above 0, to some 1e-16. The series of atanh for what is left of a power of two.
+inline double logarithm_of(double x) {
+  constexpr double log_of_2 = 0.69314718055994531, root_of_half = 0.70710678118654752;
+  constexpr double odd[] = {1.0, 1.0 / 3, 1.0 / 5, 1.0 / 7, 1.0 / 9, 1.0 / 11, 1.0 / 13, 1.0 / 15, 1.0 / 17, 1.0 / 19, 1.0 / 21};
+  constexpr int last = 10; // (3 - 2 sqrt(2))^(2 * 10 + 3) / 23 is below 1e-18
+  int exponent = 0;
+  double rest = std::frexp(x, &exponent);
+  if (rest < root_of_half) {
+    rest *= 2.0;
+    --exponent;
+  }
+  const double t = (rest - 1.0) / (rest + 1.0), square = t * t;
+  double even_terms = 0.0, odd_terms = 0.0; // two chains: processors work at them side by side
+  for (int k = last; k > 0; k -= 2) {
+    even_terms = odd[k] + square * square * even_terms;
+    odd_terms = odd[k - 1] + square * square * odd_terms;
+  }
+  return exponent * log_of_2 + 2.0 * t * (odd[0] + square * (odd_terms + square * even_terms));
+}
+
+} // namespace paradesc

@@ -1,0 +1,152 @@
+// Creases where a solid has edges, and none where a smooth surface is coarse, flat-shaded or noisy.
+#include "mesh/creases.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "mesh/counting_creases.h"
+#include "support/real_mesh.h"
+#include "support/solids.h"
+#include "support/surfaces.h"
+
+namespace paradesc::test {
+namespace {
+
+constexpr double degree = pi / 180;
+
+struct Found {
+  int32_t edges = 0, bent = 0; // creases; edges that bend by more than a degree
+  double least = 10, most = 0; // bends of creases
+};
+
+Found find(const Triangles &triangles, int threads = 0) {
+  const HalfEdges half_edges = build_half_edges(triangles);
+  const Creases creases = find_creases(triangles, half_edges, threads);
+  Found found{creases.edges};
+  for (int h = 0; h < 3 * triangles.triangle_count; ++h) {
+    const double bend = std::abs(bend_at(triangles, half_edges, h));
+    if (half_edges.twin[static_cast<size_t>(h)] > h && bend > degree) ++found.bent;
+    if (!creases.half_edge[static_cast<size_t>(h)]) continue;
+    found.least = std::min(found.least, bend);
+    found.most = std::max(found.most, bend);
+  }
+  return found;
+}
+
+Found find(const TestMesh &mesh) { return find(read_triangles(input_of(mesh))); }
+
+// Every edge that bends is one.
+void expect_all(const Triangles &triangles, int edges) {
+  const Found found = find(triangles);
+  EXPECT_EQ(found.edges, edges);
+  EXPECT_EQ(found.bent, edges);
+}
+
+TEST(Creases, a_box_has_its_edges_however_it_is_divided) {
+  for (const int cells : {1, 2, 3, 8}) expect_all(box(cells), 12 * cells);
+}
+
+TEST(Creases, prisms_have_all_of_their_edges) {
+  for (const int sides : {3, 4, 5, 6}) expect_all(prism(sides), 3 * sides);
+}
+
+TEST(Creases, a_bevel_of_one_segment_has_both_of_its_edges) {
+  for (const double width : {0.02, 0.1}) expect_all(bevelled_box(width), 48);
+}
+
+TEST(Creases, a_cylinder_has_its_rims_alone) {
+  for (const int sides : {8, 12, 16, 32, 64})
+    for (const int rows : {1, 5}) {
+      const Found found = find(prism(sides, rows, rows));
+      EXPECT_EQ(found.edges, 2 * sides);
+      EXPECT_NEAR(found.least, 90 * degree, 1e-3);
+    }
+}
+
+TEST(Creases, smooth_surfaces_have_none_however_coarse) {
+  for (const int vertices : {60, 200, 2000})
+    for (const bool irregular : {false, true}) {
+      const Triangulation triangulation{.vertices = vertices, .irregular = irregular};
+      EXPECT_EQ(find(sphere(1, triangulation)).edges, 0);
+      EXPECT_EQ(find(ellipsoid(1.5, 1, 0.7, triangulation)).edges, 0);
+    }
+  for (const int vertices : {400, 2000}) EXPECT_EQ(find(torus(1, 0.4, {.vertices = vertices})).edges, 0);
+}
+
+TEST(Creases, noise_is_none) {
+  TestMesh noisy = torus(1, 0.4, {.vertices = 5000});
+  add_noise(noisy, 0.003, 5); // a fifth of an edge: half of the edges bend by more than 20 degrees
+  const Found found = find(noisy);
+  EXPECT_GT(found.bent, 14000);
+  EXPECT_LT(found.edges, 150); // a per cent: noise makes long lines by chance
+}
+
+TEST(Creases, a_marked_edge_is_one_by_itself) {
+  Triangles triangles = read_triangles(input_of(sphere(1, {.vertices = 500})));
+  const HalfEdges half_edges = build_half_edges(triangles);
+  triangles.half_edge_sharp[30] = 1;
+  EXPECT_EQ(find_creases(triangles, half_edges).edges, 0); // the face behind it is flat
+  triangles.half_edge_sharp[static_cast<size_t>(half_edges.twin[30])] = 1;
+  EXPECT_EQ(find_creases(triangles, half_edges).edges, 1);
+  EXPECT_EQ(marked_creases(triangles, half_edges), find_creases(triangles, half_edges));
+}
+
+TEST(Creases, do_not_depend_on_threads_size_or_place) {
+  Triangles triangles = prism(7, 4, 3);
+  const HalfEdges half_edges = build_half_edges(triangles);
+  const Creases creases = find_creases(triangles, half_edges, 1);
+  EXPECT_EQ(creases, find_creases(triangles, half_edges, 3));
+  for (vec3 &p : triangles.positions) p = 1024.0f * vec3(p.y, p.z, p.x); // exact in floats, and turned
+  EXPECT_EQ(creases, find_creases(triangles, half_edges));
+}
+
+struct RealCount {
+  const char *name;
+  int32_t least, most;
+};
+void expect_count(const RealCount &real) {
+  PDESC_REAL_MESH(mesh, real.name);
+  const Found found = find(mesh);
+  EXPECT_GE(found.edges, real.least) << real.name;
+  EXPECT_LE(found.edges, real.most) << real.name;
+}
+
+// As counted when their pictures were looked at: lines around the eyes of beast and human, where separate surfaces end.
+TEST(Creases, organic_meshes_have_hardly_any) {
+  for (const RealCount &real : {RealCount{"spot", 0, 0},
+                                {"bob", 0, 0},
+                                {"rocker-arm", 0, 0},
+                                {"stanford-bunny", 0, 20},
+                                {"beast", 0, 250},
+                                {"human", 0, 120}})
+    expect_count(real);
+}
+
+TEST(Creases, machine_parts_and_buildings_have_many) {
+  for (const RealCount &real : {RealCount{"fandisk", 700, 770}, {"barracks", 5800, 6400}}) expect_count(real);
+}
+
+TEST(CountingCreases, count_where_they_bend_as_much_as_what_lies_around) {
+  const Triangles solid = box(8);
+  const HalfEdges half_edges = build_half_edges(solid);
+  const Creases found = find_creases(solid, half_edges);
+  for (const double radius : {0.01, 0.1, 1.0}) EXPECT_EQ(creases_that_count(solid, half_edges, found, radius), found);
+}
+
+TEST(CountingCreases, do_not_count_on_a_smooth_surface_unless_they_are_marked) {
+  Triangles ball = read_triangles(input_of(sphere(1, {.vertices = 3000})));
+  const HalfEdges half_edges = build_half_edges(ball);
+  Creases creases = marked_creases(ball, half_edges);
+  for (const size_t h : {size_t{300}, size_t{600}}) creases.half_edge[h] = creases.half_edge[half_edges.twin[h]] = 1;
+  creases.edges = 2;
+  EXPECT_EQ(creases_that_count(ball, half_edges, creases, 0.2).edges, 0);
+  ball.half_edge_sharp[300] = ball.half_edge_sharp[half_edges.twin[300]] = 1;
+  const Creases one = creases_that_count(ball, half_edges, creases, 0.2);
+  EXPECT_EQ(one.edges, 1);
+  EXPECT_EQ(one.half_edge[300], 1);
+  EXPECT_EQ(one.half_edge[600], 0);
+}
+
+} // namespace
+} // namespace paradesc::test

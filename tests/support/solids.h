@@ -1,0 +1,23 @@
+// Solids with flat faces and sharp edges, as triangles with outward winding.
+#pragma once
+
+#include <vector>
+
+#include "mesh/triangles.h"
+
+namespace paradesc::test {
+
+// [-1, 1]³, each side as a grid of cells by cells.
+Triangles box(int cells);
+
+// A box of one quad a side, [-1, 1]³, whose edges and corners are cut off `width` before they meet: a bevel of one segment.
+Triangles bevelled_box(double width);
+
+// A regular polygon in the unit circle, from z = -1 to 1, in `rows` rows; caps of `rings` rings around their middle. With many
+// sides it is a cylinder.
+Triangles prism(int sides, int rows = 1, int rings = 1);
+
+// Of the bounding box.
+double diagonal_of(const Triangles &triangles);
+
+} // namespace paradesc::test
