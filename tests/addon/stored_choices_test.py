@@ -23,6 +23,7 @@ CHOICES = {
     "Scene.paradesc.space": ["object", "world"],
     "Scene.paradesc.shape_key": ["basis", "active"],
     "Scene.paradesc.precision": ["full", "half"],
+    "Scene.paradesc.creases": ["auto", "marked", "none"],
     "Scene.paradesc.normals": ["fitted", "max", "mesh"],
     "Scene.paradesc.backend": ["auto", "gpu", "software", "reference"],
     "Scene.paradesc.estimator": ["shape-operator", "integral", "extrapolated"],

@@ -70,6 +70,14 @@ def draw_radii(path: str) -> None:
     png.write_png(Path(path), np.concatenate(pictures, axis=1))
 
 
+def draw_creases(path: str) -> None:
+    """A machine part's mean curvature without and with creases, in one range of colors."""
+    made = subjects.machine_part()
+    words = ("--radius", "0.04", "--range=-6:6", "--creases")
+    pictures = [subjects.drawn(made, *words, choice) for choice in ("none", "auto")]
+    png.write_png(Path(path), np.concatenate(pictures, axis=1))
+
+
 def draw_frames(path: str) -> None:
     """The bending tube of the samples at three frames, with one range of colors."""
     sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "blend_samples"))

@@ -20,6 +20,7 @@ KINDS = {
     "cavity": renders.render_cavity,
     "descriptors": drawings.draw_descriptors,
     "radii": drawings.draw_radii,
+    "creases": drawings.draw_creases,
     "frames": drawings.draw_frames,
     "maps": drawings.draw_maps,
 }

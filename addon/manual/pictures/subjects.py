@@ -3,6 +3,7 @@
 import math
 import sys
 import tempfile
+from itertools import pairwise
 from pathlib import Path
 
 import bpy
@@ -59,6 +60,32 @@ def rounded_box() -> bpy.types.Object:
         bpy.ops.object.mode_set(mode="OBJECT")
     bpy.ops.object.shade_smooth()
     made.name = "Box"
+    return made
+
+
+def machine_part() -> bpy.types.Object:
+    """A turned part with steps, a groove, a chamfer and a bore, in small faces and shaded flat."""
+    empty()
+    profile = ((0.3, 0), (1, 0), (1, 0.3), (0.6, 0.3), (0.6, 0.55), (0.52, 0.55), (0.52, 0.7), (0.6, 0.7), (0.6, 0.9), (0.5, 1), (0.3, 1), (0.3, 0))
+    sides, step = 96, 0.025
+    places = [
+        np.array(begin) + (np.array(end) - begin) * k / count
+        for begin, end in pairwise(profile)
+        for count in (max(round(math.dist(begin, end) / step), 1),)
+        for k in range(count)
+    ]
+    turns = 2 * np.pi * np.arange(sides) / sides
+    points = [(r * math.cos(turn), r * math.sin(turn), z) for r, z in places for turn in turns]
+    rows = len(places)
+    faces = [
+        (row * sides + side, row * sides + (side + 1) % sides, (row + 1) % rows * sides + (side + 1) % sides, (row + 1) % rows * sides + side)
+        for row in range(rows)
+        for side in range(sides)
+    ]
+    mesh = bpy.data.meshes.new("Part")
+    mesh.from_pydata(points, [], faces)
+    made = bpy.data.objects.new("Part", mesh)
+    bpy.context.collection.objects.link(made)
     return made
 
 

@@ -36,6 +36,10 @@ NORMALS_FITTED = 0
 NORMALS_MAX = 1
 NORMALS_MESH = 2
 
+CREASES_AUTO = 0
+CREASES_MARKED = 1
+CREASES_NONE = 2
+
 RADIUS_DIAGONAL = 0
 RADIUS_ABSOLUTE = 1
 RADIUS_MEAN_EDGE = 2
@@ -190,6 +194,7 @@ class ComputeOptions(Structure):
         ("map_sigma", c_double),
         ("harris_k", c_double),
         ("buffers", c_int32),
+        ("creases", c_int32),
     ]
 
 
@@ -218,6 +223,7 @@ class FieldReport(Structure):
         ("cut_charts", c_int32),
         ("backend", c_int32),
         ("memory_megabytes", c_double),
+        ("crease_edges", c_int32),
     ]
 
 

@@ -21,6 +21,7 @@ METHODS = {
     "cpu": "surface samples",
 }
 NORMALS = {"fitted": abi.NORMALS_FITTED, "max": abi.NORMALS_MAX, "mesh": abi.NORMALS_MESH}
+CREASES = {"auto": abi.CREASES_AUTO, "marked": abi.CREASES_MARKED, "none": abi.CREASES_NONE}
 RADIUS_UNITS = {
     "diagonal": abi.RADIUS_DIAGONAL,
     "absolute": abi.RADIUS_ABSOLUTE,
@@ -48,6 +49,7 @@ PRECISIONS = {"full": abi.PRECISION_FULL, "half": abi.PRECISION_HALF}
 CHOICES = {
     "radius_unit": (RADIUS_UNITS, "radius unit"),
     "normals": (NORMALS, "kind of normals"),
+    "creases": (CREASES, "choice of creases"),
     "relocation": (RELOCATIONS, "relocation"),
     "estimator": (ESTIMATORS, "estimator"),
     "variance_reduction": (VARIANCE_REDUCTIONS, "variance reduction"),
@@ -82,6 +84,7 @@ class Options:
     samples: int = 256
     buffer_size: int = 1024
     normals: str = "fitted"
+    creases: str = "auto"
     max_jumps: int = 8
     seed: int = 0
     seam_error: bool = False

@@ -56,6 +56,8 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
     add("--samples", type=int, metavar="N", help="samples around a vertex (default: 256)")
     add("--buffer", type=int, dest="buffer_size", metavar="N", help="side of the buffers (default: 1024)")
     add("--normals", choices=bridge.NORMALS, help="vertex normals (default: fitted)")
+    add("--creases", choices=bridge.CREASES,
+        help="hard edges: marked and found by their angle (default), marked ones alone, or none")  # fmt: skip
     add("--relocation", choices=bridge.RELOCATIONS,
         help="over seams: by connected cells (default), each sample by affine maps, or as the paper does")  # fmt: skip
     add("--max-jumps", type=int, metavar="N", help="affine, paper: seams to cross (default: 8)")

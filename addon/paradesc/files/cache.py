@@ -119,6 +119,8 @@ def key_of(arrays: MeshArrays, settings: job.Settings, method: str, **more: obje
     """
     content = settings.as_dict()
     del content["backend"], content["device_index"]
+    if content["creases"] == "none":
+        del content["creases"]  # as frames were baked before there were any
     content.update(more, method=method, version=VERSION)
     text = json.dumps(content, sort_keys=True).encode()
     return digest(

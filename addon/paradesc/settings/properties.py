@@ -37,6 +37,11 @@ NORMALS = [
     ("max", "Max's Weights", "Average the faces around each vertex by Max's weights"),
     ("mesh", "Of the Mesh", "Take the object's own normals, custom ones included"),
 ]
+CREASES = [
+    ("auto", "Automatic", "Edges marked sharp, and edges that bend far more than what lies beside them"),
+    ("marked", "Marked Sharp", "Only edges that are marked sharp"),
+    ("none", "None", "Round every edge as if the surface were smooth"),
+]
 RELOCATIONS = [
     ("connected", "Connected", "Take what is connected to the vertex in the buffers; exact over any seams"),
     ("affine", "Affine", "Carry every sample over seams by itself, by the map of the seam edge"),
@@ -208,6 +213,9 @@ def quality_members() -> dict[str, object]:
         ),
         "normals": bpy.props.EnumProperty(
             name="Normals", description="Where the vertex normals come from", items=NORMALS, default="fitted"
+        ),
+        "creases": bpy.props.EnumProperty(
+            name="Creases", description="Which edges are hard: flat faces end there", items=CREASES, default="auto"
         ),
         "material_maps": bpy.props.BoolProperty(
             name="Material Maps",

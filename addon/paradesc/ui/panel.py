@@ -149,8 +149,8 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
     bl_order = 20
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
-        """Draws samples, buffers, normals and device."""
-        for name in ("samples", "adaptive", "buffer_size", "precision", "normals", "material_maps"):
+        """Draws samples, buffers, normals, creases and device."""
+        for name in ("samples", "adaptive", "buffer_size", "precision", "normals", "creases", "material_maps"):
             layout.prop(settings, name)
         split = layout.split(factor=0.4)
         column = split.column()
@@ -280,6 +280,8 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
     ]
     if stored["settings"].get("space") == "world":
         lines.append("Measured in the world")
+    if field.get("crease_edges"):
+        lines.append(f"Crease edges: {field['crease_edges']:,}")
     if field.get("private_layout"):
         cut = f", {field['cut_charts']:,} cut" if field.get("cut_charts") else ""
         lines.append("Charts laid out afresh" + cut)
