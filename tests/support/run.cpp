@@ -40,6 +40,7 @@ pdesc_options options_of(const Settings &settings) {
   options.samples = settings.samples;
   options.buffer_size = settings.buffer_size;
   options.normals = settings.normals;
+  options.creases = settings.creases;
   options.seam_error = settings.seam_error;
   options.estimator = settings.estimator;
   options.variance_reduction = settings.variance_reduction;

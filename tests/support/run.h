@@ -40,6 +40,7 @@ struct Settings {
   int32_t samples = 256;
   int32_t buffer_size = 1024;
   int32_t normals = PDESC_NORMALS_FITTED;
+  int32_t creases = PDESC_CREASES_AUTO;
   int32_t seam_error = 0;
   int32_t estimator = PDESC_ESTIMATOR_SHAPE_OPERATOR;
   int32_t variance_reduction = PDESC_VARIANCE_REDUCTION_SHAPE;

@@ -17,12 +17,10 @@ struct Creases {
   bool operator==(const Creases &) const = default;
 };
 
-// Depends on positions: an edge that bends may become a crease. An edge is one if it is marked and both of its faces are smooth,
-// or
+// Depends on positions: an edge that bends may become a crease. It is one if it is marked and both of its faces are smooth, or if
 // - it bends by 20 degrees, and three times as much as any edge that runs along with it beside it on either side, or eight times
-// as
-//   much as any on one of its sides (the flat side of a bevel); beside is within three times the width of the narrower triangle;
-//   or
+//   as much as any on one of its sides (the flat side of a bevel); beside is within three times the width of the narrower
+//   triangle;
 // - it bends by 50 degrees, and 2.5 times as much as the other edges of its two triangles do along it (a box of one quad a side).
 // Unmarked edges that hang together count only if they end nowhere within the surface, or are 16 at least: a fold of an organic
 // surface comes and goes. Edges of noise are as bent as their neighbors, and those of a flat-shaded smooth surface are, too.
