@@ -74,7 +74,6 @@ Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, c
   }
   std::vector<const SampleBlock *> listed;
   for (const SampleBlock &block : blocks) listed.push_back(&block);
-  const std::vector<uint16_t> shown(blocks.size(), 0xffff);
   while (spheres[0].size() % block_lanes != 0)
     for (auto &column : spheres) column.push_back(1e18f);
   std::fill(spheres[3].begin() + static_cast<ptrdiff_t>(blocks.size()), spheres[3].end(), 0.0f);
@@ -82,7 +81,6 @@ Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, c
   for (auto *indices : {&summed.whole, &summed.cut, &summed.nearest}) indices->resize(blocks.size() * block_lanes);
   Selection selection{summed.whole.data(), summed.cut.data(), summed.nearest.data(), 0, 0, 0};
   target.select({listed.data(),
-                 shown.data(),
                  {spheres[0].data(), spheres[1].data(), spheres[2].data(), spheres[3].data()},
                  static_cast<int32_t>(spheres[0].size())},
                 center.position, params.radius, selection);

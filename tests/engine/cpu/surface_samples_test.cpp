@@ -39,7 +39,7 @@ Sampled sample(const TestMesh &mesh, double radius) {
   const Prepared prepared(mesh);
   const auto &[triangles, half_edges, normals, tree, space, source] = prepared;
   const auto scaled = static_cast<float>(radius * space.scale);
-  const Surfels surfels = build_surfels(source, scaled, 256);
+  const Surfels surfels = build_surfels(source, scaled, {256});
   const SurfaceSamples stored = list_samples(source, surfels);
   SampleList all = stored.list;
   Sampled found;
@@ -115,7 +115,7 @@ TEST(SurfaceSamples, of_needles_are_as_many_as_lie_in_a_row) {
 TEST(SurfaceSamples, of_parts_have_the_normals_of_the_whole) {
   const Prepared prepared(sphere(1, {.vertices = 12}));
   const SurfelSource &source = prepared.source;
-  const Surfels surfels = build_surfels(source, static_cast<float>(1.0 * prepared.space.scale), 256);
+  const Surfels surfels = build_surfels(source, static_cast<float>(1.0 * prepared.space.scale), {256});
   std::vector<vec3> found(surfels.surfel.size(), vec3(0.0f));
   for (const FlatSample &one : list_samples(source, surfels).list.sample)
     found[static_cast<size_t>(one.surfel)] += one.area * vec3(one.normal[0], one.normal[1], one.normal[2]);
@@ -150,7 +150,7 @@ TEST(SurfaceSamples, know_how_a_map_varies_on_them) {
       map.emplace_back(position, dot(slope, position));
     }
     prepared.source.map = &map;
-    const Surfels surfels = build_surfels(prepared.source, static_cast<float>(radius * prepared.space.scale), 256);
+    const Surfels surfels = build_surfels(prepared.source, static_cast<float>(radius * prepared.space.scale), {256});
     SampleList all = list_samples(prepared.source, surfels).list;
     for (size_t k = 0; k < surfels.surfel.size(); ++k)
       if (surfels.surfel[k].samples > max_stored_samples)

@@ -70,15 +70,15 @@ inline Vector<3, Lanes> load3(const float (*v)[block_lanes], int first) {
   return {load(v[0] + first), load(v[1] + first), load(v[2] + first)};
 }
 
-// index: of the block's first sample. shown: the bits of those that count.
-inline void select_of_block(const SampleBlock &block, uint32_t shown, int32_t index, const Vector<3, Lanes> &center, float radius,
+// index: of the block's first sample.
+inline void select_of_block(const SampleBlock &block, int32_t index, const Vector<3, Lanes> &center, float radius,
                             Selection &to) {
   for (int first = 0; first < block_lanes; first += lane_count) {
     const Vector<3, Lanes> corners[3] = {load3(block.corner[0], first) - center, load3(block.corner[1], first) - center,
                                          load3(block.corner[2], first) - center};
     const Vector<3, Lanes> offset = (corners[0] + corners[1] + corners[2]) * (1.0f / 3.0f);
     const Lanes square = square_of(offset), beyond = radius + load(block.reach + first);
-    const uint32_t near = bits_of(square < beyond * beyond) & shown >> first;
+    const uint32_t near = bits_of(square < beyond * beyond);
     if (near == 0) continue;
     const Choices in[3] = {square_of(corners[0]) < radius * radius, square_of(corners[1]) < radius * radius,
                            square_of(corners[2]) < radius * radius};
@@ -99,7 +99,7 @@ void select(const Candidates &from, const float *center, float radius, Selection
     const Lanes beyond = radius + load(from.sphere[3] + first);
     for (uint32_t bits = bits_of(square_of(at - middle) < beyond * beyond); bits != 0; bits &= bits - 1) {
       const int32_t i = first + __builtin_ctz(bits);
-      select_of_block(*from.block[i], from.shown[i], i * block_lanes, middle, radius, to);
+      select_of_block(*from.block[i], i * block_lanes, middle, radius, to);
     }
   }
 }

@@ -40,7 +40,6 @@ struct alignas(64) SampleBlock {
 // Blocks in which a ball's samples may be, and the spheres around them: middles and radii, as many as fill whole blocks.
 struct Candidates {
   const SampleBlock *const *block;
-  const uint16_t *shown; // (blocks) the bits of the samples that count
   const float *sphere[4];
   int32_t count; // of spheres
 };

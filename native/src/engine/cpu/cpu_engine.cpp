@@ -158,12 +158,17 @@ static EvaluateParams params_of(const Request &request, double scale, float radi
   return params;
 }
 
-// How many of them divide a disk of the pass's radius. Half of the radius has as many as the radius, where both count; windows
-// take more, whose Gaussians fall off within samples.
-static int samples_of_cut(const Pass &pass, const pdesc_options &options) {
-  if (pass.stage == Stage::windows) return 4 * options.samples;
+static SumPlan sums_of(const Pass &pass, std::span<const int> rows, const pdesc_options &options) {
+  return plan_sums(rows, options, pass.stage == Stage::windows);
+}
+
+// Half of the radius has as many samples as the radius, where both count; windows take more, whose Gaussians fall off within
+// samples; and so do derivatives of what the pass computes.
+static Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
+  if (pass.stage == Stage::windows) return {4 * options.samples};
   const bool two_radii = options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED && pass.stage != Stage::map;
-  return two_radii ? 4 * options.samples : options.samples;
+  return {two_radii ? 4 * options.samples : options.samples,
+          pass.stage == Stage::surface && sums_of(pass, pass.rows, options).kind == SumKind::fit};
 }
 
 namespace {
@@ -182,7 +187,7 @@ public:
                                positions_in(space, surface.triangles, threads),
                                map,
                                threads},
-        surfels_(build_surfels(source_, radius_, samples_of_cut(pass, request.options))),
+        surfels_(build_surfels(source_, radius_, fineness_of(pass, request.options))),
         samples_(list_samples(source_, surfels_)), params_(params_of(request, space.scale, radius_, share_of_clusters(surfels_))),
         creases_(surface, radius_of(pass, request.options, request.radius), threads) {
     surfels_.cluster = {}; // samples stand for them
@@ -209,7 +214,7 @@ private:
   CenterResults at(const std::vector<TreeCenter> &centers, const MapValues &map, std::span<const int> rows,
                    const std::function<void(double)> &progress) const {
     CenterResults results = evaluate({source_, surfels_, samples_, centers, map, group_centers(source_.tree, centers, radius_),
-                                      plan_sums(rows, request_.options, pass_.stage == Stage::windows), params_, rows, progress});
+                                      sums_of(pass_, rows, request_.options), params_, rows, progress});
     scale_values(rows, space_.scale, results);
     return results;
   }
@@ -343,7 +348,7 @@ MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
   const Pass finest{std::ranges::any_of(size.descriptors, reads_map) ? Stage::windows : Stage::surface, {}};
   const double divided =
-      std::min(1.5 * samples_of_cut(finest, size.options) * size.disks, triangles * static_cast<double>(max_stored_samples));
+      std::min(1.5 * fineness_of(finest, size.options).samples * size.disks, triangles * static_cast<double>(max_stored_samples));
   MemoryForecast memory;
   memory.host = bytes_of_results(size) + size.triangles * of_triangle + static_cast<int64_t>(triangles + divided) * of_sample;
   if (size.options.evaluate == PDESC_EVALUATE_TEXEL) memory.host += bytes_of_texels(size);

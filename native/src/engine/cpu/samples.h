@@ -26,10 +26,12 @@ struct SampleList {
 };
 
 struct SurfaceSamples {
-  SampleList list;                // of all surfels but the largest, in their order
-  std::vector<int32_t> first;     // (surfels + 1) into the list
-  std::vector<SampleBlock> block; // of all samples, one after the other
-  std::vector<vec4> sphere;       // (blocks) middle, radius
+  SampleList list;                  // of all surfels but the largest, in their order
+  std::vector<int32_t> first;       // (surfels + 1) into the list
+  std::vector<SampleBlock> block;   // of samples that follow each other, and lie near each other
+  std::vector<int32_t> block_begin; // (blocks + 1) into the list
+  std::vector<int32_t> cell_block;  // (cells + 1) into block
+  std::vector<vec4> sphere;         // (blocks) middle, radius
 };
 
 // Of as many samples as a block has, or fewer.

@@ -47,20 +47,11 @@ void Search::list_candidates(float reach) {
   blocks_.clear();
   block_samples_.clear();
   block_maps_.clear();
-  shown_.clear();
   boundary_.clear();
   for (auto &column : spheres_) column.clear();
-  int32_t last_block = -1; // a cell may begin within the block in which the one before ends
-  bool is_listed = false;
   for (const int32_t cell : cells_) {
-    const int32_t begin = samples_.first[surfels_.cell_begin[cell]], end = samples_.first[surfels_.cell_begin[cell + 1]];
-    for (int32_t i = begin / block_lanes; i * block_lanes < end; ++i) {
-      if (i != std::exchange(last_block, i))
-        is_listed = add_block(samples_.list, static_cast<size_t>(i * block_lanes), samples_.block[i], samples_.sphere[i], reach);
-      if (!is_listed) continue;
-      const int32_t from = std::max(begin - i * block_lanes, 0), to = std::min(end - i * block_lanes, block_lanes);
-      shown_.back() = static_cast<uint16_t>(shown_.back() | ((1u << to) - (1u << from)));
-    }
+    for (int32_t i = samples_.cell_block[cell]; i < samples_.cell_block[cell + 1]; ++i)
+      add_block(samples_.list, static_cast<size_t>(samples_.block_begin[i]), samples_.block[i], samples_.sphere[i], reach);
     boundary_.insert(boundary_.end(), surfels_.boundary.begin() + surfels_.boundary_begin[cell],
                      surfels_.boundary.begin() + surfels_.boundary_begin[cell + 1]);
   }
@@ -75,17 +66,15 @@ void Search::list_candidates(float reach) {
   for (auto *list : {&whole_maps_, &cut_maps_}) list->resize(block_maps_.size() * block_lanes);
 }
 
-// None of its samples counts as yet. False where it lies too far off.
-bool Search::add_block(const SampleList &list, size_t first, const SampleBlock &block, vec4 sphere, float reach) {
+// Unless it lies too far off.
+void Search::add_block(const SampleList &list, size_t first, const SampleBlock &block, vec4 sphere, float reach) {
   const vec3 gap = vec3(sphere) - middle_;
   const float limit = reach + sphere.w;
-  if (!(dot(gap, gap) < limit * limit)) return false;
+  if (!(dot(gap, gap) < limit * limit)) return;
   blocks_.push_back(&block);
   block_samples_.push_back(&list.sample[first]);
   if (!list.map.empty()) block_maps_.push_back(&list.map[first]);
   for (int i = 0; i < 4; ++i) spheres_[i].push_back(sphere[i]);
-  shown_.push_back(0);
-  return true;
 }
 
 // Very large triangles, each of which is a cell of its own.
@@ -102,14 +91,13 @@ void Search::add_divided(float reach) {
   for (size_t first = 0; first < divided_.sample.size(); first += block_lanes)
     divided_blocks_.push_back(block_of(of_block(first)));
   for (size_t first = 0; first < divided_.sample.size(); first += block_lanes)
-    if (add_block(divided_, first, divided_blocks_[first / block_lanes], sphere_of(of_block(first)), reach))
-      shown_.back() = 0xffff;
+    add_block(divided_, first, divided_blocks_[first / block_lanes], sphere_of(of_block(first)), reach);
 }
 
 Search::Found Search::find(const TreeCenter &center, SelectSamples select) {
   const auto column = [&](size_t i) { return spheres_[i].data(); };
   const Candidates candidates{
-      blocks_.data(), shown_.data(), {column(0), column(1), column(2), column(3)}, static_cast<int32_t>(spheres_[0].size())};
+      blocks_.data(), {column(0), column(1), column(2), column(3)}, static_cast<int32_t>(spheres_[0].size())};
   selection_ = {whole_.data(), cut_.data(), nearest_.data(), 0, 0, 0};
   select(candidates, &center.position.x, surfels_.radius, selection_);
   find_boundary(center.position);

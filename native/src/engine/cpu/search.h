@@ -27,7 +27,7 @@ public:
 private:
   void find_cells(const std::vector<TreeCenter> &centers, std::span<const int32_t> group, float reach);
   void list_candidates(float reach);
-  bool add_block(const SampleList &list, size_t first, const SampleBlock &block, vec4 sphere, float reach);
+  void add_block(const SampleList &list, size_t first, const SampleBlock &block, vec4 sphere, float reach);
   void add_divided(float reach);
   const FlatSample &candidate(int32_t i) const { return block_samples_[i / block_lanes][i % block_lanes]; }
   bool meets_ball(int32_t half_edge, vec3 center) const;
@@ -57,7 +57,6 @@ private:
   SampleList divided_; // of very large triangles
   std::vector<SampleBlock> divided_blocks_;
   std::vector<const SampleBlock *> blocks_;       // of Candidates
-  std::vector<uint16_t> shown_;                   // likewise
   std::vector<float> spheres_[4];                 // likewise
   std::vector<const FlatSample *> block_samples_; // (blocks_) the first of each
   std::vector<const SampleMap *> block_maps_;     // likewise, where there is one

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <span>
 #include <utility>
 
 #include "support/parallel.h"
@@ -130,15 +132,14 @@ private:
 
   void add(const Piece &piece) {
     vec3 positions[3], normals[3];
-    vec4 values[3];
     for (int k = 0; k < 3; ++k) {
       positions[k] = piece.corner[k].position;
       normals[k] = piece.corner[k].normal;
-      values[k] = at(map_, piece.corner[k].weights);
     }
     samples_.sample.push_back(flat(sample_of_triangle(positions, normals, piece.at_rim() ? lean_ : 0.0f), surfel_));
     if (!has_map_) return;
-    samples_.map.push_back(map_of_triangle(values));
+    const auto value = [&](int k) { return at(map_, piece.corner[k].weights); };
+    samples_.map.push_back(map_of_triangle({value(0), value(1), value(2)}));
   }
 
   const Surfels &surfels_;
@@ -208,23 +209,84 @@ static void add_surfel(const SurfelSource &source, const Surfels &surfels, int32
   if (source.map) samples.map.push_back(map_of(source, surfels, index, sample));
 }
 
-static void add_blocks(int threads, SurfaceSamples &samples) {
-  const std::vector<FlatSample> &all = samples.list.sample;
-  const size_t blocks = (all.size() + block_lanes - 1) / block_lanes;
+namespace {
+
+// Puts the samples of a cell into blocks, by halves of the longest side of the box around them.
+class BlockOrder {
+public:
+  BlockOrder(const std::vector<FlatSample> &samples, int32_t begin, int32_t end) : samples_(samples) {
+    order_.resize(static_cast<size_t>(end - begin));
+    std::iota(order_.begin(), order_.end(), begin);
+    halve(order_);
+  }
+  const std::vector<int32_t> &order() const { return order_; }
+
+private:
+  void halve(std::span<int32_t> part) {
+    const size_t blocks = (part.size() + block_lanes - 1) / block_lanes;
+    if (blocks < 2) return;
+    vec3 low(std::numeric_limits<float>::max()), high(-low);
+    for (const int32_t i : part) {
+      const float *const position = samples_[i].position;
+      const vec3 at(position[0], position[1], position[2]);
+      low = glm::min(low, at);
+      high = glm::max(high, at);
+    }
+    const vec3 size = high - low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const size_t middle = blocks / 2 * block_lanes;
+    const auto is_before = [&](int32_t a, int32_t b) {
+      const float of_a = samples_[a].position[axis], of_b = samples_[b].position[axis];
+      return of_a < of_b || (of_a == of_b && a < b);
+    };
+    std::ranges::nth_element(part, part.begin() + static_cast<ptrdiff_t>(middle), is_before);
+    halve(part.first(middle));
+    halve(part.subspan(middle));
+  }
+
+  const std::vector<FlatSample> &samples_;
+  std::vector<int32_t> order_;
+};
+
+} // namespace
+
+template <class T> static void put_in_order(const std::vector<int32_t> &order, int32_t begin, std::vector<T> &items) {
+  if (items.empty()) return;
+  std::vector<T> ordered;
+  ordered.reserve(order.size());
+  for (const int32_t i : order) ordered.push_back(items[i]);
+  std::ranges::copy(ordered, items.begin() + begin);
+}
+
+// samples_of_cell: (cells + 1) into the list.
+static void add_blocks(const std::vector<int32_t> &samples_of_cell, int threads, SurfaceSamples &samples) {
+  const int cells = static_cast<int>(samples_of_cell.size()) - 1;
+  samples.cell_block.assign(1, 0);
+  for (int i = 0; i < cells; ++i)
+    samples.cell_block.push_back(samples.cell_block[i] + (samples_of_cell[i + 1] - samples_of_cell[i] + block_lanes - 1) / block_lanes);
+  const auto blocks = static_cast<size_t>(samples.cell_block.back());
   samples.block.resize(blocks);
   samples.sphere.resize(blocks);
-  parallel_blocks(static_cast<int>(blocks), threads, 256, [&](int begin, int end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      const size_t first = i * block_lanes;
-      const auto of_block = std::span(all).subspan(first, std::min<size_t>(block_lanes, all.size() - first));
-      samples.block[i] = block_of(of_block);
-      samples.sphere[i] = sphere_of(of_block);
+  samples.block_begin.resize(blocks);
+  samples.block_begin.push_back(samples_of_cell.back());
+  parallel_blocks(cells, threads, 64, [&](int begin, int end) {
+    for (int cell = begin; cell < end; ++cell) {
+      const int32_t first = samples_of_cell[cell], last = samples_of_cell[cell + 1];
+      const BlockOrder blocks_of_cell(samples.list.sample, first, last);
+      put_in_order(blocks_of_cell.order(), first, samples.list.sample);
+      put_in_order(blocks_of_cell.order(), first, samples.list.map);
+      for (int32_t i = first, block = samples.cell_block[cell]; i < last; i += block_lanes, ++block) {
+        const std::span of_block(&samples.list.sample[i], static_cast<size_t>(std::min(block_lanes, last - i)));
+        samples.block_begin[block] = i;
+        samples.block[block] = block_of(of_block);
+        samples.sphere[block] = sphere_of(of_block);
+      }
     }
   });
 }
 
 SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels) {
-  constexpr int surfels_of_part = 4096;
+  constexpr int surfels_of_part = 1024;
   const auto count = static_cast<int>(surfels.surfel.size());
   const int part_count = (count + surfels_of_part - 1) / surfels_of_part;
   std::vector<SampleList> parts(static_cast<size_t>(part_count));
@@ -232,7 +294,9 @@ SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels) 
   result.first.resize(static_cast<size_t>(count) + 1);
   parallel_blocks(count, source.threads, surfels_of_part, [&](int begin, int end) {
     SampleList &part = parts[begin / surfels_of_part];
-    part.sample.reserve(static_cast<size_t>(end - begin));
+    float count_of_part = 0.0f;
+    for (int k = begin; k < end; ++k) count_of_part += std::min(surfels.surfel[k].samples, max_stored_samples);
+    part.sample.reserve(static_cast<size_t>(1.25f * count_of_part));
     for (int k = begin; k < end; ++k) {
       result.first[k] = static_cast<int32_t>(part.sample.size());
       add_surfel(source, surfels, k, part);
@@ -250,7 +314,9 @@ SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels) 
     const int end = std::min((index + 1) * surfels_of_part, count);
     for (int k = index * surfels_of_part; k < end; ++k) result.first[k] += begin[index];
   });
-  add_blocks(source.threads, result);
+  std::vector<int32_t> samples_of_cell;
+  for (const int32_t surfel : surfels.cell_begin) samples_of_cell.push_back(result.first[surfel]);
+  add_blocks(samples_of_cell, source.threads, result);
   return result;
 }
 

@@ -15,12 +15,12 @@ namespace paradesc {
 namespace {
 
 constexpr int block_size = 8192;
-constexpr float samples_of_cell = 48;
+constexpr float samples_of_cell = 96;
 constexpr float least_spread = 1e-13f; // pieces of less could not be told apart by floats
-// What the rim cuts of triangles is known exactly, so that they may be larger than clusters.
-constexpr float spread_of_triangles = 1.5f;
 constexpr float spread_of_clusters = 2;  // squares of the radius over the number of samples
 constexpr float spread_with_map = 1;     // likewise, where operators look at one
+// Of triangles over that of clusters: what the rim cuts of them is known exactly, so that they may be larger.
+constexpr float larger_triangles = 1.5f, largest_triangles = 5;
 constexpr float least_coherence = 0.95f; // of a surfel's mean normals, squared: it does not fold
 
 // Enough of a piece of surface to see whether it can be one surfel.
@@ -39,12 +39,11 @@ struct Counts {
 
 class Builder {
 public:
-  Builder(const SurfelSource &source, float radius, int samples) : source_(source), tree_(source.tree) {
-    const bool with_map = source.map != nullptr;
-    largest_spread_ =
-        std::max((with_map ? spread_with_map : spread_of_clusters) * radius * radius / static_cast<float>(samples), least_spread);
+  Builder(const SurfelSource &source, float radius, Fineness fineness) : source_(source), tree_(source.tree) {
+    const float spread = source.map ? spread_with_map : spread_of_clusters;
+    largest_spread_ = std::max(spread * radius * radius / static_cast<float>(fineness.samples), least_spread);
     result_.radius = radius;
-    result_.largest_spread = spread_of_triangles * largest_spread_;
+    result_.largest_spread = (fineness.of_shape_operator ? largest_triangles : larger_triangles) * largest_spread_;
   }
 
   Surfels run() {
@@ -247,7 +246,7 @@ private:
 
   void link() {
     const auto cells = static_cast<int>(result_.cell_begin.size()) - 1;
-    constexpr int cells_of_part = 512;
+    constexpr int cells_of_part = 128;
     std::vector<Part> parts(static_cast<size_t>((cells + cells_of_part - 1) / cells_of_part));
     result_.cell_sphere.resize(static_cast<size_t>(cells));
     parallel_blocks(cells, source_.threads, cells_of_part, [&](int begin, int end) {
@@ -255,19 +254,32 @@ private:
       for (int cell = begin; cell < end; ++cell) link_cell(cell, part);
       parts[begin / cells_of_part] = std::move(part);
     });
-    for (auto *begin : {&result_.link_begin, &result_.boundary_begin, &result_.neighbor_begin, &result_.edge_begin})
-      begin->assign(1, 0);
-    const auto append = [](const std::vector<int32_t> &counts, const std::vector<int32_t> &items, std::vector<int32_t> &begin,
-                           std::vector<int32_t> &all) {
-      for (const int32_t count : counts) begin.push_back(begin.back() + count);
-      all.insert(all.end(), items.begin(), items.end());
-    };
+    join(parts, &Part::link_count, &Part::links, result_.link_begin, result_.link);
+    join(parts, &Part::boundary_count, &Part::boundary, result_.boundary_begin, result_.boundary);
+    join(parts, &Part::neighbor_count, &Part::neighbors, result_.neighbor_begin, result_.neighbor);
+    join(parts, &Part::edge_count, &Part::edges, result_.edge_begin, result_.edge);
+  }
+
+  // The lists of all parts, one after the other, and where each begins.
+  void join(const std::vector<Part> &parts, std::vector<int32_t> Part::*counts, std::vector<int32_t> Part::*items,
+            std::vector<int32_t> &begin, std::vector<int32_t> &all) const {
+    std::vector<size_t> first_count{0}, first_item{0};
     for (const Part &part : parts) {
-      append(part.link_count, part.links, result_.link_begin, result_.link);
-      append(part.boundary_count, part.boundary, result_.boundary_begin, result_.boundary);
-      append(part.neighbor_count, part.neighbors, result_.neighbor_begin, result_.neighbor);
-      append(part.edge_count, part.edges, result_.edge_begin, result_.edge);
+      first_count.push_back(first_count.back() + (part.*counts).size());
+      first_item.push_back(first_item.back() + (part.*items).size());
     }
+    begin.resize(first_count.back() + 1);
+    all.resize(first_item.back());
+    begin.back() = static_cast<int32_t>(first_item.back());
+    parallel_blocks(static_cast<int>(parts.size()), source_.threads, 1, [&](int i, int) {
+      auto next = static_cast<int32_t>(first_item[i]);
+      size_t at = first_count[i];
+      for (const int32_t count : parts[i].*counts) {
+        begin[at++] = next;
+        next += count;
+      }
+      std::ranges::copy(parts[i].*items, all.begin() + static_cast<ptrdiff_t>(first_item[i]));
+    });
   }
 
   // Returns its index.
@@ -385,6 +397,8 @@ Sample sample_of(const SurfelSource &source, int32_t triangle, float lean) {
   return sample_of_triangle(corners, normals, lean);
 }
 
-Surfels build_surfels(const SurfelSource &source, float radius, int samples) { return Builder(source, radius, samples).run(); }
+Surfels build_surfels(const SurfelSource &source, float radius, Fineness fineness) {
+  return Builder(source, radius, fineness).run();
+}
 
 } // namespace paradesc

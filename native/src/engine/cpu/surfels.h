@@ -75,7 +75,12 @@ float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t surfel
 // Of a whole triangle. lean: as sample_of_triangle() takes it.
 Sample sample_of(const SurfelSource &source, int32_t triangle, float lean);
 
-// samples: that a disk of the radius is divided into, about.
-Surfels build_surfels(const SurfelSource &source, float radius, int samples);
+// How fine a surface is divided: into how many samples a disk of the radius, about. The shape operator alone allows large
+// triangles, whose normals vary linearly as it expects, and which the rim cuts exactly.
+struct Fineness {
+  int samples;
+  bool of_shape_operator = false;
+};
+Surfels build_surfels(const SurfelSource &source, float radius, Fineness fineness);
 
 } // namespace paradesc
