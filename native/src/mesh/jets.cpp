@@ -1,26 +1,33 @@
-// Neighbors → moments → normal equations → quadratic and cubic gradients, blended.
+// Neighbors → moments → normal equations → quadratic and cubic gradients, blended. Compiled once for each set of instructions,
+// under the name KERNEL_TARGET: nothing of it may be shared between them, not even a function of the standard library.
 #include "mesh/jets.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace paradesc {
+namespace KERNEL_TARGET {
+extern const FitGradients gradients_of_this;
 namespace {
 
 constexpr int spare_neighbors = 2;             // more than coefficients
 constexpr size_t cubic_terms = 4, columns = 9; // of the full problem; without its first four columns it is the quadratic one
-using Gram = std::array<std::array<Lanes, columns + 1>, columns + 1>; // its upper half
-using Scale = std::array<Lanes, columns + 1>;
+using Lanes = FanLanes;
+struct Gram {
+  Lanes of[columns + 1][columns + 1]; // the upper half
+  Lanes *operator[](size_t row) { return of[row]; }
+};
+struct Scale {
+  Lanes of[columns + 1];
+  Lanes &operator[](size_t column) { return of[column]; }
+};
 
 // Sums of u^(degree - k) v^k over the neighbors, and of the same times w: all that the normal equations are made of.
 struct JetMoments {
   static constexpr size_t max_degree = 6;
-  std::array<std::array<Lanes, max_degree + 1>, max_degree + 1> sum{}; // (degree, k)
-  std::array<std::array<Lanes, 4>, 4> sum_w{};
+  Lanes sum[max_degree + 1][max_degree + 1] = {}; // (degree, k)
+  Lanes sum_w[4][4] = {};
   Lanes sum_ww{};
 
   void add(const Lanes &u, const Lanes &v, const Lanes &w) {
-    std::array<Lanes, max_degree + 1> power; // of one degree
+    Lanes power[max_degree + 1]; // of one degree
     power[0] = Lanes{} + 1.0;
     for (size_t degree = 1; degree <= max_degree; ++degree) {
       power[degree] = power[degree - 1] * v;
@@ -39,7 +46,7 @@ void make_gram(const Heights &heights, Gram &gram, Scale &scale) {
   struct Monomial {
     size_t degree, k;
   };
-  constexpr std::array<Monomial, columns> monomials{{{3, 0}, {3, 1}, {3, 2}, {3, 3}, {2, 0}, {2, 1}, {2, 2}, {1, 0}, {1, 1}}};
+  constexpr Monomial monomials[columns] = {{3, 0}, {3, 1}, {3, 2}, {3, 3}, {2, 0}, {2, 1}, {2, 2}, {1, 0}, {1, 1}};
   JetMoments moments;
   for (size_t i = 0; i < heights.max_count; ++i) moments.add(heights.u[i], heights.v[i], heights.w[i]);
   for (size_t a = 0; a < columns; ++a) {
@@ -49,7 +56,7 @@ void make_gram(const Heights &heights, Gram &gram, Scale &scale) {
   }
   gram[columns][columns] = moments.sum_ww;
   for (size_t a = 0; a < columns; ++a)
-    for (size_t lane = 0; lane < lane_count; ++lane) scale[a][lane] = 1.0 / std::sqrt(gram[a][a][lane]);
+    for (int lane = 0; lane < fan_lanes; ++lane) scale[a][lane] = 1.0 / __builtin_sqrt(gram[a][a][lane]);
   scale[columns] = Lanes{} + 1.0;
   for (size_t a = 0; a <= columns; ++a)
     for (size_t b = a; b <= columns; ++b) gram[a][b] *= scale[a] * scale[b];
@@ -63,7 +70,7 @@ struct Gradient {
 
 // Eliminates from column `first` on. Higher orders go first, so that the last two pivots show how well the neighbors determine
 // the gradient alone.
-template <size_t first> Gradient solve_gradient(Gram gram, const Scale &scale) {
+template <size_t first> Gradient solve_gradient(Gram gram, Scale &scale) {
   Gradient gradient;
   gradient.least_pivot = gram[first][first];
   for (size_t k = first; k < columns; ++k) {
@@ -82,9 +89,9 @@ template <size_t first> Gradient solve_gradient(Gram gram, const Scale &scale) {
   return gradient;
 }
 
-} // namespace
+double larger(double a, double b) { return a > b ? a : b; }
 
-std::array<std::optional<dvec2>, lane_count> fit_gradients(const Heights &heights) {
+void fit(const Heights &heights, Gradients &gradients) {
   constexpr double least_gain = 3; // c: 19 times of 20, noise alone gives less than 3.6 with two rings of 18 neighbors
   constexpr double least_pivot = 1e-5;
   constexpr int quadratic_columns = static_cast<int>(columns - cubic_terms), all_columns = static_cast<int>(columns);
@@ -92,21 +99,28 @@ std::array<std::optional<dvec2>, lane_count> fit_gradients(const Heights &height
   Scale scale;
   make_gram(heights, gram, scale);
   const Gradient quadratic = solve_gradient<cubic_terms>(gram, scale), cubic = solve_gradient<0>(gram, scale);
-  std::array<std::optional<dvec2>, lane_count> gradients;
-  for (size_t lane = 0; lane < lane_count; ++lane) {
+  for (int lane = 0; lane < fan_lanes; ++lane) {
     const int count = heights.count[lane];
-    if (count < quadratic_columns + spare_neighbors || !(quadratic.least_pivot[lane] > least_pivot)) continue;
-    dvec2 gradient(quadratic.u[lane], quadratic.v[lane]);
+    gradients.exists[lane] = count >= quadratic_columns + spare_neighbors && quadratic.least_pivot[lane] > least_pivot;
+    if (!gradients.exists[lane]) continue;
+    double share = 0.0;
     if (count >= all_columns + spare_neighbors && cubic.least_pivot[lane] > least_pivot) {
-      const double left = std::max(cubic.residual[lane], 0.0);
-      const double gain = (std::max(quadratic.residual[lane], 0.0) - left) / static_cast<double>(cubic_terms);
+      const double left = larger(cubic.residual[lane], 0.0);
+      const double gain = (larger(quadratic.residual[lane], 0.0) - left) / static_cast<double>(cubic_terms);
       const double noise = left / (count - all_columns);
-      const double share = gain > least_gain * noise ? 1 - least_gain * noise / gain : 0;
-      gradient += share * (dvec2(cubic.u[lane], cubic.v[lane]) - gradient);
+      if (gain > least_gain * noise) share = 1 - least_gain * noise / gain;
     }
-    gradients[lane] = gradient;
+    const auto blend = [&](double of_quadratic, double of_cubic) {
+      return share > 0.0 ? of_quadratic + share * (of_cubic - of_quadratic) : of_quadratic;
+    };
+    gradients.u[lane] = blend(quadratic.u[lane], cubic.u[lane]);
+    gradients.v[lane] = blend(quadratic.v[lane], cubic.v[lane]);
   }
-  return gradients;
 }
 
+} // namespace
+
+const FitGradients gradients_of_this = fit;
+
+} // namespace KERNEL_TARGET
 } // namespace paradesc

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <span>
 #include <utility>
 
@@ -268,7 +267,7 @@ public:
     const dvec3 e1 = tangent_of(n);
     members_[used_] = {fan, spread, n, e1, glm::cross(n, e1)};
     take_heights(members_[used_]);
-    if (++used_ == lane_count) fit();
+    if (++used_ == fan_lanes) fit();
   }
 
 private:
@@ -283,7 +282,7 @@ private:
     const dvec3 p = position(from_.triangles, from_.rings.fan_vertex[center]);
     const auto ring = slice(from_.rings.ring_begin, from_.rings.ring_vertex, member.fan);
     for (; heights_.max_count < ring.size(); ++heights_.max_count)
-      heights_.u[heights_.max_count] = heights_.v[heights_.max_count] = heights_.w[heights_.max_count] = Lanes{};
+      heights_.u[heights_.max_count] = heights_.v[heights_.max_count] = heights_.w[heights_.max_count] = FanLanes{};
     for (size_t i = 0; i < ring.size(); ++i) {
       const dvec3 d = position(from_.triangles, ring[i]) - p;
       heights_.u[i][used_] = glm::dot(d, member.e1);
@@ -295,17 +294,19 @@ private:
 
   void fit() {
     if (used_ == 0) return;
-    const auto gradients = fit_gradients(heights_);
-    for (size_t lane = 0; lane < used_; ++lane) normals_[members_[lane].fan] = vec3(turned(members_[lane], gradients[lane]));
+    Gradients gradients;
+    fit_gradients_(heights_, gradients);
+    for (int lane = 0; lane < used_; ++lane)
+      normals_[members_[lane].fan] =
+          vec3(gradients.exists[lane] ? turned(members_[lane], gradients.u[lane], gradients.v[lane]) : members_[lane].n);
     used_ = 0;
     heights_.max_count = 0;
-    heights_.count.fill(0);
+    std::ranges::fill(heights_.count, 0);
   }
 
-  static dvec3 turned(const Member &member, const std::optional<dvec2> &gradient) {
+  static dvec3 turned(const Member &member, double u, double v) {
     const dvec3 n = member.n;
-    if (!gradient) return n;
-    const dvec3 fitted = glm::normalize(n - gradient->x * member.e1 - gradient->y * member.e2);
+    const dvec3 fitted = glm::normalize(n - u * member.e1 - v * member.e2);
     const double weight =
         smooth_step(spread_none, spread_full, member.spread) * smooth_step(turn_none, turn_full, glm::dot(n, fitted));
     return glm::normalize(n + weight * (fitted - n));
@@ -314,8 +315,9 @@ private:
   const Sources &from_;
   std::vector<vec3> &normals_;
   Heights heights_;
-  std::array<Member, lane_count> members_;
-  size_t used_ = 0;
+  std::array<Member, fan_lanes> members_;
+  int used_ = 0;
+  FitGradients fit_gradients_ = fit_gradients();
 };
 
 std::vector<vec3> fan_normals(const Sources &from, bool fitted, int threads) {
