@@ -11,7 +11,7 @@ namespace paradesc {
 
 #if defined(__x86_64__)
 // The system has to keep the wide registers, too.
-Instructions widest_instructions() {
+static Instructions find_instructions() {
   uint32_t a = 0, b = 0, c = 0, d = 0;
   constexpr uint32_t os_keeps_registers = 1u << 27;
   if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & os_keeps_registers)) return Instructions::baseline;
@@ -24,7 +24,12 @@ Instructions widest_instructions() {
   return (b & avx2) == avx2 && (kept & halves) == halves ? Instructions::avx2 : Instructions::baseline;
 }
 #else
-Instructions widest_instructions() { return Instructions::baseline; }
+static Instructions find_instructions() { return Instructions::baseline; }
 #endif
+
+Instructions widest_instructions() {
+  static const Instructions found = find_instructions(); // virtual machines take long to answer
+  return found;
+}
 
 } // namespace paradesc

@@ -70,14 +70,14 @@ inline Vector<3, Lanes> load3(const float (*v)[block_lanes], int first) {
   return {load(v[0] + first), load(v[1] + first), load(v[2] + first)};
 }
 
-// index: of the block's first sample.
-inline void select_of_block(const SampleBlock &block, int32_t index, const Vector<3, Lanes> &center, float radius,
-                            Selection &to) {
+inline void select_of_block(const SampleBlock &block, int32_t number, const Vector<3, Lanes> &center, float radius, Selection &to) {
+  const int32_t index = number * block_lanes;
+  uint32_t wholes = 0;
   for (int first = 0; first < block_lanes; first += lane_count) {
     const Vector<3, Lanes> corners[3] = {load3(block.corner[0], first) - center, load3(block.corner[1], first) - center,
                                          load3(block.corner[2], first) - center};
     const Vector<3, Lanes> offset = (corners[0] + corners[1] + corners[2]) * (1.0f / 3.0f);
-    const Lanes square = square_of(offset), beyond = radius + load(block.reach + first);
+    const Lanes square = square_of(offset), beyond = radius + load(block.foot + first);
     const uint32_t near = bits_of(square < beyond * beyond);
     if (near == 0) continue;
     const Choices in[3] = {square_of(corners[0]) < radius * radius, square_of(corners[1]) < radius * radius,
@@ -85,10 +85,12 @@ inline void select_of_block(const SampleBlock &block, int32_t index, const Vecto
     const uint32_t all = near & bits_of(in[0] && in[1] && in[2]), some = near & bits_of(in[0] || in[1] || in[2]);
     const uint32_t nearest = near & bits_of(may_be_nearest(square, dot(offset, load3(block.face, first)),
                                                            load(block.foot + first), load(block.turn + first)));
-    to.wholes = append(all, index + first, to.whole, to.wholes);
+    wholes |= all << first;
     to.cuts = append(some & ~all, index + first, to.cut, to.cuts);
     if (nearest != 0) to.nearests = append(nearest, index + first, to.nearest, to.nearests);
   }
+  to.whole[to.wholes] = {number, wholes};
+  to.wholes += wholes != 0;
 }
 
 void select(const Candidates &from, const float *center, float radius, Selection &to) {
@@ -99,7 +101,7 @@ void select(const Candidates &from, const float *center, float radius, Selection
     const Lanes beyond = radius + load(from.sphere[3] + first);
     for (uint32_t bits = bits_of(square_of(at - middle) < beyond * beyond); bits != 0; bits &= bits - 1) {
       const int32_t i = first + __builtin_ctz(bits);
-      select_of_block(*from.block[i], i * block_lanes, middle, radius, to);
+      select_of_block(*from.block[i], i, middle, radius, to);
     }
   }
 }
@@ -122,6 +124,55 @@ template <class Wide> struct Adder {
       add_middles<may_be_cut>(seen, part, maps);
     else
       add_part<may_be_cut>(seen, distances, part);
+  }
+
+  // What the parts of blocks come to.
+  struct BlockSums {
+    Lanes area = 0.0f, squares = 0.0f, yy = 0.0f;
+    Vector<3, Lanes> xx{Lanes(0.0f)}, xy{Lanes(0.0f)};                 // x not in units of the radius
+    Lanes turning[6] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}; // as SampleBlock has it
+  };
+
+  // By corners: the second moments of a triangle are those of its corners and, nine times, of its middle, over twelve.
+  void add_block(const SampleBlock &block, uint32_t samples, int first, BlockSums &to) const {
+    const Choices chosen = choices_of(samples >> first);
+    const Lanes weight = mix(0.0f, load(block.area + first), chosen);
+    Lanes x = 0.0f, y = 0.0f; // of the middle, three times
+    Vector<3, Lanes> squares(Lanes(0.0f));
+    for (const auto &corner : block.corner) {
+      const Vector<3, Lanes> offset = load3(corner, first) - sums.center.position;
+      const Lanes u = dot(offset, sums.center.t1), v = dot(offset, sums.center.t2);
+      x += u;
+      y += v;
+      squares += Vector<3, Lanes>(u * u, u * v, v * v);
+    }
+    const Vector<3, Lanes> normal = load3(block.normal, first);
+    const Lanes a = dot(normal, sums.center.t1), b = dot(normal, sums.center.t2);
+    squares += Vector<3, Lanes>(x * x, x * y, y * y);
+    to.area += weight;
+    to.squares += weight * weight;
+    to.xx += weight * squares;
+    to.xy += weight * Vector<3, Lanes>(x * a, x * b + y * a, y * b);
+    to.yy += weight * (a * a + b * b);
+    for (int i = 0; i < 6; ++i) to.turning[i] += mix(0.0f, load(block.turning[i] + first), chosen);
+  }
+
+  void add_blocks(const SelectedSamples &samples, int first) {
+    BlockSums of_blocks;
+    for (const BlockPart &part : samples.parts) add_block(*samples.block[part.block], part.samples, first, of_blocks);
+    const auto &[xx, yy, zz, xy, xz, yz] = of_blocks.turning;
+    const auto turning = [&](const Vector<3, Lanes> &s, const Vector<3, Lanes> &t) {
+      return s.x * t.x * xx + s.y * t.y * yy + s.z * t.z * zz +
+             0.5f * ((s.x * t.y + s.y * t.x) * xy + (s.x * t.z + s.z * t.x) * xz + (s.y * t.z + s.z * t.y) * yz);
+    };
+    const Vector<3, Lanes> &t1 = sums.center.t1, &t2 = sums.center.t2;
+    const Vector<3, Lanes> turned(turning(t1, t1), 2.0f * turning(t1, t2), turning(t2, t2));
+    const float per_radius = 1.0f / kernel.params.radius;
+    sums.moments.area += of_blocks.area;
+    sums.moments.squares += of_blocks.squares;
+    sums.moments.xx += of_blocks.xx * (per_radius * per_radius * (1.0f / 12.0f));
+    sums.moments.xy += (of_blocks.xy * (1.0f / 3.0f) + turned) * per_radius;
+    sums.moments.yy += of_blocks.yy;
   }
 
   // By its mean position and what varies around it.
@@ -280,7 +331,7 @@ template <class Part> size_t store(const Part &part, int pass, LanesOfSums &sums
   return at + count;
 }
 
-template <template <class, class> class Kernel>
+template <template <class, class> class Kernel, bool by_blocks = false>
 void add_samples(const EvaluateParams &params, const SelectedSamples &samples, const SumCenter &center, float *sums) {
   using Wide = Kernel<Lanes, Choices>;
   alignas(64) LanesOfSums of_lanes;
@@ -290,9 +341,12 @@ void add_samples(const EvaluateParams &params, const SelectedSamples &samples, c
     Adder<Wide> adder{Wide{params}, {}};
     adder.kernel.sums_init(adder.sums, all(center.position), all(center.normal), center.value);
     const auto at = [&](const auto *list, int32_t block) { return list ? list + block * block_lanes + first : nullptr; };
-    for (int32_t i = 0; i < samples.whole_blocks; ++i)
-      adder.template add<Wide::geodesic_ball>(at(samples.whole, i), at(samples.whole_map, i));
-    for (int32_t i = 0; i < samples.cut_blocks; ++i) adder.template add<true>(at(samples.cut, i), at(samples.cut_map, i));
+    const SampleRun &whole = samples.whole, &cut = samples.cut;
+    if constexpr (by_blocks)
+      adder.add_blocks(samples, first);
+    else
+      for (int32_t i = 0; i < whole.blocks; ++i) adder.template add<Wide::geodesic_ball>(at(whole.sample, i), at(whole.map, i));
+    for (int32_t i = 0; i < cut.blocks; ++i) adder.template add<true>(at(cut.sample, i), at(cut.map, i));
     count = store(adder.sums.moments, pass, of_lanes, 0);
     if constexpr (requires { adder.sums.half_ball; }) count = store(adder.sums.half_ball, pass, of_lanes, count);
     count = store(adder.sums.terms, pass, of_lanes, count);
@@ -304,7 +358,7 @@ void add_samples(const EvaluateParams &params, const SelectedSamples &samples, c
   }
 }
 
-constexpr AddSamples by_kind[sum_kinds] = {add_samples<FitKernel>,
+constexpr AddSamples by_kind[sum_kinds] = {add_samples<FitKernel, adds_blocks(SumKind::fit)>,
                                            add_samples<SurfaceKernel>,
                                            add_samples<SurfaceGeodesicKernel>,
                                            add_samples<ExtrapolatedKernel>,

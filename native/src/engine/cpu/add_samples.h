@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace paradesc {
@@ -33,9 +34,12 @@ struct SumCenter {
   float value; // of the map
 };
 
-// What is asked of samples before they are read, of those that follow each other.
+// Samples side by side: what is asked of them before they are read, and all that the shape operator needs of those that lie in
+// the ball.
 struct alignas(64) SampleBlock {
-  float corner[3][3][block_lanes], face[3][block_lanes], reach[block_lanes], turn[block_lanes], foot[block_lanes];
+  float corner[3][3][block_lanes], face[3][block_lanes], turn[block_lanes], foot[block_lanes];
+  float normal[3][block_lanes], area[block_lanes];
+  float turning[6][block_lanes]; // their area times how normals vary with positions: xx, yy, zz, xy + yx, xz + zx, yz + zy
 };
 // Blocks in which a ball's samples may be, and the spheres around them: middles and radii, as many as fill whole blocks.
 struct Candidates {
@@ -43,22 +47,32 @@ struct Candidates {
   const float *sphere[4];
   int32_t count; // of spheres
 };
-// Indices of candidates, block by block, in each list; which have room for all.
+// Some samples of a block, as bits.
+struct BlockPart {
+  int32_t block;
+  uint32_t samples;
+};
+// Of candidates, block by block, in lists that have room for all.
 struct Selection {
-  int32_t *whole;   // that lie in the ball
+  BlockPart *whole; // that lie in the ball
   int32_t *cut;     // that may lie there in part
   int32_t *nearest; // on which the surface may come nearer to the center than around it, within the ball
   int32_t wholes, cuts, nearests;
 };
 using SelectSamples = void (*)(const Candidates &candidates, const float *center, float radius, Selection &selection);
 
-// Blocks of samples of each kind. What is left of the last ones is filled with samples that are all zero.
+// Sixteen at a time: what is left of the last ones is filled with samples that are all zero.
+struct SampleRun {
+  const FlatSample *const *sample;
+  const SampleMap *const *map; // of each, for kinds that read it
+  int32_t blocks;
+};
+// What lies in the ball of a center: parts of blocks for the shape operator alone, else a run.
 struct SelectedSamples {
-  const FlatSample *const *whole;
-  const FlatSample *const *cut;
-  int32_t whole_blocks, cut_blocks;
-  const SampleMap *const *whole_map; // of each, for kinds that read it
-  const SampleMap *const *cut_map;
+  std::span<const BlockPart> parts; // of the blocks
+  const SampleBlock *const *block;
+  SampleRun whole;
+  SampleRun cut; // what may lie there in part
 };
 
 // What is added up, compiled for itself.
@@ -74,6 +88,7 @@ enum class SumKind : int32_t {
   windows_geodesic
 };
 inline constexpr int sum_kinds = 9;
+constexpr bool adds_blocks(SumKind kind) { return kind == SumKind::fit; } // as parts of them
 inline constexpr size_t max_sums = 96;
 
 // sums: Moments, BallTerms of half the radius where the kind has them, Terms.

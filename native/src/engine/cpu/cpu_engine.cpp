@@ -119,7 +119,7 @@ static CenterResults evaluate(const Evaluation &pass) {
   };
   Pool<Search> searches;
   parallel_blocks(groups, pass.source.threads, 8, [&](int begin, int end) {
-    searches.with_one([&] { return Search(pass.source, pass.surfels, pass.samples); },
+    searches.with_one([&] { return Search(pass.source, pass.surfels, pass.samples, adds_blocks(pass.plan.kind)); },
                       [&](Search &search) {
                         for (int g = begin; g < end; ++g) evaluate_one(g, search);
                       });

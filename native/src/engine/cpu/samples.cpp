@@ -34,15 +34,27 @@ std::array<vec3, 3> corners_of(const FlatSample &sample, vec3 center) {
 SampleBlock block_of(std::span<const FlatSample> samples) {
   SampleBlock block;
   constexpr float nowhere = 1e18f;
-  std::fill_n(&block.corner[0][0][0], sizeof block / sizeof(float), nowhere);
-  std::fill_n(block.reach, block_lanes, 0.0f);
+  std::fill_n(&block.corner[0][0][0], sizeof block.corner / sizeof(float), nowhere);
+  for (auto *column : {block.face[0], block.face[1], block.face[2], block.turn, block.foot, block.normal[0], block.normal[1], block.normal[2], block.area})
+    std::fill_n(column, block_lanes, 0.0f);
+  std::fill_n(&block.turning[0][0], 6 * block_lanes, 0.0f);
   for (size_t i = 0; i < samples.size(); ++i) {
     const std::array<vec3, 3> corners = corners_of(samples[i], vec3(0.0f));
     for (int axis = 0; axis < 3; ++axis) {
       for (size_t k = 0; k < 3; ++k) block.corner[k][axis][i] = corners[k][axis];
       block.face[axis][i] = samples[i].face[axis];
+      block.normal[axis][i] = samples[i].normal[axis];
     }
-    block.reach[i] = samples[i].reach;
+    block.area[i] = samples[i].area;
+    const auto turning = [&](int a, int b) {
+      float sum = 0.0f;
+      for (int k = 0; k < 2; ++k) sum += samples[i].along[k][a] * samples[i].normal_along[k][b];
+      return samples[i].area * sum;
+    };
+    for (int axis = 0; axis < 3; ++axis) block.turning[axis][i] = turning(axis, axis);
+    block.turning[3][i] = turning(0, 1) + turning(1, 0);
+    block.turning[4][i] = turning(0, 2) + turning(2, 0);
+    block.turning[5][i] = turning(1, 2) + turning(2, 1);
     block.turn[i] = samples[i].turn;
     block.foot[i] = samples[i].foot;
   }

@@ -2,13 +2,15 @@
 #include "engine/cpu/search.h"
 
 #include <algorithm>
+#include <bit>
+#include <functional>
 #include <iterator>
 #include <limits>
 
 namespace paradesc {
 
-Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples)
-    : source_(source), surfels_(surfels), samples_(samples), cell_mark_(surfels.cell_sphere.size(), 0),
+Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, bool by_blocks)
+    : source_(source), surfels_(surfels), samples_(samples), by_blocks_(by_blocks), cell_mark_(surfels.cell_sphere.size(), 0),
       nearest_mark_(surfels.surfel.size(), 0), reached_mark_(surfels.surfel.size(), 0), reached_(surfels.surfel.size() + 1) {}
 
 void Search::look(const std::vector<TreeCenter> &centers, std::span<const int32_t> group) {
@@ -61,6 +63,7 @@ void Search::list_candidates(float reach) {
   for (auto &column : spheres_) column.resize(padded, nowhere);
   spheres_[3].resize(blocks_.size());
   spheres_[3].resize(padded, 0.0f);
+  parts_.resize(blocks_.size());
   for (auto *list : {&whole_, &cut_, &nearest_}) list->resize(blocks_.size() * block_lanes);
   for (auto *list : {&whole_samples_, &cut_samples_}) list->resize(blocks_.size() * block_lanes);
   for (auto *list : {&whole_maps_, &cut_maps_}) list->resize(block_maps_.size() * block_lanes);
@@ -98,39 +101,51 @@ Search::Found Search::find(const TreeCenter &center, SelectSamples select) {
   const auto column = [&](size_t i) { return spheres_[i].data(); };
   const Candidates candidates{
       blocks_.data(), {column(0), column(1), column(2), column(3)}, static_cast<int32_t>(spheres_[0].size())};
-  selection_ = {whole_.data(), cut_.data(), nearest_.data(), 0, 0, 0};
+  selection_ = {parts_.data(), cut_.data(), nearest_.data(), 0, 0, 0};
   select(candidates, &center.position.x, surfels_.radius, selection_);
   find_boundary(center.position);
-  if (!find_connected(center)) {
-    keep_reached(whole_, selection_.wholes);
-    keep_reached(cut_, selection_.cuts);
-  }
+  if (!find_connected(center)) keep_reached();
   const auto belongs = [&](int32_t half_edge) { return is_reached(surfels_.triangle_surfel[half_edge / 3]); };
-  const int32_t wholes = take(whole_, selection_.wholes, whole_samples_, whole_maps_),
-                cuts = take(cut_, selection_.cuts, cut_samples_, cut_maps_);
-  const auto maps = [&](const std::vector<const SampleMap *> &list) { return block_maps_.empty() ? nullptr : list.data(); };
-  return {{whole_samples_.data(), cut_samples_.data(), wholes, cuts, maps(whole_maps_), maps(cut_maps_)},
-          std::ranges::any_of(boundary_in_ball_, belongs)};
+  Found found{{}, std::ranges::any_of(boundary_in_ball_, belongs)};
+  if (by_blocks_)
+    found.samples.parts = std::span(parts_).first(static_cast<size_t>(selection_.wholes));
+  else
+    found.samples.whole = take(whole_, list_wholes(), whole_samples_, whole_maps_);
+  found.samples.block = blocks_.data();
+  found.samples.cut = take(cut_, selection_.cuts, cut_samples_, cut_maps_);
+  return found;
 }
 
-void Search::keep_reached(std::vector<int32_t> &list, int32_t &count) const {
-  const auto end =
-      std::remove_if(list.begin(), list.begin() + count, [&](int32_t i) { return !is_reached(candidate(i).surfel); });
-  count = static_cast<int32_t>(end - list.begin());
+// Of what was selected.
+void Search::keep_reached() {
+  const auto is_kept = [&](int32_t sample) { return is_reached(candidate(sample).surfel); };
+  for (int32_t i = 0; i < selection_.wholes; ++i)
+    for (uint32_t bits = parts_[i].samples; bits != 0; bits &= bits - 1)
+      if (!is_kept(parts_[i].block * block_lanes + std::countr_zero(bits))) parts_[i].samples &= ~(bits & -bits);
+  const auto end = std::remove_if(cut_.begin(), cut_.begin() + selection_.cuts, std::not_fn(is_kept));
+  selection_.cuts = static_cast<int32_t>(end - cut_.begin());
 }
 
-// Returns the number of blocks.
-int32_t Search::take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples,
-                     std::vector<const SampleMap *> &maps) const {
+// The samples of all parts, one by one. Returns their number.
+int32_t Search::list_wholes() {
+  int32_t count = 0;
+  for (int32_t i = 0; i < selection_.wholes; ++i)
+    for (uint32_t bits = parts_[i].samples; bits != 0; bits &= bits - 1)
+      whole_[count++] = parts_[i].block * block_lanes + std::countr_zero(bits);
+  return count;
+}
+
+SampleRun Search::take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples,
+                       std::vector<const SampleMap *> &maps) const {
   static const FlatSample nothing{};
   static const SampleMap no_map{};
   const int32_t blocks = (count + block_lanes - 1) / block_lanes;
   for (int32_t i = 0; i < count; ++i) samples[i] = &candidate(list[i]);
   std::fill(samples.begin() + count, samples.begin() + blocks * block_lanes, &nothing);
-  if (maps.empty()) return blocks;
+  if (block_maps_.empty()) return {samples.data(), nullptr, blocks};
   for (int32_t i = 0; i < count; ++i) maps[i] = block_maps_[list[i] / block_lanes] + list[i] % block_lanes;
   std::fill(maps.begin() + count, maps.begin() + blocks * block_lanes, &no_map);
-  return blocks;
+  return {samples.data(), maps.data(), blocks};
 }
 
 bool Search::meets_ball(int32_t half_edge, vec3 center) const {

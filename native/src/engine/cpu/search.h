@@ -12,7 +12,8 @@ namespace paradesc {
 // What one thread keeps from group to group.
 class Search {
 public:
-  Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples);
+  // by_blocks: whole samples are found as parts of blocks.
+  Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, bool by_blocks);
 
   // Looks around these centers.
   void look(const std::vector<TreeCenter> &centers, std::span<const int32_t> group);
@@ -41,13 +42,15 @@ private:
   void reach_over_edges(int32_t surfel, vec3 center);
   bool is_one_piece(const TreeCenter &center, int32_t nearest);
   bool find_connected(const TreeCenter &center);
-  void keep_reached(std::vector<int32_t> &list, int32_t &count) const;
-  int32_t take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples,
-               std::vector<const SampleMap *> &maps) const;
+  void keep_reached();
+  int32_t list_wholes();
+  SampleRun take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples,
+                 std::vector<const SampleMap *> &maps) const;
 
   const SurfelSource &source_;
   const Surfels &surfels_;
   const SurfaceSamples &samples_;
+  const bool by_blocks_;
   vec3 middle_{0.0f};
   std::vector<int32_t> cells_;     // near the group, in their order
   std::vector<int32_t> cell_mark_; // (cells) the last group that it was near
@@ -60,9 +63,11 @@ private:
   std::vector<float> spheres_[4];                 // likewise
   std::vector<const FlatSample *> block_samples_; // (blocks_) the first of each
   std::vector<const SampleMap *> block_maps_;     // likewise, where there is one
-  std::vector<int32_t> whole_, cut_, nearest_;    // of Selection
+  std::vector<BlockPart> parts_;                  // of Selection
+  std::vector<int32_t> cut_, nearest_;            // likewise
+  std::vector<int32_t> whole_;                    // the samples of the parts, if they are asked for one by one
   Selection selection_{};
-  std::vector<const FlatSample *> whole_samples_, cut_samples_; // of SelectedSamples
+  std::vector<const FlatSample *> whole_samples_, cut_samples_; // of SampleRun
   std::vector<const SampleMap *> whole_maps_, cut_maps_;        // likewise
   std::vector<int32_t> nearest_mark_; // (surfels) the last center to which the surface may come nearest on it
   int32_t centers_ = 0;

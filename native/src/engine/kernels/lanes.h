@@ -53,6 +53,13 @@ inline Choices operator&&(const Choices &a, const Choices &b) { return {a.lane &
 inline Choices operator!=(const Choices &a, const Choices &b) { return {a.lane ^ b.lane}; }
 inline Choices operator!(const Choices &a) { return {~a.lane}; }
 
+// By bits, the lowest for the first lane.
+inline Choices choices_of(uint32_t bits) {
+  Choices::Bits of_lane;
+  for (int i = 0; i < lane_count; ++i) of_lane[i] = 1 << i;
+  return {((Choices::Bits{} + static_cast<int32_t>(bits)) & of_lane) != 0};
+}
+
 inline Lanes mix(const Lanes &a, const Lanes &b, const Choices &choice) { return Lanes(choice.lane ? b.lane : a.lane); }
 inline Lanes min(const Lanes &a, const Lanes &b) { return mix(a, b, b < a); }
 inline Lanes max(const Lanes &a, const Lanes &b) { return mix(a, b, a < b); }
