@@ -41,6 +41,13 @@ bool is_needle(const Triangles &triangles, int face, dvec3 product) {
   return glm::dot(product, product) < ROUNDING * ROUNDING * largest * largest * longest2;
 }
 
+// By how much the faces' normals turn around the edge between them.
+double bend_between(dvec3 left, dvec3 right, const Triangles &triangles, int half_edge) {
+  const dvec3 along = corner_position(triangles, next_corner(half_edge)) - corner_position(triangles, half_edge);
+  const double span = glm::length(along);
+  return span > 0 ? angle_of(glm::dot(glm::cross(left, right), along) / span, glm::dot(left, right)) : 0.0;
+}
+
 // Other than this one.
 int longest_edge(const Triangles &triangles, int face, int other) {
   int longest = -1;
@@ -58,7 +65,8 @@ int longest_edge(const Triangles &triangles, int face, int other) {
 // Looks at what bends beside edges.
 class Surroundings {
 public:
-  Surroundings(const Triangles &triangles, const HalfEdges &half_edges) : triangles_(triangles), half_edges_(half_edges) {}
+  Surroundings(const Triangles &triangles, const HalfEdges &half_edges, const std::vector<vec3> &normals)
+      : triangles_(triangles), half_edges_(half_edges), normals_(normals) {}
 
   bool stands_out(int half_edge) const {
     const int twin = half_edges_.twin[half_edge];
@@ -73,7 +81,10 @@ public:
 
 private:
   bool is_needle_itself(int face) const { return is_needle(triangles_, face, face_product(triangles_, face)); }
-  double bend_of(int half_edge) const { return std::abs(bend_at(triangles_, half_edges_, half_edge)); }
+  double bend_of(int half_edge) const {
+    return std::abs(bend_between(dvec3(normals_[half_edge / 3]), dvec3(normals_[half_edges_.twin[half_edge] / 3]), triangles_,
+                                 half_edge));
+  }
 
   // Of the triangle, across the edge.
   double width(int half_edge) const {
@@ -128,6 +139,7 @@ private:
 
   const Triangles &triangles_;
   const HalfEdges &half_edges_;
+  const std::vector<vec3> &normals_; // of steady faces
 };
 
 template <class Visit> void for_each_edge(const HalfEdges &half_edges, const Creases &creases, const Visit &visit) {
@@ -181,7 +193,8 @@ int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int fac
 }
 
 dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face) {
-  const dvec3 product = face_product(triangles, steady_face(triangles, half_edges, face));
+  dvec3 product = face_product(triangles, face);
+  if (is_needle(triangles, face, product)) product = face_product(triangles, steady_face(triangles, half_edges, face));
   const double length = glm::length(product);
   return length > 0 ? product / length : dvec3(0);
 }
@@ -197,10 +210,8 @@ std::vector<vec3> steady_normals(const Triangles &triangles, const HalfEdges &ha
 double bend_at(const Triangles &triangles, const HalfEdges &half_edges, int half_edge) {
   const int twin = half_edges.twin[half_edge];
   if (twin < 0) return 0;
-  const dvec3 left = steady_normal(triangles, half_edges, half_edge / 3), right = steady_normal(triangles, half_edges, twin / 3);
-  const dvec3 along = corner_position(triangles, next_corner(half_edge)) - corner_position(triangles, half_edge);
-  const double span = glm::length(along);
-  return span > 0 ? angle_of(glm::dot(glm::cross(left, right), along) / span, glm::dot(left, right)) : 0.0;
+  return bend_between(steady_normal(triangles, half_edges, half_edge / 3), steady_normal(triangles, half_edges, twin / 3), triangles,
+                      half_edge);
 }
 
 int32_t count_edges(const Creases &creases) {
@@ -231,7 +242,7 @@ Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, in
   Creases creases = marked;
   const std::vector<vec3> normals = steady_normals(triangles, half_edges, threads);
   constexpr float least_cosine = 0.93969262f + 1e-3f; // of the least bend
-  const Surroundings surroundings(triangles, half_edges);
+  const Surroundings surroundings(triangles, half_edges, normals);
   parallel_blocks(3 * triangles.triangle_count, threads, block_size, [&](int begin, int end) {
     for (int h = begin; h < end; ++h) {
       const int twin = half_edges.twin[h];
