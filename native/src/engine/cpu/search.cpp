@@ -11,7 +11,7 @@ namespace paradesc {
 
 Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, bool by_blocks)
     : source_(source), surfels_(surfels), samples_(samples), by_blocks_(by_blocks), cell_mark_(surfels.cell_sphere.size(), 0),
-      nearest_mark_(surfels.surfel.size(), 0), reached_mark_(surfels.surfel.size(), 0), reached_(surfels.surfel.size() + 1) {}
+      mark_(surfels.surfel.size()), reached_(surfels.surfel.size() + 1) {}
 
 void Search::look(const std::vector<TreeCenter> &centers, std::span<const int32_t> group) {
   vec3 low(std::numeric_limits<float>::max()), high(-low);
@@ -194,8 +194,8 @@ int32_t Search::mark_nearest(vec3 center) {
   int32_t count = 0;
   for (int32_t i = 0; i < selection_.nearests; ++i) {
     const FlatSample &sample = candidate(nearest_[i]);
-    if (nearest_mark_[sample.surfel] == centers_ || !may_be_nearest(sample, center)) continue;
-    nearest_mark_[sample.surfel] = centers_;
+    if (mark_[sample.surfel].nearest == centers_ || !may_be_nearest(sample, center)) continue;
+    mark_[sample.surfel].nearest = centers_;
     ++count;
   }
   return count;
@@ -210,25 +210,58 @@ void Search::start_flood(int32_t triangle) {
 
 // Without a branch: what was there before is written over by the next.
 void Search::reach(int32_t surfel) {
-  const int32_t is_new = std::exchange(reached_mark_[surfel], floods_) != floods_ ? 1 : 0;
+  Mark &mark = mark_[surfel];
+  const int32_t is_new = std::exchange(mark.reached, floods_) != floods_ ? 1 : 0;
   reached_[reached_count_] = surfel;
   reached_count_ += static_cast<size_t>(is_new);
-  nearest_reached_ += nearest_mark_[surfel] == centers_ ? is_new : 0;
+  nearest_reached_ += mark.nearest == centers_ ? is_new : 0;
 }
 
 // A piece of surface that is not connected to the center would come nearest to it somewhere: so there is none if all samples
-// where the surface may do so are connected to the center by each other.
-bool Search::is_one_piece(const TreeCenter &center, int32_t nearest) {
+// where the surface may do so are connected to the center. False where that is not seen at once.
+bool Search::is_one_piece(const TreeCenter &center) {
   start_flood(center.triangle);
-  size_t around = 1; // the center's own surfel, and those around it
-  for (size_t i = 0; i < reached_count_ && nearest_reached_ < nearest; ++i) {
-    const int32_t surfel = reached_[i];
-    const bool is_empty = samples_.first[surfel] == samples_.first[surfel + 1];
-    if (i >= around && nearest_mark_[surfel] != centers_ && !is_empty) continue;
-    if (!reach_from_within(surfel, center.position)) reach_over_edges(surfel, center.position);
-    if (i == 0) around = reached_count_;
+  const int32_t own = reached_[0];
+  if (!reach_from_within(own, center.position)) reach_over_edges(own, center.position);
+  for (int32_t i = 0; i < selection_.nearests; ++i) {
+    const FlatSample &sample = candidate(nearest_[i]);
+    if (is_reached(sample.surfel) || !may_be_nearest(sample, center.position)) continue;
+    if (!walk_to_reached(sample.surfel, center.position)) return false;
   }
-  return nearest_reached_ == nearest;
+  return true;
+}
+
+// From neighbor to neighbor, each nearer to the center and wholly in the ball; all on the way are reached, too. False where none
+// is nearer.
+bool Search::walk_to_reached(int32_t surfel, vec3 center) {
+  const auto square_of = [&](int32_t i) {
+    const vec3 gap = surfels_.surfel[i].position - center;
+    return dot(gap, gap);
+  };
+  const auto lies_within = [&](int32_t i) {
+    const float room = surfels_.radius - surfels_.surfel[i].reach;
+    return room > 0.0f && square_of(i) < room * room;
+  };
+  way_.assign(1, surfel);
+  float least = square_of(surfel);
+  for (bool is_within = lies_within(surfel);; is_within = true) {
+    int32_t nearest = -1;
+    const int32_t at = way_.back();
+    for (int32_t k = surfels_.neighbor_begin[at]; k < surfels_.neighbor_begin[at + 1]; ++k) {
+      const int32_t next = surfels_.neighbor[k];
+      if (!is_within && !lies_within(next)) continue;
+      if (is_reached(next)) {
+        for (const int32_t passed : way_) reach(passed);
+        return true;
+      }
+      if (const float square = square_of(next); square < least && lies_within(next)) {
+        least = square;
+        nearest = next;
+      }
+    }
+    if (nearest < 0) return false;
+    way_.push_back(nearest);
+  }
 }
 
 // Over its edges, which all meet the ball. False where it does not lie within it.
@@ -254,9 +287,9 @@ void Search::reach_over_edges(int32_t surfel, vec3 center) {
 // Whether all samples in the ball are connected to the center; if not, those that are, are reached. What lies within the ball
 // goes first, since no edge has to be looked at there.
 bool Search::find_connected(const TreeCenter &center) {
-  const int32_t nearest = mark_nearest(center.position);
   const bool may_end = !boundary_in_ball_.empty(); // it may come nearest there, too
-  if (!may_end && is_one_piece(center, nearest)) return true;
+  if (!may_end && is_one_piece(center)) return true;
+  const int32_t nearest = mark_nearest(center.position);
   start_flood(center.triangle);
   rim_.clear();
   for (size_t i = 0, at_rim = 0; i < reached_count_ || at_rim < rim_.size();) {

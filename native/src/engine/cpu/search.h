@@ -38,9 +38,10 @@ private:
   void start_flood(int32_t triangle);
   void reach(int32_t surfel);
   bool reach_from_within(int32_t surfel, vec3 center);
-  bool is_reached(int32_t surfel) const { return reached_mark_[surfel] == floods_; }
+  bool is_reached(int32_t surfel) const { return mark_[surfel].reached == floods_; }
   void reach_over_edges(int32_t surfel, vec3 center);
-  bool is_one_piece(const TreeCenter &center, int32_t nearest);
+  bool is_one_piece(const TreeCenter &center);
+  bool walk_to_reached(int32_t surfel, vec3 center);
   bool find_connected(const TreeCenter &center);
   void keep_reached();
   int32_t list_wholes();
@@ -69,13 +70,16 @@ private:
   Selection selection_{};
   std::vector<const FlatSample *> whole_samples_, cut_samples_; // of SampleRun
   std::vector<const SampleMap *> whole_maps_, cut_maps_;        // likewise
-  std::vector<int32_t> nearest_mark_; // (surfels) the last center to which the surface may come nearest on it
-  int32_t centers_ = 0;
-  std::vector<int32_t> reached_mark_; // (surfels) the last flood that reached it
-  int32_t floods_ = 0;
+  struct Mark {
+    int32_t nearest = 0; // the last center to which the surface may come nearest on it
+    int32_t reached = 0; // the last flood that reached it
+  };
+  std::vector<Mark> mark_; // (surfels)
+  int32_t centers_ = 0, floods_ = 0;
   std::vector<int32_t> reached_; // (reached_count_) by this flood
   size_t reached_count_ = 0;
   int32_t nearest_reached_ = 0;
+  std::vector<int32_t> way_; // of the last walk
   std::vector<int32_t> rim_; // those of them that are not within the ball
 };
 
