@@ -175,12 +175,10 @@ static float square_in_plane(const std::array<vec3, 3> &corners, vec3 normal) {
   return over ? 0.0f : std::max(nearest, 0.0f);
 }
 
-static bool is_within(vec3 gap, float room) { return room > 0.0f && dot(gap, gap) < room * room; }
-
 // select() has looked at the circle around it alone.
 bool Search::may_be_nearest(const FlatSample &sample, vec3 center) const {
   const Surfel &surfel = surfels_.surfel[sample.surfel];
-  if (surfel.cluster >= 0 || is_within(surfel.position - center, surfels_.radius - surfel.reach)) return true;
+  if (surfel.cluster >= 0 || lies_within(sample.surfel, center)) return true;
   const vec3 normal(sample.face[0], sample.face[1], sample.face[2]);
   const std::array<vec3, 3> corners = corners_of(sample, center);
   const float height = dot(corners[0], normal), across = square_in_plane(corners, normal);
@@ -231,43 +229,51 @@ bool Search::is_one_piece(const TreeCenter &center) {
   return true;
 }
 
-// From neighbor to neighbor, each nearer to the center and wholly in the ball; all on the way are reached, too. False where none
-// is nearer.
+// From neighbor to neighbor over edges that meet the ball, each nearer to the center; all on the way are reached, too. False where
+// none is nearer.
 bool Search::walk_to_reached(int32_t surfel, vec3 center) {
-  const auto square_of = [&](int32_t i) {
-    const vec3 gap = surfels_.surfel[i].position - center;
-    return dot(gap, gap);
-  };
-  const auto lies_within = [&](int32_t i) {
-    const float room = surfels_.radius - surfels_.surfel[i].reach;
-    return room > 0.0f && square_of(i) < room * room;
-  };
   way_.assign(1, surfel);
-  float least = square_of(surfel);
-  for (bool is_within = lies_within(surfel);; is_within = true) {
-    int32_t nearest = -1;
+  for (float least = square_to(surfel, center);;) {
     const int32_t at = way_.back();
+    const bool is_inside = lies_within(at, center);
+    int32_t nearest = -1;
     for (int32_t k = surfels_.neighbor_begin[at]; k < surfels_.neighbor_begin[at + 1]; ++k) {
       const int32_t next = surfels_.neighbor[k];
-      if (!is_within && !lies_within(next)) continue;
+      const float square = square_to(next, center);
+      if (!is_reached(next) && !(square < least)) continue;
+      if (!is_inside && !lies_within(next, center) && !meets_ball_between(k, center)) continue;
       if (is_reached(next)) {
         for (const int32_t passed : way_) reach(passed);
         return true;
       }
-      if (const float square = square_of(next); square < least && lies_within(next)) {
-        least = square;
-        nearest = next;
-      }
+      least = square;
+      nearest = next;
     }
     if (nearest < 0) return false;
     way_.push_back(nearest);
   }
 }
 
+float Search::square_to(int32_t surfel, vec3 center) const {
+  const vec3 gap = surfels_.surfel[surfel].position - center;
+  return dot(gap, gap);
+}
+
+bool Search::lies_within(int32_t surfel, vec3 center) const {
+  const float room = surfels_.radius - surfels_.surfel[surfel].reach;
+  return room > 0.0f && square_to(surfel, center) < room * room;
+}
+
+// Any edge between a surfel and this neighbor.
+bool Search::meets_ball_between(int32_t neighbor, vec3 center) const {
+  const int32_t *const edge = surfels_.edge.data();
+  return std::any_of(edge + surfels_.edge_begin[neighbor], edge + surfels_.edge_begin[neighbor + 1],
+                     [&](int32_t half_edge) { return meets_ball(half_edge, center); });
+}
+
 // Over its edges, which all meet the ball. False where it does not lie within it.
 bool Search::reach_from_within(int32_t surfel, vec3 center) {
-  const Surfel &of = surfels_.surfel[surfel];
-  if (!is_within(of.position - center, surfels_.radius - of.reach)) return false;
+  if (!lies_within(surfel, center)) return false;
   const int32_t *const end = surfels_.neighbor.data() + surfels_.neighbor_begin[surfel + 1];
   for (const int32_t *other = surfels_.neighbor.data() + surfels_.neighbor_begin[surfel]; other < end; ++other) reach(*other);
   return true;
@@ -277,10 +283,8 @@ void Search::reach_over_edges(int32_t surfel, vec3 center) {
   for (int32_t k = surfels_.neighbor_begin[surfel]; k < surfels_.neighbor_begin[surfel + 1]; ++k) {
     const int32_t behind = surfels_.neighbor[k];
     const Surfel &other = surfels_.surfel[behind];
-    if (is_reached(behind) || !is_within(other.position - center, 1.00001f * (surfels_.radius + other.reach))) continue;
-    const int32_t begin = surfels_.edge_begin[k], end = surfels_.edge_begin[k + 1];
-    if (std::any_of(&surfels_.edge[begin], &surfels_.edge[end], [&](int32_t edge) { return meets_ball(edge, center); }))
-      reach(behind);
+    const float beyond = 1.00001f * (surfels_.radius + other.reach);
+    if (!is_reached(behind) && square_to(behind, center) < beyond * beyond && meets_ball_between(k, center)) reach(behind);
   }
 }
 

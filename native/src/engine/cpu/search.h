@@ -32,6 +32,9 @@ private:
   void add_divided(float reach);
   const FlatSample &candidate(int32_t i) const { return block_samples_[i / block_lanes][i % block_lanes]; }
   bool meets_ball(int32_t half_edge, vec3 center) const;
+  bool meets_ball_between(int32_t neighbor, vec3 center) const;
+  float square_to(int32_t surfel, vec3 center) const;
+  bool lies_within(int32_t surfel, vec3 center) const;
   void find_boundary(vec3 center);
   int32_t mark_nearest(vec3 center);
   bool may_be_nearest(const FlatSample &sample, vec3 center) const;
