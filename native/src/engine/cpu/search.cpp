@@ -219,8 +219,10 @@ void Search::reach(int32_t surfel) {
 // where the surface may do so are connected to the center. False where that is not seen at once.
 bool Search::is_one_piece(const TreeCenter &center) {
   start_flood(center.triangle);
-  const int32_t own = reached_[0];
-  if (!reach_from_within(own, center.position)) reach_over_edges(own, center.position);
+  for (size_t i = 0, around = 1; i < around; ++i) { // its own surfel, and those around it
+    if (!reach_from_within(reached_[i], center.position)) reach_over_edges(reached_[i], center.position);
+    if (i == 0) around = reached_count_;
+  }
   for (int32_t i = 0; i < selection_.nearests; ++i) {
     const FlatSample &sample = candidate(nearest_[i]);
     if (is_reached(sample.surfel) || !may_be_nearest(sample, center.position)) continue;
