@@ -229,6 +229,7 @@ std::vector<int32_t> line_of_points(const HalfEdges &half_edges, const Creases &
 Creases marked_creases(const Triangles &triangles, const HalfEdges &half_edges) {
   Creases creases;
   creases.half_edge.assign(half_edges.twin.size(), 0);
+  if (std::ranges::find(triangles.half_edge_sharp, 1) == triangles.half_edge_sharp.end()) return creases;
   for (size_t h = 0; h < half_edges.twin.size(); ++h) {
     const int twin = half_edges.twin[h];
     if (twin >= 0 && triangles.half_edge_sharp[h] && triangles.half_edge_sharp[twin]) creases.half_edge[h] = 1;

@@ -9,11 +9,13 @@ namespace paradesc {
 
 static constexpr int block = 4096; // of centers
 
-std::vector<TreeCenter> centers_at_points(const Surface &surface, const BakeSpace &space) {
-  std::vector<TreeCenter> centers(static_cast<size_t>(surface.half_edges.point_count));
-  for (size_t i = 0; i < centers.size(); ++i)
-    centers[i] = {space.to_buffer(surface.triangles.positions[surface.half_edges.point_vertex[i]]), surface.normals.point[i],
-                  surface.half_edges.point_half_edge[i] / 3};
+TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, int threads) {
+  TreeCenters centers(static_cast<size_t>(surface.half_edges.point_count));
+  parallel_blocks(surface.half_edges.point_count, threads, block, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i)
+      centers[i] = {space.to_buffer(surface.triangles.positions[surface.half_edges.point_vertex[i]]), surface.normals.point[i],
+                    surface.half_edges.point_half_edge[i] / 3};
+  });
   return centers;
 }
 
@@ -28,9 +30,9 @@ TexelMap lay_out_texels(const Surface &surface, int size, int threads) {
   return texels;
 }
 
-std::vector<TreeCenter> centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first,
+TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first,
                                           size_t last, int threads) {
-  std::vector<TreeCenter> centers(last - first);
+  TreeCenters centers(last - first);
   parallel_blocks(static_cast<int>(centers.size()), threads, block, [&](int begin, int end) {
     const auto places = texel_centers(texels, surface.triangles, surface.atlases.current().charts, surface.normals, space, {},
                                       0.0f, 0, first + static_cast<size_t>(begin), first + static_cast<size_t>(end));

@@ -11,13 +11,13 @@
 
 namespace paradesc {
 
-std::vector<TreeCenter> centers_at_points(const Surface &surface, const BakeSpace &space);
+TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, int threads);
 
 // The texels of a map over the layout, which is made anew first where parts of the surface share texture space.
 TexelMap lay_out_texels(const Surface &surface, int size, int threads);
 
 // The map's centers [first, last).
-std::vector<TreeCenter> centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first,
+TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first,
                                           size_t last, int threads);
 
 // Values at points → at those centers, linear on triangles.

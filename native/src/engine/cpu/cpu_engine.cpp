@@ -52,7 +52,7 @@ struct Evaluation {
   const SurfelSource &source;
   const Surfels &surfels;
   const SurfaceSamples &samples;
-  const std::vector<TreeCenter> &centers;
+  const TreeCenters &centers;
   const MapValues &map; // (centers) of what operators work on; or empty
   CenterGroups groups;
   SumPlan plan;
@@ -194,7 +194,7 @@ public:
   }
 
   CenterResults at_points(std::span<const int> rows, const std::function<void(double)> &progress) const {
-    CenterResults results = at(centers_at_points(surface_, space_), source_.map ? *source_.map : MapValues(), rows, progress);
+    CenterResults results = at(centers_at_points(surface_, space_, source_.threads), source_.map ? *source_.map : MapValues(), rows, progress);
     creases_.at_points(rows, results);
     return results;
   }
@@ -211,7 +211,7 @@ public:
 
 private:
   // map: at the centers, where there is one.
-  CenterResults at(const std::vector<TreeCenter> &centers, const MapValues &map, std::span<const int> rows,
+  CenterResults at(const TreeCenters &centers, const MapValues &map, std::span<const int> rows,
                    const std::function<void(double)> &progress) const {
     CenterResults results = evaluate({source_, surfels_, samples_, centers, map, group_centers(source_.tree, centers, radius_),
                                       sums_of(pass_, rows, request_.options), params_, rows, progress});

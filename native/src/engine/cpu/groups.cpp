@@ -10,7 +10,7 @@ static constexpr float max_width = 0.75f; // half the diagonal of the box around
 static constexpr int32_t max_centers = 48;
 
 // All centers whose triangle is not left out.
-static std::vector<int32_t> in_order(const ClusterTree &tree, const std::vector<TreeCenter> &centers) {
+static std::vector<int32_t> in_order(const ClusterTree &tree, const TreeCenters &centers) {
   std::vector<int32_t> begin(tree.size(0) + 1, 0);
   for (const TreeCenter &center : centers)
     if (const int32_t rank = tree.rank[center.triangle]; rank >= 0) ++begin[rank + 1];
@@ -21,7 +21,7 @@ static std::vector<int32_t> in_order(const ClusterTree &tree, const std::vector<
   return ordered;
 }
 
-CenterGroups group_centers(const ClusterTree &tree, const std::vector<TreeCenter> &centers, float radius) {
+CenterGroups group_centers(const ClusterTree &tree, const TreeCenters &centers, float radius) {
   CenterGroups groups{in_order(tree, centers), {0}};
   const auto count = static_cast<int32_t>(groups.center.size());
   vec3 low(std::numeric_limits<float>::max()), high(-low);

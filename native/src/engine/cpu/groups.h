@@ -14,6 +14,7 @@ struct TreeCenter {
   vec3 normal;      // unit
   int32_t triangle; // on which it lies
 };
+using TreeCenters = UnsetVector<TreeCenter>;
 
 struct CenterGroups {
   std::vector<int32_t> center; // all centers whose triangle is not left out, group after group
@@ -21,6 +22,6 @@ struct CenterGroups {
 };
 
 // Of a few dozens at most, no wider than some part of the radius.
-CenterGroups group_centers(const ClusterTree &tree, const std::vector<TreeCenter> &centers, float radius);
+CenterGroups group_centers(const ClusterTree &tree, const TreeCenters &centers, float radius);
 
 } // namespace paradesc

@@ -8,6 +8,7 @@
 
 #include "engine/cpu/add_samples.h"
 #include "engine/cpu/pieces.h"
+#include "support/unset.h"
 
 namespace paradesc {
 
@@ -21,17 +22,17 @@ std::array<vec3, 3> corners_of(const FlatSample &sample, vec3 center);
 inline constexpr float max_stored_samples = 256;
 
 struct SampleList {
-  std::vector<FlatSample> sample;
-  std::vector<SampleMap> map; // of each; empty: there is none
+  UnsetVector<FlatSample> sample;
+  UnsetVector<SampleMap> map; // of each; empty: there is none
 };
 
 struct SurfaceSamples {
   SampleList list;                  // of all surfels but the largest, in their order
   std::vector<int32_t> first;       // (surfels + 1) into the list
-  std::vector<SampleBlock> block;   // of samples that follow each other, and lie near each other
-  std::vector<int32_t> block_begin; // (blocks + 1) into the list
+  UnsetVector<SampleBlock> block;   // of samples that follow each other, and lie near each other
+  UnsetVector<int32_t> block_begin; // (blocks + 1) into the list
   std::vector<int32_t> cell_block;  // (cells + 1) into block
-  std::vector<vec4> sphere;         // (blocks) middle, radius
+  UnsetVector<vec4> sphere;         // (blocks) middle, radius
 };
 
 // Of as many samples as a block has, or fewer.

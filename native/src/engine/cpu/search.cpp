@@ -13,7 +13,7 @@ Search::Search(const SurfelSource &source, const Surfels &surfels, const Surface
     : source_(source), surfels_(surfels), samples_(samples), by_blocks_(by_blocks), cell_mark_(surfels.cell_sphere.size(), 0),
       mark_(surfels.surfel.size()), reached_(surfels.surfel.size() + 1) {}
 
-void Search::look(const std::vector<TreeCenter> &centers, std::span<const int32_t> group) {
+void Search::look(const TreeCenters &centers, std::span<const int32_t> group) {
   vec3 low(std::numeric_limits<float>::max()), high(-low);
   for (const int32_t i : group) {
     low = glm::min(low, centers[i].position);
@@ -26,7 +26,7 @@ void Search::look(const std::vector<TreeCenter> &centers, std::span<const int32_
 }
 
 // All cells that are connected to the group's own by cells that come near the balls of its centers.
-void Search::find_cells(const std::vector<TreeCenter> &centers, std::span<const int32_t> group, float reach) {
+void Search::find_cells(const TreeCenters &centers, std::span<const int32_t> group, float reach) {
   ++groups_;
   cells_.clear();
   const auto add = [&](int32_t cell) {

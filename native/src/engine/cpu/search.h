@@ -16,7 +16,7 @@ public:
   Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, bool by_blocks);
 
   // Looks around these centers.
-  void look(const std::vector<TreeCenter> &centers, std::span<const int32_t> group);
+  void look(const TreeCenters &centers, std::span<const int32_t> group);
 
   struct Found {
     SelectedSamples samples; // in the ball of a center and connected to it there, over edges that meet it
@@ -26,7 +26,7 @@ public:
   Found find(const TreeCenter &center, SelectSamples select);
 
 private:
-  void find_cells(const std::vector<TreeCenter> &centers, std::span<const int32_t> group, float reach);
+  void find_cells(const TreeCenters &centers, std::span<const int32_t> group, float reach);
   void list_candidates(float reach);
   void add_block(const SampleList &list, size_t first, const SampleBlock &block, vec4 sphere, float reach);
   void add_divided(float reach);

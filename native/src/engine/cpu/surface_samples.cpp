@@ -214,7 +214,7 @@ namespace {
 // Puts the samples of a cell into blocks, by halves of the longest side of the box around them.
 class BlockOrder {
 public:
-  BlockOrder(const std::vector<FlatSample> &samples, int32_t begin, int32_t end) : samples_(samples) {
+  BlockOrder(const UnsetVector<FlatSample> &samples, int32_t begin, int32_t end) : samples_(samples) {
     order_.resize(static_cast<size_t>(end - begin));
     std::iota(order_.begin(), order_.end(), begin);
     halve(order_);
@@ -244,13 +244,13 @@ private:
     halve(part.subspan(middle));
   }
 
-  const std::vector<FlatSample> &samples_;
+  const UnsetVector<FlatSample> &samples_;
   std::vector<int32_t> order_;
 };
 
 } // namespace
 
-template <class T> static void put_in_order(const std::vector<int32_t> &order, int32_t begin, std::vector<T> &items) {
+template <class T> static void put_in_order(const std::vector<int32_t> &order, int32_t begin, UnsetVector<T> &items) {
   if (items.empty()) return;
   std::vector<T> ordered;
   ordered.reserve(order.size());

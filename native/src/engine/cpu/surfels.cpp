@@ -31,10 +31,10 @@ struct Size {
 
 // What a cluster consists of.
 struct Counts {
-  float samples = 0; // about
-  int32_t surfels = 0;
-  int32_t cells = 0;
-  bool is_small = false; // it is one surfel, or part of one
+  float samples; // about
+  int32_t surfels;
+  int32_t cells;
+  bool is_small; // it is one surfel, or part of one
 };
 
 class Builder {
@@ -65,9 +65,15 @@ private:
     });
   }
 
+  // For each triangle, of which those that are left out have this.
+  template <class T> void leave_out(UnsetVector<T> &items, T value) const {
+    items.resize(tree_.rank.size());
+    if (tree_.size(0) < tree_.rank.size()) std::ranges::fill(items, value);
+  }
+
   void measure_triangles() {
     counts_[0].resize(tree_.size(0));
-    result_.face.assign(tree_.rank.size(), vec3(0.0f));
+    leave_out(result_.face, vec3(0.0f));
     sizes_.resize(tree_.size(0));
     for_each(tree_.size(0), [&](size_t i) {
       const int32_t corner = 3 * tree_.triangle[i];
@@ -97,7 +103,7 @@ private:
   bool measure_level(size_t level, bool any_small_below) {
     const std::vector<int32_t> &children = tree_.child_begin[level - 1];
     const size_t count = tree_.size(level);
-    std::vector<Size> sizes(any_small_below ? count : 0);
+    UnsetVector<Size> sizes(any_small_below ? count : 0);
     counts_[level].resize(count);
     std::atomic<bool> any_small{false};
     for_each(count, [&](size_t i) {
@@ -154,23 +160,25 @@ private:
 
   // Which surfel and which cell a cluster begins with, or is part of.
   struct Start {
-    int32_t surfel = 0, cell = 0;
-    bool in_surfel = false, in_cell = false;
+    int32_t surfel, cell;
+    bool in_surfel, in_cell;
   };
 
   // From the top down: surfels and cells follow each other in the order of the clusters.
   void place() {
     const size_t top = tree_.levels() - 1;
-    std::vector<Start> starts(tree_.size(top)), below;
-    Start next;
+    UnsetVector<Start> starts(tree_.size(top)), below;
+    Start next{};
     for (size_t i = 0; i < starts.size(); ++i) {
       starts[i] = next;
       next.surfel += counts_[top][i].surfels;
       next.cell += counts_[top][i].cells;
     }
     result_.surfel.resize(static_cast<size_t>(next.surfel));
-    result_.first.assign(result_.surfel.size() + 1, static_cast<int32_t>(tree_.size(0)));
-    result_.cell_begin.assign(static_cast<size_t>(next.cell) + 1, next.surfel);
+    result_.first.resize(result_.surfel.size() + 1);
+    result_.first.back() = static_cast<int32_t>(tree_.size(0));
+    result_.cell_begin.resize(static_cast<size_t>(next.cell) + 1);
+    result_.cell_begin.back() = next.surfel;
     for (size_t level = top; level > 0; --level) {
       below.resize(tree_.size(level - 1));
       for_each(starts.size(), [&](size_t i) { place_cluster(level, i, starts[i], below); });
@@ -179,7 +187,7 @@ private:
     place_triangles(starts);
   }
 
-  void place_cluster(size_t level, size_t i, Start start, std::vector<Start> &below) {
+  void place_cluster(size_t level, size_t i, Start start, UnsetVector<Start> &below) {
     const Counts &counts = counts_[level][i];
     if (counts.is_small && !start.in_surfel) result_.surfel[start.surfel] = {vec3(0.0f), 0.0f, 1.0f, 0}; // see gather_clusters()
     start.in_surfel = start.in_surfel || counts.is_small;
@@ -191,9 +199,9 @@ private:
     }
   }
 
-  void place_triangles(const std::vector<Start> &starts) {
-    result_.triangle_cell.assign(tree_.rank.size(), -1);
-    result_.triangle_surfel.assign(tree_.rank.size(), -1);
+  void place_triangles(const UnsetVector<Start> &starts) {
+    leave_out(result_.triangle_cell, -1);
+    leave_out(result_.triangle_surfel, -1);
     for_each(starts.size(), [&](size_t i) {
       const auto [surfel, cell, in_surfel, in_cell] = starts[i];
       result_.triangle_surfel[tree_.triangle[i]] = surfel;
@@ -262,7 +270,7 @@ private:
 
   // The lists of all parts, one after the other, and where each begins.
   void join(const std::vector<Part> &parts, std::vector<int32_t> Part::*counts, std::vector<int32_t> Part::*items,
-            std::vector<int32_t> &begin, std::vector<int32_t> &all) const {
+            UnsetVector<int32_t> &begin, UnsetVector<int32_t> &all) const {
     std::vector<size_t> first_count{0}, first_item{0};
     for (const Part &part : parts) {
       first_count.push_back(first_count.back() + (part.*counts).size());
@@ -337,8 +345,8 @@ private:
   const ClusterTree &tree_;
   float largest_spread_; // of clusters
   Surfels result_;
-  std::vector<std::vector<Counts>> counts_;
-  std::vector<Size> sizes_; // of the level that was measured last
+  std::vector<UnsetVector<Counts>> counts_;
+  UnsetVector<Size> sizes_; // of the level that was measured last
 };
 
 } // namespace
@@ -356,8 +364,8 @@ float Surfels::largest_spread_at(float turn) const {
   return largest_spread / (1.0f + finer * std::max(turn - hardly, 0.0f));
 }
 
-std::vector<vec3> positions_in(const BakeSpace &space, const Triangles &triangles, int threads) {
-  std::vector<vec3> positions(triangles.positions.size());
+UnsetVector<vec3> positions_in(const BakeSpace &space, const Triangles &triangles, int threads) {
+  UnsetVector<vec3> positions(triangles.positions.size());
   parallel_blocks(static_cast<int>(positions.size()), threads, block_size, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) positions[i] = space.to_buffer(triangles.positions[i]);
   });

@@ -14,6 +14,7 @@
 #include "mesh/halfedge.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
+#include "support/unset.h"
 
 namespace paradesc {
 
@@ -23,7 +24,7 @@ struct SurfelSource {
   const HalfEdges &half_edges;
   const Normals &normals;
   const ClusterTree &tree;
-  std::vector<vec3> positions;  // (vertex_count) in the units of all that follows
+  UnsetVector<vec3> positions;  // (vertex_count) in the units of all that follows
   const std::vector<vec4> *map; // (point_count) gradient and value of what operators work on, or null
   int threads;
 
@@ -32,7 +33,7 @@ struct SurfelSource {
 float squared_turn(vec3 a, vec3 b, vec3 c); // of normals: the largest squared distance between them, were they of length 1; about
 
 // As SurfelSource has them.
-std::vector<vec3> positions_in(const BakeSpace &space, const Triangles &triangles, int threads);
+UnsetVector<vec3> positions_in(const BakeSpace &space, const Triangles &triangles, int threads);
 
 struct Surfel {
   vec3 position;   // mean
@@ -44,25 +45,25 @@ struct Surfel {
 struct Surfels {
   float radius = 0;
   float largest_spread = 0;            // of triangles and of their parts, where normals hardly turn
-  std::vector<Surfel> surfel;          // in the order of the tree
-  std::vector<int32_t> first;          // (surfels + 1) into ClusterTree::triangle
+  UnsetVector<Surfel> surfel;          // in the order of the tree
+  UnsetVector<int32_t> first;          // (surfels + 1) into ClusterTree::triangle
   std::vector<Cluster> cluster;        // of surfels with several triangles
-  std::vector<int32_t> neighbor_begin; // (surfels + 1) into neighbor
-  std::vector<int32_t> neighbor;       // surfels that share edges with each
-  std::vector<int32_t> edge_begin;     // (neighbors + 1) into edge
-  std::vector<int32_t> edge;           // half-edges that each of them is met over
+  UnsetVector<int32_t> neighbor_begin; // (surfels + 1) into neighbor
+  UnsetVector<int32_t> neighbor;       // surfels that share edges with each
+  UnsetVector<int32_t> edge_begin;     // (neighbors + 1) into edge
+  UnsetVector<int32_t> edge;           // half-edges that each of them is met over
 
-  std::vector<int32_t> cell_begin;     // (cells + 1) into surfel
-  std::vector<vec4> cell_sphere;       // (cells) middle, radius
-  std::vector<int32_t> link_begin;     // (cells + 1) into link
-  std::vector<int32_t> link;           // neighboring cells
-  std::vector<int32_t> boundary_begin; // (cells + 1) into boundary
-  std::vector<int32_t> boundary;       // half-edges on the mesh's boundary
+  UnsetVector<int32_t> cell_begin;     // (cells + 1) into surfel
+  UnsetVector<vec4> cell_sphere;       // (cells) middle, radius
+  UnsetVector<int32_t> link_begin;     // (cells + 1) into link
+  UnsetVector<int32_t> link;           // neighboring cells
+  UnsetVector<int32_t> boundary_begin; // (cells + 1) into boundary
+  UnsetVector<int32_t> boundary;       // half-edges on the mesh's boundary
 
-  std::vector<vec3> face; // (triangle_count) unit normals; 0 without area, or left out
+  UnsetVector<vec3> face; // (triangle_count) unit normals; 0 without area, or left out
 
-  std::vector<int32_t> triangle_cell;   // (triangle_count) -1: left out
-  std::vector<int32_t> triangle_surfel; // (triangle_count) likewise
+  UnsetVector<int32_t> triangle_cell;   // (triangle_count) -1: left out
+  UnsetVector<int32_t> triangle_surfel; // (triangle_count) likewise
 
   int32_t cells() const { return static_cast<int32_t>(cell_sphere.size()); }
   // Where the farthest two of the normals at the corners have this squared distance: a sample does not know how far they are from
