@@ -66,7 +66,7 @@ inline int32_t append(uint32_t bits, int32_t first, int32_t *list, int32_t count
   return count;
 }
 
-inline Vector<3, Lanes> load3(const float (*v)[block_lanes], int first) {
+template <int count> Vector<3, Lanes> load3(const float (*v)[count], int first) {
   return {load(v[0] + first), load(v[1] + first), load(v[2] + first)};
 }
 
@@ -104,6 +104,18 @@ void select(const Candidates &from, const float *center, float radius, Selection
       select_of_block(*from.block[i], i, middle, radius, to);
     }
   }
+}
+
+BallBits find_balls(const Balls &balls, const float *middle, float reach) {
+  const Vector<3, Lanes> from = all(middle);
+  const float room = balls.radius - reach, beyond = 1.00001f * (balls.radius + reach), inside = room > 0.0f ? room * room : 0.0f;
+  BallBits bits{};
+  for (int first = 0; first < balls.count; first += lane_count) {
+    const Lanes square = square_of(load3(balls.center, first) - from);
+    bits.within |= uint64_t{bits_of(square < inside)} << first;
+    bits.touched |= uint64_t{bits_of(square < beyond * beyond)} << first;
+  }
+  return bits;
 }
 
 // ---- Their sums
@@ -373,7 +385,7 @@ constexpr AddSamples by_kind[sum_kinds] = {add_samples<FitKernel, adds_blocks(Su
 #define JOIN(a, b) a##b
 #define SUMS_OF(target) JOIN(sums_of_, target)
 extern const SumTarget SUMS_OF(KERNEL_TARGET);
-const SumTarget SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), select, by_kind};
+const SumTarget SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), select, find_balls, by_kind};
 
 } // namespace KERNEL_TARGET
 } // namespace paradesc::kernels

@@ -94,10 +94,24 @@ inline constexpr size_t max_sums = 96;
 // sums: Moments, BallTerms of half the radius where the kind has them, Terms.
 using AddSamples = void (*)(const EvaluateParams &params, const SelectedSamples &samples, const SumCenter &center, float *sums);
 
+// Balls of one radius around some centers; behind the last, far off.
+inline constexpr int max_balls = 64;
+struct alignas(64) Balls {
+  float center[3][max_balls];
+  int32_t count;
+  float radius;
+};
+// A bit for each of them: whether what reaches so far from its middle lies within the ball, or may touch it.
+struct BallBits {
+  uint64_t within, touched;
+};
+using FindBalls = BallBits (*)(const Balls &balls, const float *middle, float reach);
+
 // One set of instructions.
 struct SumTarget {
   const char *name;
   SelectSamples select;
+  FindBalls find_balls;
   const AddSamples *by_kind; // (sum_kinds)
 };
 // Those that this processor has, the widest first.

@@ -79,9 +79,8 @@ static void evaluate_group(const Evaluation &pass, const SumTarget &target, std:
   search.look(pass.centers, group);
   float sums[max_sums] = {};
   std::vector<float> values;
-  for (const int32_t i : group) {
+  search.find_each(pass.centers, group, [&](int32_t i, const Search::Found &found) {
     const auto index = static_cast<size_t>(i);
-    const Search::Found found = search.find(pass.centers[index], target.select);
     const SumCenter center = sum_center(pass, index);
     target.by_kind[static_cast<size_t>(pass.plan.kind)](pass.params, found.samples, center, sums);
     results.boundary[index] = found.boundary;
@@ -92,7 +91,7 @@ static void evaluate_group(const Evaluation &pass, const SumTarget &target, std:
       std::copy_n(&values[next], components, &results.values[k][index * components]);
       next += components;
     }
-  }
+  });
 }
 
 // Before anything is computed.
@@ -119,7 +118,7 @@ static CenterResults evaluate(const Evaluation &pass) {
   };
   Pool<Search> searches;
   parallel_blocks(groups, pass.source.threads, 8, [&](int begin, int end) {
-    searches.with_one([&] { return Search(pass.source, pass.surfels, pass.samples, adds_blocks(pass.plan.kind)); },
+    searches.with_one([&] { return Search(pass.source, pass.surfels, pass.samples, target, adds_blocks(pass.plan.kind)); },
                       [&](Search &search) {
                         for (int g = begin; g < end; ++g) evaluate_one(g, search);
                       });

@@ -7,7 +7,6 @@
 namespace paradesc {
 
 static constexpr float max_width = 1; // half the diagonal of the box around a group, of the radius
-static constexpr int32_t max_centers = 48;
 
 // All centers whose triangle is not left out.
 static std::vector<int32_t> in_order(const ClusterTree &tree, const TreeCenters &centers) {

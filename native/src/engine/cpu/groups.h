@@ -16,6 +16,8 @@ struct TreeCenter {
 };
 using TreeCenters = UnsetVector<TreeCenter>;
 
+inline constexpr int32_t max_centers = 48; // of a group
+
 struct CenterGroups {
   std::vector<int32_t> center; // all centers whose triangle is not left out, group after group
   std::vector<int32_t> begin;  // (groups + 1) into center

@@ -9,9 +9,10 @@
 
 namespace paradesc {
 
-Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, bool by_blocks)
-    : source_(source), surfels_(surfels), samples_(samples), by_blocks_(by_blocks), cell_mark_(surfels.cell_sphere.size(), 0),
-      mark_(surfels.surfel.size()), reached_(surfels.surfel.size() + 1) {}
+Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, const SumTarget &target,
+               bool by_blocks)
+    : source_(source), surfels_(surfels), samples_(samples), target_(target), by_blocks_(by_blocks), edges_{source, surfels},
+      cell_mark_(surfels.cell_sphere.size(), 0), mark_(surfels.surfel.size(), 0), flood_(edges_, target.find_balls) {}
 
 void Search::look(const TreeCenters &centers, std::span<const int32_t> group) {
   vec3 low(std::numeric_limits<float>::max()), high(-low);
@@ -97,16 +98,44 @@ void Search::add_divided(float reach) {
     add_block(divided_, first, divided_blocks_[first / block_lanes], sphere_of(of_block(first)), reach);
 }
 
-Search::Found Search::find(const TreeCenter &center, SelectSamples select) {
+// Most centers see at once that all is connected to them. For the others one flood tells; and if it is most, for all that follow.
+void Search::find_each(const TreeCenters &centers, std::span<const int32_t> group, const UseFound &use) {
+  static_assert(max_centers <= max_balls);
+  constexpr size_t enough = 4;
+  unclear_.clear();
+  for (size_t k = 0; k < group.size(); ++k) {
+    const TreeCenter &center = centers[group[k]];
+    const bool most_are_unclear = k >= enough && 2 * unclear_.size() > k;
+    if (!most_are_unclear) select_around(center.position);
+    if (!most_are_unclear && boundary_in_ball_.empty() && is_one_piece(center))
+      use(group[k], found(false));
+    else
+      unclear_.push_back(group[k]);
+  }
+  if (unclear_.empty()) return;
+  flood_.run(centers, unclear_);
+  for (size_t k = 0; k < unclear_.size(); ++k) {
+    select_around(centers[unclear_[k]].position);
+    keep_reached(k);
+    use(unclear_[k], found(std::ranges::any_of(boundary_in_ball_, [&](int32_t half_edge) {
+          return flood_.is_reached(surfels_.triangle_surfel[half_edge / 3], k);
+        })));
+  }
+}
+
+void Search::select_around(vec3 center) {
   const auto column = [&](size_t i) { return spheres_[i].data(); };
   const Candidates candidates{
       blocks_.data(), {column(0), column(1), column(2), column(3)}, static_cast<int32_t>(spheres_[0].size())};
   selection_ = {parts_.data(), cut_.data(), nearest_.data(), 0, 0, 0};
-  select(candidates, &center.position.x, surfels_.radius, selection_);
-  find_boundary(center.position);
-  if (!find_connected(center)) keep_reached();
-  const auto belongs = [&](int32_t half_edge) { return is_reached(surfels_.triangle_surfel[half_edge / 3]); };
-  Found found{{}, std::ranges::any_of(boundary_in_ball_, belongs)};
+  target_.select(candidates, &center.x, surfels_.radius, selection_);
+  boundary_in_ball_.clear();
+  std::ranges::copy_if(boundary_, std::back_inserter(boundary_in_ball_), [&](int32_t edge) { return edges_.meets(edge, center); });
+}
+
+// What is selected.
+Search::Found Search::found(bool boundary) {
+  Found found{{}, boundary};
   if (by_blocks_)
     found.samples.parts = std::span(parts_).first(static_cast<size_t>(selection_.wholes));
   else
@@ -116,9 +145,9 @@ Search::Found Search::find(const TreeCenter &center, SelectSamples select) {
   return found;
 }
 
-// Of what was selected.
-void Search::keep_reached() {
-  const auto is_kept = [&](int32_t sample) { return is_reached(candidate(sample).surfel); };
+// Of what is selected around the center of this number in the flood.
+void Search::keep_reached(size_t number) {
+  const auto is_kept = [&](int32_t sample) { return flood_.is_reached(candidate(sample).surfel, number); };
   for (int32_t i = 0; i < selection_.wholes; ++i)
     for (uint32_t bits = parts_[i].samples; bits != 0; bits &= bits - 1)
       if (!is_kept(parts_[i].block * block_lanes + std::countr_zero(bits))) parts_[i].samples &= ~(bits & -bits);
@@ -148,18 +177,6 @@ SampleRun Search::take(const std::vector<int32_t> &list, int32_t count, std::vec
   return {samples.data(), maps.data(), blocks};
 }
 
-bool Search::meets_ball(int32_t half_edge, vec3 center) const {
-  const vec3 a = source_.position(half_edge) - center, b = source_.position(next_corner(half_edge)) - center, way = b - a;
-  const float square = surfels_.radius * surfels_.radius, of_a = dot(a, a) - square, of_b = dot(b, b) - square;
-  const float along = -dot(a, way), length = dot(way, way);
-  return of_a < 0.0f || of_b < 0.0f || (along > 0.0f && along < length && of_a * length < along * along);
-}
-
-void Search::find_boundary(vec3 center) {
-  boundary_in_ball_.clear();
-  std::ranges::copy_if(boundary_, std::back_inserter(boundary_in_ball_), [&](int32_t edge) { return meets_ball(edge, center); });
-}
-
 // Squared distance of a triangle from the origin, of which only the parts in the triangle's plane matter.
 static float square_in_plane(const std::array<vec3, 3> &corners, vec3 normal) {
   float nearest = std::numeric_limits<float>::max();
@@ -178,7 +195,7 @@ static float square_in_plane(const std::array<vec3, 3> &corners, vec3 normal) {
 // select() has looked at the circle around it alone.
 bool Search::may_be_nearest(const FlatSample &sample, vec3 center) const {
   const Surfel &surfel = surfels_.surfel[sample.surfel];
-  if (surfel.cluster >= 0 || lies_within(sample.surfel, center)) return true;
+  if (surfel.cluster >= 0 || edges_.lies_within(sample.surfel, center)) return true;
   const vec3 normal(sample.face[0], sample.face[1], sample.face[2]);
   const std::array<vec3, 3> corners = corners_of(sample, center);
   const float height = dot(corners[0], normal), across = square_in_plane(corners, normal);
@@ -186,42 +203,19 @@ bool Search::may_be_nearest(const FlatSample &sample, vec3 center) const {
   return across <= turned * turned && across + height * height < 1.0001f * surfels_.radius * surfels_.radius;
 }
 
-// Marks the surfels in the ball to which the surface may come nearest. Returns their number.
-int32_t Search::mark_nearest(vec3 center) {
-  ++centers_;
-  int32_t count = 0;
-  for (int32_t i = 0; i < selection_.nearests; ++i) {
-    const FlatSample &sample = candidate(nearest_[i]);
-    if (mark_[sample.surfel].nearest == centers_ || !may_be_nearest(sample, center)) continue;
-    mark_[sample.surfel].nearest = centers_;
-    ++count;
-  }
-  return count;
-}
-
-void Search::start_flood(int32_t triangle) {
-  ++floods_;
-  reached_count_ = 0;
-  nearest_reached_ = 0;
-  reach(surfels_.triangle_surfel[triangle]);
-}
-
-// Without a branch: what was there before is written over by the next.
 void Search::reach(int32_t surfel) {
-  Mark &mark = mark_[surfel];
-  const int32_t is_new = std::exchange(mark.reached, floods_) != floods_ ? 1 : 0;
-  reached_[reached_count_] = surfel;
-  reached_count_ += static_cast<size_t>(is_new);
-  nearest_reached_ += mark.nearest == centers_ ? is_new : 0;
+  if (std::exchange(mark_[surfel], walks_) != walks_) reached_.push_back(surfel);
 }
 
 // A piece of surface that is not connected to the center would come nearest to it somewhere: so there is none if all samples
 // where the surface may do so are connected to the center. False where that is not seen at once.
 bool Search::is_one_piece(const TreeCenter &center) {
-  start_flood(center.triangle);
+  ++walks_;
+  reached_.clear();
+  reach(surfels_.triangle_surfel[center.triangle]);
   for (size_t i = 0, around = 1; i < around; ++i) { // its own surfel, and those around it
-    if (!reach_from_within(reached_[i], center.position)) reach_over_edges(reached_[i], center.position);
-    if (i == 0) around = reached_count_;
+    reach_neighbors(reached_[i], center.position);
+    if (i == 0) around = reached_.size();
   }
   for (int32_t i = 0; i < selection_.nearests; ++i) {
     const FlatSample &sample = candidate(nearest_[i]);
@@ -235,15 +229,15 @@ bool Search::is_one_piece(const TreeCenter &center) {
 // none is nearer.
 bool Search::walk_to_reached(int32_t surfel, vec3 center) {
   way_.assign(1, surfel);
-  for (float least = square_to(surfel, center);;) {
+  for (float least = edges_.square_to(surfel, center);;) {
     const int32_t at = way_.back();
-    const bool is_inside = lies_within(at, center);
+    const bool is_inside = edges_.lies_within(at, center);
     int32_t nearest = -1;
     for (int32_t k = surfels_.neighbor_begin[at]; k < surfels_.neighbor_begin[at + 1]; ++k) {
       const int32_t next = surfels_.neighbor[k];
-      const float square = square_to(next, center);
+      const float square = edges_.square_to(next, center);
       if (!is_reached(next) && !(square < least)) continue;
-      if (!is_inside && !lies_within(next, center) && !meets_ball_between(k, center)) continue;
+      if (!is_inside && !edges_.lies_within(next, center) && !edges_.meets_between(k, center)) continue;
       if (is_reached(next)) {
         for (const int32_t passed : way_) reach(passed);
         return true;
@@ -256,56 +250,10 @@ bool Search::walk_to_reached(int32_t surfel, vec3 center) {
   }
 }
 
-float Search::square_to(int32_t surfel, vec3 center) const {
-  const vec3 gap = surfels_.surfel[surfel].position - center;
-  return dot(gap, gap);
-}
-
-bool Search::lies_within(int32_t surfel, vec3 center) const {
-  const float room = surfels_.radius - surfels_.surfel[surfel].reach;
-  return room > 0.0f && square_to(surfel, center) < room * room;
-}
-
-// Any edge between a surfel and this neighbor.
-bool Search::meets_ball_between(int32_t neighbor, vec3 center) const {
-  const int32_t *const edge = surfels_.edge.data();
-  return std::any_of(edge + surfels_.edge_begin[neighbor], edge + surfels_.edge_begin[neighbor + 1],
-                     [&](int32_t half_edge) { return meets_ball(half_edge, center); });
-}
-
-// Over its edges, which all meet the ball. False where it does not lie within it.
-bool Search::reach_from_within(int32_t surfel, vec3 center) {
-  if (!lies_within(surfel, center)) return false;
-  const int32_t *const end = surfels_.neighbor.data() + surfels_.neighbor_begin[surfel + 1];
-  for (const int32_t *other = surfels_.neighbor.data() + surfels_.neighbor_begin[surfel]; other < end; ++other) reach(*other);
-  return true;
-}
-
-void Search::reach_over_edges(int32_t surfel, vec3 center) {
-  for (int32_t k = surfels_.neighbor_begin[surfel]; k < surfels_.neighbor_begin[surfel + 1]; ++k) {
-    const int32_t behind = surfels_.neighbor[k];
-    const Surfel &other = surfels_.surfel[behind];
-    const float beyond = 1.00001f * (surfels_.radius + other.reach);
-    if (!is_reached(behind) && square_to(behind, center) < beyond * beyond && meets_ball_between(k, center)) reach(behind);
-  }
-}
-
-// Whether all samples in the ball are connected to the center; if not, those that are, are reached. What lies within the ball
-// goes first, since no edge has to be looked at there.
-bool Search::find_connected(const TreeCenter &center) {
-  const bool may_end = !boundary_in_ball_.empty(); // it may come nearest there, too
-  if (!may_end && is_one_piece(center)) return true;
-  const int32_t nearest = mark_nearest(center.position);
-  start_flood(center.triangle);
-  rim_.clear();
-  for (size_t i = 0, at_rim = 0; i < reached_count_ || at_rim < rim_.size();) {
-    if (nearest_reached_ == nearest && !may_end) return true;
-    if (i == reached_count_)
-      reach_over_edges(rim_[at_rim++], center.position);
-    else if (const int32_t surfel = reached_[i++]; !reach_from_within(surfel, center.position))
-      rim_.push_back(surfel);
-  }
-  return nearest_reached_ == nearest && !may_end;
+void Search::reach_neighbors(int32_t surfel, vec3 center) {
+  const bool is_inside = edges_.lies_within(surfel, center);
+  for (int32_t k = surfels_.neighbor_begin[surfel]; k < surfels_.neighbor_begin[surfel + 1]; ++k)
+    if (const int32_t behind = surfels_.neighbor[k]; is_inside || edges_.meets_between(k, center)) reach(behind);
 }
 
 } // namespace paradesc

@@ -1,9 +1,11 @@
 // A group of centers → what lies around them → for each of them, the samples in its ball that are connected to it there.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
+#include "engine/cpu/group_flood.h"
 #include "engine/cpu/groups.h"
 #include "engine/cpu/surface_samples.h"
 
@@ -13,7 +15,8 @@ namespace paradesc {
 class Search {
 public:
   // by_blocks: whole samples are found as parts of blocks.
-  Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, bool by_blocks);
+  Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, const SumTarget &target,
+         bool by_blocks);
 
   // Looks around these centers.
   void look(const TreeCenters &centers, std::span<const int32_t> group);
@@ -22,8 +25,9 @@ public:
     SelectedSamples samples; // in the ball of a center and connected to it there, over edges that meet it
     bool boundary;           // the mesh's boundary lies in the ball, and belongs to them
   };
-  // Around one of these centers. Valid until the next is asked for.
-  Found find(const TreeCenter &center, SelectSamples select);
+  // Around each of these centers, in any order. What is found is valid until use() returns.
+  using UseFound = std::function<void(int32_t center, const Found &found)>;
+  void find_each(const TreeCenters &centers, std::span<const int32_t> group, const UseFound &use);
 
 private:
   void find_cells(const TreeCenters &centers, std::span<const int32_t> group, float reach);
@@ -31,22 +35,15 @@ private:
   void add_block(const SampleList &list, size_t first, const SampleBlock &block, vec4 sphere, float reach);
   void add_divided(float reach);
   const FlatSample &candidate(int32_t i) const { return block_samples_[i / block_lanes][i % block_lanes]; }
-  bool meets_ball(int32_t half_edge, vec3 center) const;
-  bool meets_ball_between(int32_t neighbor, vec3 center) const;
-  float square_to(int32_t surfel, vec3 center) const;
-  bool lies_within(int32_t surfel, vec3 center) const;
-  void find_boundary(vec3 center);
-  int32_t mark_nearest(vec3 center);
+  void select_around(vec3 center);
   bool may_be_nearest(const FlatSample &sample, vec3 center) const;
-  void start_flood(int32_t triangle);
-  void reach(int32_t surfel);
-  bool reach_from_within(int32_t surfel, vec3 center);
-  bool is_reached(int32_t surfel) const { return mark_[surfel].reached == floods_; }
-  void reach_over_edges(int32_t surfel, vec3 center);
   bool is_one_piece(const TreeCenter &center);
   bool walk_to_reached(int32_t surfel, vec3 center);
-  bool find_connected(const TreeCenter &center);
-  void keep_reached();
+  void reach(int32_t surfel);
+  void reach_neighbors(int32_t surfel, vec3 center);
+  bool is_reached(int32_t surfel) const { return mark_[surfel] == walks_; }
+  Found found(bool boundary);
+  void keep_reached(size_t number);
   int32_t list_wholes();
   SampleRun take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples,
                  std::vector<const SampleMap *> &maps) const;
@@ -54,7 +51,9 @@ private:
   const SurfelSource &source_;
   const Surfels &surfels_;
   const SurfaceSamples &samples_;
+  const SumTarget target_;
   const bool by_blocks_;
+  const BallEdges edges_;
   vec3 middle_{0.0f};
   std::vector<int32_t> cells_;     // near the group, in their order
   std::vector<int32_t> cell_mark_; // (cells) the last group that it was near
@@ -73,17 +72,12 @@ private:
   Selection selection_{};
   std::vector<const FlatSample *> whole_samples_, cut_samples_; // of SampleRun
   std::vector<const SampleMap *> whole_maps_, cut_maps_;        // likewise
-  struct Mark {
-    int32_t nearest = 0; // the last center to which the surface may come nearest on it
-    int32_t reached = 0; // the last flood that reached it
-  };
-  std::vector<Mark> mark_; // (surfels)
-  int32_t centers_ = 0, floods_ = 0;
-  std::vector<int32_t> reached_; // (reached_count_) by this flood
-  size_t reached_count_ = 0;
-  int32_t nearest_reached_ = 0;
-  std::vector<int32_t> way_; // of the last walk
-  std::vector<int32_t> rim_; // those of them that are not within the ball
+  std::vector<int32_t> mark_; // (surfels) the last center to which it is known to be connected
+  int32_t walks_ = 0;
+  std::vector<int32_t> reached_; // those
+  std::vector<int32_t> way_;     // of the last walk
+  std::vector<int32_t> unclear_; // centers that only a flood can tell about
+  GroupFlood flood_;
 };
 
 } // namespace paradesc

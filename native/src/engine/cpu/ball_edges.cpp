@@ -1,0 +1,31 @@
+// Distances of middles, and of edges.
+#include "engine/cpu/ball_edges.h"
+
+#include <algorithm>
+
+namespace paradesc {
+
+float BallEdges::square_to(int32_t surfel, vec3 center) const {
+  const vec3 gap = surfels.surfel[surfel].position - center;
+  return dot(gap, gap);
+}
+
+bool BallEdges::lies_within(int32_t surfel, vec3 center) const {
+  const float room = surfels.radius - surfels.surfel[surfel].reach;
+  return room > 0.0f && square_to(surfel, center) < room * room;
+}
+
+bool BallEdges::meets(int32_t half_edge, vec3 center) const {
+  const vec3 a = source.position(half_edge) - center, b = source.position(next_corner(half_edge)) - center, way = b - a;
+  const float square = surfels.radius * surfels.radius, of_a = dot(a, a) - square, of_b = dot(b, b) - square;
+  const float along = -dot(a, way), length = dot(way, way);
+  return of_a < 0.0f || of_b < 0.0f || (along > 0.0f && along < length && of_a * length < along * along);
+}
+
+bool BallEdges::meets_between(int32_t neighbor, vec3 center) const {
+  const int32_t *const edge = surfels.edge.data();
+  return std::any_of(edge + surfels.edge_begin[neighbor], edge + surfels.edge_begin[neighbor + 1],
+                     [&](int32_t half_edge) { return meets(half_edge, center); });
+}
+
+} // namespace paradesc

@@ -1,0 +1,59 @@
+// Several centers → for each surfel, to which of them it is connected within their balls. One flood for all of them, a bit each.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/cpu/add_samples.h"
+#include "engine/cpu/ball_edges.h"
+#include "engine/cpu/groups.h"
+
+namespace paradesc {
+
+// What one thread keeps from group to group.
+class GroupFlood {
+public:
+  GroupFlood(BallEdges edges, FindBalls find_balls)
+      : edges_(edges), find_balls_(find_balls), mark_(edges.surfels.surfel.size()) {}
+
+  // From the triangles of these centers, over edges that meet their balls.
+  void run(const TreeCenters &centers, std::span<const int32_t> chosen);
+  bool is_reached(int32_t surfel, size_t i) const { // from the center chosen[i]
+    const Mark mark = mark_[surfel];
+    return mark.flood == floods_ && (met_[mark.place].reached >> i & 1) != 0;
+  }
+
+private:
+  // A surfel that the flood has come to, or looked at; a bit for each center.
+  struct Met {
+    int32_t surfel;
+    bool waits;             // to be left again
+    uint64_t within, touched; // of the balls that it lies in or touches
+    uint64_t reached;
+  };
+  struct Rim {
+    size_t from;
+    int32_t neighbor; // of Surfels::neighbor
+  };
+
+  size_t meet(int32_t surfel);
+  void reach(size_t place, uint64_t centers);
+  void leave(size_t place);
+  void cross_rim(const Rim &rim);
+
+  BallEdges edges_;
+  FindBalls find_balls_;
+  Balls balls_{};
+  std::vector<vec3> centers_;
+  struct Mark {
+    int32_t flood = 0; // the last that met it
+    int32_t place = 0; // in met_
+  };
+  std::vector<Mark> mark_; // (surfels)
+  int32_t floods_ = 0;
+  std::vector<Met> met_;
+  std::vector<size_t> waiting_; // places
+  std::vector<Rim> rim_;
+};
+
+} // namespace paradesc
