@@ -63,7 +63,7 @@ struct Summed {
 };
 
 Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, const SampleList &list, const SumCenter &center) {
-  const std::vector<FlatSample> &samples = list.sample;
+  const UnsetVector<FlatSample> &samples = list.sample;
   std::vector<SampleBlock> blocks;
   std::vector<float> spheres[4];
   for (size_t first = 0; first < samples.size(); first += block_lanes) {
@@ -78,15 +78,19 @@ Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, c
     for (auto &column : spheres) column.push_back(1e18f);
   std::fill(spheres[3].begin() + static_cast<ptrdiff_t>(blocks.size()), spheres[3].end(), 0.0f);
   Summed summed;
-  for (auto *indices : {&summed.whole, &summed.cut, &summed.nearest}) indices->resize(blocks.size() * block_lanes);
-  Selection selection{summed.whole.data(), summed.cut.data(), summed.nearest.data(), 0, 0, 0};
+  std::vector<BlockPart> parts(blocks.size());
+  for (auto *indices : {&summed.cut, &summed.nearest}) indices->resize(blocks.size() * block_lanes);
+  Selection selection{parts.data(), summed.cut.data(), summed.nearest.data(), 0, 0, 0};
   target.select({listed.data(),
                  {spheres[0].data(), spheres[1].data(), spheres[2].data(), spheres[3].data()},
                  static_cast<int32_t>(spheres[0].size())},
                 center.position, params.radius, selection);
-  summed.whole.resize(static_cast<size_t>(selection.wholes));
+  parts.resize(static_cast<size_t>(selection.wholes));
   summed.cut.resize(static_cast<size_t>(selection.cuts));
   summed.nearest.resize(static_cast<size_t>(selection.nearests));
+  for (const BlockPart &part : parts)
+    for (int32_t i = 0; i < block_lanes; ++i)
+      if ((part.samples >> i & 1) != 0) summed.whole.push_back(part.block * block_lanes + i);
   const auto filled = [](const auto &from, const std::vector<int32_t> &indices, const auto &nothing) {
     std::vector<decltype(&nothing)> all;
     for (const int32_t i : indices) all.push_back(&from[static_cast<size_t>(i)]);
@@ -97,9 +101,9 @@ Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, c
   const SampleMap no_map{};
   const auto whole = filled(samples, summed.whole, nothing), cut = filled(samples, summed.cut, nothing);
   const auto whole_map = filled(list.map, summed.whole, no_map), cut_map = filled(list.map, summed.cut, no_map);
+  const auto blocks_of = [](const auto &all) { return static_cast<int32_t>(all.size()) / block_lanes; };
   target.by_kind[kind](params,
-                       {whole.data(), cut.data(), static_cast<int32_t>(whole.size()) / block_lanes,
-                        static_cast<int32_t>(cut.size()) / block_lanes, whole_map.data(), cut_map.data()},
+                       {parts, listed.data(), {whole.data(), whole_map.data(), blocks_of(whole)}, {cut.data(), cut_map.data(), blocks_of(cut)}},
                        center, summed.sums.data());
   return summed;
 }
@@ -135,14 +139,18 @@ TEST(AddSamples, has_the_same_bits_by_every_set_of_instructions) {
 TEST(AddSamples, has_the_same_bits_whichever_samples_outside_the_ball_are_looked_at) {
   const SampleList samples = sheet(24, bent);
   const SumCenter center = center_at(vec3(0.013f, -0.016f, 0.001f));
-  SampleList near;
-  for (size_t i = 0; i < samples.sample.size(); ++i) {
-    const FlatSample &sample = samples.sample[i];
-    float square = 0.0f;
-    for (int axis = 0; axis < 3; ++axis) square += std::pow(sample.position[axis] - center.position[axis], 2.0f);
-    if (square >= std::pow(radius + sample.reach, 2.0f)) continue;
-    near.sample.push_back(sample);
-    near.map.push_back(samples.map[i]);
+  SampleList near; // of whole blocks, in which samples have places
+  for (size_t first = 0; first < samples.sample.size(); first += block_lanes) {
+    const size_t last = std::min<size_t>(first + block_lanes, samples.sample.size());
+    const bool any = std::any_of(&samples.sample[first], &samples.sample[0] + last, [&](const FlatSample &sample) {
+      float square = 0.0f;
+      for (int axis = 0; axis < 3; ++axis) square += std::pow(sample.position[axis] - center.position[axis], 2.0f);
+      return square < std::pow(radius + sample.reach, 2.0f);
+    });
+    for (size_t i = first; any && i < last; ++i) {
+      near.sample.push_back(samples.sample[i]);
+      near.map.push_back(samples.map[i]);
+    }
   }
   ASSERT_LT(near.sample.size(), samples.sample.size());
   for (const SumTarget &target : sum_targets())

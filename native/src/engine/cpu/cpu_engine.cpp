@@ -157,17 +157,15 @@ static EvaluateParams params_of(const Request &request, double scale, float radi
   return params;
 }
 
-static SumPlan sums_of(const Pass &pass, std::span<const int> rows, const pdesc_options &options) {
-  return plan_sums(rows, options, pass.stage == Stage::windows);
-}
-
 // Half of the radius has as many samples as the radius, where both count; windows take more, whose Gaussians fall off within
 // samples; and so do derivatives of what the pass computes.
 static Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
   if (pass.stage == Stage::windows) return {4 * options.samples};
   const bool two_radii = options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED && pass.stage != Stage::map;
-  return {two_radii ? 4 * options.samples : options.samples,
-          pass.stage == Stage::surface && sums_of(pass, pass.rows, options).kind == SumKind::fit};
+  const bool large_triangles =
+      pass.stage == Stage::surface && options.estimator == PDESC_ESTIMATOR_SHAPE_OPERATOR &&
+      std::ranges::none_of(pass.rows, [](int row) { return uses_terms(row, "area") || uses_terms(row, "bending"); });
+  return {two_radii ? 4 * options.samples : options.samples, large_triangles};
 }
 
 namespace {
@@ -213,7 +211,7 @@ private:
   CenterResults at(const TreeCenters &centers, const MapValues &map, std::span<const int> rows,
                    const std::function<void(double)> &progress) const {
     CenterResults results = evaluate({source_, surfels_, samples_, centers, map, group_centers(source_.tree, centers, radius_),
-                                      sums_of(pass_, rows, request_.options), params_, rows, progress});
+                                      plan_sums(rows, request_.options, pass_.stage == Stage::windows), params_, rows, progress});
     scale_values(rows, space_.scale, results);
     return results;
   }

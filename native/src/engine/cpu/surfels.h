@@ -76,11 +76,11 @@ float lean_of(const SurfelSource &source, const Surfels &surfels, int32_t surfel
 // Of a whole triangle. lean: as sample_of_triangle() takes it.
 Sample sample_of(const SurfelSource &source, int32_t triangle, float lean);
 
-// How fine a surface is divided: into how many samples a disk of the radius, about. The shape operator alone allows large
-// triangles, whose normals vary linearly as it expects, and which the rim cuts exactly.
+// How fine a surface is divided: into how many samples a disk of the radius, about. The rim cuts triangles exactly, so that they
+// may be larger than clusters; and far larger for what does not depend on the last per cent of an area, or on what lies near.
 struct Fineness {
   int samples;
-  bool of_shape_operator = false;
+  bool large_triangles = false;
 };
 Surfels build_surfels(const SurfelSource &source, float radius, Fineness fineness);
 
