@@ -31,8 +31,10 @@ NearCreases::NearCreases(const CreasedSurface &surface, double radius)
   edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
 }
 
-uint64_t NearCreases::cell_at(dvec3 position) const {
-  const dvec3 cell = glm::clamp(glm::floor((position - low_) / cell_), 0.0, last_cell);
+// Three whole numbers.
+dvec3 NearCreases::cell_at(dvec3 position) const { return glm::clamp(glm::floor((position - low_) / cell_), 0.0, last_cell); }
+
+static uint64_t number_of(dvec3 cell) {
   return (static_cast<uint64_t>(cell.x) << 42) | (static_cast<uint64_t>(cell.y) << 21) | static_cast<uint64_t>(cell.z);
 }
 
@@ -43,16 +45,16 @@ void NearCreases::add_edge(int32_t edge) {
   const int pieces = 1 + static_cast<int>(glm::length(way) / cell_);
   for (int i = 0; i < pieces; ++i) {
     const dvec3 a = begin + way * (static_cast<double>(i) / pieces), b = begin + way * (static_cast<double>(i + 1) / pieces);
-    const dvec3 low = glm::min(a, b) - reach, high = glm::max(a, b) + reach;
-    for (double x = low.x; x < high.x + cell_; x += cell_)
-      for (double y = low.y; y < high.y + cell_; y += cell_)
-        for (double z = low.z; z < high.z + cell_; z += cell_) edges_.push_back({cell_at(glm::min(dvec3(x, y, z), high)), edge});
+    const dvec3 low = cell_at(glm::min(a, b) - reach), high = cell_at(glm::max(a, b) + reach);
+    for (double x = low.x; x <= high.x; ++x)
+      for (double y = low.y; y <= high.y; ++y)
+        for (double z = low.z; z <= high.z; ++z) edges_.push_back({number_of({x, y, z}), edge});
   }
 }
 
 bool NearCreases::reach(dvec3 position, int32_t triangle) const {
   const std::vector<int32_t> &piece = surface_.half_edges.triangle_piece;
-  const uint64_t cell = cell_at(position);
+  const uint64_t cell = number_of(cell_at(position));
   const auto from_here = [&](int32_t corner) { return dvec3(surface_.triangles.position(corner)) - position; };
   for (auto item = std::lower_bound(edges_.begin(), edges_.end(), Edge{cell, -1}); item != edges_.end() && item->cell == cell;
        ++item)

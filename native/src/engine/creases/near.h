@@ -21,7 +21,7 @@ private:
   };
 
   void add_edge(int32_t edge);
-  uint64_t cell_at(dvec3 position) const;
+  dvec3 cell_at(dvec3 position) const;
 
   CreasedSurface surface_;
   double radius_, cell_;
