@@ -1,6 +1,7 @@
 """What README.md says about each sample scene of blend_samples/make_samples.py is true, and it bakes."""
 
 import importlib.util
+import json
 import re
 import subprocess
 
@@ -21,13 +22,18 @@ from paradesc.scene import mesh_io, scene_io, surface_maps  # noqa: E402
 SAMPLES = ROOT / "blend_samples"
 
 
-@pytest.fixture(scope="module")
-def script():
-    """make_samples.py as a module."""
-    spec = importlib.util.spec_from_file_location("make_samples", SAMPLES / "make_samples.py")
+def loaded(name):
+    """A script of blend_samples as a module."""
+    spec = importlib.util.spec_from_file_location(name, SAMPLES / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture(scope="module")
+def script():
+    """make_samples.py as a module."""
+    return loaded("make_samples")
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +118,27 @@ def test_samples_are_numbered_small_explained_and_baked(script, folder):
         assert name.startswith(f"{number:02}_")
         assert (folder / f"{name}.blend").stat().st_size < 1e6
         assert f"`{name}.blend`" in explained
-        assert re.search(rf"^bake {name} ", baked, re.M)
+        assert re.search(rf"^bake(_twice)? {name} ", baked, re.M)
+    twice = re.findall(r"^bake_twice (\d\d)_", baked, re.M)
+    assert len(twice) == 3
+    assert f"{', '.join(twice[:-1])} and {twice[-1]}, which have many charts" in explained
+
+
+def test_last_line_says_how_far_the_engines_differ(tmp_path):
+    expected = np.linspace(0, 40, 41, dtype=np.float32)  # the range of values is that of compare_test.py: 38
+    undefined = np.where(expected < 40, expected, np.float32(np.nan))  # on both sides: left out
+    for name, mean, gaussian in (("one", 0.38, 1.14), ("two", 0.0, 0.0)):
+        files = ((name, "cpu", 0, 0), (f"{name}.texture_space", "software", mean, gaussian))
+        for stem, backend, more_mean, more_gaussian in files:
+            values = {"mean_curvature": expected + more_mean, "gaussian_curvature": undefined + more_gaussian}
+            np.savez(tmp_path / f"{stem}.npz", **values)
+            rows = {descriptor: {"radius": 0.1} for descriptor in values}
+            report = {"backend": backend, "objects": [{"descriptors": rows}]}
+            (tmp_path / f"{stem}.json").write_text(json.dumps(report))
+    said = loaded("compare_engines").sentence(tmp_path, ["one", "two"])
+    # Of 38 and of 37.05: 1 % and 3.08 % on one, none on two.
+    engines = "The engines cpu and software (texture space)"
+    assert said == f"{engines} differ by 1 % of the range of values on average (one 2 %, two 0 %)."
 
 
 def test_samples_can_be_rendered_as_they_are(script, opened):
