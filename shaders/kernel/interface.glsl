@@ -97,4 +97,4 @@ float per_side_of(float area) { return inversesqrt(max(area, 1e-20f)); }
 float rim_share(float away, float radius, float per_side) { return clamp((radius - away) * per_side + 0.5f, 0.0f, 1.0f); }
 
 // A Gaussian window of the distance rho.
-float gaussian(float rho, float width) { return exp(-0.5f * rho * rho / (width * width)); }
+float gaussian(float rho, float width) { return exp(rho * rho * (-0.5f / (width * width))); }

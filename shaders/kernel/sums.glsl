@@ -71,16 +71,18 @@ void add_weighted(INOUT(Sums) sums, Neighbor neighbor,
                   vec4 map) {
   Center center = sums.center;
   vec2 x = vec2(dot(neighbor.offset, center.t1), dot(neighbor.offset, center.t2)) * (1.0f / params.radius);
-  vec2 y = vec2(dot(neighbor.normal, center.t1), dot(neighbor.normal, center.t2));
   neighbor.direction = x * inversesqrt(max(dot(x, x), 1e-12f));
 #ifndef WIDE_NEIGHBORS
   neighbor.directions = outer(neighbor.direction);
 #endif
   sums.moments.area += neighbor.weight;
+#if !(MAP && defined(WIDE_NEIGHBORS)) // no variate is taken of a map over wide neighbors
+  vec2 y = vec2(dot(neighbor.normal, center.t1), dot(neighbor.normal, center.t2));
   sums.moments.squares += neighbor.weight * neighbor.weight;
   sums.moments.xx += neighbor.weight * outer(x);
   sums.moments.xy += neighbor.weight * vec3(x.x * y.x, x.x * y.y + x.y * y.x, x.y * y.y);
   sums.moments.yy += neighbor.weight * dot(y, y);
+#endif
 #if MAP
   bool unknown = isnan(map.w); // the map does not exist there
   vec3 slope = params.map_radius * turn_to(center.normal, neighbor.normal, vec3(map.x, map.y, map.z));

@@ -157,11 +157,10 @@ static EvaluateParams params_of(const Request &request, double scale, float radi
   return params;
 }
 
-// Half of the radius has as many samples as the radius, where both count; windows take more, whose Gaussians fall off within
-// samples; and so do derivatives of what the pass computes.
+// Half of the radius has as many samples as the radius, where both count.
 static Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
-  if (pass.stage == Stage::windows) return {4 * options.samples};
-  const bool two_radii = options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED && pass.stage != Stage::map;
+  const bool is_of_surface = pass.stage == Stage::surface || pass.stage == Stage::source;
+  const bool two_radii = options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED && is_of_surface;
   const bool large_triangles =
       pass.stage == Stage::surface && options.estimator == PDESC_ESTIMATOR_SHAPE_OPERATOR &&
       std::ranges::none_of(pass.rows, [](int row) { return uses_terms(row, "area") || uses_terms(row, "bending"); });
@@ -231,6 +230,14 @@ private:
 } // namespace
 
 static constexpr size_t texels_of_band = size_t{1} << 17; // that are evaluated together
+
+// Whether a pass over the surface computes the map to the bits that its own pass would.
+static bool computes_map(const Pass &pass, int map_row, const pdesc_options &options) {
+  const Pass source{Stage::source, {map_row}};
+  return pass.stage == Stage::surface && std::ranges::find(pass.rows, map_row) != pass.rows.end() &&
+         fineness_of(pass, options) == fineness_of(source, options) &&
+         plan_sums(pass.rows, options, false) == plan_sums(source.rows, options, false);
+}
 
 // What the passes that follow read of the map, at points; nothing of the other rows.
 static CenterResults values_for_map(const RunningPass &running, const Pass &pass, int points,
@@ -302,21 +309,32 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
   }
   Computed computed;
   computed.report.seconds_prepare = clock.lap();
+  const int map_row = find_map(options.map_descriptor);
+  std::vector<float> of_map; // at points, if they are known before its own pass
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
     const std::function<void(double)> part = [&](double done) { check_cancel(progress, "evaluate", (number + done) / count); };
     part(0.0);
+    if (pass.stage == Stage::source && !of_map.empty()) {
+      CenterResults results = results_at_points(surface.half_edges.point_count);
+      results.values = {std::move(of_map)};
+      return results;
+    }
     const RunningPass running = [&] {
       const CancelScope cancel([&] { part(0.0); });
       return RunningPass(surface, request, *tree_, space, pass, map, resources.threads);
     }();
-    if (!map_texels) return running.at_points(pass.rows, part);
+    if (!map_texels) {
+      CenterResults results = running.at_points(pass.rows, part);
+      if (computes_map(pass, map_row, options)) of_map = results.values[std::ranges::find(pass.rows, map_row) - pass.rows.begin()];
+      return results;
+    }
     constexpr double share = 0.7; // of the texels, where points are evaluated after them
     const std::function<void(double)> first = [&](double done) { part(share * done); };
     const std::function<void(double)> second = [&](double done) { part(share + (1.0 - share) * done); };
     add_texels(running, pass, request.descriptors, *map_texels, first, at_texels);
     return values_for_map(running, pass, surface.half_edges.point_count, second);
   };
-  computed.results = run_passes(surface.half_edges.point_count, request.descriptors, find_map(options.map_descriptor), run);
+  computed.results = run_passes(surface.half_edges.point_count, request.descriptors, map_row, run);
   computed.report.places = surface.half_edges.point_count;
   if (map_texels) give_texels(surface, request, resources, *map_texels, at_texels, computed);
   check_cancel(progress, "evaluate", 1.0);

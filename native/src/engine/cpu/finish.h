@@ -16,6 +16,7 @@ namespace paradesc {
 struct SumPlan {
   SumKind kind;
   bool integral; // the curvatures are those of the integrals
+  friend bool operator==(const SumPlan &, const SumPlan &) = default;
 };
 SumPlan plan_sums(std::span<const int> rows, const pdesc_options &options, bool windows);
 

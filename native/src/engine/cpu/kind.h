@@ -23,7 +23,7 @@
 #define TERMS_AREA SURFACE
 #define TERMS_BALL SURFACE
 #define TERMS_BENDING SURFACE
-#define TERMS_JET (JET || WINDOWS)
+#define TERMS_JET JET
 #define TERMS_GAUSSIANS WINDOWS
 #define TERMS_TENSOR WINDOWS
 #include "engine/kernels/kernels.h"

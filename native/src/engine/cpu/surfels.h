@@ -81,6 +81,7 @@ Sample sample_of(const SurfelSource &source, int32_t triangle, float lean);
 struct Fineness {
   int samples;
   bool large_triangles = false;
+  friend bool operator==(const Fineness &, const Fineness &) = default;
 };
 Surfels build_surfels(const SurfelSource &source, float radius, Fineness fineness);
 
