@@ -79,7 +79,7 @@ def cases(arguments: argparse.Namespace) -> list[dict[str, object]]:
         for count in arguments.triangles
         for size in arguments.buffers
     ]
-    if arguments.backend == "reference":
+    if arguments.backend in ("cpu", "reference"):
         return plain[:: len(arguments.buffers)]
     small = {"triangles": min(arguments.triangles), "backend": arguments.backend}
     chosen = [
@@ -100,7 +100,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--triangles", type=int, nargs="+", default=[100_000, 1_000_000])
     parser.add_argument("--buffers", type=int, nargs="+", default=[512, 1024, 4096])
-    parser.add_argument("--backend", default="software", choices=["software", "gpu", "reference"])
+    parser.add_argument("--backend", default="software", choices=["cpu", "software", "gpu", "reference"])
     parser.add_argument("--case", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.case:

@@ -96,12 +96,16 @@ const Creases &creases_of(Mesh &mesh, const pdesc_options &options) {
 const Normals &normals_of(Mesh &mesh, const pdesc_options &options) {
   const int threads = mesh.context->threads;
   const Creases &creases = creases_of(mesh, options);
-  const NormalRings &rings = mesh.rings.get(creases.half_edge, [&] {
+  if (mesh.normals_end_at != creases.half_edge) {
+    mesh.normals_end_at = creases.half_edge;
     ++mesh.rings_version;
-    return build_normal_rings(mesh.triangles, mesh.half_edges, creases, threads);
-  });
+    mesh.rings.reset();
+  }
   return mesh.normals.get({mesh.positions_version, static_cast<uint64_t>(options.normals), mesh.rings_version}, [&] {
-    Normals normals = compute_normals(mesh.triangles, mesh.half_edges, rings, options.normals, threads);
+    const bool moves = mesh.positions_version > 0; // else another frame may never come
+    if (moves && !mesh.rings) mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges, creases, threads);
+    Normals normals = moves ? compute_normals(mesh.triangles, mesh.half_edges, *mesh.rings, options.normals, threads)
+                            : compute_normals_once(mesh.triangles, mesh.half_edges, creases, options.normals, threads);
     normals.version = ++mesh.normals_version;
     normals.fans_version = mesh.rings_version;
     return normals;

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "context.h"
 #include "engine/engine.h"
@@ -26,10 +28,11 @@ struct Mesh {
   // Stages that every engine reads, made when first asked for.
   Keyed<std::pair<uint64_t, int32_t>, Creases> creases;                   // by the positions' version and pdesc_creases
   Keyed<std::tuple<uint64_t, int32_t, double>, Creases> counting_creases; // and by the radius
-  Keyed<std::vector<uint8_t>, NormalRings> rings;                         // by Creases::half_edge
   std::optional<Patches> patches;
   Keyed<std::array<uint64_t, 3>, Normals> normals; // by the positions' version, pdesc_normals and the rings' version
   uint64_t rings_version = 0, normals_version = 0;
+  std::vector<uint8_t> normals_end_at; // Creases::half_edge that the rings' version is of
+  std::optional<NormalRings> rings;    // if they are kept
 
   std::shared_ptr<Engine> engine; // that the session is of: the context may have gone on to another since
   std::unique_ptr<Session> session;

@@ -17,170 +17,11 @@ namespace paradesc {
 namespace {
 
 constexpr int block_size = 1024;
-constexpr int enough_neighbors = 14; // a jet of order 3 has nine coefficients; two whole rings have 18 on average
-constexpr int max_rings = 3;
-constexpr int max_corners = 32; // taken of one fan: keeps fans of thousands of faces from costing their square
-
 // For smooth surfaces only: beyond these, in cosines, the fit gives way to Max's normal.
 constexpr double spread_full = 0.8660254037844387; // 30 degrees: up to here the fit alone
 constexpr double spread_none = 0.7071067811865476; // 45 degrees: from here Max's alone
 constexpr double turn_full = 0.9902680687415704;   // 8 degrees
 constexpr double turn_none = 0.9781476007338057;   // 12 degrees
-
-// The corners of each fan in turning order.
-struct FanCorners {
-  std::vector<int32_t> begin;
-  std::vector<int32_t> corner;
-};
-
-// Fans end at creases.
-FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, NormalRings &rings) {
-  const auto vertex = [&](int32_t corner) { return triangles.corner_vertex[corner]; };
-  std::vector<int32_t> link = half_edges.twin;
-  std::vector<uint8_t> left_out(static_cast<size_t>(triangles.triangle_count));
-  for (size_t h = 0; h < link.size(); ++h) {
-    if (half_edges.corner_point[h] < 0) left_out[h / 3] = 1;
-    if (creases.half_edge[h]) link[h] = -1;
-  }
-  Fans traced = trace_fans(link, left_out);
-  FanCorners fans;
-  fans.begin.reserve(traced.first.size() + 1);
-  fans.begin.push_back(0);
-  fans.corner.reserve(link.size());
-  rings.fan_point.reserve(traced.first.size());
-  rings.fan_begin = {0};
-  rings.fan_begin.reserve(traced.first.size() + 1);
-  rings.fan_vertex.reserve(link.size() + 2 * traced.first.size());
-  for (const int32_t first : traced.first) {
-    rings.fan_vertex.push_back(vertex(first));
-    rings.fan_vertex.push_back(vertex(next_corner(first)));
-    for (int32_t corner = first; corner >= 0;) {
-      fans.corner.push_back(corner);
-      rings.fan_vertex.push_back(vertex(previous_corner(corner)));
-      corner = link[previous_corner(corner)];
-      if (corner == first) break;
-    }
-    fans.begin.push_back(static_cast<int32_t>(fans.corner.size()));
-    rings.fan_begin.push_back(static_cast<int32_t>(rings.fan_vertex.size()));
-    rings.fan_point.push_back(half_edges.corner_point[first]);
-  }
-  rings.fan_count = traced.count;
-  rings.corner_fan = std::make_shared<const std::vector<int32_t>>(std::move(traced.corner_fan));
-  constexpr int32_t none = -2, several = -1;
-  rings.point_fan.assign(static_cast<size_t>(half_edges.point_count), none);
-  for (int32_t fan = 0; fan < rings.fan_count; ++fan) {
-    int32_t &only = rings.point_fan[rings.fan_point[fan]];
-    only = only == none ? fan : several;
-  }
-  return fans;
-}
-
-// Walks the rings of one fan after the other; stamps of what was met live as long as the walker.
-class RingWalker {
-public:
-  RingWalker(const HalfEdges &half_edges, const NormalRings &rings, const FanCorners &fans)
-      : half_edges_(half_edges), rings_(rings), fans_(fans), fan_stamp_(static_cast<size_t>(rings.fan_count), -1),
-        point_stamp_(static_cast<size_t>(half_edges.point_count), -1), face_stamp_(rings.corner_fan->size() / 3, -1) {}
-
-  // Appends to vertices and faces.
-  void walk(int fan, std::vector<int32_t> &vertices, std::vector<int32_t> &faces) {
-    const size_t begin = vertices.size();
-    fan_ = fan;
-    fan_stamp_[fan] = fan;
-    point_stamp_[rings_.fan_point[fan]] = fan;
-    for (const int corner : corners(fan)) take_face(corner / 3, faces);
-    front_.assign(1, fan);
-    for (int ring = 0; ring < max_rings && !front_.empty(); ++ring) {
-      const size_t found = vertices.size() - begin;
-      if ((ring >= 2 && found >= enough_neighbors) || found >= max_neighbors) break;
-      next_front_.clear();
-      for (const int member : front_) take_fan(member, vertices, faces);
-      std::swap(front_, next_front_);
-    }
-    if (vertices.size() - begin > max_neighbors) vertices.resize(begin + max_neighbors);
-  }
-
-private:
-  std::span<const int32_t> corners(int fan) const {
-    const auto begin = static_cast<size_t>(fans_.begin[fan]);
-    const auto end = static_cast<size_t>(fans_.begin[fan + 1]);
-    return {fans_.corner.data() + begin, end - begin};
-  }
-
-  void take_fan(int member, std::vector<int32_t> &vertices, std::vector<int32_t> &faces) {
-    const auto all = corners(member);
-    const size_t step = (all.size() + max_corners - 1) / max_corners;
-    for (size_t i = 0; i < all.size(); i += step) {
-      take_face(all[i] / 3, faces);
-      take_corner(next_corner(all[i]), vertices);
-      take_corner(previous_corner(all[i]), vertices);
-    }
-  }
-
-  void take_face(int face, std::vector<int32_t> &faces) {
-    if (std::exchange(face_stamp_[face], fan_) != fan_) faces.push_back(face);
-  }
-
-  void take_corner(int corner, std::vector<int32_t> &vertices) {
-    const int other = (*rings_.corner_fan)[corner];
-    if (std::exchange(fan_stamp_[other], fan_) == fan_) return;
-    next_front_.push_back(other);
-    const auto point = static_cast<size_t>(half_edges_.corner_point[corner]);
-    if (std::exchange(point_stamp_[point], fan_) != fan_) vertices.push_back(half_edges_.point_vertex[point]);
-  }
-
-  const HalfEdges &half_edges_;
-  const NormalRings &rings_;
-  const FanCorners &fans_;
-  int fan_ = -1;
-  std::vector<int32_t> fan_stamp_, point_stamp_, face_stamp_, front_, next_front_;
-};
-
-// The rings of a run of fans.
-struct RingRun {
-  std::vector<int32_t> ring_size, face_size, vertices, faces;
-};
-
-RingRun walk_run(RingWalker &walker, int begin, int end) {
-  RingRun run;
-  for (int fan = begin; fan < end; ++fan) {
-    const size_t vertices = run.vertices.size(), faces = run.faces.size();
-    walker.walk(fan, run.vertices, run.faces);
-    run.ring_size.push_back(static_cast<int32_t>(run.vertices.size() - vertices));
-    run.face_size.push_back(static_cast<int32_t>(run.faces.size() - faces));
-  }
-  run.vertices.shrink_to_fit();
-  run.faces.shrink_to_fit();
-  return run;
-}
-
-void append(const std::vector<int32_t> &from, std::vector<int32_t> &to) { to.insert(to.end(), from.begin(), from.end()); }
-
-void append_sizes(const std::vector<int32_t> &sizes, std::vector<int32_t> &begins) {
-  for (const int32_t size : sizes) begins.push_back(begins.back() + size);
-}
-
-// Each run is given up as soon as it is copied: rings take more memory than the mesh.
-void join_runs(std::vector<RingRun> &runs, NormalRings &rings) {
-  size_t vertices = 0, faces = 0;
-  for (const RingRun &run : runs) {
-    vertices += run.vertices.size();
-    faces += run.faces.size();
-  }
-  rings.ring_vertex.reserve(vertices);
-  rings.face.reserve(faces);
-  for (auto *begins : {&rings.ring_begin, &rings.face_begin}) {
-    begins->reserve(static_cast<size_t>(rings.fan_count) + 1);
-    begins->push_back(0);
-  }
-  for (RingRun &run : runs) {
-    append_sizes(run.ring_size, rings.ring_begin);
-    append_sizes(run.face_size, rings.face_begin);
-    append(run.vertices, rings.ring_vertex);
-    append(run.faces, rings.face);
-    run = {};
-  }
-}
 
 // ---- Fans -----------------------------------------------------------------------------------------------------------------
 
@@ -255,18 +96,18 @@ public:
   Fitter(const Fitter &) = delete;
   Fitter &operator=(const Fitter &) = delete;
 
-  void add(int fan) {
+  // ring, faces: as NormalRings has them.
+  void add(int fan, std::span<const int32_t> ring, std::span<const int32_t> faces) {
     const dvec3 n = max_normal(from_, fan);
     double spread = 1;
-    for (const int face : slice(from_.rings.face_begin, from_.rings.face, fan))
-      spread = std::min(spread, glm::dot(dvec3(from_.faces[face]), n));
+    for (const int face : faces) spread = std::min(spread, glm::dot(dvec3(from_.faces[face]), n));
     if (spread <= spread_none) {
       normals_[fan] = vec3(n);
       return;
     }
     const dvec3 e1 = tangent_of(n);
     members_[used_] = {fan, spread, n, e1, glm::cross(n, e1)};
-    take_heights(members_[used_]);
+    take_heights(members_[used_], ring);
     if (++used_ == fan_lanes) fit();
   }
 
@@ -277,10 +118,9 @@ private:
     dvec3 n, e1, e2;
   };
 
-  void take_heights(const Member &member) {
+  void take_heights(const Member &member, std::span<const int32_t> ring) {
     const auto center = static_cast<size_t>(from_.rings.fan_begin[member.fan]);
     const dvec3 p = position(from_.triangles, from_.rings.fan_vertex[center]);
-    const auto ring = slice(from_.rings.ring_begin, from_.rings.ring_vertex, member.fan);
     for (; heights_.max_count < ring.size(); ++heights_.max_count)
       heights_.u[heights_.max_count] = heights_.v[heights_.max_count] = heights_.w[heights_.max_count] = FanLanes{};
     for (size_t i = 0; i < ring.size(); ++i) {
@@ -320,14 +160,36 @@ private:
   FitGradients fit_gradients_ = fit_gradients();
 };
 
-std::vector<vec3> fan_normals(const Sources &from, bool fitted, int threads) {
+std::vector<vec3> max_normals(const Sources &from, int threads) {
   std::vector<vec3> normals(static_cast<size_t>(from.rings.fan_count));
   parallel_blocks(from.rings.fan_count, threads, block_size, [&](int begin, int end) {
-    if (fitted) {
-      Fitter fitter(from, normals);
-      for (int fan = begin; fan < end; ++fan) fitter.add(fan);
-    } else {
-      for (int fan = begin; fan < end; ++fan) normals[fan] = vec3(max_normal(from, fan));
+    for (int fan = begin; fan < end; ++fan) normals[fan] = vec3(max_normal(from, fan));
+  });
+  return normals;
+}
+
+std::vector<vec3> fitted_normals(const Sources &from, int threads) {
+  const NormalRings &rings = from.rings;
+  std::vector<vec3> normals(static_cast<size_t>(rings.fan_count));
+  parallel_blocks(rings.fan_count, threads, block_size, [&](int begin, int end) {
+    Fitter fitter(from, normals);
+    for (int fan = begin; fan < end; ++fan)
+      fitter.add(fan, slice(rings.ring_begin, rings.ring_vertex, fan), slice(rings.face_begin, rings.face, fan));
+  });
+  return normals;
+}
+
+// Each run of rings is given up as soon as its normals are known.
+std::vector<vec3> fitted_normals_once(const Sources &from, const HalfEdges &half_edges, const FanCorners &fans, int threads) {
+  std::vector<vec3> normals(static_cast<size_t>(from.rings.fan_count));
+  walk_rings(half_edges, from.rings, fans, threads, [&](const RingRun &run) {
+    Fitter fitter(from, normals);
+    std::span<const int32_t> vertices = run.vertices, faces = run.faces;
+    for (size_t i = 0; i < run.ring_size.size(); ++i) {
+      const auto ring_size = static_cast<size_t>(run.ring_size[i]), face_size = static_cast<size_t>(run.face_size[i]);
+      fitter.add(run.first_fan + static_cast<int>(i), vertices.first(ring_size), faces.first(face_size));
+      vertices = vertices.subspan(ring_size);
+      faces = faces.subspan(face_size);
     }
   });
   return normals;
@@ -371,52 +233,55 @@ vec3 point_normal(const Triangles &triangles, const HalfEdges &half_edges, const
 
 } // namespace
 
-NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
-  return build_normal_rings(triangles, half_edges, marked_creases(triangles, half_edges), threads);
-}
-
-NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, int threads) {
-  constexpr int run_length = 8192; // of fans
-  NormalRings rings;
-  const FanCorners fans = find_fans(triangles, half_edges, creases, rings);
-  checkpoint();
-  std::vector<RingRun> runs(static_cast<size_t>((rings.fan_count + run_length - 1) / run_length));
-  const auto run_count = static_cast<int>(runs.size());
-  // There are as many shares as threads; each has stamps of its own.
-  const int shares = std::min(thread_count(threads), std::max(run_count, 1));
-  parallel_blocks(shares, threads, 1, [&](int share, int) {
-    const auto first_of = [&](int i) { return static_cast<int>(int64_t{run_count} * i / shares); };
-    RingWalker walker(half_edges, rings, fans);
-    for (int run = first_of(share); run < first_of(share + 1); ++run) {
-      checkpoint();
-      runs[run] = walk_run(walker, run * run_length, std::min((run + 1) * run_length, rings.fan_count));
-    }
-  });
-  join_runs(runs, rings);
-  return rings;
-}
-
-Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
-                        int threads) {
-  const std::vector<vec3> faces = kind == PDESC_NORMALS_MAX ? std::vector<vec3>() : face_normals(triangles, threads);
+// group: as Normals has it. rings: of which it is; null: of corners.
+static Normals with_points(const Triangles &triangles, const HalfEdges &half_edges, std::vector<vec3> group,
+                           const NormalRings *rings, int threads) {
   Normals normals;
-  if (kind == PDESC_NORMALS_MESH) {
-    if (triangles.corner_normal.empty())
-      throw Error(PDESC_ERROR_INVALID_OPERATION, "The mesh's own normals were asked for, but it was created without "
-                                                 "corner_normals: give them, or ask for fitted or Max's normals.");
-    normals.group = input_corner_normals(triangles, half_edges, faces, threads);
-  } else {
-    normals.group = fan_normals({triangles, rings, faces}, kind == PDESC_NORMALS_FITTED, threads);
-    normals.corner_fan = rings.corner_fan;
-  }
+  normals.group = std::move(group);
+  if (rings) normals.corner_fan = rings->corner_fan;
   normals.point.resize(static_cast<size_t>(half_edges.point_count));
   parallel_blocks(half_edges.point_count, threads, 4 * block_size, [&](int begin, int end) {
     for (int point = begin; point < end; ++point) {
-      const int32_t fan = !normals.corner_fan ? -1 : rings.point_fan[point];
+      const int32_t fan = rings ? rings->point_fan[point] : -1;
       normals.point[point] = fan >= 0 ? normals.group[fan] : point_normal(triangles, half_edges, normals, point);
     }
   });
   return normals;
+}
+
+static Normals given_normals(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
+  if (triangles.corner_normal.empty())
+    throw Error(PDESC_ERROR_INVALID_OPERATION, "The mesh's own normals were asked for, but it was created without "
+                                               "corner_normals: give them, or ask for fitted or Max's normals.");
+  std::vector<vec3> corners = input_corner_normals(triangles, half_edges, face_normals(triangles, threads), threads);
+  return with_points(triangles, half_edges, std::move(corners), nullptr, threads);
+}
+
+// fit(sources): the normals of all fans.
+template <class Fit>
+static Normals fan_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
+                           int threads, const Fit &fit) {
+  const bool fitted = kind == PDESC_NORMALS_FITTED;
+  const std::vector<vec3> faces = fitted ? face_normals(triangles, threads) : std::vector<vec3>();
+  const Sources from{triangles, rings, faces};
+  return with_points(triangles, half_edges, fitted ? fit(from) : max_normals(from, threads), &rings, threads);
+}
+
+Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
+                        int threads) {
+  if (kind == PDESC_NORMALS_MESH) return given_normals(triangles, half_edges, threads);
+  return fan_normals(triangles, half_edges, rings, kind, threads,
+                     [&](const Sources &from) { return fitted_normals(from, threads); });
+}
+
+Normals compute_normals_once(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, int32_t kind,
+                             int threads) {
+  if (kind == PDESC_NORMALS_MESH) return given_normals(triangles, half_edges, threads);
+  NormalRings rings;
+  const FanCorners fans = find_fans(triangles, half_edges, creases, rings);
+  checkpoint();
+  return fan_normals(triangles, half_edges, rings, kind, threads,
+                     [&](const Sources &from) { return fitted_normals_once(from, half_edges, fans, threads); });
 }
 
 } // namespace paradesc

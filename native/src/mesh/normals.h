@@ -1,31 +1,13 @@
 // Positions → unit normals at corners and at points. "Normals decide" the error of everything else, see native/README.md.
-//
-// A fan is the part of a point's faces that no crease cuts off; corners of one fan share one normal.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "mesh/creases.h"
-#include "mesh/halfedge.h"
-#include "mesh/triangles.h"
+#include "mesh/normal_rings.h"
 
 namespace paradesc {
-
-// Found once per topology and its creases.
-struct NormalRings {
-  int fan_count = 0;
-  std::shared_ptr<const std::vector<int32_t>> corner_fan; // (3 * triangle_count) -1 for triangles left out
-  std::vector<int32_t> fan_point;                         // (fan_count)
-  std::vector<int32_t> point_fan;                         // (point_count) -1 for points of several fans
-  std::vector<int32_t> fan_begin;                         // (fan_count + 1) into fan_vertex
-  std::vector<int32_t> fan_vertex;  // the fan's own vertex; those around it, in turning order: each face lies between two of them
-  std::vector<int32_t> ring_begin;  // (fan_count + 1) into ring_vertex
-  std::vector<int32_t> ring_vertex; // neighbors over rings of the mesh, nearest ring first, creases never crossed
-  std::vector<int32_t> face_begin;  // (fan_count + 1) into face
-  std::vector<int32_t> face;        // triangles of the rings used, the fan's own first
-};
 
 struct Normals {
   std::vector<vec3> group; // unit: of each fan, or of each corner where corners have normals of their own
@@ -41,12 +23,12 @@ struct Normals {
   }
 };
 
-// threads as in pdesc_context_options.
-NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, int threads = 0);
-NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half_edges, int threads = 0); // marked creases alone
-
-// kind as pdesc_normals. Throws Error(INVALID_OPERATION) for MESH where no corner normals were given.
+// kind as pdesc_normals; threads as in pdesc_context_options. Throws Error(INVALID_OPERATION) for MESH where no corner normals
+// were given.
 Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
                         int threads);
+// Without rings, which take more memory than the mesh: the same bits, and the time of making the rings.
+Normals compute_normals_once(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, int32_t kind,
+                             int threads);
 
 } // namespace paradesc

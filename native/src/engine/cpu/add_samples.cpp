@@ -70,7 +70,8 @@ template <int count> Vector<3, Lanes> load3(const float (*v)[count], int first) 
   return {load(v[0] + first), load(v[1] + first), load(v[2] + first)};
 }
 
-inline void select_of_block(const SampleBlock &block, int32_t number, const Vector<3, Lanes> &center, float radius, Selection &to) {
+inline void select_of_block(const SampleBlock &block, int32_t number, const Vector<3, Lanes> &center, float radius,
+                            Selection &to) {
   const int32_t index = number * block_lanes;
   uint32_t wholes = 0;
   for (int first = 0; first < block_lanes; first += lane_count) {
@@ -141,7 +142,7 @@ template <class Wide> struct Adder {
   // What the parts of blocks come to.
   struct BlockSums {
     Lanes area = 0.0f, squares = 0.0f, yy = 0.0f;
-    Vector<3, Lanes> xx{Lanes(0.0f)}, xy{Lanes(0.0f)};                 // x not in units of the radius
+    Vector<3, Lanes> xx{Lanes(0.0f)}, xy{Lanes(0.0f)};       // x not in units of the radius
     Lanes turning[6] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}; // as SampleBlock has it
   };
 

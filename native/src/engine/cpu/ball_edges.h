@@ -9,10 +9,10 @@ struct BallEdges {
   const SurfelSource &source;
   const Surfels &surfels;
 
-  float square_to(int32_t surfel, vec3 center) const;       // of the distance from its middle
-  bool lies_within(int32_t surfel, vec3 center) const;      // and so do all of its edges
+  float square_to(int32_t surfel, vec3 center) const;  // of the distance from its middle
+  bool lies_within(int32_t surfel, vec3 center) const; // and so do all of its edges
   bool meets(int32_t half_edge, vec3 center) const;
-  bool meets_between(int32_t neighbor, vec3 center) const;  // any edge between a surfel and this one of Surfels::neighbor
+  bool meets_between(int32_t neighbor, vec3 center) const; // any edge between a surfel and this one of Surfels::neighbor
 };
 
 } // namespace paradesc

@@ -30,8 +30,8 @@ TexelMap lay_out_texels(const Surface &surface, int size, int threads) {
   return texels;
 }
 
-TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first,
-                                          size_t last, int threads) {
+TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first, size_t last,
+                              int threads) {
   TreeCenters centers(last - first);
   parallel_blocks(static_cast<int>(centers.size()), threads, block, [&](int begin, int end) {
     const auto places = texel_centers(texels, surface.triangles, surface.atlases.current().charts, surface.normals, space, {},

@@ -17,8 +17,8 @@ TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, in
 TexelMap lay_out_texels(const Surface &surface, int size, int threads);
 
 // The map's centers [first, last).
-TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first,
-                                          size_t last, int threads);
+TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first, size_t last,
+                              int threads);
 
 // Values at points → at those centers, linear on triangles.
 MapValues map_at_texels(const Surface &surface, const TexelMap &texels, const MapValues &points, size_t first, size_t last,

@@ -183,14 +183,15 @@ public:
                                positions_in(space, surface.triangles, threads),
                                map,
                                threads},
-        surfels_(build_surfels(source_, radius_, fineness_of(pass, request.options))),
-        samples_(list_samples(source_, surfels_)), params_(params_of(request, space.scale, radius_, share_of_clusters(surfels_))),
+        surfels_(build_surfels(source_, radius_, fineness_of(pass, request.options))), samples_(list_samples(source_, surfels_)),
+        params_(params_of(request, space.scale, radius_, share_of_clusters(surfels_))),
         creases_(surface, radius_of(pass, request.options, request.radius), threads) {
     surfels_.cluster = {}; // samples stand for them
   }
 
   CenterResults at_points(std::span<const int> rows, const std::function<void(double)> &progress) const {
-    CenterResults results = at(centers_at_points(surface_, space_, source_.threads), source_.map ? *source_.map : MapValues(), rows, progress);
+    CenterResults results =
+        at(centers_at_points(surface_, space_, source_.threads), source_.map ? *source_.map : MapValues(), rows, progress);
     creases_.at_points(rows, results);
     return results;
   }
@@ -325,7 +326,8 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
     }();
     if (!map_texels) {
       CenterResults results = running.at_points(pass.rows, part);
-      if (computes_map(pass, map_row, options)) of_map = results.values[std::ranges::find(pass.rows, map_row) - pass.rows.begin()];
+      if (computes_map(pass, map_row, options))
+        of_map = results.values[std::ranges::find(pass.rows, map_row) - pass.rows.begin()];
       return results;
     }
     constexpr double share = 0.7; // of the texels, where points are evaluated after them

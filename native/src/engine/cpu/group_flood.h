@@ -27,7 +27,7 @@ private:
   // A surfel that the flood has come to, or looked at; a bit for each center.
   struct Met {
     int32_t surfel;
-    bool waits;             // to be left again
+    bool waits;               // to be left again
     uint64_t within, touched; // of the balls that it lies in or touches
     uint64_t reached;
   };

@@ -35,7 +35,8 @@ SampleBlock block_of(std::span<const FlatSample> samples) {
   SampleBlock block;
   constexpr float nowhere = 1e18f;
   std::fill_n(&block.corner[0][0][0], sizeof block.corner / sizeof(float), nowhere);
-  for (auto *column : {block.face[0], block.face[1], block.face[2], block.turn, block.foot, block.normal[0], block.normal[1], block.normal[2], block.area})
+  for (auto *column : {block.face[0], block.face[1], block.face[2], block.turn, block.foot, block.normal[0], block.normal[1],
+                       block.normal[2], block.area})
     std::fill_n(column, block_lanes, 0.0f);
   std::fill_n(&block.turning[0][0], 6 * block_lanes, 0.0f);
   for (size_t i = 0; i < samples.size(); ++i) {

@@ -130,7 +130,8 @@ void Search::select_around(vec3 center) {
   selection_ = {parts_.data(), cut_.data(), nearest_.data(), 0, 0, 0};
   target_.select(candidates, &center.x, surfels_.radius, selection_);
   boundary_in_ball_.clear();
-  std::ranges::copy_if(boundary_, std::back_inserter(boundary_in_ball_), [&](int32_t edge) { return edges_.meets(edge, center); });
+  std::ranges::copy_if(boundary_, std::back_inserter(boundary_in_ball_),
+                       [&](int32_t edge) { return edges_.meets(edge, center); });
 }
 
 // What is selected.
@@ -225,8 +226,8 @@ bool Search::is_one_piece(const TreeCenter &center) {
   return true;
 }
 
-// From neighbor to neighbor over edges that meet the ball, each nearer to the center; all on the way are reached, too. False where
-// none is nearer.
+// From neighbor to neighbor over edges that meet the ball, each nearer to the center; all on the way are reached, too. False
+// where none is nearer.
 bool Search::walk_to_reached(int32_t surfel, vec3 center) {
   way_.assign(1, surfel);
   for (float least = edges_.square_to(surfel, center);;) {

@@ -72,7 +72,7 @@ private:
   Selection selection_{};
   std::vector<const FlatSample *> whole_samples_, cut_samples_; // of SampleRun
   std::vector<const SampleMap *> whole_maps_, cut_maps_;        // likewise
-  std::vector<int32_t> mark_; // (surfels) the last center to which it is known to be connected
+  std::vector<int32_t> mark_;                                   // (surfels) the last center to which it is known to be connected
   int32_t walks_ = 0;
   std::vector<int32_t> reached_; // those
   std::vector<int32_t> way_;     // of the last walk

@@ -263,7 +263,8 @@ static void add_blocks(const std::vector<int32_t> &samples_of_cell, int threads,
   const int cells = static_cast<int>(samples_of_cell.size()) - 1;
   samples.cell_block.assign(1, 0);
   for (int i = 0; i < cells; ++i)
-    samples.cell_block.push_back(samples.cell_block[i] + (samples_of_cell[i + 1] - samples_of_cell[i] + block_lanes - 1) / block_lanes);
+    samples.cell_block.push_back(samples.cell_block[i] +
+                                 (samples_of_cell[i + 1] - samples_of_cell[i] + block_lanes - 1) / block_lanes);
   const auto blocks = static_cast<size_t>(samples.cell_block.back());
   samples.block.resize(blocks);
   samples.sphere.resize(blocks);

@@ -3,6 +3,7 @@
 #include "engine/cpu/surfels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -16,9 +17,9 @@ namespace {
 
 constexpr int block_size = 8192;
 constexpr float samples_of_cell = 96;
-constexpr float least_spread = 1e-13f; // pieces of less could not be told apart by floats
-constexpr float spread_of_clusters = 2;  // squares of the radius over the number of samples
-constexpr float spread_with_map = 1;     // likewise, where operators look at one
+constexpr float least_spread = 1e-13f;                                     // pieces of less could not be told apart by floats
+constexpr float spread_of_clusters = 2;                                    // squares of the radius over the number of samples
+constexpr float spread_with_map = 1;                                       // likewise, where operators look at one
 constexpr float spread_of_triangles = 1.5f, spread_of_large_triangles = 5; // over that of clusters
 constexpr float least_coherence = 0.95f; // of a surfel's mean normals, squared: it does not fold
 
@@ -47,7 +48,9 @@ public:
 
   Surfels run() {
     counts_.resize(tree_.levels());
-    measure_triangles();
+    counts_[0].resize(tree_.size(0));
+    leave_out(result_.face, vec3(0.0f));
+    if (tree_.levels() == 1) for_each(tree_.size(0), [&](size_t i) { measure_triangle(i); });
     bool any_small = true;
     for (size_t level = 1; level < tree_.levels(); ++level) any_small = measure_level(level, any_small);
     sizes_ = {};
@@ -70,26 +73,20 @@ private:
     if (tree_.size(0) < tree_.rank.size()) std::ranges::fill(items, value);
   }
 
-  void measure_triangles() {
-    counts_[0].resize(tree_.size(0));
-    leave_out(result_.face, vec3(0.0f));
-    sizes_.resize(tree_.size(0));
-    for_each(tree_.size(0), [&](size_t i) {
-      const int32_t corner = 3 * tree_.triangle[i];
-      const vec3 a = source_.position(corner), ab = source_.position(corner + 1) - a, ac = source_.position(corner + 2) - a;
-      const vec3 bc = ac - ab, plane = cross(ab, ac);
-      const float twice_area = length(plane), spread = (dot(ab, ab) + dot(ac, ac) + dot(bc, bc)) * (1.0f / 36.0f);
-      vec3 normals[3];
-      for (int32_t k = 0; k < 3; ++k) normals[k] = source_.normals.corner(static_cast<size_t>(corner + k));
-      const float turn_of_part =
-          squared_turn(normals[0], normals[1], normals[2]) / std::max(spread / result_.largest_spread, 1.0f);
-      const float largest = result_.largest_spread_at(turn_of_part);
-      counts_[0][i] = {samples_of(0.5f * twice_area, spread, largest), 1, 1, spread <= largest};
-      const vec3 face = twice_area > 0.0f ? plane / twice_area : vec3(0.0f);
-      sizes_[i] = {a + (ab + ac) * (1.0f / 3.0f), (normals[0] + normals[1] + normals[2]) * (1.0f / 3.0f), face, 0.5f * twice_area,
-                   spread};
-      result_.face[tree_.triangle[i]] = face;
-    });
+  Size measure_triangle(size_t i) {
+    const int32_t corner = 3 * tree_.triangle[i];
+    const vec3 a = source_.position(corner), ab = source_.position(corner + 1) - a, ac = source_.position(corner + 2) - a;
+    const vec3 bc = ac - ab, plane = cross(ab, ac);
+    const float twice_area = length(plane), spread = (dot(ab, ab) + dot(ac, ac) + dot(bc, bc)) * (1.0f / 36.0f);
+    vec3 normals[3];
+    for (int32_t k = 0; k < 3; ++k) normals[k] = source_.normals.corner(static_cast<size_t>(corner + k));
+    const float turn_of_part = squared_turn(normals[0], normals[1], normals[2]) / std::max(spread / result_.largest_spread, 1.0f);
+    const float largest = result_.largest_spread_at(turn_of_part);
+    counts_[0][i] = {samples_of(0.5f * twice_area, spread, largest), 1, 1, spread <= largest};
+    const vec3 face = twice_area > 0.0f ? plane / twice_area : vec3(0.0f);
+    result_.face[tree_.triangle[i]] = face;
+    return {a + (ab + ac) * (1.0f / 3.0f), (normals[0] + normals[1] + normals[2]) * (1.0f / 3.0f), face, 0.5f * twice_area,
+            spread};
   }
 
   // About as many as a triangle is divided into: of a sliver, along its length alone.
@@ -107,6 +104,8 @@ private:
     std::atomic<bool> any_small{false};
     for_each(count, [&](size_t i) {
       const auto begin = static_cast<size_t>(children[i]), end = static_cast<size_t>(children[i + 1]);
+      std::array<Size, ClusterTree::max_children> triangles; // of which none are kept
+      for (size_t k = begin; level == 1 && k < end; ++k) triangles[k - begin] = measure_triangle(k);
       Counts counts{0, 0, 0, any_small_below};
       for (size_t k = begin; k < end; ++k) {
         const Counts &child = counts_[level - 1][k];
@@ -116,7 +115,8 @@ private:
         counts.is_small = counts.is_small && child.is_small;
       }
       if (counts.is_small) {
-        sizes[i] = join(std::span(sizes_).subspan(begin, end - begin));
+        sizes[i] = join(level == 1 ? std::span<const Size>(triangles).first(end - begin)
+                                   : std::span(sizes_).subspan(begin, end - begin));
         counts.is_small = is_small(sizes[i]);
       }
       if (counts.is_small) {
