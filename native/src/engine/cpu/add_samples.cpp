@@ -173,10 +173,10 @@ template <class Wide> struct Adder {
   void add_blocks(const SelectedSamples &samples, int first) {
     BlockSums of_blocks;
     for (const BlockPart &part : samples.parts) add_block(*samples.block[part.block], part.samples, first, of_blocks);
-    const auto &[xx, yy, zz, xy, xz, yz] = of_blocks.turning;
+    const Lanes(&m)[6] = of_blocks.turning;
     const auto turning = [&](const Vector<3, Lanes> &s, const Vector<3, Lanes> &t) {
-      return s.x * t.x * xx + s.y * t.y * yy + s.z * t.z * zz +
-             0.5f * ((s.x * t.y + s.y * t.x) * xy + (s.x * t.z + s.z * t.x) * xz + (s.y * t.z + s.z * t.y) * yz);
+      return s.x * t.x * m[0] + s.y * t.y * m[1] + s.z * t.z * m[2] +
+             0.5f * ((s.x * t.y + s.y * t.x) * m[3] + (s.x * t.z + s.z * t.x) * m[4] + (s.y * t.z + s.z * t.y) * m[5]);
     };
     const Vector<3, Lanes> &t1 = sums.center.t1, &t2 = sums.center.t2;
     const Vector<3, Lanes> turned(turning(t1, t1), 2.0f * turning(t1, t2), turning(t2, t2));
