@@ -342,6 +342,19 @@ TEST(Normals, do_not_depend_on_the_number_of_threads) {
   EXPECT_EQ(one.point, four.point);
 }
 
+TEST(Normals, of_one_frame_have_the_bits_of_those_whose_rings_are_kept) {
+  const TestMesh mesh = torus(1, 0.4, {.vertices = 20000}); // several runs of rings
+  const Subject subject(mesh);
+  for (const int32_t kind : {PDESC_NORMALS_FITTED, PDESC_NORMALS_MAX}) {
+    const Normals kept = subject.normals(kind);
+    const Normals once = compute_normals_once(subject.triangles, subject.half_edges,
+                                              marked_creases(subject.triangles, subject.half_edges), kind, 2);
+    EXPECT_EQ(once.group, kept.group);
+    EXPECT_EQ(once.point, kept.point);
+    EXPECT_EQ(*once.corner_fan, *kept.corner_fan);
+  }
+}
+
 TEST(Normals, of_an_empty_mesh_are_empty) {
   const Subject subject(shape({}, {}));
   EXPECT_TRUE(subject.normals(PDESC_NORMALS_FITTED).point.empty());
