@@ -7,11 +7,15 @@
 #include <tuple>
 #include <utility>
 
+#include "bake/refined_surface.h"
 #include "context.h"
 #include "engine/engine.h"
 #include "support/keyed.h"
 
 namespace paradesc {
+
+// The positions' version, pixels along the sides of the largest map, the radius and the estimator.
+using DivisionKey = std::tuple<uint64_t, int, int, double, int32_t>;
 
 struct Mesh {
   std::shared_ptr<Context> context;
@@ -30,6 +34,13 @@ struct Mesh {
   std::optional<Patches> patches;
   Keyed<std::array<uint64_t, 3>, Normals> normals; // by the positions' version, pdesc_normals and the rings' version
   uint64_t rings_version = 0, normals_version = 0;
+
+  // For engines that do not follow the maps.
+  Keyed<DivisionKey, DivisionPlan> division_plan;
+  Keyed<DivisionKey, Division> division;
+  Keyed<std::tuple<uint64_t, uint64_t, int>, RefinedSurface>
+      refined;            // by the number of divisions, the normals' and the maps' version
+  uint64_t divisions = 0; // that were made so far
 
   std::shared_ptr<Engine> engine; // that the session is of: the context may have gone on to another since
   std::unique_ptr<Session> session;

@@ -11,14 +11,15 @@
 
 namespace paradesc {
 
-TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, int threads);
+// The first points of the surface, that many.
+TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, int32_t count, int threads);
 
 // The texels of a map over the layout, which is made anew first where parts of the surface share texture space.
 TexelMap lay_out_texels(const Surface &surface, int size, int threads);
 
 // The map's centers [first, last).
-TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first,
-                                          size_t last, int threads);
+TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first, size_t last,
+                              int threads);
 
 // Values at points → at those centers, linear on triangles.
 MapValues map_at_texels(const Surface &surface, const TexelMap &texels, const MapValues &points, size_t first, size_t last,
