@@ -102,14 +102,20 @@ static void place_points_of_edges(const HalfEdges &half_edges, const Division &d
   }
 }
 
-static void check_bounds(const std::vector<vec3> &positions) {
-  constexpr float largest = 1e18f; // as of positions that are given
-  for (const vec3 position : positions)
-    for (int axis = 0; axis < 3; ++axis)
-      if (!(std::abs(position[axis]) <= largest))
-        throw Error(PDESC_ERROR_INVALID_OPERATION,
-                    "The displacement moves the surface to where no descriptor can be computed (a coordinate is " +
-                        std::to_string(position[axis]) + "); use a smaller scale.");
+static void check_bounds(const std::vector<vec3> &positions, const std::vector<vec3> &normals) {
+  constexpr float largest = 1e18f;      // as of positions that are given
+  const auto lies_within = [](vec3 v) { // which what is no number does not
+    return std::abs(v.x) <= largest && std::abs(v.y) <= largest && std::abs(v.z) <= largest;
+  };
+  const auto is_unit = [](vec3 v) { return std::abs(dot(v, v) - 1.0f) < 0.01f || v == vec3(0.0f); };
+  if (!std::ranges::all_of(positions, lies_within))
+    throw Error(PDESC_ERROR_INVALID_OPERATION,
+                "The displacement moves the surface to where no descriptor can be computed, beyond "
+                "1e18 or to no number at all; use a smaller scale.");
+  if (!std::ranges::all_of(normals, is_unit))
+    throw Error(PDESC_ERROR_INVALID_OPERATION,
+                "The surface maps give normals that are no numbers, since squares of their slopes or "
+                "colors are more than a float holds; use smaller values.");
 }
 
 RefinedSurface refine_surface(const SurfaceMaps &maps, const Triangles &triangles, const HalfEdges &half_edges,
@@ -130,7 +136,7 @@ RefinedSurface refine_surface(const SurfaceMaps &maps, const Triangles &triangle
   std::copy(fans.normal.begin() + inner, fans.normal.end(), points.normal.begin() + static_cast<ptrdiff_t>(first_inner));
   fans.position = {};
   for (vec3 &position : points.position) position = vec3(dvec3(position) / bake_space.scale + bake_space.center);
-  check_bounds(points.position);
+  check_bounds(points.position, fans.normal);
   RefinedSurface refined;
   refined.triangles.vertex_count = division.half_edges.point_count;
   refined.triangles.triangle_count = division.plan.pieces();

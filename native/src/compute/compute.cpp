@@ -108,7 +108,10 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
 
 // If a card fails, the processor computes, provided that the caller asked for AUTO.
 Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors, const Progress &progress) {
-  check_memory_of_compute(mesh, options, descriptors);
+  {
+    const CancelScope cancel([&] { check_cancel(progress, "prepare", 0.0); });
+    check_memory_of_compute(mesh, options, descriptors);
+  }
   while (true) {
     try {
       take_engine(mesh, options);

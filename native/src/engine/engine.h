@@ -28,7 +28,7 @@ namespace paradesc {
 // A computation beyond these abilities is refused before a session sees it.
 struct Abilities {
   bool texture_space = false; // it needs a UV map, has buffers to read, and has results for each wedge of a point
-  bool surface_maps = false;  // it follows displacement and normal maps
+  bool surface_maps = false;  // it follows displacement and normal maps; else it is given the surface that they make
   bool texels = false;        // it evaluates at texels of a map, for which alone it may need a UV map
   int32_t max_triangles = std::numeric_limits<int32_t>::max();
 };
