@@ -435,5 +435,4 @@ def test_the_command_line_refuses_in_one_sentence(paradesc, sphere_obj, tmp_path
     refused(run("--material-maps"), "material")
     path = save_image(tmp_path / "white.png", np.ones((2, 2, 3)))
     refused(run("--material-maps", "--normal-map", path), "--material-maps")
-    refused(run("--displacement", path, "--backend", "reference"), "reference")
     assert not (tmp_path / "out.npz").exists()
