@@ -34,7 +34,7 @@ protected:
 
   void refine() {
     const MeasureTriangle measure = measure_of_maps(maps, built.triangles, 0.2);
-    division = divide(built.half_edges, plan_division(built.half_edges, measure, most_pieces, 2), measure, 2);
+    division = divide(built.half_edges, plan_division(built.half_edges, measure, most_pieces, 2), 2);
     refined = refine_surface(maps, built.triangles, built.half_edges, normals, space, division, 2);
   }
 

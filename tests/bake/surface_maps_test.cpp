@@ -245,17 +245,6 @@ TEST_F(SurfaceMapsApi, refuse_what_cannot_be_used_and_name_it) {
   EXPECT_EQ(mean_curvature(mesh.get()).size(), ball.points.size());
 }
 
-TEST_F(SurfaceMapsApi, the_reference_has_no_texels_to_displace) {
-  const Mesh mesh = make_mesh(context.get(), ball);
-  const float height = 1;
-  ASSERT_EQ(pdesc_mesh_set_displacement(mesh.get(), &height, 1, 1, 0, 1), PDESC_OK) << pdesc_last_error();
-  const char *name = "mean_curvature";
-  pdesc_field *field = never_field();
-  expect_refused(pdesc_compute(mesh.get(), &options, &name, 1, nullptr, nullptr, &field), PDESC_ERROR_INVALID_OPERATION,
-                 {"displacement", "reference"});
-  EXPECT_EQ(field, never_field());
-}
-
 TEST_F(SurfaceMapsApi, a_mesh_without_uvs_takes_no_map) {
   ball.corner_uvs.clear();
   const Mesh mesh = make_mesh(context.get(), ball);

@@ -37,7 +37,7 @@ struct Mesh {
 
   // For engines that do not follow the maps.
   Keyed<DivisionKey, DivisionPlan> division_plan;
-  Keyed<DivisionKey, Division> division;
+  Keyed<DivisionPlan, Division> division; // which may stay where positions have changed
   Keyed<std::tuple<uint64_t, uint64_t, int>, RefinedSurface>
       refined;            // by the number of divisions, the normals' and the maps' version
   uint64_t divisions = 0; // that were made so far

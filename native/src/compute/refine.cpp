@@ -1,5 +1,6 @@
-// Lengths of edges → plan → pieces → points and normals. The pieces depend on where the mesh's vertices are, and on how large the
-// images are; what is in the images counts for the last stage alone.
+// Lengths of edges → plan → pieces → points and normals. The plan depends on where the mesh's vertices are, and on how large the
+// images are; the pieces on the plan, which many a frame shares with the one before; what is in the images counts for the last
+// stage alone.
 #include "compute/refine.h"
 
 #include "bake/refined_surface.h"
@@ -27,10 +28,11 @@ const DivisionPlan &division_plan_of(Mesh &mesh, const pdesc_options &options) {
 }
 
 static const Division &division_of(Mesh &mesh, const pdesc_options &options) {
-  return mesh.division.get(key_of(mesh, options), [&] {
+  const DivisionPlan &plan = division_plan_of(mesh, options);
+  return mesh.division.get(plan, [&] {
     mesh.refined.clear();
     ++mesh.divisions;
-    return divide(mesh.half_edges, division_plan_of(mesh, options), measure_of(mesh, options), mesh.context->threads);
+    return divide(mesh.half_edges, plan, mesh.context->threads);
   });
 }
 

@@ -63,16 +63,26 @@ struct Target {
 
 constexpr std::array<vec2, 3> places_of_corners = {vec2(0.0f, 0.0f), vec2(1.0f, 0.0f), vec2(0.0f, 1.0f)};
 
-// Cuts one triangle after the other; to count what comes of it, or to write it.
+// Where a triangle is cut: the middle of which side, and how often the cut is halved in turn.
+struct Cut {
+  int side, halvings;
+  uint8_t stored() const { return static_cast<uint8_t>(side + 4 * halvings); }
+  static Cut from(uint8_t stored) { return {stored % 4, stored / 4}; }
+};
+
+// Cuts one triangle after the other: by a measure, to plan it; or as it was planned, to write the pieces.
 class Cutter {
 public:
-  Cutter(const HalfEdges &half_edges, const DivisionPlan &plan, const MeasureTriangle &measure, Target *target)
-      : half_edges_(half_edges), plan_(plan), measure_(measure), target_(target) {}
+  Cutter(const HalfEdges &half_edges, const DivisionPlan &plan, const MeasureTriangle &measure)
+      : half_edges_(half_edges), plan_(plan), measure_(&measure) {}
+  Cutter(const HalfEdges &half_edges, const DivisionPlan &plan, Target &target)
+      : half_edges_(half_edges), plan_(plan), target_(&target) {}
 
   void cut_triangle(int32_t triangle) {
-    of_triangle_ = measure_(triangle);
+    if (measure_) of_triangle_ = (*measure_)(triangle);
     pieces_ = inner_points_ = nodes_ = 0;
     lines_.clear();
+    cuts_.clear();
     cut_slots_.clear();
     triangle_ = triangle;
     Corners corners;
@@ -80,8 +90,7 @@ public:
     for (int32_t k = 0; k < 3; ++k) {
       const int32_t h = 3 * triangle + k, parts = 1 << plan_.halvings[h];
       corners[k] = {places_of_corners[k], h, half_edges_.corner_point[h]};
-      const float length = of_triangle_.length(places_of_corners[(k + 1) % 3] - places_of_corners[k]) / plan_.coarsening;
-      sides[k] = {k, 0, parts, length};
+      sides[k] = {k, 0, parts, length_of(places_of_corners[(k + 1) % 3] - places_of_corners[k])};
       lines_.push_back(target_ ? line_of_side(h, parts) : Line{parts, 0, 0, 0, 0, false});
     }
     cut(corners, sides);
@@ -89,8 +98,12 @@ public:
 
   int32_t pieces() const { return pieces_; }
   int32_t inner_points() const { return inner_points_; }
+  const std::vector<uint8_t> &cuts() const { return cuts_; }
 
 private:
+  // Without a measure no length is asked for.
+  float length_of(vec2 way) const { return measure_ ? of_triangle_.length(way) / plan_.coarsening : 0.0f; }
+
   Line line_of_side(int32_t h, int32_t parts) const {
     const int32_t twin = half_edges_.twin[h], first = twin >= 0 && twin < h ? twin : h;
     const int32_t point = half_edges_.point_count + plan_.edge_begin[first];
@@ -98,8 +111,21 @@ private:
     return {parts, first == h ? point - 1 : point + parts - 1, first == h ? 1 : -1, fan, plan_.side_begin[h] + h, false};
   }
 
-  int32_t add_cut(vec2 way) {
-    const int32_t parts = 1 << halvings_of(of_triangle_.length(way) / plan_.coarsening);
+  // Side -1: the triangle is a piece.
+  Cut next_cut(const Corners &corner, const Sides &side) {
+    int i = -1;
+    for (int k = 0; k < 3; ++k)
+      if (!side[k].is_short() && (i < 0 || side[k].length > side[i].length)) i = k;
+    if (i < 0) return {-1, 0};
+    if (target_) return Cut::from(plan_.cut[plan_.piece_begin[triangle_] + nodes_ - pieces_]);
+    const vec2 middle = 0.5f * (corner[i].weights + corner[(i + 1) % 3].weights);
+    const Cut cut{i, halvings_of(length_of(corner[(i + 2) % 3].weights - middle))};
+    cuts_.push_back(cut.stored());
+    return cut;
+  }
+
+  int32_t add_line(int halvings) {
+    const int32_t parts = 1 << halvings;
     Line line{parts, 0, 1, 0, static_cast<int32_t>(cut_slots_.size()), true};
     if (target_) {
       const int32_t inner = plan_.inner_begin[triangle_] + inner_points_ - 1;
@@ -113,17 +139,14 @@ private:
   }
 
   void cut(const Corners &corner, const Sides &side) {
-    int i = -1;
-    for (int k = 0; k < 3; ++k)
-      if (!side[k].is_short() && (i < 0 || side[k].length > side[i].length)) i = k;
+    const auto [i, halvings] = next_cut(corner, side);
     if (i < 0) return add_piece(corner, side);
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     const Side halved = side[i];
     const int32_t half = (halved.from + halved.to) / 2;
     const Corner middle = corner_on(lines_[halved.line], half, 0.5f * (corner[i].weights + corner[j].weights));
-    const vec2 way = corner[k].weights - middle.weights;
-    const int32_t line = add_cut(way), parts = lines_[line].parts;
-    const float across = of_triangle_.length(way) / plan_.coarsening, along = 0.5f * halved.length;
+    const int32_t line = add_line(halvings), parts = lines_[line].parts;
+    const float across = length_of(corner[k].weights - middle.weights), along = 0.5f * halved.length;
     const int32_t node = nodes_++;
     cut({corner[i], middle, corner[k]}, {Side{halved.line, halved.from, half, along}, Side{line, 0, parts, across}, side[k]});
     if (target_) tree()[node] = 4 * nodes_ + i;
@@ -136,7 +159,7 @@ private:
     return corner;
   }
 
-  int32_t *tree() const { return &target_->division.cut[2 * static_cast<size_t>(plan_.piece_begin[triangle_])]; }
+  int32_t *tree() const { return &target_->division.tree[2 * static_cast<size_t>(plan_.piece_begin[triangle_])]; }
 
   void add_piece(const Corners &corner, const Sides &side) {
     if (pieces_++ % 1024 == 1023) checkpoint();
@@ -168,11 +191,12 @@ private:
 
   const HalfEdges &half_edges_;
   const DivisionPlan &plan_;
-  const MeasureTriangle &measure_;
-  Target *target_;
+  const MeasureTriangle *measure_ = nullptr;
+  Target *target_ = nullptr;
   TriangleMeasure of_triangle_;
   int32_t triangle_ = -1, pieces_ = 0, inner_points_ = 0, nodes_ = 0;
   std::vector<Line> lines_;        // the sides, then the cuts
+  std::vector<uint8_t> cuts_;      // that were chosen
   std::vector<int32_t> cut_slots_; // of each part of a cut the half-edges along it and against it
 };
 
@@ -204,17 +228,24 @@ static bool count_pieces(const HalfEdges &half_edges, const MeasureTriangle &mea
   plan.piece_begin.assign(triangles + 1, 0);
   plan.inner_begin.assign(triangles + 1, 0);
   std::atomic<int64_t> pieces{0};
+  std::vector<std::vector<uint8_t>> cuts(triangles / block + 1); // of each block
   parallel_blocks(static_cast<int>(triangles), threads, block, [&](int begin, int end) {
-    Cutter cutter(half_edges, plan, measure, nullptr);
+    Cutter cutter(half_edges, plan, measure);
+    std::vector<uint8_t> &of_block = cuts[begin / block];
     for (int32_t triangle = begin; triangle < end && pieces <= most_pieces; ++triangle) {
       if (half_edges.corner_point[3 * triangle] < 0) continue;
       cutter.cut_triangle(triangle);
       plan.piece_begin[triangle + 1] = cutter.pieces();
       plan.inner_begin[triangle + 1] = cutter.inner_points();
       pieces += cutter.pieces();
+      of_block.insert(of_block.end(), cutter.cuts().begin(), cutter.cuts().end());
+      of_block.push_back(0);
     }
   });
-  return pieces <= most_pieces;
+  if (pieces > most_pieces) return false;
+  plan.cut.clear();
+  for (const std::vector<uint8_t> &part : cuts) plan.cut.insert(plan.cut.end(), part.begin(), part.end());
+  return true;
 }
 
 static void place_points(const HalfEdges &half_edges, DivisionPlan &plan) {
@@ -276,7 +307,7 @@ static void describe_points(HalfEdges &pieces) {
   }
 }
 
-Division divide(const HalfEdges &half_edges, const DivisionPlan &plan, const MeasureTriangle &measure, int threads) {
+Division divide(const HalfEdges &half_edges, const DivisionPlan &plan, int threads) {
   Division division;
   division.plan = plan;
   const size_t triangles = plan.halvings.size() / 3, corners = 3 * static_cast<size_t>(plan.pieces());
@@ -288,11 +319,11 @@ Division divide(const HalfEdges &half_edges, const DivisionPlan &plan, const Mea
   pieces.components = half_edges.components;
   division.fan_weights.resize(division.first_inner_fan() + static_cast<size_t>(plan.inner_begin.back()));
   for (size_t h = 0; h < plan.halvings.size(); ++h) division.fan_weights[h] = places_of_corners[h % 3];
-  division.cut.assign(2 * corners / 3, 0);
+  division.tree.assign(2 * corners / 3, 0);
   std::vector<int32_t> corner_fan(corners, -1), side_slot(plan.halvings.size() + static_cast<size_t>(plan.side_points()), -1);
   parallel_blocks(static_cast<int>(triangles), threads, block, [&](int begin, int end) {
     Target target{division, corner_fan, side_slot};
-    Cutter cutter(half_edges, plan, measure, &target);
+    Cutter cutter(half_edges, plan, target);
     for (int32_t triangle = begin; triangle < end; ++triangle) {
       if (half_edges.corner_point[3 * triangle] < 0) continue;
       cutter.cut_triangle(triangle);
@@ -310,16 +341,16 @@ Division divide(const HalfEdges &half_edges, const DivisionPlan &plan, const Mea
 // Corners p, q, s from the halved side on: beyond its middle lies q's half.
 TrianglePlace Division::at(TrianglePlace place) const {
   const int32_t first = plan.piece_begin[place.triangle];
-  const int32_t *const tree = &cut[2 * static_cast<size_t>(first)];
+  const int32_t *const nodes = &tree[2 * static_cast<size_t>(first)];
   vec3 weights(1.0f - place.weights.x - place.weights.y, place.weights);
   int32_t node = 0;
-  while (tree[node] >= 0) {
-    const int i = tree[node] % 4;
+  while (nodes[node] >= 0) {
+    const int i = nodes[node] % 4;
     const float p = weights[i], q = weights[(i + 1) % 3], s = weights[(i + 2) % 3];
     weights = p >= q ? vec3(p - q, 2.0f * q, s) : vec3(2.0f * p, q - p, s);
-    node = p >= q ? node + 1 : tree[node] / 4;
+    node = p >= q ? node + 1 : nodes[node] / 4;
   }
-  return {first - tree[node] - 1, vec2(weights.y, weights.z)};
+  return {first - nodes[node] - 1, vec2(weights.y, weights.z)};
 }
 
 } // namespace paradesc

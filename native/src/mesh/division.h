@@ -22,15 +22,18 @@ struct TriangleMeasure {
 };
 using MeasureTriangle = std::function<TriangleMeasure(int32_t triangle)>;
 
-// How often edges are halved, and what that comes to: all of it follows from the mesh and the measure.
+// How edges are halved and triangles cut, and what that comes to: all of it follows from the mesh and the measure, and with
+// another measure it may well be the same.
 struct DivisionPlan {
   float coarsening = 1.0f;          // lengths are divided by it: above 1 where there would be too many pieces
   std::vector<uint8_t> halvings;    // (3 * triangles) of each half-edge, equal on both sides
+  std::vector<uint8_t> cut;         // (pieces) of each triangle one less than it has pieces, in their order
   std::vector<int32_t> piece_begin; // (triangles + 1) pieces of each triangle; none of those left out
   std::vector<int32_t> inner_begin; // (triangles + 1) points within each triangle
   std::vector<int32_t> side_begin;  // (3 * triangles + 1) points on each half-edge, between its ends
   std::vector<int32_t> edge_begin;  // (3 * triangles + 1) the same, of one half-edge of each pair
 
+  bool operator==(const DivisionPlan &) const = default;
   int32_t pieces() const { return piece_begin.empty() ? 0 : piece_begin.back(); }
   int32_t new_points() const { return edge_begin.empty() ? 0 : edge_begin.back() + inner_begin.back(); }
   int32_t side_points() const { return side_begin.empty() ? 0 : side_begin.back(); }
@@ -53,7 +56,7 @@ struct Division {
   HalfEdges half_edges;                                   // of the pieces; each point is a vertex
   std::shared_ptr<const std::vector<int32_t>> corner_fan; // (3 * pieces)
   std::vector<vec2> fan_weights;                          // (fans) the place on the triangle, as in TrianglePlace
-  std::vector<int32_t> cut; // (2 * pieces) of each triangle a tree: where it is cut, then the tree of one half; see at()
+  std::vector<int32_t> tree; // (2 * pieces) of each triangle a tree: where it is cut, then the tree of one half; see at()
 
   size_t first_side_fan() const { return plan.halvings.size(); }
   size_t first_inner_fan() const { return first_side_fan() + static_cast<size_t>(plan.side_points()); }
@@ -61,7 +64,6 @@ struct Division {
   TrianglePlace at(TrianglePlace place) const;
 };
 
-// measure: that of the plan.
-Division divide(const HalfEdges &half_edges, const DivisionPlan &plan, const MeasureTriangle &measure, int threads);
+Division divide(const HalfEdges &half_edges, const DivisionPlan &plan, int threads);
 
 } // namespace paradesc
