@@ -1,8 +1,11 @@
 // What is kept of a surface that was divided for its maps, and for how long.
 #include "compute/refine.h"
 
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "engine/engines.h"
 #include "support/api_fixture.h"
 
 namespace paradesc {
@@ -70,9 +73,13 @@ TEST_F(Refine, forgets_it_all) {
 }
 
 TEST_F(Refine, is_for_those_who_do_not_follow_maps_themselves) {
-  EXPECT_TRUE(is_divided(*mesh, PDESC_BACKEND_CPU));
-  EXPECT_TRUE(is_divided(*mesh, PDESC_BACKEND_REFERENCE));
-  EXPECT_FALSE(is_divided(*mesh, PDESC_BACKEND_SOFTWARE));
+  for (const int32_t backend : {PDESC_BACKEND_CPU, PDESC_BACKEND_REFERENCE, PDESC_BACKEND_SOFTWARE}) {
+    const bool divided = backend != PDESC_BACKEND_SOFTWARE;
+    EXPECT_EQ(is_divided(*mesh, backend), divided);
+    if (std::string why_not; test::open_context(backend, why_not)) {
+      EXPECT_EQ(open_engine(backend, -1, 1, {})->abilities().surface_maps, !divided) << "what an engine says of itself";
+    }
+  }
   mesh->maps.displacement.reset();
   EXPECT_FALSE(is_divided(*mesh, PDESC_BACKEND_CPU));
 }

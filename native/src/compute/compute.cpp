@@ -80,7 +80,7 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   const CancelScope cancel([&] { check_cancel(progress, stage, reached); });
   check_cancel(reported, stage, reached);
 
-  const bool divided = is_divided(mesh, mesh.engine->backend());
+  const bool divided = mesh.maps.any() && !mesh.engine->abilities().surface_maps;
   if (!divided) forget_refined_surface(mesh);
   const Surface surface = divided ? refined_surface_of(mesh, options) : surface_of(mesh, options);
   const double seconds_surface = stages.lap();

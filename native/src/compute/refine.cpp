@@ -66,9 +66,9 @@ void forget_refined_surface(Mesh &mesh) {
 int64_t bytes_of_refined_surface(const Mesh &mesh, const DivisionPlan &plan) {
   const int64_t points = mesh.half_edges.point_count + int64_t{plan.new_points()}, triangles = mesh.triangles.triangle_count;
   const int64_t fans = 3 * triangles + plan.side_points() + plan.inner_begin.back();
-  constexpr int64_t of_piece = 4 * 12 + 4 + 8; // points, twins, fans, vertices of corners; its part of the mesh; where it is cut
-  constexpr int64_t of_point = 24 + 13;        // position, normal; links
-  constexpr int64_t of_fan = 8 + 24;           // its place; position and normal
+  constexpr int64_t of_piece = 4 * 12 + 4 + 11; // points, twins, fans, vertices of corners; its part of the mesh; where it is cut
+  constexpr int64_t of_point = 24 + 13;         // position, normal; links
+  constexpr int64_t of_fan = 8 + 24;            // its place; position and normal
   return plan.pieces() * of_piece + points * of_point + fans * of_fan + (plan.side_points() + 24 * triangles) * 4;
 }
 

@@ -6,7 +6,7 @@
 
 namespace paradesc {
 
-// Whether a computation there has the mesh divided for its maps. backend: any but AUTO.
+// Whether a computation there has the mesh divided for its maps, told before there is an engine. backend: any but AUTO.
 bool is_divided(const Mesh &mesh, int32_t backend);
 
 const DivisionPlan &division_plan_of(Mesh &mesh, const pdesc_options &options);
