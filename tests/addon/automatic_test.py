@@ -53,7 +53,7 @@ def test_python_and_the_library_agree_on_what_takes_texture_space(sphere):
             for options in asked:
                 for buffers in (False, True):
                     chosen = settings(**options)
-                    assert mesh.backend(chosen.options, buffers) == job.backend_for(chosen, maps_set, buffers), options
+                    assert mesh.backend(chosen.options, buffers) == job.backend_for(chosen, buffers), options
     assert job.backend_for(settings(backend="gpu", seam_error=True)) == "gpu"
 
 

@@ -55,15 +55,15 @@ def opened(folder):
     return open_sample
 
 
-def compute(arrays, radius, buffer=256, samples=64):
-    """Mean curvature on the software device."""
+def compute(arrays, radius, buffer=256, samples=64, backend="software"):
+    """Mean curvature on the software device, unless another is asked for."""
     options = bridge.Options(radius=radius, samples=samples, buffer_size=buffer)
-    return job.run(arrays, job.Settings(("mean_curvature",), options, "software"))
+    return job.run(arrays, job.Settings(("mean_curvature",), options, backend))
 
 
-def curvature(arrays, radius, buffer=256):
-    """(n,) mean curvature on the software device."""
-    return compute(arrays, radius, buffer).values["mean_curvature"]
+def curvature(arrays, radius, buffer=256, backend="software"):
+    """(n,) mean curvature."""
+    return compute(arrays, radius, buffer, backend=backend).values["mean_curvature"]
 
 
 def base(target):
@@ -275,11 +275,12 @@ def test_mirrored_halves_share_a_uv_map_and_get_values_of_their_own(opened):
     assert np.percentile(np.abs(found - found[mirror]), 99) < 0.02 * span
 
 
+@pytest.mark.parametrize("backend", ["software", "cpu"])
 @pytest.mark.parametrize(
     ("name", "share"),
     [("08_displaced_waves", 0.015), ("09_normal_mapped_waves", 0.04)],  # measured 0.9 % and 2.8 %
 )
-def test_material_makes_waves_of_a_flat_square(script, opened, name, share):
+def test_material_makes_waves_of_a_flat_square(script, opened, name, share, backend):
     target = opened(name)
     arrays = base(target)
     assert not arrays.positions[:, 2].any()
@@ -289,7 +290,7 @@ def test_material_makes_waves_of_a_flat_square(script, opened, name, share):
     x, y = np.moveaxis(arrays.positions[:, :2].astype(float), 1, 0)
     expected = wave_curvature(script, x, y)
     inside = np.maximum(np.abs(x), np.abs(y)) < 0.9
-    found = curvature(arrays, 0.01, 512)
+    found = curvature(arrays, 0.01, 512, backend)
     # The divergence of the waves' normals along x and y is their mean curvature: both maps say the same.
     np.testing.assert_allclose(found[inside], expected[inside], atol=share * expected.max())
 

@@ -108,6 +108,34 @@ TEST_F(SurfaceMapsTest, a_normal_mapped_coarse_sphere_is_nearer_to_the_fine_one)
   }
 }
 
+// Where surfaces are summed over triangles.
+class FollowedNormalMaps : public SurfaceMapsTest, public ::testing::WithParamInterface<int32_t> {
+protected:
+  void SetUp() override {
+    std::string why_not;
+    context = open_context(GetParam(), why_not);
+    ASSERT_TRUE(context) << why_not;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(, FollowedNormalMaps, ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, int32_t{PDESC_BACKEND_CPU}),
+                         backend_name);
+
+TEST_P(FollowedNormalMaps, make_a_coarse_sphere_as_near_to_the_fine_one) {
+  TestMesh mesh = sphere(1, {.vertices = 150});
+  lay_out(mesh, {.charts = 6, .gutter = 8.0 / 1024});
+  disturb_normals(mesh);
+  const Settings settings{.radius = 0.2, .radius_unit = PDESC_RADIUS_ABSOLUTE, .normals = PDESC_NORMALS_MESH};
+  const Results without = run(mesh, {}, settings, measured);
+  const Results with = run(mesh, normals_of(mesh, 256, [](Vec3 p) { return p; }), settings, measured);
+  for (const std::string &name : measured) {
+    const std::vector<double> fine = constant(mesh.points.size(), 1.0);
+    const PercentAe before = percent_ae(without[name], fine), after = percent_ae(with[name], fine);
+    std::cout << name << ": mean error without " << before.mean << " %, with " << after.mean << " %\n";
+    EXPECT_LT(after.mean, before.mean / 5) << name;
+    EXPECT_LT(after.mean, 2) << name; // as in texture space: facets stay where they are
+  }
+}
+
 TEST_F(SurfaceMapsTest, a_normal_mapped_coarse_ellipsoid_is_nearer_to_the_fine_one) {
   TestMesh mesh = ellipsoid(1, 0.75, 0.5, {.vertices = 150});
   lay_out(mesh, {.charts = 6, .gutter = 8.0 / 1024});

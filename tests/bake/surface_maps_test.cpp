@@ -1,5 +1,5 @@
 // Displacement against the surfaces that they stand for.
-#include "bake/mapped.h"
+#include "bake/mapped_shapes.h"
 
 #include <algorithm>
 #include <limits>
@@ -10,42 +10,7 @@
 namespace paradesc::test {
 namespace {
 
-// ---- A plane with a spherical cap of 60 degrees
-
-constexpr double cap_radius = 0.8, cap_top = cap_radius * 0.5, rim = 0.8 * 0.86602540378443865;
-
-double cap_height(double x, double y) {
-  const double square = x * x + y * y;
-  return square < rim * rim ? std::sqrt(cap_radius * cap_radius - square) - cap_radius * 0.5 : 0.0;
-}
-
-// 2 x 2, its UV map the unit square.
-TestMesh unwrapped_plane(int vertices) {
-  TestMesh mesh = plane(2, 2, {.vertices = vertices});
-  for (const int32_t vertex : mesh.corner_vertices) {
-    mesh.corner_uvs.push_back(static_cast<float>(mesh.parameters[at(vertex)].x));
-    mesh.corner_uvs.push_back(static_cast<float>(mesh.parameters[at(vertex)].y));
-  }
-  return mesh;
-}
-
-Maps cap_map(int size) {
-  return displacement(
-      size, size, [](double u, double v) { return 0.25 + cap_height(2 * u - 1, 2 * v - 1) / cap_top; }, 0.25, cap_top);
-}
-
-// The plane's vertices on the cap itself.
-TestMesh cap_as_geometry(TestMesh mesh) {
-  for (Vec3 &point : mesh.points) point.z = cap_height(point.x, point.y);
-  round_to_float(mesh);
-  return mesh;
-}
-
-std::vector<uint8_t> inside_the_cap(const TestMesh &mesh, double margin) {
-  std::vector<uint8_t> inside;
-  for (const Vec3 &point : mesh.points) inside.push_back(std::hypot(point.x, point.y) < rim - margin);
-  return inside;
-}
+// ---- A plane with a spherical cap
 
 const Descriptors curvatures{"mean_curvature", "gaussian_curvature", "local_bending_energy", "sphere_volume_normalized"};
 
@@ -227,21 +192,6 @@ TEST_F(SurfaceMapsTest, the_meshs_boundary_moves_with_the_surface) {
 
 // ---- A torus with waves
 
-double wave(double u, double v) { return 0.5 + 0.5 * std::cos(6 * pi * u) * std::sin(4 * pi * v); }
-
-// Its UV map are its parameters; triangles over the end of a period go beyond 1, where the image repeats.
-TestMesh unwrapped_torus(int vertices) {
-  TestMesh mesh = torus(1, 0.4, {.vertices = vertices});
-  for (size_t triangle = 0; triangle < mesh.corner_vertices.size(); triangle += 3)
-    for (size_t i = 0; i < 3; ++i)
-      for (int axis = 0; axis < 2; ++axis) {
-        auto value = [&](size_t corner) { return mesh.parameters[at(mesh.corner_vertices[triangle + corner])][axis]; };
-        const double highest = std::max({value(0), value(1), value(2)});
-        mesh.corner_uvs.push_back(static_cast<float>(value(i) + (highest - value(i) > 0.5 ? 1 : 0)));
-      }
-  return mesh;
-}
-
 TEST_F(SurfaceMapsTest, a_displaced_torus_is_measured_as_the_same_torus_in_geometry) {
   constexpr double amplitude = 0.1;
   const TestMesh base = unwrapped_torus(20000);
@@ -293,17 +243,6 @@ TEST_F(SurfaceMapsApi, refuse_what_cannot_be_used_and_name_it) {
   expect_refused(mapped(broken.data(), tangents.data(), corners), PDESC_ERROR_INVALID_ARGUMENT, {"normal map", "pixel 2"});
   // What was refused leaves no map behind: the reference computes.
   EXPECT_EQ(mean_curvature(mesh.get()).size(), ball.points.size());
-}
-
-TEST_F(SurfaceMapsApi, the_reference_has_no_texels_to_displace) {
-  const Mesh mesh = make_mesh(context.get(), ball);
-  const float height = 1;
-  ASSERT_EQ(pdesc_mesh_set_displacement(mesh.get(), &height, 1, 1, 0, 1), PDESC_OK) << pdesc_last_error();
-  const char *name = "mean_curvature";
-  pdesc_field *field = never_field();
-  expect_refused(pdesc_compute(mesh.get(), &options, &name, 1, nullptr, nullptr, &field), PDESC_ERROR_INVALID_OPERATION,
-                 {"displacement", "reference"});
-  EXPECT_EQ(field, never_field());
 }
 
 TEST_F(SurfaceMapsApi, a_mesh_without_uvs_takes_no_map) {

@@ -104,11 +104,10 @@ class Options:
     harris_k: float = 0.04
 
 
-def needs_texture_space(options: Options, maps: bool = False, buffers: bool = False) -> bool:
+def needs_texture_space(options: Options, buffers: bool = False) -> bool:
     """Says whether auto takes OpenGL for these options, as pdesc_mesh_backend does of a mesh that is there."""
     return (
-        maps
-        or buffers
+        buffers
         or options.seam_error
         or options.relocation != "connected"
         or options.precision == "half"

@@ -129,7 +129,7 @@ def compare(
     arrays: bridge.MeshArrays, settings: job.Settings, progress: bridge.ProgressFunction | None = None
 ) -> tuple[list[dict[str, object]], job.Results, job.Results]:
     """Rows of errors, one for each descriptor, and the two results that they compare."""
-    seams = bridge.uses_texture_space(job.backend_for(settings, arrays.maps is not None))
+    seams = bridge.uses_texture_space(job.backend_for(settings))
     device_settings = replace(settings, options=replace(settings.options, seam_error=seams))
     device = job.run(arrays, device_settings, staged(progress, "device", 0.0))
     if device.backend == "reference":

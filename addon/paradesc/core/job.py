@@ -186,12 +186,12 @@ def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = F
     return lease
 
 
-def backend_for(settings: Settings, maps: bool = False, buffers: bool = False) -> str:
-    """The backend that computes with these settings, told before there is a mesh; maps: displacement or normal maps."""
+def backend_for(settings: Settings, buffers: bool = False) -> str:
+    """The backend that computes with these settings, told before there is a mesh."""
     if settings.backend != "auto":
         return settings.backend
     here = contexts.automatic()
-    needed = bridge.needs_texture_space(settings.options, maps, buffers)
+    needed = bridge.needs_texture_space(settings.options, buffers)
     return "software" if needed and not bridge.uses_texture_space(here) else here
 
 

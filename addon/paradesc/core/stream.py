@@ -45,7 +45,7 @@ class Stream:
         """The backend that computes with the settings."""
         if self._mesh is not None:
             return self._mesh.backend(self.settings.options)
-        return job.backend_for(self.settings, self.arrays.maps is not None)
+        return job.backend_for(self.settings)
 
     def matches(self, arrays: MeshArrays) -> bool:
         """Whether only positions differ (and normals and tangents, which follow them)."""

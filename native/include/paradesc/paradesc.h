@@ -81,7 +81,7 @@ typedef enum pdesc_backend {
   PDESC_BACKEND_GPU = 1,       /* a hardware device by EGL, OpenGL 4.5 */
   PDESC_BACKEND_SOFTWARE = 2,  /* a software rasterizer by EGL (llvmpipe), OpenGL 4.5 */
   PDESC_BACKEND_REFERENCE = 3, /* object space on the CPU, exact quadrature over the surface, needs no UV map */
-  PDESC_BACKEND_CPU = 4        /* samples of the surface on all cores, needs a UV map at texels alone; no surface maps */
+  PDESC_BACKEND_CPU = 4        /* samples of the surface on all cores, needs a UV map at texels alone */
 } pdesc_backend;
 
 typedef enum pdesc_normals {
@@ -207,10 +207,10 @@ typedef struct pdesc_context_options {
 PDESC_API void pdesc_context_options_init(pdesc_context_options *options);
 /* options may be NULL: defaults. AUTO takes a graphics card where there is one, else CPU, and then pdesc_context_fallback says why.
  * Nor does it fail where a card fails later (it is lost, out of memory, or its driver refuses a program): CPU then computes, for the rest
- * of the context, and every field's warnings say so. What belongs to texture space alone - surface maps, the relocations AFFINE and
- * PAPER, half floats, adaptive sampling, seam errors, buffers to be read - goes under AUTO to the card, else to SOFTWARE, with a
- * sentence in the field's warnings, and is UNSUPPORTED where there is no OpenGL; a mesh without a UV map goes to CPU. Any other
- * backend gives the error, and the context stays usable. */
+ * of the context, and every field's warnings say so. What belongs to texture space alone - the relocations AFFINE and PAPER, half
+ * floats, adaptive sampling, seam errors, buffers to be read - goes under AUTO to the card, else to SOFTWARE, with a sentence in the
+ * field's warnings, and is UNSUPPORTED where there is no OpenGL; a mesh without a UV map goes to CPU. Any other backend gives the
+ * error, and the context stays usable. */
 PDESC_API int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context **context);
 PDESC_API void pdesc_context_destroy(pdesc_context *context); /* NULL is allowed */
 /* The strings live as long as the context. */
@@ -278,7 +278,9 @@ PDESC_API int32_t pdesc_mesh_create(pdesc_context *context, const pdesc_mesh_inp
 PDESC_API int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32_t vertex_count);
 /* Images over the mesh's UV map, which change what is measured and leave the mesh as it is: its diagonal, mean edge and report are those
  * of the base. Rows run from bottom to top as v does (as Blender's images do), lookups are bilinear by the UVs as given, and repeat
- * outside [0,1]. Images are copied; NULL takes a map away. Backends REFERENCE and CPU refuse to compute with a map. */
+ * outside [0,1]. Images are copied; NULL takes a map away. CPU and REFERENCE divide the triangles for a map, until pieces are as small as
+ * its pixels or an eighth of the radius, into some 4 million pieces at most: a field's warnings say where details are missing for that.
+ * GPU and SOFTWARE follow maps at vertices, not at texels. */
 /* Displacement: (height, width) floats. Every surface point p moves to p + n (value - midlevel) scale, n the interpolated unit normal,
  * scale in units of the positions. A vertex with several places in the UV map moves by their mean, weighted by angle. */
 PDESC_API int32_t pdesc_mesh_set_displacement(pdesc_mesh *mesh, const float *heights, int32_t width, int32_t height,

@@ -7,9 +7,8 @@
 
 namespace paradesc {
 
-std::string texture_space_needs(const Mesh &mesh, const pdesc_options &options) {
+std::string texture_space_needs(const pdesc_options &options) {
   std::vector<std::string> needs;
-  if (mesh.maps.any()) needs.emplace_back("displacement and normal maps");
   if (options.relocation == PDESC_RELOCATION_AFFINE) needs.emplace_back("the relocation affine");
   if (options.relocation == PDESC_RELOCATION_PAPER) needs.emplace_back("the relocation paper");
   if (options.precision == PDESC_PRECISION_HALF) needs.emplace_back("half floats");
@@ -24,7 +23,7 @@ std::string texture_space_needs(const Mesh &mesh, const pdesc_options &options) 
 int32_t backend_for(const Mesh &mesh, const pdesc_options &options) {
   const Context &context = *mesh.context;
   if (context.requested_backend != PDESC_BACKEND_AUTO) return context.backend;
-  const bool needed = !texture_space_needs(mesh, options).empty();
+  const bool needed = !texture_space_needs(options).empty();
   if (needed && !context.engine->abilities().texture_space) return PDESC_BACKEND_SOFTWARE;
   const bool mapped = !mesh.triangles.corner_uv.empty() || options.evaluate == PDESC_EVALUATE_TEXEL;
   return needed || mapped ? context.backend.load() : PDESC_BACKEND_CPU;
@@ -37,7 +36,7 @@ static std::shared_ptr<Engine> open_for(const Mesh &mesh, const pdesc_options &o
     if (backend != PDESC_BACKEND_SOFTWARE || mesh.context->requested_backend != PDESC_BACKEND_AUTO) throw;
     std::string why = error.what();
     while (why.ends_with('.')) why.pop_back();
-    throw Error(PDESC_ERROR_UNSUPPORTED, "A computation with " + texture_space_needs(mesh, options) +
+    throw Error(PDESC_ERROR_UNSUPPORTED, "A computation with " + texture_space_needs(options) +
                                              " takes OpenGL, and no device has it here (" + why + "); do without " +
                                              "what was asked for, or install a driver.");
   }
@@ -52,15 +51,13 @@ void take_engine(Mesh &mesh, const pdesc_options &options) {
   mesh.session = engine->open_session();
 }
 
-// What of texture space an engine goes without: the reference leaves options of sampling aside, and follows no map.
+// What of texture space an engine goes without; the reference leaves options of sampling aside.
 static void refuse_without_texture_space(const Mesh &mesh, const pdesc_options &options) {
-  const bool reference = mesh.engine->backend() == PDESC_BACKEND_REFERENCE;
-  if (reference && !mesh.maps.any()) return;
-  std::string needs = reference ? "displacement and normal maps" : texture_space_needs(mesh, options);
-  if (needs.empty()) return;
-  throw Error(PDESC_ERROR_INVALID_OPERATION, "A computation with " + needs + " takes texture space, which the backend " +
-                                                 (reference ? "reference" : "cpu") +
-                                                 " does without; use the backend gpu, software or auto.");
+  const std::string needs = texture_space_needs(options);
+  if (mesh.engine->backend() == PDESC_BACKEND_REFERENCE || needs.empty()) return;
+  throw Error(PDESC_ERROR_INVALID_OPERATION, "A computation with " + needs +
+                                                 " takes texture space, which the backend cpu does without; use the backend "
+                                                 "gpu, software or auto.");
 }
 
 void refuse_beyond_abilities(const Mesh &mesh, const pdesc_options &options) {

@@ -8,7 +8,7 @@
 namespace paradesc {
 
 // What of a computation belongs to texture space alone, for a sentence: "half floats and seam errors"; "" if nothing does.
-std::string texture_space_needs(const Mesh &mesh, const pdesc_options &options);
+std::string texture_space_needs(const pdesc_options &options);
 
 // The backend that computes: one of the context's own, without opening another.
 int32_t backend_for(const Mesh &mesh, const pdesc_options &options);

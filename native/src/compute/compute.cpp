@@ -6,6 +6,7 @@
 
 #include "compute/choice.h"
 #include "compute/memory.h"
+#include "compute/refine.h"
 #include "descriptor/registry.h"
 #include "support/cancel.h"
 #include "support/error.h"
@@ -26,8 +27,11 @@ static void warn(const Mesh &mesh, const pdesc_options &options, Field &field) {
   if (mesh.context->given_up)
     add("The graphics device failed, and " + mesh.engine->device() + " computed instead: " + mesh.context->fallback.load());
   if (mesh.engine != mesh.context->engine && mesh.engine->abilities().texture_space)
-    add("Only texture space has " + texture_space_needs(mesh, options) + ", so " + mesh.engine->device() +
+    add("Only texture space has " + texture_space_needs(options) + ", so " + mesh.engine->device() +
         " computed instead of the processor.");
+  if (const auto *division = mesh.division.key() ? &mesh.division.value() : nullptr; division && division->plan.coarsening > 1.0f)
+    add("The surface maps have more pixels than the surface was divided into (" + std::to_string(division->plan.pieces()) +
+        " triangles), so their finest details are missing; use smaller images or a larger radius.");
   if (report.private_layout == PDESC_LAYOUT_OVERLAPS)
     add("Charts of the UV map share texture space" +
         (report.cut_charts > 0 ? ", " + std::to_string(report.cut_charts) + " of them with themselves and cut for that"
@@ -52,6 +56,19 @@ static void warn(const Mesh &mesh, const pdesc_options &options, Field &field) {
         " vertices more than a tenth of the neighborhood was not found in the UV map.");
 }
 
+static Surface surface_of(Mesh &mesh, const pdesc_options &options) {
+  const Normals &normals = normals_of(mesh, options);
+  return {mesh.triangles,
+          mesh.half_edges,
+          normals,
+          options.creases == PDESC_CREASES_NONE ? nullptr : &creases_of(mesh, options),
+          mesh.maps,
+          mesh.extent,
+          mesh.atlases,
+          [&mesh]() -> const Patches & { return patches_of(mesh); },
+          mesh.positions_version};
+}
+
 static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors,
                                const Progress &progress) {
   refuse_beyond_abilities(mesh, options);
@@ -63,17 +80,10 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   const CancelScope cancel([&] { check_cancel(progress, stage, reached); });
   check_cancel(reported, stage, reached);
 
-  const Normals &normals = normals_of(mesh, options);
-  const double seconds_normals = stages.lap();
-  const Surface surface{mesh.triangles,
-                        mesh.half_edges,
-                        normals,
-                        options.creases == PDESC_CREASES_NONE ? nullptr : &creases_of(mesh, options),
-                        mesh.maps,
-                        mesh.extent,
-                        mesh.atlases,
-                        [&]() -> const Patches & { return patches_of(mesh); },
-                        mesh.positions_version};
+  const bool divided = mesh.maps.any() && !mesh.engine->abilities().surface_maps;
+  if (!divided) forget_refined_surface(mesh);
+  const Surface surface = divided ? refined_surface_of(mesh, options) : surface_of(mesh, options);
+  const double seconds_surface = stages.lap();
   Computed computed = mesh.session->compute(surface, request, resources_of(*mesh.context), reported);
   checkpoint();
 
@@ -85,12 +95,12 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   const bool with_seam_error = options.seam_error != 0 && mesh.engine->abilities().texture_space;
   gather(mesh.half_edges, computed.results, with_seam_error, mesh.context->threads, field);
   field.report.radius = request.radius;
-  if (surface.creases) field.report.crease_edges = surface.creases->edges;
+  if (options.creases != PDESC_CREASES_NONE) field.report.crease_edges = creases_of(mesh, options).edges;
   field.report.backend = mesh.engine->backend();
   field.device = mesh.engine->device();
   field.report.memory_megabytes =
       1e-6 * static_cast<double>(forecast_memory_of(mesh, field.report.backend, options, descriptors).total());
-  field.report.seconds_prepare += seconds_normals;
+  field.report.seconds_prepare += seconds_surface;
   field.report.seconds_total = clock.lap();
   warn(mesh, options, field);
   return field;
@@ -98,7 +108,10 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
 
 // If a card fails, the processor computes, provided that the caller asked for AUTO.
 Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors, const Progress &progress) {
-  check_memory_of_compute(mesh, options, descriptors);
+  {
+    const CancelScope cancel([&] { check_cancel(progress, "prepare", 0.0); });
+    check_memory_of_compute(mesh, options, descriptors);
+  }
   while (true) {
     try {
       take_engine(mesh, options);

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "compute/choice.h"
+#include "compute/refine.h"
 #include "engine/engines.h"
 #include "support/free_memory.h"
 
@@ -54,12 +55,15 @@ static double disks_of(const Mesh &mesh, const pdesc_options &options) {
   return part > 1e-6 ? 1.0 / (3.0 * part * part) : 0.0;
 }
 
-MemoryForecast forecast_memory_of(const Mesh &mesh, int backend, const pdesc_options &options, std::span<const int> descriptors) {
+MemoryForecast forecast_memory_of(Mesh &mesh, int backend, const pdesc_options &options, std::span<const int> descriptors) {
   const Charts &charts = mesh.atlases.current().charts;
-  MemoryForecast memory =
-      forecast_memory(backend, {mesh.triangles.triangle_count, mesh.half_edges.point_count,
-                                static_cast<int64_t>(charts.wedges.size()), static_cast<int64_t>(charts.borders.size()),
-                                mesh.maps.any(), mesh.patches.has_value(), disks_of(mesh, options), options, descriptors});
+  const DivisionPlan *const plan = is_divided(mesh, backend) ? &division_plan_of(mesh, options) : nullptr;
+  const int64_t triangles = mesh.triangles.triangle_count, points = mesh.half_edges.point_count;
+  MemoryForecast memory = forecast_memory(
+      backend, {triangles, points, static_cast<int64_t>(charts.wedges.size()), static_cast<int64_t>(charts.borders.size()),
+                plan ? plan->pieces() : triangles, plan ? points + plan->new_points() : points, mesh.maps.any(),
+                mesh.patches.has_value(), disks_of(mesh, options), options, descriptors});
+  if (plan) memory.host += bytes_of_refined_surface(mesh, *plan);
   memory.mesh = bytes_of_mesh(mesh);
   return memory;
 }
@@ -93,16 +97,21 @@ void check_memory_of_input(const Context &context, const pdesc_mesh_input &input
                "use fewer triangles", bytes_of_input(input), 0);
 }
 
-void check_memory_of_compute(const Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors) {
+void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors) {
   const int32_t backend = backend_for(mesh, options);
   const MemoryForecast memory = forecast_memory_of(mesh, backend, options, descriptors);
+  const bool divided = is_divided(mesh, backend);
   const bool buffers = backend == PDESC_BACKEND_GPU || backend == PDESC_BACKEND_SOFTWARE;
   const int64_t kept_for_others = mesh.session ? mesh.session->bytes_kept_for_others() : 0;
   check_memory(*mesh.context,
                "A computation on " + std::to_string(mesh.triangles.triangle_count) + " triangles" +
-                   (buffers ? " with buffers of " + std::to_string(options.buffer_size) + " texels a side" : std::string()),
-               buffers ? "use smaller buffers or fewer triangles" : "use fewer triangles", memory.total() - memory.mesh,
-               memory.mesh + kept_for_others);
+                   (divided ? ", divided into " + std::to_string(division_plan_of(mesh, options).pieces()) + " for surface maps,"
+                    : buffers ? " with buffers of " + std::to_string(options.buffer_size) + " texels a side"
+                              : std::string()),
+               divided   ? "use smaller images or a larger radius"
+               : buffers ? "use smaller buffers or fewer triangles"
+                         : "use fewer triangles",
+               memory.total() - memory.mesh, memory.mesh + kept_for_others);
 }
 
 } // namespace paradesc

@@ -9,11 +9,15 @@
 #include <utility>
 #include <vector>
 
+#include "bake/refined_surface.h"
 #include "context.h"
 #include "engine/engine.h"
 #include "support/keyed.h"
 
 namespace paradesc {
+
+// The positions' version, pixels along the sides of the largest map, the radius and the estimator.
+using DivisionKey = std::tuple<uint64_t, int, int, double, int32_t>;
 
 struct Mesh {
   std::shared_ptr<Context> context;
@@ -33,6 +37,13 @@ struct Mesh {
   uint64_t rings_version = 0, normals_version = 0;
   std::vector<uint8_t> normals_end_at; // Creases::half_edge that the rings' version is of
   std::optional<NormalRings> rings;    // if they are kept
+
+  // For engines that do not follow the maps.
+  Keyed<DivisionKey, DivisionPlan> division_plan;
+  Keyed<DivisionPlan, Division> division; // which may stay where positions have changed
+  Keyed<std::tuple<uint64_t, uint64_t, int>, RefinedSurface>
+      refined;            // by the number of divisions, the normals' and the maps' version
+  uint64_t divisions = 0; // that were made so far
 
   std::shared_ptr<Engine> engine; // that the session is of: the context may have gone on to another since
   std::unique_ptr<Session> session;

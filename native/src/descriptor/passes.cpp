@@ -12,6 +12,10 @@
 
 namespace paradesc {
 
+bool Pass::makes_map() const {
+  return stage == Stage::source || std::find(rows.begin(), rows.end(), gradient_row()) != rows.end();
+}
+
 static void add_once(std::vector<int> &rows, int row) {
   if (std::find(rows.begin(), rows.end(), row) == rows.end()) rows.push_back(row);
 }

@@ -20,7 +20,8 @@ enum class Stage { surface, source, map, windows };
 
 struct Pass {
   Stage stage;
-  std::vector<int> rows; // of the registry
+  std::vector<int> rows;  // of the registry
+  bool makes_map() const; // that another pass may read
 };
 
 // There is at least one pass. Operators read map_row from a pass of its own, with more samples: derivatives magnify noise.

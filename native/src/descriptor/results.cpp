@@ -1,8 +1,10 @@
-// Results of some centers + those of others → one list.
+// Results of some centers, fewer of them, or those of others as well.
 #include "descriptor/results.h"
 
 #include <algorithm>
 #include <numeric>
+
+#include "descriptor/registry.h"
 
 namespace paradesc {
 
@@ -13,6 +15,15 @@ CenterResults results_at_points(int point_count) {
   results.primary.assign(point_count, 1);
   results.coverage.assign(point_count, 1.0f);
   return results;
+}
+
+void keep_centers(CenterResults &results, size_t count, std::span<const int> rows) {
+  for (size_t k = 0; k < results.values.size(); ++k)
+    results.values[k].resize(count * static_cast<size_t>(descriptor_row(rows[k]).components));
+  results.point.resize(count);
+  results.primary.resize(count);
+  results.coverage.resize(count);
+  results.boundary.resize(count);
 }
 
 void append(CenterResults &all, CenterResults &&part) {

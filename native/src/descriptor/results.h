@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace paradesc {
@@ -17,6 +18,9 @@ struct CenterResults {
 
 // Results of every point as its own only center, all of whose surface was found; values and boundary are left to the caller.
 CenterResults results_at_points(int point_count);
+
+// Leaves the first ones. rows: of the registry, that the values are of.
+void keep_centers(CenterResults &results, size_t count, std::span<const int> rows);
 
 // Adds the results of further centers.
 void append(CenterResults &all, CenterResults &&part);

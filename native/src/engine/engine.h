@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "descriptor/results.h"
 #include "mesh/atlas.h"
 #include "mesh/creases.h"
+#include "mesh/division.h"
 #include "mesh/extent.h"
 #include "mesh/normals.h"
 #include "mesh/patches.h"
@@ -26,7 +28,7 @@ namespace paradesc {
 // A computation beyond these abilities is refused before a session sees it.
 struct Abilities {
   bool texture_space = false; // it needs a UV map, has buffers to read, and has results for each wedge of a point
-  bool surface_maps = false;  // it follows displacement and normal maps
+  bool surface_maps = false;  // it follows displacement and normal maps; else it is given the surface that they make
   bool texels = false;        // it evaluates at texels of a map, for which alone it may need a UV map
   int32_t max_triangles = std::numeric_limits<int32_t>::max();
 };
@@ -37,7 +39,15 @@ struct Resources {
   int smallest_tile = 128;  // centers of the first dispatch, which no result may depend on
 };
 
-// A mesh at one moment, borrowed for one computation.
+// The mesh that a surface was divided from.
+struct DividedMesh {
+  const Triangles &triangles;
+  const HalfEdges &half_edges;
+  const Division &division;
+};
+
+// A mesh at one moment, borrowed for one computation; or, for an engine that does not follow surface maps, what they make of it:
+// its triangles divided and displaced.
 struct Surface {
   const Triangles &triangles;
   const HalfEdges &half_edges;
@@ -48,6 +58,13 @@ struct Surface {
   Atlases &atlases;                         // an engine in texture space may ask for a better one
   std::function<const Patches &()> patches; // made when first asked for
   uint64_t positions_version;               // differs whenever positions do
+  uint64_t topology_version = 0;            // differs whenever triangles do
+  std::optional<DividedMesh> divided = {};  // whose points are the surface's first ones, and whose layout is the atlas
+
+  // Points at which results are wanted: the mesh's.
+  int32_t wanted_points() const { return divided ? divided->half_edges.point_count : half_edges.point_count; }
+  // A place on the mesh → on the surface.
+  TrianglePlace place(TrianglePlace on_mesh) const { return divided ? divided->division.at(on_mesh) : on_mesh; }
 };
 
 // What to compute of it.
@@ -101,9 +118,10 @@ public:
 // The sizes that determine the memory of a computation.
 struct ComputationSize {
   int64_t triangles, points, wedges, borders;
-  bool surface_maps; // the mesh has some
-  bool patches;      // they are made already
-  double disks;      // of the radius that the surface has the area of, about
+  int64_t pieces, piece_points; // of the surface that is summed over: the mesh's, unless it is divided for its maps
+  bool surface_maps;            // the mesh has some
+  bool patches;                 // they are made already
+  double disks;                 // of the radius that the surface has the area of, about
   const pdesc_options &options;
   std::span<const int> descriptors;
 };

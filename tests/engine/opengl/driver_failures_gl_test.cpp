@@ -156,7 +156,8 @@ protected:
     test::expect_one_sentence(text);
   }
 
-  // By name it is refused with this word in the sentence; so is what needs it under AUTO, which computes all else by the processor.
+  // By name it is refused with this word in the sentence; so is what needs it under AUTO, which computes all else by the
+  // processor.
   void expect_refused_at_once(const FailingDriver &failing, const char *word) const {
     try {
       open(PDESC_BACKEND_SOFTWARE, failing);
@@ -301,9 +302,9 @@ TEST_F(DriverFailures, a_graphics_card_that_is_lost_leaves_texture_space_to_the_
   if (!has_software()) GTEST_SKIP();
   script.hardware = 1;
   options.precision = PDESC_PRECISION_HALF;
-  const auto context = open(PDESC_BACKEND_AUTO, as_card(FailingDriver()
-                                                            .put("glDispatchCompute", dispatch)
-                                                            .put("glGetGraphicsResetStatus", reset_status)));
+  const auto context =
+      open(PDESC_BACKEND_AUTO,
+           as_card(FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status)));
   ASSERT_EQ(context->backend, PDESC_BACKEND_GPU) << context->fallback.load();
   const char *card = context->device.load();
   const auto mesh = mesh_on(context), other = mesh_on(context);
@@ -362,13 +363,29 @@ TEST_F(DriverFailures, a_device_that_does_not_come_back_says_so_each_time) {
   }
 }
 
-TEST_F(DriverFailures, maps_that_only_a_device_can_follow_end_with_the_devices_own_sentence) {
+TEST_F(DriverFailures, a_graphics_card_that_is_lost_leaves_a_surface_with_maps_to_the_processor) {
+  if (!has_software()) GTEST_SKIP();
+  script.hardware = 1;
+  const auto context =
+      open(PDESC_BACKEND_AUTO,
+           as_card(FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status)));
+  ASSERT_EQ(context->backend, PDESC_BACKEND_GPU) << context->fallback.load();
+  const auto mesh = mesh_on(context), by_name = mesh_on(open(PDESC_BACKEND_CPU, {}));
+  const float height = 0.5f;
+  for (Mesh *each : {mesh.get(), by_name.get()}) set_displacement(each->maps, each->triangles, &height, 1, 1, 0.0, 0.1);
+  script.dispatches = 0;
+  script.lose_at = 2;
+  const Field field = compute_on(*mesh);
+  EXPECT_EQ(field.report.backend, PDESC_BACKEND_CPU);
+  test::expect_same_bits(field.values[0], compute_on(*by_name).values[0]);
+}
+
+TEST_F(DriverFailures, what_only_a_device_has_ends_with_the_devices_own_sentence) {
   if (!has_software()) GTEST_SKIP();
   script.lose_at = 1;
+  options.seam_error = 1;
   const auto mesh = mesh_on(
       open(PDESC_BACKEND_AUTO, FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status)));
-  const float height = 0.5f;
-  set_displacement(mesh->maps, mesh->triangles, &height, 1, 1, 0.5, 1.0);
   try {
     compute_on(*mesh);
     FAIL() << "nothing was thrown";

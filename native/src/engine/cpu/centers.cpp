@@ -9,9 +9,9 @@ namespace paradesc {
 
 static constexpr int block = 4096; // of centers
 
-TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, int threads) {
-  TreeCenters centers(static_cast<size_t>(surface.half_edges.point_count));
-  parallel_blocks(surface.half_edges.point_count, threads, block, [&](int begin, int end) {
+TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, int32_t count, int threads) {
+  TreeCenters centers(static_cast<size_t>(count));
+  parallel_blocks(count, threads, block, [&](int begin, int end) {
     for (int i = begin; i < end; ++i)
       centers[i] = {space.to_buffer(surface.triangles.positions[surface.half_edges.point_vertex[i]]), surface.normals.point[i],
                     surface.half_edges.point_half_edge[i] / 3};
@@ -20,25 +20,40 @@ TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, in
 }
 
 TexelMap lay_out_texels(const Surface &surface, int size, int threads) {
-  surface.atlases.repack_if_overfull(surface.triangles, surface.half_edges, threads);
+  const Triangles &triangles = surface.divided ? surface.divided->triangles : surface.triangles;
+  const HalfEdges &half_edges = surface.divided ? surface.divided->half_edges : surface.half_edges;
+  surface.atlases.repack_if_overfull(triangles, half_edges, threads);
   TexelMap texels = build_texel_map(surface.atlases.current().charts, size);
   // A map that leaves much of its square empty is used as it is: nothing is sampled by it.
   const TexelCounts counts{size * size, texels.overlapping};
-  if (surface.atlases.repack_if_needed(surface.triangles, surface.half_edges, counts, size,
-                                       std::numeric_limits<double>::infinity(), threads))
+  if (surface.atlases.repack_if_needed(triangles, half_edges, counts, size, std::numeric_limits<double>::infinity(), threads))
     texels = build_texel_map(surface.atlases.current().charts, size);
   return texels;
+}
+
+static vec3 weights_of(const TrianglePlace &place) { return vec3(1.0f - place.weights.x - place.weights.y, place.weights); }
+
+// Position and normal are interpolated in 32 bits.
+static TreeCenter center_at(const Surface &surface, const BakeSpace &space, const TrianglePlace &place) {
+  const vec3 weights = weights_of(place);
+  dvec3 position(0.0);
+  vec3 sum(0.0f);
+  for (int k = 0; k < 3; ++k) {
+    position += dvec3(surface.triangles.position(3 * place.triangle + k)) * static_cast<double>(weights[k]);
+    sum += surface.normals.corner(static_cast<size_t>(3 * place.triangle + k)) * weights[k];
+  }
+  const float span = length(sum);
+  return {vec3((position - space.center) * space.scale),
+          span > 0.0f ? sum / span : surface.normals.corner(static_cast<size_t>(3 * place.triangle)), place.triangle};
 }
 
 TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first, size_t last,
                               int threads) {
   TreeCenters centers(last - first);
   parallel_blocks(static_cast<int>(centers.size()), threads, block, [&](int begin, int end) {
-    const auto places = texel_centers(texels, surface.triangles, surface.atlases.current().charts, surface.normals, space, {},
-                                      0.0f, 0, first + static_cast<size_t>(begin), first + static_cast<size_t>(end));
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      const CenterData &place = places[i - static_cast<size_t>(begin)];
-      centers[i] = {place.position, place.normal, texels.centers[first + i].triangle};
+      const TexelCenter &texel = texels.centers[first + i];
+      centers[i] = center_at(surface, space, surface.place({texel.triangle, texel.weights}));
     }
   });
   return centers;
@@ -49,9 +64,11 @@ MapValues map_at_texels(const Surface &surface, const TexelMap &texels, const Ma
   MapValues values(last - first);
   parallel_blocks(static_cast<int>(values.size()), threads, block, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      const TexelCenter &center = texels.centers[first + i];
-      const auto at = [&](int32_t k) { return points[surface.half_edges.corner_point[3 * center.triangle + k]]; };
-      values[i] = at(0) * (1.0f - center.weights.x - center.weights.y) + at(1) * center.weights.x + at(2) * center.weights.y;
+      const TexelCenter &texel = texels.centers[first + i];
+      const TrianglePlace place = surface.place({texel.triangle, texel.weights});
+      const auto at = [&](int32_t k) { return points[surface.half_edges.corner_point[3 * place.triangle + k]]; };
+      const vec3 weights = weights_of(place);
+      values[i] = at(0) * weights.x + at(1) * weights.y + at(2) * weights.z;
     }
   });
   return values;

@@ -11,7 +11,8 @@
 
 namespace paradesc {
 
-TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, int threads);
+// The first points of the surface, that many.
+TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, int32_t count, int threads);
 
 // The texels of a map over the layout, which is made anew first where parts of the surface share texture space.
 TexelMap lay_out_texels(const Surface &surface, int size, int threads);

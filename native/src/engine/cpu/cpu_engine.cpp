@@ -31,7 +31,7 @@ public:
 private:
   const TexelMap &texels(const Surface &surface, int size, int threads);
 
-  std::optional<ClusterTree> tree_;
+  Keyed<uint64_t, ClusterTree> tree_;           // by the topology's version
   Keyed<std::pair<int, int>, TexelMap> texels_; // by the atlas's version and the size
 };
 
@@ -189,9 +189,10 @@ public:
     surfels_.cluster = {}; // samples stand for them
   }
 
-  CenterResults at_points(std::span<const int> rows, const std::function<void(double)> &progress) const {
+  // The first points, that many.
+  CenterResults at_points(std::span<const int> rows, int32_t count, const std::function<void(double)> &progress) const {
     CenterResults results =
-        at(centers_at_points(surface_, space_, source_.threads), source_.map ? *source_.map : MapValues(), rows, progress);
+        at(centers_at_points(surface_, space_, count, source_.threads), source_.map ? *source_.map : MapValues(), rows, progress);
     creases_.at_points(rows, results);
     return results;
   }
@@ -247,7 +248,7 @@ static CenterResults values_for_map(const RunningPass &running, const Pass &pass
   results.values.resize(pass.rows.size());
   for (size_t i = 0; i < pass.rows.size(); ++i)
     if (pass.stage == Stage::source || pass.rows[i] == gradient_row())
-      results.values[i] = std::move(running.at_points(std::span(&pass.rows[i], 1), progress).values[0]);
+      results.values[i] = std::move(running.at_points(std::span(&pass.rows[i], 1), points, progress).values[0]);
   return results;
 }
 
@@ -296,11 +297,16 @@ static void give_texels(const Surface &surface, const Request &request, const Re
   computed.report.cut_charts = atlas.cut_charts;
 }
 
+// What later passes read as a map is needed wherever the surface is.
+static int32_t points_of(const Pass &pass, const Surface &surface) {
+  return pass.makes_map() ? surface.half_edges.point_count : surface.wanted_points();
+}
+
 Computed CpuSession::compute(const Surface &surface, const Request &request, const Resources &resources,
                              const Progress &progress) {
   const pdesc_options &options = request.options;
   Clock clock;
-  if (!tree_) tree_ = build_cluster_tree(surface.half_edges);
+  const ClusterTree &tree = tree_.get(surface.topology_version, [&] { return build_cluster_tree(surface.half_edges); });
   const BakeSpace space = bake_space_of(surface.extent.box);
   const TexelMap *map_texels = nullptr;
   CenterResults at_texels;
@@ -322,11 +328,12 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
     }
     const RunningPass running = [&] {
       const CancelScope cancel([&] { part(0.0); });
-      return RunningPass(surface, request, *tree_, space, pass, map, resources.threads);
+      return RunningPass(surface, request, tree, space, pass, map, resources.threads);
     }();
     if (!map_texels) {
-      CenterResults results = running.at_points(pass.rows, part);
-      if (computes_map(pass, map_row, options))
+      const int32_t points = points_of(pass, surface);
+      CenterResults results = running.at_points(pass.rows, points, part);
+      if (points == surface.half_edges.point_count && computes_map(pass, map_row, options))
         of_map = results.values[std::ranges::find(pass.rows, map_row) - pass.rows.begin()];
       return results;
     }
@@ -337,7 +344,8 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
     return values_for_map(running, pass, surface.half_edges.point_count, second);
   };
   computed.results = run_passes(surface.half_edges.point_count, request.descriptors, map_row, run);
-  computed.report.places = surface.half_edges.point_count;
+  keep_centers(computed.results, static_cast<size_t>(surface.wanted_points()), request.descriptors);
+  computed.report.places = surface.wanted_points();
   if (map_texels) give_texels(surface, request, resources, *map_texels, at_texels, computed);
   check_cancel(progress, "evaluate", 1.0);
   computed.report.refined_share = 1.0;
@@ -351,7 +359,7 @@ std::shared_ptr<Engine> open_cpu_engine(int threads) { return std::make_shared<C
 // values of a map at points stand.
 static int64_t bytes_of_texels(const ComputationSize &size) {
   const int64_t texels = int64_t{size.options.texels} * size.options.texels, rows = rows_of(size.descriptors);
-  const int64_t band = std::min<int64_t>(texels, texels_of_band) + size.points;
+  const int64_t band = std::min<int64_t>(texels, texels_of_band) + size.piece_points;
   return texels * static_cast<int64_t>(4 + 2 * sizeof(TexelCenter)) + texels * 8 * rows +
          band * static_cast<int64_t>(sizeof(TreeCenter) + sizeof(vec4) + 16 + 8 * rows);
 }
@@ -361,13 +369,13 @@ MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   constexpr int64_t of_triangle = 12 + 40 + 120 + sizeof(Surfel) + 44;
   // In parts that grow, and as one list.
   constexpr int64_t of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
-  const auto triangles = static_cast<double>(size.triangles);
+  const auto triangles = static_cast<double>(size.pieces);
   const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
   const Pass finest{std::ranges::any_of(size.descriptors, reads_map) ? Stage::windows : Stage::surface, {}};
   const double divided =
       std::min(1.5 * fineness_of(finest, size.options).samples * size.disks, triangles * static_cast<double>(max_stored_samples));
   MemoryForecast memory;
-  memory.host = bytes_of_results(size) + size.triangles * of_triangle + static_cast<int64_t>(triangles + divided) * of_sample;
+  memory.host = bytes_of_results(size) + size.pieces * of_triangle + static_cast<int64_t>(triangles + divided) * of_sample;
   if (size.options.evaluate == PDESC_EVALUATE_TEXEL) memory.host += bytes_of_texels(size);
   return memory;
 }

@@ -1,6 +1,8 @@
 // Points of the mesh → quadrature at each, pass by pass.
 #include "engine/reference/reference_engine.h"
 
+#include <numeric>
+
 #include "descriptor/passes.h"
 #include "engine/creases/blend.h"
 #include "engine/memory.h"
@@ -44,6 +46,8 @@ Computed ReferenceSession::compute(const Surface &surface, const Request &reques
   const int points = surface.half_edges.point_count;
   ReferenceSettings settings{request.radius, options.estimator, options.distance == PDESC_DISTANCE_GEODESIC};
   settings.map_radius = request.radius;
+  std::vector<int32_t> wanted(static_cast<size_t>(surface.wanted_points()));
+  std::iota(wanted.begin(), wanted.end(), 0);
   settings.harris_k = options.harris_k;
   Clock clock;
   Computed computed;
@@ -51,6 +55,8 @@ Computed ReferenceSession::compute(const Surface &surface, const Request &reques
       run_passes(points, request.descriptors, find_map(options.map_descriptor),
                  [&](const Pass &pass, const MapValues *map, int number, int count) {
                    settings.map = map;
+                   // What later passes read as a map is needed wherever the surface is.
+                   settings.points = pass.makes_map() ? std::span<const int32_t>() : std::span<const int32_t>(wanted);
                    settings.radius = radius_of(pass, options, request.radius);
                    settings.map_sigma = pass.stage == Stage::windows ? options.map_sigma * request.radius : 0.0;
                    const auto part = [&](double fraction) { return progress("evaluate", (number + fraction) / count); };
@@ -61,7 +67,8 @@ Computed ReferenceSession::compute(const Surface &surface, const Request &reques
                    return results;
                  });
   check_cancel(progress, "evaluate", 1.0); // other threads may have finished the last points
-  computed.report.places = points;
+  keep_centers(computed.results, wanted.size(), request.descriptors);
+  computed.report.places = surface.wanted_points();
   computed.report.refined_share = 1.0;
   computed.report.seconds_evaluate = clock.lap();
   return computed;
@@ -71,7 +78,7 @@ std::shared_ptr<Engine> open_reference_engine(int threads) { return std::make_sh
 
 MemoryForecast forecast_reference_memory(const ComputationSize &size) {
   MemoryForecast memory;
-  memory.host = bytes_of_results(size);
+  memory.host = bytes_of_results(size) + (size.pieces - size.triangles) * 32; // stamps of floods, of each thread
   return memory;
 }
 

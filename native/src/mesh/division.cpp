@@ -1,0 +1,356 @@
+// Lengths → halvings of edges → how many pieces each triangle has → the pieces, triangle by triangle.
+#include "mesh/division.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+
+#include "support/cancel.h"
+#include "support/parallel.h"
+
+namespace paradesc {
+
+static constexpr int most_halvings = 10; // of one edge
+static constexpr int block = 256;        // of triangles
+
+float TriangleMeasure::length(vec2 way) const {
+  const float image = glm::length(image1 * way.x + image2 * way.y), space = glm::length(space1 * way.x + space2 * way.y);
+  const float shorter = std::min(image, space);
+  // Of numbers whose squares no float holds nothing is known.
+  return std::isfinite(image + space) ? std::min(shorter, static_cast<float>(1 << most_halvings)) : 0.0f;
+}
+
+static int halvings_of(float length) {
+  int halvings = 0;
+  for (; length > 1.0f && halvings < most_halvings; length *= 0.5f) ++halvings;
+  return halvings;
+}
+
+namespace {
+
+struct Corner {
+  vec2 weights;
+  int32_t fan, point;
+};
+
+// An edge that both triangles beside it divide alike: a side of the triangle, or a cut through it.
+struct Line {
+  int32_t parts;
+  int32_t point, point_step; // part k ends at point + k * point_step
+  int32_t fan;               // and fan + k
+  int32_t slot;              // of its parts' half-edges
+  bool is_cut;               // its parts have two half-edges each here
+};
+
+// Parts of a line, from one of their ends to another.
+struct Side {
+  int32_t line, from, to;
+  float length;
+  bool is_short() const { return from - to == 1 || to - from == 1; }
+};
+
+using Corners = std::array<Corner, 3>;
+using Sides = std::array<Side, 3>; // from each corner to the next
+
+// What pieces of a triangle are written to.
+struct Target {
+  Division &division;
+  std::vector<int32_t> &corner_fan;
+  std::vector<int32_t> &side_slot; // the half-edge of each part of each side
+};
+
+constexpr std::array<vec2, 3> places_of_corners = {vec2(0.0f, 0.0f), vec2(1.0f, 0.0f), vec2(0.0f, 1.0f)};
+
+// Where a triangle is cut: the middle of which side, and how often the cut is halved in turn.
+struct Cut {
+  int side, halvings;
+  uint8_t stored() const { return static_cast<uint8_t>(side + 4 * halvings); }
+  static Cut from(uint8_t stored) { return {stored % 4, stored / 4}; }
+};
+
+// Cuts one triangle after the other: by a measure, to plan it; or as it was planned, to write the pieces.
+class Cutter {
+public:
+  Cutter(const HalfEdges &half_edges, const DivisionPlan &plan, const MeasureTriangle &measure)
+      : half_edges_(half_edges), plan_(plan), measure_(&measure) {}
+  Cutter(const HalfEdges &half_edges, const DivisionPlan &plan, Target &target)
+      : half_edges_(half_edges), plan_(plan), target_(&target) {}
+
+  void cut_triangle(int32_t triangle) {
+    if (measure_) of_triangle_ = (*measure_)(triangle);
+    pieces_ = inner_points_ = nodes_ = 0;
+    lines_.clear();
+    cuts_.clear();
+    cut_slots_.clear();
+    triangle_ = triangle;
+    Corners corners;
+    Sides sides;
+    for (int32_t k = 0; k < 3; ++k) {
+      const int32_t h = 3 * triangle + k, parts = 1 << plan_.halvings[h];
+      corners[k] = {places_of_corners[k], h, half_edges_.corner_point[h]};
+      sides[k] = {k, 0, parts, length_of(places_of_corners[(k + 1) % 3] - places_of_corners[k])};
+      lines_.push_back(target_ ? line_of_side(h, parts) : Line{parts, 0, 0, 0, 0, false});
+    }
+    cut(corners, sides);
+  }
+
+  int32_t pieces() const { return pieces_; }
+  int32_t inner_points() const { return inner_points_; }
+  const std::vector<uint8_t> &cuts() const { return cuts_; }
+
+private:
+  // Without a measure no length is asked for.
+  float length_of(vec2 way) const { return measure_ ? of_triangle_.length(way) / plan_.coarsening : 0.0f; }
+
+  Line line_of_side(int32_t h, int32_t parts) const {
+    const int32_t twin = half_edges_.twin[h], first = twin >= 0 && twin < h ? twin : h;
+    const int32_t point = half_edges_.point_count + plan_.edge_begin[first];
+    const auto fan = static_cast<int32_t>(target_->division.first_side_fan()) + plan_.side_begin[h] - 1;
+    return {parts, first == h ? point - 1 : point + parts - 1, first == h ? 1 : -1, fan, plan_.side_begin[h] + h, false};
+  }
+
+  // Side -1: the triangle is a piece.
+  Cut next_cut(const Corners &corner, const Sides &side) {
+    int i = -1;
+    for (int k = 0; k < 3; ++k)
+      if (!side[k].is_short() && (i < 0 || side[k].length > side[i].length)) i = k;
+    if (i < 0) return {-1, 0};
+    if (target_) return Cut::from(plan_.cut[plan_.piece_begin[triangle_] + nodes_ - pieces_]);
+    const vec2 middle = 0.5f * (corner[i].weights + corner[(i + 1) % 3].weights);
+    const Cut cut{i, halvings_of(length_of(corner[(i + 2) % 3].weights - middle))};
+    cuts_.push_back(cut.stored());
+    return cut;
+  }
+
+  int32_t add_line(int halvings) {
+    const int32_t parts = 1 << halvings;
+    Line line{parts, 0, 1, 0, static_cast<int32_t>(cut_slots_.size()), true};
+    if (target_) {
+      const int32_t inner = plan_.inner_begin[triangle_] + inner_points_ - 1;
+      line.point = half_edges_.point_count + plan_.edge_begin.back() + inner;
+      line.fan = static_cast<int32_t>(target_->division.first_inner_fan()) + inner;
+      cut_slots_.resize(cut_slots_.size() + 2 * static_cast<size_t>(parts), -1);
+    }
+    inner_points_ += parts - 1;
+    lines_.push_back(line);
+    return static_cast<int32_t>(lines_.size()) - 1;
+  }
+
+  void cut(const Corners &corner, const Sides &side) {
+    const auto [i, halvings] = next_cut(corner, side);
+    if (i < 0) return add_piece(corner, side);
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const Side halved = side[i];
+    const int32_t half = (halved.from + halved.to) / 2;
+    const Corner middle = corner_on(lines_[halved.line], half, 0.5f * (corner[i].weights + corner[j].weights));
+    const int32_t line = add_line(halvings), parts = lines_[line].parts;
+    const float across = length_of(corner[k].weights - middle.weights), along = 0.5f * halved.length;
+    const int32_t node = nodes_++;
+    cut({corner[i], middle, corner[k]}, {Side{halved.line, halved.from, half, along}, Side{line, 0, parts, across}, side[k]});
+    if (target_) tree()[node] = 4 * nodes_ + i;
+    cut({middle, corner[j], corner[k]}, {Side{halved.line, half, halved.to, along}, side[j], Side{line, parts, 0, across}});
+  }
+
+  Corner corner_on(const Line &line, int32_t part, vec2 weights) const {
+    const Corner corner{weights, line.fan + part, line.point + part * line.point_step};
+    if (target_) target_->division.fan_weights[corner.fan] = weights;
+    return corner;
+  }
+
+  int32_t *tree() const { return &target_->division.tree[2 * static_cast<size_t>(plan_.piece_begin[triangle_])]; }
+
+  void add_piece(const Corners &corner, const Sides &side) {
+    if (pieces_++ % 1024 == 1023) checkpoint();
+    if (!target_) return;
+    const int32_t piece = plan_.piece_begin[triangle_] + pieces_ - 1;
+    tree()[nodes_++] = -pieces_;
+    for (int32_t k = 0; k < 3; ++k) {
+      const int32_t h = 3 * piece + k;
+      target_->division.half_edges.corner_point[h] = corner[k].point;
+      target_->corner_fan[h] = corner[k].fan;
+      link(side[k], h);
+    }
+  }
+
+  void link(const Side &side, int32_t h) {
+    const Line &line = lines_[side.line];
+    const int32_t part = std::min(side.from, side.to);
+    if (!line.is_cut) {
+      target_->side_slot[line.slot + part] = h;
+      return;
+    }
+    const size_t slot = static_cast<size_t>(line.slot) + 2 * static_cast<size_t>(part), own = side.from < side.to ? 0 : 1;
+    cut_slots_[slot + own] = h;
+    const int32_t other = cut_slots_[slot + 1 - own];
+    if (other < 0) return;
+    target_->division.half_edges.twin[h] = other;
+    target_->division.half_edges.twin[other] = h;
+  }
+
+  const HalfEdges &half_edges_;
+  const DivisionPlan &plan_;
+  const MeasureTriangle *measure_ = nullptr;
+  Target *target_ = nullptr;
+  TriangleMeasure of_triangle_;
+  int32_t triangle_ = -1, pieces_ = 0, inner_points_ = 0, nodes_ = 0;
+  std::vector<Line> lines_;        // the sides, then the cuts
+  std::vector<uint8_t> cuts_;      // that were chosen
+  std::vector<int32_t> cut_slots_; // of each part of a cut the half-edges along it and against it
+};
+
+} // namespace
+
+// ---- How much there is
+
+static void count_halvings(const HalfEdges &half_edges, const MeasureTriangle &measure, int threads, DivisionPlan &plan) {
+  std::vector<float> length(half_edges.twin.size());
+  const auto triangles = static_cast<int>(length.size() / 3);
+  parallel_blocks(triangles, threads, block, [&](int begin, int end) {
+    for (int32_t h = 3 * begin; h < 3 * end; ++h)
+      if (half_edges.corner_point[h] >= 0)
+        length[h] = measure(h / 3).length(places_of_corners[(h + 1) % 3] - places_of_corners[h % 3]) / plan.coarsening;
+  });
+  plan.halvings.assign(length.size(), 0);
+  parallel_blocks(triangles, threads, 16 * block, [&](int begin, int end) {
+    for (int32_t h = 3 * begin; h < 3 * end; ++h) {
+      const int32_t twin = half_edges.twin[h];
+      plan.halvings[h] = static_cast<uint8_t>(halvings_of(twin < 0 ? length[h] : std::max(length[h], length[twin])));
+    }
+  });
+}
+
+// False where there are more pieces than that.
+static bool count_pieces(const HalfEdges &half_edges, const MeasureTriangle &measure, int32_t most_pieces, int threads,
+                         DivisionPlan &plan) {
+  const size_t triangles = plan.halvings.size() / 3;
+  plan.piece_begin.assign(triangles + 1, 0);
+  plan.inner_begin.assign(triangles + 1, 0);
+  std::atomic<int64_t> pieces{0};
+  std::vector<std::vector<uint8_t>> cuts(triangles / block + 1); // of each block
+  parallel_blocks(static_cast<int>(triangles), threads, block, [&](int begin, int end) {
+    Cutter cutter(half_edges, plan, measure);
+    std::vector<uint8_t> &of_block = cuts[begin / block];
+    for (int32_t triangle = begin; triangle < end && pieces <= most_pieces; ++triangle) {
+      if (half_edges.corner_point[3 * triangle] < 0) continue;
+      cutter.cut_triangle(triangle);
+      plan.piece_begin[triangle + 1] = cutter.pieces();
+      plan.inner_begin[triangle + 1] = cutter.inner_points();
+      pieces += cutter.pieces();
+      of_block.insert(of_block.end(), cutter.cuts().begin(), cutter.cuts().end());
+      of_block.push_back(0);
+    }
+  });
+  if (pieces > most_pieces) return false;
+  plan.cut.clear();
+  for (const std::vector<uint8_t> &part : cuts) plan.cut.insert(plan.cut.end(), part.begin(), part.end());
+  return true;
+}
+
+static void place_points(const HalfEdges &half_edges, DivisionPlan &plan) {
+  const auto add_up = [](std::vector<int32_t> &counts) { std::partial_sum(counts.begin(), counts.end(), counts.begin()); };
+  plan.side_begin.assign(plan.halvings.size() + 1, 0);
+  plan.edge_begin.assign(plan.halvings.size() + 1, 0);
+  for (size_t h = 0; h < plan.halvings.size(); ++h) {
+    const int32_t twin = half_edges.twin[h], between = (1 << plan.halvings[h]) - 1;
+    plan.side_begin[h + 1] = between;
+    plan.edge_begin[h + 1] = twin >= 0 && twin < static_cast<int32_t>(h) ? 0 : between;
+  }
+  for (auto *begins : {&plan.piece_begin, &plan.inner_begin, &plan.side_begin, &plan.edge_begin}) add_up(*begins);
+}
+
+DivisionPlan plan_division(const HalfEdges &half_edges, const MeasureTriangle &measure, int32_t most_pieces, int threads) {
+  const auto triangles = static_cast<int32_t>(half_edges.twin.size() / 3);
+  DivisionPlan plan;
+  while (true) {
+    count_halvings(half_edges, measure, threads, plan);
+    if (count_pieces(half_edges, measure, std::max(most_pieces, triangles), threads, plan)) break;
+    plan.coarsening *= 1.25f;
+  }
+  place_points(half_edges, plan);
+  return plan;
+}
+
+// ---- The pieces
+
+static void link_sides(const HalfEdges &half_edges, const std::vector<int32_t> &side_slot, Division &division) {
+  const DivisionPlan &plan = division.plan;
+  std::vector<int32_t> &linked = division.half_edges.twin;
+  for (int32_t h = 0; h < static_cast<int32_t>(plan.halvings.size()); ++h) {
+    const int32_t twin = half_edges.twin[h], parts = 1 << plan.halvings[h];
+    if (twin <= h) continue;
+    for (int32_t part = 0; part < parts; ++part) {
+      const int32_t a = side_slot[plan.side_begin[h] + h + part], b = side_slot[plan.side_begin[twin] + twin + parts - 1 - part];
+      linked[a] = b;
+      linked[b] = a;
+    }
+  }
+}
+
+// Each point has one fan of pieces, as the mesh's points have of triangles.
+static void describe_points(HalfEdges &pieces) {
+  const auto points = static_cast<size_t>(pieces.point_count);
+  pieces.point_vertex.resize(points);
+  std::iota(pieces.point_vertex.begin(), pieces.point_vertex.end(), 0);
+  pieces.vertex_point = pieces.point_vertex;
+  pieces.point_half_edge.assign(points, -1);
+  pieces.point_boundary.assign(points, 0);
+  const auto count = static_cast<int32_t>(pieces.twin.size());
+  for (int32_t h = 0; h < count; ++h)
+    if (int32_t &first = pieces.point_half_edge[pieces.corner_point[h]]; first < 0) first = h;
+  for (int32_t h = 0; h < count; ++h) {
+    if (pieces.twin[h] >= 0) continue;
+    pieces.point_half_edge[pieces.corner_point[h]] = h;
+    pieces.point_boundary[pieces.corner_point[h]] = pieces.point_boundary[pieces.corner_point[next_corner(h)]] = 1;
+    ++pieces.boundary_edges;
+  }
+}
+
+Division divide(const HalfEdges &half_edges, const DivisionPlan &plan, int threads) {
+  Division division;
+  division.plan = plan;
+  const size_t triangles = plan.halvings.size() / 3, corners = 3 * static_cast<size_t>(plan.pieces());
+  HalfEdges &pieces = division.half_edges;
+  pieces.point_count = half_edges.point_count + plan.new_points();
+  pieces.corner_point.assign(corners, -1);
+  pieces.twin.assign(corners, -1);
+  pieces.triangle_piece.assign(corners / 3, -1);
+  pieces.components = half_edges.components;
+  division.fan_weights.resize(division.first_inner_fan() + static_cast<size_t>(plan.inner_begin.back()));
+  for (size_t h = 0; h < plan.halvings.size(); ++h) division.fan_weights[h] = places_of_corners[h % 3];
+  division.tree.assign(2 * corners / 3, 0);
+  std::vector<int32_t> corner_fan(corners, -1), side_slot(plan.halvings.size() + static_cast<size_t>(plan.side_points()), -1);
+  parallel_blocks(static_cast<int>(triangles), threads, block, [&](int begin, int end) {
+    Target target{division, corner_fan, side_slot};
+    Cutter cutter(half_edges, plan, target);
+    for (int32_t triangle = begin; triangle < end; ++triangle) {
+      if (half_edges.corner_point[3 * triangle] < 0) continue;
+      cutter.cut_triangle(triangle);
+      std::fill(pieces.triangle_piece.begin() + plan.piece_begin[triangle],
+                pieces.triangle_piece.begin() + plan.piece_begin[triangle + 1], half_edges.triangle_piece[triangle]);
+    }
+  });
+  link_sides(half_edges, side_slot, division);
+  checkpoint();
+  describe_points(pieces);
+  division.corner_fan = std::make_shared<const std::vector<int32_t>>(std::move(corner_fan));
+  return division;
+}
+
+// Corners p, q, s from the halved side on: beyond its middle lies q's half.
+TrianglePlace Division::at(TrianglePlace place) const {
+  const int32_t first = plan.piece_begin[place.triangle];
+  const int32_t *const nodes = &tree[2 * static_cast<size_t>(first)];
+  vec3 weights(1.0f - place.weights.x - place.weights.y, place.weights);
+  int32_t node = 0;
+  while (nodes[node] >= 0) {
+    const int i = nodes[node] % 4;
+    const float p = weights[i], q = weights[(i + 1) % 3], s = weights[(i + 2) % 3];
+    weights = p >= q ? vec3(p - q, 2.0f * q, s) : vec3(2.0f * p, q - p, s);
+    node = p >= q ? node + 1 : nodes[node] / 4;
+  }
+  return {first - nodes[node] - 1, vec2(weights.y, weights.z)};
+}
+
+} // namespace paradesc
