@@ -258,8 +258,8 @@ TEST_P(Parity, the_boundary_mask_agrees_with_the_oracle) {
   }
 }
 
-// Together they share one sampling, and must not share more. On the CPU areas and the bending energy take finer samples, which the
-// others share then.
+// Together they share one sampling, and must not share more. On the CPU areas and the bending energy take finer samples, which
+// the others share then.
 TEST_P(Parity, a_descriptor_alone_has_the_values_it_has_among_the_others) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 800});
   lay_out(mesh, {.charts = 6});

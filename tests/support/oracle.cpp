@@ -123,7 +123,8 @@ std::vector<int32_t> clusters_of(const TestMesh &mesh, size_t count, size_t size
     vertices.insert(vertices.end(), nearest.begin(), nearest.begin() + static_cast<ptrdiff_t>(size));
   }
   std::ranges::sort(vertices);
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end()); // Clang 14 does not compile GCC 12's std::ranges::unique
+  vertices.erase(std::unique(vertices.begin(), vertices.end()),
+                 vertices.end()); // Clang 14 does not compile GCC 12's std::ranges::unique
   return vertices;
 }
 

@@ -82,8 +82,8 @@ public:
 private:
   bool is_needle_itself(int face) const { return is_needle(triangles_, face, face_product(triangles_, face)); }
   double bend_of(int half_edge) const {
-    return std::abs(bend_between(dvec3(normals_[half_edge / 3]), dvec3(normals_[half_edges_.twin[half_edge] / 3]), triangles_,
-                                 half_edge));
+    return std::abs(
+        bend_between(dvec3(normals_[half_edge / 3]), dvec3(normals_[half_edges_.twin[half_edge] / 3]), triangles_, half_edge));
   }
 
   // Of the triangle, across the edge.
@@ -210,8 +210,8 @@ std::vector<vec3> steady_normals(const Triangles &triangles, const HalfEdges &ha
 double bend_at(const Triangles &triangles, const HalfEdges &half_edges, int half_edge) {
   const int twin = half_edges.twin[half_edge];
   if (twin < 0) return 0;
-  return bend_between(steady_normal(triangles, half_edges, half_edge / 3), steady_normal(triangles, half_edges, twin / 3), triangles,
-                      half_edge);
+  return bend_between(steady_normal(triangles, half_edges, half_edge / 3), steady_normal(triangles, half_edges, twin / 3),
+                      triangles, half_edge);
 }
 
 int32_t count_edges(const Creases &creases) {

@@ -8,11 +8,10 @@
 
 namespace paradesc {
 
-// resize() leaves new items of plain types unset: setting millions of them to 0 on one core takes longer than writing them on all.
+// resize() leaves new items of plain types unset: setting millions of them to 0 on one core takes longer than writing them on
+// all.
 template <class T> struct LeaveUnset : std::allocator<T> {
-  template <class Other> struct rebind {
-    using other = LeaveUnset<Other>;
-  };
+  template <class Other> struct rebind { using other = LeaveUnset<Other>; };
   template <class Item> void construct(Item *place) { ::new (static_cast<void *>(place)) Item; }
   template <class Item, class... From> void construct(Item *place, From &&...from) {
     ::new (static_cast<void *>(place)) Item(std::forward<From>(from)...);

@@ -102,9 +102,10 @@ Summed sum_up(const SumTarget &target, int kind, const EvaluateParams &params, c
   const auto whole = filled(samples, summed.whole, nothing), cut = filled(samples, summed.cut, nothing);
   const auto whole_map = filled(list.map, summed.whole, no_map), cut_map = filled(list.map, summed.cut, no_map);
   const auto blocks_of = [](const auto &all) { return static_cast<int32_t>(all.size()) / block_lanes; };
-  target.by_kind[kind](params,
-                       {parts, listed.data(), {whole.data(), whole_map.data(), blocks_of(whole)}, {cut.data(), cut_map.data(), blocks_of(cut)}},
-                       center, summed.sums.data());
+  target.by_kind[kind](
+      params,
+      {parts, listed.data(), {whole.data(), whole_map.data(), blocks_of(whole)}, {cut.data(), cut_map.data(), blocks_of(cut)}},
+      center, summed.sums.data());
   return summed;
 }
 
