@@ -30,8 +30,9 @@ constexpr bool on_device = PARADESC_FUZZ_BACKEND == PDESC_BACKEND_SOFTWARE;
 constexpr bool on_reference = PARADESC_FUZZ_BACKEND == PDESC_BACKEND_REFERENCE;
 constexpr int32_t most_samples = on_reference ? 4096 : on_device ? 64 : 256, most_texels = on_reference ? 8192 : 64;
 constexpr bool mostly_stopped = PARADESC_FUZZ_STOPPED;
-// Without a limit every mesh and computation asks the system what is free, for longer than many an input takes.
-constexpr int64_t usual_limit = int64_t{1} << 31;
+// Without a limit every mesh and computation asks the system what is free, for longer than many an input takes. Where surfaces are
+// divided for their maps, it keeps the pieces from becoming millions.
+constexpr int64_t usual_limit = int64_t{1} << (on_device ? 31 : on_reference ? 24 : 26);
 
 const char *any_descriptor(Bytes &bytes, bool rarely_wrong = true) {
   constexpr const char *wrong[] = {nullptr,    "",       "coverage", "mean",     "mean_curvature ", "%s%n",
@@ -152,6 +153,7 @@ private:
     const bool rare = bytes_.one_in(32);
     options.threads = rare ? 1 + bytes_.below(3) : 1;
     options.memory_limit = rare ? 0 : usual_limit;
+    takes_maps_ = !rare;
     claim(done(pdesc_context_create(&options, &context_)), "the backend is not there");
     claim(pdesc_context_backend(context_) == PARADESC_FUZZ_BACKEND && *pdesc_context_device(context_), "a context is another");
   }
@@ -305,6 +307,7 @@ private:
   }
 
   void displace() {
+    if (!takes_maps_) return;
     const int32_t width = bytes_.below(6), height = bytes_.below(6);
     std::vector<float> heights(static_cast<size_t>(width * height));
     for (float &x : heights) x = bytes_.number();
@@ -314,6 +317,7 @@ private:
   }
 
   void map_normals() {
+    if (!takes_maps_) return;
     const MeshSlot &slot = any_mesh();
     const int32_t width = bytes_.below(4), height = bytes_.below(4);
     std::vector<float> colors(static_cast<size_t>(3 * width * height)), tangents(4 * static_cast<size_t>(slot.corners));
@@ -457,6 +461,7 @@ private:
 
   Bytes &bytes_;
   pdesc_context *context_ = nullptr;
+  bool takes_maps_ = true; // surfaces that they divide are limited by memory alone
   std::array<MeshSlot, 2> meshes_;
   std::array<FieldSlot, 2> fields_;
   pdesc_mesh *dead_mesh_ = nullptr;
