@@ -211,6 +211,24 @@ TEST(Division, ends_where_lengths_are_no_numbers) {
   EXPECT_LE(plan_division(built.half_edges, measure, 1 << 16, 2).pieces(), 1 << 16);
 }
 
+// Found by fuzzing: a piece whose lengths are but the rounding of far larger ones has a side that nothing cuts off.
+TEST(Division, ends_where_a_triangle_spans_an_image_many_times_over) {
+  const Built built = build(read_triangles(input_of(sphere(1, {.vertices = 40}))));
+  const MeasureTriangle measure = [](int32_t) {
+    return TriangleMeasure{vec2(1.6f, 1.14387e13f), vec2(0.0f, 1.14387e13f), vec3(35.9045f, 35.9045f, 3.77942f),
+                           vec3(0.0f, 35.9045f, 3.77942f)};
+  };
+  expect_sound(divide(built.half_edges, plan_division(built.half_edges, measure, 1 << 20, 2), 2).half_edges);
+}
+
+// Sides are halved ten times at most, so parts of these would stay long.
+TEST(Division, ends_where_edges_are_longer_than_halving_makes_short) {
+  const Built built = build(read_triangles(input_of(sphere(1, {.vertices = 8}))));
+  const DivisionPlan plan = plan_division(built.half_edges, in_space(built.triangles, 1e-6f), 1 << 16, 2);
+  EXPECT_LE(plan.pieces(), 1 << 16);
+  EXPECT_GE(plan.pieces(), 1 << 12);
+}
+
 TEST(Division, does_not_depend_on_threads) {
   const Triangles triangles = read_triangles(input_of(torus(1, 0.4, {.vertices = 2000})));
   const auto divided = [&](int threads) {

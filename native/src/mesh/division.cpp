@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "support/cancel.h"
@@ -15,13 +16,6 @@ namespace paradesc {
 static constexpr int most_halvings = 10; // of one edge
 static constexpr int block = 256;        // of triangles
 
-float TriangleMeasure::length(vec2 way) const {
-  const float image = glm::length(image1 * way.x + image2 * way.y), space = glm::length(space1 * way.x + space2 * way.y);
-  const float shorter = std::min(image, space);
-  // Of numbers whose squares no float holds nothing is known.
-  return std::isfinite(image + space) ? std::min(shorter, static_cast<float>(1 << most_halvings)) : 0.0f;
-}
-
 static int halvings_of(float length) {
   int halvings = 0;
   for (; length > 1.0f && halvings < most_halvings; length *= 0.5f) ++halvings;
@@ -29,6 +23,40 @@ static int halvings_of(float length) {
 }
 
 namespace {
+
+constexpr std::array<vec2, 3> places_of_corners = {vec2(0.0f, 0.0f), vec2(1.0f, 0.0f), vec2(0.0f, 1.0f)};
+
+// Lengths in one triangle, of which none is above what the halvings of its sides come to: a side whose parts stayed long could
+// never be cut off. 0 if no float holds the square of a side: then nothing is known of the triangle.
+class Lengths {
+public:
+  Lengths() = default;
+  Lengths(const TriangleMeasure &measure, float coarsening) : measure_(measure) {
+    // Of a triangle with an image many times over, floats do not tell how long a way is that is short against it.
+    constexpr float most_in_image = 65536.0f;
+    float longest = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+      const vec2 side = side_of(k);
+      counts_image_ = counts_image_ && length(measure.image1 * side.x + measure.image2 * side.y) < most_in_image;
+    }
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, measured(side_of(k)));
+    if (std::isfinite(longest)) scale_ = 1.0f / std::max(coarsening, longest / static_cast<float>(1 << most_halvings));
+  }
+  float of(vec2 way) const { return scale_ > 0.0f ? scale_ * measured(way) : 0.0f; }
+  float of_side(int k) const { return of(side_of(k)); }
+
+private:
+  static vec2 side_of(int k) { return places_of_corners[(k + 1) % 3] - places_of_corners[k]; }
+  float measured(vec2 way) const {
+    const float space = length(measure_.space1 * way.x + measure_.space2 * way.y);
+    if (!std::isfinite(space)) return std::numeric_limits<float>::infinity();
+    return counts_image_ ? std::min(space, length(measure_.image1 * way.x + measure_.image2 * way.y)) : space;
+  }
+
+  TriangleMeasure measure_;
+  bool counts_image_ = true;
+  float scale_ = 0.0f;
+};
 
 struct Corner {
   vec2 weights;
@@ -61,8 +89,6 @@ struct Target {
   std::vector<int32_t> &side_slot; // the half-edge of each part of each side
 };
 
-constexpr std::array<vec2, 3> places_of_corners = {vec2(0.0f, 0.0f), vec2(1.0f, 0.0f), vec2(0.0f, 1.0f)};
-
 // Where a triangle is cut: the middle of which side, and how often the cut is halved in turn.
 struct Cut {
   int side, halvings;
@@ -79,7 +105,7 @@ public:
       : half_edges_(half_edges), plan_(plan), target_(&target) {}
 
   void cut_triangle(int32_t triangle) {
-    if (measure_) of_triangle_ = (*measure_)(triangle);
+    if (measure_) lengths_ = {(*measure_)(triangle), plan_.coarsening};
     pieces_ = inner_points_ = nodes_ = 0;
     lines_.clear();
     cuts_.clear();
@@ -90,7 +116,7 @@ public:
     for (int32_t k = 0; k < 3; ++k) {
       const int32_t h = 3 * triangle + k, parts = 1 << plan_.halvings[h];
       corners[k] = {places_of_corners[k], h, half_edges_.corner_point[h]};
-      sides[k] = {k, 0, parts, length_of(places_of_corners[(k + 1) % 3] - places_of_corners[k])};
+      sides[k] = {k, 0, parts, lengths_.of_side(k)};
       lines_.push_back(target_ ? line_of_side(h, parts) : Line{parts, 0, 0, 0, 0, false});
     }
     cut(corners, sides);
@@ -101,9 +127,6 @@ public:
   const std::vector<uint8_t> &cuts() const { return cuts_; }
 
 private:
-  // Without a measure no length is asked for.
-  float length_of(vec2 way) const { return measure_ ? of_triangle_.length(way) / plan_.coarsening : 0.0f; }
-
   Line line_of_side(int32_t h, int32_t parts) const {
     const int32_t twin = half_edges_.twin[h], first = twin >= 0 && twin < h ? twin : h;
     const int32_t point = half_edges_.point_count + plan_.edge_begin[first];
@@ -119,7 +142,7 @@ private:
     if (i < 0) return {-1, 0};
     if (target_) return Cut::from(plan_.cut[plan_.piece_begin[triangle_] + nodes_ - pieces_]);
     const vec2 middle = 0.5f * (corner[i].weights + corner[(i + 1) % 3].weights);
-    const Cut cut{i, halvings_of(length_of(corner[(i + 2) % 3].weights - middle))};
+    const Cut cut{i, halvings_of(lengths_.of(corner[(i + 2) % 3].weights - middle))};
     cuts_.push_back(cut.stored());
     return cut;
   }
@@ -146,7 +169,7 @@ private:
     const int32_t half = (halved.from + halved.to) / 2;
     const Corner middle = corner_on(lines_[halved.line], half, 0.5f * (corner[i].weights + corner[j].weights));
     const int32_t line = add_line(halvings), parts = lines_[line].parts;
-    const float across = length_of(corner[k].weights - middle.weights), along = 0.5f * halved.length;
+    const float across = lengths_.of(corner[k].weights - middle.weights), along = 0.5f * halved.length;
     const int32_t node = nodes_++;
     cut({corner[i], middle, corner[k]}, {Side{halved.line, halved.from, half, along}, Side{line, 0, parts, across}, side[k]});
     if (target_) tree()[node] = 4 * nodes_ + i;
@@ -193,7 +216,7 @@ private:
   const DivisionPlan &plan_;
   const MeasureTriangle *measure_ = nullptr;
   Target *target_ = nullptr;
-  TriangleMeasure of_triangle_;
+  Lengths lengths_; // all 0 without a measure: as it was planned, no length matters
   int32_t triangle_ = -1, pieces_ = 0, inner_points_ = 0, nodes_ = 0;
   std::vector<Line> lines_;        // the sides, then the cuts
   std::vector<uint8_t> cuts_;      // that were chosen
@@ -208,9 +231,11 @@ static void count_halvings(const HalfEdges &half_edges, const MeasureTriangle &m
   std::vector<float> length(half_edges.twin.size());
   const auto triangles = static_cast<int>(length.size() / 3);
   parallel_blocks(triangles, threads, block, [&](int begin, int end) {
-    for (int32_t h = 3 * begin; h < 3 * end; ++h)
-      if (half_edges.corner_point[h] >= 0)
-        length[h] = measure(h / 3).length(places_of_corners[(h + 1) % 3] - places_of_corners[h % 3]) / plan.coarsening;
+    for (int32_t triangle = begin; triangle < end; ++triangle) {
+      if (half_edges.corner_point[3 * triangle] < 0) continue;
+      const Lengths lengths(measure(triangle), plan.coarsening);
+      for (int k = 0; k < 3; ++k) length[3 * triangle + k] = lengths.of_side(k);
+    }
   });
   plan.halvings.assign(length.size(), 0);
   parallel_blocks(triangles, threads, 16 * block, [&](int begin, int end) {

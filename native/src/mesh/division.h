@@ -17,8 +17,6 @@ namespace paradesc {
 struct TriangleMeasure {
   vec2 image1{0.0f}, image2{0.0f}; // from corner 0 to corners 1 and 2
   vec3 space1{0.0f}, space2{0.0f};
-  // way: by weights of corners 1 and 2.
-  float length(vec2 way) const;
 };
 using MeasureTriangle = std::function<TriangleMeasure(int32_t triangle)>;
 

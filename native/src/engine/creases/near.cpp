@@ -24,7 +24,8 @@ NearCreases::NearCreases(const CreasedSurface &surface, double radius)
       high = glm::max(high, dvec3(surface.triangles.position(corner)));
     }
   constexpr double most_cells = 128; // along a side: creases may be long against the radius
-  cell_ = std::max(cell_, glm::length(high - low) / most_cells);
+  constexpr double above_0 = std::numeric_limits<double>::min(); // of surfaces that are one point
+  cell_ = std::max({cell_, glm::length(high - low) / most_cells, above_0});
   low_ = low - 2.0 * cell_;
   for (const int32_t edge : edges) add_edge(edge);
   std::sort(edges_.begin(), edges_.end());
