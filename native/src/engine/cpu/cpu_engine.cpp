@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 #include "descriptor/passes.h"
 #include "descriptor/registry.h"
@@ -157,14 +158,19 @@ static EvaluateParams params_of(const Request &request, double scale, float radi
   return params;
 }
 
-// Half of the radius has as many samples as the radius, where both count.
+// Areas are cut off at the rim alone, where nothing evens out what clusters miss: they take four times as many, and triangles
+// half as large. Half of the radius has as many samples as the radius, where both count. Curvature hardly depends on the size of
+// triangles.
 static Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
-  const bool is_of_surface = pass.stage == Stage::surface || pass.stage == Stage::source;
-  const bool two_radii = options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED && is_of_surface;
-  const bool large_triangles =
-      pass.stage == Stage::surface && options.estimator == PDESC_ESTIMATOR_SHAPE_OPERATOR &&
-      std::ranges::none_of(pass.rows, [](int row) { return uses_terms(row, "area") || uses_terms(row, "bending"); });
-  return {two_radii ? 4 * options.samples : options.samples, large_triangles};
+  const auto any = [&](std::string_view terms) {
+    return std::ranges::any_of(pass.rows, [&](int row) { return uses_terms(row, terms); });
+  };
+  if (pass.stage != Stage::surface && pass.stage != Stage::source) return {options.samples};
+  if (options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) return {4 * options.samples};
+  constexpr float half_as_large = 3.0f, large = 5.0f;
+  if (options.estimator == PDESC_ESTIMATOR_INTEGRAL || any("area")) return {4 * options.samples, half_as_large};
+  if (pass.stage == Stage::surface && !any("bending")) return {options.samples, large};
+  return {options.samples};
 }
 
 namespace {
@@ -370,8 +376,7 @@ MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   // In parts that grow, and as one list.
   constexpr int64_t of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
   const auto triangles = static_cast<double>(size.pieces);
-  const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
-  const Pass finest{std::ranges::any_of(size.descriptors, reads_map) ? Stage::windows : Stage::surface, {}};
+  const Pass finest{Stage::surface, {size.descriptors.begin(), size.descriptors.end()}};
   const double divided =
       std::min(1.5 * fineness_of(finest, size.options).samples * size.disks, triangles * static_cast<double>(max_stored_samples));
   MemoryForecast memory;

@@ -17,10 +17,9 @@ namespace {
 
 constexpr int block_size = 8192;
 constexpr float samples_of_cell = 96;
-constexpr float least_spread = 1e-13f;                                     // pieces of less could not be told apart by floats
-constexpr float spread_of_clusters = 2;                                    // squares of the radius over the number of samples
-constexpr float spread_with_map = 1;                                       // likewise, where operators look at one
-constexpr float spread_of_triangles = 1.5f, spread_of_large_triangles = 5; // over that of clusters
+constexpr float least_spread = 1e-13f;   // pieces of less could not be told apart by floats
+constexpr float spread_of_clusters = 2;  // squares of the radius over the number of samples
+constexpr float spread_with_map = 1;     // likewise, where operators look at one
 constexpr float least_coherence = 0.95f; // of a surfel's mean normals, squared: it does not fold
 
 // Enough of a piece of surface to see whether it can be one surfel.
@@ -43,7 +42,7 @@ public:
     const float spread = source.map ? spread_with_map : spread_of_clusters;
     largest_spread_ = std::max(spread * radius * radius / static_cast<float>(fineness.samples), least_spread);
     result_.radius = radius;
-    result_.largest_spread = (fineness.large_triangles ? spread_of_large_triangles : spread_of_triangles) * largest_spread_;
+    result_.largest_spread = fineness.triangles * largest_spread_;
   }
 
   Surfels run() {

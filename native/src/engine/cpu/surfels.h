@@ -80,7 +80,7 @@ Sample sample_of(const SurfelSource &source, int32_t triangle, float lean);
 // may be larger than clusters; and far larger for what does not depend on the last per cent of an area, or on what lies near.
 struct Fineness {
   int samples;
-  bool large_triangles = false;
+  float triangles = 1.5f; // how much wider they may spread than clusters
   friend bool operator==(const Fineness &, const Fineness &) = default;
 };
 Surfels build_surfels(const SurfelSource &source, float radius, Fineness fineness);
