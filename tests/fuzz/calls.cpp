@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <thread>
@@ -470,6 +472,12 @@ private:
 
 } // namespace
 } // namespace paradesc::fuzz
+
+extern "C" int LLVMFuzzerInitialize(int *, char ***) {
+  return std::atexit([] {
+    std::fprintf(stderr, "calls of the interface: %lld\n", static_cast<long long>(paradesc::fuzz::calls_made));
+  });
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   paradesc::fuzz::Bytes bytes(data, size);
