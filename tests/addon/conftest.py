@@ -30,10 +30,11 @@ def sphere_obj(tmp_path):
 def registered():
     """The add-on registered in Blender, and an empty scene."""
     import paradesc as package
-    from scene import empty_scene
+    from scene import empty_scene, measure_curvature
 
     empty_scene()
     package.register()
+    measure_curvature()
     yield
     package.unregister()
 

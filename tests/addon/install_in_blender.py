@@ -58,7 +58,7 @@ def bake(backend: str = "software") -> None:
     settings = bpy.context.scene.paradesc
     settings.backend = backend
     settings.buffer_size = 256
-    settings.radius = 5.0
+    settings.descriptors = {"mean_curvature"}
     finished(bpy.ops.paradesc.bake())
     values = [row.value for row in torus.data.attributes["mean_curvature"].data]
     assert len(values) == 24 * 12

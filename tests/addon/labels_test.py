@@ -8,7 +8,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import paradesc  # noqa: E402
 from paradesc import bridge  # noqa: E402
-from paradesc.ui import panel  # noqa: E402
+from paradesc.ui import settings_panel  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 
@@ -85,4 +85,4 @@ def test_descriptors_and_their_groups_are_named_so_too():
     for row in bridge.descriptors():
         assert is_title(row.label), row.label
         assert is_tooltip(row.description), row.description
-    assert all(is_title(title) for title, _ in panel.descriptor_groups())
+    assert all(is_title(title) for title, _ in settings_panel.descriptor_groups())

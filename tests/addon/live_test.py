@@ -370,7 +370,7 @@ def test_the_world_is_refused_in_one_sentence(stretching):
 def test_colors_are_those_of_the_scene_that_is_evaluated(stretching):
     other = bpy.data.scenes.new("other")
     other.collection.objects.link(stretching)
-    other.paradesc.backend, other.paradesc.buffer_size = "software", 128
+    other.paradesc.backend, other.paradesc.buffer_size, other.paradesc.descriptors = "software", 128, {NAME}
     other.paradesc_looks.color_map = "grey"
     layer = other.view_layers[0]
     layer.update()
@@ -387,6 +387,7 @@ def test_an_object_of_two_scenes_has_the_values_of_the_one_whose_frame_changed_l
         second.collection.objects.link(item)
     for scene in (first, second):
         scene.paradesc.backend, scene.paradesc.samples, scene.paradesc.buffer_size = "software", 32, 256
+        scene.paradesc.descriptors = {NAME}
     shown = [(scene, scene.view_layers[0]) for scene in (first, second)]
     assert switch(target) == ""
     straight = values(target)

@@ -149,7 +149,7 @@ def test_objects_that_share_a_mesh_at_different_scales_are_said(spheres):
     assert targets.shared_note([first, third])[0].startswith("2 objects share the mesh")
     bpy.context.scene.paradesc.space = "world"
     bpy.ops.paradesc.bake()
-    assert '"first" stands in the world' in record.read(first.data)["warnings"]
+    assert '"first" stands in the world' in record.read(first.data)["notes"]
     third.scale = (-1.0, 1.0, 1.0)  # a mirror image has the same curvatures
     bpy.context.view_layer.update()
     assert targets.shared_note([first, third]) == []
@@ -159,5 +159,5 @@ def test_objects_that_share_a_mesh_at_different_scales_are_said(spheres):
 
 
 def test_the_button_says_how_many_meshes_there_are(spheres):
-    assert panel.button_text(len(targets.by_mesh(targets.chosen(bpy.context)))) == "Bake 2 Meshes"
+    assert panel.button_text(len(targets.by_mesh(targets.chosen(bpy.context)))) == "Bake Descriptors on 2 Meshes"
     assert panel.button_text(1) == "Bake Descriptors"

@@ -14,7 +14,7 @@ from paradesc.core import job  # noqa: E402
 from paradesc.core.threads import Worker  # noqa: E402
 from paradesc.scene import mesh_io, record  # noqa: E402
 from paradesc.settings import properties  # noqa: E402
-from paradesc.ui import panel  # noqa: E402
+from paradesc.ui import drawing, report_panel  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -152,8 +152,8 @@ def test_mesh_with_nan_is_one_sentence_and_changes_nothing(sphere_object):
 
 def test_report_lines_tell_the_last_run(sphere_object):
     bpy.ops.paradesc.bake()
-    text = "\n".join(panel.report_lines(record.read(sphere_object.data)))
-    assert "Charts: 6" in text
+    text = "\n".join(report_panel.report_lines(record.read(sphere_object.data)))
+    assert "UV islands: 6" in text
     assert "Coverage: " in text
     assert "software" in text
     assert "Memory: about " in text
@@ -161,7 +161,7 @@ def test_report_lines_tell_the_last_run(sphere_object):
 
 def test_labels_are_wrapped_without_losing_words():
     sentence = "One sentence that is much longer than the panel is wide, with averylongwordthatfitsnowhereatall."
-    lines = panel.wrapped(sentence, 20)
+    lines = drawing.wrapped(sentence, 20)
     assert " ".join(lines) == sentence
     assert all(len(line) <= 20 or " " not in line for line in lines)
 

@@ -12,12 +12,17 @@ from paradesc.animation.frame_batch import FrameBatch  # noqa: E402
 from paradesc.bake import batch, modal  # noqa: E402
 from paradesc.scene import mesh_io, record  # noqa: E402
 from paradesc.settings import properties  # noqa: E402
-from paradesc.ui import live_panel, panel  # noqa: E402
+from paradesc.ui import drawing, live_panel, panel, report_panel, settings_panel  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
 # The width in pixels of a sidebar that nobody has widened.
 DEFAULT_WIDTH = 217
-PANELS = [cls for cls in panel.classes if cls.__name__ != "PARADESC_MT_devices"]
+PANELS = [
+    cls
+    for module in (panel, settings_panel, report_panel)
+    for cls in module.classes
+    if cls.__name__ != "PARADESC_MT_devices"
+]
 
 
 @pytest.fixture(autouse=True)
@@ -34,7 +39,7 @@ class Notes:
     def column(self, **_options):
         return Notes(self.drawn)
 
-    row = split = column
+    row = split = grid_flow = column
 
     def label(self, text="", **_options):
         self.drawn["label"].append(text)
@@ -42,6 +47,9 @@ class Notes:
     def prop(self, data, name, **_options):
         assert name in data.bl_rna.properties, name
         self.drawn["prop"].append(name)
+
+    def operator_menu_enum(self, name, _member, text="", **_options):
+        self.operator(name, text)
 
     def prop_enum(self, data, name, value):
         assert value in data.bl_rna.properties[name].enum_items
@@ -65,6 +73,7 @@ def context():
     return SimpleNamespace(
         scene=bpy.context.scene,
         view_layer=bpy.context.view_layer,
+        screen=None,
         active_object=bpy.context.active_object,
         selected_objects=bpy.context.selected_objects,
         preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=2.0)),
@@ -119,7 +128,7 @@ def test_no_line_is_wider_than_the_sidebar(state, monkeypatch):
         bpy.ops.object.mode_set(mode="SCULPT")
         bpy.ops.sculpt.dynamic_topology_toggle()
     labels = drawn_everything()["label"]
-    widest = panel.line_length(context())
+    widest = drawing.line_length(context())
     assert widest >= 30
     assert [line for line in labels if len(line) > widest and " " in line] == []
 
@@ -134,7 +143,7 @@ def test_no_line_about_live_values_is_wider_than_the_sidebar(span):
     labels = drawn_by(live_panel.PARADESC_PT_live)["label"]
     assert target.paradesc_live.sentence == ""
     assert any("computing" in line for line in labels)
-    assert [line for line in labels if len(line) > panel.line_length(context()) and " " in line] == []
+    assert [line for line in labels if len(line) > drawing.line_length(context()) and " " in line] == []
 
 
 def refused(target):
@@ -142,6 +151,7 @@ def refused(target):
 
 
 def test_what_stands_in_the_way_is_said_and_linked_meshes_get_a_button(monkeypatch):
+    bpy.context.scene.paradesc.descriptors = {"cavity"}
     assert " ".join(drawn_by(panel.PARADESC_PT_bake)["label"]) == "Select a mesh object first"
     add_sphere()
     assert drawn_by(panel.PARADESC_PT_bake)["label"] == []
@@ -168,7 +178,7 @@ def test_a_bake_under_way_shows_how_far_it_is_in_place_of_the_button(monkeypatch
     monkeypatch.setattr(modal.ModalJob, "running", job)
     shown = drawn_by(panel.PARADESC_PT_bake)
     assert shown["progress"] == [0.0]
-    words = " ".join(shown["label"])
+    words = " ".join(shown["label"]).removeprefix("Mean Curvature ")
     assert words == {"bake": "read, 0%", "frames": "frame 1 of 1 to 2, read, 0%"}[kind] + " (Esc cancels)"
     assert "Bake Descriptors" not in shown["operator"]
     assert not bpy.ops.paradesc.bake.poll()
@@ -178,18 +188,18 @@ def test_a_bake_under_way_shows_how_far_it_is_in_place_of_the_button(monkeypatch
 
 def test_last_run_is_there_only_while_the_values_are():
     target = add_sphere()
-    assert not panel.PARADESC_PT_report.poll(context())
+    assert not report_panel.PARADESC_PT_report.poll(context())
     bpy.ops.paradesc.bake()
-    assert panel.PARADESC_PT_report.poll(context())
-    lines = drawn_by(panel.PARADESC_PT_report)["label"]
-    for words in ("Charts: 6", "Coverage: ", "Undefined vertices: 0", "– evaluate: ", "llvmpipe"):
+    assert report_panel.PARADESC_PT_report.poll(context())
+    lines = drawn_by(report_panel.PARADESC_PT_report)["label"]
+    for words in ("UV islands: 6", "Coverage: ", "Undefined vertices: 0", "– evaluate: ", "llvmpipe"):
         assert any(line.startswith(words) for line in lines), words
     for name in record.attributes_of(target.data):
         target.data.attributes.remove(target.data.attributes[name])
-    assert not panel.PARADESC_PT_report.poll(context())
+    assert not report_panel.PARADESC_PT_report.poll(context())
 
 
 def test_devices_that_are_missing_are_in_the_menu_too():
-    shown = drawn_by(panel.PARADESC_MT_devices)["operator"]
+    shown = drawn_by(settings_panel.PARADESC_MT_devices)["operator"]
     assert shown[0] == "Automatic"
     assert [text.split(":")[0] for text in shown[1:]] == ["Graphics Card", "Software", "Reference", "Processor"]

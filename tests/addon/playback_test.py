@@ -12,8 +12,8 @@ from paradesc.animation import cache_places, frames, handlers  # noqa: E402
 from paradesc.core import color_maps, job  # noqa: E402
 from paradesc.files import cache  # noqa: E402
 from paradesc.scene import record  # noqa: E402
-from paradesc.ui import panel  # noqa: E402
-from scene import attribute_values  # noqa: E402
+from paradesc.ui import report_panel  # noqa: E402
+from scene import attribute_values, measure_curvature  # noqa: E402
 
 NAME = "mean_curvature"
 SETTINGS = job.Settings((NAME,), bridge.Options(radius=0.1, samples=64, buffer_size=256), "software")
@@ -24,6 +24,7 @@ def swelling(tmp_path):
     """The sphere that swells, with frames 1, 6 and 11 in the cache of its file."""
     target = animated.swelling_sphere()
     paradesc.register()
+    measure_curvature()
     scene = bpy.context.scene
     scene.paradesc_animation.cache_folder = str(tmp_path)
     group = scene.paradesc
@@ -155,4 +156,4 @@ def test_live_values_follow_when_playback_is_left(swelling):
 def test_the_report_of_the_last_bake_is_not_asked_of_played_frames(swelling):
     play(swelling)
     assert record.attributes_of(swelling.data)
-    assert not panel.PARADESC_PT_report.poll(bpy.context)
+    assert not report_panel.PARADESC_PT_report.poll(bpy.context)

@@ -8,7 +8,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from paradesc import bridge  # noqa: E402
 from paradesc.core import devices  # noqa: E402
 from paradesc.settings import presets, properties  # noqa: E402
-from paradesc.ui import panel  # noqa: E402
+from paradesc.ui import settings_panel  # noqa: E402
 from scene import add_sphere, attribute_values, small_bake  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -131,7 +131,7 @@ def test_maps_to_choose_from_are_descriptors_of_the_surface_with_one_component(s
 
 
 def test_groups_of_the_panel_hold_the_whole_registry_once():
-    shown = [row.name for _, rows in panel.descriptor_groups() for row in rows]
+    shown = [row.name for _, rows in settings_panel.descriptor_groups() for row in rows]
     assert sorted(shown) == sorted(row.name for row in bridge.descriptors())
 
 
@@ -142,17 +142,19 @@ def test_a_radius_is_shown_as_a_length_of_the_scene(settings):
     target.scale = (3.0, 3.0, 3.0)
     bpy.context.view_layer.update()
     settings.radius_unit, settings.radius_absolute = "absolute", 0.1
-    assert panel.radius_words(scene, settings, target) == "= 30 cm"
+    assert settings_panel.radius_words(scene, settings, target) == "= 30 cm"
     scene.unit_settings.scale_length = 0.1
-    assert panel.radius_words(scene, settings, target) == "= 3 cm"
+    assert settings_panel.radius_words(scene, settings, target) == "= 3 cm"
     settings.space = "world"
-    assert panel.radius_words(scene, settings, target) == ""
+    assert settings_panel.radius_words(scene, settings, target) == ""
     settings.radius_unit, settings.radius_percent = "diagonal", 10.0
     scene.unit_settings.system = "NONE"
-    np.testing.assert_allclose(float(panel.radius_words(scene, settings, target)[2:]), 1.2 * np.sqrt(3), rtol=1e-3)
+    np.testing.assert_allclose(
+        float(settings_panel.radius_words(scene, settings, target)[2:]), 1.2 * np.sqrt(3), rtol=1e-3
+    )
     target.scale = (3.0, 1.0, 1.0)
     bpy.context.view_layer.update()
-    assert panel.radius_words(scene, settings, target) == ""
+    assert settings_panel.radius_words(scene, settings, target) == ""
 
 
 # ---- Devices

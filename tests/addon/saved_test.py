@@ -16,7 +16,7 @@ import paradesc as package  # noqa: E402
 from live_values import switch  # noqa: E402
 from paradesc.scene import record  # noqa: E402
 from paradesc.show import overlay, recolor  # noqa: E402
-from paradesc.ui import panel  # noqa: E402
+from paradesc.ui import report_panel  # noqa: E402
 
 ARCHIVES = sorted((Path(__file__).parent / "saved").glob("*.zip"))
 GROUPS = ("paradesc", "paradesc_looks", "paradesc_animation", "paradesc_live")
@@ -154,7 +154,7 @@ def test_what_the_mesh_records_is_read_as_it_was_meant(scene, expected):
         assert {key: found[key] for key in wanted} == wanted, name
     mesh = bpy.data.objects["baked"].data
     assert recolor.baked_names(mesh) == sorted(DESCRIPTORS)
-    lines = panel.report_lines(record.read(mesh))
+    lines = report_panel.report_lines(record.read(mesh))
     assert any(line.startswith("Radius: ") for line in lines)
     title, shown = overlay.lines_of(mesh, "mean_curvature")
     assert title == "mean curvature (1/length)"
@@ -241,7 +241,17 @@ def test_a_preset_that_somebody_kept_sets_what_it_did(scene, saved, expected):
 
 def test_a_farm_goes_on_with_the_scene_settings_of_an_old_file(saved, run, report, arrays):
     blend = saved / "saved.blend"
-    words = ("--scene-settings", "--object", "played", "--frames", "1:4", "--cache", saved / "frames", "--creases", "none")
+    words = (
+        "--scene-settings",
+        "--object",
+        "played",
+        "--frames",
+        "1:4",
+        "--cache",
+        saved / "frames",
+        "--creases",
+        "none",
+    )
     ended = run("animate", blend, *words, "--json", "report.json")
     assert ended.code == 0, ended.error
     (found,) = report()["objects"]

@@ -11,6 +11,14 @@ from shapes import cube_sphere
 def empty_scene():
     """A scene without objects."""
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    measure_curvature()
+
+
+def measure_curvature():
+    """Lets the panel measure the mean curvature of base meshes, which has closed forms; new scenes bake masks."""
+    if hasattr(bpy.types.Scene, "paradesc"):
+        scene = bpy.context.scene
+        scene.paradesc.descriptors, scene.paradesc_animation.source = {"mean_curvature"}, "original"
 
 
 def add_sphere(name="sphere", steps=8, uv_map=True, smooth=True):

@@ -12,7 +12,7 @@ from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc.scene import mesh_io, surface_maps  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene  # noqa: E402
+from scene import add_sphere, attribute_values, empty_scene, measure_curvature  # noqa: E402
 
 UNITS = {"mean_curvature": RADIUS, "local_bending_energy": RADIUS**2}
 
@@ -395,6 +395,7 @@ def test_the_operator_takes_the_materials_maps(target):
     import paradesc
 
     paradesc.register()
+    measure_curvature()
     try:
         settings = bpy.context.scene.paradesc
         settings.radius_percent, settings.buffer_size, settings.backend = 6.0, 256, "software"

@@ -177,7 +177,7 @@ def test_of_shape_keys_the_basis_is_measured_and_another_one_shown_is_said():
     add_keys(ball)
     bpy.ops.paradesc.bake()
     np.testing.assert_allclose(mean_curvature(ball), 0.5, rtol=0.1)
-    assert "the basis was measured" in record.read(ball.data)["warnings"]
+    assert "the basis was measured" in record.read(ball.data)["notes"]
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT", "SCULPT"])

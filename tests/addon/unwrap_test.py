@@ -13,7 +13,7 @@ from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc.scene import mesh_io, record, unwrap  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
+from scene import add_sphere, attribute_values, empty_scene, fingerprint, measure_curvature  # noqa: E402
 
 OPTIONS = bridge.Options(radius=0.08, samples=64, buffer_size=512)
 SETTINGS = job.Settings(("mean_curvature",), OPTIONS, "software")
@@ -384,6 +384,7 @@ def test_linked_mesh_is_measured_without_storing(bare, tmp_path):
 
 def test_operator_bakes_without_a_uv_map(bare):
     paradesc.register()
+    measure_curvature()
     try:
         settings = bpy.context.scene.paradesc
         settings.radius_percent, settings.samples, settings.buffer_size = 8.0, 64, 512

@@ -3,6 +3,7 @@
 Every yield lets Blender draw.
 """
 
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -41,26 +42,93 @@ def legend_steps(path: str) -> Iterator[None]:
         png.write_png(Path(path), subjects.pixels_of(path))
 
 
+# Pixels from the sidebar's top to the middle of our tab, the last of four, and of the button in the panel.
+TAB_BELOW_TOP, BUTTON_BELOW_TOP = 175, 148
+# The panel fits one screen, before and after a bake.
+MOST_PIXELS = 825
+
+
 def panel_steps(path: str) -> Iterator[None]:
-    """The sidebar with our tab, as a new user finds it, cut out of the window."""
+    """The sidebar with our tab as a new user finds it, and after one click, beside each other.
+
+    It fails if the click does not leave a grey mask in the viewport, or if the panel does not fit a screen.
+    """
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     with bpy.context.temp_override(window=window, area=area):
-        subjects.monkey()
+        mesh = subjects.monkey().data
         bpy.ops.screen.screen_full_area(use_hide_panels=True)
     yield
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     area.spaces[0].show_region_ui = True
     yield
     sidebar = next(region for region in area.regions if region.type == "UI")
-    for value in ("PRESS", "RELEASE"):  # on our tab, the last of four
-        window.event_simulate("LEFTMOUSE", value, x=sidebar.x + sidebar.width - 12, y=sidebar.y + sidebar.height - 175)
+    yield from clicked(window, sidebar.x + sidebar.width - 12, sidebar.y + sidebar.height - TAB_BELOW_TOP)
+    yield from drawn(area)
+    before = picture_of(sidebar, path)
+    yield from clicked(window, sidebar.x + sidebar.width // 3, sidebar.y + sidebar.height - BUTTON_BELOW_TOP)
+    for _ in range(100):
+        if "cavity" in mesh.attributes:
+            break
         yield
+    else:
+        bpy.ops.screen.screenshot(filepath=path)
+        raise AssertionError("the click baked nothing")
+    with bpy.context.temp_override(window=window, area=area, region=view_of(area)):
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_selected()
+    yield from drawn(area)
+    view = view_of(area)
+    after = picture_of(sidebar, path)
+    seen = picture_of(view, path)[:, : sidebar.x - view.x]
+    height = max(map(panel_height, (before, after)))
+    png.write_png(Path(path), np.ascontiguousarray(np.hstack([before, after])[: height + 8]))
+    png.write_png(Path(path).with_stem("first_mask"), np.ascontiguousarray(seen))
+    assert mesh.color_attributes.active_color.name == "cavity_color"
+    assert grey_contrast(seen) > 0.2, "no grey mask is seen"
+    assert height <= MOST_PIXELS, f"the panel is {height} pixels high"
+    sys.stdout.write(f"panel: {panel_height(before)} pixels high, {panel_height(after)} after one click and a grey mask\n")
+
+
+def view_of(area: bpy.types.Area) -> bpy.types.Region:
+    """The region that shows the scene."""
+    return next(region for region in area.regions if region.type == "WINDOW")
+
+
+def clicked(window: bpy.types.Window, x: int, y: int) -> Iterator[None]:
+    """Moves there, which makes a button active, and presses and releases the left button of the mouse."""
+    for _ in range(2):
+        window.event_simulate("MOUSEMOVE", "NOTHING", x=x, y=y)
+        yield
+    for value in ("PRESS", "RELEASE"):
+        window.event_simulate("LEFTMOUSE", value, x=x, y=y)
+        yield
+
+
+def drawn(area: bpy.types.Area) -> Iterator[None]:
+    """Lets Blender draw the viewport."""
     for _ in range(6):
         area.tag_redraw()
         yield
+
+
+def picture_of(region: bpy.types.Region, path: str) -> np.ndarray:
+    """(height, width, 3) uint8 of a region of the window, top row first."""
     bpy.ops.screen.screenshot(filepath=path)
     pixels = subjects.pixels_of(path)
-    top = len(pixels) - (sidebar.y + sidebar.height)
-    cut = pixels[top : top + sidebar.height, sidebar.x : sidebar.x + sidebar.width]
-    png.write_png(Path(path), np.ascontiguousarray(cut))
+    top = len(pixels) - (region.y + region.height)
+    return pixels[top : top + region.height, region.x : region.x + region.width]
+
+
+def panel_height(sidebar: np.ndarray) -> int:
+    """How far the panels reach down: half a row below the last row of white text."""
+    text = (sidebar[:, 16:190].min(axis=2) > 150).any(axis=1)
+    return int(np.flatnonzero(text).max()) + 10
+
+
+def grey_contrast(seen: np.ndarray) -> float:
+    """The range of the greys in the middle of the viewport, from 0 to 1; 0 where most of it is colored."""
+    height, width = seen.shape[:2]
+    middle = seen[height // 2 - 60 : height // 2 + 60, width // 2 - 60 : width // 2 + 60].astype(int)
+    chroma = np.ptp(middle, axis=2)
+    return float(np.ptp(middle[chroma < 6]) / 255) if np.median(chroma) < 6 else 0.0

@@ -57,7 +57,7 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
         update=settings_changed,
     )
     buffer_size: bpy.props.IntProperty(
-        name="Buffer Size",
+        name="Bake Resolution",
         description="At most so many texels along a side of the baked buffers in the viewport",
         default=512,
         min=64,
@@ -101,6 +101,16 @@ class PARADESC_PG_live(bpy.types.PropertyGroup):
     )
 
 
+def follows(group: bpy.types.PropertyGroup) -> bool:
+    """Whether the object's values follow the animation."""
+    return group.mode == "LIVE"
+
+
+def follow(group: bpy.types.PropertyGroup, wanted: bool) -> None:
+    """Switches live values on or off."""
+    group.mode = "LIVE" if wanted else "OFF"
+
+
 class PARADESC_PG_live_object(bpy.types.PropertyGroup):
     """Live mode of one object."""
 
@@ -110,6 +120,12 @@ class PARADESC_PG_live_object(bpy.types.PropertyGroup):
         items=MODES,
         default="OFF",
         update=mode_changed,
+    )
+    follows: bpy.props.BoolProperty(
+        name="Live",
+        description="Values follow the animation, edits and renders: the mode Live, as one switch",
+        get=follows,
+        set=follow,
     )
     sentence: bpy.props.StringProperty(name="Message", description="Why live values were switched off")
 

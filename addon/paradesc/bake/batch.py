@@ -25,6 +25,7 @@ class MeshBake(Piece):
     sharing: list[ObjectKey]  # all chosen objects with this mesh
     files: bake_files.Files | None = None
     reading: source_meshes.Reading | None = None
+    warnings: list[str] = field(default_factory=list)
     results: job.Results | None = None
     placed: list[Path] = field(default_factory=list)  # files that were written
 
@@ -97,9 +98,9 @@ class Batch(Pieces):
         if self.write_attributes:
             mesh_io.check_writable(target)
         read = targets.read(target, self.settings, self.request)
-        piece.reading, piece.notes, arrays = read.reading, read.notes, read.measured
+        piece.reading, piece.notes, piece.warnings, arrays = read.reading, read.notes, read.warnings, read.measured
         sharing = [item for item in map(bpy.data.objects.get, piece.sharing) if item]
-        piece.notes += targets.shared_note(sharing, self.settings.space, self.request.source)
+        piece.notes += targets.shared_note(sharing, self.settings.space, read.reading.source)
         image, buffers = self.places[self.current]
         piece.files = bake_files.Files(target.name, mesh_io.world_matrix(target), image, buffers)
         bake_files.check(piece.files, arrays, self.settings.backend)
@@ -109,7 +110,9 @@ class Batch(Pieces):
     def take(self, piece: MeshBake, worker: Worker[job.Results]) -> None:
         """Keeps a worker's results until all are there."""
         piece.results = worker.result()
-        piece.results.warnings += [*piece.results.facet_notes(), *piece.results.unused_notes(), *piece.notes]
+        piece.results.warnings += [*piece.results.facet_notes(), *piece.warnings]
+        piece.notes += piece.results.unused_notes()
+        piece.results.notes += piece.notes
 
     def close(self) -> None:
         """Cancels what is left, waits for it, and takes away the files that lie aside. Safe to call again."""

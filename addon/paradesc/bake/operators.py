@@ -3,14 +3,18 @@
 import bpy
 
 from ..bridge import ParadescError, abi
-from ..core import devices
-from ..scene import mesh_io, targets
+from ..core import devices, legend
+from ..scene import mesh_io, targets, viewports
 from ..scene.targets import obstacle
+from ..settings import presets
 from .batch import Batch
 from .modal import ModalJob
 from .pieces import with_name
 
 BRUSH_MODES = {"SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
+
+
+AS_SET = ("panel", "As Set", "The descriptors and settings of the panel")
 
 
 class PARADESC_OT_bake(ModalJob, bpy.types.Operator):
@@ -20,13 +24,40 @@ class PARADESC_OT_bake(ModalJob, bpy.types.Operator):
     bl_label = "Bake Descriptors"
     bl_options = {"REGISTER", "UNDO"}
 
+    mask: bpy.props.EnumProperty(
+        name="Mask",
+        description="What to bake: a mask with its settings, or what the panel has",
+        items=[AS_SET, *((name, presets.PRESETS[name].label, presets.PRESETS[name].purpose) for name in presets.MASKS)],
+        default=AS_SET[0],
+        options={"SKIP_SAVE"},
+    )
+    radius: bpy.props.FloatProperty(
+        name="Radius",
+        description="How far a vertex looks around, in percent of the diagonal of the mesh's bounding box; 0: as the "
+        "panel or the mask has it",
+        default=0.0,
+        min=0.0,
+        soft_max=20.0,
+        max=100.0,
+        precision=2,
+        subtype="PERCENTAGE",
+        options={"SKIP_SAVE"},
+    )
+
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         """What stands in the way of reading or writing the selected meshes."""
         return obstacle(context)
 
     def begin(self, context: bpy.types.Context, beside: bool) -> Batch:
-        """Takes settings and selection, with or without a window."""
+        """Takes settings and selection, with or without a window; what the operator itself is given goes first."""
+        group = context.scene.paradesc
+        if self.mask != AS_SET[0]:
+            presets.apply(group, self.mask)
+        if self.radius > 0:
+            group.radius_unit, group.radius_percent = "diagonal", self.radius
+        elif group.radius_unit == "diagonal":
+            self.radius = group.radius_percent
         return Batch(context)
 
     def finish(self, context: bpy.types.Context) -> set[str]:
@@ -39,11 +70,14 @@ class PARADESC_OT_bake(ModalJob, bpy.types.Operator):
         batch.finish(context)
         several = len(batch.pieces) > 1
         for piece in batch.written:
-            for sentence in dict.fromkeys([*piece.results.warnings, *piece.notes]):
-                self.report({"WARNING"}, f'"{piece.name}": {sentence}' if several else sentence)
+            for kind, sentences in (("INFO", piece.notes), ("WARNING", piece.results.warnings)):
+                for sentence in dict.fromkeys(sentences):
+                    self.report({kind}, f'"{piece.name}": {sentence}' if several else sentence)
         if not batch.written:
             self.report({"ERROR"}, "\n".join(failures(batch)) if several else batch.failed[0].failure)
             return {"CANCELLED"}
+        if batch.write_attributes:
+            viewports.reveal(context)
         for sentence in failures(batch):
             self.report({"WARNING"}, sentence)
         for path in [path for piece in batch.written for path in piece.placed]:
@@ -68,7 +102,7 @@ def bake_sentence(batch: Batch) -> str:
     """What a bake did, in one line."""
     written = batch.written
     seconds = sum(piece.results.field_report["seconds_total"] for piece in written)
-    names = ", ".join(written[0].results.values)
+    names = ", ".join(map(legend.label, written[0].results.values))
     undefined = sum(piece.results.field_report["undefined_vertices"] for piece in written)
     end = f", {undefined:,} undefined vertices" if undefined else ""
     line = f"{names}: {seconds:.2f} s on {written[0].results.device}{end}"

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import bridge
-from ..core import job
+from ..core import job, source_kinds
 from ..core.color_maps import Look
 from ..files import results
 from .common import (
@@ -44,7 +44,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     bake = commands.add_parser("bake", help="compute descriptors and write them to files")
     add_input(bake)
     add_objects_options(bake)
-    add_source(bake, "original")
+    add_source(bake, source_kinds.ORIGINAL, source_kinds.AUTOMATIC)
     add_computation_options(bake)
     add_map_options(bake)
     add_output_files(bake)
@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     baked = bake_objects(opened.objects, settings, arguments)
     computed = time.monotonic()
     if saves_scene(arguments):
-        write_attributes(opened.objects, baked, arguments.source)
+        write_attributes(opened.objects, baked)
     files = write_files(arguments, baked)
     for one in baked:
         print_summary(one)
@@ -176,7 +176,7 @@ def open_file() -> Path | None:
     return Path(bpy.data.filepath) if bpy.data.filepath else None
 
 
-def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked], source: str) -> None:
+def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:
     """Writes the results where they belong; if several objects share a mesh, those of the first."""
     from ..scene import source_meshes
     from ..scene import targets as groups
@@ -184,7 +184,7 @@ def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Bake
     for sharing in groups.by_mesh(targets):
         one = baked[targets.index(sharing[0])]
         one.notes += source_meshes.deliver(sharing[0], one.results, one.reading)
-        one.notes += groups.shared_note(sharing, one.results.settings.space, source)
+        one.notes += groups.shared_note(sharing, one.results.settings.space, one.reading.source)
 
 
 def warnings_of(baked: list[results.Baked]) -> list[str]:

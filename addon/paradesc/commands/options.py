@@ -26,12 +26,12 @@ def add_mesh_options(parser: argparse.ArgumentParser) -> None:
     add_computation_options(parser)
 
 
-def add_source(parser: argparse.ArgumentParser, default: str) -> None:
+def add_source(parser: argparse.ArgumentParser, default: str, *more: str) -> None:
     """Adds --source, the mesh of an object that is measured; opened_settings() supplies it if it is not given."""
     parser.add_argument(
-        "--source", choices=source_kinds.NAMES,
-        help="the object's own mesh, as deforming modifiers and shape keys move it, or after all modifiers "
-        f"(default: {default})",
+        "--source", choices=(*source_kinds.NAMES, *more),
+        help="the object's own mesh, as deforming modifiers and shape keys move it, or after all modifiers"
+        f"{'; auto: as viewports show it' if more else ''} (default: {default})",
     )  # fmt: skip
     parser.set_defaults(usual_source=default)
 
@@ -174,7 +174,7 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
             has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
             given = getattr(arguments, "material_maps", False)
             arguments.material_maps = given or (group.material_maps and not has_files)
-    if shape_key == "active" and arguments.source != "original":
+    if shape_key == "active" and arguments.source not in (source_kinds.ORIGINAL, source_kinds.AUTOMATIC):
         sentence = f"The source {arguments.source} has the shape that shape keys give it; leave --shape-key out"
         raise UsageError(f"{sentence}, or measure the source original.")
     return settings_of(arguments, with_preset(arguments.preset, base))

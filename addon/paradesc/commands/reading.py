@@ -22,7 +22,7 @@ def read_object(target: "bpy.types.Object", settings: job.Settings, arguments: a
     request = targets.ReadRequest(shape, map_sources(arguments), arguments.source, buffers, "give --space world")
     with quiet(arguments.verbose):
         read = targets.read(target, settings, request)
-    read.notes += read.map_notes
+    read.notes += [*read.warnings, *read.map_notes]
     return read
 
 

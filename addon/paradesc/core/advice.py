@@ -33,13 +33,17 @@ def double_areas(corners: np.ndarray) -> np.ndarray:
     return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
 
 
+def fitting_radius(mean_edge: float, diagonal: float) -> float:
+    """A radius that sees the surface, as a share of the diagonal: the usual one unless triangles are large."""
+    return float(f"{min(max(USUAL_RADIUS, RADIUS_IN_EDGES * mean_edge / diagonal), LARGEST_RADIUS):.3g}")
+
+
 def suggested(report: dict[str, float], density: float) -> dict[str, object] | None:
     """A radius that sees the surface, as a share of the diagonal, and the smallest buffer with four texels in it."""
     diagonal = report["diagonal"]
     if not (diagonal > 0 and density > 0):
         return None
-    radius = min(max(USUAL_RADIUS, RADIUS_IN_EDGES * report["mean_edge"] / diagonal), LARGEST_RADIUS)
-    radius = float(f"{radius:.3g}")
+    radius = fitting_radius(report["mean_edge"], diagonal)
     texels = {size: radius * diagonal * density * size for size in BUFFERS}
     fitting = next((size for size in BUFFERS if texels[size] >= LEAST_TEXELS), BUFFERS[-1])
     usual = bridge.Options().buffer_size

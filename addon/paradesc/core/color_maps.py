@@ -33,7 +33,9 @@ VIRIDIS = np.array(
 UNDEFINED_IN_GREY = (0.55, 0.38, 0.72)
 # The names for "what suits the descriptor", and for its own range or the percentiles of its values.
 AUTOMATIC = "auto"
-SEQUENTIAL, DIVERGING = "viridis", "blue-red"
+SEQUENTIAL, DIVERGING, GREY = "viridis", "blue-red", "grey"
+# Artists multiply these with other colors, so they are grey unless another map is asked for.
+MASKS = {"cavity", "convexity", "ambient_openness"}
 
 
 @dataclass(frozen=True)
@@ -172,7 +174,7 @@ MAPS = {
         ColorMap("heat", "Heat", "Black, red, yellow, white: dark to light", False, heat),
         ColorMap("blue-yellow", "Blue to Yellow", "Told apart with any color vision: dark to light", False,
             line((0.25, 0.09, 262.0), (0.95, 0.11, 100.0)), UNDEFINED_IN_GREY),
-        ColorMap("grey", "Grey", "Black to white", False, line((0.12, 0, 0), (1, 0, 0)), UNDEFINED_IN_GREY),
+        ColorMap(GREY, "Grey", "Black to white", False, line((0.12, 0, 0), (1, 0, 0)), UNDEFINED_IN_GREY),
         ColorMap(DIVERGING, "Blue, White, Red", "Light in the middle, dark ends", True,
             two_sided(0.97, 0.45, 0.175, (262.0, 25.0))),
         ColorMap("purple-green", "Purple, White, Green", "Light in the middle, dark ends", True,
@@ -203,7 +205,12 @@ def value_range(values: np.ndarray, descriptor: Descriptor, radius: float, look:
     low, high = map(float, bounds)
     if not high > low:
         high = low + (abs(low) or 1.0)
-    return ValueRange(low, high, descriptor.is_signed, neutral, look.color_map)
+    return ValueRange(low, high, descriptor.is_signed, neutral, map_name(descriptor, look))
+
+
+def map_name(descriptor: Descriptor, look: Look) -> str:
+    """The map that the look asks for; AUTOMATIC stands for one of the two that suit values without and with a sign."""
+    return GREY if look.color_map == AUTOMATIC and descriptor.name in MASKS else look.color_map
 
 
 def neutral_value(descriptor: Descriptor, look: Look) -> float | None:

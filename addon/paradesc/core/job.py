@@ -61,7 +61,8 @@ class Results:
     backend: str
     device: str
     fallback: str  # why "auto" did not get a better device, or ""
-    warnings: list[str]
+    warnings: list[str]  # what limits the results
+    notes: list[str] = field(default_factory=list)  # what was measured, and what had no effect
     near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
     seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
     maps: dict[str, np.ndarray] = field(default_factory=dict)  # each (N, N) or (N, N, 3), with evaluate = texel only

@@ -1,8 +1,15 @@
 """Names the meshes of an object that can be measured, and what menus say about them. Never imports bpy."""
 
+ORIGINAL, EVALUATED, AUTOMATIC = "original", "evaluated", "auto"
 SOURCES = (
-    ("original", "Original", "The object's own mesh, before shape keys and modifiers"),
+    (ORIGINAL, "Base Mesh", "The object's own mesh, before shape keys and modifiers"),
     ("deformed", "Deformed", "The same mesh as armature, shape keys, lattice, cloth and their like move it"),
-    ("evaluated", "Evaluated", "What all modifiers make; results go to the original vertices where these remain"),
+    (
+        EVALUATED,
+        "With Modifiers",
+        "What all modifiers make of it; results go to the original vertices where these remain, else to a copy",
+    ),
 )
 NAMES = tuple(name for name, _, _ in SOURCES)
+# What a single bake in a window measures unless another source is chosen. Files keep the numbers of the choices.
+AUTOMATIC_SOURCE = (AUTOMATIC, "As Shown", "With modifiers and shape keys where the viewport shows any")

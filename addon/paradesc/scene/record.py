@@ -68,6 +68,7 @@ def facts_of(results: Results) -> dict[str, object]:
         "device": results.device,
         "fallback": results.fallback,
         "warnings": "\n".join(results.warnings),
+        "notes": "\n".join(results.notes),
     }
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import ParadescError, abi
-from ..core import job, spaces
+from ..core import job, source_kinds, spaces
 from . import mesh_io, source_meshes, surface_maps
 
 # In these modes the mesh can be read, and they can be left and entered again.
@@ -78,7 +78,7 @@ class ReadRequest:
 
     shape_key: str = "basis"  # or "active"
     maps: surface_maps.MapChoice = field(default_factory=surface_maps.MapChoice)
-    source: str = "original"
+    source: str = source_kinds.ORIGINAL  # or another of NAMES, or AUTOMATIC
     buffers: bool = False  # those that are baked will be written
     remedy: str = "measure in World"  # what a sentence suggests if the scale does not count
 
@@ -91,29 +91,48 @@ class Read:
     measured: bridge.MeshArrays  # the same in the space that is measured
     reading: source_meshes.Reading  # where its results belong
     notes: list[str]  # sentences about what was measured
+    warnings: list[str]  # and about what of it is not what is seen
     map_notes: list[str]  # and about each image
 
 
 def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest) -> Read:
     """The object's mesh by its source, before or after modifiers; the mesh stays as it is."""
     needs_uvs = job.needs_uvs(settings, request.buffers)
-    reading = source_meshes.read(target, request.source, settings.options.normals == "mesh", needs_uvs)
+    source = request.source
+    if source == source_kinds.AUTOMATIC:
+        source = shown_source(target, request.shape_key)
+    reading = source_meshes.read(target, source, settings.options.normals == "mesh", needs_uvs)
     arrays, notes = reading.arrays, list(reading.notes)
     if reading.source == "original":
         notes += take_shape(target, arrays, request.shape_key)
     map_notes = surface_maps.add_maps(target, arrays, request.maps)
     source_meshes.check_maps(reading)
-    measured, matrix = replace(arrays), mesh_io.world_matrix(target)
+    measured, matrix, warnings = replace(arrays), mesh_io.world_matrix(target), []
     if settings.space == "world":
         if arrays.maps is not None:
             measured.maps = replace(arrays.maps)
         spaces.to_world(measured, matrix, target.name)
     elif not spaces.is_even(matrix):
-        notes.append(
+        warnings.append(
             f'The object "{target.name}" is scaled differently along its axes, but was measured without its scale; '
             f"{request.remedy}, or apply the scale."
         )
-    return Read(arrays, measured, reading, notes, map_notes)
+    return Read(arrays, measured, reading, notes, warnings, map_notes)
+
+
+def shown_source(target: bpy.types.Object, shape_key: str = "basis") -> str:
+    """The source that has the surface which the viewport shows: the base mesh unless something changes it there."""
+    evaluated = target.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated
+    changes = bool(source_meshes.shown_modifiers(target)) or (shape_key == "basis" and shows_shape_key(target))
+    return source_kinds.EVALUATED if changes and evaluated else source_kinds.ORIGINAL
+
+
+def shows_shape_key(target: bpy.types.Object) -> bool:
+    """Whether another shape than the basis of the shape keys is shown."""
+    keys = target.data.shape_keys
+    return keys is not None and (
+        target.show_only_shape_key or any(block.value != 0 and not block.mute for block in keys.key_blocks[1:])
+    )
 
 
 def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) -> list[str]:
@@ -129,7 +148,7 @@ def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) 
     arrays.positions = mesh_io.read_array(key.data, "co", np.float32, 3)
     if key != keys.reference_key:
         return [f'The shape key "{key.name}" was measured, at its full value.']
-    if any(block.value != 0 and not block.mute for block in keys.key_blocks[1:]):
+    if shows_shape_key(target):
         return [f'The mesh "{target.data.name}" has shape keys; the basis was measured, not the shape that is shown.']
     return []
 
@@ -137,7 +156,7 @@ def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) 
 def shared_note(sharing: list[bpy.types.Object], space: str = "world", source: str = "original") -> list[str]:
     """Says which object's modifiers or scale counted, if objects share a mesh but not these."""
     first, *others = sharing
-    if others and source != "original":
+    if others and source != source_kinds.ORIGINAL:
         return [f'{len(sharing)} objects share the mesh "{first.data.name}"; it was measured as "{first.name}" has it.']
     if space != "world":
         return []

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..core.source_kinds import SOURCES
+from ..core.source_kinds import AUTOMATIC, AUTOMATIC_SOURCE, SOURCES
 from ..files import cache
 from .properties import path_options
 
@@ -13,7 +13,10 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
     """Which mesh, and which frames of it, in one scene."""
 
     source: bpy.props.EnumProperty(
-        name="Source", description="Which mesh a single bake measures", items=list(SOURCES), default="original"
+        name="Source",
+        description="Which mesh a single bake measures",
+        items=[*SOURCES, AUTOMATIC_SOURCE],
+        default=AUTOMATIC,
     )
     frame_source: bpy.props.EnumProperty(
         name="Frame Source",
@@ -35,12 +38,12 @@ class PARADESC_PG_animation(bpy.types.PropertyGroup):
         options=path_options(),
     )
     relative_to_rest: bpy.props.BoolProperty(
-        name="Change Against Rest",
+        name="Change from Rest Pose",
         description="Also the change against the original mesh, as values of their own (mean_curvature_change)",
         default=False,
     )
     overwrite: bpy.props.BoolProperty(
-        name="Bake Again", description="Compute frames again that are in the cache already", default=False
+        name="Overwrite", description="Compute frames again that are in the cache already", default=False
     )
 
 

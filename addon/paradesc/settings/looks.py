@@ -7,7 +7,7 @@ import bpy
 from ..core.color_maps import AUTOMATIC, CLIPPED_PERCENT, MAPS, Look
 
 COLOR_MAPS = [
-    (AUTOMATIC, "Automatic", "Blue, white, red for values with a sign, viridis for all others"),
+    (AUTOMATIC, "Automatic", "Grey for masks; blue, white, red for values with a sign; viridis for all others"),
     *((row.name, row.label, row.description) for row in MAPS.values()),
 ]
 SPANS = [

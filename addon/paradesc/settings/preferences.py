@@ -23,17 +23,35 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
         precision=1,
     )
 
+    show_results: bpy.props.BoolProperty(
+        name="Show Results",
+        description="After a bake, solid viewports show its colors; the panel's Restore Shading takes that back",
+        default=True,
+    )
+
     def draw(self, _context: bpy.types.Context) -> None:
-        """Draws the one setting."""
+        """Draws every setting."""
         self.layout.use_property_split = True
-        self.layout.prop(self, "memory_limit")
+        for name in ("show_results", "memory_limit"):
+            self.layout.prop(self, name)
+
+
+def of_addon() -> PARADESC_AP_preferences | None:
+    """The preferences; none if the add-on is imported but not enabled."""
+    addon = bpy.context.preferences.addons.get(ADDON)
+    return None if addon is None else addon.preferences
 
 
 def memory_limit() -> int:
-    """Bytes that a computation may take; 0 if nobody has set a limit, or if the add-on is imported but not enabled."""
-    addon = bpy.context.preferences.addons.get(ADDON)
-    preferences = None if addon is None else addon.preferences
+    """Bytes that a computation may take; 0 if nobody has set a limit."""
+    preferences = of_addon()
     return 0 if preferences is None else round(preferences.memory_limit * GIGABYTE)
+
+
+def shows_results() -> bool:
+    """Whether viewports show what was baked, without a further click."""
+    preferences = of_addon()
+    return True if preferences is None else preferences.show_results
 
 
 classes = (PARADESC_AP_preferences,)

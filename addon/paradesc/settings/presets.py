@@ -22,6 +22,7 @@ class Preset:
     members: dict[str, object] = field(default_factory=dict)
 
 
+# The first four are masks, which stand at the top of the panel.
 PRESETS = {
     "cavity": Preset(
         "Cavity",
@@ -38,6 +39,11 @@ PRESETS = {
         "Mean and Gaussian curvature, with sign: where and how strongly the surface bends",
         {"descriptors": {"mean_curvature", "gaussian_curvature"}, "radius_percent": 2.0},
     ),
+    "openness": Preset(
+        "Openness",
+        "How open the space around each point is, 0.5 on a plane: a mask for dust, or for soft light and shade",
+        {"descriptors": {"ambient_openness"}, "radius_percent": 5.0},
+    ),
     "shape_classes": Preset(
         "Shape Classes",
         "Cup, rut, saddle, ridge or cap by the shape index, and how strongly so by the curvedness",
@@ -49,6 +55,14 @@ PRESETS = {
         {"descriptors": {"harris"}, "radius_percent": 3.0, "samples": 64},
     ),
 }
+
+
+MASKS = ("cavity", "edge_wear", "curvature", "openness")
+
+
+def chosen_mask(group: bpy.types.PropertyGroup) -> str:
+    """The mask whose descriptors are chosen, or ""."""
+    return next((name for name in MASKS if PRESETS[name].members["descriptors"] == group.descriptors), "")
 
 
 def members() -> list[str]:

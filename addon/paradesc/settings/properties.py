@@ -81,7 +81,7 @@ PRECISIONS = [
     ("half", "Half", "16-bit buffers: half the memory"),
 ]
 BACKENDS = [(name, devices.TITLES[name], devices.ABOUT[name]) for name in bridge.BACKENDS]
-DEFAULT_DESCRIPTOR = "mean_curvature"
+DEFAULT_DESCRIPTOR = "cavity"
 HIGHEST_BIT = 30  # the highest bit of positive numbers that Blender keeps
 NO_DESCRIPTOR = ("missing", "None", "The native library is missing", 1)
 
@@ -204,7 +204,7 @@ def quality_members() -> dict[str, object]:
             default=0.0, min=0.0, soft_max=0.2, precision=3, subtype="ANGLE",
         ),
         "buffer_size": bpy.props.IntProperty(
-            name="Buffer Size",
+            name="Bake Resolution",
             description="Texels along a side of the baked buffers; the radius should span at least four",
             default=1024, min=64, max=8192, subtype="PIXEL",
         ),
@@ -309,6 +309,9 @@ GROUPS = (descriptor_members, neighborhood_members, quality_members, method_memb
 def make_settings() -> type:
     """Makes the class of the settings, with the registry as it is now."""
     annotations = {name: member for group in GROUPS for name, member in group().items()}
+    annotations["version"] = bpy.props.IntProperty(
+        name="Version", description="The defaults that files were saved with", default=0, options={"HIDDEN"}
+    )
     body = {"__annotations__": annotations, "__doc__": "Paradesc's settings of one scene.", "__module__": __name__}
     return type("PARADESC_PG_settings", (bpy.types.PropertyGroup,), body)
 

@@ -55,12 +55,17 @@ def draw() -> None:
     width = min(BAR_WIDTH * scale, right - left - 2 * MARGIN * scale)
     if width < 80 * scale:
         return
-    place, text = (left + MARGIN * scale, MARGIN * scale), f"{target.name}: {title}"
+    place, text = (left + MARGIN * scale, MARGIN * scale + below(context.area)), f"{target.name}: {title}"
     if recolor.is_direction(name):
         draw_texts(*place, width, scale, text, [(0.5, legend.DIRECTIONS)])
         return
     draw_bar(*place, width, scale, shown)
     draw_texts(*place, width, scale, text, legend.ticks(shown))
+
+
+def below(area: bpy.types.Area) -> float:
+    """The height in pixels that the panel of the last operation takes at the bottom of the viewport."""
+    return float(max((region.height for region in area.regions if region.type == "HUD" and region.height > 1), default=0))
 
 
 def free_span(area: bpy.types.Area, window: bpy.types.Region) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from .. import bridge
 from ..bridge import ParadescError
 from ..core import color_maps, legend
 from ..core.job import registry_name, registry_row
-from ..scene import mesh_io, modes, record
+from ..scene import mesh_io, modes, record, viewports
 from ..settings import looks
 
 Item = tuple[str, str, str]
@@ -194,8 +194,26 @@ class PARADESC_OT_view_colors(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Changes the shading of this viewport alone."""
         shading = context.space_data.shading
-        shading.type, shading.color_type = "SOLID", "VERTEX"
+        shading.type = "SOLID"
+        viewports.show_attributes(context.screen, shading)
         return {"FINISHED"}
 
 
-classes = (PARADESC_OT_recolor, PARADESC_OT_show, PARADESC_OT_view_colors)
+class PARADESC_OT_restore_shading(bpy.types.Operator):
+    """Show the viewports as they were before the bake; the values stay on the mesh"""
+
+    bl_idname = "paradesc.restore_shading"
+    bl_label = "Restore Shading"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only where it is known how they were."""
+        return viewports.can_restore(context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Restores every viewport of this window."""
+        viewports.restore(context.screen)
+        return {"FINISHED"}
+
+
+classes = (PARADESC_OT_recolor, PARADESC_OT_show, PARADESC_OT_view_colors, PARADESC_OT_restore_shading)

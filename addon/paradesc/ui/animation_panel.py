@@ -1,29 +1,28 @@
-"""The sidebar's panel about the mesh that is measured and about frames of an animation."""
+"""The sidebar's panel about frames of an animation."""
 
 import bpy
 
 from ..animation.cache_places import object_cache
 from ..bridge import ParadescError
 from ..files import cache
-from .panel import SidebarPanel
+from .drawing import SidebarPanel
 
 
 class PARADESC_PT_animation(SidebarPanel, bpy.types.Panel):
-    """Which mesh is measured, and frames of an animation"""
+    """Frames of an animation"""
 
-    bl_label = "Source and Animation"
+    bl_label = "Animation"
+    bl_options = {"DEFAULT_CLOSED"}
     bl_idname = "PARADESC_PT_animation"
-    bl_order = 50
+    bl_order = 40
     bl_parent_id = "PARADESC_PT_bake"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draws source, frames, cache and button."""
+        """Draws frames, cache and button."""
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
         scene, group = context.scene, context.scene.paradesc_animation
-        layout.prop(group, "source")
-        layout.separator()
         layout.prop(group, "frame_source")
         layout.prop(group, "use_scene_range")
         column = layout.column(align=True)
@@ -31,7 +30,7 @@ class PARADESC_PT_animation(SidebarPanel, bpy.types.Panel):
             column.prop(group, "frame_start")
             column.prop(group, "frame_end")
         column.prop(group, "frame_step")
-        layout.row(heading="Change").prop(group, "relative_to_rest", text="Against Rest")
+        layout.row(heading="Change").prop(group, "relative_to_rest", text="From Rest Pose")
         layout.prop(group, "cache_folder")
         layout.prop(group, "overwrite")
         layout.operator("paradesc.bake_frames", icon="RENDER_ANIMATION")

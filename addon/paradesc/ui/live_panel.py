@@ -5,7 +5,7 @@ import bpy
 from ..animation import handlers, live
 from ..core import legend
 from ..settings import looks
-from .panel import SidebarPanel, line_length, sentence_lines, wrapped
+from .drawing import SidebarPanel, line_length, sentence_lines, wrapped
 
 
 class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
@@ -13,8 +13,9 @@ class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
 
     bl_label = "Live and Playback"
     bl_idname = "PARADESC_PT_live"
-    bl_order = 51
+    bl_order = 41
     bl_parent_id = "PARADESC_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

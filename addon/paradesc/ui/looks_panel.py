@@ -2,11 +2,9 @@
 
 import bpy
 
-from ..core import legend
 from ..settings import looks
 from ..settings.looks import CHANNELS
-from ..show import recolor
-from .panel import SidebarPanel, sentence_lines
+from .drawing import SidebarPanel, sentence_lines
 
 
 class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
@@ -14,17 +12,15 @@ class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
 
     bl_label = "Colors"
     bl_idname = "PARADESC_PT_looks"
-    bl_order = 40
+    bl_order = 20
     bl_parent_id = "PARADESC_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Draws descriptor, map and range."""
+        """Draws map and range."""
         layout, group = self.layout, context.scene.paradesc_looks
         layout.use_property_split = True
         layout.use_property_decorate = False
-        if not recolor.obstacle(context):
-            name = recolor.shown_name(context.active_object.data)
-            layout.operator_menu_enum("paradesc.show", "name", text=label(name), icon="COLOR")
         layout.prop(group, "color_map")
         layout.prop(group, "span")
         column = layout.column(align=True)
@@ -45,12 +41,9 @@ class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
         value.active = group.use_neutral
         value.prop(group, "neutral", text="")
         row = layout.row(align=True)
-        row.operator("paradesc.recolor", icon="FILE_REFRESH")
+        row.operator("paradesc.recolor", text="Recolor Shown", icon="FILE_REFRESH")
         row.operator("paradesc.recolor", text="All").every = True
         layout.prop(group, "show_legend")
-        shading = context.space_data.shading
-        if shading.type == "SOLID" and shading.color_type != "VERTEX":
-            layout.operator("paradesc.view_colors", icon="SHADING_SOLID")
 
 
 def follows_frames(target: bpy.types.Object | None) -> bool:
@@ -82,7 +75,7 @@ class PARADESC_PT_materials(SidebarPanel, bpy.types.Panel):
 class PARADESC_PT_channels(SidebarPanel, bpy.types.Panel):
     """Other places for the values"""
 
-    bl_label = "Write To"
+    bl_label = "Convert"
     bl_idname = "PARADESC_PT_channels"
     bl_order = 2
     bl_parent_id = "PARADESC_PT_looks"
@@ -109,13 +102,6 @@ class PARADESC_PT_channels(SidebarPanel, bpy.types.Panel):
         for name in ("pack_name", "pack_kind", "pack_domain"):
             column.prop(group, name)
         layout.operator("paradesc.pack", icon="IMAGE_RGB_ALPHA")
-
-
-def label(name: str) -> str:
-    """The descriptor in words, with its radius if there are several."""
-    if not name:
-        return "Choose what to show"
-    return legend.label(name)
 
 
 classes = (PARADESC_PT_looks, PARADESC_PT_materials, PARADESC_PT_channels)

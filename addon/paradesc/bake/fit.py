@@ -1,0 +1,54 @@
+"""Fits the radius to the active mesh, whose triangles it has to span."""
+
+import bpy
+import numpy as np
+
+from ..bridge import MeshArrays, ParadescError
+from ..core import advice
+from ..scene import targets
+from ..scene.mesh_io import refuse
+from ..settings import properties
+
+
+def lengths_of(arrays: MeshArrays) -> tuple[float, float]:
+    """The mean edge length and the diagonal of the bounding box, of what has faces."""
+    corners = arrays.positions[arrays.triangle_vertices].astype(np.float64)
+    if not len(corners) or not np.isfinite(corners).all():
+        raise refuse("The mesh has no faces to fit the radius to, or a position that is no number.")
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    diagonal = float(np.linalg.norm(corners.max(axis=(0, 1)) - corners.min(axis=(0, 1))))
+    if not diagonal > 0:
+        raise refuse("The mesh is a single point, so there is no radius that fits it.")
+    return float(edges.mean()), diagonal
+
+
+class PARADESC_OT_fit_radius(bpy.types.Operator):
+    """Set the radius to what suits the active mesh: at least two edges, to see the surface and not its faces"""
+
+    bl_idname = "paradesc.fit_radius"
+    bl_label = "Fit to Mesh"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Needs a mesh."""
+        there = bool(targets.chosen(context))
+        if not there:
+            cls.poll_message_set("Select a mesh object first")
+        return there
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Reads the mesh by its source, and sets the radius in percent of the diagonal."""
+        group, target = context.scene.paradesc, targets.chosen(context)[0]
+        request = targets.ReadRequest(group.shape_key, source=context.scene.paradesc_animation.source)
+        try:
+            edge, diagonal = lengths_of(targets.read(target, properties.job_settings(group), request).measured)
+        except ParadescError as error:
+            self.report({"ERROR"}, error.sentence)
+            return {"CANCELLED"}
+        group.radius_unit, group.radius_percent = "diagonal", 100 * advice.fitting_radius(edge, diagonal)
+        self.report({"INFO"}, f"Radius {group.radius_percent:.3g} %: the mean edge is {100 * edge / diagonal:.2g} %")
+        return {"FINISHED"}
+
+
+classes = (PARADESC_OT_fit_radius,)

@@ -1,0 +1,51 @@
+"""Lets the viewports show what a bake painted, and brings back how they looked before."""
+
+from collections.abc import Iterator
+
+import bpy
+
+from ..settings import preferences
+
+# A custom property of the screen: what solid shading showed before, so that a saved file still can bring it back.
+FORMER = "paradesc_color_type"
+ATTRIBUTES = "VERTEX"
+
+
+def shadings(screen: bpy.types.Screen | None) -> Iterator[bpy.types.View3DShading]:
+    """The shading of each 3D viewport of a screen."""
+    for area in screen.areas if screen is not None else ():
+        if area.type == "VIEW_3D":
+            yield area.spaces.active.shading
+
+
+def show_attributes(screen: bpy.types.Screen | None, shading: bpy.types.View3DShading) -> None:
+    """Lets solid shading show the active color attribute, and keeps in mind what it showed before."""
+    if shading.color_type == ATTRIBUTES:
+        return
+    if screen is not None and FORMER not in screen:
+        screen[FORMER] = shading.color_type
+    shading.color_type = ATTRIBUTES
+
+
+def reveal(context: bpy.types.Context) -> None:
+    """After a bake: every solid viewport of the window shows the colors, unless the preferences say otherwise."""
+    if bpy.app.background or not preferences.shows_results():
+        return
+    for shading in shadings(context.screen):
+        if shading.type == "SOLID":
+            show_attributes(context.screen, shading)
+
+
+def can_restore(context: bpy.types.Context) -> bool:
+    """Whether it is known how the viewports looked before."""
+    return context.screen is not None and FORMER in context.screen
+
+
+def restore(screen: bpy.types.Screen) -> None:
+    """Gives every viewport that shows attributes what it showed before."""
+    former = screen[FORMER]
+    del screen[FORMER]
+    for shading in shadings(screen):
+        known = {item.identifier for item in shading.bl_rna.properties["color_type"].enum_items}
+        if shading.color_type == ATTRIBUTES and former in known:
+            shading.color_type = former

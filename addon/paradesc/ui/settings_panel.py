@@ -1,0 +1,197 @@
+"""The panels of settings: descriptors, neighborhood, quality and device, method, output."""
+
+import bpy
+from mathutils import Vector
+
+from .. import bridge
+from ..core import devices, spaces
+from ..scene import targets
+from .drawing import SettingsPanel, sentence_lines
+
+# Operators that look at their map through Gaussian windows.
+WINDOWED = {"difference_of_gaussians", "harris"}
+
+
+class PARADESC_PT_descriptor(SettingsPanel, bpy.types.Panel):
+    """What to compute"""
+
+    bl_label = "Analysis"
+    bl_idname = "PARADESC_PT_descriptor"
+    bl_order = 0
+
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """Draws the registry in three groups, and the options of the chosen operators."""
+        layout.use_property_split = False
+        for title, rows in descriptor_groups():
+            layout.label(text=title)
+            column = layout.column(align=True)
+            if rows[0].map_degree:
+                column.prop(settings, "map_descriptor", text="")
+            for row in rows:
+                column.prop_enum(settings, "descriptors", row.name)
+        chosen = settings.descriptors
+        column = layout.column()
+        column.use_property_split = True
+        if chosen & WINDOWED:
+            column.prop(settings, "map_sigma")
+        if "harris" in chosen:
+            column.prop(settings, "harris_k")
+            column.prop(settings, "corner_threshold")
+
+
+class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
+    """How far a vertex looks around"""
+
+    bl_label = "Neighborhood"
+    bl_idname = "PARADESC_PT_neighborhood"
+    bl_order = 10
+
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """Draws the radius's unit, what it is as a length, further radii, and the space."""
+        column = layout.column(align=True)
+        column.prop(settings, "radius_unit")
+        target = next(iter(targets.chosen(context)), None)
+        words = radius_words(context.scene, settings, target) if target is not None else ""
+        if words:
+            split = layout.split(factor=0.4)
+            split.label(text="")
+            split.label(text=words)
+        layout.prop(settings, "more_radii")
+        layout.prop(settings, "space")
+        if target is not None and target.data.shape_keys is not None:
+            layout.prop(settings, "shape_key")
+        if target is not None and settings.space == "object" and not spaces.is_even(target.matrix_world):
+            sentence = "The object is scaled unevenly: measure in World, or apply the scale"
+            sentence_lines(context, layout, sentence, "INFO")
+
+
+class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
+    """How exactly to compute, and on what"""
+
+    bl_label = "Quality and Device"
+    bl_idname = "PARADESC_PT_quality"
+    bl_order = 50
+
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """Draws samples, buffers, normals, creases and device."""
+        for name in ("samples", "adaptive", "buffer_size", "precision", "normals", "creases", "material_maps"):
+            layout.prop(settings, name)
+        split = layout.split(factor=0.4)
+        column = split.column()
+        column.alignment = "RIGHT"
+        column.label(text="Device")
+        split.menu("PARADESC_MT_devices", text=devices.label_of(settings.backend, settings.device_index))
+
+
+class PARADESC_MT_devices(bpy.types.Menu):
+    """What can compute here"""
+
+    bl_idname = "PARADESC_MT_devices"
+    bl_label = "Device"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Draws every device; a backend without one is grey, and its tooltip says why."""
+        settings = context.scene.paradesc
+        current = (settings.backend, settings.device_index)
+        for backend, index, label, there in [
+            ("auto", -1, "Automatic", True),
+            *((row.backend, row.index, row.label, not row.missing) for row in devices.found()),
+        ]:
+            row = self.layout.row()
+            row.enabled = there
+            icon = "CHECKMARK" if current == (backend, index) else "BLANK1"
+            choice = row.operator("paradesc.choose_device", text=label, icon=icon)
+            choice.backend, choice.index = backend, index
+
+
+class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
+    """Choices that researchers want; the defaults are the most exact"""
+
+    bl_label = "Method"
+    bl_idname = "PARADESC_PT_method"
+    bl_order = 51
+
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """Draws estimators, distance and evaluation; what belongs to one choice is grey with the others."""
+        carried = settings.relocation != "connected"
+        for name, active in (
+            ("estimator", True),
+            ("variance_reduction", True),
+            ("distance", True),
+            ("evaluate", True),
+            ("texels", settings.evaluate == "texel"),
+            ("relocation", True),
+            ("max_jumps", carried),
+            ("pattern", carried),
+            ("ellipse", carried),
+            ("geodesic", carried),
+            ("seed", True),
+        ):
+            row = layout.row()
+            row.active = active
+            row.prop(settings, name)
+
+
+class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
+    """Where results go"""
+
+    bl_label = "Output"
+    bl_idname = "PARADESC_PT_output"
+    bl_order = 30
+
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """Draws attributes, images and buffers, each with its options."""
+        layout.use_property_split = False
+        layout.prop(settings, "write_attributes")
+        for name, members in (
+            ("write_image", ("image_format", "texels", "image_path")),
+            ("write_buffers", ("buffers_path",)),
+        ):
+            layout.prop(settings, name)
+            if getattr(settings, name):
+                column = layout.column(align=True)
+                for member in members:
+                    column.prop(settings, member, text="" if member.endswith("path") else None)
+
+
+def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:
+    """The registry in groups with a title each, which follow from what the registry says."""
+    rows = bridge.descriptors()
+    groups = [
+        ("Of the Surface", [row for row in rows if row.components == 1 and not row.map_degree]),
+        ("Directions", [row for row in rows if row.components > 1]),
+        ("Filters Of", [row for row in rows if row.components == 1 and row.map_degree]),
+    ]
+    return [(title, found) for title, found in groups if found]
+
+
+def radius_words(scene: bpy.types.Scene, settings: bpy.types.PropertyGroup, target: bpy.types.Object) -> str:
+    """The radius as a length in the scene, unless the number says it or the scale is uneven; then ""."""
+    in_world = settings.space == "world"
+    if not spaces.is_even(target.matrix_world) or settings.radius_unit == "mean-edge":
+        return ""
+    scale = float(spaces.scales(target.matrix_world).mean())
+    if settings.radius_unit == "absolute":
+        if in_world or abs(scale - 1) < spaces.EVEN:
+            return ""
+        return "= " + length_words(scene, settings.radius_absolute * scale)
+    low, high = Vector(target.bound_box[0]), Vector(target.bound_box[6])
+    return "≈ " + length_words(scene, settings.radius_percent / 100 * (high - low).length * scale)
+
+
+def length_words(scene: bpy.types.Scene, length: float) -> str:
+    """A length in words, in the units of the scene."""
+    units = scene.unit_settings
+    if units.system == "NONE":
+        return f"{length:.4g}"
+    return bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length, precision=3)
+
+
+classes = (
+    PARADESC_MT_devices,
+    PARADESC_PT_descriptor,
+    PARADESC_PT_neighborhood,
+    PARADESC_PT_quality,
+    PARADESC_PT_method,
+    PARADESC_PT_output,
+)

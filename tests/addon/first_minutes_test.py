@@ -1,0 +1,169 @@
+"""What an artist meets first: masks in grey of the surface that is shown, a fitting radius, notes apart from warnings."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+from paradesc.core import job  # noqa: E402
+from paradesc.scene import record, source_meshes, targets  # noqa: E402
+from paradesc.settings import migrations, presets  # noqa: E402
+from paradesc.ui import panel, report_panel  # noqa: E402
+from scene import add_sphere, attribute_values, saved_scene  # noqa: E402
+
+
+@pytest.fixture(autouse=True)
+def new_scene(registered):
+    """A scene as an artist finds it."""
+    scene = bpy.context.scene
+    scene.paradesc.property_unset("descriptors")
+    scene.paradesc_animation.property_unset("source")
+
+
+@pytest.fixture
+def monkey():
+    """A monkey with Subdivision, as an artist would have it."""
+    bpy.ops.mesh.primitive_monkey_add()
+    target = bpy.context.active_object
+    target.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    bpy.context.view_layer.update()
+    return target
+
+
+def arrays_of(target, source):
+    return targets.read(target, job.Settings(), targets.ReadRequest(source=source)).arrays
+
+
+def test_one_click_bakes_a_grey_cavity_mask_of_the_surface_that_is_shown(monkey):
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    mesh = monkey.data
+    assert mesh.color_attributes.active_color.name == "cavity_color"
+    colors = attribute_values(mesh, "cavity_color")
+    np.testing.assert_allclose(colors[:, :2], colors[:, 1:3], atol=1e-5)
+    assert np.ptp(colors[:, 0]) > 0.3
+    found = attribute_values(mesh, "cavity").copy()
+    bpy.context.scene.paradesc_animation.source = "evaluated"
+    bpy.ops.paradesc.bake()
+    np.testing.assert_array_equal(attribute_values(mesh, "cavity"), found)
+    bpy.context.scene.paradesc_animation.source = "original"
+    bpy.ops.paradesc.bake()
+    assert not np.array_equal(attribute_values(mesh, "cavity"), found)
+
+
+def test_what_is_measured_is_a_note_and_no_warning(monkey):
+    bpy.ops.paradesc.bake()
+    stored = record.read(monkey.data)
+    assert "the original ones among them" in stored["notes"]
+    assert stored["warnings"] == ""
+    assert panel.result_sentence(stored).startswith("Cavity, 7,958 vertices, ")
+    assert report_panel.stored_report(monkey) == stored
+
+
+@pytest.mark.parametrize("state", ["plain", "hidden", "shown", "key", "muted", "active key"])
+def test_as_shown_takes_modifiers_and_shape_keys_only_where_they_show(state):
+    target = add_sphere()
+    shape = "basis"
+    if state in ("hidden", "shown"):
+        target.modifiers.new("Cast", "CAST").show_viewport = state == "shown"
+    if "key" in state or state == "muted":
+        target.shape_key_add(name="Basis")
+        key = target.shape_key_add(name="Key", from_mix=False)
+        key.value, key.mute = 1.0, state == "muted"
+        shape = "active" if state == "active key" else "basis"
+    bpy.context.view_layer.update()
+    shows = state in ("shown", "key")
+    assert targets.shown_source(target, shape) == ("evaluated" if shows else "original")
+
+
+def test_in_edit_mode_the_edited_mesh_is_measured_and_a_note_says_so(monkey):
+    bpy.ops.object.mode_set(mode="EDIT")
+    read = targets.read(monkey, job.Settings(), targets.ReadRequest(source="auto"))
+    assert len(read.arrays.positions) == len(monkey.data.vertices)
+    assert "without its modifiers" in read.notes[0]
+
+
+def test_the_same_command_line_as_before_measures_the_base_mesh(monkey):
+    assert targets.ReadRequest().source == "original"
+    assert len(arrays_of(monkey, "original").positions) < len(arrays_of(monkey, "auto").positions)
+    assert "auto" not in source_meshes.NAMES
+
+
+@pytest.mark.parametrize("name", ["cavity", "convexity", "ambient_openness", "mean_curvature"])
+def test_masks_are_grey_and_values_with_a_sign_have_two_colors(name):
+    add_sphere()
+    bpy.context.scene.paradesc.descriptors = {name}
+    bpy.ops.paradesc.bake()
+    drawn = record.read(bpy.context.active_object.data)["drawn"][name]["map"]
+    assert drawn == ("auto" if name == "mean_curvature" else "grey")
+
+
+def test_each_mask_of_the_panel_is_a_preset_that_it_recognizes():
+    group = bpy.context.scene.paradesc
+    assert presets.chosen_mask(group) == "cavity"  # of a new scene
+    for name in presets.MASKS:
+        presets.apply(group, name)
+        assert presets.chosen_mask(group) == name
+    group.descriptors = {"cavity", "convexity"}
+    assert presets.chosen_mask(group) == ""
+
+
+def test_the_operator_takes_a_mask_and_a_radius_of_its_own():
+    target = add_sphere()
+    assert bpy.ops.paradesc.bake(mask="edge_wear", radius=7.5) == {"FINISHED"}
+    settings = record.read(target.data)["settings"]
+    assert settings["descriptors"] == ["convexity"]
+    assert settings["radius"] == pytest.approx(0.075)
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}  # neither stays for the next time
+    assert record.read(target.data)["settings"]["radius"] == pytest.approx(0.075)  # but in the panel
+
+
+@pytest.mark.parametrize(("steps", "percent"), [(1, 25.0), (8, None), (60, 2.0)])
+def test_the_radius_fits_the_mesh(steps, percent):
+    target = add_sphere(steps=steps)
+    assert bpy.ops.paradesc.fit_radius() == {"FINISHED"}
+    found = bpy.context.scene.paradesc.radius_percent
+    bpy.ops.paradesc.bake()
+    report = record.read(target.data)["mesh_report"]
+    expected = 100 * min(max(0.02, 2 * report["mean_edge"] / report["diagonal"]), 0.25)
+    assert found == pytest.approx(expected if percent is None else percent, rel=0.02)
+
+
+def test_a_mesh_without_faces_has_no_radius_and_one_sentence():
+    bpy.context.collection.objects.link(made := bpy.data.objects.new("empty", bpy.data.meshes.new("empty")))
+    bpy.context.view_layer.objects.active = made
+    with pytest.raises(RuntimeError, match="no faces"):
+        bpy.ops.paradesc.fit_radius()
+
+
+def test_the_switch_beside_the_button_is_live_mode():
+    target = add_sphere()
+    live = target.paradesc_live
+    live.follows = True
+    assert live.mode == "LIVE"
+    live.follows = False
+    assert live.mode == "OFF"
+    live.mode = "CACHE"
+    assert not live.follows
+
+
+# ---- Files of versions with other defaults
+
+
+def test_an_old_file_keeps_the_defaults_of_its_time(tmp_path):
+    scene = bpy.context.scene
+    scene.paradesc.samples = 64  # the add-on was used in it
+    migrations.unregister()  # as the version that saved it
+    path = saved_scene(tmp_path / "old.blend")
+    migrations.register()
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    scene = bpy.context.scene
+    assert scene.paradesc.descriptors == {"mean_curvature"}
+    assert scene.paradesc_animation.source == "original"
+
+
+def test_a_new_file_keeps_its_own(tmp_path):
+    bpy.context.scene.paradesc.samples = 64
+    bpy.ops.wm.open_mainfile(filepath=str(saved_scene(tmp_path / "new.blend")))
+    scene = bpy.context.scene
+    assert (scene.paradesc.samples, scene.paradesc.descriptors) == (64, {"cavity"})
+    assert scene.paradesc_animation.source == "auto"
