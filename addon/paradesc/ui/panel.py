@@ -8,7 +8,7 @@ from ..core import legend
 from ..scene import targets, viewports
 from ..settings import presets, properties
 from ..show import recolor
-from .drawing import SidebarPanel, sentence_lines
+from .drawing import SidebarPanel, line_length, sentence_lines, wrapped
 from .report_panel import stored_report
 
 MASK_ICONS = {"cavity": "SHARPCURVE", "edge_wear": "SPHERECURVE", "curvature": "SMOOTHCURVE", "openness": "LIGHT_SUN"}
@@ -86,7 +86,8 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         return
     mesh = context.active_object.data
     column = layout.column(align=True)
-    column.label(text=result_sentence(stored))
+    for line in wrapped(result_sentence(stored), line_length(context)):
+        column.label(text=line)
     if recolor.baked_names(mesh):
         row = column.row(align=True)
         row.operator_menu_enum("paradesc.show", "name", text=shown_words(mesh), icon="COLOR")
