@@ -1,5 +1,7 @@
 """The add-on's own preferences, which apply to this machine and not to a scene."""
 
+from pathlib import Path
+
 import bpy
 
 # Blender finds the preferences by the name of the add-on's package, which contains this folder.
@@ -23,17 +25,37 @@ class PARADESC_AP_preferences(bpy.types.AddonPreferences):
         precision=1,
     )
 
+    presets_folder: bpy.props.StringProperty(
+        name="Presets Folder",
+        description="A folder whose presets the panel lists below your own, such as one that a studio shares",
+        default="",
+        subtype="DIR_PATH",
+    )
+
     def draw(self, _context: bpy.types.Context) -> None:
-        """Draws the one setting."""
+        """Draws the settings."""
         self.layout.use_property_split = True
         self.layout.prop(self, "memory_limit")
+        self.layout.prop(self, "presets_folder")
+
+
+def found() -> PARADESC_AP_preferences | None:
+    """The preferences, or None if the add-on is imported but not enabled."""
+    addon = bpy.context.preferences.addons.get(ADDON)
+    return None if addon is None else addon.preferences
 
 
 def memory_limit() -> int:
-    """Bytes that a computation may take; 0 if nobody has set a limit, or if the add-on is imported but not enabled."""
-    addon = bpy.context.preferences.addons.get(ADDON)
-    preferences = None if addon is None else addon.preferences
+    """Bytes that a computation may take; 0 if nobody has set a limit."""
+    preferences = found()
     return 0 if preferences is None else round(preferences.memory_limit * GIGABYTE)
+
+
+def presets_folder() -> Path | None:
+    """The folder of shared presets, or None if nobody has named one."""
+    preferences = found()
+    chosen = "" if preferences is None else preferences.presets_folder
+    return Path(bpy.path.abspath(chosen)) if chosen else None
 
 
 classes = (PARADESC_AP_preferences,)
