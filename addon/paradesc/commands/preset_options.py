@@ -16,8 +16,9 @@ WITHOUT_OPTION = ("image_format",)
 
 
 def is_file(name: str) -> bool:
-    """Whether --preset names a file, by its suffix or by a folder in front."""
-    return Path(name).suffix.lower() in SUFFIXES or Path(name).name != name
+    """Whether --preset names a file and no preset: by its suffix, or by a folder in front of a file that is there."""
+    path = Path(name)
+    return path.suffix.lower() in SUFFIXES or (path.name != name and path.is_file())
 
 
 def check_preset(name: str | None) -> None:
