@@ -326,11 +326,11 @@ def test_preset_says_what_and_how_and_options_go_first(run, report, sphere_obj):
 
 
 def test_every_preset_of_the_panel_is_one_here():
-    from paradesc.commands.options import with_preset
+    from paradesc.commands.preset_options import found_preset, with_preset
     from paradesc.settings import presets
 
     for name in presets.PRESETS:
-        settings = with_preset(name, None)
+        settings = with_preset(found_preset(name), None)
         job.check_descriptors(settings.descriptors)
         assert set(settings.descriptors) == presets.PRESETS[name].members["descriptors"]
 

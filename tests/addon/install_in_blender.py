@@ -206,8 +206,8 @@ def after_restart(module: str) -> None:
     assert sys.modules[module].__version__ == "9.9.9"
     finished(bpy.ops.wm.open_mainfile(filepath=str(USER / "chosen.blend")))
     has_chosen()
-    (preset,) = (path for folder in bpy.utils.preset_paths("paradesc") for path in Path(folder).glob("[Mm]ine.py"))
-    finished(bpy.ops.script.execute_preset(filepath=str(preset), menu_idname="PARADESC_MT_presets"))
+    (preset,) = (path for folder in bpy.utils.preset_paths("paradesc") for path in Path(folder).glob("[Mm]ine.json"))
+    finished(bpy.ops.paradesc.load_preset(filepath=str(preset)))
     assert bpy.context.scene.paradesc.samples == PRESET_SAMPLES
     bake()
 

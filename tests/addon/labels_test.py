@@ -15,7 +15,6 @@ pytestmark = pytest.mark.usefixtures("registered")
 # Words in lower case within a label, and names that are spelled so.
 SMALL = {"a", "an", "and", "at", "by", "for", "from", "in", "of", "on", "or", "over", "the", "to", "with"}
 SYMBOLS = {"k", "k1", "k2", "glTF"}
-BLENDERS_OWN = {"PARADESC_OT_add_preset"}  # whose members are not ours
 
 
 def classes():
@@ -29,7 +28,7 @@ def fields():
     for cls in classes():
         properties = rna_of(cls).properties
         for name in getattr(cls, "__annotations__", {}):
-            if cls.__name__ not in BLENDERS_OWN and name in properties:
+            if name in properties:
                 yield f"{cls.__name__}.{name}", properties[name]
 
 

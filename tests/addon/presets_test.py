@@ -45,26 +45,6 @@ def test_every_preset_says_what_it_is_for_and_names_only_settings_there_are():
         assert set(preset.members) <= set(presets.members())
 
 
-def test_own_presets_are_kept_applied_and_removed(settings, monkeypatch, tmp_path):
-    monkeypatch.setattr(bpy.utils, "user_resource", lambda _kind, path="", create=False: made(tmp_path / path))
-    monkeypatch.setattr(bpy.utils, "preset_paths", lambda path: [made(tmp_path / "presets" / path)])
-    settings.descriptors, settings.samples, settings.more_radii = {"curvedness", "cavity"}, 99, "3"
-    bpy.ops.paradesc.add_preset(name="mine")
-    (path,) = (tmp_path / "presets" / presets.SUBFOLDER).glob("*.py")
-    settings.descriptors, settings.samples, settings.more_radii = {"harris"}, 256, ""
-    bpy.ops.script.execute_preset(filepath=str(path), menu_idname="PARADESC_MT_presets")
-    assert (settings.descriptors, settings.samples, settings.more_radii) == ({"curvedness", "cavity"}, 99, "3")
-    assert "backend" not in path.read_text()
-    assert presets.PARADESC_MT_presets.bl_label.lower() == "mine"
-    bpy.ops.paradesc.add_preset(name="mine", remove_active=True)
-    assert not path.exists()
-
-
-def made(path):
-    path.mkdir(parents=True, exist_ok=True)
-    return str(path)
-
-
 # ---- Fields
 
 

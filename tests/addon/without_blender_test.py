@@ -77,3 +77,10 @@ def test_options_that_make_no_sense_are_refused_before_blender_is_missed(python)
     done = python("-m", "paradesc", "bake", "sphere.obj", "--descriptors", "wobbliness", "--output", "out.npz")
     assert done.returncode == 2
     assert "wobbliness" in done.stderr
+
+
+def test_a_file_that_is_no_preset_is_refused_before_blender_is_missed(python, tmp_path):
+    (tmp_path / "mask.json").write_text('{"paradesc_preset": 2}')
+    done = python("-m", "paradesc", "bake", "sphere.obj", "--preset", "mask.json", "--output", "out.npz")
+    assert (done.returncode, done.stdout) == (3, "")
+    assert done.stderr.startswith('paradesc: The preset file "mask.json" is of version 2')

@@ -22,6 +22,7 @@ from .common import (
 )
 from .look_options import fixed_range
 from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
+from .preset_options import check_preset, notes_of_preset
 from .reading import map_sources
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Bakes the frames that are missing; gives the report of all that are there then."""
     settings_of(arguments)
+    check_preset(arguments.preset)
     chosen = parse_frames(arguments.frames)
     if arguments.all and arguments.object:
         raise UsageError("Give --object or --all, not both.")
@@ -64,6 +66,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
     scene = bpy.context.scene
     settings = opened_settings(arguments)
+    opened.notes += notes_of_preset(arguments.preset_content, has_colors=False)
     wanted = chosen or range(scene.frame_start, scene.frame_end + 1, max(1, scene.frame_step))
     root = cache_folder(arguments)
     reports = []

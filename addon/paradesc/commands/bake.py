@@ -33,6 +33,7 @@ from .options import (
     settings_of,
 )
 from .outputs import add_output_files, check_files, files_of, write_files
+from .preset_options import check_preset, look_of_preset, notes_of_preset
 from .reading import read_object
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     started = time.monotonic()
     opened = open_objects(arguments)
     settings = opened_settings(arguments)
+    opened.notes += notes_of_preset(arguments.preset_content, has_colors=True)
     if arguments.corners and "harris" not in settings.descriptors:
         raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
     check_overwriting(files_of(arguments), open_file(), arguments.force)
@@ -100,6 +102,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 def check(arguments: argparse.Namespace) -> None:
     """Refuses what makes no sense, before any file is opened."""
     settings_of(arguments)
+    check_preset(arguments.preset)
     check_files(arguments)
     if arguments.all and arguments.object:
         raise UsageError("Give --object or --all, not both.")
@@ -149,13 +152,14 @@ def bake_objects(
 
 
 def asked_look(arguments: argparse.Namespace) -> Look:
-    """The look that the options ask for; with --scene-settings the scene supplies what is not given."""
-    if not arguments.scene_settings:
-        return look_of(arguments)
-    from ..settings.looks import scene_look
+    """The look that the options ask for; what is not given comes from --preset, else from --scene-settings."""
+    look = None
+    if arguments.scene_settings:
+        from ..settings.looks import scene_look
 
-    with scene_settings() as scene:
-        return look_of(arguments, scene_look(scene))
+        with scene_settings() as scene:
+            look = scene_look(scene)
+    return look_of(arguments, look_of_preset(arguments.preset_content, look))
 
 
 @contextmanager

@@ -14,6 +14,7 @@ from .common import (
     print_notes,
 )
 from .options import add_mesh_options, opened_settings, settings_of
+from .preset_options import check_preset, notes_of_preset
 from .reading import read_object
 
 COLUMNS = (
@@ -49,9 +50,11 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         raise UsageError("The reference is what compare compares with; choose another backend.")
     check_outputs([arguments.json] if arguments.json else [])
     settings_of(arguments)
+    check_preset(arguments.preset)
     target = open_object(arguments)
     settings = opened_settings(arguments)
     read = read_object(target, settings, arguments)
+    read.notes += notes_of_preset(arguments.preset_content, has_colors=False)
     with Progress(arguments.progress) as progress:
         rows, device, reference = compare.compare(read.measured, settings, progress)
     print(f'object "{target.name}", radius {device.radius:.6g}, {settings.options.samples} samples')

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from .. import bridge
 from ..core import job, source_kinds
-from ..core.corners import THRESHOLD
 from .common import PROGRESS, UsageError
+from .preset_options import found_preset, with_preset
 
 if TYPE_CHECKING:
     import bpy
@@ -47,7 +47,8 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--scene-settings", action="store_true",
         help="take what is not given here from the panel's settings in the .blend")  # fmt: skip
-    add("--preset", metavar="NAME", help="take them from a preset of the panel: cavity, edge_wear, curvature, ...")
+    add("--preset", metavar="FILE",
+        help="take them from a preset: a JSON file, or a name (cavity, edge_wear, ... or your own)")  # fmt: skip
     add("--descriptors", metavar="A,B,C", help="see paradesc list (default: mean_curvature)")
     add("--radius", type=radii, metavar="R[,R...]",
         help="support radius (default: 0.02); of several, names end in _r and the radius")  # fmt: skip
@@ -154,8 +155,8 @@ def given_or(arguments: argparse.Namespace, name: str, otherwise: object) -> obj
 def opened_settings(arguments: argparse.Namespace) -> job.Settings:
     """The settings once the file is open: what is not given comes from --preset, else the scene, else the defaults.
 
-    --scene-settings also supplies the source, the shape key, and whether material maps and the change against rest
-    are measured, unless an option does.
+    What else a preset says is in preset_content of the arguments. --scene-settings also supplies the source, the shape
+    key, and whether material maps and the change against rest are measured, unless an option does.
     """
     base = None
     usual = getattr(arguments, "usual_source", "original")
@@ -177,25 +178,8 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
     if shape_key == "active" and arguments.source not in (source_kinds.ORIGINAL, source_kinds.AUTOMATIC):
         sentence = f"The source {arguments.source} has the shape that shape keys give it; leave --shape-key out"
         raise UsageError(f"{sentence}, or measure the source original.")
-    return settings_of(arguments, with_preset(arguments.preset, base))
-
-
-def with_preset(name: str | None, base: job.Settings | None) -> job.Settings | None:
-    """The settings with one of the panel's presets for what and how to compute; the device stays."""
-    if name is None:
-        return base
-    from ..settings import presets
-
-    if name not in presets.PRESETS:
-        raise UsageError(f'There is no preset "{name}"; choose one of {", ".join(presets.PRESETS)}.')
-    members = dict(presets.PRESETS[name].members)
-    chosen = members.pop("descriptors")
-    radius = members.pop("radius_percent") / 100
-    names = tuple(row.name for row in bridge.descriptors() if row.name in chosen)
-    options = bridge.Options(radius=radius, **members)
-    return replace(
-        base or job.Settings(), descriptors=names, options=options, more_radii=(), corner_threshold=THRESHOLD
-    )
+    arguments.preset_content = found_preset(arguments.preset)
+    return settings_of(arguments, with_preset(arguments.preset_content, base))
 
 
 @contextmanager

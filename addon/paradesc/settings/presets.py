@@ -1,25 +1,33 @@
-"""Presets for common purposes, by one click each, and the user's own by Blender's preset system."""
+"""Presets for common purposes, by one click each, the user's own, and those of a folder that a studio shares."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import bpy
-from bl_operators.presets import AddPresetBase
 
 from .. import bridge
-from . import properties
+from ..bridge import ParadescError
+from ..files import preset_file
+from ..files.preset_file import Content
+from . import preset_folders, preset_members
 
-SUBFOLDER = "paradesc"
-# These belong to the machine or to an object and not to a purpose, or say where results go.
-NO_PRESET = {"backend", "device_index", "material_maps", "space", "shape_key"}
+NO_NAME = "Give the preset a name."
 
 
 @dataclass(frozen=True)
 class Preset:
-    """Settings that differ from the defaults, and what they are for."""
+    """Settings and colors that differ from the defaults, images as they shall be, and what all of it is for."""
 
     label: str
     purpose: str
     members: dict[str, object] = field(default_factory=dict)
+    colors: dict[str, object] = field(default_factory=dict)
+    image: dict[str, object] = field(default_factory=dict)
+
+    def content(self) -> Content:
+        """The same as a preset file says it."""
+        settings = {name: preset_file.plain(value) for name, value in self.members.items()}
+        return Content(self.label, self.purpose, settings, self.colors, self.image)
 
 
 # The first four are masks, which stand at the top of the panel.
@@ -57,6 +65,8 @@ PRESETS = {
 }
 
 
+# The file of the preset that was chosen last, if it was none of ours.
+chosen: list[Path] = []
 MASKS = ("cavity", "edge_wear", "curvature", "openness")
 
 
@@ -66,23 +76,35 @@ def chosen_mask(group: bpy.types.PropertyGroup) -> str:
 
 
 def members() -> list[str]:
-    """Names of the settings that a preset sets."""
-    groups = [group for group in properties.GROUPS if group != properties.output_members]
-    return [name for group in groups for name in group() if name not in NO_PRESET]
+    """Names of the settings that a preset sets, without colors and images."""
+    return preset_members.members()
 
 
 def apply(group: bpy.types.PropertyGroup, name: str) -> Preset:
-    """Applies one of our presets. Members of presets that it does not name get their default; other settings stay."""
+    """Applies one of our presets to a scene's settings and colors; what belongs to device and output stays."""
     preset = PRESETS[name]
-    for member in members():
-        group.property_unset(member)
-    for member, value in preset.members.items():
-        setattr(group, member, value)
+    preset_members.apply(group.id_data, preset.content())
+    show_chosen(preset.label)
     return preset
 
 
-class PARADESC_OT_preset(bpy.types.Operator):
-    """Set descriptors, radius and quality for a purpose"""
+def show_chosen(label: str, path: Path | None = None) -> None:
+    """Shows in the panel which preset was chosen last, and keeps its file for the button that removes it."""
+    PARADESC_MT_presets.bl_label = label
+    chosen[:] = [path] if path else []
+
+
+class NeedsLibrary:
+    """An operator that needs the native library, whose descriptors a preset chooses."""
+
+    @classmethod
+    def poll(cls, _context: bpy.types.Context) -> bool:
+        """Is there only with the library."""
+        return not bridge.missing_sentence()
+
+
+class PARADESC_OT_preset(NeedsLibrary, bpy.types.Operator):
+    """Set descriptors, radius, quality and colors for a purpose"""
 
     bl_idname = "paradesc.preset"
     bl_label = "Apply Preset"
@@ -99,16 +121,40 @@ class PARADESC_OT_preset(bpy.types.Operator):
         """What the preset is for."""
         return PRESETS[asked.name].purpose
 
-    @classmethod
-    def poll(cls, _context: bpy.types.Context) -> bool:
-        """Needs the native library, whose descriptors a preset chooses."""
-        return not bridge.missing_sentence()
-
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Applies the preset, and says what it is for."""
         preset = apply(context.scene.paradesc, self.name)
-        PARADESC_MT_presets.bl_label = preset.label
         self.report({"INFO"}, f"{preset.label}: {preset.purpose}")
+        return {"FINISHED"}
+
+
+class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
+    """Set what a preset file says, which is checked first and never executed"""
+
+    bl_idname = "paradesc.load_preset"
+    bl_label = "Load Preset"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    filepath: bpy.props.StringProperty(name="File", description="The preset, a JSON file", subtype="FILE_PATH")
+
+    @classmethod
+    def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
+        """What the preset is for, or why it cannot be used."""
+        row = preset_folders.row_at(Path(asked.filepath))
+        sentence = "" if row is None else row.fault or row.purpose
+        return sentence.rstrip(".") or cls.__doc__
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Applies the preset if all of it is sound, else nothing."""
+        path = Path(bpy.path.abspath(self.filepath))
+        try:
+            content = preset_members.sound(path)
+        except ParadescError as error:
+            self.report({"ERROR"}, error.sentence)
+            return {"CANCELLED"}
+        preset_members.apply(context.scene, content)
+        show_chosen(content.name, path)
+        self.report({"INFO"}, f"{content.name}: {content.purpose}".rstrip(": "))
         return {"FINISHED"}
 
 
@@ -117,36 +163,116 @@ class PARADESC_MT_presets(bpy.types.Menu):
 
     bl_idname = "PARADESC_MT_presets"
     bl_label = "Presets"
-    preset_subdir = SUBFOLDER
-    preset_operator = "script.execute_preset"
 
-    def draw(self, context: bpy.types.Context) -> None:
-        """Draws our presets, then the user's own."""
+    def draw(self, _context: bpy.types.Context) -> None:
+        """Draws our presets, then the user's own, then those of shared folders."""
         for name, preset in PRESETS.items():
             self.layout.operator("paradesc.preset", text=preset.label).name = name
-        if bpy.utils.preset_paths(SUBFOLDER):
-            self.layout.separator()
-            bpy.types.Menu.draw_preset(self, context)
+        for folder in (preset_folders.own_folder(), *preset_folders.shared_folders()):
+            rows = preset_folders.rows_in(folder)
+            if rows:
+                self.layout.separator()
+            for row in rows:
+                line = self.layout.row()
+                line.enabled = not row.fault
+                line.operator("paradesc.load_preset", text=row.name).filepath = str(row.path)
 
 
-class PARADESC_OT_add_preset(AddPresetBase, bpy.types.Operator):
+class PARADESC_OT_add_preset(NeedsLibrary, bpy.types.Operator):
     """Keep these settings as a preset of your own, or remove the one that was chosen last"""
 
     bl_idname = "paradesc.add_preset"
     bl_label = "Add Preset"
-    preset_menu = "PARADESC_MT_presets"
-    preset_subdir = SUBFOLDER
-    preset_defines = ["paradesc = bpy.context.scene.paradesc"]
+    bl_options = {"REGISTER", "INTERNAL"}
 
-    @property
-    def preset_values(self) -> list[str]:
-        """The settings that a preset keeps."""
-        return [f"paradesc.{name}" for name in members()]
+    name: bpy.props.StringProperty(
+        name="Name",
+        description="What the menu calls the preset",
+        maxlen=preset_file.LONGEST_NAME,
+        options={"SKIP_SAVE"},
+    )
+    purpose: bpy.props.StringProperty(
+        name="Purpose",
+        description="What the preset is for, as its tooltip says it; may be left empty",
+        maxlen=preset_file.LONGEST_PURPOSE,
+        options={"SKIP_SAVE"},
+    )
+    remove_name: bpy.props.BoolProperty(
+        name="Remove by Name",
+        description="Remove the preset of your own that has this name",
+        default=False,
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+    remove_active: bpy.props.BoolProperty(
+        name="Remove the Last",
+        description="Remove the preset that was chosen last, if it is your own",
+        default=False,
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Asks for the name of a new preset."""
+        if self.remove_name or self.remove_active:
+            return self.execute(context)
+        return context.window_manager.invoke_props_dialog(self)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Saves or removes a preset."""
+        try:
+            if self.remove_name or self.remove_active:
+                sentence = remove(self.name if self.remove_name else "")
+            else:
+                sentence = add(context.scene, self.name.strip(), self.purpose.strip())
+        except ParadescError as error:
+            sentence = error.sentence
+        except OSError as error:
+            sentence = f"The folder of presets cannot be changed: {error.strerror or error}."
+        if sentence:
+            self.report({"ERROR"}, sentence)
+        return {"CANCELLED"} if sentence else {"FINISHED"}
 
 
-classes = (PARADESC_OT_preset, PARADESC_MT_presets, PARADESC_OT_add_preset)
+def add(scene: bpy.types.Scene, name: str, purpose: str) -> str:
+    """Saves a scene's settings as a preset of the user's own; gives one sentence if that makes no sense, or ""."""
+    if not name:
+        return NO_NAME
+    folder = preset_folders.own_folder(create=True)
+    if folder is None:
+        return "Blender has no folder of your own where presets could be kept."
+    path = preset_file.place_of(folder, name)
+    content = preset_members.content_of(scene, name, purpose)
+    preset_members.check(path, content)
+    preset_file.write(path, content)
+    preset_folders.forget()
+    show_chosen(name, path)
+    return ""
+
+
+def remove(name: str) -> str:
+    """Removes a preset of the user's own, by name or the one that was chosen last; gives one sentence, or ""."""
+    rows = preset_folders.rows_in(preset_folders.own_folder()) if name else []
+    paths = [row.path for row in rows if row.name == name] if name else chosen
+    if not paths:
+        return f'There is no preset "{name}" of your own.' if name else "Choose a preset of your own first."
+    path = paths[0]
+    if not preset_folders.is_own(path):
+        return f'"{path.name}" is none of your own presets, and stays.'
+    path.unlink(missing_ok=True)
+    preset_folders.forget()
+    if path in chosen:
+        show_chosen("Presets")
+    return ""
+
+
+classes = (PARADESC_OT_preset, PARADESC_OT_load_preset, PARADESC_MT_presets, PARADESC_OT_add_preset)
+
+
+def register() -> None:
+    """Brings the user's presets of earlier versions into the form of today."""
+    preset_folders.convert_own()
 
 
 def unregister() -> None:
     """Forgets which preset was chosen last."""
-    PARADESC_MT_presets.bl_label = "Presets"
+    show_chosen("Presets")
+    preset_folders.forget()

@@ -207,11 +207,12 @@ def main(addon: str, version: str, out: str) -> None:
         expected.update(version=version, blender=bpy.app.version_string)
         packed = io.BytesIO()
         np.savez_compressed(packed, **arrays)
-        preset = Path(os.environ["BLENDER_USER_SCRIPTS"]) / "presets" / "paradesc" / "Saved.py"
+        kept = Path(os.environ["BLENDER_USER_SCRIPTS"]) / "presets" / "paradesc"
+        (preset,) = kept.glob("Saved.*")  # version 0.1.0 writes Python, later ones JSON
         with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
             for path in (blend, *sorted(folder.rglob("*.pdframe")), *sorted(folder.rglob("*.json"))):
                 archive.write(path, path.relative_to(folder))
-            archive.write(preset, "Saved.py")
+            archive.write(preset, preset.name)
             archive.writestr("expected.json", json.dumps(expected, indent=1, sort_keys=True))
             archive.writestr("expected.npz", packed.getvalue())
         paradesc.unregister()

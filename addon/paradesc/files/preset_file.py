@@ -1,0 +1,306 @@
+"""Presets as JSON files: read, checked as a whole and written, but never executed. Never imports bpy.
+
+A file is one object: paradesc_preset (the version of the format), name, purpose, and up to three sections, settings,
+colors and image, each an object from the names of properties to their values. Which properties there are, and what
+their values may be, is said by rules that whoever reads the file brings along.
+"""
+
+import itertools
+import json
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+
+from ..bridge import InputError
+from .results import write_whole
+
+SUFFIX = ".json"
+# The key that tells a preset from any other JSON, and the newest version of the format.
+MARK, VERSION = "paradesc_preset", 1
+SECTIONS = ("settings", "colors", "image")
+LARGEST_FILE = 1_000_000  # bytes
+LONGEST_NAME, LONGEST_PURPOSE, LONGEST_TEXT = 60, 500, 1000
+# No number of a setting has as many digits; Python takes long to read those that have many more.
+MOST_DIGITS = 30
+LARGEST_NUMBER = 3.4e38  # 32-bit floats end just above
+# A file name has to leave room for the suffix, and for what stands around it while the file is written.
+LONGEST_STEM = 100  # bytes
+# Windows keeps these names for devices, whatever suffix follows.
+RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)", re.IGNORECASE)
+
+
+class PresetError(InputError):
+    """The file cannot be used as a preset; the sentence says which file, why, and what to do."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What the value of a property may be."""
+
+    kind: str  # bool, int, float, text, choice or choices
+    default: object
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    choices: tuple[str, ...] = ()
+
+
+Rules = dict[str, dict[str, Rule]]  # by section, then by property
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a preset says. A section that is None is not there: it leaves its settings as they are."""
+
+    name: str
+    purpose: str = ""
+    settings: dict[str, object] | None = None
+    colors: dict[str, object] | None = None
+    image: dict[str, object] | None = None
+
+    def sections(self) -> dict[str, dict[str, object]]:
+        """The sections that are there."""
+        found = {section: getattr(self, section) for section in SECTIONS}
+        return {section: members for section, members in found.items() if members is not None}
+
+
+def refuse(path: Path, what: str) -> NoReturn:
+    """Raises the sentence about a file: what is wrong with it, and what to do."""
+    raise PresetError(f"The preset file {quoted(str(path))} {what}.")
+
+
+def quoted(value: object) -> str:
+    """A text, or the beginning of any other value as JSON, so that it can be shown anywhere."""
+    if isinstance(value, str):
+        text = value if value.isprintable() else ascii(value)[1:-1]
+        return f'"{text}"' if len(text) <= LONGEST_TEXT else f'"{text[:LONGEST_NAME]}…"'
+    try:
+        text = json.dumps(value)
+    except RecursionError:
+        return "a nested value"
+    return text if len(text) <= LONGEST_NAME else text[: LONGEST_NAME - 1] + "…"
+
+
+# ---- Reading
+
+
+def read(path: Path) -> Content:
+    """Reads a file and checks all that needs no rules; raises PresetError."""
+    content = parsed(path, text_in(path, "JSON"))
+    if not isinstance(content, dict) or MARK not in content:
+        refuse(path, f'is no preset of Paradesc, because "{MARK}" is missing; choose another file')
+    version = content[MARK]
+    if type(version) is not int or version < 1:
+        refuse(path, f'has {quoted(version)} as "{MARK}", where the version {VERSION} belongs; correct it')
+    if version > VERSION:
+        refuse(path, f"is of version {version}, newer than the {VERSION} that this Paradesc reads; update the add-on")
+    known = (MARK, *(field.name for field in fields(Content)))
+    for key in content:
+        if key not in known:
+            refuse(path, f"has {quoted(key)}, which is unknown; remove it, or update the add-on")
+    name = checked_line(path, content, "name", LONGEST_NAME)
+    if not name.strip():
+        refuse(path, 'has no "name"; give it one')
+    purpose = checked_line(path, content, "purpose", LONGEST_PURPOSE)
+    sections = {section: checked_section(path, content, section) for section in SECTIONS if section in content}
+    if not sections:
+        refuse(path, f'sets nothing; add a section "{SECTIONS[0]}", or save the preset again')
+    return Content(name.strip(), purpose, **sections)
+
+
+def text_in(path: Path, kind: str) -> str:
+    """The text of a file that is no larger than a preset can be, without a byte order mark at its beginning."""
+    try:
+        if path.is_dir():
+            refuse(path, "is a folder; choose a file in it")
+        if not path.is_file():
+            refuse(path, "is not there; choose another file")
+        with path.open("rb") as file:
+            found = file.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:
+        refuse(path, f"cannot be read: {getattr(error, 'strerror', None) or error}")
+    if len(found) > LARGEST_FILE:
+        refuse(path, f"is larger than {LARGEST_FILE // 1_000_000} MB, which no preset is; choose another file")
+    try:
+        return found.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        refuse(path, f"is no {kind} in UTF-8 (byte {error.start + 1}); save it in that encoding")
+
+
+def parsed(path: Path, text: str) -> object:
+    """The JSON of a text, without what Python reads beyond the standard."""
+    try:
+        return json.loads(
+            text, object_pairs_hook=single, parse_int=whole, parse_float=finite, parse_constant=no_constant
+        )
+    except json.JSONDecodeError as error:
+        refuse(path, f"is no JSON in line {error.lineno}, column {error.colno} ({error.msg}); correct it")
+    except RecursionError:
+        refuse(path, "is nested too deeply; choose another file")
+    except ValueError as error:
+        refuse(path, f"has {error}; correct it")
+
+
+def single(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    """An object of JSON, in which no key comes twice."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f"{quoted(twice)} twice")
+    return found
+
+
+def whole(digits: str) -> int:
+    """A whole number of JSON that is not excessively long."""
+    if len(digits) > MOST_DIGITS:
+        raise ValueError(f"a number of {len(digits):,} digits")
+    return int(digits)
+
+
+def finite(digits: str) -> float:
+    """A number of JSON that Python can hold."""
+    number = float(digits)
+    if not math.isfinite(number):
+        raise ValueError(f"a number that is too large ({digits[:MOST_DIGITS]})")
+    return number
+
+
+def no_constant(word: str) -> NoReturn:
+    """Refuses NaN and Infinity, which JSON itself does not have."""
+    raise ValueError(f"{word}, which is no number")
+
+
+def checked_line(path: Path, content: dict[str, object], key: str, longest: int) -> str:
+    """A text of one line that can be shown."""
+    text = content.get(key, "")
+    if not isinstance(text, str) or not text.isprintable() or len(text) > longest:
+        refuse(path, f'has a "{key}" that is no line of at most {longest} characters; correct it')
+    return text
+
+
+def checked_section(path: Path, content: dict[str, object], section: str) -> dict[str, object]:
+    """A section, whose values are truth values, numbers, texts, or lists of texts."""
+    members = content[section]
+    if not isinstance(members, dict):
+        refuse(path, f'has a section "{section}" that is no object; correct it')
+    for key, value in members.items():
+        plain = value if isinstance(value, list) else [value]
+        kinds = str if isinstance(value, list) else (bool, int, float, str)
+        if not all(isinstance(item, kinds) for item in plain):
+            where = f"has {quoted(value)} as {quoted(key)} in {section}"
+            refuse(path, f"{where}; give a truth value, a number, a text or a list of texts")
+    return members
+
+
+# ---- Checking by rules
+
+
+def check(path: Path, content: Content, rules: Rules) -> None:
+    """Raises PresetError about the first property that no rule knows or whose value breaks its rule."""
+    for section, members in content.sections().items():
+        for name, value in members.items():
+            rule = rules[section].get(name)
+            if rule is None:
+                refuse(path, f"has {quoted(name)} in {section}, which is no setting; remove it, or update the add-on")
+            wanted = wanted_instead(rule, value)
+            if wanted:
+                refuse(path, f"has {quoted(value)} as {quoted(name)} in {section}; give {wanted}")
+
+
+def wanted_instead(rule: Rule, value: object) -> str:
+    """What a property takes, in words, if it does not take this value, else ""."""
+    if rule.kind == "bool":
+        return "" if isinstance(value, bool) else "true or false"
+    if rule.kind in ("int", "float"):
+        return wanted_number(rule, value)
+    if rule.kind == "text":
+        sound = isinstance(value, str) and value.isprintable() and len(value) <= LONGEST_TEXT
+        return "" if sound else f"a line of at most {LONGEST_TEXT} characters"
+    several = rule.kind == "choices"
+    given = value if isinstance(value, list) else [value]
+    sound = isinstance(value, list if several else str) and given and all(item in rule.choices for item in given)
+    return "" if sound else f"{'a list of some' if several else 'one'} of {', '.join(rule.choices)}"
+
+
+def wanted_number(rule: Rule, value: object) -> str:
+    """What a number has to be, in words, or "". Floats are compared in 32 bits, as Blender keeps them."""
+    kinds = int if rule.kind == "int" else (int, float)
+    sound = isinstance(value, kinds) and not isinstance(value, bool) and abs(value) <= LARGEST_NUMBER
+    if sound:
+        same = int if rule.kind == "int" else np.float32
+        low, high = (item if math.isinf(item) else same(item) for item in (rule.minimum, rule.maximum))
+        sound = low <= same(value) <= high
+    if sound:
+        return ""
+    bounds = [f"from {rule.minimum:.10g}"] if math.isfinite(rule.minimum) else []
+    bounds += [f"to {rule.maximum:.10g}"] if math.isfinite(rule.maximum) else []
+    return " ".join(["a whole number" if rule.kind == "int" else "a number", *bounds])
+
+
+def completed(members: dict[str, object], rules: dict[str, Rule]) -> dict[str, object]:
+    """Every property of a section, those that a preset does not name at their defaults."""
+    return {name: members.get(name, rule.default) for name, rule in rules.items()}
+
+
+def as_kept(members: dict[str, object], rules: dict[str, Rule]) -> dict[str, object]:
+    """Values as Blender holds them: floats in 32 bits, choices as sets."""
+    kinds = {"float": lambda value: float(np.float32(value)), "choices": set}
+    return {name: kinds.get(rules[name].kind, lambda value: value)(value) for name, value in members.items()}
+
+
+def plain(value: object) -> object:
+    """A value that Blender holds as JSON has it: the fewest digits that give the same float, choices in order."""
+    if isinstance(value, (set, frozenset)):
+        return sorted(value)
+    if isinstance(value, float) and abs(value) <= LARGEST_NUMBER:
+        return float(str(np.float32(value)))
+    return value
+
+
+# ---- Writing
+
+
+def write(path: Path, content: Content) -> None:
+    """Writes a preset whole or not at all."""
+    write_whole(path, content, lambda place, given: place.write_text(text_of(given), encoding="utf-8", newline="\n"))
+
+
+def text_of(content: Content) -> str:
+    """A preset as the text of its file."""
+    about = {MARK: VERSION, "name": content.name, "purpose": content.purpose}
+    return json.dumps({**about, **content.sections()}, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def file_stem(name: str) -> str:
+    """A name as a file may be called on every system, without its suffix."""
+    words = re.sub(r"[^\w+-]+", "_", name).strip("_")
+    stem = words.encode()[:LONGEST_STEM].decode(errors="ignore") or "preset"
+    return f"{stem}_" if RESERVED.fullmatch(stem) else stem
+
+
+def place_of(folder: Path, name: str) -> Path:
+    """The file of a preset of this name in a folder: the one that has it already, else a new one."""
+    stem = file_stem(name)
+    taken = {path.name.casefold() for path in folder.iterdir()}
+    fits = (path for path in candidates(folder, stem) if path.name.casefold() not in taken or name_in(path) == name)
+    return next(fits)
+
+
+def candidates(folder: Path, stem: str) -> Iterator[Path]:
+    """Files that could be called so: by the name itself, then with a number."""
+    yield folder / f"{stem}{SUFFIX}"
+    for number in itertools.count(2):
+        yield folder / f"{stem}_{number}{SUFFIX}"
+
+
+def name_in(path: Path) -> str | None:
+    """The name of the preset in a file, or None if it cannot be read."""
+    try:
+        return read(path).name
+    except PresetError:
+        return None

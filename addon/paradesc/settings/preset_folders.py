@@ -1,0 +1,143 @@
+"""Where preset files lie: in Blender's folders of presets, and in the folder that the add-on's preferences name."""
+
+import os
+import time
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import bpy
+
+from .. import bridge
+from ..bridge import ParadescError
+from ..files import old_presets, preset_file
+from . import preferences, preset_members
+
+SUBFOLDER = "paradesc"
+SUFFIXES = (preset_file.SUFFIX, old_presets.SUFFIX)
+# A menu that is open is drawn at every move of the mouse; folders are looked at again after so many seconds.
+PATIENCE = 1.0
+# A folder that has more files is none of presets alone, and takes long to read.
+MOST_FILES = 200
+
+
+@dataclass(frozen=True)
+class Row:
+    """A preset file as the menu lists it."""
+
+    path: Path
+    name: str
+    purpose: str = ""
+    fault: str = ""  # why it cannot be used, or ""
+
+
+@dataclass
+class Listing:
+    """What a folder held when it was looked at last."""
+
+    looked: float
+    stamps: list[tuple[str, int, int]]
+    rows: list[Row] = field(default_factory=list)
+
+
+listings: dict[Path, Listing] = {}
+
+
+def own_folder(create: bool = False) -> Path | None:
+    """The folder of the user's own presets, or None if there is none."""
+    found = bpy.utils.user_resource("SCRIPTS", path=f"presets/{SUBFOLDER}", create=create)
+    return Path(found) if found else None
+
+
+def shared_folders() -> list[Path]:
+    """Folders of presets that others keep: on Blender's other script paths, and the one that the preferences name."""
+    found = [Path(path) for path in bpy.utils.preset_paths(SUBFOLDER)]
+    chosen = preferences.presets_folder()
+    found += [chosen] if chosen else []
+    own = own_folder()
+    return [path for path in dict.fromkeys(found) if own is None or not same_place(path, own)]
+
+
+def same_place(first: Path, second: Path) -> bool:
+    """Whether two paths are one folder."""
+    return os.path.normcase(os.path.abspath(first)) == os.path.normcase(os.path.abspath(second))  # noqa: PTH100
+
+
+def is_own(path: Path) -> bool:
+    """Whether a preset file is the user's own."""
+    own = own_folder()
+    return own is not None and same_place(path.parent, own)
+
+
+def rows_in(folder: Path | None) -> list[Row]:
+    """The presets in a folder by name; read again only if a file in it has changed."""
+    if folder is None:
+        return []
+    known, now = listings.get(folder), time.monotonic()
+    if known is not None and now - known.looked < PATIENCE:
+        return known.rows
+    stamps = stamps_in(folder)
+    if known is None or known.stamps != stamps:
+        rows = [row_of(folder / name) for name, _, _ in stamps[:MOST_FILES]]
+        listings[folder] = Listing(now, stamps, sorted(rows, key=lambda row: row.name.casefold()))
+    else:
+        known.looked = now
+    return listings[folder].rows
+
+
+def stamps_in(folder: Path) -> list[tuple[str, int, int]]:
+    """Name, time and size of each file that may be a preset; none if the folder cannot be read."""
+    found = []
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            name = entry.name
+            # Blender's properties hold no path that is no text, and hidden files are none of people's.
+            if Path(name).suffix.lower() in SUFFIXES and name.isprintable() and not name.startswith("."):
+                with suppress(OSError):
+                    about = entry.stat()
+                    found.append((name, about.st_mtime_ns, about.st_size))
+    return sorted(found)
+
+
+def row_of(path: Path) -> Row:
+    """A preset file as the menu lists it: if it cannot be used, by its file name."""
+    try:
+        content = preset_members.sound(path)
+    except ParadescError as error:
+        return Row(path, path.name, fault=error.sentence)
+    return Row(path, content.name, content.purpose)
+
+
+def forget() -> None:
+    """Looks at every folder again when it is asked for next."""
+    listings.clear()
+
+
+def every_row() -> list[Row]:
+    """The presets of all folders, the user's own first."""
+    return [row for folder in (own_folder(), *shared_folders()) for row in rows_in(folder)]
+
+
+def row_at(path: Path) -> Row | None:
+    """The row of a file that has been listed, without looking at any folder."""
+    listing = listings.get(path.parent)
+    return next((row for row in listing.rows if row.path == path), None) if listing else None
+
+
+def row_named(name: str) -> Row | None:
+    """The preset of this name, or whose file is called so; sound ones go first."""
+    wanted = name.casefold()
+    found = [row for row in every_row() if wanted in (row.name.casefold(), row.path.stem.casefold())]
+    return min(found, key=lambda row: bool(row.fault), default=None)
+
+
+def convert_own() -> None:
+    """Turns the user's presets of earlier versions into JSON; the menu says of those that stay why they cannot be."""
+    folder = own_folder()
+    if folder is None or bridge.missing_sentence():
+        return
+    with suppress(OSError):
+        for path in sorted(folder.glob(f"*{old_presets.SUFFIX}")):
+            with suppress(ParadescError, OSError):
+                old_presets.convert(path, preset_members.check)
+    forget()

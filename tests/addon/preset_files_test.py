@@ -1,0 +1,378 @@
+"""Preset files: saved, shared, checked before use and never executed; those of earlier versions; the command line."""
+
+import json
+import os
+import random
+import time
+from types import SimpleNamespace
+
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+from paradesc.bridge import ParadescError  # noqa: E402
+from paradesc.files import old_presets, preset_file  # noqa: E402
+from paradesc.settings import preset_folders, preset_members, presets  # noqa: E402
+from preset_files import SOUND, own_folder, written  # noqa: E402
+
+pytestmark = pytest.mark.usefixtures("registered")
+
+OLD = "import bpy\nparadesc = bpy.context.scene.paradesc\n\nparadesc.descriptors = {'cavity'}\nparadesc.samples = 77\n"
+# Changes of a sound file, and a part of the sentence about each.
+FAULTS = {
+    "paradesc_preset": [(None, "is missing"), (2, "update the add-on"), ("1", "where the version 1 belongs"),
+                        (True, "where the version 1 belongs"), (0, "where the version 1 belongs")],
+    "name": [(None, 'has no "name"'), (" ", 'has no "name"'), (7, "no line of at most 60"), ("a\nb", "no line of"),
+             ("x" * 61, "no line of"), ("\ud800", "no line of")],
+    "purpose": [(["a"], "no line of at most 500")],
+    "settings": [([], "that is no object"), ({"samples": 3}, "from 8 to 4096"), ({"samples": 99.5}, "a whole number"),
+                 ({"samples": True}, "a whole number"), ({"samples": None}, "give a truth value"),
+                 ({"samples": {"a": [1]}}, "give a truth value"), ({"descriptors": [["cavity"]]}, "give a truth value"),
+                 ({"descriptors": []}, "a list of some of"), ({"descriptors": ["wobble"]}, "a list of some of"),
+                 ({"descriptors": "cavity"}, "a list of some of"), ({"normals": "odd"}, "one of fitted, max, mesh"),
+                 ({"normals": ["max"]}, "one of fitted"), ({"radius_percent": 200}, "from 0.01 to 100"),
+                 ({"radius_percent": "2"}, "a number"), ({"radius_absolute": 1e39}, "a number from 1e-06"),
+                 ({"more_radii": "wide"}, "More Radii is no positive number"), ({"more_radii": 3}, "a line of at most"),
+                 ({"backend": "gpu"}, "which is no setting"), ({"image_path": "/x"}, "which is no setting"),
+                 ({"samples": 10**40}, "a number of 41 digits")],
+    "colors": [({"percentile": 49.5}, "from 0 to 49"), ({"symmetric": 1}, "true or false"),
+               ({"show_legend": True}, "which is no setting"), ({"span": "fixed", "minimum": 2}, "not above 2")],
+    "image": [({"texels": 8}, "from 16 to 8192"), ({"image_path": "//x.exr"}, "which is no setting"),
+              ({"write_image": True}, "which is no setting")],
+    "script": [("import os", "which is unknown")],
+}  # fmt: skip
+BYTES = {
+    b"": "no JSON in line 1",
+    b"{": "no JSON in line 1",
+    b"[]": "is no preset of Paradesc",
+    b'{"paradesc_preset": 1, "name": "a"}': "sets nothing",
+    b'{"paradesc_preset": 1, "name": "a", "name": "b"}': '"name" twice',
+    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": NaN}}': "NaN, which is no number",
+    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": -Infinity}}': "Infinity, which is no number",
+    b'{"paradesc_preset": 1, "name": "a", "colors": {"minimum": 1e999}}': "too large",
+    b"[" * 500_000: "nested too deeply",
+    b'{"paradesc_preset": 1, "name": "\xff"}': "no JSON in UTF-8",
+    json.dumps(SOUND).encode("utf-16"): "no JSON in UTF-8",
+    b" " * 1_000_001: "larger than 1 MB",
+    b"import os\nos.system('x')": "no JSON in line 1",
+}
+
+
+@pytest.fixture
+def own(monkeypatch, tmp_path):
+    """An empty folder in place of the user's own presets."""
+    yield own_folder(monkeypatch, tmp_path)
+    preset_folders.forget()
+
+
+@pytest.fixture
+def preferences():
+    """The preferences of the add-on as if it were enabled."""
+    addon = bpy.context.preferences.addons.new()
+    addon.module = "paradesc"
+    yield addon.preferences
+    bpy.context.preferences.addons.remove(addon)
+
+
+def state():
+    """Everything that a preset could set, and more."""
+    scene = bpy.context.scene
+    groups = (scene.paradesc, scene.paradesc_looks)
+    return [
+        (name, value if not isinstance(value := getattr(group, name), set) else sorted(value))
+        for group in groups
+        for name in group.bl_rna.properties.keys()  # noqa: SIM118
+        if name != "rna_type"
+    ]
+
+
+def refused(path):
+    """The sentence of a file that cannot be used; nothing is changed."""
+    before = state()
+    with pytest.raises(RuntimeError) as caught:
+        bpy.ops.paradesc.load_preset(filepath=str(path))
+    assert state() == before
+    return str(caught.value).removeprefix("Error: ").strip()
+
+
+def drawn():
+    """What the menu lists: text, path or name of the preset, and whether it can be chosen."""
+    lines = []
+
+    class Layout:
+        enabled = True
+
+        def row(self):
+            return Layout()
+
+        def separator(self):
+            lines.append("---")
+
+        def operator(self, _operator, text):
+            line = SimpleNamespace(text=text, layout=self)
+            lines.append(line)
+            return line
+
+    presets.PARADESC_MT_presets.draw(SimpleNamespace(layout=Layout()), bpy.context)
+    return [line if line == "---" else (line.text, line.layout.enabled) for line in lines]
+
+
+# ---- Saved and applied
+
+
+def test_own_presets_are_kept_applied_and_removed(own):
+    scene = bpy.context.scene
+    scene.paradesc.descriptors, scene.paradesc.radius_percent = {"curvedness", "cavity"}, 1.1
+    scene.paradesc_looks.color_map, scene.paradesc_looks.neutral = "heat", 0.1
+    scene.paradesc.texels, scene.paradesc.backend, scene.paradesc.image_path = 128, "reference", "//mine.exr"
+    before = state()
+    assert bpy.ops.paradesc.add_preset(name="Mine: über/alles", purpose="For all") == {"FINISHED"}
+    (path,) = own.iterdir()
+    assert path.name == "Mine_über_alles.json"
+    content = json.loads(path.read_text())
+    assert (content["name"], content["purpose"]) == ("Mine: über/alles", "For all")
+    assert content["settings"]["descriptors"] == ["cavity", "curvedness"]
+    assert (content["settings"]["radius_percent"], content["colors"]["neutral"]) == (1.1, 0.1)
+    assert content["image"] == {"image_format": ".exr", "texels": 128}
+    assert not {"backend", "image_path", "write_image"} & {*content["settings"], *content["colors"], *content["image"]}
+    bpy.ops.paradesc.preset(name="corners")
+    scene.paradesc.texels = 256
+    assert bpy.ops.paradesc.load_preset(filepath=str(path)) == {"FINISHED"}
+    assert state() == before
+    assert presets.PARADESC_MT_presets.bl_label == "Mine: über/alles"
+    assert bpy.ops.paradesc.add_preset(remove_active=True) == {"FINISHED"}
+    assert not list(own.iterdir())
+    assert presets.PARADESC_MT_presets.bl_label == "Presets"
+
+
+def test_a_preset_of_the_same_name_is_replaced_and_one_called_alike_is_not(own):
+    for name in ("a b", "a_b", "a b", "A B"):
+        bpy.ops.paradesc.add_preset(name=name)
+    assert sorted(path.name for path in own.iterdir()) == ["A_B_3.json", "a_b.json", "a_b_2.json"]
+    bpy.ops.paradesc.add_preset(name="a_b", remove_name=True)
+    assert sorted(path.name for path in own.iterdir()) == ["A_B_3.json", "a_b.json"]
+
+
+@pytest.mark.parametrize(
+    ("name", "stem"),
+    [("../../etc/passwd", "etc_passwd"), ("CON", "CON_"), ("com1", "com1_"), ("...", "preset"), ("ü" * 60, "ü" * 50)],
+)
+def test_names_become_names_of_files_that_are_safe_everywhere(name, stem):
+    assert preset_file.file_stem(name) == stem
+
+
+def test_what_cannot_be_saved_or_removed_is_one_sentence(own, tmp_path):
+    with pytest.raises(RuntimeError, match="Give the preset a name"):
+        bpy.ops.paradesc.add_preset(name="  ")
+    with pytest.raises(RuntimeError, match="Choose a preset of your own"):
+        bpy.ops.paradesc.add_preset(remove_active=True)
+    with pytest.raises(RuntimeError, match='no preset "other" of your own'):
+        bpy.ops.paradesc.add_preset(name="other", remove_name=True)
+    bpy.context.scene.paradesc.more_radii = "wide"
+    with pytest.raises(RuntimeError, match="More Radii is no positive number"):
+        bpy.ops.paradesc.add_preset(name="mine")
+    shared = written(tmp_path)
+    bpy.ops.paradesc.load_preset(filepath=str(shared))
+    with pytest.raises(RuntimeError, match="none of your own"):
+        bpy.ops.paradesc.add_preset(remove_active=True)
+    assert shared.is_file()
+    assert not list(own.iterdir())
+
+
+def test_what_a_file_does_not_name_gets_its_default_and_sections_that_are_missing_stay(tmp_path):
+    scene = bpy.context.scene
+    scene.paradesc.seed, scene.paradesc_looks.percentile, scene.paradesc.texels = 7, 9.0, 64
+    bpy.ops.paradesc.load_preset(filepath=str(written(tmp_path, colors=None, image=None)))
+    assert (scene.paradesc.seed, scene.paradesc.samples, scene.paradesc.texels) == (0, 99, 64)
+    assert scene.paradesc_looks.percentile == 9.0
+    scene.paradesc.seed = 7
+    bpy.ops.paradesc.load_preset(filepath=str(written(tmp_path, settings=None)))
+    assert (scene.paradesc.seed, scene.paradesc.texels, scene.paradesc.image_format) == (7, 2048, ".png")
+    assert (scene.paradesc_looks.percentile, scene.paradesc_looks.color_map) == (2.5, "heat")
+
+
+def test_our_own_presets_say_colors_and_images_too(monkeypatch):
+    scene = bpy.context.scene
+    preset = presets.Preset("Mask", "A mask", {"samples": 32}, {"color_map": "grey"}, {"texels": 1024})
+    monkeypatch.setitem(presets.PRESETS, "cavity", preset)
+    scene.paradesc_looks.color_map, scene.paradesc_looks.percentile = "heat", 9.0
+    presets.apply(scene.paradesc, "cavity")
+    assert (scene.paradesc.samples, scene.paradesc.texels) == (32, 1024)
+    assert (scene.paradesc_looks.color_map, scene.paradesc_looks.percentile) == ("grey", 2.5)
+
+
+def test_all_of_our_own_presets_are_sound(tmp_path):
+    for name, preset in presets.PRESETS.items():
+        path = tmp_path / f"{name}.json"
+        preset_file.write(path, preset.content())
+        assert preset_members.sound(path) == preset.content()
+
+
+# ---- Refused
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"), [(key, *case) for key, cases in FAULTS.items() for case in cases], ids=str
+)
+def test_what_is_wrong_is_one_sentence_and_changes_nothing(tmp_path, key, value, words):
+    path = written(tmp_path, **{key: value})
+    sentence = refused(path)
+    assert words in sentence
+    assert sentence.startswith(f'The preset file "{path}" ')
+    assert sentence.endswith(".")
+
+
+@pytest.mark.parametrize(("content", "words"), BYTES.items(), ids=range(len(BYTES)))
+def test_files_that_are_no_presets_at_all_are_one_sentence(tmp_path, content, words):
+    path = tmp_path / "preset.json"
+    path.write_bytes(content)
+    assert words in refused(path)
+
+
+def test_files_that_cannot_be_read_are_one_sentence(tmp_path):
+    assert "is not there" in refused(tmp_path / "none.json")
+    assert "is a folder" in refused(tmp_path)
+    os.mkfifo(tmp_path / "pipe.json")
+    assert "is not there" in refused(tmp_path / "pipe.json")
+
+
+@pytest.mark.slow
+def test_damaged_files_give_the_one_error_or_are_sound_and_never_anything_else(tmp_path):
+    source, random_numbers = json.dumps(SOUND).encode(), random.Random(1)
+    pieces = [b'"', b"{", b"}", b"[", b"]", b":", b",", b"NaN", b"1e999", b"-", b"null", b"\\ud800", b"\x00", b"\xff"]
+    path, before, refusals = tmp_path / "damaged.json", state(), 0
+    for _ in range(2000):
+        content = bytearray(source)
+        for _ in range(random_numbers.randint(1, 4)):
+            place = random_numbers.randrange(len(content))
+            end = place + random_numbers.choice((0, 1, 1, 8))
+            content[place:end] = random_numbers.choice([*pieces, bytes([random_numbers.randrange(256)])])
+        path.write_bytes(content)
+        try:
+            found = preset_members.sound(path)
+        except preset_file.PresetError as error:
+            assert "\n" not in error.sentence  # noqa: PT017
+            error.sentence.encode()
+            refusals += 1
+        else:
+            preset_members.apply(bpy.context.scene, found)
+            preset_members.apply(bpy.context.scene, preset_file.Content("all", settings={}, colors={}))
+            bpy.context.scene.paradesc.texels, bpy.context.scene.paradesc.image_format = 512, ".exr"
+        assert state() == before
+    assert 1000 < refusals < 2000
+
+
+# ---- Folders and the menu
+
+
+def test_the_menu_lists_ours_then_the_users_then_those_of_the_shared_folder(own, preferences, tmp_path):
+    shared = tmp_path / "studio"
+    shared.mkdir()
+    preferences.presets_folder = str(shared)
+    written(own, "z.json", name="zebra")
+    written(own, "b.json", name="Ape")
+    written(shared)
+    (shared / "broken.json").write_text("{")
+    (shared / "notes.txt").write_text("no preset")
+    ours = [(preset.label, True) for preset in presets.PRESETS.values()]
+    listed = [*ours, "---", ("Ape", True), ("zebra", True), "---", ("broken.json", False), ("Studio Cavity", True)]
+    assert drawn() == listed
+    asked = SimpleNamespace(filepath=str(shared / "broken.json"))
+    assert "is no JSON in line 1" in presets.PARADESC_OT_load_preset.description(bpy.context, asked)
+    asked.filepath = str(shared / "preset.json")
+    assert presets.PARADESC_OT_load_preset.description(bpy.context, asked) == SOUND["purpose"]
+
+
+def test_an_open_menu_reads_no_file_twice_and_sees_what_has_changed(own, monkeypatch):
+    read, path = [], written(own)
+    whole = preset_members.sound
+    monkeypatch.setattr(preset_members, "sound", lambda path: read.append(path) or whole(path))
+    for _ in range(3):
+        drawn()
+    monkeypatch.setattr(preset_folders, "PATIENCE", 0.0)
+    drawn()
+    assert read == [path]
+    path.write_text("{")
+    os.utime(path, ns=(time.time_ns(), time.time_ns() + 10**9))
+    assert drawn()[-1] == ("preset.json", False)
+
+
+def test_folders_that_are_missing_or_closed_leave_the_menu_whole(own, preferences, tmp_path):
+    preferences.presets_folder = str(tmp_path / "nowhere")
+    own.rmdir()
+    assert drawn() == [(preset.label, True) for preset in presets.PRESETS.values()]
+
+
+# ---- Presets of earlier versions
+
+
+def test_old_presets_are_converted_once_and_put_aside(own):
+    (own / "my_mask.py").write_text(OLD)
+    presets.register()
+    assert sorted(path.name for path in own.iterdir()) == ["my_mask.json", "my_mask.py.converted"]
+    assert (own / "my_mask.py.converted").read_text() == OLD
+    content = json.loads((own / "my_mask.json").read_text())
+    assert (content["name"], content["settings"]) == ("my mask", {"descriptors": ["cavity"], "samples": 77})
+    (own / "my_mask.py").write_text(OLD)  # as another program does that converts at the same time
+    presets.register()
+    assert len(list(own.iterdir())) == 3
+    (own / "my_mask.py").write_text(OLD.replace("77", "78"))
+    presets.register()
+    assert json.loads((own / "my_mask_2.json").read_text())["settings"]["samples"] == 78
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "import os; os.system('touch MARK')",
+        "paradesc.samples = __import__('os').system('touch MARK')",
+        "paradesc.more_radii = open('MARK', 'w').name",
+        "paradesc.more_radii = '3'; open('MARK', 'w')",
+        "paradesc.samples = 9 ** 9 ** 9",
+        "paradesc.samples = " + "(" * 900,
+        "paradesc.samples = " + "-" * 1900 + "1",
+        "paradesc.samples = " + "9" * 1900,
+        "paradesc.samples = 1e999",
+        "paradesc.samples = None",
+        "paradesc.samples = 3",
+        "paradesc.descriptors = {('a',)}",
+        "paradesc.backend = 'gpu'",
+        "paradesc.id_data.name = 'x'",
+        "exec('''",
+        "\x00",
+        "x" * 100_000,
+    ],
+)
+def test_old_presets_that_do_anything_else_are_never_executed_and_left_alone(own, tmp_path, line):
+    path, mark = own / "old.py", tmp_path / "mark"
+    text = OLD + line.replace("MARK", str(mark)) + "\n"
+    path.write_text(text)
+    assert refused(path).startswith(f'The preset file "{path}" ')
+    presets.register()
+    assert [entry.name for entry in own.iterdir()] == ["old.py"]
+    assert path.read_text() == text
+    assert not mark.exists()
+    assert drawn()[-1] == ("old.py", False)
+
+
+def test_old_presets_of_others_are_listed_and_stay_as_they_are(own, preferences, tmp_path):
+    shared = tmp_path / "studio"
+    shared.mkdir()
+    (shared / "old.py").write_text(OLD)
+    preferences.presets_folder = str(shared)
+    presets.register()
+    assert drawn()[-1] == ("old", True)
+    assert [path.name for path in shared.iterdir()] == ["old.py"]
+    bpy.ops.paradesc.load_preset(filepath=str(shared / "old.py"))
+    assert bpy.context.scene.paradesc.samples == 77
+
+
+def test_an_old_preset_says_what_blender_would_have_set(tmp_path):
+    path = tmp_path / "old.py"
+    path.write_text(OLD + "# a remark\nparadesc.adaptive = 0.10000000149011612\nparadesc.more_radii = '3, 4'\n")
+    found = old_presets.read_old(path).settings
+    assert found == {"descriptors": ["cavity"], "samples": 77, "adaptive": 0.1, "more_radii": "3, 4"}
+
+
+def test_only_presets_raise_the_error_of_presets():
+    assert issubclass(preset_file.PresetError, ParadescError)
