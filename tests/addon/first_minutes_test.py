@@ -1,4 +1,4 @@
-"""What an artist meets first: masks in grey of the surface that is shown, a fitting radius, notes apart from warnings."""
+"""What an artist meets first: grey masks of the surface that is shown, a fitting radius, notes apart from warnings."""
 
 import numpy as np
 import pytest

@@ -65,7 +65,8 @@ def draw() -> None:
 
 def below(area: bpy.types.Area) -> float:
     """The height in pixels that the panel of the last operation takes at the bottom of the viewport."""
-    return float(max((region.height for region in area.regions if region.type == "HUD" and region.height > 1), default=0))
+    heights = [region.height for region in area.regions if region.type == "HUD" and region.height > 1]
+    return float(max(heights, default=0))
 
 
 def free_span(area: bpy.types.Area, window: bpy.types.Region) -> tuple[float, float]:
