@@ -33,6 +33,7 @@ MODULES = (
     "settings.animation",
     "settings.presets",
     "bake.operators",
+    "bake.image_operator",
     "ui.manual",
     "ui.panel",
     "settings.looks",

@@ -241,7 +241,17 @@ def test_a_preset_that_somebody_kept_sets_what_it_did(scene, saved, expected):
 
 def test_a_farm_goes_on_with_the_scene_settings_of_an_old_file(saved, run, report, arrays):
     blend = saved / "saved.blend"
-    words = ("--scene-settings", "--object", "played", "--frames", "1:4", "--cache", saved / "frames", "--creases", "none")
+    words = (
+        "--scene-settings",
+        "--object",
+        "played",
+        "--frames",
+        "1:4",
+        "--cache",
+        saved / "frames",
+        "--creases",
+        "none",
+    )
     ended = run("animate", blend, *words, "--json", "report.json")
     assert ended.code == 0, ended.error
     (found,) = report()["objects"]

@@ -99,7 +99,12 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 def check(arguments: argparse.Namespace) -> None:
     """Refuses what makes no sense, before any file is opened."""
-    settings_of(arguments)
+    if arguments.pack and arguments.descriptors is None:
+        arguments.descriptors = ",".join(arguments.pack)
+    settings = settings_of(arguments)
+    lacking = [name for name in arguments.pack if name not in settings.descriptors]
+    if lacking:
+        raise UsageError(f"--pack needs {', '.join(lacking)}; add that to --descriptors.")
     check_files(arguments)
     if arguments.all and arguments.object:
         raise UsageError("Give --object or --all, not both.")

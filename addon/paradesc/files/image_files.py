@@ -1,0 +1,133 @@
+"""Makes the textures of one object: evaluates as if at texels, and packs 16-bit PNGs under names that engines know.
+
+No bpy. What is made stays in memory until the caller keeps it: an unsaved .blend has no folder for files.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..bridge import MeshArrays, ParadescError, ProgressFunction, abi
+from ..core import job, texel_centers
+from ..core.color_maps import Look
+from . import maps, mask_image, png
+from .results import Baked
+
+# What Substance and game engines call textures of these descriptors; all others keep their names.
+WORDS = {
+    "cavity": "cavity",
+    "convexity": "edges",
+    "mean_curvature": "curvature",
+    "ambient_openness": "openness",
+}
+# The descriptors in the red, green and blue of a packed texture, and its name.
+PACKED = ("cavity", "convexity", "ambient_openness")
+PACKED_WORD = "masks"
+CHANNELS = "RGBA"
+OPAQUE = 65535
+# The computation has this share of the progress; textures are drawn and packed in the rest.
+COMPUTING = 0.7
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What the textures are like."""
+
+    size: int  # texels along a side
+    transparent: bool = False  # where there is no surface, instead of neutral
+    packed: bool = False
+    look: Look = field(default_factory=Look)  # whose ranges pixels span
+
+    def settings(self, settings: job.Settings) -> job.Settings:
+        """The settings with the descriptors that a packed texture holds."""
+        return replace(settings, descriptors=PACKED, more_radii=()) if self.packed else settings
+
+
+@dataclass(frozen=True)
+class Texture:
+    """One PNG file that has been made."""
+
+    name: str  # without suffix
+    content: bytes
+
+
+@dataclass
+class Textures:
+    """All textures of one object, and what they were made from."""
+
+    results: job.Results
+    made: list[Texture]
+
+
+def word_of(name: str) -> str:
+    """What follows the object's name in that of a texture: "curvature", or "curvature_r0.02" of several radii."""
+    stem = job.registry_name(name)
+    return WORDS.get(stem, stem) + name.removeprefix(stem)
+
+
+def run(
+    stem: str,
+    arrays: MeshArrays,
+    settings: job.Settings,
+    choice: Choice,
+    progress: ProgressFunction | None = None,
+) -> Textures:
+    """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
+    report = progress or (lambda _stage, _fraction: True)
+    part = None if progress is None else lambda stage, fraction: progress(stage, COMPUTING * fraction)
+    results = texel_centers.run(arrays, choice.settings(settings), choice.size, part)
+    results.look = choice.look
+    baked = Baked(stem, results, arrays, np.eye(4))
+    names = list(results.values)
+    groups = {PACKED_WORD: names} if choice.packed else {word_of(name): [name] for name in names}
+    made = []
+    for number, (word, group) in enumerate(groups.items()):
+
+        def go_on(share: float, number: int = number) -> None:
+            if not report("draw the image", COMPUTING + (1 - COMPUTING) * (number + share) / len(groups)):
+                raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
+
+        content, _ = encoded(baked, group, choice.size, choice.transparent, go_on)
+        made.append(Texture(f"{stem}_{word}", content))
+    results.warnings += [note for note in maps.notes(baked) if note not in results.warnings]
+    return Textures(results, made)
+
+
+def encoded(
+    baked: Baked,
+    names: list[str],
+    size: int,
+    transparent: bool = False,
+    go_on: Callable[[float], None] = lambda _share: None,
+) -> tuple[bytes, list[mask_image.Scale]]:
+    """The bytes of a 16-bit PNG of one descriptor, or with one in each channel, and what their pixels stand for.
+
+    go_on takes the share that is done.
+    """
+    channels, filled, scales, meanings = [], None, [], []
+    for number, name in enumerate(names):
+        go_on(0.8 * number / len(names))
+        pixels = drawn(baked, name, size)
+        meaning = pixels.scale.meaning(name, baked.unit(name))
+        channels.append(pixels.values)
+        scales.append(pixels.scale)
+        meanings.append(meaning if len(names) == 1 else f"{CHANNELS[number]}: {meaning}")
+        filled = pixels.filled if filled is None else filled | pixels.filled
+    go_on(0.8)
+    if transparent and len(names) < len(CHANNELS):
+        channels.append(np.where(filled, OPAQUE, 0).astype(np.uint16)[:, :, None])
+    image = channels[0] if len(channels) == 1 else np.concatenate(channels, axis=2)
+    return png.encode_png16(image[::-1], {"Description": "; ".join(meanings)}, quick=True), scales
+
+
+def drawn(baked: Baked, name: str, size: int) -> mask_image.Pixels:
+    """The pixels of a descriptor over the mesh's UV map; where it has no value on the surface it is neutral."""
+    row, values = job.registry_row(name), baked.results.values[name]
+    if values.ndim == 2:
+        scale = mask_image.signed_scale(0.0, 1.0)
+    else:
+        scale = mask_image.scale_of(baked.shown(name), row.neutral_value)
+        neutral = scale.low + (scale.high - scale.low) * scale.outside / mask_image.WHOLE
+        values = np.where(np.isfinite(values), values, np.float32(neutral))
+    return mask_image.pixels_of(maps.drawn(maps.user_uvs(baked), size, baked, name, values), scale)
