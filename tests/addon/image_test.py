@@ -143,7 +143,6 @@ def test_what_is_level_on_all_charts_is_level_on_every_level_of_the_mipmap(size)
     scale = mask_image.signed_scale(0.0, 1.25)
     drawn = bridge.draw_uv_image(uvs_of(arrays), arrays.triangle_vertices, values, size)
     pixels = mask_image.pixels_of(drawn, scale)
-    assert (~pixels.filled).mean() > 0.1 or size < 512
     expected = round(32768 + 32767 * 0.8)
     _, places = inside(arrays)
     found = levels(pixels.values)
@@ -175,6 +174,7 @@ def test_both_sides_of_a_seam_look_alike_on_every_level_of_the_mipmap():
 def made():
     """The bumpy sphere with all that is packed, and mean curvature."""
     arrays = bumpy()
+    arrays.corner_uvs = 0.6 * arrays.corner_uvs + np.float32(0.05)  # which leaves room around the gutters
     results = job.run(arrays, texel_centers.with_texels(settings_of("mean_curvature", *image_files.PACKED), 96))
     return Baked("x", results, arrays, np.eye(4))
 
@@ -202,13 +202,13 @@ def test_packed_channels_are_those_of_textures_of_their_own(made):
 
 @pytest.mark.parametrize("names", [["mean_curvature"], list(image_files.PACKED)], ids=len)
 def test_outside_is_neutral_or_transparent(made, names):
-    size = 512  # so that the gutters leave room
+    size = 512
     solid, _ = decode16(image_files.encoded(made, names, size)[0])
     clear, _ = decode16(image_files.encoded(made, names, size, transparent=True)[0])
     assert np.array_equal(clear[:, :, :-1], solid)
     assert set(np.unique(clear[:, :, -1])) == {0, 65535}
     outside = clear[:, :, -1] == 0
-    assert 0.01 < outside.mean() < 0.3
+    assert 0.3 < outside.mean() < 0.6
     neutral = {"mean_curvature": 32768, "cavity": 0, "convexity": 0, "ambient_openness": 32768}
     for channel, name in enumerate(names):
         assert set(np.unique(solid[:, :, channel][outside])) == {neutral[name]}
@@ -275,7 +275,7 @@ def test_a_large_image_of_a_large_radius_has_fewer_centers():
 
 
 def error_of(arrays, settings, size):
-    """Mean difference from evaluating each texel, in percent of the range of the values of each descriptor."""
+    """Mean difference of the pixels from those of evaluating each texel, in percent of white, by descriptor."""
     few = Baked("few", texel_centers.run(arrays, settings, size), arrays, np.eye(4))
     each = Baked("each", job.run(arrays, texel_centers.with_texels(settings, size)), arrays, np.eye(4))
     assert few.results.field_report["places"] < 0.7 * each.results.field_report["places"]
@@ -283,14 +283,16 @@ def error_of(arrays, settings, size):
     for name in settings.descriptors:
         one, other = (maps.drawn(maps.user_uvs(baked), size, baked, name) for baked in (few, each))
         assert np.array_equal(np.isnan(one), np.isnan(other))
-        span = np.ptp(np.nanpercentile(other, [2.5, 97.5]))
-        errors[name] = 100 * float(np.nanmean(np.abs(one - other))) / span
+        scale = mask_image.scale_of(each.shown(name), job.registry_row(name).neutral_value)
+        one, other = (np.clip(image, scale.low, scale.high) for image in (one, other))
+        errors[name] = 100 * float(np.nanmean(np.abs(one - other))) / (scale.high - scale.low)
     return errors
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["human.obj", "spot.obj", "bob.obj"])
-def test_fewer_centers_make_the_same_image_of_a_real_mesh(name):
+@pytest.mark.parametrize(("name", "radius"), [("human.obj", 0.02), ("spot.obj", 0.05), ("bob.obj", 0.04)])
+def test_fewer_centers_make_the_same_image_of_a_real_mesh(name, radius):
     arrays = read_obj(real_mesh(name))
-    errors = error_of(arrays, settings_of("mean_curvature", "cavity", options=bridge.Options(samples=64)), 2048)
+    names = ("mean_curvature", *image_files.PACKED)
+    errors = error_of(arrays, settings_of(*names, options=bridge.Options(radius=radius, samples=64)), 1536)
     assert max(errors.values()) < 0.1, errors

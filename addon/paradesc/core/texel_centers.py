@@ -13,7 +13,7 @@ from ..bridge import MeshArrays, ProgressFunction
 from . import job, packing
 
 # Centers that the radius spans at least, on all but a share of the surface.
-CENTERS_IN_RADIUS = 8.0
+CENTERS_IN_RADIUS = 10.0
 SHARE_BELOW = 0.05
 # A map of centers is at least this large, and its charts lie 2.5 centers or more apart: one center that interpolation
 # reads lies up to 1.42 off a chart, and one that belongs to another chart up to 0.71 off that.
@@ -28,7 +28,8 @@ def run(arrays: MeshArrays, settings: job.Settings, size: int, progress: Progres
     backend = job.backend_for(settings)
     if backend == "reference":  # which has no texels
         return job.run(arrays, with_texels(settings, size, "vertex"), progress)
-    if backend != "cpu" or arrays.maps is not None:  # the layout is part of what these measure
+    exact = settings.options.evaluate == "texel"  # which asks for each of them
+    if exact or backend != "cpu" or arrays.maps is not None:  # the layout is part of what the last two measure
         return job.run(arrays, with_texels(settings, size), progress)
     apart, side = centers_for(arrays, settings, size)
     return job.run(apart, with_texels(settings, side), progress)

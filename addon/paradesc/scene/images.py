@@ -30,6 +30,7 @@ def from_memory(name: str, content: bytes) -> bpy.types.Image:
     image[MARK] = name
     image.pack(data=content, data_len=len(content))
     image.source = "FILE"
+    image.use_fake_user = True  # nothing may use it yet, and Blender saves only what is used
     image.filepath_raw = f"//{name}.png"
     image.reload()
     return as_data(image)
