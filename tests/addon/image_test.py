@@ -277,6 +277,38 @@ def test_a_large_image_of_a_large_radius_has_fewer_centers():
     assert texel_centers.centers_for(arrays, settings_of("cavity", options=same), 4096)[1] == side
 
 
+def test_each_texel_is_evaluated_on_request():
+    arrays = bumpy(8)
+    options = replace(QUICK, evaluate="texel")
+    few = texel_centers.run(arrays, settings_of("cavity"), 768)
+    each = texel_centers.run(arrays, settings_of("cavity", options=options), 768)
+    assert few.maps["cavity"].shape < each.maps["cavity"].shape == (768, 768)
+
+
+def test_values_at_vertices_and_so_the_colors_are_those_of_a_bake():
+    arrays, settings = bumpy(8), settings_of("mean_curvature")
+    baked, found = job.run(arrays, settings), texel_centers.run(arrays, settings, 64)
+    assert np.array_equal(found.values["mean_curvature"], baked.values["mean_curvature"])
+    assert found.field_report["seconds_total"] > 0
+    assert found.field_report["places"] > 2000
+
+
+def test_the_reference_and_texture_space_make_textures_too():
+    arrays = bumpy(4)
+    options = bridge.Options(radius=0.2, samples=16, buffer_size=128)
+    expected, _ = decode16(image_of(arrays, settings_of("mean_curvature", options=options)))
+    for backend in ("reference", "software"):
+        found, _ = decode16(image_of(arrays, settings_of("mean_curvature", options=options, backend=backend)))
+        assert np.abs(found - expected.astype(float)).mean() < 0.05 * 65535
+
+
+def image_of(arrays, settings):
+    """The bytes of a small texture over a fixed range."""
+    choice = image_files.Choice(32, look=Look(ranges={"": (-1.0, 2.0)}))
+    (texture,) = image_files.run("x", arrays, settings, choice).made
+    return texture.content
+
+
 def error_of(arrays, settings, size):
     """Mean difference of the pixels from those of evaluating each texel, in percent of white, by descriptor."""
     few = Baked("few", texel_centers.run(arrays, settings, size), arrays, np.eye(4))

@@ -22,8 +22,8 @@ LEAST_SIDE = 512
 GUTTER = 2.5 / LEAST_SIDE
 # Each texel is evaluated unless centers are so much fewer.
 WORTH_SHARE = 0.7
-# Vertices are one of so many parts of the progress.
-PARTS = 10
+# Vertices have this share of the progress.
+VERTICES = 0.1
 
 
 def run(arrays: MeshArrays, settings: job.Settings, size: int, progress: ProgressFunction | None = None) -> job.Results:
@@ -41,9 +41,8 @@ def run(arrays: MeshArrays, settings: job.Settings, size: int, progress: Progres
         arrays, side = centers_for(arrays, settings, size)
     at_texels, at_vertices = with_texels(settings, side), with_texels(settings, side, "vertex")
     with job.open_context(arrays, settings) as context, context.mesh(arrays, progress) as mesh:
-        results = job.run_on(context, mesh, arrays, at_vertices, job.part_of(progress, 0, PARTS))
-        rest = None if progress is None else lambda stage, share: progress(stage, (1 + (PARTS - 1) * share) / PARTS)
-        of_texels = job.run_on(context, mesh, arrays, at_texels, rest)
+        results = job.run_on(context, mesh, arrays, at_vertices, job.span_of(progress, 0.0, VERTICES))
+        of_texels = job.run_on(context, mesh, arrays, at_texels, job.span_of(progress, VERTICES, 1.0))
     return joined(results, of_texels)
 
 

@@ -3,7 +3,6 @@
 No bpy. What is made stays in memory until the caller keeps it: an unsaved .blend has no folder for files.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -28,6 +27,8 @@ CHANNELS = "RGBA"
 OPAQUE = 65535
 # The computation has this share of the progress; textures are drawn and packed in the rest.
 COMPUTING = 0.7
+# Of the work on a texture, drawing has this share; it is packed in the rest.
+DRAWING = 0.8
 
 
 @dataclass(frozen=True)
@@ -74,54 +75,43 @@ def run(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
-    report = progress or (lambda _stage, _fraction: True)
-    part = None if progress is None else lambda stage, fraction: progress(stage, COMPUTING * fraction)
-    results = texel_centers.run(arrays, choice.settings(settings), choice.size, part)
+    computing, drawing = job.span_of(progress, 0.0, COMPUTING), job.span_of(progress, COMPUTING, 1.0)
+    results = texel_centers.run(arrays, choice.settings(settings), choice.size, computing)
     results.look = choice.look
     baked = Baked(stem, results, arrays, np.eye(4))
     names = list(results.values)
     groups = {PACKED_WORD: names} if choice.packed else {word_of(name): [name] for name in names}
     made = []
     for number, (word, group) in enumerate(groups.items()):
-
-        def go_on(share: float, number: int = number) -> None:
-            if not report("draw the image", COMPUTING + (1 - COMPUTING) * (number + share) / len(groups)):
-                raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
-
-        content, _ = encoded(baked, group, choice.size, choice.transparent, go_on)
+        of_one = job.part_of(drawing, number, len(groups))
+        content, _ = encoded(baked, group, choice.size, choice.transparent, of_one)
         made.append(Texture(f"{stem}_{word}", content))
     results.warnings += [note for note in maps.notes(baked) if note not in results.warnings]
     return Textures(results, made)
 
 
 def encoded(
-    baked: Baked,
-    names: list[str],
-    size: int,
-    transparent: bool = False,
-    go_on: Callable[[float], None] = lambda _share: None,
+    baked: Baked, names: list[str], size: int, transparent: bool = False, progress: ProgressFunction | None = None
 ) -> tuple[bytes, list[mask_image.Scale]]:
-    """The bytes of a 16-bit PNG of one descriptor, or with one in each channel, and what their pixels stand for.
-
-    go_on takes the share that is done.
-    """
+    """The bytes of a 16-bit PNG of one descriptor, or with one in each channel, and what their pixels stand for."""
     channels, filled, scales, meanings = [], None, [], []
+    of_channels = job.span_of(progress, 0.0, DRAWING)
     for number, name in enumerate(names):
-        go_on(0.8 * number / len(names))
-        pixels = drawn(baked, name, size)
+        pixels = drawn(baked, name, size, job.part_of(of_channels, number, len(names)))
         meaning = pixels.scale.meaning(name, baked.unit(name))
         channels.append(pixels.values)
         scales.append(pixels.scale)
         meanings.append(meaning if len(names) == 1 else f"{CHANNELS[number]}: {meaning}")
         filled = pixels.filled if filled is None else filled | pixels.filled
-    go_on(0.8)
+    if progress is not None and not progress("write", DRAWING):
+        raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
     if transparent and len(names) < len(CHANNELS):
         channels.append(np.where(filled, OPAQUE, 0).astype(np.uint16)[:, :, None])
     image = channels[0] if len(channels) == 1 else np.concatenate(channels, axis=2)
     return png.encode_png16(image[::-1], {"Description": "; ".join(meanings)}, quick=True), scales
 
 
-def drawn(baked: Baked, name: str, size: int) -> mask_image.Pixels:
+def drawn(baked: Baked, name: str, size: int, progress: ProgressFunction | None = None) -> mask_image.Pixels:
     """The pixels of a descriptor over the mesh's UV map; where it has no value on the surface it is neutral."""
     row, values = job.registry_row(name), baked.results.values[name]
     if values.ndim == 2:
@@ -130,4 +120,4 @@ def drawn(baked: Baked, name: str, size: int) -> mask_image.Pixels:
         scale = mask_image.scale_of(baked.shown(name), row.neutral_value)
         neutral = scale.low + (scale.high - scale.low) * scale.outside / mask_image.WHOLE
         values = np.where(np.isfinite(values), values, np.float32(neutral))
-    return mask_image.pixels_of(maps.drawn(maps.user_uvs(baked), size, baked, name, values), scale)
+    return mask_image.pixels_of(maps.drawn(maps.user_uvs(baked), size, baked, name, values, progress), scale)

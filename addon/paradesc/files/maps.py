@@ -24,7 +24,14 @@ def user_uvs(baked: Baked) -> np.ndarray:
     return baked.arrays.corner_uvs[baked.arrays.triangle_corners]
 
 
-def drawn(uvs: np.ndarray, size: int, baked: Baked, name: str, at_vertices: np.ndarray | None = None) -> np.ndarray:
+def drawn(
+    uvs: np.ndarray,
+    size: int,
+    baked: Baked,
+    name: str,
+    at_vertices: np.ndarray | None = None,
+    progress: bridge.ProgressFunction | None = None,
+) -> np.ndarray:
     """(N, N, 1 or 3) float32 of a descriptor: from the map that was evaluated if there is one, else from vertices.
 
     at_vertices: instead of the descriptor's own values there.
@@ -32,7 +39,7 @@ def drawn(uvs: np.ndarray, size: int, baked: Baked, name: str, at_vertices: np.n
     results = baked.results
     texels = bridge.TexelMap(results.maps[name], results.layout) if name in results.maps else None
     values = results.values[name] if at_vertices is None else at_vertices
-    return bridge.draw_uv_image(uvs, baked.arrays.triangle_vertices, values, size, texels)
+    return bridge.draw_uv_image(uvs, baked.arrays.triangle_vertices, values, size, texels, progress)
 
 
 def image_of(baked: Baked, name: str) -> np.ndarray:
