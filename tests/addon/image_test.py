@@ -183,8 +183,9 @@ def made():
 
 
 def test_a_texture_says_what_its_pixels_stand_for(made):
-    content, (scale,) = image_files.encoded(made, ["mean_curvature"], 96)
-    pixels, texts = decode16(content)
+    encoded = image_files.encoded(made, ["mean_curvature"], 96)
+    (scale,) = encoded.scales
+    pixels, texts = decode16(encoded.content)
     assert texts == {"Description": scale.meaning("mean_curvature", "1/length")}
     image = maps.drawn(maps.user_uvs(made), 96, made, "mean_curvature")[::-1]
     surface = np.isfinite(image)
@@ -193,12 +194,14 @@ def test_a_texture_says_what_its_pixels_stand_for(made):
 
 
 def test_packed_channels_are_those_of_textures_of_their_own(made):
-    together, _ = decode16(image_files.encoded(made, list(image_files.PACKED), 96)[0])
+    together, _ = decode16(image_files.encoded(made, list(image_files.PACKED), 96).content)
     assert together.shape == (96, 96, 3)
     for channel, name in enumerate(image_files.PACKED):
-        alone, _ = decode16(image_files.encoded(made, [name], 96)[0])
+        alone, _ = decode16(image_files.encoded(made, [name], 96).content)
         assert np.array_equal(together[:, :, channel], alone[:, :, 0])
-    four, texts = decode16(image_files.encoded(made, [*image_files.PACKED, "mean_curvature"], 96, transparent=True)[0])
+    four, texts = decode16(
+        image_files.encoded(made, [*image_files.PACKED, "mean_curvature"], 96, transparent=True).content
+    )
     assert np.array_equal(four[:, :, :3], together)
     assert [part.split(":")[0] for part in texts["Description"].split("; ")] == ["R", "G", "B", "A"]
 
@@ -206,8 +209,8 @@ def test_packed_channels_are_those_of_textures_of_their_own(made):
 @pytest.mark.parametrize("names", [["mean_curvature"], list(image_files.PACKED)], ids=len)
 def test_outside_is_neutral_or_transparent(made, names):
     size = 512
-    solid, _ = decode16(image_files.encoded(made, names, size)[0])
-    clear, _ = decode16(image_files.encoded(made, names, size, transparent=True)[0])
+    solid, _ = decode16(image_files.encoded(made, names, size).content)
+    clear, _ = decode16(image_files.encoded(made, names, size, transparent=True).content)
     assert np.array_equal(clear[:, :, :-1], solid)
     assert set(np.unique(clear[:, :, -1])) == {0, 65535}
     outside = clear[:, :, -1] == 0
@@ -300,6 +303,15 @@ def test_the_reference_and_texture_space_make_textures_too():
     for backend in ("reference", "software"):
         found, _ = decode16(image_of(arrays, settings_of("mean_curvature", options=options, backend=backend)))
         assert np.abs(found - expected.astype(float)).mean() < 0.05 * 65535
+
+
+@pytest.mark.parametrize("stacked", [False, True])
+def test_stacked_charts_get_a_note(stacked):
+    arrays = bumpy(4)
+    if stacked:
+        arrays.corner_uvs = np.mod(3 * arrays.corner_uvs, [1, 3]).astype(np.float32) / 3
+    found = image_files.run("x", arrays, settings_of("cavity"), image_files.Choice(256))
+    assert (maps.STACKED in found.results.warnings) == stacked
 
 
 def image_of(arrays, settings):

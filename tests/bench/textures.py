@@ -31,7 +31,7 @@ def turn(arrays: MeshArrays, settings: job.Settings, size: int) -> tuple[Baked, 
     times = [now()]
     baked = Baked("", texel_centers.run(arrays, settings, size), arrays, np.eye(4))
     times.append(now())
-    made = [image_files.encoded(baked, [name], size)[0] for name in settings.descriptors]
+    made = [image_files.encoded(baked, [name], size).content for name in settings.descriptors]
     times.append(now())
     steps = np.diff(times, axis=0)
     return baked, made, np.concatenate([steps, steps.sum(axis=0, keepdims=True)])

@@ -142,11 +142,11 @@ def textures_of(path: Path, baked: Baked, packed: tuple[str, ...]) -> list[tuple
 
 def write_texture(path: Path, baked: Baked, names: list[str]) -> dict[str, object]:
     """Writes descriptors as channels over the range of their colors; gives what the report says of the file."""
-    content, scales = image_files.encoded(baked, names, baked.results.settings.options.texels)
-    write_whole(path, content, Path.write_bytes)
+    made = image_files.encoded(baked, names, baked.results.settings.options.texels)
+    write_whole(path, made.content, Path.write_bytes)
     described = [
         {"descriptor": name, "minimum": scale.low, "maximum": scale.high}
-        for name, scale in zip(names, scales, strict=True)
+        for name, scale in zip(names, made.scales, strict=True)
     ]
     row: dict[str, object] = {"path": str(path), "object": baked.object_name}
     return {**row, **described[0]} if len(names) == 1 else {**row, "channels": described}

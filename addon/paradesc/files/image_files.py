@@ -3,6 +3,7 @@
 No bpy. What is made stays in memory until the caller keeps it: an unsaved .blend has no folder for files.
 """
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -29,6 +30,8 @@ OPAQUE = 65535
 COMPUTING = 0.7
 # Of the work on a texture, drawing has this share; it is packed in the rest.
 DRAWING = 0.8
+# Charts are stacked if they have so many times the area that is covered; borders take half texels more or less.
+STACKED_SHARE = 1.05
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,15 @@ class Texture:
 
     name: str  # without suffix
     content: bytes
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """The content of a PNG file, and what it shows."""
+
+    content: bytes
+    scales: list[mask_image.Scale]  # of the channels, without the one of what is transparent
+    covered: float  # the share of texels on the surface
 
 
 @dataclass
@@ -81,19 +93,22 @@ def run(
     baked = Baked(stem, results, arrays, np.eye(4))
     names = list(results.values)
     groups = {PACKED_WORD: names} if choice.packed else {word_of(name): [name] for name in names}
-    made = []
+    made, covered = [], math.inf
     for number, (word, group) in enumerate(groups.items()):
         of_one = job.part_of(drawing, number, len(groups))
-        content, _ = encoded(baked, group, choice.size, choice.transparent, of_one)
-        made.append(Texture(f"{stem}_{word}", content))
-    results.warnings += [note for note in maps.notes(baked) if note not in results.warnings]
+        one = encoded(baked, group, choice.size, choice.transparent, of_one)
+        made.append(Texture(f"{stem}_{word}", one.content))
+        if results.values[group[0]].ndim == 1:  # directions may be missing on the surface
+            covered = one.covered
+    if texel_centers.uv_area(arrays) > STACKED_SHARE * covered:
+        results.warnings.append(maps.STACKED)
     return Textures(results, made)
 
 
 def encoded(
     baked: Baked, names: list[str], size: int, transparent: bool = False, progress: ProgressFunction | None = None
-) -> tuple[bytes, list[mask_image.Scale]]:
-    """The bytes of a 16-bit PNG of one descriptor, or with one in each channel, and what their pixels stand for."""
+) -> Encoded:
+    """A 16-bit PNG of one descriptor, or with one in each channel."""
     channels, filled, scales, meanings = [], None, [], []
     of_channels = job.span_of(progress, 0.0, DRAWING)
     for number, name in enumerate(names):
@@ -108,7 +123,8 @@ def encoded(
     if transparent and len(names) < len(CHANNELS):
         channels.append(np.where(filled, OPAQUE, 0).astype(np.uint16)[:, :, None])
     image = channels[0] if len(channels) == 1 else np.concatenate(channels, axis=2)
-    return png.encode_png16(image[::-1], {"Description": "; ".join(meanings)}, quick=True), scales
+    content = png.encode_png16(image[::-1], {"Description": "; ".join(meanings)}, quick=True)
+    return Encoded(content, scales, pixels.covered)
 
 
 def drawn(baked: Baked, name: str, size: int, progress: ProgressFunction | None = None) -> mask_image.Pixels:

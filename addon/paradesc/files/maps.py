@@ -14,6 +14,7 @@ SUFFIXES = (".exr", ".png")
 # So many texels around each chart take the values beside them, so that filtering and a few mipmaps show no seam.
 GUTTER = 8
 WHOLE_16 = 65535
+STACKED = "Charts of the UV map share texture space: where several lie at one texel, an image shows the last one."
 
 
 def user_uvs(baked: Baked) -> np.ndarray:
@@ -55,7 +56,7 @@ def notes(baked: Baked) -> list[str]:
         ]
     if not baked.results.field_report["private_layout"]:
         return []
-    return ["Charts of the UV map share texture space: where several lie at one texel, an image shows the last one."]
+    return [STACKED]
 
 
 def channels_of(baked: Baked) -> dict[str, np.ndarray]:

@@ -12,6 +12,7 @@ import numpy as np
 from .. import bridge
 from ..core import threads
 from ..core.color_maps import ValueRange
+from ..core.threads import Result
 
 WHOLE, MIDDLE = 65535, 32768
 # A texture of this side keeps a gutter of a texel when it is halved again and again down to it.
@@ -43,6 +44,7 @@ class Pixels:
 
     values: np.ndarray  # (N, N, 1 or 3) uint16
     filled: np.ndarray  # (N, N) bool: on the surface or in the gutter
+    covered: float  # the share of texels on the surface
     scale: Scale
 
 
@@ -66,7 +68,7 @@ def gutter_of(size: int) -> int:
 
 def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
     """Pixels of (N, N, 1 or 3) float32 values, NaN off the surface; the image itself is used up."""
-    in_bands(lambda rows: to_places(image[rows], scale), len(image))
+    covered = sum(in_bands(lambda rows: to_places(image[rows], scale), len(image))) / image[:, :, 0].size
     image = filled_around(image, gutter_of(len(image)))
     known = np.empty(image.shape[:2], bool)
     values = np.empty(image.shape, np.uint16)
@@ -79,15 +81,16 @@ def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
         values[rows] = rounded
 
     in_bands(finish, len(image))
-    return Pixels(values, known, scale)
+    return Pixels(values, known, covered, scale)
 
 
-def to_places(part: np.ndarray, scale: Scale) -> None:
-    """Turns values into 1 plus their pixel, in place, so that 0 is free to say that nothing is there."""
+def to_places(part: np.ndarray, scale: Scale) -> int:
+    """Turns values into 1 plus their pixel, in place, so that 0 can say that nothing is there; counts what is there."""
     part -= np.float32(scale.low)
     part *= np.float32(WHOLE / (scale.high - scale.low))
     np.clip(part, 0, WHOLE, out=part)
     part += 1
+    return int(np.count_nonzero(part[:, :, 0] > 0))
 
 
 def filled_around(image: np.ndarray, gutter: int) -> np.ndarray:
@@ -132,6 +135,6 @@ def mean_squares(image: np.ndarray) -> np.ndarray:
     return means
 
 
-def in_bands(work: Callable[[slice], None], size: int) -> None:
-    """Calls work for bands of rows, side by side."""
-    threads.side_by_side(work, [slice(start, min(start + BAND, size)) for start in range(0, size, BAND)])
+def in_bands(work: Callable[[slice], Result], size: int) -> list[Result]:
+    """The results of work for bands of rows, which it does side by side."""
+    return threads.side_by_side(work, [slice(start, min(start + BAND, size)) for start in range(0, size, BAND)])
