@@ -36,6 +36,7 @@ MODULES = (
     "bake.image_operator",
     "ui.manual",
     "ui.panel",
+    "ui.image_panel",
     "settings.looks",
     "show.recolor",
     "show.materials",

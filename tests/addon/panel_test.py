@@ -12,12 +12,12 @@ from paradesc.animation.frame_batch import FrameBatch  # noqa: E402
 from paradesc.bake import batch, modal  # noqa: E402
 from paradesc.scene import mesh_io, record  # noqa: E402
 from paradesc.settings import properties  # noqa: E402
-from paradesc.ui import live_panel, panel  # noqa: E402
+from paradesc.ui import image_panel, live_panel, panel  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
 # The width in pixels of a sidebar that nobody has widened.
 DEFAULT_WIDTH = 217
-PANELS = [cls for cls in panel.classes if cls.__name__ != "PARADESC_MT_devices"]
+PANELS = [cls for cls in (*panel.classes, *image_panel.classes) if cls.__name__ != "PARADESC_MT_devices"]
 
 
 @pytest.fixture(autouse=True)

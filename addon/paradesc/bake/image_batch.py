@@ -111,7 +111,7 @@ class ImageBatch(OneByOne):
 
 def check_uv_map(target: bpy.types.Object, source: str) -> None:
     """Refuses a mesh without a UV map before it would be unwrapped for the computation; modifiers may add one."""
-    if source != "evaluated" and len(target.data.uv_layers) == 0:
+    if source in ("original", "deformed") and len(target.data.uv_layers) == 0:
         raise mesh_io.refuse(no_map(target, "has no UV map"))
 
 

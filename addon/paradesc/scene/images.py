@@ -28,11 +28,12 @@ def from_memory(name: str, content: bytes) -> bpy.types.Image:
     found = (item for item in bpy.data.images if item.get(MARK) == name and item.library is None)
     image = next(found, None) or bpy.data.images.new(name, 8, 8)
     image[MARK] = name
+    image.filepath_raw = ""  # or Blender would look for a file of this name when it reloads
     image.pack(data=content, data_len=len(content))
     image.source = "FILE"
     image.use_fake_user = True  # nothing may use it yet, and Blender saves only what is used
-    image.filepath_raw = f"//{name}.png"
     image.reload()
+    image.filepath_raw = f"//{name}.png"
     return as_data(image)
 
 
