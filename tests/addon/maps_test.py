@@ -168,7 +168,7 @@ def decode16(content):
         place += 12 + size
     width, height, bits, color = header[:4]
     assert bits == 16
-    channels = {0: 1, 2: 3}[color]
+    channels = {0: 1, 2: 3, 4: 2, 6: 4}[color]
     rows = np.frombuffer(zlib.decompress(data), np.uint8).reshape(height, -1)
     assert (rows[:, 0] == 2).all()  # each row as difference from the one above
     return np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8).view(">u2").reshape(height, width, channels), texts

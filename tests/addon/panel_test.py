@@ -12,14 +12,14 @@ from paradesc.animation.frame_batch import FrameBatch  # noqa: E402
 from paradesc.bake import batch, modal  # noqa: E402
 from paradesc.scene import mesh_io, record  # noqa: E402
 from paradesc.settings import properties  # noqa: E402
-from paradesc.ui import drawing, live_panel, panel, report_panel, settings_panel  # noqa: E402
+from paradesc.ui import drawing, image_panel, live_panel, panel, report_panel, settings_panel  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
 # The width in pixels of a sidebar that nobody has widened.
 DEFAULT_WIDTH = 217
 PANELS = [
     cls
-    for module in (panel, settings_panel, report_panel)
+    for module in (panel, settings_panel, report_panel, image_panel)
     for cls in module.classes
     if cls.__name__ != "PARADESC_MT_devices"
 ]

@@ -35,6 +35,7 @@ CHOICES = {
     "Scene.paradesc.ellipse": ["center", "directional"],
     "Scene.paradesc.geodesic": ["local", "chords"],
     "Scene.paradesc.image_format": [".exr", ".png"],
+    "Scene.paradesc.image_outside": ["neutral", "transparent"],
     "Scene.paradesc_animation.source": ["original", "deformed", "evaluated"],
     "Scene.paradesc_animation.frame_source": ["deformed", "evaluated"],
     "Scene.paradesc_live.missing": ["HOLD", "COMPUTE"],

@@ -66,7 +66,20 @@ def rounded_box() -> bpy.types.Object:
 def machine_part() -> bpy.types.Object:
     """A turned part with steps, a groove, a chamfer and a bore, in small faces and shaded flat."""
     empty()
-    profile = ((0.3, 0), (1, 0), (1, 0.3), (0.6, 0.3), (0.6, 0.55), (0.52, 0.55), (0.52, 0.7), (0.6, 0.7), (0.6, 0.9), (0.5, 1), (0.3, 1), (0.3, 0))
+    profile = (
+        (0.3, 0),
+        (1, 0),
+        (1, 0.3),
+        (0.6, 0.3),
+        (0.6, 0.55),
+        (0.52, 0.55),
+        (0.52, 0.7),
+        (0.6, 0.7),
+        (0.6, 0.9),
+        (0.5, 1),
+        (0.3, 1),
+        (0.3, 0),
+    )
     sides, step = 96, 0.025
     places = [
         np.array(begin) + (np.array(end) - begin) * k / count
@@ -78,7 +91,12 @@ def machine_part() -> bpy.types.Object:
     points = [(r * math.cos(turn), r * math.sin(turn), z) for r, z in places for turn in turns]
     rows = len(places)
     faces = [
-        (row * sides + side, row * sides + (side + 1) % sides, (row + 1) % rows * sides + (side + 1) % sides, (row + 1) % rows * sides + side)
+        (
+            row * sides + side,
+            row * sides + (side + 1) % sides,
+            (row + 1) % rows * sides + (side + 1) % sides,
+            (row + 1) % rows * sides + side,
+        )
         for row in range(rows)
         for side in range(sides)
     ]

@@ -1,6 +1,5 @@
 """Bakes several meshes, with one worker after another, and writes everything at the end."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -13,7 +12,7 @@ from ..core.threads import Worker
 from ..files import bake_files
 from ..scene import mesh_io, modes, source_meshes, surface_maps, targets
 from ..settings import looks, properties
-from .pieces import ObjectKey, Piece, Pieces, key_of
+from .pieces import ObjectKey, OneByOne, Piece, key_of
 
 IMAGE_STEM, BUFFERS_NAME = "paradesc", "paradesc_buffers"
 
@@ -25,20 +24,17 @@ class MeshBake(Piece):
     sharing: list[ObjectKey]  # all chosen objects with this mesh
     files: bake_files.Files | None = None
     reading: source_meshes.Reading | None = None
-    warnings: list[str] = field(default_factory=list)
     results: job.Results | None = None
     placed: list[Path] = field(default_factory=list)  # files that were written
 
-    def target(self) -> bpy.types.Object:
-        """The object; raises one sentence if it is gone."""
-        found = bpy.data.objects.get(self.key)
-        if found is None or found.type != "MESH":
-            sentence = f'The object "{self.name}" is gone; nothing was written.'
-            raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence)
-        return found
+    def drop(self) -> None:
+        """Forgets the results, and takes away the files that lie aside."""
+        self.results = None
+        if self.files is not None:
+            self.files.discard()
 
 
-class Batch(Pieces):
+class Batch(OneByOne):
     """Does the work of the bake operator step by step, all on the main thread except the computation itself."""
 
     def __init__(self, context: bpy.types.Context) -> None:
@@ -52,45 +48,6 @@ class Batch(Pieces):
         shared = targets.by_mesh(targets.chosen(context))
         super().__init__([MeshBake(key_of(objects[0]), [key_of(item) for item in objects]) for objects in shared])
         self.places = file_places(group, [piece.name for piece in self.pieces])
-
-    @property
-    def fraction(self) -> float:
-        """The finished share of all the work."""
-        own = self.worker.fraction if self.worker else 0.0
-        return min((self.current + own) / len(self.pieces), 1.0)
-
-    @property
-    def stage(self) -> str:
-        """What is being done, for people."""
-        own = self.worker.stage if self.worker else "read"
-        if len(self.pieces) == 1 or self.current == len(self.pieces):
-            return own
-        return f'mesh {self.current + 1} of {len(self.pieces)}, "{self.pieces[self.current].name}", {own}'
-
-    def step(self, wait: bool = False) -> None:
-        """Reads the next mesh and starts its worker, or takes in what a worker has ended with."""
-        if self.done:
-            return
-        piece = self.pieces[self.current]
-        if self.worker is None:
-            self.attempt(piece, self.start)
-            if piece.failure:
-                self.current += 1
-        elif wait or self.worker.done:
-            worker = self.join()
-            self.current += 1
-            self.attempt(piece, lambda piece: self.take(piece, worker))
-
-    def attempt(self, piece: MeshBake, action: Callable[[MeshBake], None]) -> None:
-        """Does one step for a mesh; if it goes wrong, that is the failure of this mesh, and the others go on."""
-        try:
-            action(piece)
-        except ParadescError as error:
-            if error.status == abi.STATUS_CANCELLED:
-                self.cancelled = True
-            piece.failure, piece.results = error.sentence, None
-            if piece.files is not None:
-                piece.files.discard()
 
     def start(self, piece: MeshBake) -> None:
         """Reads a mesh and starts its worker."""

@@ -1,9 +1,11 @@
 """What bakes of meshes and of frames have in common: objects in a row, of which one is under way, with its worker."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import bpy
 
+from ..bridge import ParadescError, abi
 from ..core.threads import Worker
 
 ObjectKey = tuple[str, str | None]  # an object's name and library: objects themselves do not outlive an undo
@@ -11,16 +13,28 @@ ObjectKey = tuple[str, str | None]  # an object's name and library: objects them
 
 @dataclass
 class Piece:
-    """One object of a bake: which one it is, what failed, and notes about it."""
+    """One object of a bake: which one it is, what failed, and what there is to say."""
 
     key: ObjectKey
     failure: str = field(default="", kw_only=True)  # one sentence
     notes: list[str] = field(default_factory=list, kw_only=True)
+    warnings: list[str] = field(default_factory=list, kw_only=True)  # about what limits its results
 
     @property
     def name(self) -> str:
         """The object's name, for sentences."""
         return self.key[0]
+
+    def target(self) -> bpy.types.Object:
+        """The mesh object; raises one sentence if it is gone."""
+        found = bpy.data.objects.get(self.key)
+        if found is None or found.type != "MESH":
+            sentence = f'The object "{self.name}" is gone; nothing was written.'
+            raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence)
+        return found
+
+    def drop(self) -> None:
+        """Lets go of what was computed, because something went wrong."""
 
 
 # Not Generic: typing would keep every Pieces[…] and its class until Python ends, after bpy is gone. Blender's module
@@ -72,6 +86,56 @@ class Pieces:
             self.cancel()
         while not self.done:
             self.step(wait=True)
+
+
+class OneByOne(Pieces):
+    """Meshes of which each is one worker's work. Whoever extends this has start() and take()."""
+
+    def start(self, piece: Piece) -> None:
+        """Reads a mesh and starts its worker."""
+        raise NotImplementedError
+
+    def take(self, piece: Piece, worker: Worker) -> None:
+        """Keeps a worker's results until all are there."""
+        raise NotImplementedError
+
+    @property
+    def fraction(self) -> float:
+        """The finished share of all the work."""
+        own = self.worker.fraction if self.worker else 0.0
+        return min((self.current + own) / len(self.pieces), 1.0)
+
+    @property
+    def stage(self) -> str:
+        """What is being done, for people."""
+        own = self.worker.stage if self.worker else "read"
+        if len(self.pieces) == 1 or self.current == len(self.pieces):
+            return own
+        return f'mesh {self.current + 1} of {len(self.pieces)}, "{self.pieces[self.current].name}", {own}'
+
+    def step(self, wait: bool = False) -> None:
+        """Reads the next mesh and starts its worker, or takes in what a worker has ended with."""
+        if self.done:
+            return
+        piece = self.pieces[self.current]
+        if self.worker is None:
+            self.attempt(piece, self.start)
+            if piece.failure:
+                self.current += 1
+        elif wait or self.worker.done:
+            worker = self.join()
+            self.current += 1
+            self.attempt(piece, lambda piece: self.take(piece, worker))
+
+    def attempt(self, piece: Piece, action: Callable[[Piece], None]) -> None:
+        """Does one step for a mesh; if it goes wrong, that is the failure of this mesh, and the others go on."""
+        try:
+            action(piece)
+        except ParadescError as error:
+            if error.status == abi.STATUS_CANCELLED:
+                self.cancelled = True
+            piece.failure = error.sentence
+            piece.drop()
 
 
 def with_name(name: str, failure: str) -> str:

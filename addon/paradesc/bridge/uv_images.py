@@ -9,6 +9,7 @@ from . import abi
 from .arrays import address
 from .library import ParadescError, check, load_library, new_struct
 from .options import int32
+from .session import ProgressFunction, progress_callback
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,12 @@ class TexelMap:
 
 
 def draw_uv_image(
-    uvs: np.ndarray, triangle_values: np.ndarray, values: np.ndarray, size: int, texels: TexelMap | None = None
+    uvs: np.ndarray,
+    triangle_values: np.ndarray,
+    values: np.ndarray,
+    size: int,
+    texels: TexelMap | None = None,
+    progress: ProgressFunction | None = None,
 ) -> np.ndarray:
     """(N, N, 1 or 3) float32 of values (n,) or (n, 3) at the corners of triangles, rows from v = 0 up; NaN off them.
 
@@ -43,7 +49,13 @@ def draw_uv_image(
         native.map, native.map_size = address(source, abi.Float32Pointer), side
         native.map_uvs = address(layout, abi.Float32Pointer)
     image = np.empty((max(size, 0), max(size, 0), width), np.float32)
-    check(library, library.pdesc_uv_image_draw(byref(native), address(image, abi.Float32Pointer), image.size))
+    caught: list[BaseException] = []
+    if progress is not None:
+        native.progress = progress_callback(progress, caught)
+    status = library.pdesc_uv_image_draw(byref(native), address(image, abi.Float32Pointer), image.size)
+    if caught:
+        raise caught[0]
+    check(library, status)
     return image
 
 

@@ -101,7 +101,12 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
 
 def check(arguments: argparse.Namespace) -> None:
     """Refuses what makes no sense, before any file is opened."""
-    settings_of(arguments)
+    if arguments.pack and arguments.descriptors is None:
+        arguments.descriptors = ",".join(arguments.pack)
+    settings = settings_of(arguments)
+    lacking = [name for name in arguments.pack if name not in settings.descriptors]
+    if lacking:
+        raise UsageError(f"--pack needs {', '.join(lacking)}; add that to --descriptors.")
     check_preset(arguments.preset)
     check_files(arguments)
     if arguments.all and arguments.object:

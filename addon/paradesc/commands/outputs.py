@@ -5,13 +5,15 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from .. import bridge
 from ..bridge import uses_texture_space
-from ..files import maps, results
+from ..files import image_files, maps, results
 from ..files.results import Baked, folder_fault, write_whole
 from .common import UsageError, check_outputs, check_overwriting
 
 # These hold one object, or several as one in world space.
 WRITERS: dict[str, Callable[[Path, Baked], None]] = {".ply": results.write_ply, ".png": results.write_picture}
+PNG_RANGES = ("values", "colors")
 OUTPUT_SUFFIXES = (".npz", *WRITERS, ".exr", ".blend")
 
 
@@ -22,6 +24,12 @@ def add_output_files(parser: argparse.ArgumentParser) -> None:
     image = "write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor)"
     add("--output", "-o", action="append", default=[], metavar="OUT", type=Path, help=output)
     add("--map", action="append", default=[], metavar="IMAGE", type=Path, help=image)
+    add("--png-range", choices=PNG_RANGES, default=PNG_RANGES[0],
+        help="what .png images span: the values from minimum to maximum (default), or the range of the colors, where "
+        "0.5 is neutral")  # fmt: skip
+    add("--pack", type=packed_names, default=(), metavar="R,G,B[,A]",
+        help="write one .png with these descriptors as its channels instead, <stem>_masks.png, over the range of the "
+        "colors")  # fmt: skip
     add("--dump-buffers", metavar="FOLDER", type=Path, help="write the baked buffers as .png and .npz")
     add("--corners", metavar="FILE", type=Path, help="write the corners that harris finds as a JSON list")
     add("--force", action="store_true", help="write over the input where it is an output as well")
@@ -33,6 +41,8 @@ def check_files(arguments: argparse.Namespace) -> None:
         for path in paths:
             if path.suffix.lower() not in suffixes:
                 raise UsageError(f'"{path}" has none of the suffixes {", ".join(suffixes)}.')
+    if arguments.pack and not any(path.suffix.lower() == ".png" for path in arguments.map):
+        raise UsageError("--pack says what a .png image holds; give --map IMAGE.png as well.")
     paths = files_of(arguments)
     check_outputs(paths)
     check_overwriting(paths, arguments.input, arguments.force)
@@ -70,7 +80,7 @@ def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, 
         else:
             write_whole(path, whole, results.write_npz if suffix == ".npz" else WRITERS[suffix])
         written.append(path)
-    described = [row for path in images for row in write_images(path, baked)]
+    described = [row for path in images for row in write_images(path, baked, arguments)]
     written += [Path(str(row["path"])) for row in described]
     for one in baked if arguments.dump_buffers else []:
         written += maps.write_buffers(folder_of(arguments.dump_buffers, one, baked), one)
@@ -85,7 +95,19 @@ def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, 
     return {"outputs": [str(path) for path in written], "maps": described}
 
 
-def write_images(path: Path, baked: list[Baked]) -> list[dict[str, object]]:
+def packed_names(text: str) -> tuple[str, ...]:
+    """Parses three or four names of descriptors with one component between commas."""
+    names = tuple(name.strip() for name in text.split(","))
+    known = [row.name for row in bridge.descriptors() if row.components == 1]
+    for name in names:
+        if name not in known:
+            raise argparse.ArgumentTypeError(f'"{name}" is no descriptor for a channel; choose from {", ".join(known)}')
+    if len(names) not in (3, 4) or len(set(names)) < len(names):
+        raise argparse.ArgumentTypeError(f'"{text}" must be three or four different descriptors with commas between')
+    return names
+
+
+def write_images(path: Path, baked: list[Baked], arguments: argparse.Namespace) -> list[dict[str, object]]:
     """Writes the images over the UV map of each object, named if there are several; gives what the report says."""
     rows: list[dict[str, object]] = []
     for one in baked:
@@ -94,6 +116,9 @@ def write_images(path: Path, baked: list[Baked]) -> list[dict[str, object]]:
         if path.suffix.lower() == ".exr":
             write_whole(own, one, maps.write_exr)
             rows.append({"path": str(own), "object": one.object_name})
+            continue
+        if arguments.pack or arguments.png_range == "colors":
+            rows += [write_texture(place, one, names) for place, names in textures_of(own, one, arguments.pack)]
             continue
         for name, place in maps.png_paths(own, list(one.results.values)).items():
             described: dict[str, object] = {"path": str(place), "object": one.object_name}
@@ -104,6 +129,27 @@ def write_images(path: Path, baked: list[Baked]) -> list[dict[str, object]]:
             )
             rows.append(described)
     return rows
+
+
+def textures_of(path: Path, baked: Baked, packed: tuple[str, ...]) -> list[tuple[Path, list[str]]]:
+    """Where each texture goes, and what it holds: a descriptor each, or those that are packed at each radius."""
+    if not packed:
+        return [(place, [name]) for name, place in maps.png_paths(path, list(baked.results.values)).items()]
+    suffixes = baked.results.field_reports
+    places = [path.with_name(f"{path.stem}_{image_files.PACKED_WORD}{suffix}{path.suffix}") for suffix in suffixes]
+    return [(place, [name + suffix for name in packed]) for place, suffix in zip(places, suffixes, strict=True)]
+
+
+def write_texture(path: Path, baked: Baked, names: list[str]) -> dict[str, object]:
+    """Writes descriptors as channels over the range of their colors; gives what the report says of the file."""
+    made = image_files.encoded(baked, names, baked.results.settings.options.texels)
+    write_whole(path, made.content, Path.write_bytes)
+    described = [
+        {"descriptor": name, "minimum": scale.low, "maximum": scale.high}
+        for name, scale in zip(names, made.scales, strict=True)
+    ]
+    row: dict[str, object] = {"path": str(path), "object": baked.object_name}
+    return {**row, **described[0]} if len(names) == 1 else {**row, "channels": described}
 
 
 def folder_of(folder: Path, one: Baked, baked: list[Baked]) -> Path:

@@ -288,6 +288,13 @@ def part_of(progress: ProgressFunction | None, index: int, count: int) -> Progre
     return lambda stage, fraction: progress(stage, (index + fraction) / count)
 
 
+def span_of(progress: ProgressFunction | None, first: float, last: float) -> ProgressFunction | None:
+    """Turns the progress of what lasts from one share of the whole to another into that of the whole."""
+    if progress is None:
+        return None
+    return lambda stage, fraction: progress(stage, first + (last - first) * fraction)
+
+
 def keep_texels(results: Results, mesh: bridge.Mesh, found: bridge.Field, suffix: str, with_buffers: bool) -> None:
     """Adds what lies over the layout: the maps of texel evaluation, and the baked buffers if asked for."""
     if results.settings.options.evaluate == "texel":

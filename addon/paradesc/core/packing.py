@@ -10,7 +10,7 @@ LARGEST_GUTTER_SHARE = 0.25
 SCALE_STEPS = 30
 
 
-def pack(uvs: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+def pack(uvs: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray, gutter: float = GUTTER) -> np.ndarray:
     """(corner_count, 2) float32 layout in the unit square, of faces with sizes corners each that lie in a row."""
     chart = charts(uvs, corner_vertices, sizes)
     order = np.argsort(chart, kind="stable")
@@ -18,7 +18,7 @@ def pack(uvs: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray) -> np.
     exact = uvs.astype(np.float64)
     low = np.minimum.reduceat(exact[order], first, axis=0)
     extent = np.maximum.reduceat(exact[order], first, axis=0) - low
-    gutter = min(GUTTER, LARGEST_GUTTER_SHARE / np.sqrt(len(extent)))
+    gutter = min(gutter, LARGEST_GUTTER_SHARE / np.sqrt(len(extent)))
     corner, scale = place(extent, gutter)
     return (corner[chart] + scale * (exact - low[chart])).astype(np.float32)
 

@@ -5,16 +5,20 @@ abort or hang.
 """
 
 import atexit
+import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Generic, TypeVar
 
 from ..bridge import ParadescError, ProgressFunction, abi
 
+Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 # At its end Python waits so many seconds for a thread that was told to stop; the thread takes a tenth of one.
 PATIENCE = 30.0
+# More threads than this only wait for memory.
+MOST_THREADS = 8
 
 _running: dict[threading.Thread, Callable[[], None]] = {}
 
@@ -42,6 +46,33 @@ def stop_all() -> None:
 
 
 atexit.register(stop_all)
+
+
+def side_by_side(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+    """The results of work for all items, in their order, on all cores as far as work lets other threads run."""
+    given = list(items)
+    results: list[Result] = [None] * len(given)
+    errors: list[BaseException] = []
+    waiting, stopped = iter(range(len(given))), threading.Event()
+
+    def take() -> None:
+        while not stopped.is_set() and (number := next(waiting, None)) is not None:
+            try:
+                results[number] = work(given[number])
+            except BaseException as error:  # noqa: BLE001 (raised again below)
+                errors.append(error)
+                stopped.set()
+
+    count = min(os.cpu_count() or 1, MOST_THREADS, len(given))
+    helpers = [start("paradesc part", take, stopped.set) for _ in range(count - 1)]
+    take()
+    for helper in helpers:
+        helper.join()
+    if errors:
+        raise errors[0]
+    if stopped.is_set():
+        raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
+    return results
 
 
 class Worker(Generic[Result]):

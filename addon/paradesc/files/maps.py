@@ -14,6 +14,7 @@ SUFFIXES = (".exr", ".png")
 # So many texels around each chart take the values beside them, so that filtering and a few mipmaps show no seam.
 GUTTER = 8
 WHOLE_16 = 65535
+STACKED = "Charts of the UV map share texture space: where several lie at one texel, an image shows the last one."
 
 
 def user_uvs(baked: Baked) -> np.ndarray:
@@ -24,11 +25,22 @@ def user_uvs(baked: Baked) -> np.ndarray:
     return baked.arrays.corner_uvs[baked.arrays.triangle_corners]
 
 
-def drawn(uvs: np.ndarray, size: int, baked: Baked, name: str) -> np.ndarray:
-    """(N, N, 1 or 3) float32 of a descriptor: from the map that was evaluated if there is one, else from vertices."""
+def drawn(
+    uvs: np.ndarray,
+    size: int,
+    baked: Baked,
+    name: str,
+    at_vertices: np.ndarray | None = None,
+    progress: bridge.ProgressFunction | None = None,
+) -> np.ndarray:
+    """(N, N, 1 or 3) float32 of a descriptor: from the map that was evaluated if there is one, else from vertices.
+
+    at_vertices: instead of the descriptor's own values there.
+    """
     results = baked.results
     texels = bridge.TexelMap(results.maps[name], results.layout) if name in results.maps else None
-    return bridge.draw_uv_image(uvs, baked.arrays.triangle_vertices, results.values[name], size, texels)
+    values = results.values[name] if at_vertices is None else at_vertices
+    return bridge.draw_uv_image(uvs, baked.arrays.triangle_vertices, values, size, texels, progress)
 
 
 def image_of(baked: Baked, name: str) -> np.ndarray:
@@ -44,7 +56,7 @@ def notes(baked: Baked) -> list[str]:
         ]
     if not baked.results.field_report["private_layout"]:
         return []
-    return ["Charts of the UV map share texture space: where several lie at one texel, an image shows the last one."]
+    return [STACKED]
 
 
 def channels_of(baked: Baked) -> dict[str, np.ndarray]:

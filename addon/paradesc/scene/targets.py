@@ -39,8 +39,8 @@ def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
     return list(groups.values())
 
 
-def obstacle(context: bpy.types.Context) -> str:
-    """One sentence about why nothing can be baked right now, or ""."""
+def reading_obstacle(context: bpy.types.Context) -> str:
+    """One sentence about why no mesh can be measured right now, or ""."""
     missing = bridge.missing_sentence()
     if missing:
         return missing
@@ -53,11 +53,20 @@ def obstacle(context: bpy.types.Context) -> str:
     for target in targets:
         if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
             return "Switch dynamic topology off, or leave sculpt mode, first: its mesh is not yet that of the object"
+    return ""
+
+
+def obstacle(context: bpy.types.Context) -> str:
+    """One sentence about why nothing can be baked right now, or ""."""
+    sentence = reading_obstacle(context)
+    if sentence:
+        return sentence
     group = context.scene.paradesc
     if not (group.write_attributes or group.write_image or group.write_buffers):
         return "There is nothing to write: choose attributes, an image or buffers under Output"
-    refused = [sentence for sentence in map(unwritable, targets) if sentence] if group.write_attributes else []
-    return refused[0] if len(refused) == len(targets) else ""
+    found = chosen(context)
+    refused = [sentence for sentence in map(unwritable, found) if sentence] if group.write_attributes else []
+    return refused[0] if len(refused) == len(found) else ""
 
 
 def unwritable(target: bpy.types.Object) -> str:

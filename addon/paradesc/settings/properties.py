@@ -32,6 +32,10 @@ IMAGE_FORMATS = [
     (".exr", "OpenEXR", "32-bit floats: the values themselves, all descriptors in one file"),
     (".png", "PNG, 16 Bits", "Values from the smallest to the largest as 16-bit numbers, a file for each descriptor"),
 ]
+OUTSIDE = [
+    ("neutral", "Neutral", "The value of a flat surface: 0.5 of values with a sign"),
+    ("transparent", "Transparent", "An alpha channel that is 0 there"),
+]
 NORMALS = [
     ("fitted", "Fitted", "Fit the surface around each vertex; best wherever the surface is smooth"),
     ("max", "Max's Weights", "Average the faces around each vertex by Max's weights"),
@@ -287,7 +291,21 @@ def output_members() -> dict[str, object]:
         "texels": bpy.props.IntProperty(
             name="Texels",
             description="Along a side of images, and of the map of texels that Evaluate At: Texels computes",
-            default=512, min=16, max=8192, subtype="PIXEL",
+            default=1024, min=16, max=8192, subtype="PIXEL",
+        ),
+        "image_outside": bpy.props.EnumProperty(
+            name="Outside", description="What textures hold where there is no surface", items=OUTSIDE, default="neutral"
+        ),
+        "image_packed": bpy.props.BoolProperty(
+            name="Pack Channels",
+            description="Bake one texture of masks instead of the chosen descriptors: red cavity, green convexity, "
+            "which are edges, and blue ambient openness",
+            default=False,
+        ),
+        "image_to_material": bpy.props.BoolProperty(
+            name="Add to Material",
+            description="Put the textures into the object's active material as image nodes, ready to be connected",
+            default=False,
         ),
         "write_buffers": bpy.props.BoolProperty(
             name="Baked Buffers",

@@ -72,6 +72,7 @@ def draw_button(context: bpy.types.Context, layout: bpy.types.UILayout, settings
     row.operator("paradesc.bake", text=text, icon="SHADING_TEXTURE")
     if there:
         row.prop(context.active_object.paradesc_live, "follows", toggle=True)
+    layout.operator("paradesc.bake_image", icon="IMAGE_DATA")
     sentence = targets.obstacle(context)
     if sentence:
         sentence_lines(context, layout, sentence, "INFO")

@@ -1,0 +1,139 @@
+"""Makes textures of several meshes, with one worker after another, and keeps all of them at the end."""
+
+import time
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+import bpy
+
+from ..bridge import MeshArrays
+from ..core import job
+from ..core.threads import Worker
+from ..files import image_files
+from ..files.results import file_fault, write_whole
+from ..scene import images, mesh_io, surface_maps, targets
+from ..settings import looks, properties
+from .pieces import OneByOne, Piece, key_of
+
+
+@dataclass
+class TextureBake(Piece):
+    """One mesh whose textures are made, and what came of it."""
+
+    stem: str = ""  # with which the names of its textures begin
+    textures: image_files.Textures | None = None
+    placed: list[Path] = field(default_factory=list)  # files that were written
+    material: str = ""  # the name of the one that has the images now
+
+    def drop(self) -> None:
+        """Forgets the textures."""
+        self.textures = None
+
+
+class ImageBatch(OneByOne):
+    """Does the work of the operator step by step, all on the main thread except the computation itself."""
+
+    def __init__(self, context: bpy.types.Context) -> None:
+        """Takes the settings as they are now, and the chosen objects; raises if nothing can be computed."""
+        group = context.scene.paradesc
+        maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
+        self.request = targets.ReadRequest(group.shape_key, maps, source)
+        self.choice = image_files.Choice(
+            group.texels, group.image_outside == "transparent", group.image_packed, looks.scene_look(context.scene)
+        )
+        self.to_material = group.image_to_material
+        self.settings = self.choice.settings(properties.job_settings(group))
+        job.check_descriptors(self.settings.descriptors)
+        # An unsaved .blend has no folder: its images are packed into it.
+        self.folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
+        self.started = time.monotonic()
+        shared = targets.by_mesh(targets.chosen(context))
+        super().__init__([TextureBake(key_of(objects[0])) for objects in shared])
+        for piece, stem in zip(self.pieces, stems([piece.name for piece in self.pieces]), strict=True):
+            piece.stem = stem
+
+    @property
+    def written(self) -> list[TextureBake]:
+        """The meshes whose textures are in place."""
+        return [piece for piece in self.pieces if piece.textures is not None]
+
+    @property
+    def seconds(self) -> float:
+        """How long the work has lasted."""
+        return time.monotonic() - self.started
+
+    def start(self, piece: TextureBake) -> None:
+        """Reads a mesh and starts its worker."""
+        target = piece.target()
+        if self.folder is not None:
+            fault = file_fault(self.folder / f"{piece.stem}.png")
+            if fault:
+                raise mesh_io.refuse(fault)
+        check_uv_map(target, self.request.source)
+        read = targets.read(target, self.settings, self.request)
+        check_layout(target, read.measured)
+        piece.notes, piece.warnings = read.notes, read.warnings
+        work = partial(image_files.run, piece.stem, read.measured, self.settings, self.choice)
+        self.worker = Worker(work)
+        self.worker.start()
+
+    def take(self, piece: TextureBake, worker: Worker[image_files.Textures]) -> None:
+        """Keeps a worker's textures until all are there."""
+        piece.textures = worker.result()
+        found = piece.textures.results
+        piece.notes += found.unused_notes()
+        piece.warnings = [*found.warnings, *found.facet_notes(), *piece.warnings]
+
+    def close(self) -> None:
+        """Cancels what is left, and waits for it. Safe to call again."""
+        self.settle()
+
+    def finish(self) -> None:
+        """Keeps the textures of every mesh as files and images, and puts them into materials on request."""
+        for piece in self.written:
+            self.attempt(piece, self.write)
+
+    def write(self, piece: TextureBake) -> None:
+        """Keeps one mesh's textures."""
+        target = piece.target()
+        loaded = []
+        for texture in piece.textures.made:
+            if self.folder is None:
+                loaded.append(images.from_memory(texture.name, texture.content))
+                continue
+            path = self.folder / f"{texture.name}.png"
+            write_whole(path, texture.content, Path.write_bytes)
+            piece.placed.append(path)
+            loaded.append(images.from_file(path))
+        if self.to_material:
+            piece.material = images.add_to_material(target, loaded).name
+
+
+def check_uv_map(target: bpy.types.Object, source: str) -> None:
+    """Refuses a mesh without a UV map before it would be unwrapped for the computation; modifiers may add one."""
+    if source in ("original", "deformed") and len(target.data.uv_layers) == 0:
+        raise mesh_io.refuse(no_map(target, "has no UV map"))
+
+
+def check_layout(target: bpy.types.Object, arrays: MeshArrays) -> None:
+    """Refuses a mesh whose UV map cannot be used."""
+    if arrays.layout is not None or arrays.corner_uvs is None:
+        raise mesh_io.refuse(no_map(target, arrays.layout.reason if arrays.layout else "has no usable UV map"))
+
+
+def no_map(target: bpy.types.Object, fault: str) -> str:
+    """The sentence about a mesh that no image can lie over."""
+    return f'The mesh "{target.data.name}" {fault}; unwrap it (U in edit mode).'
+
+
+def stems(names: list[str]) -> list[str]:
+    """What the names of each object's textures begin with: its own name as files may have it, and no two the same."""
+    found: list[str] = []
+    for name in names:
+        word, number = bpy.path.clean_name(name), 1
+        while word in found:
+            number += 1
+            word = f"{bpy.path.clean_name(name)}_{number}"
+        found.append(word)
+    return found

@@ -1,0 +1,139 @@
+"""Makes the textures of one object: evaluates as if at texels, and packs 16-bit PNGs under names that engines know.
+
+No bpy. What is made stays in memory until the caller keeps it: an unsaved .blend has no folder for files.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..bridge import MeshArrays, ParadescError, ProgressFunction, abi
+from ..core import job, texel_centers
+from ..core.color_maps import Look
+from . import maps, mask_image, png
+from .results import Baked
+
+# What Substance and game engines call textures of these descriptors; all others keep their names.
+WORDS = {
+    "cavity": "cavity",
+    "convexity": "edges",
+    "mean_curvature": "curvature",
+    "ambient_openness": "openness",
+}
+# The descriptors in the red, green and blue of a packed texture, and its name.
+PACKED = ("cavity", "convexity", "ambient_openness")
+PACKED_WORD = "masks"
+CHANNELS = "RGBA"
+OPAQUE = 65535
+# The computation has this share of the progress; textures are drawn and packed in the rest.
+COMPUTING = 0.7
+# Of the work on a texture, drawing has this share; it is packed in the rest.
+DRAWING = 0.8
+# Charts are stacked if they have so many times the area that is covered; borders take half texels more or less.
+STACKED_SHARE = 1.05
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What the textures are like."""
+
+    size: int  # texels along a side
+    transparent: bool = False  # where there is no surface, instead of neutral
+    packed: bool = False
+    look: Look = field(default_factory=Look)  # whose ranges pixels span
+
+    def settings(self, settings: job.Settings) -> job.Settings:
+        """The settings with the descriptors that a packed texture holds."""
+        return replace(settings, descriptors=PACKED, more_radii=()) if self.packed else settings
+
+
+@dataclass(frozen=True)
+class Texture:
+    """One PNG file that has been made."""
+
+    name: str  # without suffix
+    content: bytes
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """The content of a PNG file, and what it shows."""
+
+    content: bytes
+    scales: list[mask_image.Scale]  # of the channels, without the one of what is transparent
+    covered: float  # the share of texels on the surface
+
+
+@dataclass
+class Textures:
+    """All textures of one object, and what they were made from."""
+
+    results: job.Results
+    made: list[Texture]
+
+
+def word_of(name: str) -> str:
+    """What follows the object's name in that of a texture: "curvature", or "curvature_r0.02" of several radii."""
+    stem = job.registry_name(name)
+    return WORDS.get(stem, stem) + name.removeprefix(stem)
+
+
+def run(
+    stem: str,
+    arrays: MeshArrays,
+    settings: job.Settings,
+    choice: Choice,
+    progress: ProgressFunction | None = None,
+) -> Textures:
+    """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
+    computing, drawing = job.span_of(progress, 0.0, COMPUTING), job.span_of(progress, COMPUTING, 1.0)
+    results = texel_centers.run(arrays, choice.settings(settings), choice.size, computing)
+    results.look = choice.look
+    baked = Baked(stem, results, arrays, np.eye(4))
+    names = list(results.values)
+    groups = {PACKED_WORD: names} if choice.packed else {word_of(name): [name] for name in names}
+    made, covered = [], math.inf
+    for number, (word, group) in enumerate(groups.items()):
+        of_one = job.part_of(drawing, number, len(groups))
+        one = encoded(baked, group, choice.size, choice.transparent, of_one)
+        made.append(Texture(f"{stem}_{word}", one.content))
+        if results.values[group[0]].ndim == 1:  # directions may be missing on the surface
+            covered = one.covered
+    if texel_centers.uv_area(arrays) > STACKED_SHARE * covered:
+        results.warnings.append(maps.STACKED)
+    return Textures(results, made)
+
+
+def encoded(
+    baked: Baked, names: list[str], size: int, transparent: bool = False, progress: ProgressFunction | None = None
+) -> Encoded:
+    """A 16-bit PNG of one descriptor, or with one in each channel."""
+    channels, filled, scales, meanings = [], None, [], []
+    of_channels = job.span_of(progress, 0.0, DRAWING)
+    for number, name in enumerate(names):
+        pixels = drawn(baked, name, size, job.part_of(of_channels, number, len(names)))
+        meaning = pixels.scale.meaning(name, baked.unit(name))
+        channels.append(pixels.values)
+        scales.append(pixels.scale)
+        meanings.append(meaning if len(names) == 1 else f"{CHANNELS[number]}: {meaning}")
+        filled = pixels.filled if filled is None else filled | pixels.filled
+    if progress is not None and not progress("write", DRAWING):
+        raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
+    if transparent and len(names) < len(CHANNELS):
+        channels.append(np.where(filled, OPAQUE, 0).astype(np.uint16)[:, :, None])
+    image = channels[0] if len(channels) == 1 else np.concatenate(channels, axis=2)
+    content = png.encode_png16(image[::-1], {"Description": "; ".join(meanings)}, quick=True)
+    return Encoded(content, scales, pixels.covered)
+
+
+def drawn(baked: Baked, name: str, size: int, progress: ProgressFunction | None = None) -> mask_image.Pixels:
+    """The pixels of a descriptor over the mesh's UV map; where it has no value on the surface it is neutral."""
+    row, values = job.registry_row(name), baked.results.values[name]
+    if values.ndim == 2:
+        scale = mask_image.signed_scale(0.0, 1.0)
+    else:
+        scale = mask_image.scale_of(baked.shown(name), row.neutral_value)
+        neutral = scale.low + (scale.high - scale.low) * scale.outside / mask_image.WHOLE
+        values = np.where(np.isfinite(values), values, np.float32(neutral))
+    return mask_image.pixels_of(maps.drawn(maps.user_uvs(baked), size, baked, name, values, progress), scale)

@@ -1,0 +1,140 @@
+"""Turns values over a UV map into the pixels of a texture: 16 bits over a range of values, with a gutter. No bpy.
+
+A descriptor with a sign has its neutral value at pixel 32768 exactly, which stands for 0.5, and the same steps on both
+sides of it: engines read such a texture as 2 x - 1. All others go from their minimum at 0 to their maximum at 65535.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import bridge
+from ..core import threads
+from ..core.color_maps import ValueRange
+from ..core.threads import Result
+
+WHOLE, MIDDLE = 65535, 32768
+# A texture of this side keeps a gutter of a texel when it is halved again and again down to it.
+SMALLEST_CLEAN = 128
+LEAST_GUTTER = 8
+# Beside charts every texel is filled, further out squares of so many texels along a side.
+SQUARE = 8
+# Rows of pixels that are worked on together, so that they stay in the processor's cache.
+BAND = 8 * SQUARE
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What pixels stand for: value = low + (high - low) * pixel / 65535."""
+
+    low: float
+    high: float
+    outside: int  # the pixel where there is no surface
+
+    def meaning(self, name: str, unit: str) -> str:
+        """The same in words, as programs and people find it in the file."""
+        formula = f"{name} = {self.low!r} + ({self.high!r} - {self.low!r}) * pixel / {WHOLE}"
+        return formula + (f" [{unit}]" if unit else "")
+
+
+@dataclass(frozen=True)
+class Pixels:
+    """One descriptor as pixels, rows from v = 0 up."""
+
+    values: np.ndarray  # (N, N, 1 or 3) uint16
+    filled: np.ndarray  # (N, N) bool: on the surface or in the gutter
+    covered: float  # the share of texels on the surface
+    scale: Scale
+
+
+def scale_of(shown: ValueRange, neutral: float) -> Scale:
+    """The scale of a range of colors; neutral: the descriptor's own, NaN if it has none."""
+    if shown.diverging and shown.neutral is not None:
+        return signed_scale(shown.neutral, max(shown.maximum - shown.neutral, shown.neutral - shown.minimum))
+    share = (neutral - shown.minimum) / (shown.maximum - shown.minimum) if np.isfinite(neutral) else 0.0
+    return Scale(shown.minimum, shown.maximum, round(WHOLE * min(max(share, 0.0), 1.0)))
+
+
+def signed_scale(neutral: float, half: float) -> Scale:
+    """The scale with neutral at the middle pixel and neutral + half at the last."""
+    return Scale(neutral - half * MIDDLE / (WHOLE - MIDDLE), neutral + half, MIDDLE)
+
+
+def gutter_of(size: int) -> int:
+    """Texels around charts that hold the charts' values in a texture of this side."""
+    return max(LEAST_GUTTER, size // SMALLEST_CLEAN)
+
+
+def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
+    """Pixels of (N, N, 1 or 3) float32 values, NaN off the surface; the image itself is used up."""
+    covered = sum(in_bands(lambda rows: to_places(image[rows], scale), len(image))) / image[:, :, 0].size
+    image = filled_around(image, gutter_of(len(image)))
+    known = np.empty(image.shape[:2], bool)
+    values = np.empty(image.shape, np.uint16)
+
+    def finish(rows: slice) -> None:
+        part = image[rows]
+        known[rows] = part[:, :, 0] > 0
+        rounded = np.rint(part - 1)
+        rounded[~known[rows]] = scale.outside
+        values[rows] = rounded
+
+    in_bands(finish, len(image))
+    return Pixels(values, known, covered, scale)
+
+
+def to_places(part: np.ndarray, scale: Scale) -> int:
+    """Turns values into 1 plus their pixel, in place, so that 0 can say that nothing is there; counts what is there."""
+    part -= np.float32(scale.low)
+    part *= np.float32(WHOLE / (scale.high - scale.low))
+    np.clip(part, 0, WHOLE, out=part)
+    part += 1
+    return int(np.count_nonzero(part[:, :, 0] > 0))
+
+
+def filled_around(image: np.ndarray, gutter: int) -> np.ndarray:
+    """The image with its gutter filled, and with 0 where nothing is near.
+
+    A texel that is halved until the gutter is one texel looks at two around it where it is interpolated. So twice the
+    gutter is filled: the first texels one by one, the others in squares, which takes a fraction of the time.
+    """
+    near = bridge.fill_gutter(image, SQUARE)
+    squares = mean_squares(near)
+    wide = bridge.fill_gutter(squares, -(-2 * gutter // SQUARE))
+    size = len(near)
+
+    def fill(rows: slice) -> None:
+        part = near[rows]
+        of_squares = wide[rows.start // SQUARE : -(-rows.stop // SQUARE)]
+        large = of_squares.repeat(SQUARE, axis=0).repeat(SQUARE, axis=1)[: len(part), :size]
+        np.copyto(part, large, where=part == 0)
+
+    in_bands(fill, size)
+    return near
+
+
+def mean_squares(image: np.ndarray) -> np.ndarray:
+    """The mean of every square of texels over those that are not 0, NaN without any: (ceil(N / 8), ceil(N / 8), c)."""
+    size, width = len(image), image.shape[2]
+    count = -(-size // SQUARE)
+    means = np.empty((count, count, width), np.float32)
+
+    def reduce(rows: slice) -> None:
+        part = image[rows]
+        room = (-len(part) % SQUARE, count * SQUARE - size)
+        if any(room):
+            part = np.pad(part, ((0, room[0]), (0, room[1]), (0, 0)))
+        squares = part.reshape(-1, SQUARE, count, SQUARE, width)
+        total = squares.sum(axis=1).sum(axis=2)
+        found = np.count_nonzero(squares, axis=1).sum(axis=2).astype(np.float32)
+        with np.errstate(invalid="ignore"):
+            means[rows.start // SQUARE : rows.start // SQUARE + len(total)] = total / found
+
+    in_bands(reduce, size)
+    return means
+
+
+def in_bands(work: Callable[[slice], Result], size: int) -> list[Result]:
+    """The results of work for bands of rows, which it does side by side."""
+    return threads.side_by_side(work, [slice(start, min(start + BAND, size)) for start in range(0, size, BAND)])

@@ -1,0 +1,21 @@
+"""The sub-panel of Bake to Image: what the textures are like."""
+
+import bpy
+
+from .drawing import SettingsPanel
+
+
+class PARADESC_PT_image(SettingsPanel, bpy.types.Panel):
+    """Textures over the UV map"""
+
+    bl_label = "Image"
+    bl_idname = "PARADESC_PT_image"
+    bl_order = 25
+
+    def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+        """Draws size, outside, what is packed, and where the textures go besides."""
+        for name in ("texels", "image_outside", "image_packed", "image_to_material"):
+            layout.prop(settings, name)
+
+
+classes = (PARADESC_PT_image,)
