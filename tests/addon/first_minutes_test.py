@@ -158,6 +158,7 @@ def test_an_old_file_keeps_the_defaults_of_its_time(tmp_path):
     bpy.ops.wm.open_mainfile(filepath=str(path))
     scene = bpy.context.scene
     assert scene.paradesc.descriptors == {"mean_curvature"}
+    assert scene.paradesc.texels == 512
     assert scene.paradesc_animation.source == "original"
 
 

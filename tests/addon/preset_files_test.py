@@ -96,7 +96,7 @@ def refused(path):
 
 
 def drawn():
-    """What the menu lists: text, path or name of the preset, and whether it can be chosen."""
+    """The presets that the menu lists: text, and whether it can be chosen. Below them one saves and one removes."""
     lines = []
 
     class Layout:
@@ -108,13 +108,16 @@ def drawn():
         def separator(self):
             lines.append("---")
 
-        def operator(self, _operator, text):
+        def operator(self, _operator, text, icon=""):
             line = SimpleNamespace(text=text, layout=self)
             lines.append(line)
             return line
 
     presets.PARADESC_MT_presets.draw(SimpleNamespace(layout=Layout()), bpy.context)
-    return [line if line == "---" else (line.text, line.layout.enabled) for line in lines]
+    *listed, line, save, remove = [line if line == "---" else (line.text, line.layout.enabled) for line in lines]
+    assert (line, *save) == ("---", "Save as Preset…", True)
+    assert remove == ("Remove This Preset", bool(presets.chosen))
+    return listed
 
 
 # ---- Saved and applied
@@ -133,7 +136,8 @@ def test_own_presets_are_kept_applied_and_removed(own):
     assert (content["name"], content["purpose"]) == ("Mine: über/alles", "For all")
     assert content["settings"]["descriptors"] == ["cavity", "curvedness"]
     assert (content["settings"]["radius_percent"], content["colors"]["neutral"]) == (1.1, 0.1)
-    assert content["image"] == {"image_format": ".exr", "texels": 128}
+    textures = {"image_outside": "neutral", "image_packed": False, "image_to_material": False}
+    assert content["image"] == {"image_format": ".exr", "texels": 128, **textures}
     assert not {"backend", "image_path", "write_image"} & {*content["settings"], *content["colors"], *content["image"]}
     bpy.ops.paradesc.preset(name="corners")
     scene.paradesc.texels = 256

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Draws the pictures of the manual with the Blender that is installed: some in a window on a screen that nobody sees, some by a render.
+# The kind panel leaves first_mask.png, too, and fails unless one click shows a grey mask and the panel fits a screen.
 # Usage: bash addon/manual/pictures/make.sh [FOLDER] [KIND...], KIND: legend panel hero cavity descriptors radii creases frames maps
 set -euo pipefail
 folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

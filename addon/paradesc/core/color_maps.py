@@ -36,6 +36,8 @@ AUTOMATIC = "auto"
 SEQUENTIAL, DIVERGING, GREY = "viridis", "blue-red", "grey"
 # Artists multiply these with other colors, so they are grey unless another map is asked for.
 MASKS = {"cavity", "convexity", "ambient_openness"}
+# White is at least this share of the range of a mask, so that what is nearly flat stays nearly black.
+LEAST_WHITE = 0.2
 
 
 @dataclass(frozen=True)
@@ -197,6 +199,8 @@ def value_range(values: np.ndarray, descriptor: Descriptor, radius: float, look:
     bounds = look.fixed(descriptor)
     if bounds is None and look.percentile is None and math.isfinite(descriptor.display_minimum):
         bounds = (descriptor.display_minimum, descriptor.display_maximum)
+        if descriptor.name in MASKS:
+            bounds = (bounds[0], strong(values, *bounds))
     if bounds is None:
         percentile = CLIPPED_PERCENT if look.percentile is None else look.percentile
         bounds = percentiles(values, percentile)
@@ -206,6 +210,13 @@ def value_range(values: np.ndarray, descriptor: Descriptor, radius: float, look:
     if not high > low:
         high = low + (abs(low) or 1.0)
     return ValueRange(low, high, descriptor.is_signed, neutral, map_name(descriptor, look))
+
+
+def strong(values: np.ndarray, low: float, high: float) -> float:
+    """The value that is white in a mask: nearly the largest, unless there is next to nothing to see."""
+    finite = values[np.isfinite(values)]
+    largest = float(np.percentile(finite, 100 - CLIPPED_PERCENT / 2)) if finite.size else high
+    return min(max(largest, low + LEAST_WHITE * (high - low)), high)
 
 
 def map_name(descriptor: Descriptor, look: Look) -> str:

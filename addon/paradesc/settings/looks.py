@@ -11,7 +11,12 @@ COLOR_MAPS = [
     *((row.name, row.label, row.description) for row in MAPS.values()),
 ]
 SPANS = [
-    ("auto", "Automatic", "The descriptor's own range where it has one, else the 2.5th to the 97.5th percentile"),
+    (
+        "auto",
+        "Automatic",
+        "Masks up to nearly their largest value, others over the descriptor's own range where it has one, else from the "
+        "2.5th to the 97.5th percentile",
+    ),
     ("percentile", "Percentiles", "All values but a percentage on either side"),
     ("fixed", "Fixed", "From minimum to maximum, the same on every mesh"),
 ]

@@ -7,7 +7,7 @@ from ..core import source_kinds
 
 # Files before version 1 measured the mean curvature of the base mesh unless they were told otherwise.
 VERSION = 1
-FORMER_DESCRIPTOR = "mean_curvature"
+FORMER_DESCRIPTOR, FORMER_TEXELS = "mean_curvature", 512
 
 
 @persistent
@@ -20,6 +20,8 @@ def on_load(*_ignored: object) -> None:
         known = group.bl_rna.properties["descriptors"].enum_items
         if not group.is_property_set("descriptors") and FORMER_DESCRIPTOR in known:
             group.descriptors = {FORMER_DESCRIPTOR}
+        if not group.is_property_set("texels"):
+            group.texels = FORMER_TEXELS
         if not animation.is_property_set("source"):
             animation.source = source_kinds.ORIGINAL
         group.version = VERSION
