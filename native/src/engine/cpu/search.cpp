@@ -253,8 +253,11 @@ bool Search::walk_to_reached(int32_t surfel, vec3 center) {
 
 void Search::reach_neighbors(int32_t surfel, vec3 center) {
   const bool is_inside = edges_.lies_within(surfel, center);
-  for (int32_t k = surfels_.neighbor_begin[surfel]; k < surfels_.neighbor_begin[surfel + 1]; ++k)
-    if (const int32_t behind = surfels_.neighbor[k]; is_inside || edges_.meets_between(k, center)) reach(behind);
+  for (int32_t k = surfels_.neighbor_begin[surfel]; k < surfels_.neighbor_begin[surfel + 1]; ++k) {
+    const int32_t behind = surfels_.neighbor[k];
+    if (is_reached(behind)) continue;
+    if (is_inside || edges_.lies_within(behind, center) || edges_.meets_between(k, center)) reach(behind);
+  }
 }
 
 } // namespace paradesc
