@@ -1,10 +1,13 @@
 """What an artist meets first: grey masks of the surface that is shown, a fitting radius, notes apart from warnings."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
+from paradesc.animation import handlers  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc.scene import record, source_meshes, targets  # noqa: E402
 from paradesc.settings import migrations, presets  # noqa: E402
@@ -135,11 +138,26 @@ def test_a_mesh_without_faces_has_no_radius_and_one_sentence():
         bpy.ops.paradesc.fit_radius()
 
 
+def drawn_lines(target):
+    """What the panel says about live values."""
+    lines = []
+    layout = SimpleNamespace(column=lambda **_: layout, label=lambda text, icon: lines.append(text))
+    widget = SimpleNamespace(widget=SimpleNamespace(points=11))
+    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), ui_styles=[widget])
+    panel.draw_live(
+        SimpleNamespace(active_object=target, region=SimpleNamespace(width=400), preferences=preferences), layout
+    )
+    return lines
+
+
 def test_the_switch_beside_the_button_is_live_mode():
     target = add_sphere()
     live = target.paradesc_live
     live.follows = True
     assert live.mode == "LIVE"
+    seconds = handlers.session_at(target).seconds
+    lines = drawn_lines(target)
+    assert lines == [f"Live: {1e3 * sum(seconds.values()):.0f} ms a frame"]
     live.follows = False
     assert live.mode == "OFF"
     live.mode = "CACHE"

@@ -14,8 +14,8 @@ SPANS = [
     (
         "auto",
         "Automatic",
-        "Masks up to nearly their largest value, others over the descriptor's own range where it has one, else from the "
-        "2.5th to the 97.5th percentile",
+        "Masks up to nearly their largest value, others over the descriptor's own range where it has one, else from "
+        "the 2.5th to the 97.5th percentile",
     ),
     ("percentile", "Percentiles", "All values but a percentage on either side"),
     ("fixed", "Fixed", "From minimum to maximum, the same on every mesh"),

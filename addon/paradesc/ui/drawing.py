@@ -1,11 +1,17 @@
 """What the panels share: their place in the sidebar, and sentences in lines that fit into it."""
 
+from collections.abc import Callable
+from functools import partial
+
+import blf
 import bpy
 
 from .. import bridge
 
-# Widths in the sidebar, in pixels at Blender's own scale: a character, what lies beside the text, an icon.
-CHARACTER, MARGIN, ICON = 5.5, 46, 28
+# Widths in the sidebar, in pixels at Blender's own scale: what lies beside the text, an icon.
+MARGIN, ICON = 46, 24
+# Blender's own, in which labels are drawn.
+FONT = 0
 
 
 class SidebarPanel:
@@ -34,24 +40,34 @@ class SettingsPanel(SidebarPanel):
         self.draw_settings(context, self.layout, context.scene.paradesc)
 
 
-def sentence_lines(context: bpy.types.Context, layout: bpy.types.UILayout, sentence: str, icon: str) -> None:
-    """Draws a sentence in lines, the first with an icon."""
+def sentence_lines(context: bpy.types.Context, layout: bpy.types.UILayout, sentence: str, icon: str = "NONE") -> None:
+    """Draws a sentence in lines that fit into the sidebar, the first with an icon if there is one."""
     column = layout.column(align=True)
-    for index, line in enumerate(wrapped(sentence, line_length(context, ICON))):
-        column.label(text=line, icon="BLANK1" if index else icon)
+    has_icon = icon != "NONE"
+    lines = wrapped(sentence, room(context, has_icon), partial(text_width, context))
+    for index, line in enumerate(lines):
+        column.label(text=line, icon="BLANK1" if has_icon and index else icon)
 
 
-def line_length(context: bpy.types.Context, taken: int = 0) -> int:
-    """How many characters fit beside each other at the present width of the sidebar."""
-    width = context.region.width / context.preferences.system.ui_scale
-    return max(int((width - MARGIN - taken) / CHARACTER), 16)
+def room(context: bpy.types.Context, has_icon: bool = False) -> float:
+    """How wide a line may be at the present width of the sidebar, in pixels."""
+    return context.region.width - (MARGIN + has_icon * ICON) * (context.preferences.system.ui_scale or 1.0)
 
 
-def wrapped(sentence: str, width: int) -> list[str]:
-    """The sentence in lines of at most width characters: Blender's labels do not wrap."""
+def text_width(context: bpy.types.Context, text: str) -> float:
+    """How wide a text is in Blender's labels, in pixels."""
+    preferences = context.preferences
+    blf.size(FONT, preferences.ui_styles[0].widget.points * (preferences.system.ui_scale or 1.0))
+    return blf.dimensions(FONT, text)[0]
+
+
+def wrapped(sentence: str, most: float, width_of: Callable[[str], float] = len) -> list[str]:
+    """The sentence in lines that are at most so wide, if no word is wider: Blender's labels do not wrap."""
     lines = [""]
     for word in sentence.split():
-        if lines[-1] and len(lines[-1]) + len(word) >= width:
-            lines.append("")
-        lines[-1] = f"{lines[-1]} {word}".strip()
+        longer = f"{lines[-1]} {word}".strip()
+        if lines[-1] and width_of(longer) > most:
+            lines.append(word)
+        else:
+            lines[-1] = longer
     return lines

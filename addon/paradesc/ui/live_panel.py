@@ -5,7 +5,7 @@ import bpy
 from ..animation import handlers, live
 from ..core import legend
 from ..settings import looks
-from .drawing import SidebarPanel, line_length, sentence_lines, wrapped
+from .drawing import SidebarPanel, sentence_lines
 
 
 class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
@@ -75,8 +75,7 @@ def draw_ranges(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         column.label(text=f"{low:g} to {high:g} (fixed)")
         return
     for item in group.ranges:
-        for line in wrapped(legend.label(item.name), line_length(context)):
-            column.label(text=line)
+        sentence_lines(context, column, legend.label(item.name))
         row = column.row(align=True)
         row.prop(item, "minimum", text="")
         row.prop(item, "maximum", text="")

@@ -3,12 +3,14 @@
 import bpy
 
 from .. import bridge
+from ..animation import handlers
 from ..bake.modal import ModalJob, Steps, progress_text
 from ..core import legend
 from ..scene import targets, viewports
 from ..settings import presets, properties
 from ..show import recolor
-from .drawing import SidebarPanel, line_length, sentence_lines, wrapped
+from .drawing import SidebarPanel, sentence_lines
+from .live_panel import live_sentence
 from .report_panel import stored_report
 
 MASK_ICONS = {"cavity": "SHARPCURVE", "edge_wear": "SPHERECURVE", "curvature": "SMOOTHCURVE", "openness": "LIGHT_SUN"}
@@ -45,6 +47,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
             draw_progress(context, layout, ModalJob.running)
             return
         draw_button(context, layout, settings)
+        draw_live(context, layout)
         draw_result(context, layout)
 
 
@@ -80,6 +83,18 @@ def draw_button(context: bpy.types.Context, layout: bpy.types.UILayout, settings
         layout.operator("paradesc.make_local", icon="LINK_BLEND")
 
 
+def draw_live(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+    """Draws what live values cost a frame, or why they stopped."""
+    target = context.active_object
+    if target is None or target.type != "MESH":
+        return
+    sentence, session = live_sentence(target), handlers.session_at(target)
+    if sentence:
+        sentence_lines(context, layout, sentence, "ERROR" if target.paradesc_live.sentence else "INFO")
+    elif target.paradesc_live.follows and session is not None and session.seconds:
+        sentence_lines(context, layout, f"Live: {1e3 * sum(session.seconds.values()):.0f} ms a frame")
+
+
 def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws one line on what the last bake of this mesh did, what to show of it, and what limits it."""
     stored = stored_report(context.active_object)
@@ -87,8 +102,7 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         return
     mesh = context.active_object.data
     column = layout.column(align=True)
-    for line in wrapped(result_sentence(stored), line_length(context)):
-        column.label(text=line)
+    sentence_lines(context, column, result_sentence(stored))
     if recolor.baked_names(mesh):
         row = column.row(align=True)
         row.operator_menu_enum("paradesc.show", "name", text=shown_words(mesh), icon="COLOR")

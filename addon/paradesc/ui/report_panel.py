@@ -3,7 +3,7 @@
 import bpy
 
 from ..scene import record
-from .drawing import SidebarPanel, line_length, sentence_lines, wrapped
+from .drawing import SidebarPanel, sentence_lines
 
 # Mesh defects that get a line each if there are any: the member of the mesh report, and words for people.
 DEFECTS = (
@@ -37,8 +37,7 @@ class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
         column = self.layout.column(align=True)
         stored = stored_report(context.active_object)
         for fact in report_lines(stored):
-            for line in wrapped(fact, line_length(context)):
-                column.label(text=line)
+            sentence_lines(context, column, fact)
         for sentence in stored["notes"].splitlines():
             sentence_lines(context, column, sentence, "INFO")
 
