@@ -9,7 +9,7 @@ import bpy
 from .. import bridge
 
 # Widths in the sidebar, in pixels at Blender's own scale: what lies beside the text, an icon.
-MARGIN, ICON = 46, 24
+MARGIN, ICON = 58, 24
 # Blender's own, in which labels are drawn.
 FONT = 0
 
