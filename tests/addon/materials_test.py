@@ -202,6 +202,22 @@ def test_geometry_nodes_keep_what_lies_above_a_value():
     assert len(evaluated(target).vertices) == above.sum() > 0
 
 
+def test_geometry_nodes_scatter_where_the_value_is_high():
+    target = baked_sphere()
+    mesh, shown = target.data, recolor.stored_range(target.data, "mean_curvature")
+    high = np.arange(len(mesh.vertices)) < 20
+    values = np.where(high, shown.maximum, shown.minimum).astype(np.float32)
+    mesh.attributes["mean_curvature"].data.foreach_set("value", values)
+    bpy.ops.paradesc.add_geometry_nodes(kind="scatter")
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    places = np.array([item.matrix_world.translation for item in depsgraph.object_instances if item.is_instance])
+    assert len(places) > 100
+    positions = mesh_io.read_array(mesh.vertices, "co", np.float32, 3)
+    edge = max(np.linalg.norm(positions[a] - positions[b]) for a, b in mesh.edge_keys)
+    assert np.linalg.norm(places[:, None] - positions[high][None], axis=2).min(axis=1).max() < 1.5 * edge
+    assert len(evaluated(target).vertices) == len(values)  # what is measured stays as it is
+
+
 def test_geometry_nodes_mark_what_lies_above_a_value():
     target = baked_sphere()
     shown = recolor.stored_range(target.data, "mean_curvature")

@@ -11,7 +11,7 @@ MATH = "ShaderNodeMath"
 
 
 def build(kind: str, name: str, low: float, high: float) -> bpy.types.NodeTree:
-    """Makes a group that reads the attribute and does one thing by it: "swell", "keep" or "mark"."""
+    """Makes a group that reads the attribute and does one thing by it: "swell", "keep", "mark" or "scatter"."""
     tree = new_group(TREE, f"Paradesc {kind} by {name}")
     add_socket(tree, "Geometry", "geometry")
     add_socket(tree, "Geometry", "geometry", output=True)
@@ -19,16 +19,18 @@ def build(kind: str, name: str, low: float, high: float) -> bpy.types.NodeTree:
         add_socket(tree, "From Min", "float", (low, -1e9, 1e9))
         add_socket(tree, "From Max", "float", (high, -1e9, 1e9))
         add_socket(tree, "Offset", "float", (0.02, -1e6, 1e6))
+    elif kind == "scatter":
+        add_socket(tree, "From Min", "float", (low + 0.25 * (high - low), -1e9, 1e9))
+        add_socket(tree, "From Max", "float", (high, -1e9, 1e9))
+        add_socket(tree, "Density", "float", (2000.0, 0.0, 1e9))
+        add_socket(tree, "Size", "float", (0.01, 0.0, 1e6))
     else:
         add_socket(tree, "Above", "float", (low + 0.75 * (high - low), -1e9, 1e9))
     given = add_node(tree, "NodeGroupInput", (-700, 0)).outputs
     result = add_node(tree, "NodeGroupOutput", (500, 0)).inputs
     value = named_attribute(tree, name, (-500, -200))
     link = tree.links.new
-    if kind == "swell":
-        node = swell(tree, value, given)
-    else:
-        node = keep(tree, value, given) if kind == "keep" else mark(tree, value, given)
+    node = {"swell": swell, "keep": keep, "mark": mark, "scatter": scatter}[kind](tree, value, given)
     link(given["Geometry"], node.inputs[0])
     link(node.outputs[0], result["Geometry"])
     return tree
@@ -90,6 +92,27 @@ def mark(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types
     return node
 
 
+def scatter(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs) -> bpy.types.Node:
+    """Puts small spheres where the value is high, denser the higher it is: moss in hollows, for example."""
+    link = tree.links.new
+    mapped = add_node(tree, "ShaderNodeMapRange", (-280, -200))
+    link(value, mapped.inputs["Value"])
+    link(given["From Min"], mapped.inputs["From Min"])
+    link(given["From Max"], mapped.inputs["From Max"])
+    density = add_math(tree, MATH, "MULTIPLY", (-90, -200), mapped.outputs["Result"], given["Density"])
+    points = add_node(tree, "GeometryNodeDistributePointsOnFaces", (90, -200), distribute_method="RANDOM")
+    link(given["Geometry"], points.inputs["Mesh"])
+    link(density, next(item for item in points.inputs if item.name == "Density" and item.enabled))
+    ball = add_node(tree, "GeometryNodeMeshIcoSphere", (90, -480))
+    link(given["Size"], ball.inputs["Radius"])
+    placed = add_node(tree, "GeometryNodeInstanceOnPoints", (290, -200))
+    link(points.outputs["Points"], placed.inputs["Points"])
+    link(ball.outputs["Mesh"], placed.inputs["Instance"])
+    node = add_node(tree, "GeometryNodeJoinGeometry", (400, 0))
+    link(placed.outputs["Instances"], node.inputs[0])
+    return node
+
+
 class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
     """Add a Geometry Nodes modifier that reads the values of the descriptor that is shown: a start for your own"""
 
@@ -104,6 +127,7 @@ class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
             ("swell", "Swell", "Move vertices along their normals by the value"),
             ("keep", "Keep Above", "Keep what lies above a value, delete the rest"),
             ("mark", "Mark Above", "Write a boolean attribute paradesc_selection, true above a value"),
+            ("scatter", "Scatter", "Put small objects where the value is high, denser the higher it is"),
         ],
         default="swell",
     )
