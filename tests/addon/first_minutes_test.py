@@ -131,6 +131,19 @@ def test_the_radius_fits_the_mesh(steps, percent):
     assert found == pytest.approx(expected if percent is None else percent, rel=0.02)
 
 
+def test_a_radius_below_the_edges_gets_a_button_below_its_warning():
+    add_sphere(steps=2)
+    bpy.ops.paradesc.bake()
+    stored = record.read(bpy.context.active_object.data)
+    assert "values show facets" in stored["warnings"]
+    assert stored["field_report"]["radius"] < stored["mesh_report"]["mean_edge"]  # which the panel looks at
+    bpy.ops.paradesc.fit_radius()
+    bpy.ops.paradesc.bake()
+    stored = record.read(bpy.context.active_object.data)
+    assert stored["warnings"] == ""
+    assert stored["field_report"]["radius"] > stored["mesh_report"]["mean_edge"]
+
+
 def test_a_mesh_without_faces_has_no_radius_and_one_sentence():
     bpy.context.collection.objects.link(made := bpy.data.objects.new("empty", bpy.data.meshes.new("empty")))
     bpy.context.view_layer.objects.active = made

@@ -202,6 +202,15 @@ def test_geometry_nodes_keep_what_lies_above_a_value():
     assert len(evaluated(target).vertices) == above.sum() > 0
 
 
+def test_the_cavity_group_says_from_where_to_where_its_masks_rise():
+    target = baked_sphere()
+    bpy.ops.paradesc.make_material(kind="cavity")
+    tree = target.material_slots[-1].material.node_tree
+    (node,) = (item for item in tree.nodes if item.type == "GROUP")
+    ends = {word: [node.inputs[f"{word} {end}"].default_value for end in ("Begin", "End")] for word in materials.RAMPS}
+    assert ends == {word: pytest.approx(list(pair)) for word, pair in materials.RAMPS.items()}
+
+
 def test_geometry_nodes_scatter_where_the_value_is_high():
     target = baked_sphere()
     mesh, shown = target.data, recolor.stored_range(target.data, "mean_curvature")

@@ -180,6 +180,9 @@ def build_cavity(title: str, attributes: tuple[str, str]) -> bpy.types.NodeTree:
         add_socket(tree, name, "color", color)
     for name in ("Cavity Strength", "Edge Strength"):
         add_socket(tree, name, "float", (1.0, 0.0, 1.0))
+    for word, (begin, end) in RAMPS.items():
+        add_socket(tree, f"{word} Begin", "float", (begin, 0.0, 1.0))
+        add_socket(tree, f"{word} End", "float", (end, 0.0, 1.0))
     if not attributes[1]:
         add_socket(tree, "Radius", "float", (0.1, 0.0, 1e6))
     add_socket(tree, "Color", "color", output=True)
@@ -192,12 +195,12 @@ def build_cavity(title: str, attributes: tuple[str, str]) -> bpy.types.NodeTree:
         height = -300.0 * index
         # The larger of a value and 0, which is 0 if the value does not exist.
         value = add_math(tree, "ShaderNodeMath", "MAXIMUM", (-300, height), value, 0.0)
-        ramp = add_node(tree, "ShaderNodeValToRGB", (-120, height), label=word)
-        ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[1].position = RAMPS[word]
-        tree.links.new(value, ramp.inputs[0])
-        mask = add_math(
-            tree, "ShaderNodeMath", "MULTIPLY", (180, height), ramp.outputs["Color"], given[f"{word} Strength"]
-        )
+        ramp = add_node(tree, "ShaderNodeMapRange", (-120, height), label=word, clamp=True)
+        ends = (value, given[f"{word} Begin"], given[f"{word} End"])
+        for socket, name in zip(ends, ("Value", "From Min", "From Max"), strict=True):
+            tree.links.new(socket, ramp.inputs[name])
+        strength = given[f"{word} Strength"]
+        mask = add_math(tree, "ShaderNodeMath", "MULTIPLY", (180, height), ramp.outputs["Result"], strength)
         color = add_mix(tree, (400, height), mask, color, given[f"{word} Color"])
         tree.links.new(mask, result[word])
     tree.links.new(color, result["Color"])

@@ -114,6 +114,8 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
             row.operator("paradesc.restore_shading", text="", icon="HIDE_OFF")
     for sentence in stored["warnings"].splitlines():
         sentence_lines(context, column, sentence, "ERROR")
+    if stored["field_report"]["radius"] < stored["mesh_report"].get("mean_edge", 0.0):
+        column.operator("paradesc.fit_radius", text="Fit Radius to Mesh")
 
 
 def result_sentence(stored: dict[str, dict]) -> str:
