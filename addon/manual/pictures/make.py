@@ -9,6 +9,7 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+import beside
 import drawings
 import renders
 
@@ -23,6 +24,7 @@ KINDS = {
     "creases": drawings.draw_creases,
     "frames": drawings.draw_frames,
     "maps": drawings.draw_maps,
+    "beside": beside.render_beside,
 }
 STEPS = {"legend": window.legend_steps, "panel": window.panel_steps}
 
