@@ -14,6 +14,7 @@ from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.files import old_presets, preset_file  # noqa: E402
 from paradesc.settings import preset_folders, preset_members, presets  # noqa: E402
 from preset_files import SOUND, own_folder, written  # noqa: E402
+from scene import measure_curvature  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 
@@ -262,6 +263,7 @@ def test_damaged_files_give_the_one_error_or_are_sound_and_never_anything_else(t
             preset_members.apply(bpy.context.scene, found)
             preset_members.apply(bpy.context.scene, preset_file.Content("all", settings={}, colors={}))
             bpy.context.scene.paradesc.texels, bpy.context.scene.paradesc.image_format = 512, ".exr"
+            measure_curvature()
         assert state() == before
     assert 1000 < refusals < 2000
 

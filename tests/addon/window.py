@@ -12,6 +12,7 @@ import numpy as np
 
 import paradesc
 from paradesc.bake import operators
+from scene import measure_curvature
 
 PATIENCE = 120.0  # seconds that one step may take
 
@@ -42,6 +43,7 @@ def prepare() -> None:
     """Makes a scene without objects and without a splash screen, and enables the add-on."""
     bpy.context.preferences.view.show_splash = False
     paradesc.register()
+    measure_curvature()
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
 

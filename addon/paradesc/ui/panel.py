@@ -120,9 +120,10 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
 
 def result_sentence(stored: dict[str, dict]) -> str:
     """What a bake did and how long it took."""
-    asked = stored["settings"].get("descriptors", [])
+    asked = stored["settings"].get("descriptors")
+    names = [name for name in asked if isinstance(name, str)] if isinstance(asked, list) else []
     known = {row.name: row.label for row in bridge.descriptors()}
-    label = known.get(asked[0], asked[0]) if len(asked) == 1 else f"{len(asked)} descriptors"
+    label = known.get(names[0], names[0]) if len(names) == 1 else f"{len(names)} descriptors"
     field, mesh = stored["field_report"], stored["mesh_report"]
     return f"{label}, {mesh['vertex_count']:,} vertices, {field['seconds_total']:.2f} s"
 
