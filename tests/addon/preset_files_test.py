@@ -12,7 +12,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.files import old_presets, preset_file  # noqa: E402
-from paradesc.settings import preset_folders, preset_members, presets  # noqa: E402
+from paradesc.settings import preset_folders, preset_members, presets, properties  # noqa: E402
 from preset_files import SOUND, own_folder, written  # noqa: E402
 from scene import measure_curvature  # noqa: E402
 
@@ -262,7 +262,8 @@ def test_damaged_files_give_the_one_error_or_are_sound_and_never_anything_else(t
         else:
             preset_members.apply(bpy.context.scene, found)
             preset_members.apply(bpy.context.scene, preset_file.Content("all", settings={}, colors={}))
-            bpy.context.scene.paradesc.texels, bpy.context.scene.paradesc.image_format = 512, ".exr"
+            for name in properties.output_members():
+                bpy.context.scene.paradesc.property_unset(name)
             measure_curvature()
         assert state() == before
     assert 1000 < refusals < 2000
