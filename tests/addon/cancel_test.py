@@ -2,7 +2,6 @@
 
 import ast
 import subprocess
-import time
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ from paradesc import bridge  # noqa: E402
 from paradesc.bake.batch import Batch  # noqa: E402
 from paradesc.core import threads  # noqa: E402
 from processes import script_words  # noqa: E402
-from scene import add_sphere, attribute_values, fingerprint, small_bake  # noqa: E402
+from scene import add_sphere, attribute_values, cancel_at, fingerprint, small_bake  # noqa: E402
 from shapes import ADDON, as_arrays, cube_sphere  # noqa: E402
 
 STARTERS = {"Thread", "Timer", "ThreadPoolExecutor", "ThreadPool", "ProcessPoolExecutor", "start_new_thread"}
@@ -50,13 +49,7 @@ def test_cancelled_anywhere_the_scene_is_as_before_and_the_next_bake_right(backe
     before = fingerprint(target)
     for fraction in (0.0, 0.1, 0.3, 0.6, 0.9):
         batch = Batch(bpy.context)
-        batch.step()
-        while batch.worker.fraction < fraction and not batch.worker.done:
-            time.sleep(0.001)
-        batch.cancel()
-        batch.close()
-        assert batch.cancelled
-        assert not batch.written
+        cancel_at(batch, fraction)
         assert fingerprint(target) == before
     settings.descriptors = {"mean_curvature"}
     assert bpy.ops.paradesc.bake() == {"FINISHED"}

@@ -1,7 +1,5 @@
 """Bake to Image: files beside the .blend or within it, images of data, material nodes, and what a failure leaves."""
 
-import time
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,7 @@ from paradesc.bridge import ParadescError, abi  # noqa: E402
 from paradesc.commands.main import make_parser  # noqa: E402
 from paradesc.files import image_files  # noqa: E402
 from paradesc.scene import images  # noqa: E402
-from scene import add_sphere, fingerprint, saved_scene, small_bake  # noqa: E402
+from scene import add_sphere, cancel_at, fingerprint, saved_scene, small_bake  # noqa: E402
 from shapes import write_obj  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -186,13 +184,7 @@ def test_a_mesh_without_a_uv_map_is_one_sentence(settings):
 def test_cancelled_at_any_time_nothing_is_left(folder):
     for fraction in (0.0, 0.3, 0.75, 0.95):
         batch = image_batch.ImageBatch(bpy.context)
-        batch.step()
-        while batch.worker.fraction < fraction and not batch.worker.done:
-            time.sleep(0.001)
-        batch.cancel()
-        batch.close()
-        assert batch.cancelled
-        assert not batch.written
+        cancel_at(batch, fraction)
         assert pngs_in(folder) == []
         assert not bpy.data.images
 

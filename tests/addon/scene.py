@@ -1,6 +1,7 @@
 """What the tests inside Blender share: an empty scene, the sphere in it, and a fingerprint of everything in a mesh."""
 
 import hashlib
+import time
 
 import bpy
 import numpy as np
@@ -79,6 +80,17 @@ def small_bake(backend="software"):
     settings.radius_percent, settings.samples, settings.buffer_size = 8.0, 64, 256
     settings.backend = backend
     return settings
+
+
+def cancel_at(batch, fraction):
+    """Begins a batch, and cancels it once its worker has done this share."""
+    batch.step()
+    while batch.worker.fraction < fraction and not batch.worker.done:
+        time.sleep(0.001)
+    batch.cancel()
+    batch.close()
+    assert batch.cancelled
+    assert not batch.written
 
 
 def saved_scene(path):

@@ -12,7 +12,7 @@ from ..core.threads import Worker
 from ..files import bake_files
 from ..scene import mesh_io, modes, source_meshes, surface_maps, targets
 from ..settings import looks, properties
-from .pieces import ObjectKey, OneByOne, Piece, key_of
+from .pieces import ObjectKey, OneByOne, Piece, file_words, key_of
 
 IMAGE_STEM, BUFFERS_NAME = "paradesc", "paradesc_buffers"
 
@@ -68,6 +68,7 @@ class Batch(OneByOne):
         """Keeps a worker's results until all are there."""
         piece.results = worker.result()
         piece.results.warnings += [*piece.results.facet_notes(), *piece.warnings]
+        piece.warnings = piece.results.warnings
         piece.notes += piece.results.unused_notes()
         piece.results.notes += piece.notes
 
@@ -116,7 +117,7 @@ def file_places(group: bpy.types.PropertyGroup, names: list[str]) -> list[tuple[
     if image is not None:
         image = image.with_suffix("") if image.suffix.lower() in (".exr", ".png") else image
     places = []
-    for word in file_words(names):
+    for word in file_words(names) if len(names) > 1 else [""]:
         stem = image and (f"{image.name}_{word}" if word else image.name)
         places.append(
             (
@@ -125,20 +126,6 @@ def file_places(group: bpy.types.PropertyGroup, names: list[str]) -> list[tuple[
             )
         )
     return places
-
-
-def file_words(names: list[str]) -> list[str]:
-    """What each object adds to the names of its files: nothing if there is only one, else a word of its own."""
-    if len(names) == 1:
-        return [""]
-    words: list[str] = []
-    for name in names:
-        word, number = bpy.path.clean_name(name), 1
-        while word in words:
-            number += 1
-            word = f"{bpy.path.clean_name(name)}_{number}"
-        words.append(word)
-    return words
 
 
 def whole_path(text: str, what: str, name: str) -> Path:

@@ -12,14 +12,12 @@ from ..settings import properties
 
 def lengths_of(arrays: MeshArrays) -> tuple[float, float]:
     """The mean edge length and the diagonal of the bounding box, of what has faces."""
-    corners = arrays.positions[arrays.triangle_vertices].astype(np.float64)
-    if not len(corners) or not np.isfinite(corners).all():
+    if not len(arrays.triangle_vertices) or not np.isfinite(arrays.positions[arrays.triangle_vertices]).all():
         raise refuse("The mesh has no faces to fit the radius to, or a position that is no number.")
-    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-    diagonal = float(np.linalg.norm(corners.max(axis=(0, 1)) - corners.min(axis=(0, 1))))
+    edge, diagonal = advice.mean_edge_and_diagonal(arrays)
     if not diagonal > 0:
         raise refuse("The mesh is a single point, so there is no radius that fits it.")
-    return float(edges.mean()), diagonal
+    return edge, diagonal
 
 
 class PARADESC_OT_fit_radius(bpy.types.Operator):

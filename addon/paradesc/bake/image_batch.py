@@ -14,7 +14,7 @@ from ..files import image_files
 from ..files.results import file_fault, write_whole
 from ..scene import images, mesh_io, surface_maps, targets
 from ..settings import looks, properties
-from .pieces import OneByOne, Piece, key_of
+from .pieces import OneByOne, Piece, file_words, key_of
 
 
 @dataclass
@@ -50,7 +50,7 @@ class ImageBatch(OneByOne):
         self.started = time.monotonic()
         shared = targets.by_mesh(targets.chosen(context))
         super().__init__([TextureBake(key_of(objects[0])) for objects in shared])
-        for piece, stem in zip(self.pieces, stems([piece.name for piece in self.pieces]), strict=True):
+        for piece, stem in zip(self.pieces, file_words([piece.name for piece in self.pieces]), strict=True):
             piece.stem = stem
 
     @property
@@ -125,15 +125,3 @@ def check_layout(target: bpy.types.Object, arrays: MeshArrays) -> None:
 def no_map(target: bpy.types.Object, fault: str) -> str:
     """The sentence about a mesh that no image can lie over."""
     return f'The mesh "{target.data.name}" {fault}; unwrap it (U in edit mode).'
-
-
-def stems(names: list[str]) -> list[str]:
-    """What the names of each object's textures begin with: its own name as files may have it, and no two the same."""
-    found: list[str] = []
-    for name in names:
-        word, number = bpy.path.clean_name(name), 1
-        while word in found:
-            number += 1
-            word = f"{bpy.path.clean_name(name)}_{number}"
-        found.append(word)
-    return found

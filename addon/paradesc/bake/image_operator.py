@@ -5,7 +5,7 @@ import bpy
 from ..scene import targets
 from .image_batch import ImageBatch
 from .modal import ModalJob
-from .pieces import with_name
+from .pieces import failures, report_all
 
 
 class PARADESC_OT_bake_image(ModalJob, bpy.types.Operator):
@@ -31,14 +31,10 @@ class PARADESC_OT_bake_image(ModalJob, bpy.types.Operator):
             self.report({"INFO"}, "Cancelled; no image was written")
             return {"CANCELLED"}
         batch.finish()
-        several = len(batch.pieces) > 1
-        for piece in batch.written:
-            for kind, sentences in (("INFO", piece.notes), ("WARNING", piece.warnings)):
-                for sentence in dict.fromkeys(sentences):
-                    self.report({kind}, f'"{piece.name}": {sentence}' if several else sentence)
-        failed = [with_name(piece.name, piece.failure) for piece in batch.failed]
+        report_all(self.report, batch, batch.written)
+        failed = failures(batch)
         if not batch.written:
-            self.report({"ERROR"}, "\n".join(failed) if several else batch.failed[0].failure)
+            self.report({"ERROR"}, "\n".join(failed))
             return {"CANCELLED"}
         for sentence in failed:
             self.report({"WARNING"}, sentence)

@@ -9,7 +9,7 @@ from ..scene.targets import obstacle
 from ..settings import presets
 from .batch import Batch
 from .modal import ModalJob
-from .pieces import with_name
+from .pieces import failures, report_all
 
 BRUSH_MODES = {"SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
@@ -68,13 +68,9 @@ class PARADESC_OT_bake(ModalJob, bpy.types.Operator):
             return {"CANCELLED"}
         keep_for_undo(context)
         batch.finish(context)
-        several = len(batch.pieces) > 1
-        for piece in batch.written:
-            for kind, sentences in (("INFO", piece.notes), ("WARNING", piece.results.warnings)):
-                for sentence in dict.fromkeys(sentences):
-                    self.report({kind}, f'"{piece.name}": {sentence}' if several else sentence)
+        report_all(self.report, batch, batch.written)
         if not batch.written:
-            self.report({"ERROR"}, "\n".join(failures(batch)) if several else batch.failed[0].failure)
+            self.report({"ERROR"}, "\n".join(failures(batch)))
             return {"CANCELLED"}
         if batch.write_attributes:
             viewports.reveal(context)
@@ -91,11 +87,6 @@ def keep_for_undo(context: bpy.types.Context) -> None:
     active = context.active_object
     if active is not None and active.mode in BRUSH_MODES and not bpy.app.background:
         bpy.ops.ed.undo_push(message="Before Bake Descriptors")
-
-
-def failures(batch: Batch) -> list[str]:
-    """One sentence for each mesh that failed."""
-    return [with_name(piece.name, piece.failure) for piece in batch.failed]
 
 
 def bake_sentence(batch: Batch) -> str:

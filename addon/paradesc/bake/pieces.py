@@ -138,6 +138,34 @@ class OneByOne(Pieces):
             piece.drop()
 
 
+def report_all(report: Callable[[set[str], str], None], batch: Pieces, written: list[Piece]) -> None:
+    """Reports notes and warnings of what was written, by the name of each object if there are several."""
+    several = len(batch.pieces) > 1
+    for piece in written:
+        for kind, sentences in (("INFO", piece.notes), ("WARNING", piece.warnings)):
+            for sentence in dict.fromkeys(sentences):
+                report({kind}, f'"{piece.name}": {sentence}' if several else sentence)
+
+
+def failures(batch: Pieces) -> list[str]:
+    """One sentence for each object that failed; with its name if there are several."""
+    if len(batch.pieces) == 1:
+        return [piece.failure for piece in batch.failed]
+    return [with_name(piece.name, piece.failure) for piece in batch.failed]
+
+
+def file_words(names: list[str]) -> list[str]:
+    """The names of objects as files may have them, no two the same."""
+    words: list[str] = []
+    for name in names:
+        word, number = bpy.path.clean_name(name), 1
+        while word in words:
+            number += 1
+            word = f"{bpy.path.clean_name(name)}_{number}"
+        words.append(word)
+    return words
+
+
 def with_name(name: str, failure: str) -> str:
     """The sentence about an object, with its name in front unless the sentence has it."""
     return failure if f'"{name}"' in failure else f'"{name}": {failure}'

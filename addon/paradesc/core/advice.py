@@ -27,6 +27,13 @@ def texels_per_length(arrays: bridge.MeshArrays) -> float:
     return float(np.median(np.sqrt(in_map[sound] / area[sound]))) if sound.any() else 0.0
 
 
+def mean_edge_and_diagonal(arrays: bridge.MeshArrays) -> tuple[float, float]:
+    """The mean edge length of the triangles, and the diagonal of the box of what they use; there has to be one."""
+    corners = arrays.positions[arrays.triangle_vertices].astype(np.float64)
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    return float(edges.mean()), float(np.linalg.norm(corners.max(axis=(0, 1)) - corners.min(axis=(0, 1))))
+
+
 def double_areas(corners: np.ndarray) -> np.ndarray:
     """(n,) float64 twice the areas of (n, 3, 3) triangles."""
     corners = corners.astype(np.float64)

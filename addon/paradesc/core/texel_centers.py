@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..bridge import MeshArrays, ProgressFunction
-from . import job, packing
+from . import advice, job, packing
 
 # Centers that the radius spans at least, on all but a share of the surface: the pixels of a figure with fine detail are
 # then within 0.1 % of white of those of evaluating each texel, in the mean.
@@ -85,11 +85,8 @@ def least_radius(arrays: MeshArrays, settings: job.Settings) -> float:
     radius = min((options.radius, *settings.more_radii))
     if options.radius_unit == "absolute":
         return radius
-    corners = arrays.positions[arrays.triangle_vertices].astype(np.float64)
-    if options.radius_unit == "diagonal":
-        flat = corners.reshape(-1, 3)
-        return radius * float(np.linalg.norm(flat.max(axis=0) - flat.min(axis=0)))
-    return radius * float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
+    edge, diagonal = advice.mean_edge_and_diagonal(arrays)
+    return radius * (diagonal if options.radius_unit == "diagonal" else edge)
 
 
 def with_charts_apart(arrays: MeshArrays) -> MeshArrays:

@@ -4,7 +4,7 @@ import bpy
 
 from ..core.job import UNDEFINED_MASK
 from . import recolor
-from .node_groups import add_math, add_node, add_socket, new_group
+from .node_groups import add_map_range, add_math, add_node, add_socket, new_group
 
 TREE = "GeometryNodeTree"
 MATH = "ShaderNodeMath"
@@ -59,11 +59,8 @@ def compare(
 def swell(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs) -> bpy.types.Node:
     """Moves vertices along their normals by the value; the mask keeps those without a value in place."""
     link = tree.links.new
-    mapped = add_node(tree, "ShaderNodeMapRange", (-280, -200))
-    link(value, mapped.inputs["Value"])
-    link(given["From Min"], mapped.inputs["From Min"])
-    link(given["From Max"], mapped.inputs["From Max"])
-    distance = add_math(tree, MATH, "MULTIPLY", (-90, -200), mapped.outputs["Result"], given["Offset"])
+    share = add_map_range(tree, (-280, -200), value, given["From Min"], given["From Max"])
+    distance = add_math(tree, MATH, "MULTIPLY", (-90, -200), share, given["Offset"])
     scale = add_node(tree, "ShaderNodeVectorMath", (90, -200), operation="SCALE")
     link(add_node(tree, "GeometryNodeInputNormal", (-90, -380)).outputs[0], scale.inputs[0])
     link(distance, scale.inputs["Scale"])
@@ -95,11 +92,8 @@ def mark(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types
 def scatter(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs) -> bpy.types.Node:
     """Puts small spheres where the value is high, denser the higher it is: moss in hollows, for example."""
     link = tree.links.new
-    mapped = add_node(tree, "ShaderNodeMapRange", (-280, -200))
-    link(value, mapped.inputs["Value"])
-    link(given["From Min"], mapped.inputs["From Min"])
-    link(given["From Max"], mapped.inputs["From Max"])
-    density = add_math(tree, MATH, "MULTIPLY", (-90, -200), mapped.outputs["Result"], given["Density"])
+    share = add_map_range(tree, (-280, -200), value, given["From Min"], given["From Max"])
+    density = add_math(tree, MATH, "MULTIPLY", (-90, -200), share, given["Density"])
     points = add_node(tree, "GeometryNodeDistributePointsOnFaces", (90, -200), distribute_method="RANDOM")
     link(given["Geometry"], points.inputs["Mesh"])
     link(density, next(item for item in points.inputs if item.name == "Density" and item.enabled))

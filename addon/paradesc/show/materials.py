@@ -5,7 +5,7 @@ import numpy as np
 
 from ..scene import mesh_io, record
 from . import recolor
-from .node_groups import MARK, add_math, add_mix, add_node, add_socket, found_group, new_group
+from .node_groups import MARK, add_map_range, add_math, add_mix, add_node, add_socket, found_group, new_group
 
 # The face attribute that remembers which slot each face had before.
 FORMER_SLOTS = ".hide_paradesc_slots"
@@ -195,12 +195,8 @@ def build_cavity(title: str, attributes: tuple[str, str]) -> bpy.types.NodeTree:
         height = -300.0 * index
         # The larger of a value and 0, which is 0 if the value does not exist.
         value = add_math(tree, "ShaderNodeMath", "MAXIMUM", (-300, height), value, 0.0)
-        ramp = add_node(tree, "ShaderNodeMapRange", (-120, height), label=word, clamp=True)
-        ends = (value, given[f"{word} Begin"], given[f"{word} End"])
-        for socket, name in zip(ends, ("Value", "From Min", "From Max"), strict=True):
-            tree.links.new(socket, ramp.inputs[name])
-        strength = given[f"{word} Strength"]
-        mask = add_math(tree, "ShaderNodeMath", "MULTIPLY", (180, height), ramp.outputs["Result"], strength)
+        share = add_map_range(tree, (-120, height), value, given[f"{word} Begin"], given[f"{word} End"], label=word)
+        mask = add_math(tree, "ShaderNodeMath", "MULTIPLY", (180, height), share, given[f"{word} Strength"])
         color = add_mix(tree, (400, height), mask, color, given[f"{word} Color"])
         tree.links.new(mask, result[word])
     tree.links.new(color, result["Color"])

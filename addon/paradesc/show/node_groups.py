@@ -59,6 +59,20 @@ def add_math(
     return node.outputs[0]
 
 
+def add_map_range(
+    tree: bpy.types.NodeTree,
+    place: tuple[float, float],
+    value: bpy.types.NodeSocket,
+    *ends: bpy.types.NodeSocket,
+    label: str = "",
+) -> bpy.types.NodeSocket:
+    """Adds a node that maps the value from between the two ends to between 0 and 1; gives the result."""
+    node = add_node(tree, "ShaderNodeMapRange", place, clamp=True, label=label)
+    for socket, name in zip((value, *ends), ("Value", "From Min", "From Max"), strict=True):
+        tree.links.new(socket, node.inputs[name])
+    return node.outputs["Result"]
+
+
 def add_mix(
     tree: bpy.types.NodeTree,
     place: tuple[float, float],

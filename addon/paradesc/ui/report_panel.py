@@ -47,7 +47,7 @@ def stored_report(target: bpy.types.Object | None) -> dict[str, dict]:
     stored = record.read(target.data) if target is not None and target.type == "MESH" else {}
     if "mesh_report" not in stored:
         return {}  # frames of a cache have no report
-    left = record.attributes_of(target.data)  # the list outlives an undo in edit mode, the attributes do not
+    left = stored["attributes"]  # the list outlives an undo in edit mode, the attributes do not
     return stored if any(name in target.data.attributes for name in left) else {}
 
 
