@@ -10,7 +10,6 @@ from ..files import old_presets, preset_file
 from ..files.preset_file import Content
 from .common import UsageError
 
-SUFFIXES = (preset_file.SUFFIX, old_presets.SUFFIX)
 # What the command line says by the suffix of an image's file.
 WITHOUT_OPTION = ("image_format",)
 
@@ -18,7 +17,7 @@ WITHOUT_OPTION = ("image_format",)
 def is_file(name: str) -> bool:
     """Whether --preset names a file and no preset: by its suffix, or by a folder in front of a file that is there."""
     path = Path(name)
-    return path.suffix.lower() in SUFFIXES or (path.name != name and path.is_file())
+    return path.suffix.lower() in old_presets.SUFFIXES or (path.name != name and path.is_file())
 
 
 def check_preset(name: str | None) -> None:

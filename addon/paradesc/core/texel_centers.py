@@ -71,7 +71,7 @@ def centers_for(arrays: MeshArrays, settings: job.Settings, size: int) -> tuple[
     """The mesh over the layout of a map of centers, and the map's side: its own UV map and size if that takes less."""
     radius = least_radius(arrays, settings)
     apart = with_charts_apart(arrays)
-    scale = texels_per_length(apart)
+    scale = least_texels_per_length(apart)
     if not (scale > 0 and radius > 0):
         return arrays, size
     side = max(LEAST_SIDE, int(np.ceil(CENTERS_IN_RADIUS / (radius * scale))))
@@ -109,7 +109,7 @@ def uv_area(arrays: MeshArrays) -> float:
     return float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum() / 2)
 
 
-def texels_per_length(arrays: MeshArrays) -> float:
+def least_texels_per_length(arrays: MeshArrays) -> float:
     """How long a unit of the surface is in the UV square where it is shrunk most, apart from a small share of it."""
     (one, other), (u, v) = (
         edges(corners)

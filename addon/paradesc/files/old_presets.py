@@ -19,8 +19,11 @@ from .preset_file import (
     text_in,
     write,
 )
+from .preset_file import SUFFIX as JSON_SUFFIX
 
 SUFFIX = ".py"
+# Of all files that may be presets.
+SUFFIXES = (JSON_SUFFIX, SUFFIX)
 # What follows the name of a file whose settings are in a JSON file now.
 ASIDE = ".converted"
 # The lines that every such file begins with.

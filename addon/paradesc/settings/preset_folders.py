@@ -10,11 +10,10 @@ import bpy
 
 from .. import bridge
 from ..bridge import ParadescError
-from ..files import old_presets, preset_file
+from ..files import old_presets
 from . import preferences, preset_members
 
 SUBFOLDER = "paradesc"
-SUFFIXES = (preset_file.SUFFIX, old_presets.SUFFIX)
 # A menu that is open is drawn at every move of the mouse; folders are looked at again after so many seconds.
 PATIENCE = 1.0
 # A folder that has more files is none of presets alone, and takes long to read.
@@ -92,7 +91,7 @@ def stamps_in(folder: Path) -> list[tuple[str, int, int]]:
         for entry in entries:
             name = entry.name
             # Blender's properties hold no path that is no text, and hidden files are none of people's.
-            if Path(name).suffix.lower() in SUFFIXES and name.isprintable() and not name.startswith("."):
+            if Path(name).suffix.lower() in old_presets.SUFFIXES and name.isprintable() and not name.startswith("."):
                 with suppress(OSError):
                     about = entry.stat()
                     found.append((name, about.st_mtime_ns, about.st_size))
