@@ -7,13 +7,12 @@ import numpy as np
 from .. import bridge
 from ..bridge import abi
 from ..core import color_maps
-from . import exr, png
+from . import exr, mask_image, png
 from .results import Baked, write_whole
 
 SUFFIXES = (".exr", ".png")
 # So many texels around each chart take the values beside them, so that filtering and a few mipmaps show no seam.
 GUTTER = 8
-WHOLE_16 = 65535
 STACKED = "Charts of the UV map share texture space: where several lie at one texel, an image shows the last one."
 
 
@@ -100,9 +99,8 @@ def write_png(path: Path, baked: Baked, name: str) -> dict[str, object]:
     image = image_of(baked, name)
     low, high = stored_range(image, image.shape[2])
     share = np.clip((bridge.fill_gutter(image, GUTTER)[::-1].astype(np.float64) - low) / (high - low), 0.0, 1.0)
-    unit = baked.unit(name)
-    meaning = f"{name} = {low!r} + ({high!r} - {low!r}) * pixel / {WHOLE_16}" + (f" [{unit}]" if unit else "")
-    png.write_png16(path, np.round(WHOLE_16 * share).astype(np.uint16), {"Description": meaning})
+    meaning = mask_image.Scale(low, high, outside=0).meaning(name, baked.unit(name))
+    png.write_png16(path, np.round(mask_image.WHOLE * share).astype(np.uint16), {"Description": meaning})
     return {"descriptor": name, "minimum": low, "maximum": high}
 
 
