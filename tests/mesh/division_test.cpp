@@ -2,6 +2,7 @@
 #include "mesh/division.h"
 
 #include <algorithm>
+#include <chrono>
 #include <functional>
 #include <limits>
 #include <map>
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "bake/shapes.h"
+#include "support/cancel.h"
 
 namespace paradesc::test {
 namespace {
@@ -199,6 +201,35 @@ TEST(Division, has_no_more_pieces_than_allowed_and_at_least_the_triangles) {
     EXPECT_GE(plan.pieces(), std::max(most / 4, built.triangles.triangle_count)); // halving edges makes four of one
     EXPECT_GT(plan.coarsening, 1.0f);
     expect_sound(divide(built.half_edges, plan, 2).half_edges);
+  }
+}
+
+// Checkpoints stand for work: there is one each 1024 pieces of a triangle.
+int checkpoints_of(const std::function<void()> &work) {
+  const auto patience = std::exchange(cancel_patience, std::chrono::milliseconds(0));
+  int count = 0;
+  {
+    const CancelScope scope([&] { ++count; });
+    work();
+  }
+  cancel_patience = patience;
+  return count;
+}
+
+// One of these triangles can have a million pieces, of images of any size; all that is done about it goes with the limit.
+TEST(Division, of_a_large_map_on_large_triangles_is_planned_by_few_times_as_many_pieces_as_are_allowed) {
+  const Built built = build(read_triangles(input_of(sphere(1, {.vertices = 8}))));
+  constexpr int32_t most = 1 << 15;
+  for (const float pixels : {2e3f, 8e3f, 6e4f}) {
+    const MeasureTriangle measure = [&](int32_t) {
+      return TriangleMeasure{vec2(pixels, 0.0f), vec2(0.0f, pixels), vec3(1e9f, 0.0f, 0.0f), vec3(0.0f, 1e9f, 0.0f)};
+    };
+    DivisionPlan plan;
+    const int checkpoints = checkpoints_of([&] { plan = plan_division(built.half_edges, measure, most, 1); });
+    EXPECT_LE(plan.pieces(), most);
+    EXPECT_GE(plan.pieces(), most / 4);
+    EXPECT_GE(checkpoints, plan.pieces() / 1024) << "or they are no measure of the work";
+    EXPECT_LE(checkpoints, 4 * most / 1024 + 20) << "four counts, with loops over a dozen triangles; " << pixels << " pixels";
   }
 }
 

@@ -7,7 +7,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <utility>
 
+#include "mesh/coarsening.h"
 #include "support/cancel.h"
 #include "support/parallel.h"
 
@@ -34,14 +37,17 @@ public:
   Lengths(const TriangleMeasure &measure, float coarsening) : measure_(measure) {
     // Of a triangle with an image many times over, floats do not tell how long a way is that is short against it.
     constexpr float most_in_image = 65536.0f;
-    float longest = 0.0f;
     for (int k = 0; k < 3; ++k) {
       const vec2 side = side_of(k);
       counts_image_ = counts_image_ && length(measure.image1 * side.x + measure.image2 * side.y) < most_in_image;
     }
+    float longest = 0.0f;
     for (int k = 0; k < 3; ++k) longest = std::max(longest, measured(side_of(k)));
-    if (std::isfinite(longest)) scale_ = 1.0f / std::max(coarsening, longest / static_cast<float>(1 << most_halvings));
+    if (!std::isfinite(longest)) return;
+    longest_ = longest;
+    scale_ = 1.0f / std::max(coarsening, longest / static_cast<float>(1 << most_halvings));
   }
+  float longest() const { return longest_; } // side, however coarse
   float of(vec2 way) const { return scale_ > 0.0f ? scale_ * measured(way) : 0.0f; }
   float of_side(int k) const { return of(side_of(k)); }
 
@@ -55,7 +61,7 @@ private:
 
   TriangleMeasure measure_;
   bool counts_image_ = true;
-  float scale_ = 0.0f;
+  float longest_ = 0.0f, scale_ = 0.0f;
 };
 
 struct Corner {
@@ -96,17 +102,26 @@ struct Cut {
   static Cut from(uint8_t stored) { return {stored % 4, stored / 4}; }
 };
 
-// Cuts one triangle after the other: by a measure, to plan it; or as it was planned, to write the pieces.
+// Pieces that all threads have counted so far.
+struct Counted {
+  const int64_t most;
+  std::atomic<int64_t> pieces{0};
+  bool too_many() const { return pieces > most; }
+};
+
+// Cuts one triangle after the other: by a measure, to plan it, until there are too many pieces; or as it was planned, to write
+// the pieces.
 class Cutter {
 public:
-  Cutter(const HalfEdges &half_edges, const DivisionPlan &plan, const MeasureTriangle &measure)
-      : half_edges_(half_edges), plan_(plan), measure_(&measure) {}
+  Cutter(const HalfEdges &half_edges, const DivisionPlan &plan, const MeasureTriangle &measure, Counted &counted)
+      : half_edges_(half_edges), plan_(plan), measure_(&measure), counted_(&counted) {}
   Cutter(const HalfEdges &half_edges, const DivisionPlan &plan, Target &target)
       : half_edges_(half_edges), plan_(plan), target_(&target) {}
 
   void cut_triangle(int32_t triangle) {
     if (measure_) lengths_ = {(*measure_)(triangle), plan_.coarsening};
     pieces_ = inner_points_ = nodes_ = 0;
+    stopped_ = false;
     lines_.clear();
     cuts_.clear();
     cut_slots_.clear();
@@ -120,6 +135,7 @@ public:
       lines_.push_back(target_ ? line_of_side(h, parts) : Line{parts, 0, 0, 0, 0, false});
     }
     cut(corners, sides);
+    if (counted_) counted_->pieces += pieces_ % pieces_at_once;
   }
 
   int32_t pieces() const { return pieces_; }
@@ -127,6 +143,8 @@ public:
   const std::vector<uint8_t> &cuts() const { return cuts_; }
 
 private:
+  static constexpr int32_t pieces_at_once = 1024;
+
   Line line_of_side(int32_t h, int32_t parts) const {
     const int32_t twin = half_edges_.twin[h], first = twin >= 0 && twin < h ? twin : h;
     const int32_t point = half_edges_.point_count + plan_.edge_begin[first];
@@ -162,6 +180,7 @@ private:
   }
 
   void cut(const Corners &corner, const Sides &side) {
+    if (stopped_) return;
     const auto [i, halvings] = next_cut(corner, side);
     if (i < 0) return add_piece(corner, side);
     const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -185,7 +204,11 @@ private:
   int32_t *tree() const { return &target_->division.tree[2 * static_cast<size_t>(plan_.piece_begin[triangle_])]; }
 
   void add_piece(const Corners &corner, const Sides &side) {
-    if (pieces_++ % 1024 == 1023) checkpoint();
+    if (++pieces_ % pieces_at_once == 0) {
+      checkpoint();
+      if (counted_) counted_->pieces += pieces_at_once;
+      stopped_ = counted_ && counted_->too_many();
+    }
     if (!target_) return;
     const int32_t piece = plan_.piece_begin[triangle_] + pieces_ - 1;
     tree()[nodes_++] = -pieces_;
@@ -215,8 +238,10 @@ private:
   const HalfEdges &half_edges_;
   const DivisionPlan &plan_;
   const MeasureTriangle *measure_ = nullptr;
+  Counted *counted_ = nullptr;
   Target *target_ = nullptr;
-  Lengths lengths_; // all 0 without a measure: as it was planned, no length matters
+  bool stopped_ = false; // with half of the triangle's pieces missing
+  Lengths lengths_;      // all 0 without a measure: as it was planned, no length matters
   int32_t triangle_ = -1, pieces_ = 0, inner_points_ = 0, nodes_ = 0;
   std::vector<Line> lines_;        // the sides, then the cuts
   std::vector<uint8_t> cuts_;      // that were chosen
@@ -246,31 +271,38 @@ static void count_halvings(const HalfEdges &half_edges, const MeasureTriangle &m
   });
 }
 
-// False where there are more pieces than that.
-static bool count_pieces(const HalfEdges &half_edges, const MeasureTriangle &measure, int32_t most_pieces, int threads,
-                         DivisionPlan &plan) {
+// Gives up where there are more pieces than that.
+static std::optional<int64_t> count_pieces(const HalfEdges &half_edges, const MeasureTriangle &measure, int64_t most, int threads,
+                                           DivisionPlan &plan) {
   const size_t triangles = plan.halvings.size() / 3;
   plan.piece_begin.assign(triangles + 1, 0);
   plan.inner_begin.assign(triangles + 1, 0);
-  std::atomic<int64_t> pieces{0};
+  Counted counted{most};
   std::vector<std::vector<uint8_t>> cuts(triangles / block + 1); // of each block
   parallel_blocks(static_cast<int>(triangles), threads, block, [&](int begin, int end) {
-    Cutter cutter(half_edges, plan, measure);
+    Cutter cutter(half_edges, plan, measure, counted);
     std::vector<uint8_t> &of_block = cuts[begin / block];
-    for (int32_t triangle = begin; triangle < end && pieces <= most_pieces; ++triangle) {
+    for (int32_t triangle = begin; triangle < end && !counted.too_many(); ++triangle) {
       if (half_edges.corner_point[3 * triangle] < 0) continue;
       cutter.cut_triangle(triangle);
       plan.piece_begin[triangle + 1] = cutter.pieces();
       plan.inner_begin[triangle + 1] = cutter.inner_points();
-      pieces += cutter.pieces();
       of_block.insert(of_block.end(), cutter.cuts().begin(), cutter.cuts().end());
       of_block.push_back(0);
     }
   });
-  if (pieces > most_pieces) return false;
-  plan.cut.clear();
+  if (counted.too_many()) return std::nullopt;
   for (const std::vector<uint8_t> &part : cuts) plan.cut.insert(plan.cut.end(), part.begin(), part.end());
-  return true;
+  return counted.pieces;
+}
+
+static float longest_side(const HalfEdges &half_edges, const MeasureTriangle &measure) {
+  float longest = 0.0f;
+  for (int32_t triangle = 0; triangle < static_cast<int32_t>(half_edges.twin.size() / 3); ++triangle) {
+    if (triangle % (16 * block) == 0) checkpoint();
+    if (half_edges.corner_point[3 * triangle] >= 0) longest = std::max(longest, Lengths(measure(triangle), 1.0f).longest());
+  }
+  return longest;
 }
 
 static void place_points(const HalfEdges &half_edges, DivisionPlan &plan) {
@@ -286,15 +318,19 @@ static void place_points(const HalfEdges &half_edges, DivisionPlan &plan) {
 }
 
 DivisionPlan plan_division(const HalfEdges &half_edges, const MeasureTriangle &measure, int32_t most_pieces, int threads) {
-  const auto triangles = static_cast<int32_t>(half_edges.twin.size() / 3);
-  DivisionPlan plan;
-  while (true) {
+  const int64_t most = std::max<int64_t>(most_pieces, static_cast<int64_t>(half_edges.twin.size() / 3));
+  DivisionPlan found;
+  const auto count = [&](int steps) {
+    DivisionPlan plan;
+    plan.coarsening = coarsening_after(steps);
     count_halvings(half_edges, measure, threads, plan);
-    if (count_pieces(half_edges, measure, std::max(most_pieces, triangles), threads, plan)) break;
-    plan.coarsening *= 1.25f;
-  }
-  place_points(half_edges, plan);
-  return plan;
+    const std::optional<int64_t> pieces = count_pieces(half_edges, measure, most, threads, plan);
+    if (pieces) found = std::move(plan);
+    return pieces;
+  };
+  if (!count(0)) fewest_steps(most, steps_until_short(longest_side(half_edges, measure)), count);
+  place_points(half_edges, found);
+  return found;
 }
 
 // ---- The pieces
