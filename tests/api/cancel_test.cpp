@@ -5,8 +5,13 @@
 #include <string>
 #include <thread>
 
+#include "mesh/charts.h"
+#include "mesh/cluster_tree.h"
+#include "mesh/creases.h"
+#include "mesh/normal_rings.h"
 #include "support/api_fixture.h"
 #include "support/cancel.h"
+#include "support/checkpoints.h"
 #include "support/error.h"
 #include "support/parallel.h"
 
@@ -53,6 +58,46 @@ TEST(Checkpoint, is_not_asked_while_the_caller_answers) {
   std::this_thread::sleep_for(2 * cancel_patience);
   checkpoint();
   EXPECT_EQ(asks, 1);
+}
+
+TEST(Checkpoint, asks_while_the_other_threads_end_their_last_blocks) {
+  const auto owner = std::this_thread::get_id();
+  std::atomic<bool> begun{false};
+  const auto cancelled = [&] {
+    const CancelScope scope([] { throw Error(PDESC_ERROR_CANCELLED, "stop"); });
+    parallel_blocks(2, 2, 1, [&](int, int) {
+      if (std::this_thread::get_id() == owner) {
+        while (!begun) std::this_thread::yield(); // both have a block
+        return;
+      }
+      begun = true;
+      for (int i = 0; i < 20000; ++i) { // to its end, if nobody asks
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        checkpoint();
+      }
+    });
+  };
+  EXPECT_THROW(cancelled(), Error);
+}
+
+// A stage without any would let a caller wait for all of it.
+TEST(Checkpoint, comes_once_in_so_many_steps_of_every_stage_of_a_large_mesh) {
+  TestMesh mesh = torus(1, 0.4, {.vertices = 70000});
+  lay_out(mesh, {.charts = 4});
+  const pdesc_mesh_input input = input_of(mesh);
+  const int corners = 3 * input.triangle_count / 32768;
+  ASSERT_GE(corners, 10);
+  Triangles triangles;
+  HalfEdges half_edges;
+  Creases creases;
+  EXPECT_GE(checkpoints_of([&] { triangles = read_triangles(input); }), 3 * corners);
+  EXPECT_GE(checkpoints_of([&] { half_edges = build_half_edges(triangles, 1); }), 8 * corners);
+  EXPECT_GE(checkpoints_of([&] { build_charts(triangles, half_edges, {}, 1); }), 5 * corners);
+  EXPECT_GE(checkpoints_of([&] { build_cluster_tree(half_edges); }), 2 * corners);
+  const int of_edges = 3 * input.triangle_count / 1024; // where bends are looked at
+  EXPECT_GE(checkpoints_of([&] { creases = find_creases(triangles, half_edges, 1); }), of_edges + 3 * corners);
+  NormalRings rings;
+  EXPECT_GE(checkpoints_of([&] { find_fans(triangles, half_edges, creases, rings); }), 2 * corners);
 }
 
 class CancelAnywhere : public Api, public ::testing::WithParamInterface<int32_t> {

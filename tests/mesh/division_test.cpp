@@ -2,7 +2,6 @@
 #include "mesh/division.h"
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <limits>
 #include <map>
@@ -11,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "bake/shapes.h"
-#include "support/cancel.h"
+#include "support/checkpoints.h"
 
 namespace paradesc::test {
 namespace {
@@ -204,19 +203,8 @@ TEST(Division, has_no_more_pieces_than_allowed_and_at_least_the_triangles) {
   }
 }
 
-// Checkpoints stand for work: there is one each 1024 pieces of a triangle.
-int checkpoints_of(const std::function<void()> &work) {
-  const auto patience = std::exchange(cancel_patience, std::chrono::milliseconds(0));
-  int count = 0;
-  {
-    const CancelScope scope([&] { ++count; });
-    work();
-  }
-  cancel_patience = patience;
-  return count;
-}
-
-// One of these triangles can have a million pieces, of images of any size; all that is done about it goes with the limit.
+// One of these triangles can have a million pieces, of images of any size; all that is done about it goes with the limit. There
+// is a checkpoint each 1024 pieces of a triangle.
 TEST(Division, of_a_large_map_on_large_triangles_is_planned_by_few_times_as_many_pieces_as_are_allowed) {
   const Built built = build(read_triangles(input_of(sphere(1, {.vertices = 8}))));
   constexpr int32_t most = 1 << 15;

@@ -88,6 +88,7 @@ struct Points {
 static void place_points_of_edges(const HalfEdges &half_edges, const Division &division, const MovedFans &fans, Points &points) {
   const DivisionPlan &plan = division.plan;
   for (int32_t h = 0; h < static_cast<int32_t>(plan.halvings.size()); ++h) {
+    checkpoint_at(h);
     const int32_t twin = half_edges.twin[h], count = plan.edge_begin[h + 1] - plan.edge_begin[h];
     for (int32_t k = 0; k < count; ++k) {
       const auto point = static_cast<size_t>(half_edges.point_count + plan.edge_begin[h] + k);
@@ -130,13 +131,18 @@ RefinedSurface refine_surface(const SurfaceMaps &maps, const Triangles &triangle
   const auto first_inner = count - static_cast<size_t>(division.plan.inner_begin.back());
   points.position.resize(count);
   points.normal.resize(count);
+  checkpoint();
   place_points_of_edges(half_edges, division, fans, points);
   const auto inner = static_cast<ptrdiff_t>(division.first_inner_fan());
   std::copy(fans.position.begin() + inner, fans.position.end(), points.position.begin() + static_cast<ptrdiff_t>(first_inner));
   std::copy(fans.normal.begin() + inner, fans.normal.end(), points.normal.begin() + static_cast<ptrdiff_t>(first_inner));
   fans.position = {};
-  for (vec3 &position : points.position) position = vec3(dvec3(position) / bake_space.scale + bake_space.center);
+  for (size_t i = 0; i < count; ++i) {
+    checkpoint_at(i);
+    points.position[i] = vec3(dvec3(points.position[i]) / bake_space.scale + bake_space.center);
+  }
   check_bounds(points.position, fans.normal);
+  checkpoint();
   RefinedSurface refined;
   refined.triangles.vertex_count = division.half_edges.point_count;
   refined.triangles.triangle_count = division.plan.pieces();

@@ -67,6 +67,7 @@ UvAreas measure(const Triangles &triangles, const HalfEdges &half_edges, int thr
   std::array<double, 2> total = {0.0, 0.0};
   std::array<int, 2> count = {0, 0};
   for (int triangle = 0; triangle < triangles.triangle_count; ++triangle) {
+    checkpoint_at(triangle);
     if (half_edges.corner_point[3 * triangle] < 0) continue;
     const double area = areas.area[triangle];
     if (area == 0.0) {
@@ -115,8 +116,10 @@ void for_each_corner(const Triangles &triangles, const std::vector<int32_t> &cor
       for (int i = begin; i < end; ++i)
         if (corner_wedge[first + i] >= 0) angles[i] = angle_of(triangles, first + i);
     });
-    for (int i = 0; i < length; ++i)
+    for (int i = 0; i < length; ++i) {
+      checkpoint_at(i);
       if (corner_wedge[first + i] >= 0) visit(first + i, angles[i]);
+    }
   }
 }
 
@@ -137,16 +140,20 @@ void make_wedges(const Triangles &triangles, const HalfEdges &half_edges, const 
   for (const Wedge &wedge : charts.wedges) ++wedges_of[wedge.point];
   const auto shared = [&](int32_t wedge) { return wedge >= 0 && wedges_of[charts.wedges[wedge].point] > 1; };
   for (int32_t wedge = 0; wedge < fans.count; ++wedge) {
+    checkpoint_at(wedge);
     charts.point_wedge[charts.wedges[wedge].point] = wedge;
     if (shared(wedge)) charts.shared_wedges.push_back(wedge);
   }
-  for (size_t corner = 0; corner < charts.corner_wedge.size(); ++corner)
+  for (size_t corner = 0; corner < charts.corner_wedge.size(); ++corner) {
+    checkpoint_at(corner);
     if (shared(charts.corner_wedge[corner])) charts.shared_corners.push_back(static_cast<int32_t>(corner));
+  }
   choose_primary_wedges(triangles, threads, charts);
 }
 
 void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link, Charts &charts) {
   for (int32_t h = 0; h < static_cast<int32_t>(link.size()); ++h) {
+    checkpoint_at(h);
     const int32_t chart = charts.triangle_chart[h / 3];
     if (chart < 0 || link[h] >= 0) continue;
     const int32_t twin = half_edges.twin[h];
@@ -190,6 +197,7 @@ Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std
   Charts charts;
   charts.triangle_chart.assign(triangles.triangle_count, -1);
   charts.corner_wedge.assign(half_edges.twin.size(), -1);
+  checkpoint();
   charts.half_edge_border.assign(half_edges.twin.size(), -1);
   charts.point_wedge.assign(half_edges.point_count, -1);
   charts.corner_uv = triangles.corner_uv;
@@ -206,6 +214,7 @@ Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std
     else
       fans = trace_fans(link, areas.left_out);
   });
+  checkpoint();
   charts.chart_count = pieces.count;
   charts.triangle_chart = std::move(pieces.triangle_piece);
   make_wedges(triangles, half_edges, fans, threads, charts);

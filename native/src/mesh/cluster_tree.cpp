@@ -37,8 +37,10 @@ double roughness(int32_t perimeter, int32_t triangles) {
 class Matching {
 public:
   explicit Matching(const ClusterGraph &graph) : graph_(graph), parent_(graph.perimeter.size(), -1) {
-    for (int32_t cluster = 0; cluster < graph.size(); ++cluster)
+    for (int32_t cluster = 0; cluster < graph.size(); ++cluster) {
+      checkpoint_at(cluster);
       if (parent_[cluster] < 0 && !pair(cluster) && !join(cluster)) open(cluster);
+    }
   }
 
   std::vector<int32_t> take_parents() { return std::move(parent_); }
@@ -115,7 +117,10 @@ struct Members {
     for (const int32_t p : parent) ++begin[p + 1];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     std::vector<int32_t> next(begin.begin(), begin.end() - 1);
-    for (size_t i = 0; i < parent.size(); ++i) member[next[parent[i]]++] = static_cast<int32_t>(i);
+    for (size_t i = 0; i < parent.size(); ++i) {
+      checkpoint_at(i);
+      member[next[parent[i]]++] = static_cast<int32_t>(i);
+    }
   }
 };
 
@@ -127,6 +132,7 @@ static ClusterGraph graph_of_triangles(const HalfEdges &half_edges, const std::v
   graph.begin.reserve(triangles.size() + 1);
   graph.link.reserve(3 * triangles.size());
   for (const int32_t triangle : triangles) {
+    checkpoint_at(graph.begin.size());
     for (int32_t half_edge = 3 * triangle; half_edge < 3 * triangle + 3; ++half_edge) {
       const int32_t twin = half_edges.twin[half_edge];
       if (twin >= 0 && twin / 3 != triangle) graph.link.push_back({rank[twin / 3], 1});
@@ -145,6 +151,7 @@ static ClusterGraph coarsen(const ClusterGraph &graph, const std::vector<int32_t
   coarse.link.reserve(graph.link.size() / 2);
   std::vector<size_t> at(static_cast<size_t>(matching.count()), 0); // where the link to another group is, if it is this group's
   for (int32_t group = 0; group < matching.count(); ++group) {
+    checkpoint_at(group);
     const size_t first = coarse.link.size();
     int32_t perimeter = 0;
     for (int32_t m = members.begin[group]; m < members.begin[group + 1]; ++m) {
@@ -180,6 +187,7 @@ static void put_in_order(const std::vector<std::vector<int32_t>> &parents, const
     below.reserve(parents[level].size());
     begin.assign(1, 0);
     for (const int32_t cluster : order) {
+      checkpoint_at(begin.size());
       below.insert(below.end(), members.member.begin() + members.begin[cluster],
                    members.member.begin() + members.begin[cluster + 1]);
       begin.push_back(static_cast<int32_t>(below.size()));
@@ -188,7 +196,9 @@ static void put_in_order(const std::vector<std::vector<int32_t>> &parents, const
   }
   std::vector<int32_t> triangles;
   triangles.reserve(order.size());
+  checkpoint();
   for (const int32_t i : order) triangles.push_back(tree.triangle[i]);
+  checkpoint();
   tree.triangle.swap(triangles);
 }
 
@@ -197,6 +207,7 @@ ClusterTree build_cluster_tree(const HalfEdges &half_edges) {
   ClusterTree tree;
   tree.rank.assign(half_edges.corner_point.size() / 3, -1);
   for (size_t t = 0; t < tree.rank.size(); ++t) {
+    checkpoint_at(t);
     if (half_edges.corner_point[3 * t] < 0) continue;
     tree.rank[t] = static_cast<int32_t>(tree.triangle.size());
     tree.triangle.push_back(static_cast<int32_t>(t));
@@ -205,7 +216,6 @@ ClusterTree build_cluster_tree(const HalfEdges &half_edges) {
   std::vector<std::vector<int32_t>> parents;
   std::vector<int32_t> sizes{graph.size()};
   while (graph.size() > 1) {
-    checkpoint();
     Matching matching(graph);
     if (matching.count() > least_gain * graph.size()) break;
     parents.push_back(matching.take_parents());

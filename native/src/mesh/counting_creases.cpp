@@ -61,6 +61,7 @@ std::vector<int32_t> spread_out(const Triangles &triangles, const HalfEdges &hal
   using Place = std::tuple<int32_t, double, double, double, int32_t>;
   std::vector<Place> places;
   for (size_t h = 0; h < creases.half_edge.size(); ++h) {
+    checkpoint_at(h);
     if (!creases.half_edge[h] || half_edges.twin[h] < static_cast<int32_t>(h)) continue;
     const auto edge = static_cast<int32_t>(h);
     const dvec3 cell = glm::floor(middle_of(triangles, edge) / size);
@@ -104,6 +105,7 @@ Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edg
   }
   Creases counting = creases;
   for (size_t h = 0; h < counting.half_edge.size(); ++h) {
+    checkpoint_at(h);
     if (!counting.half_edge[h] || marked.half_edge[h]) continue;
     const Bends &all = of_line[line[half_edges.corner_point[h]]];
     if (all.creases < CREASE_LEAST_SHARE * all.others) counting.half_edge[h] = 0;

@@ -143,9 +143,11 @@ private:
 };
 
 template <class Visit> void for_each_edge(const HalfEdges &half_edges, const Creases &creases, const Visit &visit) {
-  for (size_t h = 0; h < creases.half_edge.size(); ++h)
+  for (size_t h = 0; h < creases.half_edge.size(); ++h) {
+    checkpoint_at(h);
     if (creases.half_edge[h] && half_edges.twin[h] > static_cast<int>(h))
       visit(h, half_edges.corner_point[h], half_edges.corner_point[static_cast<size_t>(next_corner(static_cast<int>(h)))]);
+  }
 }
 
 int root_of(std::vector<int32_t> &parent, int point) {
@@ -231,6 +233,7 @@ Creases marked_creases(const Triangles &triangles, const HalfEdges &half_edges) 
   creases.half_edge.assign(half_edges.twin.size(), 0);
   if (std::ranges::find(triangles.half_edge_sharp, 1) == triangles.half_edge_sharp.end()) return creases;
   for (size_t h = 0; h < half_edges.twin.size(); ++h) {
+    checkpoint_at(h);
     const int twin = half_edges.twin[h];
     if (twin >= 0 && triangles.half_edge_sharp[h] && triangles.half_edge_sharp[twin]) creases.half_edge[h] = 1;
   }

@@ -299,7 +299,7 @@ static std::optional<int64_t> count_pieces(const HalfEdges &half_edges, const Me
 static float longest_side(const HalfEdges &half_edges, const MeasureTriangle &measure) {
   float longest = 0.0f;
   for (int32_t triangle = 0; triangle < static_cast<int32_t>(half_edges.twin.size() / 3); ++triangle) {
-    if (triangle % (16 * block) == 0) checkpoint();
+    checkpoint_at(triangle);
     if (half_edges.corner_point[3 * triangle] >= 0) longest = std::max(longest, Lengths(measure(triangle), 1.0f).longest());
   }
   return longest;
@@ -310,6 +310,7 @@ static void place_points(const HalfEdges &half_edges, DivisionPlan &plan) {
   plan.side_begin.assign(plan.halvings.size() + 1, 0);
   plan.edge_begin.assign(plan.halvings.size() + 1, 0);
   for (size_t h = 0; h < plan.halvings.size(); ++h) {
+    checkpoint_at(h);
     const int32_t twin = half_edges.twin[h], between = (1 << plan.halvings[h]) - 1;
     plan.side_begin[h + 1] = between;
     plan.edge_begin[h + 1] = twin >= 0 && twin < static_cast<int32_t>(h) ? 0 : between;
@@ -340,6 +341,7 @@ static void link_sides(const HalfEdges &half_edges, const std::vector<int32_t> &
   std::vector<int32_t> &linked = division.half_edges.twin;
   for (int32_t h = 0; h < static_cast<int32_t>(plan.halvings.size()); ++h) {
     const int32_t twin = half_edges.twin[h], parts = 1 << plan.halvings[h];
+    checkpoint_at(h);
     if (twin <= h) continue;
     for (int32_t part = 0; part < parts; ++part) {
       const int32_t a = side_slot[plan.side_begin[h] + h + part], b = side_slot[plan.side_begin[twin] + twin + parts - 1 - part];
@@ -358,9 +360,12 @@ static void describe_points(HalfEdges &pieces) {
   pieces.point_half_edge.assign(points, -1);
   pieces.point_boundary.assign(points, 0);
   const auto count = static_cast<int32_t>(pieces.twin.size());
-  for (int32_t h = 0; h < count; ++h)
-    if (int32_t &first = pieces.point_half_edge[pieces.corner_point[h]]; first < 0) first = h;
   for (int32_t h = 0; h < count; ++h) {
+    checkpoint_at(h);
+    if (int32_t &first = pieces.point_half_edge[pieces.corner_point[h]]; first < 0) first = h;
+  }
+  for (int32_t h = 0; h < count; ++h) {
+    checkpoint_at(h);
     if (pieces.twin[h] >= 0) continue;
     pieces.point_half_edge[pieces.corner_point[h]] = h;
     pieces.point_boundary[pieces.corner_point[h]] = pieces.point_boundary[pieces.corner_point[next_corner(h)]] = 1;
@@ -375,12 +380,16 @@ Division divide(const HalfEdges &half_edges, const DivisionPlan &plan, int threa
   HalfEdges &pieces = division.half_edges;
   pieces.point_count = half_edges.point_count + plan.new_points();
   pieces.corner_point.assign(corners, -1);
+  checkpoint(); // so much memory takes as long as work
   pieces.twin.assign(corners, -1);
+  checkpoint();
   pieces.triangle_piece.assign(corners / 3, -1);
   pieces.components = half_edges.components;
   division.fan_weights.resize(division.first_inner_fan() + static_cast<size_t>(plan.inner_begin.back()));
   for (size_t h = 0; h < plan.halvings.size(); ++h) division.fan_weights[h] = places_of_corners[h % 3];
+  checkpoint();
   division.tree.assign(2 * corners / 3, 0);
+  checkpoint();
   std::vector<int32_t> corner_fan(corners, -1), side_slot(plan.halvings.size() + static_cast<size_t>(plan.side_points()), -1);
   parallel_blocks(static_cast<int>(triangles), threads, block, [&](int begin, int end) {
     Target target{division, corner_fan, side_slot};

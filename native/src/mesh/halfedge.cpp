@@ -54,6 +54,7 @@ std::vector<int32_t> weld(const std::vector<vec3> &positions) {
   std::vector<int32_t> table(slots, -1);
   std::vector<int32_t> welded(positions.size());
   for (size_t vertex = 0; vertex < positions.size(); ++vertex) {
+    checkpoint_at(vertex);
     size_t slot = hash(positions[vertex]) & (slots - 1);
     while (table[slot] >= 0 && positions[table[slot]] != positions[vertex]) slot = (slot + 1) & (slots - 1);
     if (table[slot] < 0) table[slot] = static_cast<int32_t>(vertex);
@@ -78,14 +79,18 @@ void for_each_edge(std::span<const int32_t> half_edges, const std::vector<int32_
   const auto ends = [&](int32_t h) { return std::minmax(ids[h], ids[next_corner(h)]); };
   std::vector<int32_t> begin(id_count + 2, 0);
   for (int32_t h : half_edges) ++begin[(ends(h).first) + 2];
+  checkpoint();
   for (size_t i = 2; i < begin.size(); ++i) begin[i] += begin[i - 1];
   std::vector<Side> sides(half_edges.size());
-  for (int32_t h : half_edges) {
-    const auto [low, high] = ends(h);
-    sides[begin[low + 1]++] = {high, h};
+  checkpoint();
+  for (size_t i = 0; i < half_edges.size(); ++i) {
+    checkpoint_at(i);
+    const auto [low, high] = ends(half_edges[i]);
+    sides[begin[low + 1]++] = {high, half_edges[i]};
   }
   std::vector<int32_t> edge;
   for (int32_t low = 0; low < id_count; ++low) {
+    checkpoint_at(low);
     const std::span<Side> bucket(sides.begin() + begin[low], sides.begin() + begin[low + 1]);
     std::ranges::sort(bucket, [](Side a, Side b) { return a.high != b.high ? a.high < b.high : a.half_edge < b.half_edge; });
     for (size_t i = 0; i < bucket.size();) {
@@ -119,10 +124,13 @@ Pairing pair_half_edges(const Triangles &triangles, const std::vector<int32_t> &
   Pairing pairing;
   pairing.twin.assign(count, -1);
   pairing.nonmanifold.assign(count, 0);
+  checkpoint();
   std::vector<int32_t> used;
   used.reserve(count);
-  for (int32_t h = 0; h < count; ++h)
+  for (int32_t h = 0; h < count; ++h) {
+    checkpoint_at(h);
     if (!left_out[h / 3]) used.push_back(h);
+  }
   const std::vector<int32_t> alone = pair_edges(used, triangles.corner_vertex, triangles.vertex_count, pairing);
   if (alone.empty()) return pairing;
   std::vector<int32_t> corner_position(count);
@@ -177,6 +185,7 @@ std::vector<int32_t> read_twins(const Mesh &mesh, const std::vector<int32_t> &fa
                                 const std::vector<int32_t> &corner_vertex) {
   std::vector<int32_t> half_edge_corner(mesh.n_halfedges(), -1);
   for (size_t face = 0; face < face_triangle.size(); ++face) {
+    checkpoint_at(face);
     auto half_edge = mesh.halfedge_handle(mesh.face_handle(static_cast<unsigned>(face)));
     const int32_t start = mesh.from_vertex_handle(half_edge).idx();
     int corner = 3 * face_triangle[face];
@@ -208,11 +217,13 @@ bool is_in_doubt(const Triangles &triangles, const std::vector<uint8_t> &left_ou
   for (size_t fan = 0; fan < fan_vertex.size(); ++fan) fan_vertex[fan] = triangles.corner_vertex[fans.first[fan]];
   std::vector<uint8_t> is_mixed(fans.count, 0);
   for (size_t corner = 0; corner < fans.corner_fan.size(); ++corner) {
+    checkpoint_at(corner);
     const int32_t fan = fans.corner_fan[corner];
     if (fan >= 0 && fan_vertex[fan] != triangles.corner_vertex[corner]) is_mixed[fan] = 1;
   }
   std::vector<int32_t> doubtful;
   for (int32_t h = 0; h < 3 * triangles.triangle_count; ++h) {
+    checkpoint_at(h);
     if (left_out[h / 3]) continue;
     const int32_t from = fans.corner_fan[h], to = fans.corner_fan[next_corner(h)];
     if (pairing.nonmanifold[h] || is_mixed[from] || is_mixed[to]) doubtful.push_back(h);
@@ -228,6 +239,7 @@ bool is_in_doubt(const Triangles &triangles, const std::vector<uint8_t> &left_ou
 void count_edges(const Pairing &pairing, HalfEdges &result) {
   result.nonmanifold_edges = pairing.nonmanifold_edges;
   for (size_t h = 0; h < result.twin.size(); ++h) {
+    checkpoint_at(h);
     if (result.corner_point[h] < 0 || result.twin[h] >= 0) continue;
     const int32_t lost = pairing.twin[h]; // paired by us, but its face was refused
     if (lost > static_cast<int32_t>(h)) ++result.nonmanifold_edges;
@@ -238,12 +250,15 @@ void count_edges(const Pairing &pairing, HalfEdges &result) {
 void describe_points(const Triangles &triangles, const Fans &fans, HalfEdges &result) {
   result.point_count = fans.count;
   result.corner_point = fans.corner_fan;
+  checkpoint();
   result.point_half_edge = fans.first;
   result.point_boundary.resize(fans.count);
+  checkpoint();
   for (size_t point = 0; point < fans.first.size(); ++point) // a fan that closes has no edge without a twin
     result.point_boundary[point] = result.twin[fans.first[point]] < 0;
   result.point_vertex.assign(fans.count, triangles.vertex_count);
   for (size_t corner = 0; corner < fans.corner_fan.size(); ++corner) {
+    checkpoint_at(corner);
     if (fans.corner_fan[corner] < 0) continue;
     int32_t &vertex = result.point_vertex[fans.corner_fan[corner]];
     vertex = std::min(vertex, triangles.corner_vertex[corner]);
@@ -254,6 +269,7 @@ void describe_points(const Triangles &triangles, const Fans &fans, HalfEdges &re
 void choose_widest(const Triangles &triangles, const std::vector<uint8_t> &is_split, HalfEdges &result) {
   std::vector<double> angle(result.point_count, 0.0);
   for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
+    checkpoint_at(corner);
     const int32_t point = result.corner_point[corner];
     if (point >= 0) angle[point] += surface_angle(triangles, static_cast<int>(corner));
   }
@@ -270,6 +286,7 @@ void answer_vertices(const Triangles &triangles, const std::vector<int32_t> &wel
   std::vector<uint8_t> is_split(triangles.vertex_count, 0), is_split_position(triangles.vertex_count, 0);
   result.vertex_point.assign(triangles.vertex_count, -1);
   for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
+    checkpoint_at(corner);
     const int32_t vertex = triangles.corner_vertex[corner];
     const int32_t point = result.corner_point[corner];
     if (point < 0) continue;
@@ -304,6 +321,7 @@ Fans trace_fans(const std::vector<int32_t> &link, const std::vector<uint8_t> &le
   Fans fans;
   fans.corner_fan.assign(link.size(), -1);
   for (int32_t corner = 0; corner < static_cast<int32_t>(link.size()); ++corner) {
+    checkpoint_at(corner);
     if (left_out[corner / 3] || fans.corner_fan[corner] >= 0) continue;
     int32_t first = corner; // clockwise to the end of the fan, or once around
     while (link[first] >= 0) {
@@ -321,12 +339,14 @@ Pieces trace_pieces(const std::vector<int32_t> &link, const std::vector<uint8_t>
   Pieces pieces;
   pieces.triangle_piece.assign(left_out.size(), -1);
   std::vector<int32_t> open;
+  size_t visited = 0;
   for (int32_t start = 0; start < static_cast<int32_t>(left_out.size()); ++start) {
     if (left_out[start] || pieces.triangle_piece[start] >= 0) continue;
     const int32_t piece = pieces.count++;
     pieces.triangle_piece[start] = piece;
     open.push_back(start);
     while (!open.empty()) {
+      checkpoint_at(visited++);
       const int32_t triangle = open.back();
       open.pop_back();
       for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
@@ -344,6 +364,7 @@ HalfEdges build_half_edges(const Triangles &triangles, int threads) {
   HalfEdges result;
   std::vector<uint8_t> left_out(triangles.triangle_count);
   for (int triangle = 0; triangle < triangles.triangle_count; ++triangle) {
+    checkpoint_at(triangle);
     left_out[triangle] = is_degenerate(triangles, triangle);
     result.degenerate_triangles += left_out[triangle];
   }
@@ -369,7 +390,6 @@ HalfEdges build_half_edges(const Triangles &triangles, int threads) {
     }
     describe_points(triangles, fans, result);
     count_edges(pairing, result);
-    checkpoint();
     answer_vertices(triangles, welded, result);
   });
   return result;

@@ -109,6 +109,7 @@ void join_runs(std::vector<RingRun> &runs, NormalRings &rings) {
     begins->push_back(0);
   }
   for (RingRun &run : runs) {
+    checkpoint();
     append_sizes(run.ring_size, rings.ring_begin);
     append_sizes(run.face_size, rings.face_begin);
     append(run.vertices, rings.ring_vertex);
@@ -124,6 +125,7 @@ FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, co
   std::vector<int32_t> link = half_edges.twin;
   std::vector<uint8_t> left_out(static_cast<size_t>(triangles.triangle_count));
   for (size_t h = 0; h < link.size(); ++h) {
+    checkpoint_at(h);
     if (half_edges.corner_point[h] < 0) left_out[h / 3] = 1;
     if (creases.half_edge[h]) link[h] = -1;
   }
@@ -137,6 +139,7 @@ FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, co
   rings.fan_begin.reserve(traced.first.size() + 1);
   rings.fan_vertex.reserve(link.size() + 2 * traced.first.size());
   for (const int32_t first : traced.first) {
+    checkpoint_at(rings.fan_point.size());
     rings.fan_vertex.push_back(vertex(first));
     rings.fan_vertex.push_back(vertex(next_corner(first)));
     for (int32_t corner = first; corner >= 0;) {
@@ -154,6 +157,7 @@ FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, co
   constexpr int32_t none = -2, several = -1;
   rings.point_fan.assign(static_cast<size_t>(half_edges.point_count), none);
   for (int32_t fan = 0; fan < rings.fan_count; ++fan) {
+    checkpoint_at(fan);
     int32_t &only = rings.point_fan[rings.fan_point[fan]];
     only = only == none ? fan : several;
   }

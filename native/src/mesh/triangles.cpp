@@ -10,6 +10,7 @@
 #include <sstream>
 #include <string>
 
+#include "support/cancel.h"
 #include "support/error.h"
 
 namespace paradesc {
@@ -49,11 +50,13 @@ void check_pointers(const pdesc_mesh_input &input) {
 
 void check_indices(const pdesc_mesh_input &input) {
   for (int32_t corner = 0; corner < input.corner_count; ++corner) {
+    checkpoint_at(at(corner));
     const int32_t vertex = input.corner_vertices[corner];
     if (vertex < 0 || vertex >= input.vertex_count)
       refuse("Corner ", corner, " refers to vertex ", vertex, "; give an index from 0 to ", input.vertex_count - 1, ".");
   }
   for (int32_t i = 0; i < 3 * input.triangle_count; ++i) {
+    checkpoint_at(at(i));
     const int32_t corner = input.triangle_corners[i];
     if (corner < 0 || corner >= input.corner_count)
       refuse("Triangle ", i / 3, " refers to corner ", corner, "; give an index from 0 to ", input.corner_count - 1, ".");
@@ -103,10 +106,13 @@ void copy_corners(const pdesc_mesh_input &input, Triangles &triangles) {
   const size_t count = 3 * at(input.triangle_count);
   triangles.corner_vertex.resize(count);
   triangles.corner_count = input.corner_count;
+  checkpoint();
   triangles.input_corner.assign(input.triangle_corners, input.triangle_corners + count);
+  checkpoint();
   std::vector<vec2> uvs(input.corner_uvs ? count : 0);
   if (input.corner_normals) triangles.corner_normal.resize(count);
   for (size_t i = 0; i < count; ++i) {
+    checkpoint_at(i);
     const size_t corner = at(input.triangle_corners[i]);
     triangles.corner_vertex[i] = input.corner_vertices[corner];
     if (const float *uv = input.corner_uvs) uvs[i] = {uv[2 * corner], uv[2 * corner + 1]};
@@ -119,6 +125,7 @@ void copy_corners(const pdesc_mesh_input &input, Triangles &triangles) {
 void map_uvs_into_unit_square(Triangles &triangles) {
   triangles.corner_uv = triangles.input_uv;
   if (triangles.input_uv.empty()) return;
+  checkpoint();
   dvec2 lowest(triangles.input_uv[0]), highest = lowest;
   for (const vec2 &uv : triangles.input_uv) {
     lowest = glm::min(lowest, dvec2(uv));
@@ -126,6 +133,7 @@ void map_uvs_into_unit_square(Triangles &triangles) {
   }
   triangles.uv_remapped = lowest.x < 0 || lowest.y < 0 || highest.x > 1 || highest.y > 1;
   if (!triangles.uv_remapped) return;
+  checkpoint();
   const double scale = 1.0 / std::max({1.0, highest.x - lowest.x, highest.y - lowest.y});
   // Relative to the lowest corner: a layout far from the origin keeps its digits.
   const dvec2 origin = glm::clamp(lowest * scale, dvec2(0), glm::max(dvec2(0), 1.0 - (highest - lowest) * scale));
@@ -145,6 +153,7 @@ void mark_sharp(const pdesc_mesh_input &input, Triangles &triangles) {
   for (size_t i = 0; i < sharp.size(); ++i) sharp[i] = edge_key(input.sharp_edges[2 * i], input.sharp_edges[2 * i + 1]);
   std::sort(sharp.begin(), sharp.end());
   for (int corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
+    checkpoint_at(at(corner));
     if (input.triangle_smooth && !input.triangle_smooth[corner / 3]) continue;
     const uint64_t key = edge_key(triangles.corner_vertex[corner], triangles.corner_vertex[next_corner(corner)]);
     triangles.half_edge_sharp[corner] = std::binary_search(sharp.begin(), sharp.end(), key);
@@ -158,12 +167,15 @@ Triangles read_triangles(const pdesc_mesh_input &input) {
   check_pointers(input);
   check_indices(input);
   check_positions(input.positions, input.vertex_count);
+  checkpoint();
   check_corner_values(input);
+  checkpoint();
 
   Triangles triangles;
   triangles.vertex_count = input.vertex_count;
   triangles.triangle_count = input.triangle_count;
   triangles.positions = copy_positions(input.positions, input.vertex_count);
+  checkpoint();
   copy_corners(input, triangles);
   map_uvs_into_unit_square(triangles);
   mark_sharp(input, triangles);

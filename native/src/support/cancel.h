@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <thread>
 
@@ -49,5 +50,10 @@ private:
 
 // Must be called where nothing is half done: it may throw. It costs next to nothing, and does nothing without a scope.
 void checkpoint();
+
+// In a loop: a checkpoint once in so many steps as take a few milliseconds at most.
+inline void checkpoint_at(size_t step) {
+  if (step % 32768 == 0) checkpoint();
+}
 
 } // namespace paradesc

@@ -4,6 +4,8 @@
 #include <limits>
 #include <numeric>
 
+#include "support/cancel.h"
+
 namespace paradesc {
 
 static constexpr float max_width = 1; // half the diagonal of the box around a group, of the radius
@@ -11,12 +13,16 @@ static constexpr float max_width = 1; // half the diagonal of the box around a g
 // All centers whose triangle is not left out.
 static std::vector<int32_t> in_order(const ClusterTree &tree, const TreeCenters &centers) {
   std::vector<int32_t> begin(tree.size(0) + 1, 0);
-  for (const TreeCenter &center : centers)
-    if (const int32_t rank = tree.rank[center.triangle]; rank >= 0) ++begin[rank + 1];
+  for (size_t i = 0; i < centers.size(); ++i) {
+    checkpoint_at(i);
+    if (const int32_t rank = tree.rank[centers[i].triangle]; rank >= 0) ++begin[rank + 1];
+  }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<int32_t> ordered(static_cast<size_t>(begin.back()));
-  for (size_t i = 0; i < centers.size(); ++i)
+  for (size_t i = 0; i < centers.size(); ++i) {
+    checkpoint_at(i);
     if (const int32_t rank = tree.rank[centers[i].triangle]; rank >= 0) ordered[begin[rank]++] = static_cast<int32_t>(i);
+  }
   return ordered;
 }
 
@@ -25,6 +31,7 @@ CenterGroups group_centers(const ClusterTree &tree, const TreeCenters &centers, 
   const auto count = static_cast<int32_t>(groups.center.size());
   vec3 low(std::numeric_limits<float>::max()), high(-low);
   for (int32_t i = 0; i < count; ++i) {
+    checkpoint_at(i);
     const vec3 position = centers[groups.center[i]].position;
     low = glm::min(low, position);
     high = glm::max(high, position);

@@ -222,26 +222,31 @@ private:
     for (Surfel &surfel : result_.surfel)
       if (surfel.cluster >= 0) surfel.cluster = count++;
     result_.cluster.resize(static_cast<size_t>(count));
-    for_each(result_.surfel.size(), [&](size_t i) {
-      Surfel &surfel = result_.surfel[i];
-      if (surfel.cluster < 0) return;
-      const auto triangles =
-          std::span(tree_.triangle).subspan(result_.first[i], static_cast<size_t>(result_.first[i + 1] - result_.first[i]));
-      ClusterSums sums(source_.position(3 * triangles[0]));
-      for (const int32_t triangle : triangles) sums.add(sample_of(source_, triangle, 0.0f));
-      Cluster &cluster = result_.cluster[surfel.cluster];
-      cluster = sums.cluster();
-      float square = 0.0f;
-      for (const int32_t triangle : triangles)
-        for (int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
-          const vec3 gap = source_.position(corner) - cluster.position;
-          square = std::max(square, dot(gap, gap));
-        }
-      cluster.reach = std::sqrt(square);
-      surfel.position = cluster.position;
-      surfel.reach = cluster.reach;
-      if (triangles.size() == 1) surfel.cluster = -1;
+    constexpr int surfels_of_block = 256; // of many triangles each
+    parallel_blocks(static_cast<int>(result_.surfel.size()), source_.threads, surfels_of_block, [&](int begin, int end) {
+      for (int i = begin; i < end; ++i)
+        if (result_.surfel[i].cluster >= 0) gather_cluster(static_cast<size_t>(i));
     });
+  }
+
+  void gather_cluster(size_t i) {
+    Surfel &surfel = result_.surfel[i];
+    const auto triangles =
+        std::span(tree_.triangle).subspan(result_.first[i], static_cast<size_t>(result_.first[i + 1] - result_.first[i]));
+    ClusterSums sums(source_.position(3 * triangles[0]));
+    for (const int32_t triangle : triangles) sums.add(sample_of(source_, triangle, 0.0f));
+    Cluster &cluster = result_.cluster[surfel.cluster];
+    cluster = sums.cluster();
+    float square = 0.0f;
+    for (const int32_t triangle : triangles)
+      for (int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
+        const vec3 gap = source_.position(corner) - cluster.position;
+        square = std::max(square, dot(gap, gap));
+      }
+    cluster.reach = std::sqrt(square);
+    surfel.position = cluster.position;
+    surfel.reach = cluster.reach;
+    if (triangles.size() == 1) surfel.cluster = -1;
   }
 
   // The links, the boundary and the surfels' neighbors of some cells in a row.
