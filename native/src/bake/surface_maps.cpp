@@ -235,6 +235,7 @@ DisplacedPoints displace_points(const SurfaceMaps &maps, const Triangles &triang
   std::vector<float> weight(points, 0.0f);
   auto base = [&](size_t point) { return bake_space.to_buffer(triangles.positions[half_edges.point_vertex[point]]); };
   for (size_t c = 0; c < corners; ++c) {
+    checkpoint_at(c);
     if (half_edges.corner_point[c] < 0) continue;
     const auto point = static_cast<size_t>(half_edges.corner_point[c]);
     const auto angle = static_cast<float>(surface_angle(triangles, static_cast<int>(c)));
@@ -243,12 +244,14 @@ DisplacedPoints displace_points(const SurfaceMaps &maps, const Triangles &triang
     weight[point] += angle;
   }
   for (size_t point = 0; point < points; ++point) {
+    checkpoint_at(point);
     result.position.push_back(base(point) + offset[point] / std::max(weight[point], 1e-20f));
     result.normal.push_back(Text().unit_or(sum[point], normals.point[point]));
   }
   result.shrinkage = percentile_99(shrinkage);
   result.triangles = triangles;
   for (size_t vertex = 0; vertex < triangles.positions.size(); ++vertex) {
+    checkpoint_at(vertex);
     const int32_t point = half_edges.vertex_point[vertex];
     if (point < 0) continue;
     const vec3 position = result.position[point];

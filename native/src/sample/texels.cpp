@@ -376,7 +376,10 @@ std::vector<std::vector<float>> images_of(const TexelMap &map, const CenterResul
   std::vector<std::vector<float>> images;
   auto add = [&](const std::vector<float> &values, size_t width) {
     std::vector<float> image(map.index.size() * width, nan);
-    for (size_t i = 0; i < values.size(); ++i) image[map.centers[i / width].texel * width + i % width] = values[i];
+    for (size_t i = 0; i < values.size(); ++i) {
+      checkpoint_at(i);
+      image[map.centers[i / width].texel * width + i % width] = values[i];
+    }
     images.push_back(std::move(image));
   };
   for (size_t i = 0; i < descriptors.size(); ++i)

@@ -98,6 +98,7 @@ static void evaluate_group(const Evaluation &pass, const SumTarget &target, std:
 // Before anything is computed.
 static CenterResults unknown_results(size_t count, std::span<const int> rows) {
   CenterResults results = results_at_points(static_cast<int>(count));
+  checkpoint();
   for (const int row : rows)
     results.values.emplace_back(count * static_cast<size_t>(descriptor_row(row).components),
                                 std::numeric_limits<float>::quiet_NaN());
@@ -114,6 +115,7 @@ static CenterResults evaluate(const Evaluation &pass) {
   const CancelScope cancel([&] { pass.progress(static_cast<double>(done) / std::max(groups, 1)); });
   const auto evaluate_one = [&](int g, Search &search) {
     const auto first = static_cast<size_t>(pass.groups.begin[g]), last = static_cast<size_t>(pass.groups.begin[g + 1]);
+    checkpoint(); // one alone may take milliseconds
     evaluate_group(pass, target, std::span(pass.groups.center).subspan(first, last - first), search, results);
     ++done;
   };

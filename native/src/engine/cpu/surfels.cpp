@@ -221,6 +221,7 @@ private:
     int32_t count = 0;
     for (Surfel &surfel : result_.surfel)
       if (surfel.cluster >= 0) surfel.cluster = count++;
+    checkpoint();
     result_.cluster.resize(static_cast<size_t>(count));
     constexpr int surfels_of_block = 256; // of many triangles each
     parallel_blocks(static_cast<int>(result_.surfel.size()), source_.threads, surfels_of_block, [&](int begin, int end) {
