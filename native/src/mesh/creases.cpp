@@ -30,6 +30,10 @@ dvec3 face_product(const Triangles &triangles, int face) {
   return glm::cross(corner_position(triangles, 3 * face + 1) - a, corner_position(triangles, 3 * face + 2) - a);
 }
 
+dvec3 along(const Triangles &triangles, int half_edge) {
+  return corner_position(triangles, next_corner(half_edge)) - corner_position(triangles, half_edge);
+}
+
 // Lower than what rounds positions, by far: its normal says nothing.
 bool is_needle(const Triangles &triangles, int face, dvec3 product) {
   double longest2 = 0, largest = 0;
@@ -39,13 +43,6 @@ bool is_needle(const Triangles &triangles, int face, dvec3 product) {
     largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   }
   return glm::dot(product, product) < ROUNDING * ROUNDING * largest * largest * longest2;
-}
-
-// By how much the faces' normals turn around the edge between them.
-double bend_between(dvec3 left, dvec3 right, const Triangles &triangles, int half_edge) {
-  const dvec3 along = corner_position(triangles, next_corner(half_edge)) - corner_position(triangles, half_edge);
-  const double span = glm::length(along);
-  return span > 0 ? angle_of(glm::dot(glm::cross(left, right), along) / span, glm::dot(left, right)) : 0.0;
 }
 
 // Other than this one.
@@ -82,8 +79,8 @@ public:
 private:
   bool is_needle_itself(int face) const { return is_needle(triangles_, face, face_product(triangles_, face)); }
   double bend_of(int half_edge) const {
-    return std::abs(
-        bend_between(dvec3(normals_[half_edge / 3]), dvec3(normals_[half_edges_.twin[half_edge] / 3]), triangles_, half_edge));
+    return std::abs(bend_between(dvec3(normals_[half_edge / 3]), dvec3(normals_[half_edges_.twin[half_edge] / 3]),
+                                 along(triangles_, half_edge)));
   }
 
   // Of the triangle, across the edge.
@@ -209,11 +206,16 @@ std::vector<vec3> steady_normals(const Triangles &triangles, const HalfEdges &ha
   return normals;
 }
 
+double bend_between(dvec3 left, dvec3 right, dvec3 along) {
+  const double span = glm::length(along);
+  return span > 0 ? angle_of(glm::dot(glm::cross(left, right), along) / span, glm::dot(left, right)) : 0.0;
+}
+
 double bend_at(const Triangles &triangles, const HalfEdges &half_edges, int half_edge) {
   const int twin = half_edges.twin[half_edge];
   if (twin < 0) return 0;
   return bend_between(steady_normal(triangles, half_edges, half_edge / 3), steady_normal(triangles, half_edges, twin / 3),
-                      triangles, half_edge);
+                      along(triangles, half_edge));
 }
 
 int32_t count_edges(const Creases &creases) {

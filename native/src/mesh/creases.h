@@ -42,6 +42,9 @@ int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int fac
 dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face); // 0 if there is none
 std::vector<vec3> steady_normals(const Triangles &triangles, const HalfEdges &half_edges, int threads);
 
+// By how much unit normals turn around the edge between them, which runs with the left face: in (-pi, pi], positive where the
+// surface is convex.
+double bend_between(dvec3 left, dvec3 right, dvec3 along);
 // The angle by which the surface turns at a half-edge, in (-pi, pi]: positive where it is convex; 0 at boundaries.
 double bend_at(const Triangles &triangles, const HalfEdges &half_edges, int half_edge);
 

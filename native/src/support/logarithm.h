@@ -1,7 +1,8 @@
 // The natural logarithm, with the same bits on every system: the C library's differs from one to the next in its last bits.
 #pragma once
 
-#include <cmath>
+#include <bit>
+#include <cstdint>
 
 namespace paradesc {
 
@@ -10,8 +11,11 @@ inline double logarithm_of(double x) {
   constexpr double log_of_2 = 0.69314718055994531, root_of_half = 0.70710678118654752;
   constexpr double odd[] = {1.0, 1.0 / 3, 1.0 / 5, 1.0 / 7, 1.0 / 9, 1.0 / 11, 1.0 / 13, 1.0 / 15, 1.0 / 17, 1.0 / 19, 1.0 / 21};
   constexpr int last = 10; // (3 - 2 sqrt(2))^(2 * 10 + 3) / 23 is below 1e-18
-  int exponent = 0;
-  double rest = std::frexp(x, &exponent);
+  constexpr int fraction_bits = 52, bias = 1022;
+  constexpr uint64_t fraction = (uint64_t{1} << fraction_bits) - 1;
+  const auto bits = std::bit_cast<uint64_t>(x);
+  int exponent = static_cast<int>(bits >> fraction_bits) - bias;
+  double rest = std::bit_cast<double>((bits & fraction) | (uint64_t{bias} << fraction_bits)); // in [1/2, 1)
   if (rest < root_of_half) {
     rest *= 2.0;
     --exponent;

@@ -15,6 +15,9 @@ class CreaseBlend {
 public:
   CreaseBlend(const Surface &surface, double radius, int threads);
 
+  CreaseBlend(const CreaseBlend &) = delete;
+  CreaseBlend &operator=(const CreaseBlend &) = delete;
+
   // results: of these rows, at points, in units of the positions. Rows that follow from no curvature stay.
   void at_points(std::span<const int> rows, CenterResults &results) const;
   // Of texels [first, …).
@@ -27,7 +30,8 @@ private:
   const Surface &surface_;
   double radius_;
   int threads_;
-  std::optional<CreasedSurface> creased_;
+  Facets facets_;
+  std::optional<CreasedSurface> creased_; // refers to them
   std::optional<NearCreases> near_;
 };
 

@@ -10,12 +10,15 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <vector>
 
-#include "mesh/ball_flood.h"
+#include "engine/creases/closed_forms.h"
+#include "engine/creases/edge_kernels.h"
+#include "engine/creases/facet_flood.h"
 #include "mesh/creases.h"
+#include "mesh/facets.h"
 #include "mesh/halfedge.h"
+#include "mesh/normal_gradient.h"
 #include "mesh/normals.h"
 #include "mesh/triangles.h"
 
@@ -27,6 +30,7 @@ struct CreasedSurface {
   const HalfEdges &half_edges;
   const Normals &normals;
   const Creases &creases;
+  const Facets &facets; // of these, or none
 };
 
 struct SolidCenter {
@@ -35,6 +39,9 @@ struct SolidCenter {
   int32_t triangle;
   int32_t point; // -1: it lies within the triangle
 };
+
+// A bend below this, in radians, and a turn of the normal within the radius, are none.
+inline constexpr double LEAST_BEND = 1e-8;
 
 struct SolidTensor {
   double weight = 0;             // 0 where no crease comes nearer than CREASE_REACH r, 1 where one meets the ball
@@ -48,16 +55,20 @@ public:
   SolidTensor at(const SolidCenter &center);
 
 private:
-  struct Tensor;
-  struct Seen;
-
-  struct PlaneTensor {
+  // Symmetric, in the tangent plane of the center.
+  struct Tensor {
     double xx = 0, xy = 0, yy = 0;
+    void add(double amount, dvec2 v);
   };
+  struct Sums {
+    Tensor hard, smooth; // of the solid, and of what bends little
+  };
+  struct Seen;
 
   // A triangle by itself.
   struct Face {
-    dvec3 normal, first, second; // unit; the latter two in its plane, the first along its edge 0; zero where it has no area
+    dvec3 normal;   // unit
+    PlaneAxes axes; // the first along its edge 0; zero where it has no area
     double twice_area;
     bool is_needle;       // which has the normal of what lies behind it
     double bend[3];       // at each half-edge, positive where it is convex; 0 at boundaries
@@ -67,22 +78,35 @@ private:
   };
 
   const Face &face(int32_t triangle);
-  PlaneTensor gradient_of(int32_t triangle, const Face &face) const;
   void start(const SolidCenter &center);
+  void flood(double radius);
   double nearest_crease() const;
   Seen see(int32_t triangle);
   void add_own_edges(Tensor &tensor);
-  void add_face(Tensor &tensor, const Seen &seen) const;
-  void add_smooth(Tensor &tensor, const Seen &seen) const;
-  void add_in_tangents(Tensor &tensor, const Face &face, const PlaneTensor &there, double amount) const;
+  void add_face(Sums &sums, const Seen &seen);
+  void add_smooth(Tensor &tensor, const Seen &seen);
+  double kernel_over_face(const Seen &seen);
+  // Of a facet: in solid_facets.cpp.
+  double height_over(const Facet &facet, const FacetPart &part) const;
+  bool add_small(Sums &sums, const Facet &facet, double height) const;
+  void cut(const FacetPart &part, double height);
+  double arcs_of(const FacetPart &part, double turn, bool is_cut) const;
+  void add_part(Sums &sums, const FacetPart &part);
+  // A plane's share, seen under an angle; a bend along an edge; what turns in a plane.
+  void add_plane(Tensor &tensor, dvec3 normal, double height, double amount) const;
+  void add_bend(Tensor &tensor, dvec3 normal, dvec3 along, double amount) const;
+  void add_turn(Tensor &tensor, dvec3 normal, const PlaneAxes &axes, const PlaneTensor &there, double amount) const;
+  bool turns(const PlaneTensor &gradient) const;
 
   CreasedSurface surface_;
   double radius_;
   SolidCenter center_{};
   double rounding_ = 0;       // of its coordinates
-  std::deque<Face> faces_;    // those that were looked at
+  std::vector<Face> faces_;   // those that were looked at
   std::vector<int32_t> face_; // (triangles) in faces_, or -1
-  BallFlood flood_;
+  FacetFlood flood_;
+  EdgeKernels edges_;
+  CutRegion region_; // of what was cut last
 };
 
 } // namespace paradesc

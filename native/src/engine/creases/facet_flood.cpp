@@ -1,0 +1,127 @@
+// Over sides and edges that meet the ball. A facet of which the ball may cut several parts is looked through by its triangles.
+#include "engine/creases/facet_flood.h"
+
+#include <utility>
+
+#include "mesh/ball_flood.h"
+
+namespace paradesc {
+
+FacetFlood::FacetFlood(const Triangles &triangles, const HalfEdges &half_edges, const Facets &facets)
+    : triangles_(triangles), half_edges_(half_edges), facets_(facets), mark_(static_cast<size_t>(triangles.triangle_count), 0),
+      met_(facets.facet.size()), side_mark_(facets.side.size(), 0) {}
+
+void FacetFlood::run(dvec3 center, int32_t point, int32_t triangle, double radius) {
+  center_ = center;
+  radius_ = radius;
+  ++places_;
+  reached_.clear();
+  sides_.clear();
+  parts_.clear();
+  own_facets_.clear();
+  if (point < 0) start(triangle);
+  const int32_t first = point < 0 ? -1 : half_edges_.point_half_edge[point];
+  for (int32_t corner = first; corner >= 0;) {
+    start(corner / 3);
+    corner = half_edges_.twin[previous_corner(corner)];
+    if (corner == first) break;
+  }
+  for (size_t triangles = 0, sides = 0; triangles < reached_.size() || sides < sides_.size();) {
+    if (sides < sides_.size()) {
+      cross(facets_.side[sides_[sides++]]);
+      continue;
+    }
+    const int32_t begin = 3 * reached_[triangles++];
+    for (int32_t edge = begin; edge < begin + 3; ++edge) cross(edge);
+  }
+}
+
+void FacetFlood::start(int32_t triangle) {
+  if (facets_.of_triangle[triangle] >= 0) own_facets_.push_back(facets_.of_triangle[triangle]);
+  reach(triangle);
+}
+
+void FacetFlood::reach(int32_t triangle) {
+  if (mark_[triangle] == places_) return;
+  const int32_t facet = facets_.of_triangle[triangle];
+  if (facet >= 0) {
+    if (!is_one(facet)) reach_part(triangle);
+    return;
+  }
+  mark_[triangle] = places_;
+  reached_.push_back(triangle);
+}
+
+// Whether the ball can cut but one part out of the facet; that is then reached.
+bool FacetFlood::is_one(int32_t index) {
+  Met &met = met_[index];
+  if (met.place == places_) return met.cut == Cut::one;
+  met = {places_, Cut::one};
+  const Facet &facet = facets_.facet[index];
+  const auto first = static_cast<int32_t>(sides_.size());
+  int entries = 0; // into the ball, each of another chain of sides
+  for (int32_t s = facet.side_begin; s < facet.side_end; ++s) {
+    const FacetSide &side = facets_.side[s];
+    if (!meets(side.begin, side.end)) continue;
+    sides_.push_back(s);
+    const dvec3 begin = side.begin - center_;
+    if (!(glm::dot(begin, begin) < radius_ * radius_)) ++entries;
+  }
+  if (facet.is_convex || entries <= 1) {
+    parts_.push_back({index, first, static_cast<int32_t>(sides_.size())});
+    return true;
+  }
+  met.cut = Cut::several;
+  sides_.resize(static_cast<size_t>(first));
+  return false;
+}
+
+// All of the part that holds a triangle.
+void FacetFlood::reach_part(int32_t triangle) {
+  const int32_t facet = facets_.of_triangle[triangle];
+  const auto first = static_cast<int32_t>(sides_.size());
+  mark_[triangle] = places_;
+  waiting_.assign(1, triangle);
+  while (!waiting_.empty()) {
+    const int32_t begin = 3 * waiting_.back();
+    waiting_.pop_back();
+    for (int32_t edge = begin; edge < begin + 3; ++edge) {
+      const int32_t side = facets_.side_of[edge], behind = half_edges_.twin[edge] / 3;
+      if (side < 0 && mark_[behind] == places_) continue;
+      if (!meets(edge)) continue;
+      if (side >= 0) {
+        if (std::exchange(side_mark_[side], places_) != places_) sides_.push_back(side);
+        continue;
+      }
+      mark_[behind] = places_;
+      waiting_.push_back(behind);
+    }
+  }
+  parts_.push_back({facet, first, static_cast<int32_t>(sides_.size())});
+}
+
+void FacetFlood::cross(int32_t half_edge) {
+  const int32_t twin = half_edges_.twin[half_edge];
+  if (twin < 0 || mark_[twin / 3] == places_) return;
+  const int32_t facet = facets_.of_triangle[twin / 3];
+  if (facet >= 0 && met_[facet].place == places_ && met_[facet].cut == Cut::one) return;
+  if (meets(half_edge)) reach(twin / 3);
+}
+
+void FacetFlood::cross(const FacetSide &side) {
+  const std::span<const int32_t> edges = facets_.half_edges(side);
+  if (half_edges_.twin[edges.front()] < 0 || (side.neighbor >= 0 && is_one(side.neighbor))) return;
+  for (const int32_t edge : edges) cross(edge);
+}
+
+bool FacetFlood::meets(dvec3 begin, dvec3 end) const {
+  const dvec3 a = begin - center_, b = end - center_;
+  const double square = radius_ * radius_;
+  return glm::dot(a, a) < square || glm::dot(b, b) < square || segment_distance(a, b) < radius_;
+}
+
+bool FacetFlood::meets(int32_t half_edge) const {
+  return meets(dvec3(triangles_.position(half_edge)), dvec3(triangles_.position(next_corner(half_edge))));
+}
+
+} // namespace paradesc

@@ -1,0 +1,65 @@
+// A place on the surface → what is connected to it within a ball: parts of facets, and triangles that are in none.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesh/facets.h"
+#include "mesh/halfedge.h"
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+// A connected part of a facet's cut with the ball.
+struct FacetPart {
+  int32_t facet;
+  int32_t begin, end; // of FacetFlood::sides, of those that meet the ball there
+};
+
+// What one thread keeps from place to place; the surface is borrowed.
+class FacetFlood {
+public:
+  FacetFlood(const Triangles &triangles, const HalfEdges &half_edges, const Facets &facets);
+
+  // From all around a point of the mesh, or from within a triangle (point: -1).
+  void run(dvec3 center, int32_t point, int32_t triangle, double radius);
+  std::span<const int32_t> triangles() const { return reached_; }
+  std::span<const FacetPart> parts() const { return parts_; }
+  std::span<const int32_t> sides(const FacetPart &part) const {
+    return std::span(sides_).subspan(static_cast<size_t>(part.begin), static_cast<size_t>(part.end - part.begin));
+  }
+  // Of the triangles at the start, one more than once perhaps.
+  std::span<const int32_t> own_facets() const { return own_facets_; }
+
+private:
+  enum class Cut : uint8_t { one, several };
+  struct Met {
+    int32_t place = 0; // the last that met it
+    Cut cut = Cut::one;
+  };
+
+  void start(int32_t triangle);
+  void reach(int32_t triangle);
+  bool is_one(int32_t facet);
+  void reach_part(int32_t triangle);
+  void cross(int32_t half_edge);
+  void cross(const FacetSide &side);
+  bool meets(dvec3 begin, dvec3 end) const;
+  bool meets(int32_t half_edge) const;
+
+  const Triangles &triangles_;
+  const HalfEdges &half_edges_;
+  const Facets &facets_;
+  dvec3 center_{0};
+  double radius_ = 0;
+  std::vector<int32_t> mark_;      // (triangles) the last place that reached it
+  std::vector<Met> met_;           // (facets)
+  std::vector<int32_t> side_mark_; // likewise, where a facet has several parts
+  int32_t places_ = 0;
+  std::vector<int32_t> reached_, sides_, own_facets_;
+  std::vector<FacetPart> parts_;
+  std::vector<int32_t> waiting_; // triangles of a part
+};
+
+} // namespace paradesc

@@ -1,0 +1,129 @@
+// Parts of facets in the ball → the tensor: by their sides alone, however many triangles they have.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/creases/solid.h"
+#include "mesh/ball_flood.h"
+#include "support/angle.h"
+
+namespace paradesc {
+
+namespace {
+
+// Of a function of the squared distance, over the area around a place far from the center, by moments up to the second;
+// slope and bend are its derivatives.
+double far_integral(const Facet &facet, dvec2 foot_to_middle, double value, double slope, double bend) {
+  const dvec2 m = foot_to_middle;
+  const PlaneTensor &s = facet.spread;
+  const double along = s.xx * m.x * m.x + 2 * s.xy * m.x * m.y + s.yy * m.y * m.y;
+  return facet.area * value + slope * (s.xx + s.yy) + 2 * bend * along;
+}
+
+// Whether it lies to the left of the facet's sides: a ray along the first axis leaves it once more than it enters.
+bool is_in(dvec2 place, const Facets &facets, const Facet &facet) {
+  bool inside = false;
+  for (int32_t s = facet.side_begin; s < facet.side_end; ++s) {
+    const FacetSide &side = facets.side[s];
+    const dvec2 a = facet.axes.of(side.begin - facet.middle) - place, b = facet.axes.of(side.end - facet.middle) - place;
+    if ((a.y > 0) != (b.y > 0) && (cross(a, b) > 0) == (b.y > a.y)) inside = !inside;
+  }
+  return inside;
+}
+
+} // namespace
+
+double SolidMeasure::height_over(const Facet &facet, const FacetPart &part) const {
+  const std::span<const int32_t> own = flood_.own_facets();
+  if (std::find(own.begin(), own.end(), part.facet) != own.end()) return 0;
+  const double height = glm::dot(facet.normal, facet.middle - center_.position);
+  // A center that needles put off the line between two others lies on what is behind them.
+  if (std::abs(height) < rounding_)
+    for (const int32_t index : flood_.sides(part)) {
+      const FacetSide &side = surface_.facets.side[index];
+      if (segment_distance(side.begin - center_.position, side.end - center_.position) < rounding_) return 0;
+    }
+  return height;
+}
+
+// Whether it was: small against its distance.
+bool SolidMeasure::add_small(Sums &sums, const Facet &facet, double height) const {
+  constexpr double small = 0.1, thin_rim = 0.05;
+  const dvec3 middle = facet.middle - center_.position;
+  const double rho2 = glm::dot(middle, middle), rho = std::sqrt(rho2), size = 2 * facet.reach;
+  if (!(size < small * (rho - facet.reach)) || !(rho + facet.reach <= radius_ || size < thin_rim * radius_)) return false;
+  const double power = 1 / (rho2 * rho), cube = radius_ * radius_ * radius_;
+  const double amount =
+      far_integral(facet, facet.axes.of(middle), power - 1 / cube, -1.5 * power / rho2, 3.75 * power / (rho2 * rho2));
+  add_plane(sums.hard, facet.normal, height, std::abs(height) * std::max(amount, 0.0));
+  add_turn(sums.smooth, facet.normal, facet.axes, facet.excess, kernel_at(rho2, radius_));
+  return true;
+}
+
+// The ball's part of a plane → region_.
+void SolidMeasure::cut(const FacetPart &part, double height) {
+  const Facet &facet = surface_.facets.facet[part.facet];
+  const double rim2 = radius_ * radius_ - height * height;
+  region_.radius = std::sqrt(rim2);
+  region_.segments.clear();
+  double turn = 0; // from where sides leave the ball to where they enter it
+  bool is_cut = false;
+  for (const int32_t index : flood_.sides(part)) {
+    const FacetSide &side = surface_.facets.side[index];
+    const dvec2 a = facet.axes.of(side.begin - center_.position), b = facet.axes.of(side.end - center_.position), way = b - a;
+    const bool begins = glm::dot(a, a) < rim2, ends = glm::dot(b, b) < rim2;
+    is_cut = is_cut || !begins || !ends;
+    if (begins && ends) {
+      region_.segments.emplace_back(a, b);
+      continue;
+    }
+    const double length2 = glm::dot(way, way), foot = -glm::dot(a, way) / length2, across = cross(a, way);
+    const double half2 = (rim2 - across * across / length2) / length2;
+    if (!(half2 > 0) && !begins && !ends) continue; // it touches the rim
+    const double half = std::sqrt(std::max(half2, 0.0));
+    const double from_here = begins ? 0 : std::clamp(foot - half, 0.0, 1.0), to = ends ? 1 : std::clamp(foot + half, 0.0, 1.0);
+    if (!(from_here < to)) continue;
+    const dvec2 begin = a + from_here * way, end = a + to * way;
+    region_.segments.emplace_back(begin, end);
+    if (!begins) turn += angle_of(begin.y, begin.x);
+    if (!ends) turn -= angle_of(end.y, end.x);
+  }
+  region_.arcs = arcs_of(part, turn, is_cut);
+}
+
+// What of the rim lies in the part of the facet, where some sides were cut by it: up to whole turns, the angles from each end of
+// sides to the next begin add up to what they differ by.
+double SolidMeasure::arcs_of(const FacetPart &part, double turn, bool is_cut) const {
+  const Facet &facet = surface_.facets.facet[part.facet];
+  const bool is_within = !is_cut && part.end - part.begin == facet.side_end - facet.side_begin;
+  if (!is_cut) return is_within ? 0 : 2 * pi;
+  const double arcs = turn - 2 * pi * std::floor(turn / (2 * pi));
+  constexpr double rounding = 1e-9;
+  if (std::min(arcs, 2 * pi - arcs) > rounding) return arcs;
+  // Sides only touch the rim: it is nowhere in the facet, or everywhere.
+  const auto is_inside = [&](int32_t index) {
+    const dvec3 p = surface_.facets.side[index].begin - center_.position;
+    return glm::dot(p, p) < radius_ * radius_ * (1 + rounding);
+  };
+  const std::span<const int32_t> sides = flood_.sides(part);
+  if (part.end - part.begin == facet.side_end - facet.side_begin && std::all_of(sides.begin(), sides.end(), is_inside)) return 0;
+  return is_in(facet.axes.of(center_.position - facet.middle), surface_.facets, facet) ? 2 * pi : 0;
+}
+
+void SolidMeasure::add_part(Sums &sums, const FacetPart &part) {
+  const Facet &facet = surface_.facets.facet[part.facet];
+  const double height = height_over(facet, part);
+  if (!(std::abs(height) < radius_) || add_small(sums, facet, height)) return;
+  for (const int32_t index : flood_.sides(part)) {
+    const FacetSide &side = surface_.facets.side[index];
+    if (side.is_crease || !(std::abs(side.bend) > LEAST_BEND)) continue;
+    const dvec3 begin = side.begin - center_.position, end = side.end - center_.position;
+    add_bend(sums.smooth, facet.normal, end - begin, side.bend * kernel_on_segment(begin, end, radius_));
+  }
+  const bool is_bent = turns(facet.gradient);
+  if (height == 0 && !is_bent) return;
+  cut(part, height);
+  if (height != 0) add_plane(sums.hard, facet.normal, height, seen_and_filled(region_, std::abs(height), radius_));
+  if (is_bent) add_turn(sums.smooth, facet.normal, facet.axes, facet.gradient, kernel_over(region_, height, radius_));
+}
+
+} // namespace paradesc

@@ -1,0 +1,328 @@
+// Facets grow from triangle to triangle, each by what those before have in common; then their outlines are traced and
+// straightened.
+#include "mesh/facets.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "support/angle.h"
+#include "support/cancel.h"
+
+namespace paradesc {
+
+namespace {
+
+// Of the largest coordinate: how far corners lie off a plane, and points off a line, by what computed and rounded them.
+constexpr double flatness = 1.0 / (1 << 20);
+// Normals of a facet are off what is linear by so much, and by what a quarter of that distance turns a triangle of this height.
+constexpr double least_turn = 1.0 / (1 << 19), most_turn = 1e-3, quarter = 0.25;
+
+struct Mesh {
+  const Triangles &triangles;
+  const HalfEdges &half_edges;
+  const Normals &normals;
+  const Creases &creases;
+  double flat; // a distance
+
+  dvec3 place(int32_t corner) const { return dvec3(triangles.position(corner)); }
+  dvec3 normal(int32_t corner) const { return dvec3(normals.corner(static_cast<size_t>(corner))); }
+  dvec3 product(int32_t triangle) const {
+    const dvec3 a = place(3 * triangle);
+    return glm::cross(place(3 * triangle + 1) - a, place(3 * triangle + 2) - a);
+  }
+  bool is_needle(int32_t triangle) const { return steady_face(triangles, half_edges, triangle) != triangle; }
+};
+
+// What the triangles of a facet have in common: sums over their area, and means that follow from them.
+class Common {
+public:
+  Common(const Mesh &mesh, int32_t seed, dvec3 product)
+      : mesh_(mesh), origin_(mesh.place(3 * seed)), normal_(glm::normalize(product)) {
+    axes_.first = glm::normalize(mesh.place(3 * seed + 1) - origin_);
+    axes_.second = glm::cross(normal_, axes_.first);
+    add(seed);
+  }
+
+  bool lies_in_plane(int32_t corner) const {
+    return std::abs(glm::dot(normal_, mesh_.place(corner) - origin_ - middle_)) <= mesh_.flat;
+  }
+
+  bool takes(int32_t triangle) const {
+    double longest = 0;
+    for (int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
+      if (!lies_in_plane(corner)) return false;
+      longest = std::max(longest, glm::distance(mesh_.place(corner), mesh_.place(next_corner(corner))));
+    }
+    const dvec3 product = mesh_.product(triangle);
+    constexpr double same_side = 0.9;
+    const double area = glm::length(product);
+    if (glm::dot(product, normal_) < same_side * area && !mesh_.is_needle(triangle)) return false;
+    const double turn = area > 0 ? std::min(least_turn + quarter * mesh_.flat * longest / area, most_turn) : most_turn;
+    for (int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
+      const dvec2 from_middle = axes_.of(mesh_.place(corner) - origin_ - middle_);
+      const dvec3 off =
+          mesh_.normal(corner) - mean_ - gradient_.along_first * from_middle.x - gradient_.along_second * from_middle.y;
+      if (glm::dot(off, off) > turn * turn) return false;
+    }
+    return true;
+  }
+
+  void add(int32_t triangle) {
+    const dvec3 product = mesh_.product(triangle);
+    const double twice_area = glm::length(product);
+    const NormalGradient gradient = gradient_times_twice_area(mesh_.triangles, mesh_.normals, triangle, axes_);
+    products_ += product;
+    twice_area_ += twice_area;
+    for (int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
+      places_ += twice_area / 3 * (mesh_.place(corner) - origin_);
+      normals_ += twice_area / 3 * mesh_.normal(corner);
+    }
+    gradients_.along_first += gradient.along_first;
+    gradients_.along_second += gradient.along_second;
+    normal_ = glm::normalize(products_);
+    middle_ = places_ / twice_area_;
+    mean_ = normals_ / twice_area_;
+    gradient_ = {gradients_.along_first / twice_area_, gradients_.along_second / twice_area_};
+  }
+
+  Facet facet() const {
+    Facet facet{};
+    facet.normal = normal_;
+    facet.middle = origin_ + middle_;
+    facet.axes.first = glm::normalize(axes_.first - normal_ * glm::dot(normal_, axes_.first));
+    facet.axes.second = glm::cross(normal_, facet.axes.first);
+    facet.area = 0.5 * twice_area_;
+    facet.gradient = gradient_.in(facet.axes);
+    facet.excess = {facet.area * facet.gradient.xx, facet.area * facet.gradient.xy, facet.area * facet.gradient.yy};
+    return facet;
+  }
+
+private:
+  const Mesh &mesh_;
+  dvec3 origin_;
+  PlaneAxes axes_{}; // of the first triangle
+  dvec3 normal_, middle_{0}, mean_{0};
+  NormalGradient gradient_{};
+  dvec3 products_{0}, places_{0}, normals_{0};
+  double twice_area_ = 0;
+  NormalGradient gradients_{};
+};
+
+// A line from here on that leaves all points before its end within a distance.
+class Sleeve {
+public:
+  Sleeve(dvec2 begin, double width) : begin_(begin), width_(width) {}
+
+  // Whether it can end there; then it does.
+  bool takes(dvec2 end) {
+    const dvec2 way = end - begin_;
+    const double length = glm::length(way);
+    if (is_open_ && (cross(low_, way) < 0 || cross(way, high_) < 0 || glm::dot(low_ + high_, way) < 0 || length < longest_))
+      return false;
+    longest_ = length;
+    if (!(length > width_)) return true;
+    const dvec2 across = dvec2(-way.y, way.x) * (width_ / length);
+    if (!is_open_ || cross(low_, way - across) > 0) low_ = way - across;
+    if (!is_open_ || cross(way + across, high_) > 0) high_ = way + across;
+    return is_open_ = true;
+  }
+
+private:
+  dvec2 begin_, low_{0}, high_{0};
+  double width_, longest_ = 0;
+  bool is_open_ = false;
+};
+
+class Building {
+public:
+  Building(const Mesh &mesh, Facets &facets) : mesh_(mesh), facets_(facets) {}
+
+  void grow(int32_t seed);
+  void trace();
+
+private:
+  int32_t behind(int32_t half_edge) const; // a facet; ~ a triangle that is in none; or ~ too many
+  bool is_outline(int32_t half_edge, int32_t facet) const {
+    return mesh_.creases.half_edge[half_edge] != 0 || behind(half_edge) != facet;
+  }
+  void trace(int32_t facet);
+  void add_loop(int32_t facet, int32_t half_edge);
+  void add_side(int32_t facet, std::span<const int32_t> half_edges);
+  void finish(int32_t facet, int loops);
+  bool is_convex(const Facet &facet) const;
+
+  const Mesh &mesh_;
+  Facets &facets_;
+  std::vector<int32_t> member_, member_begin_{0}; // triangles, facet after facet
+};
+
+void Building::grow(int32_t seed) {
+  if (facets_.of_triangle[seed] >= 0 || mesh_.half_edges.corner_point[3 * seed] < 0) return;
+  const dvec3 product = mesh_.product(seed);
+  if (!(glm::dot(product, product) > 0) || mesh_.is_needle(seed)) return;
+  const auto index = static_cast<int32_t>(facets_.facet.size());
+  const size_t first = member_.size();
+  Common common(mesh_, seed, product);
+  facets_.of_triangle[seed] = index;
+  member_.push_back(seed);
+  for (size_t looked = first; looked < member_.size(); ++looked)
+    for (int32_t edge = 3 * member_[looked], end = edge + 3; edge < end; ++edge) {
+      const int32_t twin = mesh_.half_edges.twin[edge];
+      if (twin < 0 || mesh_.creases.half_edge[edge] != 0 || facets_.of_triangle[twin / 3] >= 0) continue;
+      if (!common.lies_in_plane(previous_corner(twin)) || !common.takes(twin / 3)) continue;
+      common.add(twin / 3);
+      facets_.of_triangle[twin / 3] = index;
+      member_.push_back(twin / 3);
+    }
+  if (member_.size() == first + 1) {
+    member_.pop_back();
+    facets_.of_triangle[seed] = -1;
+    return;
+  }
+  member_begin_.push_back(static_cast<int32_t>(member_.size()));
+  facets_.facet.push_back(common.facet());
+}
+
+int32_t Building::behind(int32_t half_edge) const {
+  const int32_t twin = mesh_.half_edges.twin[half_edge];
+  if (twin < 0) return ~mesh_.triangles.triangle_count;
+  const int32_t facet = facets_.of_triangle[twin / 3];
+  return facet >= 0 ? facet : ~(twin / 3);
+}
+
+void Building::trace() {
+  if (facets_.facet.empty()) return;
+  facets_.side_of.assign(mesh_.half_edges.twin.size(), -1);
+  for (int32_t facet = 0; facet < static_cast<int32_t>(facets_.facet.size()); ++facet) {
+    if (facet % 1024 == 0) checkpoint();
+    trace(facet);
+  }
+}
+
+void Building::trace(int32_t facet) {
+  Facet &of = facets_.facet[facet];
+  of.side_begin = static_cast<int32_t>(facets_.side.size());
+  int loops = 0;
+  for (int32_t m = member_begin_[facet]; m < member_begin_[facet + 1]; ++m)
+    for (int32_t edge = 3 * member_[m], end = edge + 3; edge < end; ++edge) {
+      if (facets_.side_of[edge] >= 0 || !is_outline(edge, facet)) continue;
+      add_loop(facet, edge);
+      ++loops;
+    }
+  of.side_end = static_cast<int32_t>(facets_.side.size());
+  finish(facet, loops);
+}
+
+void Building::add_loop(int32_t facet, int32_t half_edge) {
+  std::vector<int32_t> loop;
+  for (int32_t edge = half_edge; loop.empty() || edge != half_edge;) {
+    loop.push_back(edge);
+    for (edge = next_corner(edge); !is_outline(edge, facet);) edge = next_corner(mesh_.half_edges.twin[edge]);
+  }
+  const Facet &of = facets_.facet[facet];
+  const auto place = [&](int32_t corner) { return of.axes.of(mesh_.place(corner) - of.middle); };
+  const auto goes_on = [&](Sleeve &sleeve, int32_t before, int32_t edge) {
+    return behind(edge) == behind(before) && mesh_.creases.half_edge[edge] == mesh_.creases.half_edge[before] &&
+           sleeve.takes(place(next_corner(edge)));
+  };
+  for (size_t i = 0; i < loop.size(); ++i) { // so that it starts where a side does
+    const int32_t before = i == 0 ? loop.back() : loop[i - 1];
+    Sleeve sleeve(place(before), mesh_.flat);
+    sleeve.takes(place(loop[i]));
+    if (goes_on(sleeve, before, loop[i])) continue;
+    std::rotate(loop.begin(), loop.begin() + static_cast<ptrdiff_t>(i), loop.end());
+    break;
+  }
+  for (size_t begin = 0, end = 0; begin < loop.size(); begin = end) {
+    Sleeve sleeve(place(loop[begin]), mesh_.flat);
+    sleeve.takes(place(next_corner(loop[begin])));
+    for (end = begin + 1; end < loop.size() && goes_on(sleeve, loop[begin], loop[end]);) ++end;
+    add_side(facet, std::span(loop).subspan(begin, end - begin));
+  }
+}
+
+void Building::add_side(int32_t facet, std::span<const int32_t> half_edges) {
+  const int32_t first = half_edges.front(), twin = mesh_.half_edges.twin[first];
+  FacetSide side{mesh_.place(first), mesh_.place(next_corner(half_edges.back())), 0, -1, 0, 0, false};
+  if (twin >= 0) {
+    side.neighbor = facets_.of_triangle[twin / 3];
+    const dvec3 other =
+        side.neighbor >= 0 ? facets_.facet[side.neighbor].normal : steady_normal(mesh_.triangles, mesh_.half_edges, twin / 3);
+    side.bend = bend_between(facets_.facet[facet].normal, other, side.end - side.begin);
+  }
+  side.half_edge = static_cast<int32_t>(facets_.outline.size());
+  side.half_edges = static_cast<int32_t>(half_edges.size());
+  side.is_crease = mesh_.creases.half_edge[first] != 0;
+  for (const int32_t edge : half_edges) facets_.side_of[edge] = static_cast<int32_t>(facets_.side.size());
+  facets_.outline.insert(facets_.outline.end(), half_edges.begin(), half_edges.end());
+  facets_.side.push_back(side);
+}
+
+void Building::finish(int32_t index, int loops) {
+  Facet &facet = facets_.facet[index];
+  facet.is_convex = loops == 1 && is_convex(facet);
+  for (int32_t m = member_begin_[index]; m < member_begin_[index + 1]; ++m) {
+    std::array<dvec2, 4> corners{}; // and their sum
+    for (int32_t k = 0; k < 3; ++k) {
+      const dvec3 from_middle = mesh_.place(3 * member_[m] + k) - facet.middle;
+      facet.reach = std::max(facet.reach, glm::length(from_middle));
+      corners[k] = facet.axes.of(from_middle);
+      corners[3] += corners[k];
+    }
+    const double share = std::abs(cross(corners[1] - corners[0], corners[2] - corners[0])) / 24;
+    for (const dvec2 &x : corners) {
+      facet.spread.xx += share * x.x * x.x;
+      facet.spread.xy += share * x.x * x.y;
+      facet.spread.yy += share * x.y * x.y;
+    }
+  }
+  for (int32_t s = facet.side_begin; s < facet.side_end; ++s) {
+    const FacetSide &side = facets_.side[s];
+    const dvec2 along = facet.axes.of(side.end - side.begin);
+    const double length = glm::length(along);
+    if (side.is_crease || !(length > 0)) continue;
+    const double share = 0.5 * side.bend / length;
+    facet.excess.xx -= share * along.y * along.y;
+    facet.excess.xy += share * along.x * along.y;
+    facet.excess.yy -= share * along.x * along.x;
+  }
+}
+
+// Of one loop. Corners that point inwards by no more than what is flat do not count, unless many do.
+bool Building::is_convex(const Facet &facet) const {
+  double turned = 0;
+  for (int32_t s = facet.side_begin; s < facet.side_end; ++s) {
+    const FacetSide &side = facets_.side[s], &next = facets_.side[s + 1 < facet.side_end ? s + 1 : facet.side_begin];
+    const dvec2 here = facet.axes.of(side.end - side.begin), there = facet.axes.of(next.end - next.begin);
+    const double turn = cross(here, there);
+    if (turn < -mesh_.flat * std::max(glm::length(here), glm::length(there))) return false;
+    turned += std::abs(angle_of(turn, glm::dot(here, there)));
+  }
+  constexpr double rounding = 1e-3;
+  return turned < 2 * pi + rounding;
+}
+
+} // namespace
+
+Facets no_facets(const Triangles &triangles) {
+  Facets facets;
+  facets.of_triangle.assign(static_cast<size_t>(triangles.triangle_count), -1);
+  return facets;
+}
+
+Facets find_facets(const Triangles &triangles, const HalfEdges &half_edges, const Normals &normals, const Creases &creases) {
+  Facets facets = no_facets(triangles);
+  const Box box = bounding_box(triangles, half_edges);
+  const dvec3 largest = glm::max(glm::abs(box.low), glm::abs(box.high));
+  const Mesh mesh{triangles, half_edges, normals, creases, flatness * std::max({largest.x, largest.y, largest.z})};
+  Building building(mesh, facets);
+  for (int32_t t = 0; t < triangles.triangle_count; ++t) {
+    if (t % 1024 == 0) checkpoint();
+    building.grow(t);
+  }
+  building.trace();
+  return facets;
+}
+
+} // namespace paradesc
