@@ -15,8 +15,8 @@ namespace {
 
 // Of the largest coordinate: how far corners lie off a plane, and points off a line, by what computed and rounded them.
 constexpr double flatness = 1.0 / (1 << 20);
-// Normals of a facet are off what is linear by so much, and by what a quarter of that distance turns a triangle of this height.
-constexpr double least_turn = 1.0 / (1 << 19), most_turn = 1e-3, quarter = 0.25;
+// Normals of a facet are off what is linear by so much, and by what a sixteenth of that distance turns a triangle of this height.
+constexpr double least_turn = 1.0 / (1 << 19), most_turn = 1e-3, sixteenth = 0.0625;
 
 struct Mesh {
   const Triangles &triangles;
@@ -58,7 +58,7 @@ public:
     constexpr double same_side = 0.9;
     const double area = glm::length(product);
     if (glm::dot(product, normal_) < same_side * area && !mesh_.is_needle(triangle)) return false;
-    const double turn = area > 0 ? std::min(least_turn + quarter * mesh_.flat * longest / area, most_turn) : most_turn;
+    const double turn = area > 0 ? std::min(least_turn + sixteenth * mesh_.flat * longest / area, most_turn) : most_turn;
     for (int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
       const dvec2 from_middle = axes_.of(mesh_.place(corner) - origin_ - middle_);
       const dvec3 off =

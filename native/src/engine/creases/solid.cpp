@@ -87,7 +87,7 @@ const SolidMeasure::Face &SolidMeasure::face(int32_t triangle) {
     face.excess = {area * face.gradient.xx, area * face.gradient.xy, area * face.gradient.yy};
   }
   for (int32_t k = 0; k < 3; ++k) {
-    face.bend[k] = bend_at(surface_.triangles, surface_.half_edges, 3 * triangle + k);
+    face.bend[k] = bend_of(3 * triangle + k);
     face.is_crease[k] = surface_.creases.half_edge[3 * triangle + k] != 0;
     const dvec3 along =
         dvec3(surface_.triangles.position(3 * triangle + next_corner(k))) - dvec3(surface_.triangles.position(3 * triangle + k));
@@ -100,6 +100,18 @@ const SolidMeasure::Face &SolidMeasure::face(int32_t triangle) {
   }
   faces_.push_back(face);
   return faces_.back();
+}
+
+// Where a facet lies on either side, its plane counts, not that of a triangle that it stands for.
+double SolidMeasure::bend_of(int32_t half_edge) const {
+  const Facets &facets = surface_.facets;
+  const int32_t twin = surface_.half_edges.twin[half_edge];
+  for (const int32_t edge : {half_edge, twin})
+    if (edge >= 0 && facets.of_triangle[edge / 3] >= 0) {
+      const int32_t side = facets.side_of[edge];
+      return side >= 0 ? facets.side[side].bend : 0;
+    }
+  return bend_at(surface_.triangles, surface_.half_edges, half_edge);
 }
 
 SolidMeasure::Seen SolidMeasure::see(int32_t triangle) {

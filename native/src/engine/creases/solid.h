@@ -78,6 +78,7 @@ private:
   };
 
   const Face &face(int32_t triangle);
+  double bend_of(int32_t half_edge) const;
   void start(const SolidCenter &center);
   void flood(double radius);
   double nearest_crease() const;
