@@ -285,8 +285,10 @@ void SolidMeasure::add_turn(Tensor &tensor, dvec3 normal, const PlaneAxes &axes,
   tensor.yy += amount * (there.xx * u.y * u.y + 2 * there.xy * u.y * v.y + there.yy * v.y * v.y);
 }
 
+// By more than what rounds normals, within the radius; H is off by no more than this over the radius.
 bool SolidMeasure::turns(const PlaneTensor &gradient) const {
-  return std::max({std::abs(gradient.xx), std::abs(gradient.xy), std::abs(gradient.yy)}) * radius_ > LEAST_BEND;
+  constexpr double least_turn = 1e-6;
+  return std::max({std::abs(gradient.xx), std::abs(gradient.xy), std::abs(gradient.yy)}) * radius_ > least_turn;
 }
 
 } // namespace paradesc

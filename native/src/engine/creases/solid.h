@@ -40,7 +40,7 @@ struct SolidCenter {
   int32_t point; // -1: it lies within the triangle
 };
 
-// A bend below this, in radians, and a turn of the normal within the radius, are none.
+// A bend below this, in radians, is none.
 inline constexpr double LEAST_BEND = 1e-8;
 
 struct SolidTensor {
