@@ -108,14 +108,21 @@ TEST(Facets, stand_for_their_triangles) {
   cylinder.expect_alike(0.3, 3e-5); // single triangles count where they are small at a few points of theirs
 }
 
-// The top around a pit: balls cut several parts out of it, or all of the pit.
+// A box whose top is pushed down where it is near its middle.
+Subject pushed_in(vec2 half, float bottom) {
+  Triangles list = box(10);
+  for (vec3 &p : list.positions)
+    if (p.z > 0.99f && std::abs(p.x) < half.x && std::abs(p.y) < half.y) p.z = bottom;
+  return Subject(std::move(list));
+}
+
+// The top around a pit, and around a slot so deep that a ball beside it cuts two parts out of the top, of which it reaches one.
 TEST(Facets, that_are_not_convex_stand_for_their_triangles) {
-  Triangles pit = box(10);
-  for (vec3 &p : pit.positions)
-    if (p.z > 0.99f && std::max(std::abs(p.x), std::abs(p.y)) < 0.6f) p.z = 0.7f;
-  const Subject subject(std::move(pit));
-  EXPECT_TRUE(std::ranges::any_of(subject.facets.facet, [](const Facet &facet) { return !facet.is_convex; }));
-  for (const double r : {0.2, 0.45, 0.9, 1.3, 3.0}) subject.expect_alike(r, 2e-5);
+  const Subject pit = pushed_in({0.7f, 0.5f}, 0.7f), slot = pushed_in({0.1f, 0.7f}, -0.2f);
+  for (const Subject *subject : {&pit, &slot})
+    EXPECT_TRUE(std::ranges::any_of(subject->facets.facet, [](const Facet &facet) { return !facet.is_convex; }));
+  for (const double r : {0.25, 0.9, 3.0}) pit.expect_alike(r, 2e-5);
+  slot.expect_alike(0.45, 2e-5);
 }
 
 } // namespace

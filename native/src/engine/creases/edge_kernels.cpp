@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "engine/creases/closed_forms.h"
 
@@ -11,16 +10,35 @@ namespace paradesc {
 
 void EdgeKernels::start() {
   ++centers_;
+  taken_ = 0;
   nodes_.clear();
 }
 
-const EdgeKernel &EdgeKernels::at(int32_t half_edge, int32_t twin, dvec3 begin, dvec3 end) {
-  Slot &slot = edge_[twin < 0 ? half_edge : std::min(half_edge, twin)];
-  if (std::exchange(slot.center, centers_) == centers_) return slot.kernel;
-  slot.kernel = {0, static_cast<int32_t>(nodes_.size()), 0};
+EdgeKernel EdgeKernels::at(int32_t half_edge, int32_t twin, dvec3 begin, dvec3 end) {
+  const int32_t edge = twin < 0 ? half_edge : std::min(half_edge, twin);
+  if (2 * taken_ > slots_.size()) grow();
+  Slot &slot = slot_of(edge);
+  if (slot.center == centers_) return slot.kernel;
+  ++taken_;
+  slot = {centers_, edge, {0, static_cast<int32_t>(nodes_.size()), 0}};
   add_nodes(slot.kernel, begin, end);
   slot.kernel.end = static_cast<int32_t>(nodes_.size());
   return slot.kernel;
+}
+
+EdgeKernels::Slot &EdgeKernels::slot_of(int32_t half_edge) {
+  constexpr uint32_t golden = 2654435769u; // of 2^32, so that neighbors lie apart
+  const size_t last = slots_.size() - 1;
+  size_t i = (static_cast<uint32_t>(half_edge) * golden >> 8) & last;
+  while (slots_[i].center == centers_ && slots_[i].half_edge != half_edge) i = (i + 1) & last;
+  return slots_[i];
+}
+
+void EdgeKernels::grow() {
+  std::vector<Slot> before(2 * slots_.size());
+  before.swap(slots_);
+  for (const Slot &slot : before)
+    if (slot.center == centers_) slot_of(slot.half_edge) = slot;
 }
 
 void EdgeKernels::add_nodes(EdgeKernel &kernel, dvec3 begin, dvec3 end) {

@@ -23,26 +23,30 @@ struct EdgeKernel {
 // What one thread keeps from center to center.
 class EdgeKernels {
 public:
-  EdgeKernels(size_t half_edges, double radius) : radius_(radius), edge_(half_edges) {}
+  explicit EdgeKernels(double radius) : radius_(radius), slots_(1 << 8) {}
 
   void start(); // at another center
   // From the center; an edge goes by the smaller of its half-edges.
-  const EdgeKernel &at(int32_t half_edge, int32_t twin, dvec3 begin, dvec3 end);
+  EdgeKernel at(int32_t half_edge, int32_t twin, dvec3 begin, dvec3 end);
   // What belongs to the edge of the kernel's integral over a face at this height. across: of the face's plane, from the foot of
   // the center to the edge's line, positive where the foot is to the left.
   double over(const EdgeKernel &edge, double height, double across) const;
 
 private:
   struct Slot {
-    int32_t center = 0; // the last that asked
+    int32_t center = 0; // the last that took it
+    int32_t half_edge = 0;
     EdgeKernel kernel;
   };
 
+  Slot &slot_of(int32_t half_edge); // its own, or a free one
+  void grow();
   void add_nodes(EdgeKernel &kernel, dvec3 begin, dvec3 end);
 
   double radius_;
   int32_t centers_ = 0;
-  std::vector<Slot> edge_;
+  std::vector<Slot> slots_; // by hashes, a power of two of them: at most half are taken
+  size_t taken_ = 0;
   std::vector<KernelNode> nodes_;
 };
 

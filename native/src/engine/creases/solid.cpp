@@ -61,7 +61,7 @@ struct SolidMeasure::Seen {
 
 SolidMeasure::SolidMeasure(const CreasedSurface &surface, double radius)
     : surface_(surface), radius_(radius), face_(static_cast<size_t>(surface.triangles.triangle_count), -1),
-      flood_(surface.triangles, surface.half_edges, surface.facets), edges_(surface.half_edges.twin.size(), radius) {}
+      flood_(surface.triangles, surface.half_edges, surface.facets), edges_(radius) {}
 
 const SolidMeasure::Face &SolidMeasure::face(int32_t triangle) {
   int32_t &index = face_[triangle];
