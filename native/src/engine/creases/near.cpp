@@ -24,7 +24,7 @@ NearCreases::NearCreases(const CreasedSurface &surface, double radius)
       low = glm::min(low, dvec3(surface.triangles.position(corner)));
       high = glm::max(high, dvec3(surface.triangles.position(corner)));
     }
-  constexpr double most_cells = 128;                             // along a side: creases may be long against the radius
+  constexpr double most_cells = 128; // along a side: creases may be long against the radius
   constexpr double above_0 = std::numeric_limits<double>::min(); // of surfaces that are one point
   cell_ = std::max({cell_, glm::length(high - low) / most_cells, above_0});
   low_ = low - 2.0 * cell_;

@@ -139,15 +139,14 @@ SolidMeasure::Seen SolidMeasure::see(int32_t triangle) {
 
 SolidTensor SolidMeasure::at(const SolidCenter &center) {
   start(center);
+  SolidTensor result{1};
   flood(radius_);
-  double nearest = nearest_crease();
-  if (nearest > radius_) {
+  if (nearest_crease() > radius_) {
     flood(CREASE_REACH * radius_);
-    nearest = nearest_crease();
+    result.weight = smooth_step((CREASE_REACH - nearest_crease() / radius_) / (CREASE_REACH - 1));
+    if (!(result.weight > 0)) return result;
     flood(radius_);
   }
-  SolidTensor result{smooth_step((CREASE_REACH - nearest / radius_) / (CREASE_REACH - 1))};
-  if (!(result.weight > 0)) return result;
   Sums sums;
   if (center.point >= 0) add_own_edges(sums.hard);
   for (const int32_t triangle : flood_.triangles()) {
@@ -245,7 +244,7 @@ void SolidMeasure::add_smooth(Tensor &tensor, const Seen &seen) {
   add_turn(tensor, face.normal, face.axes, face.gradient, amount);
 }
 
-// Cut already.
+// The face is cut already: region_ has its arcs.
 double SolidMeasure::kernel_over_face(const Seen &seen) {
   double sum =
       region_.arcs * (kernel_values(radius_ * radius_, radius_).up_to - kernel_values(seen.height * seen.height, radius_).up_to);
