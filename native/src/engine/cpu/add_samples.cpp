@@ -33,10 +33,11 @@ inline uint32_t bits_of(const Choices &choices) {
 // ---- Which samples
 
 // Whether the surface may come nearer to the center on a sample than around it: there the way to the center is one of the
-// surface's normals, or lies between them, which lean from that of the face by its turn at most.
-inline Choices may_be_nearest(const Lanes &square, const Lanes &height, const Lanes &foot, const Lanes &turn) {
+// surface's normals, or lies between them, which lean from that of the face by its turn at most. From that face the surface rises
+// by its turn as far as it reaches.
+inline Choices may_be_nearest(const Lanes &square, const Lanes &height, const Lanes &reach, const Lanes &turn) {
   constexpr float normals_length = 0.95f; // squared, at least: of mean normals
-  const Lanes turned = foot + turn * max(height, -1.0f * height);
+  const Lanes turned = reach + turn * (turn * reach + max(height, -1.0f * height));
   return square - height * height * (1.0f / normals_length) < turned * turned;
 }
 
@@ -78,14 +79,14 @@ inline void select_of_block(const SampleBlock &block, int32_t number, const Vect
     const Vector<3, Lanes> corners[3] = {load3(block.corner[0], first) - center, load3(block.corner[1], first) - center,
                                          load3(block.corner[2], first) - center};
     const Vector<3, Lanes> offset = (corners[0] + corners[1] + corners[2]) * (1.0f / 3.0f);
-    const Lanes square = square_of(offset), beyond = radius + load(block.foot + first);
+    const Lanes square = square_of(offset), reach = load(block.reach + first), beyond = radius + reach;
     const uint32_t near = bits_of(square < beyond * beyond);
     if (near == 0) continue;
     const Choices in[3] = {square_of(corners[0]) < radius * radius, square_of(corners[1]) < radius * radius,
                            square_of(corners[2]) < radius * radius};
     const uint32_t all = near & bits_of(in[0] && in[1] && in[2]), some = near & bits_of(in[0] || in[1] || in[2]);
-    const uint32_t nearest = near & bits_of(may_be_nearest(square, dot(offset, load3(block.face, first)),
-                                                           load(block.foot + first), load(block.turn + first)));
+    const Lanes height = dot(offset, load3(block.face, first));
+    const uint32_t nearest = near & bits_of(may_be_nearest(square, height, reach, load(block.turn + first)));
     wholes |= all << first;
     to.cuts = append(some & ~all, index + first, to.cut, to.cuts);
     if (nearest != 0) to.nearests = append(nearest, index + first, to.nearest, to.nearests);

@@ -18,7 +18,7 @@ struct alignas(16) FlatSample {
   float position[3], area;
   float normal[3], turn;
   float along[2][3], normal_along[2][3];
-  float face[3], reach, foot;
+  float face[3], reach;
   int32_t surfel; // of which it is, or is part
 };
 
@@ -37,7 +37,7 @@ struct SumCenter {
 // Samples side by side: what is asked of them before they are read, and all that the shape operator needs of those that lie in
 // the ball.
 struct alignas(64) SampleBlock {
-  float corner[3][3][block_lanes], face[3][block_lanes], turn[block_lanes], foot[block_lanes];
+  float corner[3][3][block_lanes], face[3][block_lanes], turn[block_lanes], reach[block_lanes];
   float normal[3][block_lanes], area[block_lanes];
   float turning[6][block_lanes]; // their area times how normals vary with positions: xx, yy, zz, xy + yx, xz + zx, yz + zy
 };

@@ -39,7 +39,6 @@ Sample sample_of_triangle(const vec3 *corners, const vec3 *normals, float lean) 
   for (int k = 0; k < 3; ++k) square = std::max(square, dot(corners[k] - sample.position, corners[k] - sample.position));
   sample.reach = std::sqrt(square);
   sample.turn = tangent(lean);
-  sample.foot = sample.reach;
   return sample;
 }
 
@@ -79,7 +78,6 @@ Sample sample_of(const Cluster &cluster, float lean) {
   sample.area = cluster.area;
   sample.reach = cluster.reach;
   sample.turn = tangent(lean);
-  sample.foot = cluster.reach * (1.0f + sample.turn * sample.turn); // it may rise by its turn as far as it reaches
   const vec3 n = unit_or(cluster.face, vec3(0.0f, 0.0f, 1.0f));
   const vec3 first = tangent_of(n), second = cross(n, first);
   const vec3 of_first = cluster.variance * first;

@@ -16,7 +16,6 @@ struct Sample {
   float area = 0;
   float reach = 0; // no point of it is farther from its position
   float turn = 0;  // no triangle of it, or around it, leans from face by an angle of a larger tangent
-  float foot = 0;  // in the plane of face, no point is farther from the way through its position along one of its normals
 };
 
 // corners, normals: at each of three, in turning order; between them normals have the directions of what is linear. lean: how far

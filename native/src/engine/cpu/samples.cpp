@@ -19,7 +19,6 @@ FlatSample flat(const Sample &sample, int32_t surfel) {
   to.area = sample.area;
   to.reach = sample.reach;
   to.turn = sample.turn;
-  to.foot = sample.foot;
   to.surfel = surfel;
   return to;
 }
@@ -35,7 +34,7 @@ SampleBlock block_of(std::span<const FlatSample> samples) {
   SampleBlock block;
   constexpr float nowhere = 1e18f;
   std::fill_n(&block.corner[0][0][0], sizeof block.corner / sizeof(float), nowhere);
-  for (auto *column : {block.face[0], block.face[1], block.face[2], block.turn, block.foot, block.normal[0], block.normal[1],
+  for (auto *column : {block.face[0], block.face[1], block.face[2], block.turn, block.reach, block.normal[0], block.normal[1],
                        block.normal[2], block.area})
     std::fill_n(column, block_lanes, 0.0f);
   std::fill_n(&block.turning[0][0], 6 * block_lanes, 0.0f);
@@ -57,7 +56,7 @@ SampleBlock block_of(std::span<const FlatSample> samples) {
     block.turning[4][i] = turning(0, 2) + turning(2, 0);
     block.turning[5][i] = turning(1, 2) + turning(2, 1);
     block.turn[i] = samples[i].turn;
-    block.foot[i] = samples[i].foot;
+    block.reach[i] = samples[i].reach;
   }
   return block;
 }
