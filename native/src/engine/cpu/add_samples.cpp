@@ -120,6 +120,22 @@ BallBits find_balls(const Balls &balls, const float *middle, float reach) {
   return bits;
 }
 
+// As BallEdges::meets() has it.
+uint64_t balls_of_edge(const Balls &balls, const float *from, const float *to) {
+  const Vector<3, Lanes> a = all(from), b = all(to);
+  const float square = balls.radius * balls.radius;
+  uint64_t bits = 0;
+  for (int first = 0; first < balls.count; first += lane_count) {
+    const Vector<3, Lanes> center = load3(balls.center, first), of_a = a - center, of_b = b - center, way = of_b - of_a;
+    const Lanes beyond_a = square_of(of_a) - square, beyond_b = square_of(of_b) - square;
+    const Lanes along = -1.0f * dot(of_a, way), length = square_of(way);
+    const Choices meets =
+        beyond_a < 0.0f || beyond_b < 0.0f || (along > 0.0f && along < length && beyond_a * length < along * along);
+    bits |= uint64_t{bits_of(meets)} << first;
+  }
+  return bits;
+}
+
 // ---- Their sums
 
 template <class Wide> struct Adder {
@@ -387,7 +403,7 @@ constexpr AddSamples by_kind[sum_kinds] = {add_samples<FitKernel, adds_blocks(Su
 #define JOIN(a, b) a##b
 #define SUMS_OF(target) JOIN(sums_of_, target)
 extern const SumTarget SUMS_OF(KERNEL_TARGET);
-const SumTarget SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), select, find_balls, by_kind};
+const SumTarget SUMS_OF(KERNEL_TARGET){TARGET_NAME(KERNEL_TARGET), select, find_balls, balls_of_edge, by_kind};
 
 } // namespace KERNEL_TARGET
 } // namespace paradesc::kernels

@@ -106,12 +106,15 @@ struct BallBits {
   uint64_t within, touched;
 };
 using FindBalls = BallBits (*)(const Balls &balls, const float *middle, float reach);
+// A bit for each of them: whether the edge between these two points meets the ball.
+using BallsOfEdge = uint64_t (*)(const Balls &balls, const float *from, const float *to);
 
 // One set of instructions.
 struct SumTarget {
   const char *name;
   SelectSamples select;
   FindBalls find_balls;
+  BallsOfEdge balls_of_edge;
   const AddSamples *by_kind; // (sum_kinds)
 };
 // Those that this processor has, the widest first.

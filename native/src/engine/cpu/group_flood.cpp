@@ -1,7 +1,6 @@
 // Within balls first, where no edge has to be looked at; then over the edges that the rims of balls cut.
 #include "engine/cpu/group_flood.h"
 
-#include <bit>
 #include <limits>
 #include <utility>
 
@@ -10,14 +9,13 @@ namespace paradesc {
 void GroupFlood::run(const TreeCenters &centers, std::span<const int32_t> chosen) {
   ++floods_;
   met_.clear();
-  centers_.clear();
+  balls_.count = 0;
   constexpr float nowhere = 1e18f;
   for (auto &column : balls_.center) std::fill_n(column, max_balls, nowhere);
   for (const int32_t i : chosen) {
-    for (int axis = 0; axis < 3; ++axis) balls_.center[axis][centers_.size()] = centers[i].position[axis];
-    centers_.push_back(centers[i].position);
+    for (int axis = 0; axis < 3; ++axis) balls_.center[axis][balls_.count] = centers[i].position[axis];
+    ++balls_.count;
   }
-  balls_.count = static_cast<int32_t>(centers_.size());
   balls_.radius = edges_.surfels.radius;
   for (size_t i = 0; i < chosen.size(); ++i)
     reach(meet(edges_.surfels.triangle_surfel[centers[chosen[i]].triangle]), uint64_t{1} << i);
@@ -35,7 +33,7 @@ size_t GroupFlood::meet(int32_t surfel) {
   if (std::exchange(mark.flood, floods_) == floods_) return static_cast<size_t>(mark.place);
   mark.place = static_cast<int32_t>(met_.size());
   const Surfel &of = edges_.surfels.surfel[surfel];
-  const BallBits bits = find_balls_(balls_, &of.position.x, of.reach);
+  const BallBits bits = target_.find_balls(balls_, &of.position.x, of.reach);
   met_.push_back({surfel, false, bits.within, bits.touched, 0});
   return met_.size() - 1;
 }
@@ -60,9 +58,14 @@ void GroupFlood::leave(size_t place) {
 
 void GroupFlood::cross_rim(const Rim &rim) {
   const size_t behind = meet(edges_.surfels.neighbor[rim.neighbor]);
+  const uint64_t open = met_[rim.from].reached & ~met_[behind].reached & met_[behind].touched;
   uint64_t over = 0;
-  for (uint64_t open = met_[rim.from].reached & ~met_[behind].reached & met_[behind].touched; open != 0; open &= open - 1)
-    if (edges_.meets_between(rim.neighbor, centers_[static_cast<size_t>(std::countr_zero(open))])) over |= open & -open;
+  for (int32_t k = edges_.surfels.edge_begin[rim.neighbor];
+       k < edges_.surfels.edge_begin[rim.neighbor + 1] && (open & ~over) != 0; ++k) {
+    const int32_t half_edge = edges_.surfels.edge[k];
+    const vec3 from = edges_.source.position(half_edge), to = edges_.source.position(next_corner(half_edge));
+    over |= open & target_.balls_of_edge(balls_, &from.x, &to.x);
+  }
   if (over != 0) reach(behind, over);
 }
 

@@ -13,14 +13,18 @@ namespace paradesc {
 // What one thread keeps from group to group.
 class GroupFlood {
 public:
-  GroupFlood(BallEdges edges, FindBalls find_balls)
-      : edges_(edges), find_balls_(find_balls), mark_(edges.surfels.surfel.size()) {}
+  GroupFlood(BallEdges edges, const SumTarget &target) : edges_(edges), target_(target), mark_(edges.surfels.surfel.size()) {}
 
   // From the triangles of these centers, over edges that meet their balls.
   void run(const TreeCenters &centers, std::span<const int32_t> chosen);
   bool is_reached(int32_t surfel, size_t i) const { // from the center chosen[i]
     const Mark mark = mark_[surfel];
     return mark.flood == floods_ && (met_[mark.place].reached >> i & 1) != 0;
+  }
+  // A bit for each of the centers: the surfel may lie in its ball, and is not reached from it.
+  uint64_t missed(int32_t surfel) const {
+    const Mark mark = mark_[surfel];
+    return mark.flood == floods_ ? met_[mark.place].touched & ~met_[mark.place].reached : ~uint64_t{0};
   }
 
 private:
@@ -42,9 +46,8 @@ private:
   void cross_rim(const Rim &rim);
 
   BallEdges edges_;
-  FindBalls find_balls_;
+  SumTarget target_;
   Balls balls_{};
-  std::vector<vec3> centers_;
   struct Mark {
     int32_t flood = 0; // the last that met it
     int32_t place = 0; // in met_

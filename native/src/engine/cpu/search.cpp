@@ -12,7 +12,7 @@ namespace paradesc {
 Search::Search(const SurfelSource &source, const Surfels &surfels, const SurfaceSamples &samples, const SumTarget &target,
                bool by_blocks)
     : source_(source), surfels_(surfels), samples_(samples), target_(target), by_blocks_(by_blocks), edges_{source, surfels},
-      cell_mark_(surfels.cell_sphere.size(), 0), mark_(surfels.surfel.size(), 0), flood_(edges_, target.find_balls) {}
+      cell_mark_(surfels.cell_sphere.size(), 0), mark_(surfels.surfel.size(), 0), flood_(edges_, target) {}
 
 void Search::look(const TreeCenters &centers, std::span<const int32_t> group) {
   vec3 low(std::numeric_limits<float>::max()), high(-low);
@@ -114,6 +114,7 @@ void Search::find_each(const TreeCenters &centers, std::span<const int32_t> grou
   }
   if (unclear_.empty()) return;
   flood_.run(centers, unclear_);
+  missed_.assign(blocks_.size(), std::nullopt);
   for (size_t k = 0; k < unclear_.size(); ++k) {
     select_around(centers[unclear_[k]].position);
     keep_reached(k);
@@ -146,12 +147,27 @@ Search::Found Search::found(bool boundary) {
   return found;
 }
 
+// As the flood has it, of all samples of a block together.
+uint64_t Search::missed_of(int32_t block) {
+  std::optional<uint64_t> &missed = missed_[block];
+  if (missed) return *missed;
+  missed = 0;
+  for (int32_t i = 0; i < block_lanes; ++i)
+    if (blocks_[block]->area[i] > 0.0f) *missed |= flood_.missed(candidate(block * block_lanes + i).surfel);
+  return *missed;
+}
+
 // Of what is selected around the center of this number in the flood.
 void Search::keep_reached(size_t number) {
-  const auto is_kept = [&](int32_t sample) { return flood_.is_reached(candidate(sample).surfel, number); };
-  for (int32_t i = 0; i < selection_.wholes; ++i)
+  const auto misses = [&](int32_t block) { return (missed_of(block) >> number & 1) != 0; };
+  const auto is_kept = [&](int32_t sample) {
+    return !misses(sample / block_lanes) || flood_.is_reached(candidate(sample).surfel, number);
+  };
+  for (int32_t i = 0; i < selection_.wholes; ++i) {
+    if (!misses(parts_[i].block)) continue;
     for (uint32_t bits = parts_[i].samples; bits != 0; bits &= bits - 1)
       if (!is_kept(parts_[i].block * block_lanes + std::countr_zero(bits))) parts_[i].samples &= ~(bits & -bits);
+  }
   const auto end = std::remove_if(cut_.begin(), cut_.begin() + selection_.cuts, std::not_fn(is_kept));
   selection_.cuts = static_cast<int32_t>(end - cut_.begin());
 }

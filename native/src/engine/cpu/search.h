@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -43,6 +44,7 @@ private:
   void reach_neighbors(int32_t surfel, vec3 center);
   bool is_reached(int32_t surfel) const { return mark_[surfel] == walks_; }
   Found found(bool boundary);
+  uint64_t missed_of(int32_t block);
   void keep_reached(size_t number);
   int32_t list_wholes();
   SampleRun take(const std::vector<int32_t> &list, int32_t count, std::vector<const FlatSample *> &samples,
@@ -78,6 +80,7 @@ private:
   std::vector<int32_t> way_;     // of the last walk
   std::vector<int32_t> unclear_; // centers that only a flood can tell about
   GroupFlood flood_;
+  std::vector<std::optional<uint64_t>> missed_; // (blocks_) of the last flood, where it was asked for
 };
 
 } // namespace paradesc
