@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/cpu/ball_edges.h"
 #include "engine/cpu/samples.h"
 
 #include "shared.h"
@@ -207,6 +208,45 @@ TEST(AddSamples, sees_that_another_sheet_comes_nearest) {
       EXPECT_LE(nearest, 24u) << "those around the center";
     }
   }
+}
+
+// One flipped triangle lets a sample lean from its face without bounds: still the surface comes nowhere near from beyond the rim.
+TEST(AddSamples, sees_nothing_near_in_what_leans_beyond_the_rim) {
+  SampleList samples = sheet(24, flat_height);
+  for (FlatSample &sample : samples.sample) sample.turn = 1e6f;
+  const vec3 center(0.0f, 0.0f, 0.9f * radius);
+  const std::vector<int32_t> nearest = sum_up(sum_targets()[0], 0, params(), samples, center_at(center)).nearest;
+  EXPECT_FALSE(nearest.empty());
+  for (const int32_t i : nearest) {
+    const FlatSample &sample = samples.sample[static_cast<size_t>(i)];
+    EXPECT_LT(length(vec3(sample.position[0], sample.position[1], sample.position[2]) - center), radius + sample.reach);
+  }
+}
+
+// By every set of instructions what BallEdges tells of one ball: edges within, through, beside and beyond balls, and points.
+TEST(BallsOfEdge, are_those_that_the_edge_meets) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  const auto point = [&] { return vec3(unit(random), unit(random), unit(random)); };
+  Balls balls{};
+  balls.count = 41;
+  balls.radius = 0.5f;
+  for (int i = 0; i < balls.count; ++i)
+    for (auto &column : balls.center) column[i] = unit(random);
+  size_t met = 0;
+  for (int round = 0; round < 200; ++round) {
+    const vec3 from = point(), to = round % 10 == 0 ? from : from + 0.01f * static_cast<float>(round) * point();
+    for (const SumTarget &target : sum_targets()) {
+      const uint64_t found = target.balls_of_edge(balls, &from.x, &to.x);
+      for (int i = 0; i < balls.count; ++i) {
+        const vec3 center(balls.center[0][i], balls.center[1][i], balls.center[2][i]);
+        const bool meets = meets_ball(from - center, to - center, balls.radius);
+        EXPECT_EQ((found >> i & 1) != 0, meets) << target.name;
+        met += meets ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(met, 0u);
 }
 
 TEST(Pieces, of_a_cluster_have_the_moments_of_their_triangles) {

@@ -120,7 +120,7 @@ BallBits find_balls(const Balls &balls, const float *middle, float reach) {
   return bits;
 }
 
-// As BallEdges::meets() has it.
+// As meets_ball() has it.
 uint64_t balls_of_edge(const Balls &balls, const float *from, const float *to) {
   const Vector<3, Lanes> a = all(from), b = all(to);
   const float square = balls.radius * balls.radius;

@@ -15,14 +15,16 @@ bool BallEdges::lies_within(int32_t surfel, vec3 center) const {
   return room > 0.0f && square_to(surfel, center) < room * room;
 }
 
+bool meets_ball(vec3 a, vec3 b, float radius) {
+  const float square = radius * radius, of_a = dot(a, a) - square, of_b = dot(b, b) - square;
+  if (of_a < 0.0f || of_b < 0.0f) return true;
+  const vec3 way = b - a;
+  const float along = -dot(a, way), length = dot(way, way);
+  return along > 0.0f && along < length && of_a * length < along * along;
+}
+
 bool BallEdges::meets(int32_t half_edge, vec3 center) const {
-  const float square = surfels.radius * surfels.radius;
-  const vec3 a = source.position(half_edge) - center;
-  const float of_a = dot(a, a) - square;
-  if (of_a < 0.0f) return true;
-  const vec3 b = source.position(next_corner(half_edge)) - center, way = b - a;
-  const float of_b = dot(b, b) - square, along = -dot(a, way), length = dot(way, way);
-  return of_b < 0.0f || (along > 0.0f && along < length && of_a * length < along * along);
+  return meets_ball(source.position(half_edge) - center, source.position(next_corner(half_edge)) - center, surfels.radius);
 }
 
 bool BallEdges::meets_between(int32_t neighbor, vec3 center) const {

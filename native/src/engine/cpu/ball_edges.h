@@ -5,6 +5,8 @@
 
 namespace paradesc {
 
+bool meets_ball(vec3 a, vec3 b, float radius); // the edge from a to b, seen from the ball's center
+
 struct BallEdges {
   const SurfelSource &source;
   const Surfels &surfels;
