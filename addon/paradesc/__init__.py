@@ -36,6 +36,7 @@ MODULES = (
     "bake.operators",
     "bake.fit",
     "bake.image_operator",
+    "bake.sculpt_mask",
     "ui.manual",
     "ui.panel",
     "ui.settings_panel",

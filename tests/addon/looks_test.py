@@ -9,7 +9,7 @@ from mesh_io_test import made_up_results  # noqa: E402
 
 import paradesc  # noqa: E402
 from paradesc.core import color_maps, job  # noqa: E402
-from paradesc.scene import mesh_io, record  # noqa: E402
+from paradesc.scene import mesh_io, record, sculpt_masks  # noqa: E402
 from paradesc.settings import looks  # noqa: E402
 from paradesc.show import channels, overlay, recolor  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
@@ -252,16 +252,16 @@ def test_foreign_vertex_group_is_refused_and_kept(baked):
 
 
 def test_sculpt_mask_is_written_and_a_painted_one_kept_until_allowed(baked):
-    assert channels.mask_values(baked.data) is None
+    assert sculpt_masks.values(baked.data) is None
     bpy.ops.paradesc.sculpt_mask()
     expected = channels.shares(baked.data, "mean_curvature")
-    np.testing.assert_allclose(channels.mask_values(baked.data), expected, atol=1e-6)
+    np.testing.assert_allclose(sculpt_masks.values(baked.data), expected, atol=1e-6)
     bpy.ops.paradesc.show(name="curvedness")
     with pytest.raises(RuntimeError, match="sculpt mask"):
         bpy.ops.paradesc.sculpt_mask()
-    np.testing.assert_allclose(channels.mask_values(baked.data), expected, atol=1e-6)
+    np.testing.assert_allclose(sculpt_masks.values(baked.data), expected, atol=1e-6)
     bpy.ops.paradesc.sculpt_mask(replace=True)
-    np.testing.assert_allclose(channels.mask_values(baked.data), channels.shares(baked.data, "curvedness"), atol=1e-6)
+    np.testing.assert_allclose(sculpt_masks.values(baked.data), channels.shares(baked.data, "curvedness"), atol=1e-6)
 
 
 def test_making_the_mask_keeps_shape_keys_and_selection(baked):

@@ -14,7 +14,7 @@ import numpy as np
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 from paradesc.bake import operators  # noqa: E402
-from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.scene import mesh_io, sculpt_masks  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 from window import baking, begin, prepare, say, screen_pixels, start_bake, view_context, wait_for  # noqa: E402
 
@@ -199,7 +199,35 @@ def steps(target, screenshot: str) -> Iterator[None]:
     yield
     yield from in_edit_mode(first)
     yield from sculpted(first)
+    yield from masked(first)
     say("all steps passed")
+
+
+def masked(name: str) -> Iterator[None]:
+    """Masks in sculpt mode: one step of undo brings back the mask before, and what is masked stays when brushed."""
+    run_in_view(bpy.ops.object.mode_set, "EXEC_DEFAULT", True, mode="SCULPT")
+    yield
+    settings, mesh = bpy.context.scene.paradesc, bpy.data.objects[name].data
+    settings.samples, settings.radius_percent = 64, 4.0
+    run_in_view(bpy.ops.paint.mask_flood_fill, "EXEC_DEFAULT", True, mode="VALUE", value=0.25)
+    yield
+    for invert in (True, False):
+        run_in_view(bpy.ops.paradesc.mask_from_shape, "INVOKE_DEFAULT", True, mask="openness", invert=invert)
+        yield from wait_for(lambda: not baking())
+        yield
+    # The ball's openness is a little above one half everywhere.
+    expected = sculpt_masks.values(mesh)
+    assert 0.45 < np.median(expected) < 0.6, np.median(expected)
+    for wanted in (1 - expected, np.full(len(expected), 0.25)):
+        run_in_view(bpy.ops.ed.undo)
+        yield
+        found = sculpt_masks.values(bpy.data.objects[name].data)
+        np.testing.assert_allclose(found, wanted, atol=1e-6, err_msg="undo gave another mask")
+    run_in_view(bpy.ops.ed.redo)
+    yield
+    np.testing.assert_allclose(sculpt_masks.values(bpy.data.objects[name].data), 1 - expected, atol=1e-6)
+    assert bpy.data.objects[name].mode == "SCULPT", "undo left sculpt mode"
+    say("masked in sculpt mode, undone and redone")
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Fits the radius to the active mesh, whose triangles it has to span."""
+"""The radius of the panel as an option of operators, and fitted to the active mesh, whose triangles it has to span."""
 
 import bpy
 import numpy as np
@@ -8,6 +8,30 @@ from ..core import advice
 from ..scene import targets
 from ..scene.mesh_io import refuse
 from ..settings import properties
+
+
+class RadiusOption:
+    """An operator with a radius of its own, which Blender's redo panel changes and which then is the sidebar's too."""
+
+    radius: bpy.props.FloatProperty(
+        name="Radius",
+        description="How far a vertex looks around, in percent of the diagonal of the mesh's bounding box; 0: as the "
+        "panel or the mask has it",
+        default=0.0,
+        min=0.0,
+        soft_max=20.0,
+        max=100.0,
+        precision=2,
+        subtype="PERCENTAGE",
+        options={"SKIP_SAVE"},
+    )
+
+    def take_radius(self, group: bpy.types.PropertyGroup) -> None:
+        """Sets the panel's radius if one was given, else shows the panel's."""
+        if self.radius > 0:
+            group.radius_unit, group.radius_percent = "diagonal", self.radius
+        elif group.radius_unit == "diagonal":
+            self.radius = group.radius_percent
 
 
 def lengths_of(arrays: MeshArrays) -> tuple[float, float]:

@@ -8,6 +8,7 @@ from ..scene import mesh_io, targets, viewports
 from ..scene.targets import obstacle
 from ..settings import presets
 from .batch import Batch
+from .fit import RadiusOption
 from .modal import ModalJob
 from .pieces import failures, report_all
 
@@ -17,7 +18,7 @@ BRUSH_MODES = {"SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 AS_SET = ("panel", "As Set", "The descriptors and settings of the panel")
 
 
-class PARADESC_OT_bake(ModalJob, bpy.types.Operator):
+class PARADESC_OT_bake(RadiusOption, ModalJob, bpy.types.Operator):
     """Compute the chosen descriptors at every vertex of the selected meshes, as attributes and colors"""
 
     bl_idname = "paradesc.bake"
@@ -31,18 +32,6 @@ class PARADESC_OT_bake(ModalJob, bpy.types.Operator):
         default=AS_SET[0],
         options={"SKIP_SAVE"},
     )
-    radius: bpy.props.FloatProperty(
-        name="Radius",
-        description="How far a vertex looks around, in percent of the diagonal of the mesh's bounding box; 0: as the "
-        "panel or the mask has it",
-        default=0.0,
-        min=0.0,
-        soft_max=20.0,
-        max=100.0,
-        precision=2,
-        subtype="PERCENTAGE",
-        options={"SKIP_SAVE"},
-    )
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -54,10 +43,7 @@ class PARADESC_OT_bake(ModalJob, bpy.types.Operator):
         group = context.scene.paradesc
         if self.mask != AS_SET[0]:
             presets.apply(group, self.mask)
-        if self.radius > 0:
-            group.radius_unit, group.radius_percent = "diagonal", self.radius
-        elif group.radius_unit == "diagonal":
-            self.radius = group.radius_percent
+        self.take_radius(group)
         return Batch(context)
 
     def finish(self, context: bpy.types.Context) -> set[str]:

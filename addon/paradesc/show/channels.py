@@ -1,18 +1,16 @@
 """Copies stored values to other places on request: packed channels, face corners, a vertex group, the sculpt mask."""
 
-import bmesh
 import bpy
 import numpy as np
 
 from ..core import color_maps
 from ..core.job import registry_row
-from ..scene import mesh_io
+from ..scene import mesh_io, sculpt_masks
 from ..settings.looks import CHANNELS, PACKED_DOMAINS
 from . import recolor
 
 # The custom property of a mesh with the attributes and vertex groups that this file made and may write again.
 OWN = "paradesc_made"
-SCULPT_MASK = ".sculpt_mask"
 SUFFIX_CORNER = "_corner_color"
 EXPORT_PREFIX = "_"
 
@@ -133,48 +131,12 @@ def vertex_group(target: bpy.types.Object, name: str) -> None:
 
 def sculpt_mask(target: bpy.types.Object, name: str, replace: bool) -> None:
     """Writes the descriptor's values from 0 to 1 as the mask of sculpt mode, where 1 is protected."""
-    mesh = target.data
-    weights = shares(mesh, name)
-    painted = mask_values(mesh)
-    if painted is not None and painted.any() and not replace:
+    weights = shares(target.data, name)
+    if sculpt_masks.is_painted(target.data) and not replace:
         raise mesh_io.refuse(
-            f'The mesh "{mesh.name}" has a sculpt mask; allow to replace it, or clear it in sculpt mode first.'
+            f'The mesh "{target.data.name}" has a sculpt mask; allow to replace it, or clear it in sculpt mode first.'
         )
-    if bpy.app.version < (4, 1, 0) and painted is None:
-        make_paint_mask(target)
-    write_mask(target.data, weights)
-    mesh.update()
-
-
-def mask_values(mesh: bpy.types.Mesh) -> np.ndarray | None:
-    """(n,) float32 of the sculpt mask, or None if the mesh has none."""
-    if bpy.app.version >= (4, 1, 0):
-        attribute = mesh.attributes.get(SCULPT_MASK)
-        return None if attribute is None else mesh_io.read_array(attribute.data, "value", np.float32)
-    layers = mesh.vertex_paint_masks
-    return mesh_io.read_array(layers[0].data, "value", np.float32) if len(layers) else None
-
-
-def write_mask(mesh: bpy.types.Mesh, weights: np.ndarray) -> None:
-    """Fills the sculpt mask; before Blender 4.1 it is there already."""
-    if bpy.app.version < (4, 1, 0):
-        mesh.vertex_paint_masks[0].data.foreach_set("value", weights)
-        return
-    if mesh.attributes.get(SCULPT_MASK) is None:
-        mesh.attributes.new(SCULPT_MASK, "FLOAT", "POINT")
-    mesh.attributes[SCULPT_MASK].data.foreach_set("value", weights)
-
-
-def make_paint_mask(target: bpy.types.Object) -> None:
-    """Makes the layer of the sculpt mask where it is no attribute: edit mode's mesh can."""
-    objects = bpy.context.view_layer.objects
-    active, objects.active = objects.active, target
-    bpy.ops.object.mode_set(mode="EDIT")
-    try:
-        bmesh.from_edit_mesh(target.data).verts.layers.paint_mask.verify()
-    finally:
-        bpy.ops.object.mode_set(mode="OBJECT")
-        objects.active = active
+    sculpt_masks.write(target, weights)
 
 
 def export_copies(mesh: bpy.types.Mesh) -> list[str]:
@@ -258,8 +220,7 @@ class PARADESC_OT_sculpt_mask(NeedsShown, bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Asks before a mask is lost."""
-        painted = mask_values(context.active_object.data)
-        if not self.replace and painted is not None and painted.any():
+        if not self.replace and sculpt_masks.is_painted(context.active_object.data):
             self.replace = True
             return context.window_manager.invoke_confirm(self, event)
         return self.execute(context)

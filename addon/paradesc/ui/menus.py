@@ -1,8 +1,9 @@
-"""Entries in Blender's own menus, where artists look for masks: beside Dirty Vertex Colors, and in the Object menu."""
+"""Entries in Blender's own menus, where artists look for masks: beside Dirty Vertex Colors, in Object and in Mask."""
 
 import bpy
 
 from .. import bridge
+from ..bake import sculpt_mask
 from ..settings import presets
 
 
@@ -25,17 +26,30 @@ def draw_entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
         menu.layout.menu("PARADESC_MT_bake")
 
 
-PLACES = ("VIEW3D_MT_paint_vertex", "VIEW3D_MT_object")
+def draw_sculpt_masks(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    """Draws one entry for each mask of sculpt mode."""
+    if not bridge.missing_sentence():
+        menu.layout.separator()
+        for name in sculpt_mask.MASKS:
+            entry = menu.layout.operator("paradesc.mask_from_shape", text=f"{presets.PRESETS[name].label} at Radius")
+            entry.mask = name
+
+
+PLACES = {
+    "VIEW3D_MT_paint_vertex": draw_entry,
+    "VIEW3D_MT_object": draw_entry,
+    "VIEW3D_MT_mask": draw_sculpt_masks,
+}
 classes = (PARADESC_MT_bake,)
 
 
 def register() -> None:
     """Adds the entries."""
-    for name in PLACES:
-        getattr(bpy.types, name).append(draw_entry)
+    for name, draw in PLACES.items():
+        getattr(bpy.types, name).append(draw)
 
 
 def unregister() -> None:
     """Removes them."""
-    for name in PLACES:
-        getattr(bpy.types, name).remove(draw_entry)
+    for name, draw in PLACES.items():
+        getattr(bpy.types, name).remove(draw)

@@ -4,9 +4,10 @@ import bpy
 
 from .. import bridge
 from ..animation import handlers
+from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, Steps, progress_text
 from ..core import legend
-from ..scene import targets, viewports
+from ..scene import sculpt_masks, targets, viewports
 from ..settings import presets, properties
 from ..show import recolor
 from .drawing import SidebarPanel, sentence_lines
@@ -46,6 +47,8 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         if ModalJob.running:
             draw_progress(context, layout, ModalJob.running)
             return
+        if context.active_object is not None and context.active_object.mode == "SCULPT":
+            draw_sculpting(context, layout)
         draw_button(context, layout, settings)
         draw_live(context, layout)
         draw_result(context, layout)
@@ -63,6 +66,17 @@ def draw_masks(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) ->
     if not chosen:
         labels = [row.label for row in bridge.descriptors() if row.name in settings.descriptors]
         layout.label(text=labels[0] if len(labels) == 1 else f"{len(labels)} descriptors, under Analysis")
+
+
+def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+    """Draws one button for each mask of sculpt mode, and what stands in their way."""
+    layout.label(text="Sculpt Mask")
+    row = layout.row(align=True)
+    for name in sculpt_mask.MASKS:
+        row.operator("paradesc.mask_from_shape", text=presets.PRESETS[name].label).mask = name
+    sentence = sculpt_masks.multires_obstacle(context.active_object)
+    if sentence:
+        sentence_lines(context, layout, sentence, "INFO")
 
 
 def draw_button(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:

@@ -1,0 +1,134 @@
+"""The operator that masks cavities or edges in sculpt mode, at the panel's radius, and writes nothing else."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import bpy
+import numpy as np
+
+from ..core import job
+from ..core.threads import Worker
+from ..scene import sculpt_masks, targets
+from ..settings import presets, properties
+from .fit import RadiusOption
+from .modal import ModalJob
+from .pieces import OneByOne, Piece, failures, key_of, report_all
+
+# Those of the panel's masks whose values are the mask.
+MASKS = ("cavity", "edge_wear", "openness")
+# A usual radius spans ten edges of so many triangles, and fitting their normals takes a sixth of the time for nothing
+# that is seen.
+FINE = 200_000
+
+
+@dataclass
+class MaskPiece(Piece):
+    """The mesh in sculpt mode, and what came of it."""
+
+    results: job.Results | None = None
+
+    def drop(self) -> None:
+        """Forgets the results."""
+        self.results = None
+
+
+class MaskBatch(OneByOne):
+    """Computes one mask of the mesh in sculpt mode, as it is sculpted so far."""
+
+    def __init__(self, context: bpy.types.Context, mask: str) -> None:
+        """Takes the panel's settings, with the descriptor of the mask."""
+        chosen = tuple(presets.PRESETS[mask].members["descriptors"])
+        settings = properties.job_settings(context.scene.paradesc)
+        self.settings = replace(settings, descriptors=chosen, more_radii=())
+        super().__init__([MaskPiece(key_of(context.active_object))])
+
+    def start(self, piece: MaskPiece) -> None:
+        """Reads the mesh, with the shape key that is sculpted, and starts its worker."""
+        read = targets.read(piece.target(), self.settings, targets.ReadRequest("active"))
+        piece.warnings = read.warnings
+        self.worker = Worker(partial(job.run, read.measured, quick(self.settings, len(read.measured.triangle_corners))))
+        self.worker.start()
+
+    def take(self, piece: MaskPiece, worker: Worker[job.Results]) -> None:
+        """Keeps the results."""
+        piece.results = worker.result()
+        piece.warnings = [*piece.results.warnings, *piece.results.facet_notes(), *piece.warnings]
+
+    def close(self) -> None:
+        """Cancels what is left, and waits for it. Safe to call again."""
+        self.settle()
+
+    def finish(self, invert: bool) -> None:
+        """Writes the mask; vertices without a value stay unmasked."""
+        for piece in self.pieces:
+            if piece.results is not None:
+                self.attempt(piece, partial(write, invert=invert))
+
+    @property
+    def written(self) -> list[MaskPiece]:
+        """The mesh, if its mask is in place."""
+        return [piece for piece in self.pieces if piece.results is not None]
+
+
+def quick(settings: job.Settings, triangles: int) -> job.Settings:
+    """The settings, without what takes time and is not seen on a mesh of so many triangles."""
+    if triangles < FINE or settings.options.normals != "fitted":
+        return settings
+    return replace(settings, options=replace(settings.options, normals="max"))
+
+
+def write(piece: MaskPiece, invert: bool) -> None:
+    """Writes one mesh's mask."""
+    weights = np.nan_to_num(next(iter(piece.results.values.values())), nan=0.0)
+    weights = np.clip(weights, 0, 1)
+    sculpt_masks.write_shown(piece.target(), 1 - weights if invert else weights)
+
+
+class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
+    """Mask what lies deep or stands out at the panel's radius, as far as it does; hidden parts keep their mask"""
+
+    bl_idname = "paradesc.mask_from_shape"
+    bl_label = "Mask from Shape"
+    bl_options = {"REGISTER", "UNDO"}
+
+    mask: bpy.props.EnumProperty(
+        name="Mask",
+        description="What is masked",
+        items=[(name, presets.PRESETS[name].label, presets.PRESETS[name].purpose) for name in MASKS],
+        default=MASKS[0],
+    )
+    invert: bpy.props.BoolProperty(
+        name="Invert", description="Mask everything else, to sculpt only there", default=False, options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        """What stands in the way of reading the mesh or of masking it."""
+        target = context.active_object
+        if target is None or target.mode != "SCULPT":
+            return "Enter sculpt mode first: what is masked there is protected"
+        return targets.reading_obstacle(context) or sculpt_masks.multires_obstacle(target)
+
+    def begin(self, context: bpy.types.Context, beside: bool) -> MaskBatch:
+        """Takes the panel's settings; the operator's own radius goes first."""
+        self.take_radius(context.scene.paradesc)
+        return MaskBatch(context, self.mask)
+
+    def finish(self, context: bpy.types.Context) -> set[str]:
+        """Writes the mask, or after Esc leaves it."""
+        batch = self.job
+        if batch.cancelled:
+            self.report({"INFO"}, "Cancelled; the mask is as it was")
+            return {"CANCELLED"}
+        batch.finish(self.invert)
+        if not batch.written:
+            self.report({"ERROR"}, "\n".join(failures(batch)))
+            return {"CANCELLED"}
+        report_all(self.report, batch, batch.written)
+        results = batch.written[0].results
+        seconds, label = results.field_report["seconds_total"], presets.PRESETS[self.mask].label
+        self.report({"INFO"}, f"Masked by {label}: {seconds:.2f} s on {results.device}")
+        return {"FINISHED"}
+
+
+classes = (PARADESC_OT_mask_from_shape,)

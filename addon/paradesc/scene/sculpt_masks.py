@@ -1,0 +1,87 @@
+"""Reads and writes the mask of sculpt mode, a float for each vertex: an attribute since Blender 4.1, a layer before."""
+
+import bmesh
+import bpy
+import numpy as np
+
+from . import mesh_io, modes
+
+NAME = ".sculpt_mask"
+IS_ATTRIBUTE = bpy.app.version >= (4, 1, 0)
+
+
+def values(mesh: bpy.types.Mesh) -> np.ndarray | None:
+    """(n,) float32 of the mask, or None if the mesh has none."""
+    stored = storage(mesh)
+    return None if stored is None else mesh_io.read_array(stored.data, "value", np.float32)
+
+
+def is_painted(mesh: bpy.types.Mesh) -> bool:
+    """Whether any vertex is masked."""
+    found = values(mesh)
+    return found is not None and bool(found.any())
+
+
+def write(target: bpy.types.Object, weights: np.ndarray) -> None:
+    """Replaces the mask by (n,) weights outside sculpt mode."""
+    mesh = target.data
+    if storage(mesh) is None:
+        make_storage(target)
+    storage(mesh).data.foreach_set("value", np.ascontiguousarray(weights, np.float32))
+    mesh.update()
+
+
+def write_shown(target: bpy.types.Object, weights: np.ndarray) -> None:
+    """Replaces the mask of the object in sculpt mode by (n,) weights; hidden vertices keep theirs, as with Blender."""
+    mesh = target.data
+    if target.mode != "SCULPT" or len(mesh.vertices) != len(weights):
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" was changed while it was being measured; run it again.')
+    hidden, old = hidden_vertices(mesh), values(mesh)
+    if hidden.any():
+        weights = np.where(hidden, 0.0 if old is None else old, weights)
+    if bpy.app.background:  # without undo, which Blender's own operators on the mask rely on
+        with modes.object_mode(target):
+            write(target, weights)
+        return
+    # Leaves the mask as it was among sculpt mode's own steps of undo, and makes its storage.
+    bpy.ops.paint.mask_flood_fill(mode="INVERT")
+    write(target, weights)
+
+
+def storage(mesh: bpy.types.Mesh) -> bpy.types.ID | None:
+    """What holds the mask in its data, if there is one."""
+    if IS_ATTRIBUTE:
+        return mesh.attributes.get(NAME)
+    return mesh.vertex_paint_masks[0] if len(mesh.vertex_paint_masks) else None
+
+
+def make_storage(target: bpy.types.Object) -> None:
+    """Makes an empty mask; where it is no attribute, only edit mode's mesh can."""
+    if IS_ATTRIBUTE:
+        target.data.attributes.new(NAME, "FLOAT", "POINT")
+        return
+    objects = bpy.context.view_layer.objects
+    active, objects.active = objects.active, target
+    bpy.ops.object.mode_set(mode="EDIT")
+    try:
+        bmesh.from_edit_mesh(target.data).verts.layers.paint_mask.verify()
+    finally:
+        bpy.ops.object.mode_set(mode="OBJECT")
+        objects.active = active
+
+
+def hidden_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(n,) bool"""
+    attribute = mesh.attributes.get(".hide_vert")
+    if attribute is None:
+        return np.zeros(len(mesh.vertices), bool)
+    return mesh_io.read_array(attribute.data, "value", bool)
+
+
+def multires_obstacle(target: bpy.types.Object) -> str:
+    """What can be done where the mask belongs to the levels of Multires, or ""."""
+    for modifier in target.modifiers:
+        levels = modifier.type == "MULTIRES" and modifier.show_viewport and modifier.sculpt_levels > 0
+        if levels and not modifier.use_sculpt_base_mesh:
+            return "Add-ons cannot reach the mask of Multires: apply the modifier, or set its Sculpt level to 0"
+    return ""
