@@ -154,7 +154,7 @@ def test_a_mesh_without_faces_has_no_radius_and_one_sentence():
 def drawn_lines(target):
     """What the panel says about live values."""
     lines = []
-    layout = SimpleNamespace(column=lambda **_: layout, label=lambda text, icon: lines.append(text))
+    layout = SimpleNamespace(column=lambda **_: layout, label=lambda text, **_: lines.append(text))
     widget = SimpleNamespace(widget=SimpleNamespace(points=11))
     preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), ui_styles=[widget])
     panel.draw_live(

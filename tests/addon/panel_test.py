@@ -51,7 +51,7 @@ class Notes:
     def operator_menu_enum(self, name, _member, text="", **_options):
         self.operator(name, text)
 
-    def prop_enum(self, data, name, value):
+    def prop_enum(self, data, name, value, **_options):
         assert value in data.bl_rna.properties[name].enum_items
         self.drawn["prop"].append(value)
 
@@ -59,6 +59,9 @@ class Notes:
         assert hasattr(bpy.types, "PARADESC_OT_" + name.split(".")[1]), name
         self.drawn["operator"].append(text or name)
         return SimpleNamespace()
+
+    def prop_menu_enum(self, data, name, **_options):
+        self.prop(data, name)
 
     def menu(self, name, text="", **_options):
         assert hasattr(bpy.types, name), name
@@ -163,7 +166,7 @@ def test_what_stands_in_the_way_is_said_and_linked_meshes_get_a_button(monkeypat
     monkeypatch.setattr(mesh_io, "check_writable", refused)
     shown = drawn_by(panel.PARADESC_PT_bake)
     assert "linked from another file" in " ".join(shown["label"])
-    assert "paradesc.make_local" in shown["operator"]
+    assert "Make Meshes Local" in shown["operator"]
 
 
 def test_a_missing_library_leaves_one_sentence_and_no_settings(monkeypatch):

@@ -6,6 +6,7 @@ from .. import bridge
 from ..bake.modal import ModalJob
 from ..bake.pieces import with_name
 from ..scene import targets
+from ..settings import translation
 from . import handlers
 from .cache_places import cache_root, wanted_frames
 from .frame_batch import FrameBatch
@@ -79,7 +80,7 @@ class PARADESC_OT_live_range(bpy.types.Operator):
         """Says why it cannot run where it cannot."""
         sentence = "" if handlers.live_objects() else "Switch an object to Live first"
         if sentence:
-            cls.poll_message_set(sentence)
+            cls.poll_message_set(translation.tooltip(sentence))
         return not sentence
 
     def execute(self, context: bpy.types.Context) -> set[str]:

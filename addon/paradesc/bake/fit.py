@@ -7,7 +7,7 @@ from ..bridge import MeshArrays, ParadescError
 from ..core import advice
 from ..scene import targets
 from ..scene.mesh_io import refuse
-from ..settings import properties
+from ..settings import properties, translation
 
 
 class RadiusOption:
@@ -56,7 +56,7 @@ class PARADESC_OT_fit_radius(bpy.types.Operator):
         """Needs a mesh."""
         there = bool(targets.chosen(context))
         if not there:
-            cls.poll_message_set("Select a mesh object first")
+            cls.poll_message_set(translation.tooltip("Select a mesh object first"))
         return there
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -6,6 +6,7 @@ import bpy
 
 from ..bridge import ParadescError
 from ..core.threads import Worker
+from ..settings import translation
 
 # Events that move the view; everything else waits until the work has ended.
 VIEW_EVENTS = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
@@ -65,7 +66,7 @@ class ModalJob:
         """Says why it cannot run where it cannot."""
         sentence = "A bake is running; Esc cancels it" if ModalJob.running else cls.obstacle(context)
         if sentence:
-            cls.poll_message_set(sentence)
+            cls.poll_message_set(translation.tooltip(sentence))
         return not sentence
 
     def execute(self, context: bpy.types.Context) -> set[str]:

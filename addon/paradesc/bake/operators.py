@@ -6,7 +6,7 @@ from ..bridge import ParadescError, abi
 from ..core import devices, legend
 from ..scene import mesh_io, targets, viewports
 from ..scene.targets import obstacle
-from ..settings import presets
+from ..settings import presets, translation
 from .batch import Batch
 from .fit import RadiusOption
 from .modal import ModalJob
@@ -102,7 +102,7 @@ class PARADESC_OT_make_local(bpy.types.Operator):
         """Only if one of them is not local."""
         found = any(targets.unwritable(target) for target in targets.chosen(context))
         if not found:
-            cls.poll_message_set("Every chosen mesh is local already")
+            cls.poll_message_set(translation.tooltip("Every chosen mesh is local already"))
         return found
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -151,7 +151,7 @@ class PARADESC_OT_choose_device(bpy.types.Operator):
     @classmethod
     def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
         """Says what the device is, or why it is not there."""
-        return devices.about(asked.backend)
+        return translation.tooltip(devices.about(asked.backend))
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Sets the backend and the index of the device."""

@@ -15,7 +15,12 @@ def title(name: str, unit: str) -> str:
 
 def label(name: str) -> str:
     """The descriptor as menus show it."""
-    return registry_row(name).label + variant(name).removesuffix(", change")  # whose label says so
+    return registry_row(name).label + label_ending(name)
+
+
+def label_ending(name: str) -> str:
+    """What follows the registry's label, which says itself whether it is a change."""
+    return variant(name).removesuffix(", change")
 
 
 def variant(name: str) -> str:

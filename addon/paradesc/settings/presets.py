@@ -9,7 +9,7 @@ from .. import bridge
 from ..bridge import ParadescError
 from ..files import preset_file
 from ..files.preset_file import Content
-from . import preset_folders, preset_members
+from . import preset_folders, preset_members, translation
 
 NO_NAME = "Give the preset a name."
 
@@ -119,7 +119,7 @@ class PARADESC_OT_preset(NeedsLibrary, bpy.types.Operator):
     @classmethod
     def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
         """What the preset is for."""
-        return PRESETS[asked.name].purpose
+        return translation.tooltip(PRESETS[asked.name].purpose)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Applies the preset, and says what it is for."""
@@ -142,7 +142,7 @@ class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
         """What the preset is for, or why it cannot be used."""
         row = preset_folders.row_at(Path(asked.filepath))
         sentence = "" if row is None else row.fault or row.purpose
-        return sentence.rstrip(".") or cls.__doc__
+        return translation.tooltip(sentence.rstrip(".") or cls.__doc__)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Applies the preset if all of it is sound, else nothing."""

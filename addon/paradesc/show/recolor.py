@@ -8,7 +8,7 @@ from ..bridge import ParadescError
 from ..core import color_maps, legend
 from ..core.job import registry_name, registry_row
 from ..scene import mesh_io, modes, record, viewports
-from ..settings import looks
+from ..settings import looks, translation
 
 Item = tuple[str, str, str]
 
@@ -106,7 +106,7 @@ class NeedsBake:
         """Says why it cannot run where it cannot."""
         sentence = obstacle(context)
         if sentence:
-            cls.poll_message_set(sentence)
+            cls.poll_message_set(translation.tooltip(sentence))
         return not sentence
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -5,7 +5,8 @@ import bpy
 from ..animation.cache_places import object_cache
 from ..bridge import ParadescError
 from ..files import cache
-from .drawing import SidebarPanel
+from ..settings.translation import label
+from .drawing import SidebarPanel, button, in_two_columns, sentence_lines, setting
 
 
 class PARADESC_PT_animation(SidebarPanel, bpy.types.Panel):
@@ -20,22 +21,19 @@ class PARADESC_PT_animation(SidebarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draws frames, cache and button."""
         layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        in_two_columns(layout)
         scene, group = context.scene, context.scene.paradesc_animation
-        layout.prop(group, "frame_source")
-        layout.prop(group, "use_scene_range")
+        setting(context, layout, group, "frame_source")
+        setting(context, layout, group, "use_scene_range")
         column = layout.column(align=True)
         if not group.use_scene_range:
-            column.prop(group, "frame_start")
-            column.prop(group, "frame_end")
-        column.prop(group, "frame_step")
-        layout.row(heading="Change").prop(group, "relative_to_rest", text="From Rest Pose")
-        layout.prop(group, "cache_folder")
-        layout.prop(group, "overwrite")
-        layout.operator("paradesc.bake_frames", icon="RENDER_ANIMATION")
+            setting(context, column, group, "frame_start")
+            setting(context, column, group, "frame_end")
+        for name in ("frame_step", "relative_to_rest", "cache_folder", "overwrite"):
+            setting(context, layout, group, name)
+        button(context, layout, "paradesc.bake_frames", icon="RENDER_ANIMATION")
         for line in cache_lines(scene, context.active_object):
-            layout.label(text=line)
+            sentence_lines(context, layout, line)
 
 
 def cache_lines(scene: bpy.types.Scene, target: bpy.types.Object | None) -> list[str]:
@@ -46,9 +44,10 @@ def cache_lines(scene: bpy.types.Scene, target: bpy.types.Object | None) -> list
         found = cache.frames_in(object_cache(scene, target))
     except ParadescError:
         return []
-    return (
-        [f"{len(found):,} frames in the cache: {min(found)} to {max(found)}"] if found else ["No frames in the cache"]
-    )
+    if not found:
+        return ["No frames in the cache"]
+    line = label("{count} frames in the cache: {first} to {last}")
+    return [line.format(count=f"{len(found):,}", first=min(found), last=max(found))]
 
 
 classes = (PARADESC_PT_animation,)

@@ -2,7 +2,7 @@
 
 import bpy
 
-from .drawing import SettingsPanel
+from .drawing import SettingsPanel, setting
 
 
 class PARADESC_PT_image(SettingsPanel, bpy.types.Panel):
@@ -15,7 +15,7 @@ class PARADESC_PT_image(SettingsPanel, bpy.types.Panel):
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws size, outside, what is packed, and where the textures go besides."""
         for name in ("texels", "image_outside", "image_packed", "image_to_material"):
-            layout.prop(settings, name)
+            setting(context, layout, settings, name)
 
 
 classes = (PARADESC_PT_image,)

@@ -3,9 +3,9 @@
 import bpy
 
 from ..animation import handlers, live
-from ..core import legend
 from ..settings import looks
-from .drawing import SidebarPanel, sentence_lines
+from ..settings.translation import label
+from .drawing import SidebarPanel, button, descriptor_words, in_two_columns, sentence_lines, setting, side_by_side
 
 
 class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
@@ -26,26 +26,28 @@ class PARADESC_PT_live(SidebarPanel, bpy.types.Panel):
         """Draws the switch, its sentence, settings, ranges and time."""
         layout, target = self.layout, context.active_object
         icon = "ERROR" if target.paradesc_live.sentence else "INFO"
-        layout.row().prop(target.paradesc_live, "mode", expand=True)
+        modes = target.paradesc_live.bl_rna.properties["mode"].enum_items
+        side_by_side(context, layout, [label(item.name) for item in modes]).prop(
+            target.paradesc_live, "mode", expand=True
+        )
         sentence = live_sentence(target)
         if sentence:
             sentence_lines(context, layout, sentence, icon)
         group = context.scene.paradesc_live
         column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
+        in_two_columns(column)
         mode = target.paradesc_live.mode
         if mode == "CACHE":
-            column.prop(group, "missing")
+            setting(context, column, group, "missing")
         if mode != "CACHE" or group.missing == "COMPUTE":
             for name in ("samples", "buffer_size"):
-                column.prop(group, name)
+                setting(context, column, group, name)
             for name in ("fast_seams", "full_render", *(("wait",) if mode != "CACHE" else ())):
-                layout.prop(group, name)
+                setting(context, layout, group, name)
         if target.paradesc_live.mode != "OFF":
             draw_ranges(context, layout)
-            draw_time(layout, target)
-            draw_lock(layout, context.scene)
+            draw_time(context, layout, target)
+            draw_lock(context, layout, context.scene)
 
 
 def live_sentence(target: bpy.types.Object) -> str:
@@ -69,36 +71,36 @@ def draw_ranges(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws what the colors span."""
     group, look = context.scene.paradesc_live, looks.scene_look(context.scene)
     column = layout.column(align=True)
-    column.label(text="Colors at every frame:")
+    sentence_lines(context, column, "Colors at every frame:")
     if look.ranges:
         low, high = look.ranges[""]
-        column.label(text=f"{low:g} to {high:g} (fixed)")
+        column.label(text=label("{low} to {high} (fixed)").format(low=f"{low:g}", high=f"{high:g}"), translate=False)
         return
     for item in group.ranges:
-        sentence_lines(context, column, legend.label(item.name))
+        sentence_lines(context, column, descriptor_words(item.name))
         row = column.row(align=True)
         row.prop(item, "minimum", text="")
         row.prop(item, "maximum", text="")
-    column.operator("paradesc.live_range")
+    button(context, column, "paradesc.live_range")
 
 
-def draw_time(layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
+def draw_time(context: bpy.types.Context, layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
     """Draws how long the last frame took."""
     session = handlers.session_at(target)
     if session is None or not session.seconds:
         return
     total, computing = sum(session.seconds.values()), session.seconds.get("compute", 0.0)
     column = layout.column(align=True)
-    column.label(text=f"Last frame: {1e3 * total:.0f} ms")
-    column.label(text=f"– computing: {1e3 * computing:.0f} ms")
+    for text, seconds in (("Last frame: {time}", total), ("– computing: {time}", computing)):
+        sentence_lines(context, column, label(text).format(time=f"{1e3 * seconds:.0f} ms"))
 
 
-def draw_lock(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
+def draw_lock(context: bpy.types.Context, layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     """Warns if the user has removed the lock."""
     if not scene.render.use_lock_interface:
         column = layout.column(align=True)
-        column.label(text="Rendering in a window needs:", icon="ERROR")
-        column.prop(scene.render, "use_lock_interface")
+        sentence_lines(context, column, "Rendering in a window needs:", "ERROR")
+        setting(context, column, scene.render, "use_lock_interface")
 
 
 classes = (PARADESC_PT_live,)

@@ -4,7 +4,8 @@ import bpy
 
 from ..settings import looks
 from ..settings.looks import CHANNELS
-from .drawing import SidebarPanel, sentence_lines
+from ..settings.translation import label
+from .drawing import SidebarPanel, button, in_two_columns, sentence_lines, setting, side_by_side
 
 
 class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
@@ -19,31 +20,31 @@ class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Draws map and range."""
         layout, group = self.layout, context.scene.paradesc_looks
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        layout.prop(group, "color_map")
-        layout.prop(group, "span")
+        in_two_columns(layout)
+        setting(context, layout, group, "color_map")
+        setting(context, layout, group, "span")
         column = layout.column(align=True)
         if group.span == "fixed":
-            column.prop(group, "minimum")
-            column.prop(group, "maximum")
+            setting(context, column, group, "minimum")
+            setting(context, column, group, "maximum")
             if looks.fault(group):
                 sentence_lines(context, column, looks.fault(group), "ERROR")
         elif group.span == "percentile":
-            column.prop(group, "percentile")
+            setting(context, column, group, "percentile")
         if group.span != "fixed":
-            column.prop(group, "symmetric")
+            setting(context, column, group, "symmetric")
         if follows_frames(context.active_object) and group.span != "fixed":
-            layout.operator("paradesc.live_range", icon="LOCKED")
+            button(context, layout, "paradesc.live_range", icon="LOCKED")
         row = layout.row(heading="Neutral")
         row.prop(group, "use_neutral", text="")
         value = row.row()
         value.active = group.use_neutral
         value.prop(group, "neutral", text="")
-        row = layout.row(align=True)
-        row.operator("paradesc.recolor", text="Recolor Shown", icon="FILE_REFRESH")
-        row.operator("paradesc.recolor", text="All").every = True
-        layout.prop(group, "show_legend")
+        shown, every = label("Recolor Shown"), label("Recolor All")
+        row = side_by_side(context, layout, [shown, every])
+        button(context, row, "paradesc.recolor", shown)
+        button(context, row, "paradesc.recolor", every).every = True
+        setting(context, layout, group, "show_legend")
 
 
 def follows_frames(target: bpy.types.Object | None) -> bool:
@@ -54,21 +55,21 @@ def follows_frames(target: bpy.types.Object | None) -> bool:
 class PARADESC_PT_materials(SidebarPanel, bpy.types.Panel):
     """Materials and nodes that use the values"""
 
-    bl_label = "Materials and Nodes"
+    bl_label = "Materials, Nodes"
     bl_idname = "PARADESC_PT_materials"
     bl_order = 1
     bl_parent_id = "PARADESC_PT_looks"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, _context: bpy.types.Context) -> None:
+    def draw(self, context: bpy.types.Context) -> None:
         """Draws one button for each."""
         column = self.layout.column(align=True)
-        row = column.row(align=True)
-        row.operator("paradesc.make_material", text="Colors", icon="MATERIAL").kind = "colors"
-        row.operator("paradesc.make_material", text="Flat").kind = "flat"
-        row.operator("paradesc.make_material", text="Cavity").kind = "cavity"
-        column.operator("paradesc.plug_cavity", text="Cavity in Active Material", icon="NODE_MATERIAL")
-        column.operator("paradesc.remove_material", icon="X")
+        labels = {"colors": label("Colors"), "flat": label("Flat"), "cavity": label("Cavity")}
+        row = side_by_side(context, column, list(labels.values()))
+        for kind, words in labels.items():
+            button(context, row, "paradesc.make_material", words).kind = kind
+        button(context, column, "paradesc.plug_cavity", label("Cavity in Active Material"), icon="NODE_MATERIAL")
+        button(context, column, "paradesc.remove_material", icon="X")
         self.layout.operator_menu_enum("paradesc.add_geometry_nodes", "kind", icon="GEOMETRY_NODES")
 
 
@@ -85,12 +86,11 @@ class PARADESC_PT_channels(SidebarPanel, bpy.types.Panel):
         """Draws the buttons that copy what is shown, and the settings that pack four values into one attribute."""
         layout, group = self.layout, context.scene.paradesc_looks
         column = layout.column(align=True)
-        column.operator("paradesc.vertex_group", icon="GROUP_VERTEX")
-        column.operator("paradesc.sculpt_mask", icon="MOD_MASK")
-        column.operator("paradesc.corner_colors", icon="VPAINT_HLT")
-        column.operator("paradesc.export_copies", icon="EXPORT")
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        button(context, column, "paradesc.vertex_group", icon="GROUP_VERTEX")
+        button(context, column, "paradesc.sculpt_mask", icon="MOD_MASK")
+        button(context, column, "paradesc.corner_colors", icon="VPAINT_HLT")
+        button(context, column, "paradesc.export_copies", icon="EXPORT")
+        in_two_columns(layout)
         target = context.active_object
         column = layout.column(align=True)
         for channel in CHANNELS:
@@ -100,8 +100,8 @@ class PARADESC_PT_channels(SidebarPanel, bpy.types.Panel):
                 column.prop(group, f"pack_{channel}")
         column = layout.column(align=True)
         for name in ("pack_name", "pack_kind", "pack_domain"):
-            column.prop(group, name)
-        layout.operator("paradesc.pack", icon="IMAGE_RGB_ALPHA")
+            setting(context, column, group, name)
+        button(context, layout, "paradesc.pack", icon="IMAGE_RGB_ALPHA")
 
 
 classes = (PARADESC_PT_looks, PARADESC_PT_materials, PARADESC_PT_channels)

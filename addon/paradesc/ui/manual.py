@@ -4,6 +4,8 @@ from pathlib import Path
 
 import bpy
 
+from ..settings import translation
+
 # A package has web pages; a package without them and a source tree have the Markdown pages.
 PACKAGE = Path(__file__).resolve().parents[1]
 FIRST_PAGES = (
@@ -30,7 +32,7 @@ class PARADESC_OT_manual(bpy.types.Operator):
         """Says if there is no manual."""
         there = first_page() is not None
         if not there:
-            cls.poll_message_set("This copy of the add-on has no manual; install a package")
+            cls.poll_message_set(translation.tooltip("This copy of the add-on has no manual; install a package"))
         return there
 
     def execute(self, _context: bpy.types.Context) -> set[str]:

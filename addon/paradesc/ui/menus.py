@@ -5,6 +5,7 @@ import bpy
 from .. import bridge
 from ..bake import sculpt_mask
 from ..settings import presets
+from ..settings.translation import label
 
 
 class PARADESC_MT_bake(bpy.types.Menu):
@@ -15,8 +16,11 @@ class PARADESC_MT_bake(bpy.types.Menu):
 
     def draw(self, _context: bpy.types.Context) -> None:
         """Draws one entry for each mask."""
+        words = label("Bake {what}")
         for name in presets.MASKS:
-            self.layout.operator("paradesc.bake", text=f"Bake {presets.PRESETS[name].label}").mask = name
+            self.layout.operator(
+                "paradesc.bake", text=words.format(what=label(presets.PRESETS[name].label))
+            ).mask = name
 
 
 def draw_entry(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
@@ -30,9 +34,10 @@ def draw_sculpt_masks(menu: bpy.types.Menu, _context: bpy.types.Context) -> None
     """Draws one entry for each mask of sculpt mode."""
     if not bridge.missing_sentence():
         menu.layout.separator()
+        words = label("Mask from {what} at Radius")
         for name in sculpt_mask.MASKS:
-            entry = menu.layout.operator("paradesc.mask_from_shape", text=f"{presets.PRESETS[name].label} at Radius")
-            entry.mask = name
+            text = words.format(what=label(presets.PRESETS[name].label))
+            menu.layout.operator("paradesc.mask_from_shape", text=text).mask = name
 
 
 PLACES = {

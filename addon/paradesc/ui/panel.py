@@ -6,14 +6,26 @@ from .. import bridge
 from ..animation import handlers
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, Steps, progress_text
-from ..core import legend
 from ..scene import sculpt_masks, targets, viewports
 from ..settings import presets, properties
+from ..settings.translation import label
 from ..show import recolor
-from .drawing import SidebarPanel, sentence_lines
+from .drawing import (
+    SidebarPanel,
+    button,
+    descriptor_words,
+    fits,
+    in_two_columns,
+    place,
+    sentence_lines,
+    setting,
+    side_by_side,
+)
 from .live_panel import live_sentence
 from .report_panel import stored_report
 
+# Of the row that the button has beside Live.
+BAKE_SHARE = 0.72
 MASK_ICONS = {"cavity": "SHARPCURVE", "edge_wear": "SPHERECURVE", "curvature": "SMOOTHCURVE", "openness": "LIGHT_SUN"}
 
 
@@ -36,14 +48,12 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         if missing:
             sentence_lines(context, layout, missing, "ERROR")
             return
-        draw_masks(layout, settings)
+        draw_masks(context, layout, settings)
         column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
-        row = column.row(align=True)
-        row.prop(settings, properties.radius_member(settings))
-        row.operator("paradesc.fit_radius", text="", icon="FULLSCREEN_EXIT")
-        column.prop(context.scene.paradesc_animation, "source")
+        in_two_columns(column)
+        fit = ("paradesc.fit_radius", "FULLSCREEN_EXIT")
+        setting(context, column, settings, properties.radius_member(settings), beside=fit)
+        setting(context, column, context.scene.paradesc_animation, "source")
         if ModalJob.running:
             draw_progress(context, layout, ModalJob.running)
             return
@@ -54,26 +64,28 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         draw_result(context, layout)
 
 
-def draw_masks(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
+def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup) -> None:
     """Draws one button for each mask, the chosen one pressed; whatever else is chosen under Analysis has a line."""
     chosen = presets.chosen_mask(settings)
-    grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
-    for name in presets.MASKS:
-        button = grid.operator(
-            "paradesc.preset", text=presets.PRESETS[name].label, icon=MASK_ICONS[name], depress=name == chosen
-        )
-        button.name = name
+    labels = {name: label(presets.PRESETS[name].label) for name in presets.MASKS}
+    columns = 2 if all(fits(context, words, 0.5, has_icon=True) for words in labels.values()) else 1
+    grid = layout.grid_flow(row_major=True, columns=columns, even_columns=True, align=True)
+    for name, words in labels.items():
+        options = {"icon": MASK_ICONS[name], "depress": name == chosen}
+        button(context, grid, "paradesc.preset", words, **options).name = name
     if not chosen:
         labels = [row.label for row in bridge.descriptors() if row.name in settings.descriptors]
-        layout.label(text=labels[0] if len(labels) == 1 else f"{len(labels)} descriptors, under Analysis")
+        count = label("{count} descriptors, under Analysis").format(count=len(labels))
+        sentence_lines(context, layout, labels[0] if len(labels) == 1 else count)
 
 
 def draw_sculpting(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     """Draws one button for each mask of sculpt mode, and what stands in their way."""
     layout.label(text="Sculpt Mask")
-    row = layout.row(align=True)
-    for name in sculpt_mask.MASKS:
-        row.operator("paradesc.mask_from_shape", text=presets.PRESETS[name].label).mask = name
+    labels = {name: label(presets.PRESETS[name].label) for name in sculpt_mask.MASKS}
+    row = side_by_side(context, layout, list(labels.values()))
+    for name, words in labels.items():
+        button(context, row, "paradesc.mask_from_shape", words).mask = name
     sentence = sculpt_masks.multires_obstacle(context.active_object)
     if sentence:
         sentence_lines(context, layout, sentence, "INFO")
@@ -83,18 +95,19 @@ def draw_button(context: bpy.types.Context, layout: bpy.types.UILayout, settings
     """Draws the button, the switch of live values beside it, and what stands in the way."""
     chosen = targets.chosen(context)
     there = context.active_object is not None and context.active_object.type == "MESH"
-    row = layout.split(factor=0.72, align=True) if there else layout.row()
+    text, live = button_text(len(targets.by_mesh(chosen)), presets.chosen_mask(settings)), label("Live")
+    beside = fits(context, text, BAKE_SHARE, has_icon=True) and fits(context, live, 1 - BAKE_SHARE)
+    row = layout.split(factor=BAKE_SHARE, align=True) if there and beside else layout.column(align=True)
     row.scale_y = 1.4
-    text = button_text(len(targets.by_mesh(chosen)), presets.chosen_mask(settings))
-    row.operator("paradesc.bake", text=text, icon="SHADING_TEXTURE")
+    button(context, row, "paradesc.bake", text, icon="SHADING_TEXTURE")
     if there:
         row.prop(context.active_object.paradesc_live, "follows", toggle=True)
-    layout.operator("paradesc.bake_image", icon="IMAGE_DATA")
+    button(context, layout, "paradesc.bake_image", icon="IMAGE_DATA")
     sentence = targets.obstacle(context)
     if sentence:
         sentence_lines(context, layout, sentence, "INFO")
     if any(targets.unwritable(target) for target in chosen):
-        layout.operator("paradesc.make_local", icon="LINK_BLEND")
+        button(context, layout, "paradesc.make_local", icon="LINK_BLEND")
 
 
 def draw_live(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
@@ -106,7 +119,8 @@ def draw_live(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     if sentence:
         sentence_lines(context, layout, sentence, "ERROR" if target.paradesc_live.sentence else "INFO")
     elif target.paradesc_live.follows and session is not None and session.seconds:
-        sentence_lines(context, layout, f"Live: {1e3 * sum(session.seconds.values()):.0f} ms a frame")
+        time = f"{1e3 * sum(session.seconds.values()):.0f} ms"
+        sentence_lines(context, layout, label("Live: {time} a frame").format(time=time))
 
 
 def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
@@ -119,7 +133,8 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     sentence_lines(context, column, result_sentence(stored))
     if recolor.baked_names(mesh):
         row = column.row(align=True)
-        row.operator_menu_enum("paradesc.show", "name", text=shown_words(mesh), icon="COLOR")
+        part, words = place(context, row, shown_words(mesh), has_icon=True, others=2)  # the arrow and the eye
+        part.operator_menu_enum("paradesc.show", "name", text=words, icon="COLOR" if words else "DOWNARROW_HLT")
         if context.space_data.shading.type != "SOLID":
             row.operator("paradesc.view_colors", text="", icon="SHADING_SOLID")
         elif context.space_data.shading.color_type != viewports.ATTRIBUTES:
@@ -129,7 +144,7 @@ def draw_result(context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
     for sentence in stored["warnings"].splitlines():
         sentence_lines(context, column, sentence, "ERROR")
     if stored["field_report"]["radius"] < stored["mesh_report"].get("mean_edge", 0.0):
-        column.operator("paradesc.fit_radius", text="Fit Radius to Mesh")
+        button(context, column, "paradesc.fit_radius", label("Fit Radius to Mesh"))
 
 
 def result_sentence(stored: dict[str, dict]) -> str:
@@ -137,28 +152,33 @@ def result_sentence(stored: dict[str, dict]) -> str:
     asked = stored["settings"].get("descriptors")
     names = [name for name in asked if isinstance(name, str)] if isinstance(asked, list) else []
     known = {row.name: row.label for row in bridge.descriptors()}
-    label = known.get(names[0], names[0]) if len(names) == 1 else f"{len(names)} descriptors"
+    count = label("{count} descriptors").format(count=len(names))
+    what = label(known.get(names[0], names[0])) if len(names) == 1 else count
     field, mesh = stored["field_report"], stored["mesh_report"]
-    return f"{label}, {mesh['vertex_count']:,} vertices, {field['seconds_total']:.2f} s"
+    line = label("{what}, {count} vertices, {seconds} s")
+    return line.format(what=what, count=f"{mesh['vertex_count']:,}", seconds=f"{field['seconds_total']:.2f}")
 
 
 def shown_words(mesh: bpy.types.Mesh) -> str:
     """The descriptor whose colors the mesh shows, in words."""
     name = recolor.shown_name(mesh)
-    return legend.label(name) if name else "Choose what to show"
+    return descriptor_words(name) if name else label("Choose what to show")
 
 
 def button_text(count: int, mask: str = "") -> str:
     """The text of the button for so many meshes, and for a mask if one is chosen."""
-    what = presets.PRESETS[mask].label if mask else "Descriptors"
-    return f"Bake {what}" + (f" on {count} Meshes" if count > 1 else "")
+    what = label(presets.PRESETS[mask].label if mask else "Descriptors")
+    text = label("Bake {what} on {count} Meshes") if count > 1 else label("Bake {what}")
+    return text.format(what=what, count=count)
 
 
 def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
     """Draws how far the work is; Blender has a bar for it since 4.0."""
     if hasattr(layout, "progress"):
         layout.progress(factor=running.fraction, text=f"{running.fraction:.0%}", type="BAR")
-    sentence_lines(context, layout, f"{progress_text(running)} (Esc cancels)", "SORTTIME")
+    sentence_lines(
+        context, layout, label("{progress} (Esc cancels)").format(progress=progress_text(running)), "SORTTIME"
+    )
 
 
 classes = (PARADESC_PT_bake,)

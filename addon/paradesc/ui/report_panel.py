@@ -3,19 +3,25 @@
 import bpy
 
 from ..scene import record
+from ..settings.translation import label
 from .drawing import SidebarPanel, sentence_lines
 
 # Mesh defects that get a line each if there are any: the member of the mesh report, and words for people.
 DEFECTS = (
-    ("loose_vertices", "vertices without a face"),
-    ("degenerate_triangles", "triangles without area"),
-    ("zero_uv_area_triangles", "triangles without UV area"),
-    ("flipped_triangles", "flipped triangles"),
-    ("nonmanifold_edges", "non-manifold edges"),
-    ("nonmanifold_vertices", "non-manifold vertices"),
+    ("loose_vertices", "{loose_vertices:,} vertices without a face"),
+    ("degenerate_triangles", "{degenerate_triangles:,} triangles without area"),
+    ("zero_uv_area_triangles", "{zero_uv_area_triangles:,} triangles without UV area"),
+    ("flipped_triangles", "{flipped_triangles:,} flipped triangles"),
+    ("nonmanifold_edges", "{nonmanifold_edges:,} non-manifold edges"),
+    ("nonmanifold_vertices", "{nonmanifold_vertices:,} non-manifold vertices"),
 )
-# Stages of a bake that are timed: the member of the field report, and words for people.
-STAGES = (("seconds_prepare", "mesh"), ("seconds_bake", "bake"), ("seconds_evaluate", "evaluate"))
+# What a bake took: the member of the field report, and words for people.
+STAGES = (
+    ("seconds_prepare", "– mesh: {seconds_prepare:.2f} s"),
+    ("seconds_bake", "– bake: {seconds_bake:.2f} s"),
+    ("seconds_evaluate", "– evaluate: {seconds_evaluate:.2f} s"),
+    ("memory_megabytes", "Memory: about {memory_megabytes:,.0f} MB"),
+)
 
 
 class PARADESC_PT_report(SidebarPanel, bpy.types.Panel):
@@ -55,30 +61,35 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
     """The facts of one bake, as lines."""
     mesh, field = stored["mesh_report"], stored["field_report"]
     lines = [
-        f"{mesh['vertex_count']:,} vertices, {mesh['triangle_count']:,} triangles",
-        f"UV islands: {mesh['charts']}, seam edges: {mesh['seam_edges']}",
-        f"Radius: {field['radius']:.4g}" + texels(field),
-        f"Coverage: {100 * field['coverage_mean']:.2f} %",
-        f"Undefined vertices: {field['undefined_vertices']:,}",
-        f"Time: {field['seconds_total']:.2f} s ({stored['backend']})",
-        *[f"– {words}: {field[name]:.2f} s" for name, words in STAGES if field.get(name, 0) > 0],
-        *[f"Memory: about {field[name]:,.0f} MB" for name in ("memory_megabytes",) if field.get(name, 0) > 0],
+        label("{vertices:,} vertices, {triangles:,} triangles").format(
+            vertices=mesh["vertex_count"], triangles=mesh["triangle_count"]
+        ),
+        label("UV islands: {charts}, seam edges: {seam_edges}").format(**mesh),
+        label("Radius: {radius:.4g}").format(**field) + texels(field),
+        label("Coverage: {percent:.2f} %").format(percent=100 * field["coverage_mean"]),
+        label("Undefined vertices: {undefined_vertices:,}").format(**field),
+        label("Time: {seconds_total:.2f} s ({backend})").format(**{**field, "backend": stored["backend"]}),
+        *[label(line).format(**field) for name, line in STAGES if field.get(name, 0) > 0],
         stored["device"],
     ]
     if stored["settings"].get("space") == "world":
-        lines.append("Measured in the world")
+        lines.append(label("Measured in the world"))
     if field.get("crease_edges"):
-        lines.append(f"Crease edges: {field['crease_edges']:,}")
+        lines.append(label("Crease edges: {crease_edges:,}").format(**field))
     if field.get("private_layout"):
-        cut = f", {field['cut_charts']:,} cut" if field.get("cut_charts") else ""
-        lines.append("UV islands laid out afresh" + cut)
-    lines += [f"{mesh[name]:,} {words}" for name, words in DEFECTS if mesh[name]]
+        cut = (
+            "UV islands laid out afresh, {cut_charts:,} cut"
+            if field.get("cut_charts")
+            else "UV islands laid out afresh"
+        )
+        lines.append(label(cut).format(**field))
+    lines += [label(line).format(**mesh) for name, line in DEFECTS if mesh[name]]
     return lines
 
 
 def texels(field: dict[str, float]) -> str:
     """The radius in texels, if a device used any."""
-    return f" ({field['radius_in_texels']:.1f} texels)" if field["radius_in_texels"] > 0 else ""
+    return label(" ({radius_in_texels:.1f} texels)").format(**field) if field["radius_in_texels"] > 0 else ""
 
 
 classes = (PARADESC_PT_report,)

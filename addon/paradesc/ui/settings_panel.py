@@ -6,7 +6,8 @@ from mathutils import Vector
 from .. import bridge
 from ..core import devices, spaces
 from ..scene import targets
-from .drawing import SettingsPanel, sentence_lines
+from ..settings.translation import label
+from .drawing import LABEL_SHARE, SettingsPanel, fits, place, sentence_lines, setting
 
 # Operators that look at their map through Gaussian windows.
 WINDOWED = {"difference_of_gaussians", "harris"}
@@ -26,17 +27,21 @@ class PARADESC_PT_descriptor(SettingsPanel, bpy.types.Panel):
             layout.label(text=title)
             column = layout.column(align=True)
             if rows[0].map_degree:
-                column.prop(settings, "map_descriptor", text="")
+                draw_map(context, column, settings)
             for row in rows:
-                column.prop_enum(settings, "descriptors", row.name)
+                on = "CHECKBOX_HLT" if row.name in settings.descriptors else "CHECKBOX_DEHLT"
+                part, words = place(context, column, label(row.label))
+                part.prop_enum(
+                    settings, "descriptors", row.name, text=words, icon="NONE" if words else on, translate=False
+                )
         chosen = settings.descriptors
         column = layout.column()
         column.use_property_split = True
         if chosen & WINDOWED:
-            column.prop(settings, "map_sigma")
+            setting(context, column, settings, "map_sigma")
         if "harris" in chosen:
-            column.prop(settings, "harris_k")
-            column.prop(settings, "corner_threshold")
+            setting(context, column, settings, "harris_k")
+            setting(context, column, settings, "corner_threshold")
 
 
 class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
@@ -49,17 +54,17 @@ class PARADESC_PT_neighborhood(SettingsPanel, bpy.types.Panel):
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws the radius's unit, what it is as a length, further radii, and the space."""
         column = layout.column(align=True)
-        column.prop(settings, "radius_unit")
+        setting(context, column, settings, "radius_unit")
         target = next(iter(targets.chosen(context)), None)
         words = radius_words(context.scene, settings, target) if target is not None else ""
         if words:
             split = layout.split(factor=0.4)
             split.label(text="")
-            split.label(text=words)
-        layout.prop(settings, "more_radii")
-        layout.prop(settings, "space")
+            split.label(text=words, translate=False)
+        setting(context, layout, settings, "more_radii")
+        setting(context, layout, settings, "space")
         if target is not None and target.data.shape_keys is not None:
-            layout.prop(settings, "shape_key")
+            setting(context, layout, settings, "shape_key")
         if target is not None and settings.space == "object" and not spaces.is_even(target.matrix_world):
             sentence = "The object is scaled unevenly: measure in World, or apply the scale"
             sentence_lines(context, layout, sentence, "INFO")
@@ -75,12 +80,15 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws samples, buffers, normals, creases and device."""
         for name in ("samples", "adaptive", "buffer_size", "precision", "normals", "creases", "material_maps"):
-            layout.prop(settings, name)
-        split = layout.split(factor=0.4)
+            setting(context, layout, settings, name)
+        words, text = label("Device"), label(devices.label_of(settings.backend, settings.device_index))
+        one_line = fits(context, words, LABEL_SHARE) and fits(context, text, 1 - LABEL_SHARE, has_icon=True)
+        split = layout.split(factor=LABEL_SHARE) if one_line else layout.column(align=True)
         column = split.column()
-        column.alignment = "RIGHT"
-        column.label(text="Device")
-        split.menu("PARADESC_MT_devices", text=devices.label_of(settings.backend, settings.device_index))
+        column.alignment = "RIGHT" if one_line else "EXPAND"
+        column.label(text=words, translate=False)
+        part, text = place(context, split, text, has_icon=True)
+        part.menu("PARADESC_MT_devices", text=text, icon="NONE" if text else "DOWNARROW_HLT", translate=False)
 
 
 class PARADESC_MT_devices(bpy.types.Menu):
@@ -93,14 +101,14 @@ class PARADESC_MT_devices(bpy.types.Menu):
         """Draws every device; a backend without one is grey, and its tooltip says why."""
         settings = context.scene.paradesc
         current = (settings.backend, settings.device_index)
-        for backend, index, label, there in [
+        for backend, index, name, there in [
             ("auto", -1, "Automatic", True),
             *((row.backend, row.index, row.label, not row.missing) for row in devices.found()),
         ]:
             row = self.layout.row()
             row.enabled = there
             icon = "CHECKMARK" if current == (backend, index) else "BLANK1"
-            choice = row.operator("paradesc.choose_device", text=label, icon=icon)
+            choice = row.operator("paradesc.choose_device", text=name, icon=icon)
             choice.backend, choice.index = backend, index
 
 
@@ -129,7 +137,7 @@ class PARADESC_PT_method(SettingsPanel, bpy.types.Panel):
         ):
             row = layout.row()
             row.active = active
-            row.prop(settings, name)
+            setting(context, row, settings, name)
 
 
 class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
@@ -141,17 +149,29 @@ class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
 
     def draw_settings(self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
         """Draws attributes, images and buffers, each with its options."""
-        layout.use_property_split = False
-        layout.prop(settings, "write_attributes")
+        setting(context, layout, settings, "write_attributes")
         for name, members in (
             ("write_image", ("image_format", "texels", "image_path")),
             ("write_buffers", ("buffers_path",)),
         ):
-            layout.prop(settings, name)
+            setting(context, layout, settings, name)
             if getattr(settings, name):
                 column = layout.column(align=True)
                 for member in members:
-                    column.prop(settings, member, text="" if member.endswith("path") else None)
+                    if member.endswith("path"):
+                        column.prop(settings, member, text="")
+                    else:
+                        setting(context, column, settings, member)
+
+
+def draw_map(context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
+    """Draws the descriptor that the filters work on."""
+    items = settings.bl_rna.properties["map_descriptor"].enum_items
+    part, words = place(context, layout, label(items[settings.map_descriptor].name), has_icon=True)
+    if words:
+        part.prop(settings, "map_descriptor", text="")
+    else:
+        part.prop_menu_enum(settings, "map_descriptor", text="", icon="DOWNARROW_HLT")
 
 
 def descriptor_groups() -> list[tuple[str, list[bridge.Descriptor]]]:

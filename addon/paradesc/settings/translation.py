@@ -1,0 +1,18 @@
+"""Blender's translation for texts that Python puts together, and for tooltips that Python answers with.
+
+Blender itself looks up every text that is handed to it as it stands in the code.
+"""
+
+import bpy
+
+look_up = bpy.app.translations.pgettext_iface
+
+
+def label(text: str, context: str = "*") -> str:
+    """A label in the language of the interface; format() fills its braces afterwards."""
+    return look_up(text, context)
+
+
+def tooltip(text: str) -> str:
+    """A tooltip, or a reason why a button is grey, in the language of tooltips."""
+    return bpy.app.translations.pgettext_tip(text)
