@@ -122,6 +122,17 @@ def test_every_picture_is_used_and_small():
         assert min(width, height) > 100, path.name
 
 
+def test_every_page_for_artists_begins_with_what_it_shows():
+    listed = re.findall(
+        r"\((\w+\.md)\)", (MANUAL / "README.md").read_text(encoding="utf-8").partition("[Artists, in depth]")[0]
+    )
+    assert len(listed) >= 9
+    for name in listed:
+        text = (MANUAL / name).read_text(encoding="utf-8")
+        assert "](pictures/" in text, f"{name} has no picture"
+        assert len(text.split()) < 900, f"{name} is long"
+
+
 def test_every_picture_is_drawn_by_the_script():
     script = (PICTURES / "make.sh").read_text()
     for path in PICTURES.glob("*.png"):
@@ -190,7 +201,7 @@ def test_every_option_of_the_command_line_is_in_the_reference():
 def test_every_preset_is_in_the_manual(registered):
     from paradesc.settings import presets
 
-    text = section((MANUAL / "artists.md").read_text(encoding="utf-8"), "The first mask")
+    text = (MANUAL / "presets.md").read_text(encoding="utf-8")
     for name, preset in presets.PRESETS.items():
         assert f"| {preset.label} |" in text
         assert f"`{name}`" in REFERENCE.read_text(encoding="utf-8")
@@ -217,10 +228,28 @@ def test_every_link_of_the_web_pages_leads_to_a_file_and_to_a_heading_in_it(writ
     pytest.importorskip("markdown", reason="makes the web pages")
     write_manual(tmp_path / "manual")
     found = sorted((tmp_path / "manual").glob("*.html"))
-    assert {path.stem for path in found} == {"index", "artists", "reference", "pipelines", "values", "changelog"}
+    pages_for_artists = {
+        "start",
+        "masks",
+        "textures",
+        "live",
+        "colors",
+        "sculpting",
+        "export",
+        "presets",
+        "trouble",
+        "artists",
+    }
+    assert {path.stem for path in found} == {
+        "index",
+        "reference",
+        "pipelines",
+        "values",
+        "changelog",
+    } | pages_for_artists
     for page in found:
         text = page.read_text(encoding="utf-8")
-        assert "<table>" in text or page.stem == "changelog"
+        assert "<table>" in text or page.stem in {"changelog", "live", "sculpting"}
         for target in re.findall(r'(?:href|src)="([^"]+)"', text):
             name, _, anchor = target.partition("#")
             file = page.parent / name if name else page

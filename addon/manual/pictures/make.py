@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import beside
 import drawings
+import pages
 import renders
 
 import paradesc
@@ -25,8 +26,12 @@ KINDS = {
     "frames": drawings.draw_frames,
     "maps": drawings.draw_maps,
     "beside": beside.render_beside,
+    "presets": pages.draw_presets,
+    "textures": pages.draw_textures,
+    "export": pages.draw_export,
+    "trouble": pages.draw_trouble,
 }
-STEPS = {"legend": window.legend_steps, "panel": window.panel_steps}
+STEPS = {"legend": window.legend_steps, "panel": window.panel_steps, "sculpting": window.sculpting_steps}
 
 
 def turn(iterator: Iterator[None]) -> float | None:

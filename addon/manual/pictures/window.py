@@ -14,32 +14,62 @@ import subjects
 from paradesc.files import png
 
 
-def legend_steps(path: str) -> Iterator[None]:
-    """Bakes, shows the colors and takes the picture."""
+def alone() -> Iterator[None]:
+    """Lets the viewport fill the window, without what belongs to Blender's interface."""
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     with bpy.context.temp_override(window=window, area=area):
         bpy.ops.screen.screen_full_area(use_hide_panels=True)
     yield
+    space = next(area for area in window.screen.areas if area.type == "VIEW_3D").spaces[0]
+    space.show_region_ui = space.show_region_toolbar = space.show_gizmo = False
+    overlay = space.overlay
+    overlay.show_floor = overlay.show_ortho_grid = overlay.show_cursor = overlay.show_object_origins = False
+    overlay.show_axis_x = overlay.show_axis_y = overlay.show_axis_z = overlay.show_text = False
+
+
+def from_the_front() -> dict[str, object]:
+    """The viewport, in which the selected mesh is seen from the front."""
+    window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
-    region = next(region for region in area.regions if region.type == "WINDOW")
-    space = area.spaces[0]
-    with bpy.context.temp_override(window=window, area=area, region=region):
-        subjects.baked_monkey("mean_curvature")
-        bpy.ops.paradesc.view_colors()
+    place = {"window": window, "area": area, "region": view_of(area)}
+    with bpy.context.temp_override(**place):
         bpy.ops.view3d.view_axis(type="FRONT")
         bpy.ops.view3d.view_selected()
-        space.region_3d.view_distance *= 0.75
+        area.spaces[0].region_3d.view_distance *= 0.75
+    return place
+
+
+def screenshot(area: bpy.types.Area, path: str) -> Iterator[None]:
+    """Takes the picture of the whole window."""
+    yield from drawn(area)
+    bpy.ops.screen.screenshot(filepath=path)
+    png.write_png(Path(path), subjects.pixels_of(path))
+
+
+def legend_steps(path: str) -> Iterator[None]:
+    """Bakes, shows the colors and takes the picture."""
+    yield from alone()
+    subjects.baked_monkey("mean_curvature")
+    place = from_the_front()
+    with bpy.context.temp_override(**place):
+        bpy.ops.paradesc.view_colors()
         bpy.ops.object.select_all(action="DESELECT")
-        space.show_region_ui = space.show_region_toolbar = space.show_gizmo = False
-        overlay = space.overlay
-        overlay.show_floor = overlay.show_ortho_grid = overlay.show_cursor = overlay.show_object_origins = False
-        overlay.show_axis_x = overlay.show_axis_y = overlay.show_axis_z = overlay.show_text = False
-        for _ in range(6):
-            area.tag_redraw()
-            yield
-        bpy.ops.screen.screenshot(filepath=path)
-        png.write_png(Path(path), subjects.pixels_of(path))
+    yield from screenshot(place["area"], path)
+
+
+def sculpting_steps(path: str) -> Iterator[None]:
+    """Masks the edges in sculpt mode and takes the picture."""
+    yield from alone()
+    subjects.monkey()
+    bpy.context.scene.paradesc.radius_percent = subjects.RADIUS_PERCENT
+    place = from_the_front()
+    with bpy.context.temp_override(**place):
+        bpy.ops.object.mode_set(mode="SCULPT")
+        bpy.context.tool_settings.sculpt.show_brush = False
+        place["area"].spaces[0].overlay.sculpt_mode_mask_opacity = 1.0
+        bpy.ops.paradesc.mask_from_shape(mask="edge_wear")
+    yield from screenshot(place["area"], path)
 
 
 # Pixels from the sidebar's top to the middle of our tab, the last of four, and of the button in the panel.
@@ -87,7 +117,9 @@ def panel_steps(path: str) -> Iterator[None]:
     assert mesh.color_attributes.active_color.name == "cavity_color"
     assert grey_contrast(seen) > 0.2, "no grey mask is seen"
     assert height <= MOST_PIXELS, f"the panel is {height} pixels high"
-    sys.stdout.write(f"panel: {panel_height(before)} pixels high, {panel_height(after)} after one click and a grey mask\n")
+    sys.stdout.write(
+        f"panel: {panel_height(before)} pixels high, {panel_height(after)} after one click and a grey mask\n"
+    )
 
 
 def view_of(area: bpy.types.Area) -> bpy.types.Region:
