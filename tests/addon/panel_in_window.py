@@ -1,6 +1,6 @@
 """Draws all panels, open, at several scales of the interface and with longer words, as pictures for people to look at.
 
-bash tests/addon/run_in_window.sh build/panels panel_in_window.py 700 5200
+bash tests/addon/run_in_window.sh build/panels panel_in_window.py 640 9900
 """
 
 import sys
@@ -59,8 +59,10 @@ def take(path: Path) -> Iterator[None]:
     region = sidebar()
     pixels = screen_pixels()[region.y : region.y + region.height, region.x : region.x + region.width][::-1]
     height = np.flatnonzero(pixels[:, : region.width * 3 // 4].max(axis=(1, 2)) > 0.6).max() + 20
-    columns = -(-height // MOST_PIXELS)
-    folded = np.hstack(np.split(pixels[: columns * MOST_PIXELS], columns)) if columns > 1 else pixels[:height]
+    shown = pixels[:height]
+    columns = [shown[top : top + MOST_PIXELS] for top in range(0, height, MOST_PIXELS)]
+    columns[-1] = np.pad(columns[-1], ((0, len(columns[0]) - len(columns[-1])), (0, 0), (0, 0)))
+    folded = np.hstack(columns)
     png.write_png(path, np.ascontiguousarray(np.round(255 * folded).astype(np.uint8)))
     say(f"wrote {path.name}: {region.width} pixels wide, {height} high")
 

@@ -14,7 +14,7 @@ import numpy as np
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 from paradesc.bake import operators  # noqa: E402
-from paradesc.scene import mesh_io, sculpt_masks  # noqa: E402
+from paradesc.scene import mesh_io, record, sculpt_masks  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 from window import baking, begin, prepare, say, screen_pixels, start_bake, view_context, wait_for  # noqa: E402
 
@@ -67,6 +67,22 @@ def cancel_and_bake(target) -> Iterator[None]:
     values = attribute_values(bpy.data.meshes[mesh_name], "mean_curvature")
     np.testing.assert_allclose(values, 0.5, rtol=0.05)
     say("baked with the right values")
+
+
+def redone(name: str) -> Iterator[None]:
+    """Changes the radius in the panel that Blender shows after a bake (F9): the values are those of the new one."""
+    before = record.read(bpy.data.meshes[name])["field_report"]["radius"]
+    values = attribute_values(bpy.data.meshes[name], "mean_curvature")
+    last = bpy.context.window_manager.operators[-1]
+    assert last.bl_idname == "PARADESC_OT_bake", last.bl_idname
+    last.properties.radius = 2 * last.properties.radius
+    run_in_view(bpy.ops.ed.undo_redo)
+    yield
+    after = record.read(bpy.data.meshes[name])["field_report"]["radius"]
+    np.testing.assert_allclose(after, 2 * before, rtol=1e-5)
+    assert not np.array_equal(attribute_values(bpy.data.meshes[name], "mean_curvature"), values), "the same values"
+    np.testing.assert_allclose(bpy.context.scene.paradesc.radius_percent, 8.0, rtol=1e-5)
+    say("baked again with another radius")
 
 
 def take_picture(screenshot: str) -> Iterator[None]:
@@ -184,6 +200,7 @@ def steps(target, screenshot: str) -> Iterator[None]:
     settings.backend = "software"
     yield
     yield from cancel_and_bake(target)
+    yield from redone(first)
     yield from legend_is_drawn(area)
     if screenshot:
         yield from take_picture(screenshot)

@@ -74,6 +74,8 @@ def sculpting_steps(path: str) -> Iterator[None]:
 
 # Pixels from the sidebar's top to the middle of our tab, the last of four, and of the button in the panel.
 TAB_BELOW_TOP, BUTTON_BELOW_TOP = 175, 148
+# And from there down to the one that makes textures.
+IMAGE_BELOW_BUTTON = 30
 # The panel fits one screen, before and after a bake.
 MOST_PIXELS = 825
 
@@ -118,8 +120,25 @@ def panel_steps(path: str) -> Iterator[None]:
     assert grey_contrast(seen) > 0.2, "no grey mask is seen"
     assert height <= MOST_PIXELS, f"the panel is {height} pixels high"
     sys.stdout.write(
-        f"panel: {panel_height(before)} pixels high, {panel_height(after)} after one click and a grey mask\n"
+        f"panel: {panel_height(before)} pixels high, {panel_height(after)} after one click and a grey mask; "
+        "one click makes a texture, and one switches live values on\n"
     )
+
+
+def one_click_each(window: bpy.types.Window, sidebar: bpy.types.Region, mesh: bpy.types.Mesh) -> Iterator[None]:
+    """Switches live values on by one click and makes a texture by another; fails if one of them needs more."""
+    live = next(target for target in bpy.data.objects if target.data == mesh).paradesc_live
+    height = sidebar.y + sidebar.height - BUTTON_BELOW_TOP
+    yield from clicked(window, sidebar.x + sidebar.width * 18 // 25, height)
+    yield
+    assert live.mode == "LIVE", "one click does not switch live values on"
+    live.mode = "OFF"
+    yield from clicked(window, sidebar.x + sidebar.width // 3, height - IMAGE_BELOW_BUTTON)
+    for _ in range(100):
+        if any(image.name.endswith("_cavity") for image in bpy.data.images):
+            return
+        yield
+    raise AssertionError("one click makes no texture")
 
 
 def view_of(area: bpy.types.Area) -> bpy.types.Region:

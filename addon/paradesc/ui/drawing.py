@@ -14,7 +14,7 @@ from ..settings.translation import label
 # Widths in the sidebar, in pixels at Blender's own scale: what lies beside the text, an icon.
 MARGIN, ICON = 58, 24
 # In a button, what lies beside its text, and its icon or the arrow of a menu; the share of a line for a setting's name.
-PADDING, BUTTON_ICON, LABEL_SHARE = 5, 19, 0.4
+PADDING, BUTTON_ICON, LABEL_SHARE = 3, 18, 0.4
 # Blender's own, in which labels are drawn.
 FONT = 0
 
@@ -116,14 +116,14 @@ def setting(
         part.prop(group, name, text=words, translate=False)
         return
     item = member.enum_items.get(getattr(group, name)) if member.type == "ENUM" else None
-    value = label(item.name) if item is not None else ""
+    value = label(item.name) if item is not None else getattr(group, name) if member.type == "STRING" else ""
     text = None
     if not (fits(context, words, LABEL_SHARE) and fits(context, value, 1 - LABEL_SHARE, has_icon=True)):
         column = row.column(align=True)
         column.label(text=words, translate=False)
         row, text = column.row(align=True), ""
         row.use_property_split = False
-    part, value = place(context, row, value, has_icon=True)
+    part, value = (row, value) if item is None else place(context, row, value, has_icon=True)
     if item is not None and not value:
         part.prop_menu_enum(group, name, text="", icon="DOWNARROW_HLT")
     else:
