@@ -76,7 +76,7 @@ def redone(name: str) -> Iterator[None]:
     last = bpy.context.window_manager.operators[-1]
     assert last.bl_idname == "PARADESC_OT_bake", last.bl_idname
     last.properties.radius = 2 * last.properties.radius
-    run_in_view(bpy.ops.ed.undo_redo)
+    run_in_view(bpy.ops.ed.undo_redo, "EXEC_DEFAULT", True)
     yield
     after = record.read(bpy.data.meshes[name])["field_report"]["radius"]
     np.testing.assert_allclose(after, 2 * before, rtol=1e-5)
