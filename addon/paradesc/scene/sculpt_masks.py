@@ -23,7 +23,7 @@ def is_painted(mesh: bpy.types.Mesh) -> bool:
 
 
 def write(target: bpy.types.Object, weights: np.ndarray) -> None:
-    """Replaces the mask by (n,) weights outside sculpt mode."""
+    """Replaces the mask by (n,) weights; sculpt mode has to have made its storage by then."""
     mesh = target.data
     if storage(mesh) is None:
         make_storage(target)

@@ -81,7 +81,7 @@ class PARADESC_PT_quality(SettingsPanel, bpy.types.Panel):
         """Draws samples, buffers, normals, creases and device."""
         for name in ("samples", "adaptive", "buffer_size", "precision", "normals", "creases", "material_maps"):
             setting(context, layout, settings, name)
-        words, text = label("Device"), label(devices.label_of(settings.backend, settings.device_index))
+        words, text = label("Device"), device_words(devices.label_of(settings.backend, settings.device_index))
         one_line = fits(context, words, LABEL_SHARE) and fits(context, text, 1 - LABEL_SHARE, has_icon=True)
         split = layout.split(factor=LABEL_SHARE) if one_line else layout.column(align=True)
         column = split.column()
@@ -108,7 +108,7 @@ class PARADESC_MT_devices(bpy.types.Menu):
             row = self.layout.row()
             row.enabled = there
             icon = "CHECKMARK" if current == (backend, index) else "BLANK1"
-            choice = row.operator("paradesc.choose_device", text=name, icon=icon)
+            choice = row.operator("paradesc.choose_device", text=device_words(name), icon=icon, translate=False)
             choice.backend, choice.index = backend, index
 
 
@@ -162,6 +162,12 @@ class PARADESC_PT_output(SettingsPanel, bpy.types.Panel):
                         column.prop(settings, member, text="")
                     else:
                         setting(context, column, settings, member)
+
+
+def device_words(name: str) -> str:
+    """A device as the interface's language has it: its kind in words, and its own name as it is."""
+    kind, colon, rest = name.partition(": ")
+    return label(kind) + colon + rest
 
 
 def draw_map(context: bpy.types.Context, layout: bpy.types.UILayout, settings: object) -> None:
