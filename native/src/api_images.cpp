@@ -4,6 +4,7 @@
 #include <string>
 
 #include "api_edge.h"
+#include "gather/blend.h"
 #include "gather/gutter.h"
 #include "gather/uv_image.h"
 #include "support/parallel.h"
@@ -33,7 +34,9 @@ void check_input(const pdesc_uv_image_input &input) {
   check_range("triangle_count", input.triangle_count, 0, INT32_MAX);
   check_range("value_count", input.value_count, 0, INT32_MAX);
   check_range("threads", input.threads, 0, 4096);
-  if (input.components != 1 && input.components != 3)
+  if (input.numbers)
+    check_range("components", input.components, 1, paradesc::most_components);
+  else if (input.components != 1 && input.components != 3)
     refuse("The option components is " + std::to_string(input.components) + "; it must be 1, or 3 for directions.");
   if (input.map) {
     check_range("map_size", input.map_size, 1, largest_side);

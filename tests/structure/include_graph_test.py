@@ -27,7 +27,7 @@ DIRECTION: tuple[tuple[str, ...], ...] = (
     ("context",),  # holds one of them
     ("compute",),
     ("api_edge",),
-    ("api", "api_images"),
+    ("api", "api_images", "api_rays"),
     ("exports",),
 )
 RANK = {folder: rank for rank, row in enumerate(DIRECTION) for folder in row}

@@ -31,6 +31,7 @@ from .options import (
     needs_texture_space,
     uses_texture_space,
 )
+from .rays import Hits, cast_rays
 from .session import BUFFERS, Context, Field, Mesh, ProgressFunction
 from .uv_images import TexelMap, draw_uv_image, fill_gutter
 
@@ -55,6 +56,7 @@ __all__ = [
     "Context",
     "Descriptor",
     "Field",
+    "Hits",
     "InputError",
     "Layout",
     "Mesh",
@@ -64,6 +66,7 @@ __all__ = [
     "ProgressFunction",
     "SurfaceMaps",
     "TexelMap",
+    "cast_rays",
     "components",
     "descriptors",
     "draw_uv_image",

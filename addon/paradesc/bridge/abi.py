@@ -1,4 +1,4 @@
-"""The C interface of native/include/paradesc/paradesc.h, declared for ctypes: same names, same order, same types."""
+"""The C interface of native/include/paradesc, declared for ctypes: same names, same order, same types."""
 
 import ctypes
 from ctypes import (
@@ -258,6 +258,25 @@ class UvImageInput(Structure):
         ("map_uvs", Float32Pointer),
         ("progress", Progress),
         ("user", c_void_p),
+        ("numbers", c_int32),
+    ]
+
+
+class RaysInput(Structure):
+    """pdesc_rays_input"""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("vertex_count", c_int32),
+        ("triangle_count", c_int32),
+        ("ray_count", c_int32),
+        ("threads", c_int32),
+        ("positions", Float32Pointer),
+        ("triangle_vertices", Int32Pointer),
+        ("rays", Float32Pointer),
+        ("reach", c_double),
+        ("progress", Progress),
+        ("user", c_void_p),
     ]
 
 
@@ -271,6 +290,7 @@ STRUCTS: dict[type[Structure], str] = {
     FieldReport: "pdesc_field_report",
     Memory: "pdesc_memory",
     UvImageInput: "pdesc_uv_image_input",
+    RaysInput: "pdesc_rays_input",
 }
 
 # name: (restype, argtypes), in the header's order
@@ -355,6 +375,16 @@ FUNCTIONS: dict[str, tuple[object, list[object]]] = {
         c_int32,
         # image, count, width, height, components, steps, threads
         [Float32Pointer, c_int64, c_int32, c_int32, c_int32, c_int32, c_int32],
+    ),
+    "pdesc_rays_input_init": (None, [POINTER(RaysInput)]),  # input
+    "pdesc_rays_cast": (
+        c_int32,
+        [POINTER(RaysInput), Int32Pointer, Float32Pointer, c_int32],  # input, triangles, weights, ray_count
+    ),
+    "pdesc_rays_values": (
+        c_int32,
+        # input, triangles, weights, values, components, met, count
+        [POINTER(RaysInput), Int32Pointer, Float32Pointer, Float32Pointer, c_int32, Float32Pointer, c_int64],
     ),
 }
 

@@ -27,21 +27,23 @@ def draw_uv_image(
     size: int,
     texels: TexelMap | None = None,
     progress: ProgressFunction | None = None,
+    numbers: bool = False,
 ) -> np.ndarray:
     """(N, N, 1 or 3) float32 of values (n,) or (n, 3) at the corners of triangles, rows from v = 0 up; NaN off them.
 
-    uvs: (triangle_count, 3, 2). triangle_values: (triangle_count, 3) which value each corner has.
+    uvs: (triangle_count, 3, 2). triangle_values: (triangle_count, 3) which value each corner has. numbers: values are
+    (n, k) with k up to 6, of which each is a number by itself and not part of a direction.
     """
     library = load_library()
-    numbers = shaped(triangle_values, np.int32, "triangle_values", (-1, 3))
-    places = shaped(uvs, np.float32, "uvs", (len(numbers), 3, 2))
-    width = 3 if values.ndim == 2 else 1
-    column = shaped(values, np.float32, "values", (-1, 3) if width == 3 else (-1,))
+    corners = shaped(triangle_values, np.int32, "triangle_values", (-1, 3))
+    places = shaped(uvs, np.float32, "uvs", (len(corners), 3, 2))
+    width = 1 if values.ndim == 1 else values.shape[1] if numbers else 3
+    column = shaped(values, np.float32, "values", (-1,) if values.ndim == 1 else (-1, width))
     native = new_struct(library, abi.UvImageInput)
     native.size = int32(size, "number of texels")
-    native.triangle_count, native.value_count, native.components = len(numbers), len(column), width
-    native.uvs, native.triangle_values = address(places, abi.Float32Pointer), address(numbers, abi.Int32Pointer)
-    native.values = address(column, abi.Float32Pointer)
+    native.triangle_count, native.value_count, native.components = len(corners), len(column), width
+    native.uvs, native.triangle_values = address(places, abi.Float32Pointer), address(corners, abi.Int32Pointer)
+    native.values, native.numbers = address(column, abi.Float32Pointer), numbers
     if texels is not None:
         side = len(texels.values)
         source = shaped(texels.values, np.float32, "the map", (side, side, 3) if width == 3 else (side, side))

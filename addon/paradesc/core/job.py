@@ -7,7 +7,7 @@ import numpy as np
 from .. import bridge
 from ..bridge import ProgressFunction, abi
 from . import contexts
-from .color_maps import Look
+from .color_maps import Look, ValueRange, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
 # Ends the names of values relative to the rest pose.
@@ -49,6 +49,18 @@ class Settings:
 
 
 @dataclass
+class Transfer:
+    """How the values of detailed surfaces came to the UV map of a coarse one (transfer.py)."""
+
+    sources: list[str]  # the names of those surfaces
+    cage: float  # how far from the coarse surface they were looked for
+    texels: int  # on the surface
+    missed: int  # of those, how many met nothing
+    measured: dict[str, np.ndarray]  # each (n,) or (n, 3) float32, the values of those surfaces
+    images: dict[str, np.ndarray]  # each (N, N, 1 or 3) float32 over the UV map, rows from v = 0 up; NaN off the surface
+
+
+@dataclass
 class Results:
     """Everything that one bake leaves behind."""
 
@@ -73,6 +85,12 @@ class Results:
     unwrapped: bridge.Layout | None = None  # what was computed on, if not the mesh's own UV map
     corners: Corners | None = None  # with the descriptor harris only
     look: Look = field(default_factory=Look)  # of the colors
+    transfer: Transfer | None = None  # if these are values of other, more detailed surfaces
+
+    def shown(self, name: str) -> ValueRange:
+        """The range of values that the colors of a descriptor span."""
+        values = self.values[name] if self.transfer is None else self.transfer.measured[name]
+        return value_range(values, registry_row(name), self.radius_of(name), self.look)
 
     @property
     def extras(self) -> dict[str, np.ndarray]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..bridge import MeshArrays, ParadescError, ProgressFunction, abi
-from ..core import job, texel_centers
+from ..core import job, texel_centers, transfer
 from ..core.color_maps import Look
 from . import maps, mask_image, png
 from .results import Baked
@@ -89,6 +89,28 @@ def run(
     """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
     computing, drawing = job.span_of(progress, 0.0, COMPUTING), job.span_of(progress, COMPUTING, 1.0)
     results = texel_centers.run(arrays, choice.settings(settings), choice.size, computing)
+    return packed(stem, results, arrays, choice, drawing)
+
+
+def run_onto(
+    stem: str,
+    low: transfer.Part,
+    highs: list[transfer.Part],
+    settings: job.Settings,
+    choice: Choice,
+    cage: float,
+    progress: ProgressFunction | None = None,
+) -> Textures:
+    """The same of detailed surfaces, over the UV map of a coarse one; cage: as transfer.run() takes it."""
+    computing, drawing = job.span_of(progress, 0.0, COMPUTING), job.span_of(progress, COMPUTING, 1.0)
+    results = transfer.run(low, highs, choice.settings(settings), choice.size, cage, computing)
+    return packed(stem, results, low.arrays, choice, drawing)
+
+
+def packed(
+    stem: str, results: job.Results, arrays: MeshArrays, choice: Choice, drawing: ProgressFunction | None
+) -> Textures:
+    """Draws and packs the textures of what was computed."""
     results.look = choice.look
     baked = Baked(stem, results, arrays, np.eye(4))
     names = list(results.values)

@@ -34,9 +34,11 @@ def drawn(
 ) -> np.ndarray:
     """(N, N, 1 or 3) float32 of a descriptor: from the map that was evaluated if there is one, else from vertices.
 
-    at_vertices: instead of the descriptor's own values there.
+    at_vertices: instead of the descriptor's own values there. What came from other surfaces is drawn already.
     """
     results = baked.results
+    if results.transfer is not None:
+        return results.transfer.images[name].copy()
     texels = bridge.TexelMap(results.maps[name], results.layout) if name in results.maps else None
     values = results.values[name] if at_vertices is None else at_vertices
     return bridge.draw_uv_image(uvs, baked.arrays.triangle_vertices, values, size, texels, progress)

@@ -14,7 +14,7 @@ import numpy as np
 from .. import bridge
 from ..bridge import ParadescError, abi
 from ..core import color_maps, corners, legend
-from ..core.job import Results, registry_row
+from ..core.job import Results, Transfer
 from . import picture, png
 
 
@@ -31,8 +31,7 @@ class Baked:
 
     def shown(self, name: str) -> color_maps.ValueRange:
         """The range of values that the colors of a descriptor span."""
-        results = self.results
-        return color_maps.value_range(results.values[name], registry_row(name), results.radius_of(name), results.look)
+        return self.results.shown(name)
 
     def unit(self, name: str) -> str:
         """The unit of a descriptor's values as text."""
@@ -159,9 +158,18 @@ def report(baked: Baked) -> dict[str, object]:
         "field_reports": {suffix: report for suffix, report in results.field_reports.items() if suffix},
         "descriptors": ranges,
         "corners": listed_corners(baked),
+        **transfer_report(results.transfer),
         "notes": baked.notes,
         "warnings": results.warnings,
     }
+
+
+def transfer_report(transfer: Transfer | None) -> dict[str, object]:
+    """Which surfaces the values come from, and how many texels met none of them; nothing of a bake of the mesh itself."""
+    if transfer is None:
+        return {}
+    names = ("sources", "cage", "texels", "missed")
+    return {"transfer": {name: getattr(transfer, name) for name in names}}
 
 
 def listed_corners(baked: Baked) -> list[dict[str, object]]:

@@ -5,7 +5,7 @@ import numpy as np
 
 from ..bridge import InputError, MeshArrays, ParadescError, components
 from ..core import color_maps
-from ..core.job import Results, registry_name, registry_row
+from ..core.job import Results, registry_name
 from . import modes, record, unwrap
 
 
@@ -207,7 +207,7 @@ def write_results(target: bpy.types.Object, results: Results) -> list[str]:
         replaced = check_names(mesh, wanted_names(results))
         make_attributes(mesh, wanted_names(results), replaced)
         layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
-        shown = {name: shown_range(results, name) for name in results.values}
+        shown = {name: results.shown(name) for name in results.values}
         write_values(mesh, results, shown)
         drawn = {name: record.drawing_of(shown[name], results, name) for name in shown}
         record.write(mesh, record.facts_of(results), shown, drawn, wanted_names(results), layout)
@@ -264,8 +264,3 @@ def write_colors(mesh: bpy.types.Mesh, name: str, values: np.ndarray, shown: col
     """Fills the color attribute of a descriptor's (n,) or (n, 3) values."""
     rgba = color_maps.linear_rgba(color_maps.colors(values, shown))
     mesh.attributes[f"{name}_color"].data.foreach_set("color", rgba.ravel())
-
-
-def shown_range(results: Results, name: str) -> color_maps.ValueRange:
-    """The range of values that the colors of a descriptor span."""
-    return color_maps.value_range(results.values[name], registry_row(name), results.radius_of(name), results.look)

@@ -422,42 +422,9 @@ PDESC_API int32_t pdesc_field_map_size(const pdesc_field *field);
 PDESC_API int32_t pdesc_field_map(const pdesc_field *field, const char *name, float *values, int64_t count);
 PDESC_API void pdesc_field_destroy(pdesc_field *field); /* NULL is allowed */
 
-/* ---- Images over a UV map ------------------------------------------------------------------------------------------------ */
-
-/* What to draw: values at the corners of triangles, linear over each, seen by the triangles' UVs. Needs no context and no device; the
- * same input gives the same bits on every machine. */
-typedef struct pdesc_uv_image_input {
-  uint32_t struct_size;
-  int32_t size;                    /* texels along a side of the square image, 1 to 16384 */
-  int32_t triangle_count;
-  int32_t value_count;
-  int32_t components;              /* of a value: 1, or 3 for directions, which have no sign: v and -v are one */
-  int32_t threads;                 /* 0 (default): all cores. Images do not depend on it */
-  const float *uvs;                /* (triangle_count, 3, 2), modulo whole tiles as in a repeated texture, 16 x 16 of them for a triangle at
-                                      most; NaN counts as 0 */
-  const int32_t *triangle_values;  /* (triangle_count, 3) which value each corner has: of values at vertices, its vertex */
-  const float *values;             /* (value_count, components) in any unit, which is that of the image; one that is not finite leaves
-                                      its triangles to their other corners */
-  const float *map;                /* (map_size, map_size, components) as pdesc_field_map gives, whose values, bilinear at the same place
-                                      of the triangle, come before those of the corners where there are any; or NULL */
-  int32_t map_size;                /* 1 to 16384 */
-  const float *map_uvs;            /* (triangle_count, 3, 2) where the triangles lie in the map, as pdesc_mesh_layout gives */
-  pdesc_progress progress;         /* called with stage "image", or NULL */
-  void *user;                      /* its first argument */
-} pdesc_uv_image_input;
-
-PDESC_API void pdesc_uv_image_input_init(pdesc_uv_image_input *input);
-/* image: (size, size, components), row by row from v = 0 up, each row from u = 0. A texel shows the last triangle that its center lies in
- * or on the border of; NaN where there is none, or where that one has no value. count: of floats. INVALID_ARGUMENT names the first
- * index that is out of range. */
-PDESC_API int32_t pdesc_uv_image_draw(const pdesc_uv_image_input *input, float *image, int64_t count);
-/* Fills an image (height, width, components), in place: steps rings of texels (0 to 64) around what is finite take the mean of
- * those beside them, so that filtering and mipmaps show no seam; all others that are not finite become 0. count: of floats;
- * components: 1 to 4; width and height: 1 to 16384; threads as above. */
-PDESC_API int32_t pdesc_uv_image_fill_gutter(float *image, int64_t count, int32_t width, int32_t height, int32_t components,
-                                             int32_t steps, int32_t threads);
-
 #ifdef __cplusplus
 }
 #endif
+
+#include "images.h" /* what needs no context */
 #endif

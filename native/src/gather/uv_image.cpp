@@ -13,6 +13,7 @@
 #include <optional>
 #include <vector>
 
+#include "gather/blend.h"
 #include "support/cancel.h"
 #include "support/error.h"
 #include "support/parallel.h"
@@ -29,7 +30,7 @@ struct Point {
 };
 using Corners = std::array<Point, 3>;
 using Weights = std::array<double, 3>;
-using Value = std::array<double, 3>; // of which an image of one component has the first
+using Value = BlendedValue;
 
 // A triangle in the UV plane, and the whole tiles that it meets.
 struct Tiled {
@@ -102,33 +103,13 @@ std::optional<Weights> weights_at(const Corners &corners, int column, int row) {
   return inside ? std::optional(weights) : std::nullopt;
 }
 
-// The mean of some values, floats one after another, of those that are defined; NaN where none is.
-template <size_t Count>
-Value blended(const std::array<const float *, Count> &values, std::array<double, Count> weights, int components) {
-  for (size_t i = 0; i < Count; ++i)
-    if (!std::all_of(values[i], values[i] + components, [](float x) { return std::isfinite(x); })) weights[i] = 0.0;
-  const bool direction = components == 3;
-  const float *leader = values[std::max_element(weights.begin(), weights.end()) - weights.begin()];
-  Value total{};
-  double size = 0.0;
-  for (size_t i = 0; i < Count; ++i) {
-    if (!(weights[i] > 0.0)) continue;
-    const auto component = [&](int c) { return static_cast<double>(values[i][c]); };
-    double weight = weights[i];
-    size += weight;
-    if (direction && component(0) * leader[0] + component(1) * leader[1] + component(2) * leader[2] < 0.0) weight = -weight;
-    for (int c = 0; c < components; ++c) total[c] += component(c) * weight;
-  }
-  if (direction) size = std::sqrt(total[0] * total[0] + total[1] * total[1] + total[2] * total[2]);
-  for (double &x : total) x = size > 1e-9 ? x / size : std::numeric_limits<double>::quiet_NaN();
-  return total;
-}
+bool has_directions(const pdesc_uv_image_input &input) { return input.components == 3 && !input.numbers; }
 
 Value from_corners(const pdesc_uv_image_input &input, int triangle, const Weights &weights) {
   std::array<const float *, 3> values;
   for (size_t i = 0; i < 3; ++i)
     values[i] = input.values + size_t{1} * input.triangle_values[size_t{3} * triangle + i] * input.components;
-  return blended(values, weights, input.components);
+  return blended(values, weights, input.components, has_directions(input));
 }
 
 // The map's value at the same position of its own layout, bilinear; NaN where the map is undefined around it.
@@ -150,7 +131,7 @@ Value from_map(const pdesc_uv_image_input &input, int triangle, const Weights &w
     const double share = std::abs(1 - i % 2 - right_share) * std::abs(1 - i / 2 - upper_share);
     if (inside && share > 1e-3) shares[i] = share;
   }
-  return blended(values, shares, input.components);
+  return blended(values, shares, input.components, has_directions(input));
 }
 
 // Some rows of the image: which triangle each of their texels shows, and the values there.
@@ -222,7 +203,7 @@ private:
     Value value = from_corners(input_, triangle, weights);
     if (!input_.map) return value;
     const Value looked_up = from_map(input_, triangle, weights);
-    for (size_t c = 0; c < value.size(); ++c)
+    for (int c = 0; c < input_.components; ++c)
       if (std::isfinite(looked_up[c])) value[c] = looked_up[c];
     return value;
   }

@@ -1,0 +1,72 @@
+"""Rays from points along normals against a surface, by the native library: numpy arrays in and out, no context."""
+
+from ctypes import byref
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import abi
+from .arrays import address
+from .library import check, load_library, new_struct
+from .session import ProgressFunction, progress_callback
+from .uv_images import shaped
+
+
+@dataclass(frozen=True)
+class Hits:
+    """What rays met of a surface."""
+
+    triangle_vertices: np.ndarray  # (triangle_count, 3) int32 of the surface
+    triangles: np.ndarray  # (n,) int32, -1 for none
+    weights: np.ndarray  # (n, 3) float32 of the triangle's corners
+
+    @property
+    def missed(self) -> np.ndarray:
+        """(n,) bool"""
+        return self.triangles < 0
+
+    def values(self, values: np.ndarray) -> np.ndarray:
+        """(n,) or (n, 3) float32 at what was met, of values (vertex_count,) or directions (vertex_count, 3)."""
+        library = load_library()
+        width = 3 if values.ndim == 2 else 1
+        given = shaped(values, np.float32, "values", (-1, 3) if width == 3 else (-1,))
+        native = new_struct(library, abi.RaysInput)
+        native.vertex_count, native.triangle_count = len(given), len(self.triangle_vertices)
+        native.ray_count = len(self.triangles)
+        native.triangle_vertices = address(self.triangle_vertices, abi.Int32Pointer)
+        met = np.empty((len(self.triangles), 3) if width == 3 else len(self.triangles), np.float32)
+        triangles, weights = address(self.triangles, abi.Int32Pointer), address(self.weights, abi.Float32Pointer)
+        source, out = address(given, abi.Float32Pointer), address(met, abi.Float32Pointer)
+        check(library, library.pdesc_rays_values(byref(native), triangles, weights, source, width, out, met.size))
+        return met
+
+
+def cast_rays(
+    positions: np.ndarray,
+    triangle_vertices: np.ndarray,
+    rays: np.ndarray,
+    reach: float,
+    progress: ProgressFunction | None = None,
+) -> Hits:
+    """What rays (n, 6), points and directions, meet of a surface nearest to their points, at most reach away.
+
+    positions: (vertex_count, 3). Only triangles whose outside faces along the direction are met.
+    """
+    library = load_library()
+    points = shaped(positions, np.float32, "positions", (-1, 3))
+    numbers = shaped(triangle_vertices, np.int32, "triangle_vertices", (-1, 3))
+    given = shaped(rays, np.float32, "rays", (-1, 6))
+    native = new_struct(library, abi.RaysInput)
+    native.vertex_count, native.triangle_count, native.ray_count = len(points), len(numbers), len(given)
+    native.positions, native.rays = address(points, abi.Float32Pointer), address(given, abi.Float32Pointer)
+    native.triangle_vertices, native.reach = address(numbers, abi.Int32Pointer), reach
+    hits = Hits(numbers, np.empty(len(given), np.int32), np.empty((len(given), 3), np.float32))
+    caught: list[BaseException] = []
+    if progress is not None:
+        native.progress = progress_callback(progress, caught)
+    triangles, weights = address(hits.triangles, abi.Int32Pointer), address(hits.weights, abi.Float32Pointer)
+    status = library.pdesc_rays_cast(byref(native), triangles, weights, len(given))
+    if caught:
+        raise caught[0]
+    check(library, status)
+    return hits

@@ -1,0 +1,218 @@
+"""Brings what is measured on detailed surfaces to the UV map and the vertices of a coarse one. Never imports bpy.
+
+From each texel's place on the coarse surface a line goes along its smooth normal, both ways. What it meets nearest,
+no farther than the cage distance and facing the same side, gives the texel its value. Nearest, and not outermost:
+a cage that is wider than needed then takes nothing from a part that stands in front.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .. import bridge
+from ..bridge import MeshArrays, ParadescError, ProgressFunction, abi
+from . import job, texel_centers
+from .job import Results, Transfer
+
+# The cage distance where none is given, as a share of the diagonal of the coarse surface: that of an icosahedron is
+# enough for the sphere around it, and more hardly harms.
+USUAL_CAGE = 0.1
+# So many rings of texels that met nothing take values from beside them.
+FILLED_RINGS = 64
+# Measuring has this share of the progress.
+MEASURING = 0.6
+
+
+@dataclass
+class Part:
+    """One object's mesh as it stands in the world."""
+
+    name: str
+    arrays: MeshArrays  # in object space
+    measured: MeshArrays  # in the space that is measured
+    matrix: np.ndarray  # (4, 4) from object space to the world
+
+    @property
+    def points(self) -> np.ndarray:
+        """(vertex_count, 3) float64 in the world."""
+        return self.arrays.positions.astype(np.float64) @ self.matrix[:3, :3].T + self.matrix[:3, 3]
+
+    @property
+    def triangles(self) -> np.ndarray:
+        """(triangle_count, 3) int32 vertices, wound in the world as in object space even where it is mirrored."""
+        vertices = self.arrays.triangle_vertices
+        return vertices[:, ::-1] if np.linalg.det(self.matrix[:3, :3]) < 0 else vertices
+
+
+@dataclass
+class Surface:
+    """The detailed meshes as one surface about the middle of the coarse one, with their values."""
+
+    positions: np.ndarray  # (n, 3) float32
+    triangles: np.ndarray  # (triangle_count, 3) int32
+    values: dict[str, np.ndarray]  # each (n,) or (n, 3) float32, "coverage" among them
+
+
+def run(
+    low: Part,
+    highs: list[Part],
+    settings: job.Settings,
+    size: int,
+    cage: float = 0.0,
+    progress: ProgressFunction | None = None,
+) -> Results:
+    """Measures the detailed meshes, each as a bake of its own would, and gives the coarse one their values.
+
+    cage: how far away they are looked for, in units of the world; 0: USUAL_CAGE. Images are size texels along a side.
+    """
+    check_cage(cage)
+    settings = texel_centers.with_texels(settings, size, "vertex")
+    settings = replace(settings, options=replace(settings.options, seam_error=False))
+    measuring, projecting = job.span_of(progress, 0.0, MEASURING), job.span_of(progress, MEASURING, 1.0)
+    found = [
+        job.run(high.measured, settings, job.part_of(measuring, number, len(highs)))
+        for number, high in enumerate(highs)
+    ]
+    points = low.points
+    used = points[np.unique(low.triangles)]
+    middle = (used.min(axis=0) + used.max(axis=0)) / 2
+    surface = joined(low, highs, found, middle)
+    cage = cage or USUAL_CAGE * float(np.linalg.norm(np.ptp(used, axis=0)))
+    rays = np.column_stack([points - middle, smooth_normals(points, low.triangles)]).astype(np.float32)
+    at_vertices = bridge.cast_rays(surface.positions, surface.triangles, rays, cage)
+    results = at_low_vertices(surface, at_vertices, found, [high.name for high in highs])
+    results.transfer = over_uv_map(low, surface, rays, cage, size, projecting)
+    results.transfer.sources = [high.name for high in highs]
+    add_sentences(results, low.name)
+    return results
+
+
+def check_cage(cage: float) -> None:
+    """Refuses what is no distance."""
+    if not (np.isfinite(cage) and cage >= 0):
+        sentence = f"The cage distance is {cage:g}; it must be a length above 0, or 0 to have it chosen."
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+
+
+def joined(low: Part, highs: list[Part], found: list[Results], middle: np.ndarray) -> Surface:
+    """The detailed meshes in the world as one; directions become those of the coarse object's space."""
+    starts = np.cumsum([0, *(len(high.arrays.positions) for high in highs)])
+    names = list(found[0].values)
+    values = {
+        name: np.concatenate([turned(one, name, high, low) for one, high in zip(found, highs, strict=True)])
+        for name in names
+    }
+    values["coverage"] = np.concatenate([one.coverage for one in found])
+    return Surface(
+        np.concatenate([high.points - middle for high in highs]).astype(np.float32),
+        np.concatenate([high.triangles + start for high, start in zip(highs, starts, strict=False)]).astype(np.int32),
+        values,
+    )
+
+
+def turned(results: Results, name: str, high: Part, low: Part) -> np.ndarray:
+    """(n,) values as they are, (n, 3) directions from one object's space into the other's."""
+    values = results.values[name]
+    if values.ndim == 1 or results.settings.space == "world":
+        return values
+    linear = np.linalg.solve(low.matrix[:3, :3], high.matrix[:3, :3])
+    directions = values.astype(np.float64) @ linear.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return (directions / np.linalg.norm(directions, axis=1, keepdims=True)).astype(np.float32)
+
+
+def smooth_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(vertex_count, 3) float64: the triangles' normals weighted by their angles, one for all vertices at a place.
+
+    Lines along the normals of hard edges would leave gaps between the faces beside them.
+    """
+    corners = points[triangles]
+    ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    across = np.cross(ahead, behind)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        angles = np.arctan2(np.linalg.norm(across, axis=2), (ahead * behind).sum(axis=2))
+        of_triangles = across[:, 0] / np.linalg.norm(across[:, 0], axis=1, keepdims=True)
+    weighted = np.nan_to_num(angles[:, :, None] * of_triangles[:, None, :]).reshape(-1, 3)
+    _, place = np.unique(points, axis=0, return_inverse=True)
+    place = place.reshape(-1)
+    at_corners = place[triangles].reshape(-1)
+    totals = [np.bincount(at_corners, weighted[:, axis], int(place.max()) + 1) for axis in range(3)]
+    return np.column_stack(totals)[place]
+
+
+def at_low_vertices(surface: Surface, hits: bridge.Hits, found: list[Results], names: list[str]) -> Results:
+    """The results at the coarse mesh's vertices, with what the reports say of the detailed ones."""
+    values = {name: hits.values(column) for name, column in surface.values.items()}
+    coverage = values.pop("coverage")
+    first = found[0]
+    undefined = np.zeros(len(coverage), bool)
+    for column in values.values():
+        undefined |= np.isnan(column.reshape(len(column), -1)).any(axis=1)
+    several = len(found) > 1
+    warnings = [
+        f'"{name}": {line}' if several else line
+        for name, one in zip(names, found, strict=True)
+        for line in (*one.warnings, *(one.facet_notes() if one is not first else []))  # the first's are added by all
+    ]
+    return replace(
+        first,
+        values=values,
+        coverage=np.nan_to_num(coverage),
+        mask=np.where(hits.missed, abi.MASK_NO_FACE, 0).astype(np.uint8),
+        field_report={**first.field_report, "undefined_vertices": int(undefined.sum()), **summed(found)},
+        warnings=list(dict.fromkeys(warnings)),
+        corners=None,
+    )
+
+
+def summed(found: list[Results]) -> dict[str, float]:
+    """The seconds that all of them took."""
+    names = [name for name in found[0].field_report if name.startswith("seconds_")]
+    return {name: sum(one.field_report[name] for one in found) for name in names}
+
+
+def over_uv_map(
+    low: Part, surface: Surface, rays: np.ndarray, cage: float, size: int, progress: ProgressFunction | None
+) -> Transfer:
+    """Draws points and normals of the coarse mesh over its UV map, and looks from each texel at the detailed surface."""
+    uvs = low.arrays.corner_uvs[low.arrays.triangle_corners]
+    drawing, casting = job.span_of(progress, 0.0, 0.2), job.span_of(progress, 0.2, 1.0)
+    of_texels = bridge.draw_uv_image(uvs, low.arrays.triangle_vertices, rays, size, None, drawing, numbers=True)
+    of_texels = of_texels.reshape(-1, rays.shape[1])
+    covered = np.isfinite(of_texels[:, 0])
+    hits = bridge.cast_rays(surface.positions, surface.triangles, of_texels, cage, casting)
+    missed = (hits.missed & covered).reshape(size, size)
+    del of_texels
+    measured = {name: column for name, column in surface.values.items() if name != "coverage"}
+    images = {name: filled(hits.values(column).reshape(size, size, -1), missed) for name, column in measured.items()}
+    return Transfer([], cage, int(covered.sum()), int(missed.sum()), measured, images)
+
+
+def filled(image: np.ndarray, missed: np.ndarray) -> np.ndarray:
+    """The image (N, N, 1 or 3) in which texels that met nothing (N, N) have values from beside them, as gutters do."""
+    if not missed.any():
+        return image
+    there = np.where(np.isfinite(image[:, :, :1]), np.float32(1.0), np.float32(np.nan))
+    around = bridge.fill_gutter(np.concatenate([image, there], axis=2), FILLED_RINGS)
+    reached = missed & (around[:, :, -1] > 0)
+    image[reached] = around[reached][:, :-1]
+    return image
+
+
+def add_sentences(results: Results, name: str) -> None:
+    """Says where the values come from, and how many texels met nothing; refuses if all did."""
+    found = results.transfer
+    sources = ", ".join(f'"{source}"' for source in found.sources)
+    if found.texels == 0:
+        sentence = f'The UV map of "{name}" covers the center of no texel; raise the number of texels.'
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+    if found.missed == found.texels:
+        sentence = f'No texel of "{name}" meets {sources} within the cage distance {found.cage:.4g}; lay the objects '
+        sentence += "over each other, or raise the cage distance."
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+    results.notes.append(f"Measured on {sources}, at most {found.cage:.4g} away (the cage distance).")
+    if found.missed:
+        results.warnings.append(
+            f'{found.missed:,} of {found.texels:,} texels of "{name}" met nothing within the cage distance '
+            f"{found.cage:.4g} and have values from beside them; raise the cage distance."
+        )
