@@ -84,6 +84,12 @@ RayTree::RayTree(std::span<const float> positions, std::span<const int32_t> tria
       for (int corner = 0; corner < 3; ++corner) middles[order_[i]] += vec3(position(order_[i], corner) / 3.0);
   });
   for (size_t level = 0; level < nodes_.size();) level = divide(level, middles, threads);
+  corners_.resize(order_.size());
+  for (size_t i = 0; i < order_.size(); ++i)
+    for (int corner = 0; corner < 3; ++corner) corners_[i][static_cast<size_t>(corner)] = vec3(position(order_[i], corner));
+  for (int axis = 0; axis < 3; ++axis)
+    largest_ = std::max(
+        {largest_, std::abs(static_cast<double>(nodes_[0].low[axis])), std::abs(static_cast<double>(nodes_[0].high[axis]))});
 }
 
 dvec3 RayTree::position(int32_t triangle, int corner) const {
@@ -141,23 +147,10 @@ size_t RayTree::divide(size_t level, const std::vector<vec3> &middles, int threa
   return end;
 }
 
-// How far from the ray's point it runs through the box, if it does.
-double RayTree::nearest_in_box(const Node &node, const Ray &ray, double slack) const {
-  double begin = -infinite, end = infinite;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double low = (static_cast<double>(node.low[axis]) - slack - ray.point()[axis]) * ray.inverse()[axis];
-    const double high = (static_cast<double>(node.high[axis]) + slack - ray.point()[axis]) * ray.inverse()[axis];
-    begin = std::max(begin, std::min(low, high));
-    end = std::min(end, std::max(low, high));
-  }
-  if (begin > end) return infinite;
-  return std::max({begin, -end, 0.0});
-}
-
 void RayTree::meet_all(const Node &node, const Ray &ray, double reach, RayHit &best) const {
   for (int32_t i = node.first; i < node.first + node.count; ++i) {
-    const int32_t triangle = order_[i];
-    const RayHit hit = ray.meet(triangle, position(triangle, 0), position(triangle, 1), position(triangle, 2));
+    const auto &[a, b, c] = corners_[i];
+    const RayHit hit = ray.meet(order_[i], a, b, c);
     if (std::abs(hit.distance) <= reach && is_nearer(hit, best)) best = hit;
   }
 }
@@ -165,29 +158,41 @@ void RayTree::meet_all(const Node &node, const Ray &ray, double reach, RayHit &b
 RayHit RayTree::nearest(const Ray &ray, double reach) const {
   RayHit best;
   if (nodes_.empty()) return best;
-  double coordinate = largest(ray.point());
-  for (int axis = 0; axis < 3; ++axis)
-    coordinate = std::max(
-        {coordinate, std::abs(static_cast<double>(nodes_[0].low[axis])), std::abs(static_cast<double>(nodes_[0].high[axis]))});
-  const double slack = rounding * coordinate;
+  const double slack = rounding * std::max(largest(ray.point()), largest_);
+  // How far from the ray's point it runs through a box, if it does.
+  const dvec3 below = ray.point() + slack, above = ray.point() - slack;
+  const auto nearest_in_box = [&](const Node &node) {
+    double begin = -infinite, end = infinite;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double low = (static_cast<double>(node.low[axis]) - below[axis]) * ray.inverse()[axis];
+      const double high = (static_cast<double>(node.high[axis]) - above[axis]) * ray.inverse()[axis];
+      begin = std::max(begin, std::min(low, high));
+      end = std::min(end, std::max(low, high));
+    }
+    return begin > end ? infinite : std::max({begin, -end, 0.0});
+  };
   struct Waiting {
     int32_t node;
     double distance;
   } waiting[deepest];
   int count = 0;
-  const auto add = [&](int32_t node) { waiting[count++] = {node, nearest_in_box(nodes_[node], ray, slack)}; };
-  add(0);
+  const auto limit = [&] { return (best.triangle < 0 ? reach : std::abs(best.distance)) + slack; };
+  const auto add = [&](int32_t node, double distance) {
+    if (distance <= limit()) waiting[count++] = {node, distance};
+  };
+  add(0, nearest_in_box(nodes_[0]));
   while (count > 0) {
     const Waiting next = waiting[--count];
-    if (next.distance > (best.triangle < 0 ? reach : std::abs(best.distance)) + slack) continue;
+    if (next.distance > limit()) continue;
     const Node &node = nodes_[next.node];
     if (node.count > 0) {
       meet_all(node, ray, reach, best);
       continue;
     }
-    add(node.first);
-    add(node.first + 1);
-    if (waiting[count - 1].distance > waiting[count - 2].distance) std::swap(waiting[count - 1], waiting[count - 2]);
+    const double one = nearest_in_box(nodes_[node.first]), other = nearest_in_box(nodes_[node.first + 1]);
+    const int32_t nearer = one <= other ? 0 : 1; // it waits on top
+    add(node.first + 1 - nearer, std::max(one, other));
+    add(node.first + nearer, std::min(one, other));
   }
   return best;
 }

@@ -53,7 +53,7 @@ public:
 private:
   struct Node {
     std::array<float, 3> low, high;
-    int32_t first, count; // of the triangles in order_; count 0: first is the node of the first of two children
+    int32_t first, count; // of the triangles in order_ and corners_; count 0: first is the node of the first of two children
   };
 
   dvec3 position(int32_t triangle, int corner) const;
@@ -62,13 +62,14 @@ private:
   void split(const Node &node, const std::vector<vec3> &middles);
   // Bounds the nodes from this one on and appends their children; gives the first of these.
   size_t divide(size_t level, const std::vector<vec3> &middles, int threads);
-  double nearest_in_box(const Node &node, const Ray &ray, double slack) const;
   void meet_all(const Node &node, const Ray &ray, double reach, RayHit &best) const;
 
   std::span<const float> positions_;
   std::span<const int32_t> vertices_;
-  std::vector<int32_t> order_; // triangles that have a place
+  std::vector<int32_t> order_;               // triangles that have a place
+  std::vector<std::array<vec3, 3>> corners_; // of these
   std::vector<Node> nodes_;
+  double largest_ = 0; // of all coordinates
 };
 
 } // namespace paradesc
