@@ -10,7 +10,7 @@ import pytest
 from paradesc.bridge import abi
 from shapes import ROOT
 
-HEADER = ROOT / "native" / "include" / "paradesc" / "paradesc.h"
+HEADERS = [ROOT / "native" / "include" / "paradesc" / name for name in ("paradesc.h", "images.h")]
 ENUMERATORS = {
     "PDESC_ABI_VERSION": abi.ABI_VERSION,
     "PDESC_OK": abi.STATUS_OK,
@@ -74,7 +74,7 @@ def compiled(tmp_path_factory):
     folder = tmp_path_factory.mktemp("abi")
     source = folder / "layout.c"
     source.write_text(
-        f'#include <stddef.h>\n#include <stdio.h>\n#include "{HEADER}"\nint main(void) {{ {lines} return 0; }}\n'
+        f'#include <stddef.h>\n#include <stdio.h>\n#include "{HEADERS[0]}"\nint main(void) {{ {lines} return 0; }}\n'
     )
     subprocess.run([compiler, "-std=c99", "-o", folder / "layout", source], check=True)
     output = subprocess.run([folder / "layout"], check=True, capture_output=True, text=True).stdout
@@ -93,13 +93,16 @@ def test_constants_are_those_of_c(compiled):
     assert {name: compiled[name] for name in ENUMERATORS} == ENUMERATORS
 
 
+def declarations():
+    """What the headers declare, one after the other as the first includes the second, without comments."""
+    return re.sub(r"/\*.*?\*/", "", "".join(header.read_text() for header in HEADERS), flags=re.S)
+
+
 def test_every_function_of_the_header_is_declared_in_its_order():
-    text = re.sub(r"/\*.*?\*/", "", HEADER.read_text(), flags=re.S)
-    assert re.findall(r"PDESC_API[^;(]*?(pdesc_\w+)\(", text) == list(abi.FUNCTIONS)
+    assert re.findall(r"PDESC_API[^;(]*?(pdesc_\w+)\(", declarations()) == list(abi.FUNCTIONS)
 
 
 def test_every_function_takes_as_many_arguments_as_in_the_header():
-    text = re.sub(r"/\*.*?\*/", "", HEADER.read_text(), flags=re.S)
-    for name, arguments in re.findall(r"PDESC_API[^;(]*?(pdesc_\w+)\(([^;]*)\);", text):
+    for name, arguments in re.findall(r"PDESC_API[^;(]*?(pdesc_\w+)\(([^;]*)\);", declarations()):
         expected = 0 if arguments.strip() == "void" else arguments.count(",") + 1
         assert len(abi.FUNCTIONS[name][1]) == expected, name

@@ -15,7 +15,7 @@ import lief
 import pytest
 
 RELEASE = Path(os.environ["PARADESC_RELEASE"])
-HEADER = Path(__file__).resolve().parents[2] / "native" / "include" / "paradesc" / "paradesc.h"
+HEADERS = sorted((Path(__file__).resolve().parents[2] / "native" / "include" / "paradesc").glob("*.h"))
 NEWEST_GLIBC = (2, 28)  # of the systems that Blender is built on: Rocky Linux 8
 LIBRARIES = {
     "linux-x64": "libparadesc.so",
@@ -41,8 +41,9 @@ def path_of(platform):
 
 
 def public_functions():
-    """The functions that the header declares."""
-    return set(re.findall(r"^PDESC_API .*?\b(pdesc_\w+)\(", HEADER.read_text(), re.M))
+    """The functions that the headers declare."""
+    text = "".join(header.read_text() for header in HEADERS)
+    return set(re.findall(r"^PDESC_API .*?\b(pdesc_\w+)\(", text, re.M))
 
 
 def exports(platform):

@@ -1,26 +1,28 @@
-"""Makes textures of several meshes, with one worker after another, and keeps all of them at the end."""
+"""Makes textures of several meshes, or pairs of them, with one worker after another, and keeps all at the end."""
 
 import time
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
 import bpy
 
 from ..bridge import MeshArrays
-from ..core import job
+from ..core import job, transfer
 from ..core.threads import Worker
 from ..files import image_files
 from ..files.results import file_fault, write_whole
-from ..scene import images, mesh_io, surface_maps, targets
+from ..scene import images, mesh_io, pairs, surface_maps, targets
 from ..settings import looks, properties
-from .pieces import OneByOne, Piece, file_words, key_of
+from .pieces import ObjectKey, OneByOne, Piece, file_words, find, key_of
 
 
 @dataclass
 class TextureBake(Piece):
     """One mesh whose textures are made, and what came of it."""
 
+    highs: list[ObjectKey] = field(default_factory=list)  # the detailed meshes that are measured in place of its own
     stem: str = ""  # with which the names of its textures begin
     textures: image_files.Textures | None = None
     placed: list[Path] = field(default_factory=list)  # files that were written
@@ -34,8 +36,11 @@ class TextureBake(Piece):
 class ImageBatch(OneByOne):
     """Does the work of the operator step by step, all on the main thread except the computation itself."""
 
-    def __init__(self, context: bpy.types.Context) -> None:
-        """Takes the settings as they are now, and the chosen objects; raises if nothing can be computed."""
+    def __init__(self, context: bpy.types.Context, onto: bool = False) -> None:
+        """Takes the settings as they are now, and the chosen objects; raises if nothing can be computed.
+
+        onto: the pairs among them, of which one side is measured over the UV map of the other.
+        """
         group = context.scene.paradesc
         maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
         self.request = targets.ReadRequest(group.shape_key, maps, source)
@@ -48,8 +53,8 @@ class ImageBatch(OneByOne):
         # An unsaved .blend has no folder: its images are packed into it.
         self.folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
         self.started = time.monotonic()
-        shared = targets.by_mesh(targets.chosen(context))
-        super().__init__([TextureBake(key_of(objects[0])) for objects in shared])
+        self.cage = group.cage
+        super().__init__(paired(context) if onto else alone(context))
         for piece, stem in zip(self.pieces, file_words([piece.name for piece in self.pieces]), strict=True):
             piece.stem = stem
 
@@ -71,18 +76,32 @@ class ImageBatch(OneByOne):
             if fault:
                 raise mesh_io.refuse(fault)
         check_uv_map(target, self.request.source)
-        read = targets.read(target, self.settings, self.request)
+        own = replace(self.request, maps=surface_maps.MapChoice()) if piece.highs else self.request
+        read = targets.read(target, self.settings, own)
         check_layout(target, read.measured)
-        piece.notes, piece.warnings = read.notes, read.warnings
-        work = partial(image_files.run, piece.stem, read.measured, self.settings, self.choice)
+        piece.notes, piece.warnings = read.notes, [] if piece.highs else read.warnings
+        if piece.highs:
+            work = self.work_onto(piece, pairs.part_of(target, read))
+        else:
+            work = partial(image_files.run, piece.stem, read.measured, self.settings, self.choice)
         self.worker = Worker(work)
         self.worker.start()
+
+    def work_onto(self, piece: TextureBake, low: transfer.Part) -> Callable[..., image_files.Textures]:
+        """Reads the detailed meshes of a piece; what they are measured with is its work."""
+        highs = []
+        for high in map(find, piece.highs):
+            read = targets.read(high, self.settings, self.request)
+            piece.notes += pairs.notes_of(read)
+            piece.warnings += read.warnings
+            highs.append(pairs.part_of(high, read))
+        return partial(image_files.run_onto, piece.stem, low, highs, self.settings, self.choice, self.cage)
 
     def take(self, piece: TextureBake, worker: Worker[image_files.Textures]) -> None:
         """Keeps a worker's textures until all are there."""
         piece.textures = worker.result()
         found = piece.textures.results
-        piece.notes += found.unused_notes()
+        piece.notes += [*found.notes, *found.unused_notes()]
         piece.warnings = [*found.warnings, *found.facet_notes(), *piece.warnings]
 
     def close(self) -> None:
@@ -108,6 +127,17 @@ class ImageBatch(OneByOne):
             loaded.append(images.from_file(path))
         if self.to_material:
             piece.material = images.add_to_material(target, loaded).name
+
+
+def alone(context: bpy.types.Context) -> list[TextureBake]:
+    """One piece for each chosen mesh."""
+    return [TextureBake(key_of(objects[0])) for objects in targets.by_mesh(targets.chosen(context))]
+
+
+def paired(context: bpy.types.Context) -> list[TextureBake]:
+    """One piece for each low-poly object."""
+    found = pairs.chosen(context)
+    return [TextureBake(key_of(low), [key_of(high) for high in highs]) for low, highs in found.items()]
 
 
 def check_uv_map(target: bpy.types.Object, source: str) -> None:

@@ -1,28 +1,15 @@
-"""The operator that bakes textures of the selected meshes and loads them, as one step to undo."""
+"""The operators that bake textures, of the selected meshes or of one onto another, as one step to undo."""
 
 import bpy
 
-from ..scene import targets
+from ..scene import pairs, targets
 from .image_batch import ImageBatch
 from .modal import ModalJob
 from .pieces import failures, report_all
 
 
-class PARADESC_OT_bake_image(ModalJob, bpy.types.Operator):
-    """Measure the surface for every texel of the UV map, and load the result as 16-bit textures beside the .blend"""
-
-    bl_idname = "paradesc.bake_image"
-    bl_label = "Bake to Image"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def obstacle(cls, context: bpy.types.Context) -> str:
-        """What stands in the way of reading the selected meshes."""
-        return targets.reading_obstacle(context)
-
-    def begin(self, context: bpy.types.Context, beside: bool) -> ImageBatch:
-        """Takes settings and selection, with or without a window."""
-        return ImageBatch(context)
+class ImageJob(ModalJob):
+    """What the operators have in common: they keep the textures at the end."""
 
     def finish(self, context: bpy.types.Context) -> set[str]:
         """Keeps all textures and says where; after Esc it keeps none."""
@@ -42,6 +29,66 @@ class PARADESC_OT_bake_image(ModalJob, bpy.types.Operator):
         return {"FINISHED"}
 
 
+class PARADESC_OT_bake_image(ImageJob, bpy.types.Operator):
+    """Measure the surface for every texel of the UV map, and load the result as 16-bit textures beside the .blend"""
+
+    bl_idname = "paradesc.bake_image"
+    bl_label = "Bake to Image"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        """What stands in the way of reading the selected meshes."""
+        return targets.reading_obstacle(context)
+
+    def begin(self, context: bpy.types.Context, beside: bool) -> ImageBatch:
+        """Takes settings and selection, with or without a window."""
+        return ImageBatch(context)
+
+
+class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):
+    """Measure detailed meshes, and load the result as textures over the UV map of a low-poly one"""
+
+    bl_description = (
+        "Measure detailed meshes, and load the result as textures over the UV map of a low-poly one: the other "
+        "selected meshes onto the active one, or those named _high onto those named _low"
+    )
+    bl_idname = "paradesc.bake_onto"
+    bl_label = "Bake Selected to Active"
+    bl_options = {"REGISTER", "UNDO"}
+
+    cage: bpy.props.FloatProperty(
+        name="Cage Distance",
+        description="How far from the low-poly mesh the detailed ones are looked for; 0: as the panel has it",
+        default=0.0,
+        min=0.0,
+        precision=4,
+        subtype="DISTANCE",
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        """What stands in the way of reading the meshes, or of telling which is which."""
+        sentence = targets.reading_obstacle(context)
+        if sentence or pairs.chosen(context):
+            return sentence
+        return "Select the detailed meshes and then the low-poly one, or end their names in _high and _low"
+
+    def begin(self, context: bpy.types.Context, beside: bool) -> ImageBatch:
+        """Takes settings and selection; a cage distance that the operator itself is given goes first."""
+        if self.cage > 0:
+            context.scene.paradesc.cage = self.cage
+        return ImageBatch(context, onto=True)
+
+    def finish(self, context: bpy.types.Context) -> set[str]:
+        """Does the same, and shows the cage distance that was used."""
+        ended = super().finish(context)
+        if ended == {"FINISHED"}:
+            self.cage = self.job.written[0].textures.results.transfer.cage
+        return ended
+
+
 def image_sentence(batch: ImageBatch) -> str:
     """What was written, where, and how long it took, in one line."""
     made = [texture.name for piece in batch.written for texture in piece.textures.made]
@@ -55,4 +102,4 @@ def image_sentence(batch: ImageBatch) -> str:
     return line + (f"; in the material {materials}" if materials else "")
 
 
-classes = (PARADESC_OT_bake_image,)
+classes = (PARADESC_OT_bake_image, PARADESC_OT_bake_onto)

@@ -27,11 +27,7 @@ class Piece:
 
     def target(self) -> bpy.types.Object:
         """The mesh object; raises one sentence if it is gone."""
-        found = bpy.data.objects.get(self.key)
-        if found is None or found.type != "MESH":
-            sentence = f'The object "{self.name}" is gone; nothing was written.'
-            raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence)
-        return found
+        return find(self.key)
 
     def drop(self) -> None:
         """Lets go of what was computed, because something went wrong."""
@@ -169,6 +165,14 @@ def file_words(names: list[str]) -> list[str]:
 def with_name(name: str, failure: str) -> str:
     """The sentence about an object, with its name in front unless the sentence has it."""
     return failure if f'"{name}"' in failure else f'"{name}": {failure}'
+
+
+def find(key: ObjectKey) -> bpy.types.Object:
+    """The mesh object of this key; raises one sentence if it is gone."""
+    found = bpy.data.objects.get(key)
+    if found is None or found.type != "MESH":
+        raise ParadescError(abi.STATUS_INVALID_OPERATION, f'The object "{key[0]}" is gone; nothing was written.')
+    return found
 
 
 def key_of(target: bpy.types.Object) -> ObjectKey:

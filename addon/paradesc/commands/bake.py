@@ -11,6 +11,7 @@ from .. import bridge
 from ..core import job, source_kinds
 from ..core.color_maps import Look
 from ..files import results
+from . import pairs
 from .common import (
     Parser,
     Progress,
@@ -48,6 +49,7 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_source(bake, source_kinds.ORIGINAL, source_kinds.AUTOMATIC)
     add_computation_options(bake)
     add_map_options(bake)
+    pairs.add_pair_options(bake)
     add_output_files(bake)
     add_look_options(bake)
     add = bake.add_argument
@@ -66,14 +68,19 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Reads the meshes, computes, and writes every output; gives the report."""
     check(arguments)
     started = time.monotonic()
-    opened = open_objects(arguments)
+    onto = pairs.Pairs(arguments) if pairs.is_asked(arguments) else None
+    opened = onto.opened if onto else open_objects(arguments)
     settings = opened_settings(arguments)
     opened.notes += notes_of_preset(arguments.preset_content, has_colors=True)
     if arguments.corners and "harris" not in settings.descriptors:
         raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
     check_overwriting(files_of(arguments), open_file(), arguments.force)
     read = time.monotonic()
-    baked = bake_objects(opened.objects, settings, arguments)
+    try:
+        baked = bake_objects(opened.objects, settings, arguments, onto and onto.highs())
+    finally:
+        if onto:
+            onto.close()
     computed = time.monotonic()
     if saves_scene(arguments):
         write_attributes(opened.objects, baked)
@@ -109,6 +116,7 @@ def check(arguments: argparse.Namespace) -> None:
         raise UsageError(f"--pack needs {', '.join(lacking)}; add that to --descriptors.")
     check_preset(arguments.preset)
     check_files(arguments)
+    pairs.check_pair_options(arguments)
     if arguments.all and arguments.object:
         raise UsageError("Give --object or --all, not both.")
     threshold = arguments.corner_threshold
@@ -124,16 +132,22 @@ def saves_scene(arguments: argparse.Namespace) -> bool:
 
 
 def bake_objects(
-    targets: list["bpy.types.Object"], settings: job.Settings, arguments: argparse.Namespace
+    targets: list["bpy.types.Object"],
+    settings: job.Settings,
+    arguments: argparse.Namespace,
+    onto: dict["bpy.types.Object", list["bpy.types.Object"]] | None = None,
 ) -> list[results.Baked]:
-    """Computes each object. Objects that share a mesh share its results, unless modifiers or scale make them differ."""
+    """Computes each object. Objects that share a mesh share its results, unless modifiers or scale make them differ.
+
+    onto: the detailed objects that are measured in place of each.
+    """
     from ..scene import mesh_io
 
     look = asked_look(arguments)
     if saves_scene(arguments):
         for target in targets:
             mesh_io.check_writable(target)
-    its_own = arguments.material_maps or settings.space == "world" or arguments.source != "original"
+    its_own = arguments.material_maps or settings.space == "world" or arguments.source != "original" or onto
     baked: list[results.Baked] = []
     of_mesh: dict[str, results.Baked] = {}
     with Progress(arguments.progress) as progress:
@@ -143,9 +157,12 @@ def bake_objects(
                 part = job.part_of(progress, index, len(targets))
                 with named(target, len(targets)):
                     read = read_object(target, settings, arguments)
-                    computed = job.run(read.measured, settings, part, arguments.dump_buffers is not None)
+                    reading, notes = read.reading, read.notes
+                    if onto:
+                        computed, notes = pairs.run_onto(target, read, onto[target], settings, arguments, part)
+                    else:
+                        computed = job.run(read.measured, settings, part, arguments.dump_buffers is not None)
                 computed.look = look
-                reading, notes = read.reading, read.notes
             else:
                 reading, computed = known.reading, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']

@@ -57,7 +57,7 @@ class Transfer:
     texels: int  # on the surface
     missed: int  # of those, how many met nothing
     measured: dict[str, np.ndarray]  # each (n,) or (n, 3) float32, the values of those surfaces
-    images: dict[str, np.ndarray]  # each (N, N, 1 or 3) float32 over the UV map, rows from v = 0 up; NaN off the surface
+    images: dict[str, np.ndarray]  # each (N, N, 1 or 3) float32 over the UV map, rows from v = 0 up; NaN off it
 
 
 @dataclass

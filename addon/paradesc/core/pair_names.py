@@ -1,28 +1,25 @@
-"""Tells by their names which meshes belong together: "crate_low" has the detail of "crate_high" and "crate_high_bolts"."""
+"""Tells by names which meshes belong together: "crate_low" has the detail of "crate_high" and "crate_high_bolts"."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable
 
-# What Blender adds to a second name is no part of it.
+# What Blender adds to a second name is no part of it. Words that only begin so, such as "highlight", do not count.
 LOW = re.compile(r"(.+)[_ .-]low(?:\.\d{3,})?", re.IGNORECASE)
+HIGH = re.compile(r"[_ .-]high(?![a-z])", re.IGNORECASE)
 
 
-def stem_of(low: str) -> str:
-    """What stands before "_low" at the end of a name; "" if it does not end so."""
-    found = LOW.fullmatch(low)
-    return found[1] if found else ""
+def is_one_of_a_pair(name: str) -> bool:
+    """Whether a name has one of the marks, at all."""
+    return bool(LOW.fullmatch(name) or HIGH.search(name))
 
 
-def highs_of(low: str, names: Sequence[str]) -> list[str]:
-    """Those of the names that give the coarse mesh of this name its detail: they go on with "_high" after the stem."""
-    stem = stem_of(low)
-    if not stem:
-        return []
-    high = re.compile(re.escape(stem) + r"[_ .-]high(?![a-z]).*", re.IGNORECASE)
-    return [name for name in names if high.fullmatch(name)]
-
-
-def pairs_of(names: Sequence[str]) -> dict[str, list[str]]:
+def pairs_of(names: Iterable[str]) -> dict[str, list[str]]:
     """Every coarse mesh among the names with those that give it detail, none without any."""
-    found = {name: highs_of(name, names) for name in names}
-    return {low: highs for low, highs in found.items() if highs}
+    highs: dict[str, list[str]] = {}
+    lows: dict[str, str] = {}
+    for name in names:
+        if found := LOW.fullmatch(name):
+            lows[name] = found[1].lower()
+        for mark in HIGH.finditer(name):
+            highs.setdefault(name[: mark.start()].lower(), []).append(name)
+    return {low: highs[stem] for low, stem in lows.items() if stem in highs}

@@ -174,7 +174,7 @@ def summed(found: list[Results]) -> dict[str, float]:
 def over_uv_map(
     low: Part, surface: Surface, rays: np.ndarray, cage: float, size: int, progress: ProgressFunction | None
 ) -> Transfer:
-    """Draws points and normals of the coarse mesh over its UV map, and looks from each texel at the detailed surface."""
+    """Draws points and normals of the coarse mesh over its UV map, and looks from each texel at the other surface."""
     uvs = low.arrays.corner_uvs[low.arrays.triangle_corners]
     drawing, casting = job.span_of(progress, 0.0, 0.2), job.span_of(progress, 0.2, 1.0)
     of_texels = bridge.draw_uv_image(uvs, low.arrays.triangle_vertices, rays, size, None, drawing, numbers=True)

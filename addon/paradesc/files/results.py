@@ -165,7 +165,7 @@ def report(baked: Baked) -> dict[str, object]:
 
 
 def transfer_report(transfer: Transfer | None) -> dict[str, object]:
-    """Which surfaces the values come from, and how many texels met none of them; nothing of a bake of the mesh itself."""
+    """Which surfaces the values come from, and how many texels met none; nothing of a bake of the mesh itself."""
     if transfer is None:
         return {}
     names = ("sources", "cage", "texels", "missed")

@@ -33,24 +33,63 @@ WELD_SHARE = 1e-6
 
 def open_scene(path: Path, verbose: bool = False) -> list[str]:
     """Makes the file the open scene, importing all but .blend into an empty one; says what was done to it."""
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
+    with reading(path, verbose) as whole:
+        if path.suffix.lower() == ".blend":
+            bpy.ops.wm.open_mainfile(filepath=str(whole), load_ui=False)
+            return []
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+        return imported(whole, list(bpy.data.meshes))
+
+
+def add_objects(path: Path, verbose: bool = False) -> list[bpy.types.Object]:
+    """Adds the mesh objects of another file to the open scene; another name that is taken gets a number."""
+    before, meshes = set(bpy.data.objects), list(bpy.data.meshes)
+    with reading(path, verbose) as whole:
+        if path.suffix.lower() == ".blend":
+            with bpy.data.libraries.load(str(whole)) as (there, here):
+                here.objects = list(there.objects)
+            for item in set(bpy.data.objects) - before:
+                bpy.context.scene.collection.objects.link(item)
+        else:
+            imported(whole, meshes)
+    bpy.context.view_layer.update()
+    added = sorted(set(bpy.data.objects) - before, key=lambda item: item.name)
+    found = [item for item in added if item.type == "MESH"]
+    if not found:
+        raise refuse(f'There is no mesh object in "{path}".')
+    return found
+
+
+def remove_objects(objects: list[bpy.types.Object]) -> None:
+    """Removes objects and the meshes that nothing else uses."""
+    for item in objects:
+        mesh = item.data
+        bpy.data.objects.remove(item)
+        if mesh.users == 0:
+            bpy.data.meshes.remove(mesh)
+
+
+@contextmanager
+def reading(path: Path, verbose: bool) -> Iterator[Path]:
+    """The whole path of a file that can be read, or one sentence; also about what goes wrong meanwhile."""
+    if path.suffix.lower() not in SUFFIXES:
         raise refuse(f'"{path}" is none of {", ".join(SUFFIXES)}.')
     if not path.is_file():
         raise refuse(f'There is no file "{path}".')
     try:
         with quiet(verbose):
-            whole = path.absolute()  # Blender would resolve it by $PWD, which may not be the working directory
-            if suffix == ".blend":
-                bpy.ops.wm.open_mainfile(filepath=str(whole), load_ui=False)
-                return []
-            bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-            importer = find_importer(suffix)
-            with numpy_bool():
-                importer(filepath=str(whole))
-            return weld_meshes() if suffix == ".stl" else []
+            yield path.absolute()  # Blender would resolve it by $PWD, which may not be the working directory
     except (RuntimeError, ValueError, KeyError, IndexError, TypeError, AttributeError, OSError) as error:
         raise refuse(f'Blender cannot read "{path}": {reason(error)}.') from error
+
+
+def imported(path: Path, before: list[bpy.types.Mesh]) -> list[str]:
+    """Imports a file into the open scene; says what was done to the meshes that were not there before."""
+    suffix = path.suffix.lower()
+    importer = find_importer(suffix)
+    with numpy_bool():
+        importer(filepath=str(path))
+    return weld_meshes(before) if suffix == ".stl" else []
 
 
 def find_importer(suffix: str) -> object:
@@ -74,10 +113,10 @@ def has_operator(name: str) -> bool:
     return True
 
 
-def weld_meshes() -> list[str]:
-    """Welds the separate triangles of an STL file into a surface; says so."""
+def weld_meshes(before: list[bpy.types.Mesh]) -> list[str]:
+    """Welds the separate triangles of an STL file into a surface; says so. Meshes from before stay as they are."""
     sentences = []
-    for mesh in bpy.data.meshes:
+    for mesh in [item for item in bpy.data.meshes if item not in before]:
         triangles = len(mesh.polygons)
         points = read_positions(mesh)
         if len(points) == 0 or not np.isfinite(points).all():
@@ -141,12 +180,19 @@ def choose_object(name: str | None, prefer_active: bool) -> bpy.types.Object:
 def find_object(name: str) -> bpy.types.Object:
     """The mesh object of that name."""
     found = bpy.context.scene.objects.get(name)
-    if found is None:
-        known = ", ".join(f'"{item.name}"' for item in mesh_objects()[:8]) or "none"
-        raise refuse(f'There is no object "{name}"; mesh objects: {known}.')
-    if found.type != "MESH":
+    if found is not None and found.type != "MESH":
         raise refuse(f'The object "{name}" is no mesh.')
-    return found
+    return found or find_among(mesh_objects(), name)
+
+
+def find_among(objects: list[bpy.types.Object], name: str) -> bpy.types.Object:
+    """The one of these objects with that name, or with a number that Blender added to it."""
+    exact = [item for item in objects if item.name == name]
+    found = exact or [item for item in objects if re.fullmatch(re.escape(name) + r"\.\d{3,}", item.name)]
+    if not found:
+        known = ", ".join(f'"{item.name}"' for item in objects[:8]) or "none"
+        raise refuse(f'There is no object "{name}"; mesh objects: {known}.')
+    return found[0]
 
 
 def all_objects() -> tuple[list[bpy.types.Object], list[str]]:

@@ -15,7 +15,7 @@ from ..files.preset_file import Content, Rule, Rules
 from . import looks, properties
 
 # These belong to the machine or to an object and not to a purpose, or say where results go.
-NO_PRESET = {"backend", "device_index", "material_maps", "space", "shape_key"}
+NO_PRESET = {"backend", "device_index", "material_maps", "space", "shape_key", "cage"}
 COLORS = ("color_map", "span", "percentile", "symmetric", "minimum", "maximum", "use_neutral", "neutral")
 KINDS = {
     bpy.props.BoolProperty: "bool",
@@ -43,7 +43,7 @@ def image_definitions() -> dict[str, object]:
     return {
         name: member
         for name, member in properties.output_members().items()
-        if member.function != bpy.props.StringProperty and not name.startswith("write_")
+        if member.function != bpy.props.StringProperty and not name.startswith("write_") and name not in NO_PRESET
     }
 
 

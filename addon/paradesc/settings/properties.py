@@ -307,6 +307,12 @@ def output_members() -> dict[str, object]:
             description="Put the textures into the object's active material as image nodes, ready to be connected",
             default=False,
         ),
+        "cage": bpy.props.FloatProperty(
+            name="Cage Distance",
+            description="How far from a low-poly mesh the detailed one is looked for, along the normals to both sides; "
+            "0: a tenth of its diagonal",
+            default=0.0, min=0.0, precision=4, subtype="DISTANCE",
+        ),
         "write_buffers": bpy.props.BoolProperty(
             name="Baked Buffers",
             description="Write positions, normals, charts, seams and distortion as pictures and raw values",

@@ -6,7 +6,8 @@ from .. import bridge
 from ..animation import handlers
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, Steps, progress_text
-from ..scene import sculpt_masks, targets, viewports
+from ..core import legend
+from ..scene import pairs, sculpt_masks, targets, viewports
 from ..settings import presets, properties
 from ..settings.translation import label
 from ..show import recolor
@@ -103,6 +104,9 @@ def draw_button(context: bpy.types.Context, layout: bpy.types.UILayout, settings
     if there:
         row.prop(context.active_object.paradesc_live, "follows", toggle=True)
     button(context, layout, "paradesc.bake_image", icon="IMAGE_DATA")
+    found = pairs.chosen(context)
+    if found:
+        button(context, layout, "paradesc.bake_onto", onto_text(found), icon="TRIA_DOWN_BAR")
     sentence = targets.obstacle(context)
     if sentence:
         sentence_lines(context, layout, sentence, "INFO")
@@ -170,6 +174,15 @@ def button_text(count: int, mask: str = "") -> str:
     what = label(presets.PRESETS[mask].label if mask else "Descriptors")
     text = label("Bake {what} on {count} Meshes") if count > 1 else label("Bake {what}")
     return text.format(what=what, count=count)
+
+
+def onto_text(found: dict[bpy.types.Object, list[bpy.types.Object]]) -> str:
+    """The text of the button that bakes detailed meshes onto low-poly ones."""
+    if len(found) > 1:
+        return f"Bake High to Low on {len(found)} Meshes"
+    ((low, highs),) = found.items()
+    what = f"{len(highs)} Meshes" if len(highs) > 1 else highs[0].name
+    return f"Bake {what} to {low.name}"
 
 
 def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
