@@ -156,7 +156,7 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
     """The settings once the file is open: what is not given comes from --preset, else the scene, else the defaults.
 
     What else a preset says is in preset_content of the arguments. --scene-settings also supplies the source, the shape
-    key, and whether material maps and the change against rest are measured, unless an option does.
+    key, the cage distance, and whether material maps and the change against rest are measured, unless an option does.
     """
     base = None
     usual = getattr(arguments, "usual_source", "original")
@@ -173,6 +173,7 @@ def opened_settings(arguments: argparse.Namespace) -> job.Settings:
                 arguments.relative_to_rest = animation.relative_to_rest
             arguments.shape_key = arguments.shape_key or group.shape_key
             has_files = any(getattr(arguments, name, None) for name in ("displacement", "normal_map"))
+            arguments.cage = given_or(arguments, "cage", group.cage)
             given = getattr(arguments, "material_maps", False)
             arguments.material_maps = given or (group.material_maps and not has_files)
     if shape_key == "active" and arguments.source not in (source_kinds.ORIGINAL, source_kinds.AUTOMATIC):

@@ -148,9 +148,8 @@ def at_low_vertices(surface: Surface, hits: bridge.Hits, found: list[Results], n
     undefined = np.zeros(len(coverage), bool)
     for column in values.values():
         undefined |= np.isnan(column.reshape(len(column), -1)).any(axis=1)
-    several = len(found) > 1
     warnings = [
-        f'"{name}": {line}' if several else line
+        f'"{name}": {line}'
         for name, one in zip(names, found, strict=True)
         for line in (*one.warnings, *(one.facet_notes() if one is not first else []))  # the first's are added by all
     ]
@@ -161,6 +160,7 @@ def at_low_vertices(surface: Surface, hits: bridge.Hits, found: list[Results], n
         mask=np.where(hits.missed, abi.MASK_NO_FACE, 0).astype(np.uint8),
         field_report={**first.field_report, "undefined_vertices": int(undefined.sum()), **summed(found)},
         warnings=list(dict.fromkeys(warnings)),
+        unwrapped=None,
         corners=None,
     )
 

@@ -55,7 +55,7 @@ def notes(baked: Baked) -> list[str]:
         return [
             "Images show the layout that was made for the computation: they fit no UV map of the mesh; unwrap it first."
         ]
-    if not baked.results.field_report["private_layout"]:
+    if baked.results.transfer is not None or not baked.results.field_report["private_layout"]:
         return []
     return [STACKED]
 
