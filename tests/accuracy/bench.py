@@ -8,7 +8,7 @@ import numpy as np
 
 from paradesc import bridge
 from paradesc.core import compare, job
-from paradesc.files.results import registry_row
+from paradesc.core.job import registry_row
 
 # These options say how to sample; the reference does not read them.
 SAMPLING = {

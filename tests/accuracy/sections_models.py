@@ -10,8 +10,8 @@ from sections_surfaces import LABELS
 
 from paradesc import bridge
 from paradesc.core import color_maps
+from paradesc.core.job import registry_row
 from paradesc.files import picture
-from paradesc.files.results import registry_row
 
 MODELS = ("spot", "bob", "human", "beast", "rocker-arm", "stanford-bunny")
 # The columns of compare.py in the table of distributions.

@@ -5,7 +5,7 @@ from bench import MissingError, has, options
 from sections_models import compose, models
 
 from paradesc import bridge
-from paradesc.files.results import registry_row
+from paradesc.core.job import registry_row
 
 NAME = "mean_curvature"
 AVERAGED = ("spot", "bob", "human", "rocker-arm")

@@ -7,7 +7,7 @@ import surfaces
 from bench import MissingError, angle, directions, errors, options, registry
 
 from paradesc import bridge
-from paradesc.files.results import registry_row
+from paradesc.core.job import registry_row
 
 LABELS = {
     "mean_curvature": "H",

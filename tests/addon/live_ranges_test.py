@@ -8,7 +8,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from live_values import NAME, count_computations, stretching_sphere, switch, values  # noqa: E402
 from paradesc.animation import handlers, painting  # noqa: E402
 from paradesc.core import color_maps  # noqa: E402
-from paradesc.scene import mesh_io, record  # noqa: E402
+from paradesc.scene import record  # noqa: E402
 from paradesc.show import recolor  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
@@ -39,11 +39,11 @@ def stored():
 
 def test_colors_of_all_frames_are_by_the_first_frames_range(stretching):
     switch(stretching)
-    shown = mesh_io.shown_range(handlers.session_at(stretching).results, NAME)
+    shown = handlers.session_at(stretching).results.shown(NAME)
     bpy.context.scene.frame_set(3)
     expected = color_maps.linear_rgba(color_maps.colors(values(stretching), shown))
     np.testing.assert_allclose(values(stretching, f"{NAME}_color"), expected, atol=1e-3)
-    own = mesh_io.shown_range(handlers.session_at(stretching).results, NAME)
+    own = handlers.session_at(stretching).results.shown(NAME)
     assert own.maximum > 1.2 * shown.maximum
 
 

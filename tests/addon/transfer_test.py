@@ -156,6 +156,13 @@ def test_texels_that_meet_nothing_are_counted_and_filled_from_beside_them(low, h
     np.testing.assert_allclose(image[np.isfinite(image)], 0.5, atol=1e-3)
 
 
+def test_a_few_texels_that_meet_nothing_are_a_note(low, high, monkeypatch):
+    monkeypatch.setattr(transfer, "WORTH_WARNING", 0.9)
+    results = transfer.run(low, [high], settings_of("mean_curvature"), SIZE, 0.03)
+    assert "met nothing" in results.notes[-1]
+    assert not results.warnings
+
+
 def test_a_surface_that_faces_the_other_way_is_not_met(low, high):
     inside_out = as_arrays(*cube_sphere(10))
     inside_out.triangle_corners = inside_out.triangle_corners[:, ::-1].copy()

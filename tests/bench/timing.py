@@ -15,7 +15,7 @@ from figures import ALLOWED_ERROR
 from paradesc import bridge
 from paradesc.bridge import Context, Mesh, MeshArrays, Options, ParadescError
 from paradesc.core import compare
-from paradesc.files.results import registry_row
+from paradesc.core.job import registry_row
 
 NAME = "mean_curvature"
 STAGES = ("prepare", "bake", "evaluate", "total")

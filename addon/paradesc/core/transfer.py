@@ -19,6 +19,8 @@ from .job import Results, Transfer
 USUAL_CAGE = 0.1
 # So many rings of texels that met nothing take values from beside them.
 FILLED_RINGS = 64
+# A smaller share of texels than this that met nothing is worth a note, and no warning.
+WORTH_WARNING = 0.001
 # Measuring has this share of the progress.
 MEASURING = 0.6
 
@@ -211,8 +213,11 @@ def add_sentences(results: Results, name: str) -> None:
         sentence += "over each other, or raise the cage distance."
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
     results.notes.append(f"Measured on {sources}, at most {found.cage:.4g} away (the cage distance).")
-    if found.missed:
-        results.warnings.append(
-            f'{found.missed:,} of {found.texels:,} texels of "{name}" met nothing within the cage distance '
-            f"{found.cage:.4g} and have values from beside them; raise the cage distance."
-        )
+    if not found.missed:
+        return
+    sentence = f'{found.missed:,} of {found.texels:,} texels of "{name}" met nothing within the cage distance '
+    sentence += f"{found.cage:.4g} and have values from beside them"
+    if found.missed < WORTH_WARNING * found.texels:
+        results.notes.append(f"{sentence}.")
+    else:
+        results.warnings.append(f"{sentence}; raise the cage distance.")
