@@ -170,6 +170,13 @@ def test_a_surface_that_faces_the_other_way_is_not_met(low, high):
         transfer.run(low, [part("h", inside_out)], settings_of("mean_curvature"), SIZE)
 
 
+def test_an_object_that_is_scaled_to_nothing_is_one_sentence(low, high):
+    flat = np.diag([1.0, 1.0, 0.0, 1.0])
+    for one, other in ((part("flat", low.arrays, flat), high), (low, part("flat", high.arrays, flat))):
+        with pytest.raises(ParadescError, match='The object "flat" is scaled to nothing'):
+            transfer.run(one, [other], settings_of("principal_direction_max"), SIZE)
+
+
 @pytest.mark.parametrize("cage", [-1.0, float("nan"), float("inf")])
 def test_a_cage_distance_that_is_none_is_one_sentence(low, high, cage):
     with pytest.raises(ParadescError, match="The cage distance is"):

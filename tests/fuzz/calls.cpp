@@ -33,8 +33,8 @@ constexpr bool on_device = PARADESC_FUZZ_BACKEND == PDESC_BACKEND_SOFTWARE;
 constexpr bool on_reference = PARADESC_FUZZ_BACKEND == PDESC_BACKEND_REFERENCE;
 constexpr int32_t most_samples = on_reference ? 4096 : on_device ? 64 : 256, most_texels = on_reference ? 8192 : 64;
 constexpr bool mostly_stopped = PARADESC_FUZZ_STOPPED;
-// Without a limit every mesh and computation asks the system what is free, for longer than many an input takes. Where surfaces
-// are divided for their maps, it keeps the pieces from becoming millions.
+// Without a limit every mesh and computation asks the system what is free, for longer than many an input takes. Where surfaces are
+// divided for their maps, it keeps the pieces from becoming millions.
 constexpr int64_t usual_limit = int64_t{1} << (on_device ? 31 : on_reference ? 24 : 26);
 
 const char *any_descriptor(Bytes &bytes, bool rarely_wrong = true) {
@@ -476,8 +476,9 @@ private:
 } // namespace paradesc::fuzz
 
 extern "C" int LLVMFuzzerInitialize(int *, char ***) {
-  return std::atexit(
-      [] { std::fprintf(stderr, "calls of the interface: %lld\n", static_cast<long long>(paradesc::fuzz::calls_made)); });
+  return std::atexit([] {
+    std::fprintf(stderr, "calls of the interface: %lld\n", static_cast<long long>(paradesc::fuzz::calls_made));
+  });
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

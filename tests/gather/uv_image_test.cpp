@@ -25,6 +25,7 @@ struct Drawing {
   std::vector<int32_t> corners{};
   std::vector<float> map{}, map_uvs{};
   int32_t map_size = 0;
+  int32_t numbers = 0;
   pdesc_progress progress = nullptr;
   void *user = nullptr;
 
@@ -47,6 +48,7 @@ struct Drawing {
     arguments.values = values.data();
     arguments.map = map_size ? map.data() : nullptr;
     arguments.map_size = map_size;
+    arguments.numbers = numbers;
     arguments.map_uvs = map_uvs.data();
     arguments.progress = progress;
     arguments.user = user;
@@ -194,6 +196,33 @@ TEST(UvImage, gives_directions_no_sign_and_length_1) {
     EXPECT_EQ(image[i + 1], 0.0f);
     EXPECT_EQ(image[i + 2], 0.0f);
   }
+}
+
+TEST(UvImage, draws_up_to_six_numbers_as_each_by_itself) {
+  std::vector<float> together;
+  std::vector<std::vector<float>> alone(6);
+  Drawing six{.components = 6};
+  six.numbers = 1;
+  for (int corner = 0; corner < 3; ++corner)
+    for (size_t number = 0; number < 6; ++number) {
+      const float value = static_cast<float>(number) - 3.5f * static_cast<float>(corner) * static_cast<float>(number % 4);
+      together.push_back(value);
+      alone[number].push_back(value);
+    }
+  six.add({0.1f, 0, 1, 0.2f, 0, 0.9f}, together);
+  const std::vector<float> image = six.draw();
+  for (size_t number = 0; number < 6; ++number) {
+    Drawing one;
+    one.add({0.1f, 0, 1, 0.2f, 0, 0.9f}, alone[number]);
+    const std::vector<float> expected = one.draw();
+    std::vector<float> found;
+    for (size_t texel = 0; texel < expected.size(); ++texel) found.push_back(image[6 * texel + number]);
+    expect_same_bits(found, expected);
+  }
+  six.components = 7;
+  const pdesc_uv_image_input input = six.input();
+  std::vector<float> untouched(static_cast<size_t>(six.floats()), sentinel);
+  expect_refused(pdesc_uv_image_draw(&input, untouched.data(), six.floats()), PDESC_ERROR_INVALID_ARGUMENT, {"components", "7"});
 }
 
 TEST(UvImage, lets_corners_share_values) {

@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import beside
 import drawings
+import onto
 import pages
 import renders
 
@@ -26,6 +27,7 @@ KINDS = {
     "frames": drawings.draw_frames,
     "maps": drawings.draw_maps,
     "beside": beside.render_beside,
+    "onto": onto.render_onto,
     "presets": pages.draw_presets,
     "textures": pages.draw_textures,
     "export": pages.draw_export,

@@ -28,16 +28,17 @@ def subdivided(levels: int) -> bpy.types.Object:
     """The active object, smooth, with that many levels of subdivision applied."""
     made = bpy.context.active_object
     bpy.ops.object.shade_smooth()
-    made.modifiers.new("subdivision", "SUBSURF").levels = levels
-    bpy.ops.object.modifier_apply(modifier="subdivision")
+    if levels:
+        made.modifiers.new("subdivision", "SUBSURF").levels = levels
+        bpy.ops.object.modifier_apply(modifier="subdivision")
     return made
 
 
-def monkey() -> bpy.types.Object:
-    """Blender's monkey, subdivided twice."""
+def monkey(levels: int = 2) -> bpy.types.Object:
+    """Blender's monkey, subdivided."""
     empty()
     bpy.ops.mesh.primitive_monkey_add()
-    made = subdivided(2)
+    made = subdivided(levels)
     made.name = "Suzanne"
     made.rotation_euler = (math.radians(-12), 0, math.radians(20))
     return made

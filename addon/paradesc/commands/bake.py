@@ -247,9 +247,10 @@ def print_summary(baked: results.Baked) -> None:
     """Prints what was found, in a few lines."""
     found = baked.results
     mesh, field = found.mesh_report, found.field_report
+    measured = "" if found.transfer is None else f', measured on "{found.transfer.sources[0]}"'
     print(
-        f'object "{baked.object_name}": {mesh["vertex_count"]:,} vertices, {mesh["triangle_count"]:,} triangles, '
-        f"{mesh['charts']:,} charts, {mesh['seam_edges']:,} seam edges"
+        f'object "{baked.object_name}"{measured}: {mesh["vertex_count"]:,} vertices, '
+        f"{mesh['triangle_count']:,} triangles, {mesh['charts']:,} charts, {mesh['seam_edges']:,} seam edges"
     )
     texels = f" ({field['radius_in_texels']:.1f} texels)" if field["radius_in_texels"] > 0 else ""
     print(

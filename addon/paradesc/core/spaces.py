@@ -19,17 +19,25 @@ def is_even(matrix: np.ndarray) -> bool:
     return bool(found[0] - found[2] <= EVEN * found[0])
 
 
+def check_scale(matrix: np.ndarray, name: str) -> None:
+    """Refuses the matrix of an object of that name that leaves it without a shape."""
+    linear = np.asarray(matrix, np.float64)[:3, :3]
+    if np.isfinite(linear).all():
+        found = scales(linear)
+        if found[2] > 1e-7 * found[0]:
+            return
+    sentence = f'The object "{name}" is scaled to nothing along an axis; it has no shape in the world to measure.'
+    raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+
+
 def to_world(arrays: MeshArrays, matrix: np.ndarray, name: str) -> None:
     """Brings the arrays of an object of that name into world space, except for its location.
 
     A mirroring matrix is taken as its negative: the surface comes out as its own mirror image, which has the same
     curvatures, areas and volumes, while the inside stays the inside. Directions become those of the world.
     """
+    check_scale(matrix, name)
     linear = np.asarray(matrix, np.float64)[:3, :3]
-    found = scales(linear)
-    if not np.isfinite(linear).all() or found[2] <= 1e-7 * found[0]:
-        sentence = f'The object "{name}" is scaled to nothing along an axis; it has no shape in the world to measure.'
-        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
     if np.linalg.det(linear) < 0:
         linear = -linear
     arrays.positions = np.ascontiguousarray(arrays.positions @ linear.T, np.float32)

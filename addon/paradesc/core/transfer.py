@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import MeshArrays, ParadescError, ProgressFunction, abi
-from . import job, texel_centers
+from . import job, spaces, texel_centers
 from .job import Results, Transfer
 
 # The cage distance where none is given, as a share of the diagonal of the coarse surface: that of an icosahedron is
@@ -68,6 +68,8 @@ def run(
     cage: how far away they are looked for, in units of the world; 0: USUAL_CAGE. Images are size texels along a side.
     """
     check_cage(cage)
+    for part in (low, *highs):
+        spaces.check_scale(part.matrix, part.name)
     settings = texel_centers.with_texels(settings, size, "vertex")
     settings = replace(settings, options=replace(settings.options, seam_error=False))
     measuring, projecting = job.span_of(progress, 0.0, MEASURING), job.span_of(progress, MEASURING, 1.0)
@@ -81,7 +83,8 @@ def run(
     surface = joined(low, highs, found, middle)
     cage = cage or USUAL_CAGE * float(np.linalg.norm(np.ptp(used, axis=0)))
     rays = np.column_stack([points - middle, smooth_normals(points, low.triangles)]).astype(np.float32)
-    at_vertices = bridge.cast_rays(surface.positions, surface.triangles, rays, cage)
+    begun = job.span_of(projecting, 0.0, 0.0)
+    at_vertices = bridge.cast_rays(surface.positions, surface.triangles, rays, cage, begun)
     results = at_low_vertices(surface, at_vertices, found, [high.name for high in highs])
     results.transfer = over_uv_map(low, surface, rays, cage, size, projecting)
     results.transfer.sources = [high.name for high in highs]

@@ -120,8 +120,17 @@ def joined(baked: list[Baked]) -> Baked:
         np.concatenate(positions).astype(np.float32), np.concatenate(corner_vertices), np.concatenate(triangle_corners)
     )
     coverage = np.concatenate([one.results.coverage for one in baked])
-    whole = replace(first, values=values, coverage=coverage, corners=painted)
+    whole = replace(first, values=values, coverage=coverage, corners=painted, transfer=joined_transfer(baked))
     return Baked(", ".join(one.object_name for one in baked), whole, arrays, np.eye(4))
+
+
+def joined_transfer(baked: list[Baked]) -> Transfer | None:
+    """Where the values of several objects come from, for one range of colors; they have no image in common."""
+    found = [one.results.transfer for one in baked]
+    if found[0] is None:
+        return None
+    measured = {name: np.concatenate([one.measured[name] for one in found]) for name in found[0].measured}
+    return replace(found[0], measured=measured, images={})
 
 
 def world_values(baked: Baked, name: str) -> np.ndarray:
