@@ -207,7 +207,9 @@ def pair(registered, tmp_path):
     bpy.data.objects["b_low"].location = bpy.data.objects["b_high"].location = (9, 0, 0)
     both = saved_scene(tmp_path / "both.blend")
     empty_scene()
-    add_sphere("a_low", steps=20)  # a name that is taken in the other file
+    made = add_sphere("a_low", steps=20)  # a name that is taken in the other file
+    made.parent = bpy.data.objects.new("holder", None)
+    bpy.context.collection.objects.link(made.parent)
     alone = saved_scene(tmp_path / "alone.blend")
     return both, alone
 

@@ -68,19 +68,17 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Reads the meshes, computes, and writes every output; gives the report."""
     check(arguments)
     started = time.monotonic()
-    onto = pairs.Pairs(arguments) if pairs.is_asked(arguments) else None
-    opened = onto.opened if onto else open_objects(arguments)
+    onto = pairs.is_asked(arguments)
+    opened = pairs.opened_lows(arguments) if onto else open_objects(arguments)
     settings = opened_settings(arguments)
     opened.notes += notes_of_preset(arguments.preset_content, has_colors=True)
     if arguments.corners and "harris" not in settings.descriptors:
         raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
     check_overwriting(files_of(arguments), open_file(), arguments.force)
     read = time.monotonic()
-    try:
-        baked = bake_objects(opened.objects, settings, arguments, onto and onto.highs())
-    finally:
-        if onto:
-            onto.close()
+    baked = (
+        bake_onto(opened.objects, settings, arguments) if onto else bake_objects(opened.objects, settings, arguments)
+    )
     computed = time.monotonic()
     if saves_scene(arguments):
         write_attributes(opened.objects, baked)
@@ -171,6 +169,16 @@ def bake_objects(
             baked.append(results.Baked(target.name, computed, reading.arrays, matrix, notes, reading))
             of_mesh.setdefault(target.data.name_full, baked[-1])
     return baked
+
+
+def bake_onto(
+    targets: list["bpy.types.Object"], settings: job.Settings, arguments: argparse.Namespace
+) -> list[results.Baked]:
+    """Computes detailed objects for low-poly ones; those of another file are gone afterwards, so no output has them."""
+    from ..scene import scene_io
+
+    with scene_io.without_added():
+        return bake_objects(targets, settings, arguments, pairs.highs_of(targets, arguments))
 
 
 def asked_look(arguments: argparse.Namespace) -> Look:

@@ -55,43 +55,30 @@ def check_pair_options(arguments: argparse.Namespace) -> None:
         raise UsageError("Maps belong to the mesh that is measured; leave them out, or bake that mesh itself.")
 
 
-class Pairs:
-    """The low-poly objects, and what the detailed ones are, which are gone again if they came from a file."""
+def highs_of(
+    lows: list["bpy.types.Object"], arguments: argparse.Namespace
+) -> dict["bpy.types.Object", list["bpy.types.Object"]]:
+    """The detailed objects of each low-poly one, added to the open scene if they are in another file."""
+    from ..scene import scene_io
 
-    def __init__(self, arguments: argparse.Namespace) -> None:
-        """Opens the input and finds all objects; from another file the detailed ones are read later."""
-        self.arguments = arguments
-        self.opened = opened_lows(arguments)
-        self.added: list[bpy.types.Object] = []
-
-    def highs(self) -> dict["bpy.types.Object", list["bpy.types.Object"]]:
-        """The detailed objects of each low-poly one."""
-        from ..scene import scene_io
-
-        arguments, lows = self.arguments, self.opened.objects
-        if arguments.from_file is not None:
-            self.added = scene_io.add_objects(arguments.from_file, arguments.verbose)
-        there = self.added or scene_io.mesh_objects()
-        if arguments.pairs:
-            return by_name(lows, there)
-        (low,) = lows
-        if arguments.from_objects:
-            found = [scene_io.find_among(there, name) for name in dict.fromkeys(arguments.from_objects)]
-        else:
-            found = [item for item in there if item.data.polygons]
-        if low in found:
-            raise UsageError(f'The object "{low.name}" cannot be detailed and low-poly at once; name another one.')
-        return {low: found}
-
-    def close(self) -> None:
-        """Takes away what came from another file, so that no output holds it."""
-        from ..scene import scene_io
-
-        scene_io.remove_objects(self.added)
+    if arguments.from_file is not None:
+        there = scene_io.add_objects(arguments.from_file, arguments.verbose)
+    else:
+        there = scene_io.mesh_objects()
+    if arguments.pairs:
+        return by_name(lows, there)
+    (low,) = lows
+    if arguments.from_objects:
+        found = [scene_io.find_among(there, name) for name in dict.fromkeys(arguments.from_objects)]
+    else:
+        found = [item for item in there if item.data.polygons]
+    if low in found:
+        raise UsageError(f'The object "{low.name}" cannot be detailed and low-poly at once; name another one.')
+    return {low: found}
 
 
 def opened_lows(arguments: argparse.Namespace) -> Opened:
-    """The low-poly objects: with --pairs those whose names say so, else the one that is named or stands out."""
+    """Opens the input and picks the low-poly objects: with --pairs by their names, unless --object names them."""
     if not arguments.pairs or arguments.object:
         return open_objects(arguments)
     _, notes = open_input(arguments)

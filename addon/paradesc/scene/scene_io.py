@@ -60,13 +60,15 @@ def add_objects(path: Path, verbose: bool = False) -> list[bpy.types.Object]:
     return found
 
 
-def remove_objects(objects: list[bpy.types.Object]) -> None:
-    """Removes objects and the meshes that nothing else uses."""
-    for item in objects:
-        mesh = item.data
-        bpy.data.objects.remove(item)
-        if mesh.users == 0:
-            bpy.data.meshes.remove(mesh)
+@contextmanager
+def without_added() -> Iterator[None]:
+    """Removes the objects that are added meanwhile; what they alone used is not saved."""
+    before = set(bpy.data.objects)
+    try:
+        yield
+    finally:
+        for item in set(bpy.data.objects) - before:
+            bpy.data.objects.remove(item)
 
 
 @contextmanager
