@@ -4,7 +4,6 @@
 #include <string>
 
 #include "api_edge.h"
-#include "gather/blend.h"
 #include "gather/gutter.h"
 #include "gather/uv_image.h"
 #include "support/parallel.h"

@@ -8,18 +8,18 @@
 
 namespace paradesc {
 
-inline constexpr int most_components = 6;
-using BlendedValue = std::array<double, most_components>; // of which as many count as a value has components
+// A value that has room for so many components.
+template <size_t Width> using Value = std::array<double, Width>;
 
-// The mean of some values, floats one after another, of those that are defined; NaN where none is. Directions have no sign, and
-// their mean is a unit vector.
-template <size_t Count>
-BlendedValue blended(const std::array<const float *, Count> &values, std::array<double, Count> weights, int components,
+// The mean of some values of up to Width components, floats one after another, of those that are defined; NaN where none is.
+// Directions have no sign, and their mean is a unit vector.
+template <size_t Width, size_t Count>
+Value<Width> blended(const std::array<const float *, Count> &values, std::array<double, Count> weights, int components,
                      bool directions) {
   for (size_t i = 0; i < Count; ++i)
     if (!std::all_of(values[i], values[i] + components, [](float x) { return std::isfinite(x); })) weights[i] = 0.0;
   const float *leader = values[std::max_element(weights.begin(), weights.end()) - weights.begin()];
-  BlendedValue total{};
+  Value<Width> total{};
   double size = 0.0;
   for (size_t i = 0; i < Count; ++i) {
     if (!(weights[i] > 0.0)) continue;

@@ -69,7 +69,7 @@ void values_met(const pdesc_rays_input &input, const int32_t *triangles, const f
         corners[corner] = values + static_cast<size_t>(vertex) * width;
         shares[corner] = static_cast<double>(weights[3 * i + corner]);
       }
-      const BlendedValue value = blended(corners, shares, components, components == 3);
+      const Value<3> value = blended<3>(corners, shares, components, components == 3);
       for (size_t c = 0; c < width; ++c) out[c] = static_cast<float>(value[c]);
     }
   });

@@ -30,7 +30,7 @@ struct Point {
 };
 using Corners = std::array<Point, 3>;
 using Weights = std::array<double, 3>;
-using Value = BlendedValue;
+constexpr size_t few = 3, most = most_components; // components that a value has room for: less is faster
 
 // A triangle in the UV plane, and the whole tiles that it meets.
 struct Tiled {
@@ -105,15 +105,15 @@ std::optional<Weights> weights_at(const Corners &corners, int column, int row) {
 
 bool has_directions(const pdesc_uv_image_input &input) { return input.components == 3 && !input.numbers; }
 
-Value from_corners(const pdesc_uv_image_input &input, int triangle, const Weights &weights) {
+template <size_t Width> Value<Width> from_corners(const pdesc_uv_image_input &input, int triangle, const Weights &weights) {
   std::array<const float *, 3> values;
   for (size_t i = 0; i < 3; ++i)
     values[i] = input.values + size_t{1} * input.triangle_values[size_t{3} * triangle + i] * input.components;
-  return blended(values, weights, input.components, has_directions(input));
+  return blended<Width>(values, weights, input.components, has_directions(input));
 }
 
 // The map's value at the same position of its own layout, bilinear; NaN where the map is undefined around it.
-Value from_map(const pdesc_uv_image_input &input, int triangle, const Weights &weights) {
+template <size_t Width> Value<Width> from_map(const pdesc_uv_image_input &input, int triangle, const Weights &weights) {
   const float *uv = input.map_uvs + size_t{6} * triangle;
   const double size = input.map_size;
   const double x = (uv[0] * weights[0] + uv[2] * weights[1] + uv[4] * weights[2]) * size - 0.5;
@@ -131,7 +131,7 @@ Value from_map(const pdesc_uv_image_input &input, int triangle, const Weights &w
     const double share = std::abs(1 - i % 2 - right_share) * std::abs(1 - i / 2 - upper_share);
     if (inside && share > 1e-3) shares[i] = share;
   }
-  return blended(values, shares, input.components, has_directions(input));
+  return blended<Width>(values, shares, input.components, has_directions(input));
 }
 
 // Some rows of the image: which triangle each of their texels shows, and the values there.
@@ -150,7 +150,7 @@ public:
   }
 
   // image: the first texel of the first of the rows.
-  void draw(float *image) {
+  template <size_t Width> void draw(float *image) {
     int triangle = none;
     Tiled uv{};
     Corners corners{};
@@ -167,7 +167,7 @@ public:
           corners = on_tile(uv, 0, input_.size);
         }
         const auto weights = uv.count() == 1 ? weights_at(corners, column, row) : weights_on_last_tile(uv, column, row);
-        const Value value = value_at(triangle, *weights);
+        const Value<Width> value = value_at<Width>(triangle, *weights);
         for (int c = 0; c < input_.components; ++c) image[c] = static_cast<float>(value[c]);
       }
     }
@@ -199,10 +199,10 @@ private:
     return weights;
   }
 
-  Value value_at(int triangle, const Weights &weights) const {
-    Value value = from_corners(input_, triangle, weights);
+  template <size_t Width> Value<Width> value_at(int triangle, const Weights &weights) const {
+    Value<Width> value = from_corners<Width>(input_, triangle, weights);
     if (!input_.map) return value;
-    const Value looked_up = from_map(input_, triangle, weights);
+    const Value<Width> looked_up = from_map<Width>(input_, triangle, weights);
     for (int c = 0; c < input_.components; ++c)
       if (std::isfinite(looked_up[c])) value[c] = looked_up[c];
     return value;
@@ -229,7 +229,10 @@ void draw_band(const pdesc_uv_image_input &input, const std::vector<Range> &rows
   Band band(input, of_band);
   for (int i = input.triangle_count - 1; i >= 0; --i)
     if (rows[i].first <= of_band.last && rows[i].last >= of_band.first) band.claim(i);
-  band.draw(image);
+  if (input.components <= static_cast<int>(few))
+    band.draw<few>(image);
+  else
+    band.draw<most>(image);
 }
 
 } // namespace
