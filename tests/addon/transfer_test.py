@@ -6,6 +6,7 @@ import pytest
 from paradesc import bridge
 from paradesc.bridge import ParadescError, abi
 from paradesc.core import job, pair_names, texel_centers, transfer
+from paradesc.files.results import Baked, joined
 from shapes import as_arrays, cube_sphere
 
 QUICK = bridge.Options(radius=0.08, samples=32)
@@ -108,6 +109,9 @@ def test_where_objects_stand_counts_and_mirrored_ones_keep_their_outside(low, hi
     )
     assert both.transfer.missed == 0
     assert both.transfer.cage == pytest.approx(0.1 * 2 * np.linalg.norm(np.ptp(low.arrays.positions, axis=0)))
+    one = transfer.run(part("l", low.arrays, np.diag([-1.0, 1, 1, 1])), [high], settings_of("mean_curvature"), SIZE)
+    other = transfer.run(low, [part("h", high.arrays, np.diag([1.0, -1, 1, 1]))], settings_of("mean_curvature"), SIZE)
+    assert one.transfer.missed == other.transfer.missed == 0
     away = part("high", high.arrays, moved)
     with pytest.raises(ParadescError, match=r'No texel of "ball_low" meets "high" within the cage distance .* lay the'):
         transfer.run(low, [away], settings_of("mean_curvature"), SIZE)
@@ -116,13 +120,34 @@ def test_where_objects_stand_counts_and_mirrored_ones_keep_their_outside(low, hi
 def test_several_meshes_give_each_texel_the_nearest_of_them(low):
     points, quads, uvs = cube_sphere(24)
     upper = points[quads][:, :, 2].mean(axis=1) > 0
+    last = len(points) - 1
     halves = [
-        part(f"ball_high_{k}", as_arrays(points, quads[side], uvs[side])) for k, side in enumerate((upper, ~upper))
+        part("ball_high_0", as_arrays(points, quads[upper], uvs[upper])),
+        part("ball_high_1", as_arrays(points[::-1], last - quads[~upper], uvs[~upper])),  # vertices of its own
     ]
     results = transfer.run(low, halves, settings_of("sphere_volume_normalized"), SIZE)
     assert results.transfer.missed == 0
     assert results.transfer.sources == ["ball_high_0", "ball_high_1"]
     assert len(results.transfer.measured["sphere_volume_normalized"]) == 2 * len(points)
+
+
+def test_several_coarse_meshes_in_one_file_share_a_range_of_colors(low, high):
+    found = [transfer.run(low, [high], settings_of("mean_curvature"), 32) for _ in range(2)]
+    found[1].transfer.measured["mean_curvature"] = 3 + found[1].transfer.measured["mean_curvature"]
+    whole = joined([Baked(f"low {k}", results, low.arrays, np.eye(4)) for k, results in enumerate(found)])
+    assert whole.shown("mean_curvature").maximum == pytest.approx(3.5, abs=0.01)
+
+
+def test_a_layout_that_was_made_for_the_detailed_mesh_stays_with_it(low, high, monkeypatch):
+    measured = job.run
+
+    def unwrapping(*arguments):
+        found = measured(*arguments)
+        found.unwrapped = bridge.Layout(high.arrays.corner_uvs, "has no UV map", "", False)
+        return found
+
+    monkeypatch.setattr(job, "run", unwrapping)
+    assert transfer.run(low, [high], settings_of("mean_curvature"), 32).unwrapped is None
 
 
 def test_normals_are_those_of_a_sphere_and_one_at_vertices_of_one_place(low):
