@@ -85,7 +85,7 @@ def test_one_click_brings_the_other_selected_mesh_onto_the_active_one(settings, 
 
 
 def test_what_the_button_says_and_whether_it_is_there(settings):
-    assert panel.onto_text(pairs.chosen(bpy.context)) == "Bake fine to coarse"
+    assert panel.onto_text(pairs.chosen(bpy.context)) == "Bake onto coarse"
     select("coarse")
     assert pairs.chosen(bpy.context) == {}
     assert not bpy.ops.paradesc.bake_onto.poll()
@@ -108,7 +108,7 @@ def test_names_tell_pairs_before_the_selection_does(settings):
     assert chosen() == {"a_low": ["a_high", "a_high_2"]}
     select("b_high", "a_high_2", "coarse")
     assert chosen() == {"a_low": ["a_high", "a_high_2"], "b_low": ["b_high"]}
-    assert panel.onto_text(pairs.chosen(bpy.context)) == "Bake High to Low on 2 Meshes"
+    assert panel.onto_text(pairs.chosen(bpy.context)) == "Bake onto 2 Meshes"
     select("fine", "coarse")
     assert chosen() == {"coarse": ["fine"]}
 

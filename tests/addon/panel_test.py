@@ -126,11 +126,11 @@ def test_every_setting_is_in_the_panel():
 
 def test_a_button_bakes_one_mesh_onto_another_as_soon_as_two_are_selected():
     add_sphere("fine")
-    assert "Bake fine to coarse" not in drawn_by(panel.PARADESC_PT_bake)["operator"]
+    assert "Bake onto coarse" not in drawn_by(panel.PARADESC_PT_bake)["operator"]
     add_sphere("coarse")
-    assert "Bake fine to coarse" in drawn_by(panel.PARADESC_PT_bake)["operator"]
+    assert "Bake onto coarse" in drawn_by(panel.PARADESC_PT_bake)["operator"]
     bpy.data.objects["fine"].select_set(False)
-    assert "Bake fine to coarse" not in drawn_by(panel.PARADESC_PT_bake)["operator"]
+    assert "Bake onto coarse" not in drawn_by(panel.PARADESC_PT_bake)["operator"]
 
 
 @pytest.mark.parametrize("state", ["nothing", "baked", "uneven", "linked", "dyntopo"])

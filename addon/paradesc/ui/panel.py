@@ -178,11 +178,8 @@ def button_text(count: int, mask: str = "") -> str:
 
 def onto_text(found: dict[bpy.types.Object, list[bpy.types.Object]]) -> str:
     """The text of the button that bakes detailed meshes onto low-poly ones."""
-    if len(found) > 1:
-        return f"Bake High to Low on {len(found)} Meshes"
-    ((low, highs),) = found.items()
-    what = f"{len(highs)} Meshes" if len(highs) > 1 else highs[0].name
-    return f"Bake {what} to {low.name}"
+    lows = [low.name for low in found]
+    return f"Bake onto {lows[0] if len(lows) == 1 else f'{len(lows)} Meshes'}"
 
 
 def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
