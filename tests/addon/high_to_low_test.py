@@ -256,6 +256,17 @@ def test_pairs_are_found_by_their_names(run, report, pair, tmp_path):
     assert b"element vertex 250\n" in (tmp_path / "x.ply").read_bytes()[:500]
 
 
+def test_pairs_of_two_files_are_found_by_their_names_too(run, report, pair):
+    both, alone = pair
+    words = ("--pairs", "--object", "b_low", "--json", "report.json")
+    assert run("bake", alone, *WORDS, "--pairs", "--from-file", both, "--json", "report.json").code == 0
+    (row,) = report()["objects"]
+    assert (row["object"], row["transfer"]["sources"]) == ("a_low", ["a_high"])
+    ended = run("bake", both, *WORDS, *words, "--from-file", alone)
+    assert ended.code == 3
+    assert 'No mesh object is named as "b_low" with _high' in ended.error
+
+
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
@@ -266,6 +277,7 @@ def test_pairs_are_found_by_their_names(run, report, pair, tmp_path):
         (("--from", "a_high", "--object", "a_low", "--object", "b_low"), 2, "--pairs"),
         (("--from", "a_high", "--corners", "c.json"), 2, "--corners is about the mesh that is measured"),
         (("--from", "a_high", "--material-maps"), 2, "Maps belong to the mesh that is measured"),
+        (("--from", "a_hig", "--object", "a_low"), 3, 'There is no object "a_hig"; mesh objects: "a_low", "a_high"'),
         (("--from", "nobody", "--object", "a_low"), 3, 'There is no object "nobody"'),
         (("--from", "a_low", "--object", "a_low"), 2, "cannot be detailed and low-poly at once"),
         (("--from-file", "missing.obj", "--object", "a_low"), 3, 'There is no file "missing.obj"'),

@@ -69,7 +69,8 @@ def highs_of(
         return by_name(lows, there)
     (low,) = lows
     if arguments.from_objects:
-        found = [scene_io.find_among(there, name) for name in dict.fromkeys(arguments.from_objects)]
+        added = arguments.from_file is not None
+        found = [scene_io.find_among(there, name, numbered=added) for name in dict.fromkeys(arguments.from_objects)]
     else:
         found = [item for item in there if item.data.polygons]
     if low in found:
@@ -96,11 +97,12 @@ def by_name(
     """The detailed objects of each low-poly one by their names; refuses one without any."""
     from ..scene import mesh_io, pairs
 
-    found = pairs.by_name(list({*lows, *there}))
-    for low in lows:
-        if low not in found:
+    named = pairs.by_name(list({*lows, *there}))
+    found = {low: [item for item in named.get(low, []) if item in there] for low in lows}
+    for low, highs in found.items():
+        if not highs:
             raise mesh_io.refuse(f'No mesh object is named as "{low.name}" with _high in place of _low.')
-    return {low: sorted(set(found[low]) & set(there), key=lambda item: item.name) for low in lows}
+    return found
 
 
 def run_onto(

@@ -187,10 +187,11 @@ def find_object(name: str) -> bpy.types.Object:
     return found or find_among(mesh_objects(), name)
 
 
-def find_among(objects: list[bpy.types.Object], name: str) -> bpy.types.Object:
-    """The one of these objects with that name, or with a number that Blender added to it."""
-    exact = [item for item in objects if item.name == name]
-    found = exact or [item for item in objects if re.fullmatch(re.escape(name) + r"\.\d{3,}", item.name)]
+def find_among(objects: list[bpy.types.Object], name: str, numbered: bool = False) -> bpy.types.Object:
+    """The one of these objects with that name; numbered: or with a number that Blender added because it was taken."""
+    found = [item for item in objects if item.name == name]
+    if not found and numbered:
+        found = [item for item in objects if re.fullmatch(re.escape(name) + r"\.\d{3,}", item.name)]
     if not found:
         known = ", ".join(f'"{item.name}"' for item in objects[:8]) or "none"
         raise refuse(f'There is no object "{name}"; mesh objects: {known}.')

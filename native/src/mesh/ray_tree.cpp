@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -78,7 +77,7 @@ RayTree::RayTree(std::span<const float> positions, std::span<const int32_t> tria
     if (has_place(triangle)) order_.push_back(triangle);
   if (order_.empty()) return;
   nodes_.push_back({{}, {}, 0, static_cast<int32_t>(order_.size())});
-  std::vector<vec3> middles(static_cast<size_t>(count)); // times three
+  std::vector<vec3> middles(static_cast<size_t>(count));
   parallel_blocks(static_cast<int>(order_.size()), threads, 4096, [&](int begin, int end) {
     for (int i = begin; i < end; ++i)
       for (int corner = 0; corner < 3; ++corner) middles[order_[i]] += vec3(position(order_[i], corner) / 3.0);

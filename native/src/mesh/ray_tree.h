@@ -13,7 +13,7 @@ namespace paradesc {
 // What is met: none where triangle is -1.
 struct RayHit {
   int32_t triangle = -1;
-  double distance = 0; // along the direction, in its lengths
+  double distance = 0; // along the direction, below 0 behind the point
   std::array<double, 3> weights{};
 };
 
