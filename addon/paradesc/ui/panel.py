@@ -6,7 +6,6 @@ from .. import bridge
 from ..animation import handlers
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, Steps, progress_text
-from ..core import legend
 from ..scene import pairs, sculpt_masks, targets, viewports
 from ..settings import presets, properties
 from ..settings.translation import label
@@ -178,8 +177,9 @@ def button_text(count: int, mask: str = "") -> str:
 
 def onto_text(found: dict[bpy.types.Object, list[bpy.types.Object]]) -> str:
     """The text of the button that bakes detailed meshes onto low-poly ones."""
-    lows = [low.name for low in found]
-    return f"Bake onto {lows[0] if len(lows) == 1 else f'{len(lows)} Meshes'}"
+    if len(found) > 1:
+        return label("Bake onto {count} Meshes").format(count=len(found))
+    return label("Bake onto {name}").format(name=next(iter(found)).name)
 
 
 def draw_progress(context: bpy.types.Context, layout: bpy.types.UILayout, running: Steps) -> None:
