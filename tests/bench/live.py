@@ -159,7 +159,7 @@ def main() -> int:
     bend(target)
     settings = bpy.context.scene.paradesc
     settings.samples, settings.buffer_size, settings.radius_percent = 4096, 8192, words.radius
-    settings.backend = words.backend
+    settings.backend, settings.descriptors = words.backend, {NAME}
     bpy.context.scene.paradesc_live.fast_seams = words.fast_seams
     bpy.context.scene.frame_set(FRAMES)
     bare = 1e3 * min(frame_seconds(frame) for frame in range(1, FRAMES + 1))
