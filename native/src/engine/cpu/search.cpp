@@ -228,15 +228,18 @@ void Search::reach(int32_t surfel) {
 // where the surface may do so are connected to the center. False where that is not seen at once.
 bool Search::is_one_piece(const TreeCenter &center) {
   ++walks_;
-  reached_.clear();
-  reach(surfels_.triangle_surfel[center.triangle]);
-  for (size_t i = 0, around = 1; i < around; ++i) { // its own surfel, and those around it
-    reach_neighbors(reached_[i], center.position);
-    if (i == 0) around = reached_.size();
-  }
+  reached_.assign(1, surfels_.triangle_surfel[center.triangle]);
+  mark_[reached_[0]] = walks_;
+  size_t left = 0;
+  // Its own surfel, those around it, and those around these: only as far as something asks for them.
+  auto is_around = [&, rings = 0](int32_t surfel) mutable {
+    for (; !is_reached(surfel) && rings < 2; ++rings)
+      for (const size_t end = reached_.size(); left < end; ++left) reach_neighbors(reached_[left], center.position);
+    return is_reached(surfel);
+  };
   for (int32_t i = 0; i < selection_.nearests; ++i) {
     const FlatSample &sample = candidate(nearest_[i]);
-    if (is_reached(sample.surfel) || !may_be_nearest(sample, center.position)) continue;
+    if (is_around(sample.surfel) || !may_be_nearest(sample, center.position)) continue;
     if (!walk_to_reached(sample.surfel, center.position)) return false;
   }
   return true;
