@@ -1,5 +1,6 @@
 // The C edge and nothing else: checks handles and arguments; api_edge.h turns exceptions into codes and sentences.
 #include <cmath>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -47,7 +48,8 @@ template <class Handle> void need_live(const Handle *handle, const char *name) {
     refuse(std::string("The argument '") + name + "' is no " + name + ", or one that was destroyed; pass one that is alive.");
 }
 
-// One call at a time on a context; a call from inside the progress callback of another would wait for itself.
+// One call at a time on a context, helped by its workers; a call from inside the progress callback of another would wait for
+// itself.
 class Turn {
 public:
   explicit Turn(paradesc::Context &context) : context_(context) {
@@ -56,8 +58,10 @@ public:
                   "This call comes from the progress callback of another on the same context; return from the callback first.");
     context_.mutex.lock();
     context_.holder = std::this_thread::get_id();
+    scope_.emplace(context_.workers);
   }
   ~Turn() {
+    scope_.reset();
     context_.holder = std::thread::id();
     context_.mutex.unlock();
   }
@@ -66,6 +70,7 @@ public:
 
 private:
   paradesc::Context &context_;
+  std::optional<paradesc::Workers::Scope> scope_;
 };
 
 void check_options(const pdesc_options &options) {

@@ -12,6 +12,7 @@
 #include "engine/engines.h"
 #include "paradesc/paradesc.h"
 #include "support/error.h"
+#include "support/workers.h"
 
 namespace paradesc {
 
@@ -29,6 +30,7 @@ struct Context {
   std::list<std::string> texts; // what those two point to, and have pointed to: callers may hold them still
   int smallest_tile = 128;      // centers of the first dispatch, which no result may depend on
   DriverSubstitute substitute;
+  Workers workers;                     // of the call
   std::mutex mutex;                    // one call at a time
   std::atomic<std::thread::id> holder; // the thread that has it
 };

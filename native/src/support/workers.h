@@ -1,0 +1,65 @@
+// Threads that wait for loops, so that none has to be started for each.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace paradesc {
+
+// Of one thread at a time. They are started when a loop first needs them.
+class Workers {
+public:
+  Workers() = default;
+  ~Workers();
+  Workers(const Workers &) = delete;
+  Workers &operator=(const Workers &) = delete;
+
+  // While it lives, loops of the thread that made it are helped by these workers.
+  class Scope {
+  public:
+    explicit Scope(Workers &workers);
+    ~Scope();
+    Scope(const Scope &) = delete;
+    Scope &operator=(const Scope &) = delete;
+
+  private:
+    Workers *before_;
+  };
+
+  // One loop: up to `count` threads beside the caller's run work(), which must not throw. They are those of the scope; without
+  // one, and within another loop, they are started for this loop alone.
+  class Loop {
+  public:
+    Loop(int count, const std::function<void()> &work);
+    ~Loop(); // waits
+    Loop(const Loop &) = delete;
+    Loop &operator=(const Loop &) = delete;
+    // Those that have not come by now stay away. Returns whether all others have ended after so long.
+    bool wait(std::chrono::milliseconds patience);
+
+  private:
+    std::unique_ptr<Workers> own_;
+    Workers *workers_ = nullptr; // null: nobody helps
+  };
+
+private:
+  void start(size_t count);
+  void serve();
+
+  std::vector<std::thread> threads_;
+  long process_ = 0; // that the threads belong to
+  bool in_use_ = false;
+
+  std::mutex mutex_; // of all that follows
+  std::condition_variable called_, ended_;
+  const std::function<void()> *work_ = nullptr;
+  size_t wanted_ = 0, inside_ = 0;
+  bool closing_ = false;
+};
+
+} // namespace paradesc
