@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "support/angle.h"
 #include "support/parallel.h"
 
 namespace paradesc {
@@ -35,7 +36,7 @@ double uv_area(const Triangles &triangles, int triangle, double largest_needle) 
 double uv_angle(const Triangles &triangles, int corner) {
   const dvec2 a = uv_at(triangles, next_corner(corner)) - uv_at(triangles, corner);
   const dvec2 b = uv_at(triangles, previous_corner(corner)) - uv_at(triangles, corner);
-  return std::atan2(std::abs(cross(a, b)), glm::dot(a, b));
+  return angle_of(std::abs(cross(a, b)), glm::dot(a, b));
 }
 
 bool agree(const Triangles &triangles, int corner, int other) {

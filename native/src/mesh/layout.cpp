@@ -5,8 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #define STBRP_STATIC
+#include <stb/stb_rect_pack.h>
+
+// Boxes of one size keep their order, which qsort() leaves to each C library.
+static void sort_boxes(stbrp_rect *boxes, int count, size_t, int (*compare)(const void *, const void *)) {
+  const std::span all(boxes, static_cast<size_t>(count));
+  std::stable_sort(all.begin(), all.end(), [&](const stbrp_rect &a, const stbrp_rect &b) { return compare(&a, &b) < 0; });
+}
+#define STBRP_SORT sort_boxes
 #define STB_RECT_PACK_IMPLEMENTATION
 #include <stb/stb_rect_pack.h>
 
@@ -56,10 +65,14 @@ static std::vector<std::vector<int32_t>> corners_by_chart(const Triangles &trian
   return corners;
 }
 
-static Move turned(const Charts &charts, const std::vector<int32_t> &corners, double angle) {
+// Of cosines and sines that are numbers, and not those of a C library, which may differ in the last bit.
+static dvec2 further(dvec2 turn, dvec2 by) { return {turn.x * by.x - turn.y * by.y, turn.x * by.y + turn.y * by.x}; }
+static constexpr dvec2 quarter_turn(0.0, 1.0);
+
+static Move turned(const Charts &charts, const std::vector<int32_t> &corners, dvec2 turn) {
   Move move;
-  move.cosine = std::cos(angle);
-  move.sine = std::sin(angle);
+  move.cosine = turn.x;
+  move.sine = turn.y;
   dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
   for (const int32_t corner : corners) {
     const dvec2 turned = move.turn(charts.corner_uv[corner]);
@@ -73,15 +86,17 @@ static Move turned(const Charts &charts, const std::vector<int32_t> &corners, do
 
 // The turn, of a dozen tried, with the smallest box; upright, as boxes fill the square best.
 static Move best_turn(const Charts &charts, const std::vector<int32_t> &corners) {
-  double best_angle = 0.0, smallest_area = std::numeric_limits<double>::infinity();
-  for (int step = 0; step < 12; ++step) {
-    const Move move = turned(charts, corners, step * pi / 24.0);
+  constexpr dvec2 step(0.99144486137381041, 0.13052619222005159); // a twelfth of a quarter turn
+  double smallest_area = std::numeric_limits<double>::infinity();
+  dvec2 best(1.0, 0.0), turn = best;
+  for (int i = 0; i < 12; ++i, turn = further(turn, step)) {
+    const Move move = turned(charts, corners, turn);
     const double area = move.size.x * move.size.y;
     if (area >= smallest_area) continue;
     smallest_area = area;
-    best_angle = step * pi / 24.0 + (move.size.x > move.size.y ? 0.5 * pi : 0.0);
+    best = move.size.x > move.size.y ? further(turn, quarter_turn) : turn;
   }
-  return turned(charts, corners, best_angle);
+  return turned(charts, corners, best);
 }
 
 static std::vector<Density> chart_densities(const Triangles &triangles, const Charts &charts) {
@@ -102,7 +117,8 @@ static std::vector<Density> chart_densities(const Triangles &triangles, const Ch
 
 // Half of the surface has more.
 static double median_density(std::vector<Density> densities) {
-  std::sort(densities.begin(), densities.end(), [](Density a, Density b) { return a.density < b.density; });
+  std::sort(densities.begin(), densities.end(),
+            [](Density a, Density b) { return a.density != b.density ? a.density < b.density : a.area < b.area; });
   double rest = 0.0;
   for (const Density &density : densities) rest += 0.5 * density.area;
   for (const Density &density : densities)
@@ -134,16 +150,16 @@ static bool pack(std::vector<Move> &moves, double units, Spacing spacing) {
 static std::vector<Move> pack_largest(std::vector<Move> moves, Spacing spacing) {
   double area = 0.0;
   for (const Move &move : moves) area += move.size.x * move.size.y * move.evening * move.evening;
-  double fits = 0.0, too_large = area > 0.0 ? grid / std::sqrt(area) : 1.0;
+  double fits = 0.0, too_large = area > 0.0 ? grid / std::sqrt(area) : 1.0, units = too_large;
   std::vector<Move> best;
   for (int step = 0; step < 24 && (best.empty() || too_large > 1.02 * fits); ++step) {
-    const double units = best.empty() ? too_large * std::pow(0.85, step) : 0.5 * (fits + too_large);
     if (pack(moves, units, spacing)) {
       fits = units;
       best = moves;
     } else if (!best.empty()) {
       too_large = units;
     }
+    units = best.empty() ? 0.85 * units : 0.5 * (fits + too_large);
   }
   return best;
 }

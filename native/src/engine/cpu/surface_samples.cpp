@@ -224,7 +224,10 @@ public:
 private:
   void halve(std::span<int32_t> part) {
     const size_t blocks = (part.size() + block_lanes - 1) / block_lanes;
-    if (blocks < 2) return;
+    if (blocks < 2) {
+      std::ranges::sort(part); // the order that nth_element leaves differs among C++ libraries
+      return;
+    }
     vec3 low(std::numeric_limits<float>::max()), high(-low);
     for (const int32_t i : part) {
       const float *const position = samples_[i].position;
