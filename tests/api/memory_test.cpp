@@ -82,7 +82,7 @@ TEST_F(Memory, more_triangles_than_shaders_tell_apart_are_refused_by_name) {
 }
 
 TEST_F(Memory, a_computation_over_the_limit_is_refused_and_the_mesh_stays_usable) {
-  for (const int32_t backend : {PDESC_BACKEND_REFERENCE, PDESC_BACKEND_SOFTWARE}) {
+  for (const int32_t backend : {PDESC_BACKEND_REFERENCE, PDESC_BACKEND_CPU, PDESC_BACKEND_SOFTWARE}) {
     std::string why_not;
     if (!open_context(backend, why_not)) continue;
     options.buffer_size = 256;

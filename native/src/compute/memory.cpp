@@ -10,6 +10,7 @@
 #include "compute/refine.h"
 #include "engine/engines.h"
 #include "support/free_memory.h"
+#include "support/parallel.h"
 
 namespace paradesc {
 
@@ -62,7 +63,7 @@ MemoryForecast forecast_memory_of(Mesh &mesh, int backend, const pdesc_options &
   MemoryForecast memory = forecast_memory(
       backend, {triangles, points, static_cast<int64_t>(charts.wedges.size()), static_cast<int64_t>(charts.borders.size()),
                 plan ? plan->pieces() : triangles, plan ? points + plan->new_points() : points, mesh.maps.any(),
-                mesh.patches.has_value(), disks_of(mesh, options), options, descriptors});
+                mesh.patches.has_value(), disks_of(mesh, options), thread_count(mesh.context->threads), options, descriptors});
   if (plan) memory.host += bytes_of_refined_surface(mesh, *plan);
   memory.mesh = bytes_of_mesh(mesh);
   return memory;

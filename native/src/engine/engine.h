@@ -122,6 +122,7 @@ struct ComputationSize {
   bool surface_maps;            // the mesh has some
   bool patches;                 // they are made already
   double disks;                 // of the radius that the surface has the area of, about
+  int threads;                  // that compute on the processor
   const pdesc_options &options;
   std::span<const int> descriptors;
 };

@@ -16,7 +16,8 @@ int64_t rows_of(std::span<const int> descriptors) {
 }
 
 int64_t bytes_of_results(const ComputationSize &size) {
-  const int64_t creases = size.options.creases == PDESC_CREASES_NONE ? 0 : 120; // of which threads keep some
+  constexpr int64_t of_thread = 8; // for each triangle: SolidMeasure, FacetFlood
+  const int64_t creases = size.options.creases == PDESC_CREASES_NONE ? 0 : 120 + size.threads * of_thread;
   // What operators work on is computed at the points of all pieces.
   const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
   const int64_t points = std::ranges::any_of(size.descriptors, reads_map) ? size.piece_points : size.points;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -129,10 +129,17 @@ static CenterResults evaluate(const Evaluation &pass) {
   return results;
 }
 
+// By products alone, which have the same bits everywhere.
+static double power(double base, int exponent) {
+  double product = 1.0;
+  for (int k = 0; k < std::abs(exponent); ++k) product *= base;
+  return exponent < 0 ? 1.0 / product : product;
+}
+
 // To the units of the positions.
 static void scale_values(std::span<const int> rows, double scale, CenterResults &results) {
   for (size_t k = 0; k < rows.size(); ++k) {
-    const auto unit = static_cast<float>(std::pow(scale, -descriptor_row(rows[k]).length_power));
+    const auto unit = static_cast<float>(power(scale, -descriptor_row(rows[k]).length_power));
     if (unit == 1.0f) continue;
     for (float &value : results.values[k]) value *= unit;
   }
@@ -377,12 +384,14 @@ MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   constexpr int64_t of_triangle = 12 + 40 + 120 + sizeof(Surfel) + 44;
   // In parts that grow, and as one list.
   constexpr int64_t of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
+  constexpr int64_t of_thread = 12; // for each surfel, of which there are as many as triangles at most: Search, GroupFlood
   const auto triangles = static_cast<double>(size.pieces);
   const Pass finest{Stage::surface, {size.descriptors.begin(), size.descriptors.end()}};
   const double divided =
       std::min(1.5 * fineness_of(finest, size.options).samples * size.disks, triangles * static_cast<double>(max_stored_samples));
   MemoryForecast memory;
-  memory.host = bytes_of_results(size) + size.pieces * of_triangle + static_cast<int64_t>(triangles + divided) * of_sample;
+  memory.host = bytes_of_results(size) + size.pieces * (of_triangle + size.threads * of_thread) +
+                static_cast<int64_t>(triangles + divided) * of_sample;
   if (size.options.evaluate == PDESC_EVALUATE_TEXEL) memory.host += bytes_of_texels(size);
   return memory;
 }
