@@ -128,7 +128,10 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
   parallel_blocks(static_cast<int>(count), threads_, 64, [&](int begin, int end) {
     measures.with_one([&] { return SolidMeasure(*creased_, radius_); },
                       [&](SolidMeasure &measure) {
-                        for (int i = begin; i < end; ++i) blend_one(static_cast<size_t>(i), measure);
+                        for (int i = begin; i < end; ++i) {
+                          checkpoint(); // one alone may take a millisecond
+                          blend_one(static_cast<size_t>(i), measure);
+                        }
                       });
   });
 }
