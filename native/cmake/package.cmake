@@ -18,7 +18,7 @@ endif()
 if(PARADESC_PLATFORM)
   if(NOT APPLE)
     # Callers of the library, to run on this system, under Wine and under QEMU.
-    foreach(caller sphere_curvature bits)
+    foreach(caller sphere_curvature bits frame_times)
       add_executable(${caller} ${PROJECT_SOURCE_DIR}/tests/packages/${caller}.c)
       target_include_directories(${caller} PRIVATE native/include)
       target_compile_options(${caller} PRIVATE -ffp-contract=off) # the same meshes everywhere

@@ -1,5 +1,5 @@
 /* Loads libparadesc as a host does and prints a hash of the bits of every descriptor on generated meshes, by the engine on the
- * CPU with every estimator, distance and kind of normals:
+ * CPU with every estimator, distance and kind of normals, and at texels of a map whose charts lie upon each other:
  *   bits LIBRARY [THREADS]
  * Every system, processor, compiler and number of threads has to print the same lines. The meshes are made of sums, products,
  * quotients and square roots alone, which IEEE 754 determines; a NaN is one whatever its bits are. */
@@ -7,13 +7,14 @@
 #include <stdlib.h>
 
 #include "loaded.h"
+#include "torus.h"
 
 enum { SIDE = 8, ACROSS = 12, AROUND = 24, CELLS = 6 * SIDE * SIDE > ACROSS *AROUND ? 6 * SIDE *SIDE : ACROSS *AROUND };
 enum { MOST_VERTICES = 6 * (SIDE + 1) * (SIDE + 1), MOST_DESCRIPTORS = 64 };
 
 typedef struct {
   int vertices, triangles;
-  float positions[3 * MOST_VERTICES];
+  float positions[3 * MOST_VERTICES], uvs[2 * MOST_VERTICES], corner_uvs[2 * 6 * CELLS];
   int32_t corner_vertices[6 * CELLS], triangle_corners[6 * CELLS];
 } grid;
 
@@ -37,27 +38,17 @@ static void add_vertex(double x, double y, double z) {
   position[2] = (float)z;
 }
 
-/* The place at i of n on a circle, by a rational parametrization of each half. */
-static void on_circle(int i, int n, double *x, double *y) {
-  const double t = -1.0 + 4.0 * (i % (n / 2)) / n, sign = i < n / 2 ? 1.0 : -1.0;
-  *x = sign * (1.0 - t * t) / (1.0 + t * t);
-  *y = sign * 2.0 * t / (1.0 + t * t);
-}
-
 static void make_torus(void) {
   made.vertices = made.triangles = 0;
   for (int i = 0; i < AROUND; ++i)
     for (int j = 0; j < ACROSS; ++j) {
-      double x, y, u, v;
-      on_circle(i, AROUND, &x, &y);
-      on_circle(j, ACROSS, &u, &v);
-      add_vertex((1.0 + 0.4 * u) * x, (1.0 + 0.4 * u) * y, 0.4 * v);
+      on_torus(i, AROUND, j, ACROSS, made.positions + 3 * made.vertices++);
       const int next = (i + 1) % AROUND * ACROSS, up = (j + 1) % ACROSS;
       add_cell(i * ACROSS + j, next + j, i * ACROSS + up, next + up);
     }
 }
 
-/* Six faces of a cube, welded by their positions; on an ellipsoid if they are rounded. */
+/* Six faces of a cube, welded by their positions; on an ellipsoid if they are rounded. Each has the same place in the map. */
 static void make_block(int rounded) {
   static const int axes[6][2] = {{1, 2}, {2, 1}, {2, 0}, {0, 2}, {0, 1}, {1, 0}};
   made.vertices = made.triangles = 0;
@@ -72,6 +63,8 @@ static void make_block(int rounded) {
         const double length = rounded ? sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) : 1.0;
         add_vertex(p[0] / length, (rounded ? 0.75 : 1.0) * p[1] / length, (rounded ? 0.5 : 1.0) * p[2] / length);
         const int32_t at = first + i * (SIDE + 1) + j;
+        made.uvs[2 * at] = (float)i / SIDE;
+        made.uvs[2 * at + 1] = (float)j / SIDE;
         if (i < SIDE && j < SIDE) add_cell(at, at + SIDE + 1, at + 1, at + SIDE + 2);
       }
   }
@@ -102,14 +95,16 @@ static int print_bits(pdesc_mesh *mesh, const char *shape, const pdesc_options *
   if (call(pdesc_compute)(mesh, options, names, count, NULL, NULL, &field)) return fail("compute");
   for (int32_t i = 0; i < count; ++i) {
     if (call(pdesc_field_values)(field, names[i], values, made.vertices)) return fail(names[i]);
-    printf("%s estimator %d distance %d normals %d %s %016llx\n", shape, options->estimator, options->distance, options->normals,
-           names[i], (unsigned long long)hash(values, widths[i] * made.vertices));
+    printf("%s estimator %d distance %d normals %d evaluate %d %s %016llx\n", shape, options->estimator, options->distance,
+           options->normals, options->evaluate, names[i], (unsigned long long)hash(values, widths[i] * made.vertices));
   }
   call(pdesc_field_destroy)(field);
   return 0;
 }
 
-static int print_shape(pdesc_context *context, const char *shape, double radius) {
+enum { SETTINGS = 7 };
+
+static int print_shape(pdesc_context *context, const char *shape, double radius, int has_map) {
   pdesc_mesh_input input;
   pdesc_mesh *mesh = NULL;
   call(pdesc_mesh_input_init)(&input);
@@ -119,14 +114,18 @@ static int print_shape(pdesc_context *context, const char *shape, double radius)
   input.positions = made.positions;
   input.corner_vertices = made.corner_vertices;
   input.triangle_corners = made.triangle_corners;
+  for (int i = 0; i < 6 * made.triangles; ++i) made.corner_uvs[i] = made.uvs[2 * made.corner_vertices[i / 2] + i % 2];
+  if (has_map) input.corner_uvs = made.corner_uvs;
   if (call(pdesc_mesh_create)(context, &input, &mesh)) return fail("mesh");
-  for (int choice = 0; choice < 7; ++choice) {
+  for (int choice = 0; choice < SETTINGS + has_map; ++choice) {
     pdesc_options options;
     call(pdesc_options_init)(&options);
     options.radius = radius;
-    options.estimator = choice % 3;
-    options.distance = choice / 3 % 2;
+    options.estimator = choice < SETTINGS ? choice % 3 : 0;
+    options.distance = choice < SETTINGS ? choice / 3 % 2 : 0;
     options.normals = choice == 6 ? PDESC_NORMALS_MAX : PDESC_NORMALS_FITTED;
+    options.evaluate = choice < SETTINGS ? PDESC_EVALUATE_VERTEX : PDESC_EVALUATE_TEXEL;
+    options.texels = 48;
     options.samples = 64; /* emulators are slow */
     if (print_bits(mesh, shape, &options)) return 1;
   }
@@ -144,11 +143,11 @@ int main(int argc, char **argv) {
   options.threads = argc > 2 ? atoi(argv[2]) : 0;
   if (call(pdesc_context_create)(&options, &context)) return fail("context");
   make_torus();
-  if (print_shape(context, "torus", 0.08)) return 1;
+  if (print_shape(context, "torus", 0.08, 0)) return 1;
   make_block(1);
-  if (print_shape(context, "ellipsoid", 0.06)) return 1;
+  if (print_shape(context, "ellipsoid", 0.06, 1)) return 1;
   make_block(0);
-  if (print_shape(context, "cube", 0.05)) return 1;
+  if (print_shape(context, "cube", 0.05, 1)) return 1;
   call(pdesc_context_destroy)(context);
   return 0;
 }
