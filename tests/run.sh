@@ -53,6 +53,14 @@ ended() {
   return $((status ? status : 1))
 }
 
+# shown PROCESS LOG: waits for it, and shows what it wrote; its status is that of the process.
+shown() {
+  local status=0
+  wait "$1" || status=$?
+  cat "$2"
+  return $status
+}
+
 # quick: the fast tests, all side by side. The longest are waited for last.
 quick() {
   local logs=$root/build/quick first second
@@ -78,13 +86,18 @@ fi
 step "native tests" ctest --test-dir "$root/build" --output-on-failure --no-tests=error -j "$(nproc)"
 step "structure" "$python" -m pytest -q --rootdir "$root" "$root/tests/structure"
 step "fuzzing" bash "$root/tests/fuzz.sh"
-step "add-on in the Python module" "$python" -m pytest -q --rootdir "$root" "$root/tests/addon"
+# Either of these keeps about one core busy.
+mkdir -p "$root/build/suites"
+"$python" -m pytest -q --rootdir "$root" "$root/tests/addon" >"$root/build/suites/module.log" 2>&1 </dev/null &
+module=$!
+trap 'kill $(jobs -p) 2>/dev/null' EXIT # of what an interrupt leaves behind
 if command -v blender >/dev/null; then
-  step "add-on in $(blender --version 2>/dev/null | head -n 1)" \
+  step "add-on in $(blender --version 2>/dev/null | head -n 1), beside the Python module" \
     blender -b --factory-startup -P "$root/tests/addon/run_in_blender.py" -- "$site_packages" -q
 else
   skipped+=("add-on in Blender itself: there is no blender here")
 fi
+step "add-on in the Python module, the rest of it" shown $module "$root/build/suites/module.log"
 if command -v blender >/dev/null && command -v xvfb-run >/dev/null; then
   step "add-on in Blender's window" bash "$root/tests/addon/run_in_window.sh"
   step "live values in Blender's window" bash "$root/tests/addon/run_in_window.sh" "" live_in_window.py
