@@ -8,6 +8,7 @@ from sections_surfaces import CURVATURES, LABELS, inside
 
 RADII = (0.01, 0.02, 0.04)
 MIDDLE = 0.02
+ALONE = "CPU, each alone"
 MESHES = (*MODELS, "fandisk", "barracks", "pirate")
 SURFACES = ("torus", "ellipsoid")
 # Those of the shape operator, and what the CPU may err there; the others may err by more.
@@ -21,7 +22,8 @@ def engines(bench, out, quick):
         f"the default options. *Device*: in texture space, at {100 * MIDDLE:g} % alone, since it takes long without a "
         "graphics card. On the CPU those of the shape operator (H, K, k1, k2, shape index, curvedness) may err by "
         f"{MOST_MEAN:g} in the mean and {MOST_P99:g} at the 99th percentile, all others by {MOST_OTHER_MEAN:g} in the "
-        "mean; what is beyond that is bold."
+        f"mean; what is beyond that is bold. *{ALONE}*: a descriptor that is asked for by itself has the samples that "
+        "it needs; beside areas it has theirs, which are more."
     )
     names = registry()
     rows, found = [], {}
@@ -49,12 +51,13 @@ def measure(bench, case, names, rows, found):
     mesh, arrays, radius = case
     chosen = options(radius=radius)
     truth = bench.reference(arrays, names, chosen)
-    runs = {"CPU": bench.on_cpu} | ({"device": bench.run} if radius == MIDDLE else {})
-    for engine, run in runs.items():
-        results = run(arrays, names, chosen)
-        stats = {name: errors(name, results.values[name], truth.values[name], truth.radius) for name in names}
+    together = {"CPU": bench.on_cpu} | ({"device": bench.run} if radius == MIDDLE else {})
+    runs = {engine: run(arrays, names, chosen).values for engine, run in together.items()}
+    runs[ALONE] = {name: bench.on_cpu(arrays, (name,), chosen).values[name] for name in names}
+    for engine, values in runs.items():
+        stats = {name: errors(name, values[name], truth.values[name], truth.radius) for name in names}
         found.setdefault(engine, []).append(stats)
-        cells = [shown(name, stats[name], engine == "CPU") for name in names]
+        cells = [shown(name, stats[name], engine != "device") for name in names]
         rows.append([mesh, len(arrays.triangle_corners), f"{100 * radius:g} %", engine, *cells])
 
 
