@@ -71,11 +71,16 @@ def draw_radii(path: str) -> None:
 
 
 def draw_creases(path: str) -> None:
-    """A machine part's mean curvature without and with creases, in one range of colors."""
-    made = subjects.machine_part()
-    words = ("--radius", "0.04", "--range=-6:6", "--creases")
-    pictures = [subjects.drawn(made, *words, choice) for choice in ("none", "auto")]
-    png.write_png(Path(path), np.concatenate(pictures, axis=1))
+    """Mean curvature of a machine part and of the monkey without and with creases, each in one range of colors."""
+    rows = []
+    for make, *words in (
+        (subjects.machine_part, "--radius", "0.04", "--range=-6:6"),
+        (subjects.monkey, "--radius", "0.03", "--range=-8:8"),
+    ):
+        made = make()
+        pictures = [subjects.drawn(made, *words, "--creases", choice) for choice in ("none", "auto")]
+        rows.append(np.concatenate(pictures, axis=1))
+    png.write_png(Path(path), np.concatenate(rows))
 
 
 def draw_frames(path: str) -> None:
