@@ -1,6 +1,7 @@
 """Runs one bake from arrays to arrays, for the operator, the command line and the tests. Never imports bpy."""
 
 from dataclasses import asdict, dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -60,6 +61,16 @@ class Transfer:
     images: dict[str, np.ndarray]  # each (N, N, 1 or 3) float32 over the UV map, rows from v = 0 up; NaN off it
 
 
+class OfTiles(Protocol):
+    """Evaluates one UDIM tile after another, so that memory holds the texels of one."""
+
+    def results_of(self, tile: int, progress: ProgressFunction | None) -> "Results":
+        """The results with what this tile is drawn from."""
+
+    def finish(self, results: "Results") -> None:
+        """Adds to the results what was found in the tiles."""
+
+
 @dataclass
 class Results:
     """Everything that one bake leaves behind."""
@@ -86,6 +97,18 @@ class Results:
     corners: Corners | None = None  # with the descriptor harris only
     look: Look = field(default_factory=Look)  # of the colors
     transfer: Transfer | None = None  # if these are values of other, more detailed surfaces
+    tiles: "OfTiles | None" = None  # where the maps and images of UDIM tiles come from, if not all are here already
+
+    def of_tile(self, tile: int | None, progress: ProgressFunction | None = None) -> "Results":
+        """The results with the maps and images that a tile is drawn from; None: the only one."""
+        if tile is None or self.tiles is None:
+            return self
+        return replace(self.tiles.results_of(tile, progress), look=self.look)
+
+    def finish_tiles(self) -> None:
+        """Takes in what there is to say once all tiles have been asked for."""
+        if self.tiles is not None:
+            self.tiles.finish(self)
 
     def shown(self, name: str) -> ValueRange:
         """The range of values that the colors of a descriptor span."""

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..bridge import MeshArrays, ProgressFunction
-from . import advice, job, packing
+from . import advice, job, packing, udim
 
 # Centers that the radius spans at least, on all but a share of the surface: the pixels of a figure with fine detail are
 # then within 0.1 % of white of those of evaluating each texel, in the mean.
@@ -67,10 +67,15 @@ def with_texels(settings: job.Settings, side: int, evaluate: str = "texel") -> j
     return replace(settings, options=replace(settings.options, evaluate=evaluate, texels=side))
 
 
-def centers_for(arrays: MeshArrays, settings: job.Settings, size: int) -> tuple[MeshArrays, int]:
-    """The mesh over the layout of a map of centers, and the map's side: its own UV map and size if that takes less."""
+def centers_for(
+    arrays: MeshArrays, settings: job.Settings, size: int, shown: np.ndarray | None = None
+) -> tuple[MeshArrays, int]:
+    """The mesh over the layout of a map of centers, and the map's side: its own UV map and size if that takes less.
+
+    shown: (k,) the triangles that have an area in the UV map, if not all of them are asked for.
+    """
     radius = least_radius(arrays, settings)
-    apart = with_charts_apart(arrays)
+    apart = with_charts_apart(arrays, shown)
     scale = least_texels_per_length(apart)
     if not (scale > 0 and radius > 0):
         return arrays, size
@@ -89,18 +94,18 @@ def least_radius(arrays: MeshArrays, settings: job.Settings) -> float:
     return radius * (diagonal if options.radius_unit == "diagonal" else edge)
 
 
-def with_charts_apart(arrays: MeshArrays) -> MeshArrays:
-    """The mesh over a layout of its own, in which charts keep their shapes and lie apart; triangles stay in order."""
-    corners = arrays.triangle_corners.reshape(-1)
-    vertices = arrays.corner_vertices[corners]
-    sizes = np.full(len(arrays.triangle_corners), 3)
-    return replace(
-        arrays,
-        corner_vertices=vertices,
-        triangle_corners=np.arange(len(corners), dtype=np.int32).reshape(-1, 3),
-        corner_uvs=packing.pack(arrays.corner_uvs[corners], vertices, sizes, GUTTER),
-        corner_normals=None if arrays.corner_normals is None else arrays.corner_normals[corners],
-    )
+def with_charts_apart(arrays: MeshArrays, shown: np.ndarray | None = None) -> MeshArrays:
+    """The mesh over a layout of its own, in which charts keep their shapes and lie apart; triangles stay in order.
+
+    shown: (k,) the triangles that are laid out; the others get no area.
+    """
+    own = udim.unshared(arrays)
+    chosen = np.arange(len(own.triangle_corners)) if shown is None else shown
+    corners = own.triangle_corners[chosen].reshape(-1)
+    packed = packing.pack(own.corner_uvs[corners], own.corner_vertices[corners], np.full(len(chosen), 3), GUTTER)
+    uvs = np.repeat(packed[:1], len(own.corner_uvs), axis=0)
+    uvs[corners] = packed
+    return replace(own, corner_uvs=uvs)
 
 
 def uv_area(arrays: MeshArrays) -> float:

@@ -5,13 +5,13 @@ no farther than the cage distance and facing the same side, gives the texel its 
 a cage that is wider than needed then takes nothing from a part that stands in front.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from .. import bridge
 from ..bridge import MeshArrays, ParadescError, ProgressFunction, abi
-from . import job, spaces, texel_centers
+from . import job, spaces, texel_centers, udim
 from .job import Results, Transfer
 
 # The cage distance where none is given, as a share of the diagonal of the coarse surface: that of an icosahedron is
@@ -54,6 +54,57 @@ class Surface:
     triangles: np.ndarray  # (triangle_count, 3) int32
     values: dict[str, np.ndarray]  # each (n,) or (n, 3) float32, "coverage" among them
 
+    @property
+    def measured(self) -> dict[str, np.ndarray]:
+        """The values without the coverage."""
+        return {name: column for name, column in self.values.items() if name != "coverage"}
+
+
+@dataclass
+class Projection:
+    """Looks from the coarse surface at the detailed one, over all of its UV map or over one UDIM tile after another."""
+
+    low: Part
+    surface: Surface
+    rays: np.ndarray  # (n, 6) float32 places and normals of the coarse surface's vertices
+    cage: float
+    size: int
+    base: Results | None = None  # the coarse surface's, without images
+    found: dict[int, Transfer] = field(default_factory=dict)  # by tile, without images
+
+    def seen(self, tile: int | None, progress: ProgressFunction | None) -> Transfer:
+        """Draws points and normals over the UV map, and looks from each texel at the other surface."""
+        uvs = self.low.arrays.corner_uvs[self.low.arrays.triangle_corners]
+        corners, rays, size = self.low.arrays.triangle_vertices, self.rays, self.size
+        if tile is not None:
+            shown = udim.cut(uvs, tile)
+            uvs, (corners, rays) = shown.uvs, shown.values(corners, rays)
+        drawing, casting = job.span_of(progress, 0.0, 0.2), job.span_of(progress, 0.2, 1.0)
+        of_texels = bridge.draw_uv_image(uvs, corners, rays, size, None, drawing, numbers=True)
+        of_texels = of_texels.reshape(-1, rays.shape[1])
+        covered = np.isfinite(of_texels[:, 0])
+        hits = bridge.cast_rays(self.surface.positions, self.surface.triangles, of_texels, self.cage, casting)
+        missed = (hits.missed & covered).reshape(size, size)
+        del of_texels
+        measured = self.surface.measured
+        images = {
+            name: filled(hits.values(column).reshape(size, size, -1), missed) for name, column in measured.items()
+        }
+        return Transfer([], self.cage, int(covered.sum()), int(missed.sum()), measured, images)
+
+    def results_of(self, tile: int, progress: ProgressFunction | None) -> Results:
+        """The results with the images of one tile."""
+        seen = self.seen(tile, progress)
+        self.found[tile] = replace(seen, images={})
+        return replace(self.base, transfer=seen, tiles=None)
+
+    def finish(self, results: Results) -> None:
+        """Says how many texels of all tiles met nothing."""
+        results.transfer.texels = sum(one.texels for one in self.found.values())
+        results.transfer.missed = sum(one.missed for one in self.found.values())
+        add_sentences(results, self.low.name)
+        self.found.clear()
+
 
 def run(
     low: Part,
@@ -62,10 +113,12 @@ def run(
     size: int,
     cage: float = 0.0,
     progress: ProgressFunction | None = None,
+    tiles: tuple[int, ...] = (),
 ) -> Results:
     """Measures the detailed meshes, each as a bake of its own would, and gives the coarse one their values.
 
     cage: how far away they are looked for, in units of the world; 0: USUAL_CAGE. Images are size texels along a side.
+    tiles: UDIM tiles that have images of their own, which are drawn when they are asked for.
     """
     check_cage(cage)
     for part in (low, *highs):
@@ -86,7 +139,12 @@ def run(
     begun = job.span_of(projecting, 0.0, 0.0)
     at_vertices = bridge.cast_rays(surface.positions, surface.triangles, rays, cage, begun)
     results = at_low_vertices(surface, at_vertices, found, [high.name for high in highs])
-    results.transfer = over_uv_map(low, surface, rays, cage, size, projecting)
+    projection = Projection(low, surface, rays, cage, size, replace(results))
+    if tiles:
+        results.transfer = Transfer([high.name for high in highs], cage, 0, 0, surface.measured, {})
+        results.tiles = projection
+        return results
+    results.transfer = projection.seen(None, projecting)
     results.transfer.sources = [high.name for high in highs]
     add_sentences(results, low.name)
     return results
@@ -174,23 +232,6 @@ def summed(found: list[Results]) -> dict[str, float]:
     """The seconds that all of them took."""
     names = [name for name in found[0].field_report if name.startswith("seconds_")]
     return {name: sum(one.field_report[name] for one in found) for name in names}
-
-
-def over_uv_map(
-    low: Part, surface: Surface, rays: np.ndarray, cage: float, size: int, progress: ProgressFunction | None
-) -> Transfer:
-    """Draws points and normals of the coarse mesh over its UV map, and looks from each texel at the other surface."""
-    uvs = low.arrays.corner_uvs[low.arrays.triangle_corners]
-    drawing, casting = job.span_of(progress, 0.0, 0.2), job.span_of(progress, 0.2, 1.0)
-    of_texels = bridge.draw_uv_image(uvs, low.arrays.triangle_vertices, rays, size, None, drawing, numbers=True)
-    of_texels = of_texels.reshape(-1, rays.shape[1])
-    covered = np.isfinite(of_texels[:, 0])
-    hits = bridge.cast_rays(surface.positions, surface.triangles, of_texels, cage, casting)
-    missed = (hits.missed & covered).reshape(size, size)
-    del of_texels
-    measured = {name: column for name, column in surface.values.items() if name != "coverage"}
-    images = {name: filled(hits.values(column).reshape(size, size, -1), missed) for name, column in measured.items()}
-    return Transfer([], cage, int(covered.sum()), int(missed.sum()), measured, images)
 
 
 def filled(image: np.ndarray, missed: np.ndarray) -> np.ndarray:

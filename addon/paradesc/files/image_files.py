@@ -5,13 +5,14 @@ No bpy. What is made stays in memory until the caller keeps it: an unsaved .blen
 
 import math
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
 from ..bridge import MeshArrays, ParadescError, ProgressFunction, abi
-from ..core import job, texel_centers, transfer
+from ..core import job, texel_centers, texel_tiles, transfer, udim
 from ..core.color_maps import Look
-from . import maps, mask_image, png
+from . import maps, mask_image, png, tile_names
 from .results import Baked
 
 # What Substance and game engines call textures of these descriptors; all others keep their names.
@@ -28,6 +29,8 @@ CHANNELS = "RGBA"
 OPAQUE = 65535
 # The computation has this share of the progress; textures are drawn and packed in the rest.
 COMPUTING = 0.7
+# What comes before the first of several UDIM tiles has this share, if each is computed when its turn comes.
+BEGINNING = 0.3
 # Of the work on a texture, drawing has this share; it is packed in the rest.
 DRAWING = 0.8
 # Charts are stacked if they have so many times the area that is covered; borders take half texels more or less.
@@ -54,6 +57,12 @@ class Texture:
 
     name: str  # without suffix
     content: bytes
+    tile: int | None = None  # if it is one of a tiled image
+
+    @property
+    def file_name(self) -> str:
+        """The name of the file."""
+        return str(tile_names.of_tile(Path(f"{self.name}.png"), self.tile))
 
 
 @dataclass(frozen=True)
@@ -70,7 +79,14 @@ class Textures:
     """All textures of one object, and what they were made from."""
 
     results: job.Results
-    made: list[Texture]
+    made: list[Texture]  # tiles of one image in a row
+
+    def by_name(self) -> dict[str, list[Texture]]:
+        """The tiles of each image, in their order."""
+        found: dict[str, list[Texture]] = {}
+        for texture in self.made:
+            found.setdefault(texture.name, []).append(texture)
+        return found
 
 
 def word_of(name: str) -> str:
@@ -87,9 +103,12 @@ def run(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
-    computing, drawing = job.span_of(progress, 0.0, COMPUTING), job.span_of(progress, COMPUTING, 1.0)
-    results = texel_centers.run(arrays, choice.settings(settings), choice.size, computing)
-    return packed(stem, results, arrays, choice, drawing)
+    settings, tiling = choice.settings(settings), udim.of_mesh(arrays)
+    exact = settings.options.evaluate == "texel"
+    in_turn = bool(tiling.tiles) and texel_tiles.one_by_one(arrays, settings, choice.size, exact)
+    computing, drawing = shares(progress, in_turn)
+    results = texel_tiles.run(arrays, settings, choice.size, tiling.tiles, computing)
+    return packed(stem, results, arrays, choice, drawing, tiling)
 
 
 def run_onto(
@@ -102,39 +121,86 @@ def run_onto(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """The same of detailed surfaces, over the UV map of a coarse one; cage: as transfer.run() takes it."""
-    computing, drawing = job.span_of(progress, 0.0, COMPUTING), job.span_of(progress, COMPUTING, 1.0)
-    results = transfer.run(low, highs, choice.settings(settings), choice.size, cage, computing)
-    return packed(stem, results, low.arrays, choice, drawing)
+    tiling = udim.of_mesh(low.arrays)
+    computing, drawing = shares(progress, bool(tiling.tiles))
+    settings = choice.settings(settings)
+    results = transfer.run(low, highs, settings, choice.size, cage, computing, tiling.tiles)
+    return packed(stem, results, low.arrays, choice, drawing, tiling)
+
+
+def shares(progress: ProgressFunction | None, in_turn: bool) -> tuple[ProgressFunction | None, ProgressFunction | None]:
+    """The progress of what comes before the textures, and of making them; in_turn: tile after tile is computed then."""
+    before = BEGINNING if in_turn else COMPUTING
+    return job.span_of(progress, 0.0, before), job.span_of(progress, before, 1.0)
 
 
 def packed(
-    stem: str, results: job.Results, arrays: MeshArrays, choice: Choice, drawing: ProgressFunction | None
+    stem: str,
+    results: job.Results,
+    arrays: MeshArrays,
+    choice: Choice,
+    making: ProgressFunction | None,
+    tiling: udim.Tiling,
 ) -> Textures:
-    """Draws and packs the textures of what was computed."""
+    """Draws and packs the textures of what was computed, tile after tile."""
     results.look = choice.look
-    baked = Baked(stem, results, arrays, np.eye(4))
     names = list(results.values)
     groups = {PACKED_WORD: names} if choice.packed else {word_of(name): [name] for name in names}
+    made: dict[str, list[Texture]] = {word: [] for word in groups}
+    covered, tiles = 0.0, tiling.tiles or (None,)
+    for number, tile in enumerate(tiles):
+        of_tile = job.part_of(making, number, len(tiles))
+        share = 0.0 if results.tiles is None else COMPUTING
+        baked = Baked(stem, results.of_tile(tile, job.span_of(of_tile, 0.0, share)), arrays, np.eye(4))
+        found, least = textures_of(baked, groups, choice, tile, job.span_of(of_tile, share, 1.0))
+        covered += least
+        for word, texture in zip(groups, found, strict=True):
+            made[word].append(texture)
+    results.finish_tiles()
+    results.notes += tiling.notes
+    results.warnings += [tiling.warning] if tiling.warning else []
+    if texel_centers.uv_area(arrays) > STACKED_SHARE * covered:
+        results.warnings.append(maps.STACKED)
+    return Textures(results, [texture for row in made.values() for texture in row])
+
+
+def textures_of(
+    baked: Baked,
+    groups: dict[str, list[str]],
+    choice: Choice,
+    tile: int | None,
+    drawing: ProgressFunction | None,
+) -> tuple[list[Texture], float]:
+    """The textures of one tile, by the word in their names, and the share of it that is on the surface."""
+    shown = cut_of(baked, tile)
     made, covered = [], math.inf
     for number, (word, group) in enumerate(groups.items()):
         of_one = job.part_of(drawing, number, len(groups))
-        one = encoded(baked, group, choice.size, choice.transparent, of_one)
-        made.append(Texture(f"{stem}_{word}", one.content))
-        if results.values[group[0]].ndim == 1:  # directions may be missing on the surface
+        one = encoded(baked, group, choice.size, choice.transparent, of_one, shown)
+        made.append(Texture(f"{baked.object_name}_{word}", one.content, tile))
+        if baked.results.values[group[0]].ndim == 1:  # directions may be missing on the surface
             covered = one.covered
-    if texel_centers.uv_area(arrays) > STACKED_SHARE * covered:
-        results.warnings.append(maps.STACKED)
-    return Textures(results, made)
+    return made, covered
+
+
+def cut_of(baked: Baked, tile: int | None) -> udim.Cut | None:
+    """What a tile shows of the mesh; None where there is a single image."""
+    return None if tile is None else udim.cut(maps.user_uvs(baked), tile)
 
 
 def encoded(
-    baked: Baked, names: list[str], size: int, transparent: bool = False, progress: ProgressFunction | None = None
+    baked: Baked,
+    names: list[str],
+    size: int,
+    transparent: bool = False,
+    progress: ProgressFunction | None = None,
+    shown: udim.Cut | None = None,
 ) -> Encoded:
-    """A 16-bit PNG of one descriptor, or with one in each channel."""
+    """A 16-bit PNG of one descriptor, or with one in each channel; shown: the tile, if it is one of several."""
     channels, filled, scales, meanings = [], None, [], []
     of_channels = job.span_of(progress, 0.0, DRAWING)
     for number, name in enumerate(names):
-        pixels = drawn(baked, name, size, job.part_of(of_channels, number, len(names)))
+        pixels = drawn(baked, name, size, job.part_of(of_channels, number, len(names)), shown)
         meaning = pixels.scale.meaning(name, baked.unit(name))
         channels.append(pixels.values)
         scales.append(pixels.scale)
@@ -149,7 +215,13 @@ def encoded(
     return Encoded(content, scales, pixels.covered)
 
 
-def drawn(baked: Baked, name: str, size: int, progress: ProgressFunction | None = None) -> mask_image.Pixels:
+def drawn(
+    baked: Baked,
+    name: str,
+    size: int,
+    progress: ProgressFunction | None = None,
+    shown: udim.Cut | None = None,
+) -> mask_image.Pixels:
     """The pixels of a descriptor over the mesh's UV map; where it has no value on the surface it is neutral."""
     row, values = job.registry_row(name), baked.results.values[name]
     if values.ndim == 2:
@@ -158,4 +230,5 @@ def drawn(baked: Baked, name: str, size: int, progress: ProgressFunction | None 
         scale = mask_image.scale_of(baked.shown(name), row.neutral_value)
         neutral = scale.low + (scale.high - scale.low) * scale.outside / mask_image.WHOLE
         values = np.where(np.isfinite(values), values, np.float32(neutral))
-    return mask_image.pixels_of(maps.drawn(maps.user_uvs(baked), size, baked, name, values, progress), scale)
+    image = maps.drawn(maps.user_uvs(baked), size, baked, name, values, progress, shown)
+    return mask_image.pixels_of(image, scale)

@@ -6,8 +6,8 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import abi
-from ..core import color_maps
-from . import exr, mask_image, png
+from ..core import color_maps, udim
+from . import exr, mask_image, png, tile_names
 from .results import Baked, write_whole
 
 SUFFIXES = (".exr", ".png")
@@ -31,22 +31,29 @@ def drawn(
     name: str,
     at_vertices: np.ndarray | None = None,
     progress: bridge.ProgressFunction | None = None,
+    shown: udim.Cut | None = None,
 ) -> np.ndarray:
     """(N, N, 1 or 3) float32 of a descriptor: from the map that was evaluated if there is one, else from vertices.
 
     at_vertices: instead of the descriptor's own values there. What came from other surfaces is drawn already.
+    shown: the UDIM tile that is drawn, if it is one of several.
     """
     results = baked.results
     if results.transfer is not None:
         return results.transfer.images[name].copy()
-    texels = bridge.TexelMap(results.maps[name], results.layout) if name in results.maps else None
+    layout = results.layout if name in results.maps else None
     values = results.values[name] if at_vertices is None else at_vertices
-    return bridge.draw_uv_image(uvs, baked.arrays.triangle_vertices, values, size, texels, progress)
+    corners = baked.arrays.triangle_vertices
+    if shown is not None:
+        uvs, (corners, values) = shown.uvs, shown.values(corners, values)
+        layout = None if layout is None else shown.at_corners(layout)
+    texels = None if layout is None else bridge.TexelMap(results.maps[name], layout)
+    return bridge.draw_uv_image(uvs, corners, values, size, texels, progress)
 
 
-def image_of(baked: Baked, name: str) -> np.ndarray:
+def image_of(baked: Baked, name: str, shown: udim.Cut | None = None) -> np.ndarray:
     """(N, N, 1 or 3) float32 of a descriptor over the mesh's UV map, rows from v = 0 up; NaN off the surface."""
-    return drawn(user_uvs(baked), baked.results.settings.options.texels, baked, name)
+    return drawn(user_uvs(baked), baked.results.settings.options.texels, baked, name, shown=shown)
 
 
 def notes(baked: Baked) -> list[str]:
@@ -60,12 +67,12 @@ def notes(baked: Baked) -> list[str]:
     return [STACKED]
 
 
-def channels_of(baked: Baked) -> dict[str, np.ndarray]:
+def channels_of(baked: Baked, shown: udim.Cut | None = None) -> dict[str, np.ndarray]:
     """(N, N) float32 channels, top row first: Y, or R G B, for one descriptor; .V or .X .Y .Z for each of several."""
     names = list(baked.results.values)
     channels = {}
     for name in names:
-        image = bridge.fill_gutter(image_of(baked, name), GUTTER)[::-1]
+        image = bridge.fill_gutter(image_of(baked, name, shown), GUTTER)[::-1]
         wide = image.shape[2] == 3
         parts = ("RGB" if wide else "Y") if len(names) == 1 else ("XYZ" if wide else "V")
         for number, part in enumerate(parts):
@@ -73,16 +80,16 @@ def channels_of(baked: Baked) -> dict[str, np.ndarray]:
     return channels
 
 
-def write_exr(path: Path, baked: Baked) -> None:
+def write_exr(path: Path, baked: Baked, shown: udim.Cut | None = None) -> None:
     """Writes every descriptor into one EXR file."""
-    exr.write_exr(path, channels_of(baked))
+    exr.write_exr(path, channels_of(baked, shown))
 
 
 def png_paths(path: Path, names: list[str]) -> dict[str, Path]:
     """The path of each descriptor's PNG: the given path if there is one descriptor, else <stem>_<descriptor>.png."""
     if len(names) == 1:
         return {names[0]: path}
-    return {name: path.with_name(f"{path.stem}_{name}{path.suffix}") for name in names}
+    return {name: tile_names.with_word(path, name) for name in names}
 
 
 def stored_range(values: np.ndarray, components: int) -> tuple[float, float]:
@@ -96,10 +103,19 @@ def stored_range(values: np.ndarray, components: int) -> tuple[float, float]:
     return (low, high) if high > low else (low, low + 1.0)
 
 
-def write_png(path: Path, baked: Baked, name: str) -> dict[str, object]:
-    """Writes one descriptor as a 16-bit PNG; gives what the JSON report says of it."""
-    image = image_of(baked, name)
-    low, high = stored_range(image, image.shape[2])
+def write_png(
+    path: Path,
+    baked: Baked,
+    name: str,
+    shown: udim.Cut | None = None,
+    ends: tuple[float, float] | None = None,
+) -> dict[str, object]:
+    """Writes one descriptor as a 16-bit PNG; gives what the JSON report says of it.
+
+    ends: what 0 and 65535 stand for, if not the ends of this image's values.
+    """
+    image = image_of(baked, name, shown)
+    low, high = stored_range(image, image.shape[2]) if ends is None else ends
     share = np.clip((bridge.fill_gutter(image, GUTTER)[::-1].astype(np.float64) - low) / (high - low), 0.0, 1.0)
     meaning = mask_image.Scale(low, high, outside=0).meaning(name, baked.unit(name))
     png.write_png16(path, np.round(mask_image.WHOLE * share).astype(np.uint16), {"Description": meaning})

@@ -1,0 +1,279 @@
+"""Tells which UDIM tiles a UV map lies in, and cuts its triangles along a tile's square. Never imports bpy.
+
+Tile 1001 + column + 10 row is the unit square that begins at (column, row); there are ten columns and a hundred rows.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..bridge import MeshArrays
+
+COLUMNS, ROWS = 10, 100
+FIRST = 1001
+# A map that reaches into a square by no more than this, four texels of 1024, only rounds at its border.
+SPILL = 1 / 256
+# UV maps of textures that repeat lie over more squares than anyone paints tiles for.
+MOST_TILES = 100
+# Coordinates beyond this are mistakes, and squares that far out have no whole numbers to count them by.
+FARTHEST = 1e6
+# What there is to say where tiles may be expected and none are made.
+OUTSIDE = (
+    "Parts of the UV map lie below or left of UDIM tile 1001, or right of tile 1010, so all of it was drawn into a "
+    "single image; move them into tiles."
+)
+MANY = "The UV map lies over {:,} UDIM tiles, more than {}, so all of it was drawn into a single image; use fewer."
+
+
+@dataclass(frozen=True)
+class Tiling:
+    """The tiles of a UV map; none if it makes a single image."""
+
+    tiles: tuple[int, ...] = ()  # numbers in order
+    crossing: int = 0  # how many triangles lie in several
+    warning: str = ""  # why there is a single image where tiles may be expected
+
+    @property
+    def notes(self) -> list[str]:
+        """What there is to say of tiles."""
+        if not self.crossing:
+            return []
+        what = "1 triangle crosses" if self.crossing == 1 else f"{self.crossing:,} triangles cross"
+        return [f"In the UV map {what} the borders of UDIM tiles; each tile shows its part of them."]
+
+
+@dataclass(frozen=True)
+class Cut:
+    """What a tile shows: triangles in its square, where those that cross its border are cut into parts."""
+
+    triangles: np.ndarray  # (n,) int which triangle of the mesh each is, or is a part of
+    uvs: np.ndarray  # (n, 3, 2) float32 in the unit square
+    parts: np.ndarray  # (k,) int which of them are parts
+    weights: np.ndarray  # (k, 3, 3) float64 of the parts' corners, for those of the mesh's triangle
+
+    def at_corners(self, columns: np.ndarray) -> np.ndarray:
+        """(n, 3, d) of (triangle_count, 3, d) numbers at the corners of the mesh's triangles."""
+        found = columns[self.triangles]
+        found[self.parts] = np.einsum("kij,kjd->kid", self.weights, found[self.parts].astype(np.float64))
+        return found
+
+    def values(self, triangle_values: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 3) which value each corner has, and the values (m,) or (m, d), those of the parts' corners at the end.
+
+        Three columns are directions, as images have them.
+        """
+        rows = triangle_values[self.triangles]
+        if not len(self.parts):
+            return rows, values
+        columns = values.reshape(len(values), -1)
+        corners = columns[rows[self.parts]].astype(np.float64)
+        if corners.shape[2] == 3:  # directions, which have no sign
+            along = (corners * corners[:, :1]).sum(axis=2, keepdims=True)
+            corners = np.where(along < 0, -corners, corners)
+        added = blended(corners, self.weights).reshape(-1, columns.shape[1])
+        rows[self.parts] = len(values) + np.arange(len(added)).reshape(-1, 3)
+        return rows, np.concatenate([columns, added.astype(values.dtype)]).reshape(-1, *values.shape[1:])
+
+
+def blended(corners: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """(k, 3, d) of (k, 3, d) values at triangles' corners; what is not finite leaves its share to the others."""
+    known = np.isfinite(corners).all(axis=2)
+    shares = np.where(known[:, None, :], weights, 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        shares = shares / shares.sum(axis=2, keepdims=True)
+    return np.einsum("kij,kjd->kid", shares, np.where(known[:, :, None], corners, 0.0))
+
+
+def name_of(columns: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """The numbers of the tiles in these columns and rows."""
+    return FIRST + columns + COLUMNS * rows
+
+
+def square_of(tile: int) -> np.ndarray:
+    """(2,) the column and the row of a tile."""
+    return np.array([(tile - FIRST) % COLUMNS, (tile - FIRST) // COLUMNS])
+
+
+def of_mesh(arrays: MeshArrays) -> Tiling:
+    """The tiles of a mesh's own UV map."""
+    if arrays.corner_uvs is None or arrays.layout is not None:
+        return Tiling()
+    return tiling_of(arrays.corner_uvs[arrays.triangle_corners])
+
+
+def tiling_of(uvs: np.ndarray) -> Tiling:
+    """The tiles of (n, 3, 2) UV coordinates. A map in the square of tile 1001 has none, and makes a single image."""
+    uvs = uvs.astype(np.float64)[with_area(uvs)]
+    if not len(uvs) or np.abs(uvs).max() > FARTHEST or (uvs.min() >= -SPILL and uvs.max() <= 1 + SPILL):
+        return Tiling()
+    if counts(uvs).max() > MOST_TILES:
+        return Tiling(warning=MANY.format(int(counts(uvs).max()), MOST_TILES))
+    triangles, squares = meetings(uvs)
+    places, number = np.unique(squares, axis=0, return_inverse=True)
+    real = deep(uvs[triangles] - squares[:, None], number.reshape(-1), len(places))
+    found = places[real]
+    inside = ((found >= 0) & (found < (COLUMNS, ROWS))).all(axis=1)
+    tiles = np.sort(name_of(*found[inside].T))
+    if not inside.all():
+        return Tiling(warning=OUTSIDE if (tiles != FIRST).any() else "")
+    if len(tiles) > MOST_TILES:
+        return Tiling(warning=MANY.format(len(tiles), MOST_TILES))
+    if tiles.tolist() == [FIRST]:
+        return Tiling()
+    several = np.bincount(triangles[real[number.reshape(-1)]]) > 1
+    return Tiling(tuple(tiles.tolist()), int(several.sum()))
+
+
+def with_area(uvs: np.ndarray) -> np.ndarray:
+    """(n,) bool: which of (n, 3, 2) triangles can show up in an image."""
+    one, other = (uvs[:, k].astype(np.float64) - uvs[:, 0] for k in (1, 2))
+    with np.errstate(invalid="ignore", over="ignore"):
+        area = np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+    return np.isfinite(area) & (area > 0)
+
+
+def first_squares(uvs: np.ndarray) -> np.ndarray:
+    """(n, 2) the squares in which the boxes around (n, 3, 2) triangles begin."""
+    return np.floor(uvs.min(axis=1)).astype(np.int64)
+
+
+def spans(uvs: np.ndarray) -> np.ndarray:
+    """(n, 2) how many columns and rows of squares the boxes around (n, 3, 2) triangles meet."""
+    ends = np.ceil(uvs.max(axis=1)).astype(np.int64)
+    return np.maximum(ends - first_squares(uvs), 1)
+
+
+def counts(uvs: np.ndarray) -> np.ndarray:
+    """(n,) how many squares the boxes around (n, 3, 2) triangles meet, as floats, which do not overflow."""
+    return spans(uvs).astype(np.float64).prod(axis=1)
+
+
+def meetings(uvs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(k,) triangles and (k, 2) squares that have an area in common; each of (n, 3, 2) triangles has one at least."""
+    first, span = first_squares(uvs), spans(uvs)
+    count = span.prod(axis=1)
+    triangles = np.repeat(np.arange(len(uvs)), count)
+    step = np.arange(len(triangles)) - np.repeat(np.cumsum(count) - count, count)
+    columns = span[triangles, 0]
+    squares = first[triangles] + np.column_stack([step % columns, step // columns])
+    doubtful = np.flatnonzero(count[triangles] > 1)
+    apart = separated(uvs[triangles[doubtful]] - squares[doubtful][:, None])
+    kept = np.delete(np.arange(len(triangles)), doubtful[apart])
+    return triangles[kept], squares[kept]
+
+
+def separated(uvs: np.ndarray) -> np.ndarray:
+    """(n,) bool: whether a line along an edge of (n, 3, 2) triangles has the unit square on its other side."""
+    apart = np.zeros(len(uvs), bool)
+    for k in range(3):
+        start, end, third = (uvs[:, (k + j) % 3] for j in range(3))
+        normal = np.column_stack([start[:, 1] - end[:, 1], end[:, 0] - start[:, 0]])
+        normal *= np.sign(((third - start) * normal).sum(axis=1))[:, None]  # it points to the triangle
+        farthest = np.maximum(normal, 0.0).sum(axis=1)  # of the square's corners, along it
+        apart |= farthest <= (start * normal).sum(axis=1)
+    return apart
+
+
+def deep(uvs: np.ndarray, number: np.ndarray, count: int) -> np.ndarray:
+    """(count,) bool: which squares hold more than rounding at their borders; number (n,): that of each triangle's."""
+    low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
+    np.minimum.at(low, number, np.clip(uvs.min(axis=1), 0.0, 1.0))
+    np.maximum.at(high, number, np.clip(uvs.max(axis=1), 0.0, 1.0))
+    return ((high > SPILL) & (low < 1 - SPILL)).all(axis=1)
+
+
+# ---- One tile
+
+
+def shifted(uvs: np.ndarray, tile: int) -> tuple[np.ndarray, np.ndarray]:
+    """(k,) which of (n, 3, 2) float32 triangles a tile shows parts of, and (k, 3, 2) float32 where they lie in it."""
+    low = square_of(tile).astype(np.float32)
+    near = (uvs.max(axis=1) > low).all(axis=1) & (uvs.min(axis=1) < low + 1).all(axis=1) & with_area(uvs)
+    found = np.flatnonzero(near)
+    uvs = uvs[found] - low  # exact for what lies within the tile
+    kept = ~separated(uvs.astype(np.float64))
+    return found[kept], uvs[kept]
+
+
+def cut(uvs: np.ndarray, tile: int) -> Cut:
+    """What a tile shows of (n, 3, 2) UV coordinates, in the order of the triangles."""
+    found, uvs = shifted(uvs, tile)
+    crosses = ((uvs < 0) | (uvs > 1)).any(axis=(1, 2))
+    number, weights = np.flatnonzero(crosses), np.tile(np.eye(3), (int(crosses.sum()), 1, 1))
+    places = uvs[crosses].astype(np.float64)
+    for axis, limit, side in ((0, 0.0, 1.0), (0, 1.0, -1.0), (1, 0.0, 1.0), (1, 1.0, -1.0)):
+        number, places, weights = beside(number, places, weights, axis, limit, side)
+    whole = np.flatnonzero(~crosses)
+    order = np.argsort(np.concatenate([whole, number]), kind="stable")
+    places = np.clip(places, 0.0, 1.0).astype(np.float32)
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    return Cut(
+        found[np.concatenate([whole, number])[order]],
+        np.concatenate([uvs[whole], places])[order],
+        rank[len(whole) :],
+        weights,
+    )
+
+
+def beside(
+    number: np.ndarray, places: np.ndarray, weights: np.ndarray, axis: int, limit: float, side: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The parts of triangles (k, 3, 2) on one side of a line u = limit or v = limit, with their numbers and weights."""
+    depth = side * (places[:, :, axis] - limit)
+    count = (depth >= 0).sum(axis=1)
+    parts = [(number[count == 3], places[count == 3], weights[count == 3])]
+    for inside in (1, 2):
+        chosen = count == inside
+        # The corner that is alone on its side comes first.
+        alone = np.argmax((depth[chosen] >= 0) == (inside == 1), axis=1)
+        turn = (alone[:, None] + np.arange(3)) % 3
+        own, both = np.take_along_axis(depth[chosen], turn, axis=1), np.concatenate([places, weights], axis=2)[chosen]
+        both = np.take_along_axis(both, turn[:, :, None], axis=1)
+        share = own[:, :1] / (own[:, :1] - own[:, 1:])  # of the way from the first corner to the line
+        met = both[:, :1] + share[:, :, None] * (both[:, 1:] - both[:, :1])
+        met[:, :, axis] = limit
+        for corners in faces(both, met, inside):
+            parts.append((number[chosen], corners[:, :, :2], corners[:, :, 2:]))
+    return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
+
+
+def faces(corners: np.ndarray, met: np.ndarray, inside: int) -> Iterator[np.ndarray]:
+    """(k, 3, d) triangles of what is left where one corner, the first, or the two others are inside."""
+    if inside == 1:
+        yield np.stack([corners[:, 0], met[:, 0], met[:, 1]], axis=1)
+        return
+    yield np.stack([met[:, 0], corners[:, 1], corners[:, 2]], axis=1)
+    yield np.stack([met[:, 0], corners[:, 2], met[:, 1]], axis=1)
+
+
+def unshared(arrays: MeshArrays, corner_uvs: np.ndarray | None = None) -> MeshArrays:
+    """The mesh with three corners of its own for each triangle, and with these UV coordinates (n, 3, 2) for them."""
+    corners = arrays.triangle_corners.reshape(-1)
+    uvs = arrays.corner_uvs[corners] if corner_uvs is None else corner_uvs.reshape(-1, 2)
+    return replace(
+        arrays,
+        corner_vertices=arrays.corner_vertices[corners],
+        triangle_corners=np.arange(len(corners), dtype=np.int32).reshape(-1, 3),
+        corner_uvs=uvs,
+        corner_normals=None if arrays.corner_normals is None else arrays.corner_normals[corners],
+    )
+
+
+def alone(arrays: MeshArrays, tile: int) -> tuple[np.ndarray, MeshArrays]:
+    """(k,) which triangles a tile shows, and the mesh with a UV map in which they alone have an area.
+
+    Triangles across the tile's border stay whole.
+    """
+    found, uvs = shifted(arrays.corner_uvs[arrays.triangle_corners], tile)
+    own = np.empty((len(arrays.triangle_corners), 3, 2), np.float32)
+    own[:] = uvs[0, 0]
+    own[found] = uvs
+    return found, unshared(arrays, own)
+
+
+def extent(uvs: np.ndarray) -> float:
+    """The longer side of the box around (n, 3, 2) or (n, 2) UV coordinates."""
+    flat = uvs.reshape(-1, 2).astype(np.float64)
+    return float(np.ptp(flat, axis=0).max())
