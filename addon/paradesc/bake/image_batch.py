@@ -11,7 +11,7 @@ import bpy
 from ..bridge import MeshArrays
 from ..core import job, transfer
 from ..core.threads import Worker
-from ..files import image_files
+from ..files import image_files, tile_names
 from ..files.results import file_fault, write_whole
 from ..scene import images, mesh_io, pairs, surface_maps, targets
 from ..settings import looks, properties
@@ -116,17 +116,22 @@ class ImageBatch(OneByOne):
     def write(self, piece: TextureBake) -> None:
         """Keeps one mesh's textures."""
         target = piece.target()
-        loaded = []
-        for texture in piece.textures.made:
-            if self.folder is None:
-                loaded.append(images.from_memory(texture.name, texture.content))
-                continue
-            path = self.folder / f"{texture.name}.png"
-            write_whole(path, texture.content, Path.write_bytes)
-            piece.placed.append(path)
-            loaded.append(images.from_file(path))
+        loaded = [self.kept(piece, name, textures) for name, textures in piece.textures.by_name().items()]
         if self.to_material:
             piece.material = images.add_to_material(target, loaded).name
+
+    def kept(self, piece: TextureBake, name: str, textures: list[image_files.Texture]) -> bpy.types.Image:
+        """Writes the file of a texture, or those of its tiles, and loads them; without a folder it packs them."""
+        tiles = {texture.tile: texture.content for texture in textures}
+        tiled = None not in tiles
+        if self.folder is None:
+            return images.from_memory_of_tiles(name, tiles) if tiled else images.from_memory(name, tiles[None])
+        for texture in textures:
+            path = self.folder / texture.file_name
+            write_whole(path, texture.content, Path.write_bytes)
+            piece.placed.append(path)
+        path = self.folder / f"{name}.png"
+        return images.from_tiles(tile_names.with_token(path), list(tiles)) if tiled else images.from_file(path)
 
 
 def alone(context: bpy.types.Context) -> list[TextureBake]:

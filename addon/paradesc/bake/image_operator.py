@@ -91,8 +91,8 @@ class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):
 
 def image_sentence(batch: ImageBatch) -> str:
     """What was written, where, and how long it took, in one line."""
-    made = [texture.name for piece in batch.written for texture in piece.textures.made]
-    what = f"{made[0]}.png" if len(made) == 1 else f"{len(made)} images, {made[0]}.png to {made[-1]}.png"
+    made = [texture.file_name for piece in batch.written for texture in piece.textures.made]
+    what = made[0] if len(made) == 1 else f"{len(made)} images, {made[0]} to {made[-1]}"
     where = "in this .blend, which is not saved yet" if batch.folder is None else f"in {batch.folder}"
     found = [piece.textures.results for piece in batch.written]
     computed = sum(results.field_report["seconds_total"] for results in found)

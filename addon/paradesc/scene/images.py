@@ -1,9 +1,11 @@
 """Brings textures into Blender: as images of data, from files or packed into the .blend, and into materials."""
 
+import tempfile
 from pathlib import Path
 
 import bpy
 
+from ..files import tile_names
 from . import mesh_io
 
 # The custom property of images that were packed because the .blend had no folder yet, and of materials made for images.
@@ -15,26 +17,84 @@ NODE_WIDTH, NODE_HEIGHT = 300.0, 300.0
 def from_file(path: Path) -> bpy.types.Image:
     """The image of this file, read afresh where Blender has it already."""
     image = bpy.data.images.load(str(path), check_existing=True)
-    if image.packed_file is not None:  # an older content, which a reload would keep
-        image.unpack(method="REMOVE")
+    unpack(image)
     image.reload()
-    if bpy.data.filepath and bpy.context.preferences.filepaths.use_relative_paths:
-        image.filepath = bpy.path.relpath(str(path))
+    place(image, path)
     return as_data(image)
+
+
+def from_tiles(path: Path, tiles: list[int]) -> bpy.types.Image:
+    """The tiled image of UDIM tiles whose files lie at a path with a place for their numbers, read afresh."""
+    same = (item for item in bpy.data.images if item.source == "TILED" and item.library is None)
+    image = next((item for item in same if bpy.path.abspath(item.filepath) == str(path)), None)
+    if image is None:
+        image = bpy.data.images.load(str(tile_names.of_tile(path, tiles[0])))
+        image.name = path.name
+    read_tiles(image, path, tiles)
+    place(image, path)
+    return as_data(image)
+
+
+def read_tiles(image: bpy.types.Image, path: Path, tiles: list[int]) -> None:
+    """Reads the tiles into an image, which gets them and no others."""
+    unpack(image)
+    image.source = "TILED"
+    image.filepath_raw = str(path)
+    image.reload()  # which takes in all that lie there, of earlier bakes too
+    while len(image.tiles) > 1:  # one always stays
+        image.tiles.remove(image.tiles[-1])
+    image.tiles[0].number = tiles[0]
+    for number in tiles[1:]:
+        image.tiles.new(tile_number=number)
+    image.tiles.active_index = 0
+
+
+def unpack(image: bpy.types.Image) -> None:
+    """Takes an older content out of the .blend, which a reload would keep."""
+    if image.packed_file is not None or len(image.packed_files):
+        image.unpack(method="REMOVE")
+
+
+def place(image: bpy.types.Image, path: Path) -> None:
+    """Lets the image find its file from the .blend's folder, if people want that."""
+    if bpy.data.filepath and bpy.context.preferences.filepaths.use_relative_paths:
+        image.filepath_raw = bpy.path.relpath(str(path))
 
 
 def from_memory(name: str, content: bytes) -> bpy.types.Image:
     """The image of a file that is packed into the .blend; the one of an earlier call is filled anew."""
-    found = (item for item in bpy.data.images if item.get(MARK) == name and item.library is None)
-    image = next(found, None) or bpy.data.images.new(name, 8, 8)
-    image[MARK] = name
+    image = kept_in_file(name)
+    if image.source == "TILED":
+        unpack(image)
+        image.source = "FILE"
     image.filepath_raw = ""  # or Blender would look for a file of this name when it reloads
     image.pack(data=content, data_len=len(content))
     image.source = "FILE"
-    image.use_fake_user = True  # nothing may use it yet, and Blender saves only what is used
     image.reload()
     image.filepath_raw = f"//{name}.png"
     return as_data(image)
+
+
+def from_memory_of_tiles(name: str, contents: dict[int, bytes]) -> bpy.types.Image:
+    """The same of UDIM tiles, which Blender packs from files alone."""
+    image = kept_in_file(name)
+    with tempfile.TemporaryDirectory(dir=bpy.app.tempdir) as folder:
+        path = tile_names.with_token(Path(folder) / f"{name}.png")
+        for tile, content in contents.items():
+            tile_names.of_tile(path, tile).write_bytes(content)
+        read_tiles(image, path, list(contents))
+        image.pack()
+    image.filepath_raw = f"//{path.name}"
+    return as_data(image)
+
+
+def kept_in_file(name: str) -> bpy.types.Image:
+    """The image that an earlier call packed into the .blend under this name, or a new one."""
+    found = (item for item in bpy.data.images if item.get(MARK) == name and item.library is None)
+    image = next(found, None) or bpy.data.images.new(name, 8, 8)
+    image[MARK] = name
+    image.use_fake_user = True  # nothing may use it yet, and Blender saves only what is used
+    return image
 
 
 def as_data(image: bpy.types.Image) -> bpy.types.Image:
