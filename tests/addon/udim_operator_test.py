@@ -141,7 +141,7 @@ def test_what_lies_beside_all_tiles_is_one_image_and_one_sentence(folder, settin
     in_tiles(bpy.data.objects["ball"], (1, 1), (-1, 0))
     bpy.ops.paradesc.bake_image()
     assert pngs_in(folder) == ["ball_curvature.png"]
-    assert "left of UDIM tile 1001" in capfd.readouterr().out
+    assert "outside of the UDIM tiles" in capfd.readouterr().out
 
 
 def test_cancelled_between_tiles_nothing_is_left(folder):

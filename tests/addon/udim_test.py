@@ -84,19 +84,19 @@ def test_a_triangle_lies_in_the_tiles_that_it_covers_and_not_in_all_of_its_box()
 def test_what_lies_beside_all_tiles_makes_a_single_image_and_a_sentence(move):
     tiling = udim.tiling_of(np.stack([RIGHT, RIGHT + 1, RIGHT + np.float32(move), RIGHT + np.float32(move) + 1]))
     assert tiling.tiles == ()
-    assert "into a single image; move them into tiles" in tiling.warning
+    assert tiling.warnings == [udim.OUTSIDE + " All of it was drawn into a single image."]
 
 
 def test_a_map_about_the_origin_expects_no_tiles_and_gets_no_sentence():
     assert udim.tiling_of(np.stack([RIGHT - 0.5, RIGHT - 1])) == udim.Tiling()
     assert udim.tiling_of(np.stack([RIGHT, RIGHT * 1e9])) == udim.Tiling()
-    assert udim.tiling_of(np.stack([RIGHT, RIGHT * np.float32(np.nan)])) == udim.Tiling()
+    assert udim.tiling_of(np.stack([RIGHT, RIGHT * np.float32(np.nan)])) == udim.Tiling(first=True)
 
 
 def test_a_texture_that_repeats_makes_a_single_image_and_a_sentence():
-    assert "more than 100" in udim.tiling_of(RIGHT[None] * 30).warning
+    assert "more than 100" in udim.tiling_of(RIGHT[None] * 30).why
     grid = np.stack([RIGHT + np.float32([x, y]) for x in range(10) for y in range(11)])
-    assert "lies over 110 UDIM tiles" in udim.tiling_of(grid).warning
+    assert "lies over 110 UDIM tiles" in udim.tiling_of(grid).why
     assert len(udim.tiling_of(grid[:100]).tiles) == 100
 
 

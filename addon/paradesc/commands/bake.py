@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import bridge
-from ..core import job, source_kinds
+from ..core import job, source_kinds, texel_tiles
 from ..core.color_maps import Look
 from ..files import results
-from . import pairs
+from . import images, pairs
 from .common import (
     Parser,
     Progress,
@@ -156,10 +156,13 @@ def bake_objects(
                 with named(target, len(targets)):
                     read = read_object(target, settings, arguments)
                     reading, notes = read.reading, read.notes
+                    tiles = images.tiles_of(target.name, reading.arrays, arguments)
                     if onto:
-                        computed, notes = pairs.run_onto(target, read, onto[target], settings, arguments, part)
+                        highs = onto[target]
+                        computed, notes = pairs.run_onto(target, read, highs, settings, arguments, tiles, part)
                     else:
-                        computed = job.run(read.measured, settings, part, arguments.dump_buffers is not None)
+                        buffers = arguments.dump_buffers is not None
+                        computed = texel_tiles.run_where_asked(read.measured, settings, tiles, part, buffers)
                 computed.look = look
             else:
                 reading, computed = known.reading, known.results

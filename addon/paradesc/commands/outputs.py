@@ -1,15 +1,15 @@
 """Decides which files a bake writes, and writes each whole or not at all."""
 
 import argparse
-import re
 from collections.abc import Callable
 from pathlib import Path
 
 from .. import bridge
 from ..bridge import uses_texture_space
-from ..files import image_files, maps, results
+from ..files import maps, results, tile_names
 from ..files.results import Baked, folder_fault, write_whole
-from .common import UsageError, check_outputs, check_overwriting
+from .common import Progress, UsageError, check_outputs, check_overwriting
+from .images import file_name, paths_of, write_images
 
 # These hold one object, or several as one in world space.
 WRITERS: dict[str, Callable[[Path, Baked], None]] = {".ply": results.write_ply, ".png": results.write_picture}
@@ -21,7 +21,10 @@ def add_output_files(parser: argparse.ArgumentParser) -> None:
     """Adds the options for the files to write."""
     add = parser.add_argument
     output = ".blend, .npz, .ply, .png (picture) or .exr (image over the UV map); give it again for more"
-    image = "write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor)"
+    image = (
+        "write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor); of "
+        "several UDIM tiles one each, whose number stands for <UDIM> in the name, else before the suffix"
+    )
     add("--output", "-o", action="append", default=[], metavar="OUT", type=Path, help=output)
     add("--map", action="append", default=[], metavar="IMAGE", type=Path, help=image)
     add("--png-range", choices=PNG_RANGES, default=PNG_RANGES[0],
@@ -41,6 +44,7 @@ def check_files(arguments: argparse.Namespace) -> None:
         for path in paths:
             if path.suffix.lower() not in suffixes:
                 raise UsageError(f'"{path}" has none of the suffixes {", ".join(suffixes)}.')
+    check_tile_names(arguments)
     if arguments.pack and not any(path.suffix.lower() == ".png" for path in arguments.map):
         raise UsageError("--pack says what a .png image holds; give --map IMAGE.png as well.")
     paths = files_of(arguments)
@@ -56,6 +60,18 @@ def check_files(arguments: argparse.Namespace) -> None:
         raise UsageError(folder_fault(folder))
 
 
+def check_tile_names(arguments: argparse.Namespace) -> None:
+    """Refuses a place for the numbers of UDIM tiles where nothing has tiles."""
+    images, token = paths_of(arguments), tile_names.TOKEN
+    for path in images:
+        if tile_names.fault(path):
+            raise UsageError(tile_names.fault(path))
+    others = [path for path in (*files_of(arguments), arguments.dump_buffers) if path and path not in images]
+    for path in others:
+        if token in str(path):
+            raise UsageError(f'"{path}" has no UDIM tiles that {token} could stand for; leave it out there.')
+
+
 def files_of(arguments: argparse.Namespace) -> list[Path]:
     """All files that will be written, without folders."""
     return arguments.output + arguments.map + [path for path in (arguments.json, arguments.corners) if path]
@@ -67,11 +83,9 @@ def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, 
 
     whole = baked[0] if len(baked) == 1 else results.joined(baked)
     written: list[Path] = []
-    images: list[Path] = list(arguments.map)
     for path in arguments.output:
         suffix = path.suffix.lower()
         if suffix == ".exr":
-            images.append(path)
             continue
         if suffix == ".blend":
             scene_io.save_blend(path, arguments.verbose)
@@ -80,7 +94,11 @@ def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, 
         else:
             write_whole(path, whole, results.write_npz if suffix == ".npz" else WRITERS[suffix])
         written.append(path)
-    described = [row for path in images for row in write_images(path, baked, arguments)]
+    if any(one.results.tiles for one in baked):  # which are computed now
+        with Progress(arguments.progress) as progress:
+            described = write_images(baked, arguments, progress)
+    else:
+        described = write_images(baked, arguments)
     written += [Path(str(row["path"])) for row in described]
     for one in baked if arguments.dump_buffers else []:
         written += maps.write_buffers(folder_of(arguments.dump_buffers, one, baked), one)
@@ -107,62 +125,9 @@ def packed_names(text: str) -> tuple[str, ...]:
     return names
 
 
-def write_images(path: Path, baked: list[Baked], arguments: argparse.Namespace) -> list[dict[str, object]]:
-    """Writes the images over the UV map of each object, named if there are several; gives what the report says."""
-    rows: list[dict[str, object]] = []
-    for one in baked:
-        own = path if len(baked) == 1 else path.with_name(f"{path.stem}_{file_name(one, baked)}{path.suffix}")
-        one.notes += [note for note in maps.notes(one) if note not in one.notes]
-        if path.suffix.lower() == ".exr":
-            write_whole(own, one, maps.write_exr)
-            rows.append({"path": str(own), "object": one.object_name})
-            continue
-        if arguments.pack or arguments.png_range == "colors":
-            rows += [write_texture(place, one, names) for place, names in textures_of(own, one, arguments.pack)]
-            continue
-        for name, place in maps.png_paths(own, list(one.results.values)).items():
-            described: dict[str, object] = {"path": str(place), "object": one.object_name}
-            write_whole(
-                place,
-                one,
-                lambda at, content, row=described, which=name: row.update(maps.write_png(at, content, which)),
-            )
-            rows.append(described)
-    return rows
-
-
-def textures_of(path: Path, baked: Baked, packed: tuple[str, ...]) -> list[tuple[Path, list[str]]]:
-    """Where each texture goes, and what it holds: a descriptor each, or those that are packed at each radius."""
-    if not packed:
-        return [(place, [name]) for name, place in maps.png_paths(path, list(baked.results.values)).items()]
-    suffixes = baked.results.field_reports
-    places = [path.with_name(f"{path.stem}_{image_files.PACKED_WORD}{suffix}{path.suffix}") for suffix in suffixes]
-    return [(place, [name + suffix for name in packed]) for place, suffix in zip(places, suffixes, strict=True)]
-
-
-def write_texture(path: Path, baked: Baked, names: list[str]) -> dict[str, object]:
-    """Writes descriptors as channels over the range of their colors; gives what the report says of the file."""
-    made = image_files.encoded(baked, names, baked.results.settings.options.texels)
-    write_whole(path, made.content, Path.write_bytes)
-    described = [
-        {"descriptor": name, "minimum": scale.low, "maximum": scale.high}
-        for name, scale in zip(names, made.scales, strict=True)
-    ]
-    row: dict[str, object] = {"path": str(path), "object": baked.object_name}
-    return {**row, **described[0]} if len(names) == 1 else {**row, "channels": described}
-
-
 def folder_of(folder: Path, one: Baked, baked: list[Baked]) -> Path:
     """The folder for the buffers of one object: the given one, or if there are several objects, one in it."""
     if len(baked) == 1:
         return folder
     folder.mkdir(exist_ok=True)
     return folder / file_name(one, baked)
-
-
-def file_name(one: Baked, baked: list[Baked]) -> str:
-    """An object's name as part of a file name; a number follows if two would be equal."""
-    names = [re.sub(r"[^\w.-]+", "_", other.object_name) for other in baked]
-    place = next(number for number, other in enumerate(baked) if other is one)
-    before = names[:place].count(names[place])
-    return names[place] if before == 0 else f"{names[place]}_{before + 1}"

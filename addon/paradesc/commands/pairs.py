@@ -111,6 +111,7 @@ def run_onto(
     highs: list["bpy.types.Object"],
     settings: job.Settings,
     arguments: argparse.Namespace,
+    tiles: tuple[int, ...],
     progress: object,
 ) -> tuple[job.Results, list[str]]:
     """Measures the detailed objects for one low-poly one, which has been read; sentences about how they were read."""
@@ -125,5 +126,5 @@ def run_onto(
         notes += pairs.notes_of(found)
         parts.append(pairs.part_of(high, found))
     size, cage = settings.options.texels, arguments.cage or 0.0
-    results = transfer.run(pairs.part_of(low, read), parts, settings, size, cage, progress)
+    results = transfer.run(pairs.part_of(low, read), parts, settings, size, cage, progress, tiles)
     return results, [*notes, *results.notes]

@@ -18,12 +18,9 @@ SPILL = 1 / 256
 MOST_TILES = 100
 # Coordinates beyond this are mistakes, and squares that far out have no whole numbers to count them by.
 FARTHEST = 1e6
-# What there is to say where tiles may be expected and none are made.
-OUTSIDE = (
-    "Parts of the UV map lie below or left of UDIM tile 1001, or right of tile 1010, so all of it was drawn into a "
-    "single image; move them into tiles."
-)
-MANY = "The UV map lies over {:,} UDIM tiles, more than {}, so all of it was drawn into a single image; use fewer."
+# Why there are no tiles where they may be expected.
+OUTSIDE = "Parts of the UV map lie outside of the UDIM tiles (U from 0 to 10, V from 0 to 100); move them into tiles."
+MANY = "The UV map lies over {:,} UDIM tiles, more than {}; use fewer."
 
 
 @dataclass(frozen=True)
@@ -32,7 +29,13 @@ class Tiling:
 
     tiles: tuple[int, ...] = ()  # numbers in order
     crossing: int = 0  # how many triangles lie in several
-    warning: str = ""  # why there is a single image where tiles may be expected
+    why: str = ""  # there is a single image where tiles may be expected
+    first: bool = False  # whether there is a single image because all lies in tile 1001
+
+    @property
+    def warnings(self) -> list[str]:
+        """Why there is a single image where tiles may be expected."""
+        return [f"{self.why} All of it was drawn into a single image."] if self.why else []
 
     @property
     def notes(self) -> list[str]:
@@ -105,10 +108,12 @@ def of_mesh(arrays: MeshArrays) -> Tiling:
 def tiling_of(uvs: np.ndarray) -> Tiling:
     """The tiles of (n, 3, 2) UV coordinates. A map in the square of tile 1001 has none, and makes a single image."""
     uvs = uvs.astype(np.float64)[with_area(uvs)]
-    if not len(uvs) or np.abs(uvs).max() > FARTHEST or (uvs.min() >= -SPILL and uvs.max() <= 1 + SPILL):
+    if not len(uvs) or np.abs(uvs).max() > FARTHEST:
         return Tiling()
+    if uvs.min() >= -SPILL and uvs.max() <= 1 + SPILL:
+        return Tiling(first=True)
     if counts(uvs).max() > MOST_TILES:
-        return Tiling(warning=MANY.format(int(counts(uvs).max()), MOST_TILES))
+        return Tiling(why=MANY.format(int(counts(uvs).max()), MOST_TILES))
     triangles, squares = meetings(uvs)
     places, number = np.unique(squares, axis=0, return_inverse=True)
     real = deep(uvs[triangles] - squares[:, None], number.reshape(-1), len(places))
@@ -116,11 +121,11 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
     inside = ((found >= 0) & (found < (COLUMNS, ROWS))).all(axis=1)
     tiles = np.sort(name_of(*found[inside].T))
     if not inside.all():
-        return Tiling(warning=OUTSIDE if (tiles != FIRST).any() else "")
+        return Tiling(why=OUTSIDE if (tiles != FIRST).any() else "")
     if len(tiles) > MOST_TILES:
-        return Tiling(warning=MANY.format(len(tiles), MOST_TILES))
+        return Tiling(why=MANY.format(len(tiles), MOST_TILES))
     if tiles.tolist() == [FIRST]:
-        return Tiling()
+        return Tiling(first=True)
     several = np.bincount(triangles[real[number.reshape(-1)]]) > 1
     return Tiling(tuple(tiles.tolist()), int(several.sum()))
 

@@ -158,7 +158,7 @@ def packed(
             made[word].append(texture)
     results.finish_tiles()
     results.notes += tiling.notes
-    results.warnings += [tiling.warning] if tiling.warning else []
+    results.warnings += tiling.warnings
     if texel_centers.uv_area(arrays) > STACKED_SHARE * covered:
         results.warnings.append(maps.STACKED)
     return Textures(results, [texture for row in made.values() for texture in row])

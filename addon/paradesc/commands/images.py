@@ -1,0 +1,135 @@
+"""Writes the images over the UV maps of what was baked, tile after tile where a map has UDIM tiles."""
+
+import argparse
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from .. import bridge
+from ..bridge import MeshArrays, ProgressFunction
+from ..core import udim
+from ..files import image_files, maps, tile_names
+from ..files.results import Baked, write_whole
+
+Rows = list[dict[str, object]]
+
+
+def paths_of(arguments: argparse.Namespace) -> list[Path]:
+    """The images that are asked for."""
+    return [*arguments.map, *(path for path in arguments.output if path.suffix.lower() == ".exr")]
+
+
+def tiles_of(name: str, arrays: MeshArrays, arguments: argparse.Namespace) -> tuple[int, ...]:
+    """The UDIM tiles that the images of an object have; refuses a map without any where a path wants their numbers."""
+    paths, tiling = paths_of(arguments), udim.of_mesh(arrays)
+    asked = [path for path in paths if tile_names.TOKEN in path.name]
+    if asked and (arrays.corner_uvs is None or arrays.layout is not None):
+        raise bridge.InputError(f'The mesh of "{name}" has no usable UV map; unwrap it.')
+    if asked and not (tiling.tiles or tiling.first):
+        why = tiling.why or udim.OUTSIDE
+        raise bridge.InputError(f'"{asked[0].name}" stands for the UDIM tiles of "{name}", which has none. {why}')
+    return tiling.tiles if paths else ()
+
+
+def write_images(baked: list[Baked], arguments: argparse.Namespace, progress: ProgressFunction | None = None) -> Rows:
+    """Writes the images of each object, named if there are several; gives what the report says of them."""
+    paths = paths_of(arguments)
+    rows: list[Rows] = [[] for _ in paths]
+    for one in baked if paths else []:
+        tiling = udim.of_mesh(one.arrays)
+        ends = ends_of(one, tiling, arguments, progress)
+        for tile in tiling.tiles or (None,):
+            part = replace(one, results=one.results.of_tile(tile, progress))
+            for path, found in zip(paths, rows, strict=True):
+                own = path if len(baked) == 1 else tile_names.with_word(path, file_name(one, baked))
+                found += written(own, part, tile, ends, arguments)
+        one.results.finish_tiles()
+        said = [*maps.notes(one), *tiling.notes, *one.results.notes]
+        one.notes += [note for note in said if note not in one.notes]
+        one.results.warnings += [line for line in tiling.warnings if line not in one.results.warnings]
+    return [row for found in rows for row in found]
+
+
+def spans_values(arguments: argparse.Namespace) -> bool:
+    """Whether .png images go from the smallest value to the largest."""
+    return not arguments.pack and arguments.png_range != "colors"
+
+
+def ends_of(
+    one: Baked, tiling: udim.Tiling, arguments: argparse.Namespace, progress: ProgressFunction | None
+) -> dict[str, tuple[float, float]]:
+    """What .png images of several tiles span, by descriptor: the values of all tiles, which are drawn once for that."""
+    pngs = any(path.suffix.lower() == ".png" for path in arguments.map)
+    if len(tiling.tiles) < 2 or not pngs or not spans_values(arguments):
+        return {}
+    found: dict[str, list[float]] = {name: [] for name in one.results.values}
+    for tile in tiling.tiles:
+        part = replace(one, results=one.results.of_tile(tile, progress))
+        shown = image_files.cut_of(part, tile)
+        for name, ends in found.items():
+            image = maps.image_of(part, name, shown)
+            finite = image[np.isfinite(image)]
+            ends += [float(finite.min()), float(finite.max())] if finite.size else []
+    wide = {name: 1 if one.results.values[name].ndim == 1 else 3 for name in found}
+    return {name: maps.stored_range(np.array(ends), wide[name]) for name, ends in found.items()}
+
+
+def written(
+    path: Path, part: Baked, tile: int | None, ends: dict[str, tuple[float, float]], arguments: argparse.Namespace
+) -> Rows:
+    """Writes the images of one object and tile that belong to a path."""
+    shown = image_files.cut_of(part, tile)
+    # A map in the first tile alone has no tiles, but a path may ask for its number.
+    number = udim.FIRST if tile is None and tile_names.TOKEN in path.name else tile
+    about = {"object": part.object_name, **({} if number is None else {"tile": number})}
+
+    def place(name: Path) -> Path:
+        return tile_names.of_tile(name, number)
+
+    if path.suffix.lower() == ".exr":
+        write_whole(place(path), part, lambda at, content: maps.write_exr(at, content, shown))
+        return [{"path": str(place(path)), **about}]
+    rows: Rows = []
+    if not spans_values(arguments):
+        for name, names in textures_of(path, part, arguments.pack):
+            rows.append({"path": str(place(name)), **about, **write_texture(place(name), part, names, shown)})
+        return rows
+    for name, own in maps.png_paths(path, list(part.results.values)).items():
+        described: dict[str, object] = {"path": str(place(own)), **about}
+
+        def write(at: Path, content: Baked, row: dict[str, object] = described, which: str = name) -> None:
+            row.update(maps.write_png(at, content, which, shown, ends.get(which)))
+
+        write_whole(place(own), part, write)
+        rows.append(described)
+    return rows
+
+
+def textures_of(path: Path, baked: Baked, packed: tuple[str, ...]) -> list[tuple[Path, list[str]]]:
+    """Where each texture goes, and what it holds: a descriptor each, or those that are packed at each radius."""
+    if not packed:
+        return [(place, [name]) for name, place in maps.png_paths(path, list(baked.results.values)).items()]
+    suffixes = baked.results.field_reports
+    places = [tile_names.with_word(path, f"{image_files.PACKED_WORD}{suffix}") for suffix in suffixes]
+    return [(place, [name + suffix for name in packed]) for place, suffix in zip(places, suffixes, strict=True)]
+
+
+def write_texture(path: Path, baked: Baked, names: list[str], shown: udim.Cut | None) -> dict[str, object]:
+    """Writes descriptors as channels over the range of their colors; gives what the report says of the file."""
+    made = image_files.encoded(baked, names, baked.results.settings.options.texels, shown=shown)
+    write_whole(path, made.content, Path.write_bytes)
+    described = [
+        {"descriptor": name, "minimum": scale.low, "maximum": scale.high}
+        for name, scale in zip(names, made.scales, strict=True)
+    ]
+    return described[0] if len(names) == 1 else {"channels": described}
+
+
+def file_name(one: Baked, baked: list[Baked]) -> str:
+    """An object's name as part of a file name; a number follows if two would be equal."""
+    names = [re.sub(r"[^\w.-]+", "_", other.object_name) for other in baked]
+    place = next(number for number, other in enumerate(baked) if other is one)
+    before = names[:place].count(names[place])
+    return names[place] if before == 0 else f"{names[place]}_{before + 1}"
