@@ -122,7 +122,7 @@ def test_an_image_needs_a_uv_map_of_the_mesh(settings, tmp_path):
 def test_an_image_that_fails_leaves_the_old_one_and_no_half_one(settings, tmp_path, monkeypatch):
     (tmp_path / "curves.exr").write_bytes(b"old")
 
-    def full(path, _baked):
+    def full(path, _baked, _shown=None):
         path.write_bytes(b"half")
         raise OSError(28, "No space left on device", str(path))
 

@@ -7,6 +7,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from maps_test import decode16, pixels_of  # noqa: E402
 
+from scene import add_sphere, empty_scene, saved_scene  # noqa: E402
 from shapes import cube_sphere, write_obj  # noqa: E402
 
 WORDS = ("--radius", "0.08", "--samples", "32", "--backend", "cpu", "--texels", "48", "--json", "report.json")
@@ -145,3 +146,20 @@ def test_tiles_of_a_mesh_without_a_map_are_refused(run, tmp_path):
     ended = run("bake", write_obj(tmp_path / "bare.obj", points, quads), *WORDS, "--map", "x.<UDIM>.png")
     assert ended.code == 3
     assert "no usable UV map; unwrap it" in ended.error
+
+
+def test_objects_that_share_a_mesh_have_the_same_tiles(run, tmp_path):
+    empty_scene()
+    first = add_sphere("first", steps=6)
+    uvs = np.empty(2 * len(first.data.loops), np.float32)
+    first.data.uv_layers.active.data.foreach_get("uv", uvs)
+    first.data.uv_layers.active.data.foreach_set("uv", (uvs.reshape(-1, 2) * np.float32([3, 2])).ravel())
+    twin = first.copy()
+    twin.name = "twin"
+    bpy.context.collection.objects.link(twin)
+    path = saved_scene(tmp_path / "scene.blend")
+    words = ("--all", "--evaluate", "texel", "--map", "x.<UDIM>.png", "--png-range", "colors")
+    assert run("bake", path, *WORDS, *words).code == 0
+    assert images_in(tmp_path) == names_of("x_first") + names_of("x_twin")
+    for one, other in zip(names_of("x_first"), names_of("x_twin"), strict=True):
+        assert (tmp_path / one).read_bytes() == (tmp_path / other).read_bytes()

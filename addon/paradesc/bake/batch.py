@@ -9,7 +9,7 @@ import bpy
 from ..bridge import ParadescError, abi
 from ..core import job
 from ..core.threads import Worker
-from ..files import bake_files
+from ..files import bake_files, tile_names
 from ..scene import mesh_io, modes, source_meshes, surface_maps, targets
 from ..settings import looks, properties
 from .pieces import ObjectKey, OneByOne, Piece, file_words, key_of
@@ -69,8 +69,8 @@ class Batch(OneByOne):
         piece.results = worker.result()
         piece.results.warnings += [*piece.results.facet_notes(), *piece.warnings]
         piece.warnings = piece.results.warnings
-        piece.notes += piece.results.unused_notes()
-        piece.results.notes += piece.notes
+        piece.notes += [*piece.results.notes, *piece.results.unused_notes()]
+        piece.results.notes = list(piece.notes)
 
     def close(self) -> None:
         """Cancels what is left, waits for it, and takes away the files that lie aside. Safe to call again."""
@@ -118,10 +118,10 @@ def file_places(group: bpy.types.PropertyGroup, names: list[str]) -> list[tuple[
         image = image.with_suffix("") if image.suffix.lower() in (".exr", ".png") else image
     places = []
     for word in file_words(names) if len(names) > 1 else [""]:
-        stem = image and (f"{image.name}_{word}" if word else image.name)
+        own = image and image.with_name(image.name + group.image_format)
         places.append(
             (
-                image and image.with_name(stem + group.image_format),
+                own and (tile_names.with_word(own, word) if word else own),
                 buffers and (buffers.with_name(f"{buffers.name}_{word}") if word else buffers),
             )
         )

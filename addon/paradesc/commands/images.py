@@ -5,8 +5,6 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from .. import bridge
 from ..bridge import MeshArrays, ProgressFunction
 from ..core import udim
@@ -60,33 +58,23 @@ def spans_values(arguments: argparse.Namespace) -> bool:
 def ends_of(
     one: Baked, tiling: udim.Tiling, arguments: argparse.Namespace, progress: ProgressFunction | None
 ) -> dict[str, tuple[float, float]]:
-    """What .png images of several tiles span, by descriptor: the values of all tiles, which are drawn once for that."""
+    """What .png images of several tiles span, by descriptor; nothing where each image says that by itself."""
     pngs = any(path.suffix.lower() == ".png" for path in arguments.map)
     if len(tiling.tiles) < 2 or not pngs or not spans_values(arguments):
         return {}
-    found: dict[str, list[float]] = {name: [] for name in one.results.values}
-    for tile in tiling.tiles:
-        part = replace(one, results=one.results.of_tile(tile, progress))
-        shown = image_files.cut_of(part, tile)
-        for name, ends in found.items():
-            image = maps.image_of(part, name, shown)
-            finite = image[np.isfinite(image)]
-            ends += [float(finite.min()), float(finite.max())] if finite.size else []
-    wide = {name: 1 if one.results.values[name].ndim == 1 else 3 for name in found}
-    return {name: maps.stored_range(np.array(ends), wide[name]) for name, ends in found.items()}
+    return maps.ends_of_tiles(one, tiling.tiles, progress)
 
 
 def written(
     path: Path, part: Baked, tile: int | None, ends: dict[str, tuple[float, float]], arguments: argparse.Namespace
 ) -> Rows:
     """Writes the images of one object and tile that belong to a path."""
-    shown = image_files.cut_of(part, tile)
-    # A map in the first tile alone has no tiles, but a path may ask for its number.
+    shown = maps.cut_of(part, tile)
     number = udim.FIRST if tile is None and tile_names.TOKEN in path.name else tile
     about = {"object": part.object_name, **({} if number is None else {"tile": number})}
 
     def place(name: Path) -> Path:
-        return tile_names.of_tile(name, number)
+        return tile_names.of_tile(name, tile)
 
     if path.suffix.lower() == ".exr":
         write_whole(place(path), part, lambda at, content: maps.write_exr(at, content, shown))

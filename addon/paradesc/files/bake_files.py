@@ -1,15 +1,15 @@
 """Runs one bake with its files, images over the UV map and the baked buffers, kept aside until all is done. No bpy."""
 
 import shutil
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from .. import bridge
 from ..bridge import ParadescError, abi
-from ..core import job
-from . import maps
+from ..core import job, texel_tiles, udim
+from . import maps, tile_names
 from .results import Baked, file_fault, folder_fault, part_path
 
 # The computation has this share of the progress if files follow.
@@ -84,9 +84,10 @@ def run(
     """Runs job.run(), then writes the files aside; the caller commits or discards them."""
     if not files.any:
         return job.run(arrays, settings, progress)
+    tiles = udim.of_mesh(arrays).tiles if files.image is not None else ()
     report = progress or (lambda _stage, _fraction: True)
     part = None if progress is None else lambda stage, fraction: progress(stage, COMPUTING * fraction)
-    results = job.run(arrays, settings, part, files.buffers is not None)
+    results = texel_tiles.run_where_asked(arrays, settings, tiles, part, files.buffers is not None)
     try:
         write(files, Baked(files.object_name, results, arrays, files.matrix_world), report)
     except OSError as error:
@@ -97,20 +98,34 @@ def run(
 def write(files: Files, baked: Baked, report: bridge.ProgressFunction) -> None:
     """Writes image and buffers aside; between them it asks whether to go on."""
     go_on(report, "write images", COMPUTING)
-    if files.image is not None and files.image.suffix == ".png":
-        paths = maps.png_paths(files.image, list(baked.results.values))
-        for index, (name, path) in enumerate(paths.items()):
-            maps.write_png(files.part(path), baked, name)
-            go_on(report, "write images", COMPUTING + 0.1 * (index + 1) / len(paths))
-    elif files.image is not None:
-        maps.write_exr(files.part(files.image), baked)
-        go_on(report, "write images", COMPUTING + 0.1)
     if files.image is not None:
-        baked.results.warnings += maps.notes(baked)
+        write_images(files, files.image, baked, report)
     if files.buffers is not None:
         go_on(report, "write buffers", COMPUTING + 0.1)
         maps.write_buffers(files.part(files.buffers), baked)
         go_on(report, "write buffers", 1.0)
+
+
+def write_images(files: Files, image: Path, baked: Baked, report: bridge.ProgressFunction) -> None:
+    """Writes the images of each UDIM tile aside, or the only ones."""
+    results, tiling = baked.results, udim.of_mesh(baked.arrays)
+    tiles, as_png = tiling.tiles or (None,), image.suffix == ".png"
+    writing = job.span_of(report, COMPUTING, COMPUTING + 0.1)
+    ends = maps.ends_of_tiles(baked, tiling.tiles, job.span_of(writing, 0.0, 0.0)) if as_png and tiling.tiles else {}
+    for number, tile in enumerate(tiles):
+        of_tile = job.part_of(writing, number, len(tiles))
+        part = replace(baked, results=results.of_tile(tile, job.span_of(of_tile, 0.0, 0.9)))
+        shown, paths = maps.cut_of(part, tile), maps.png_paths(image, list(results.values)) if as_png else {}
+        for index, (name, path) in enumerate(paths.items()):
+            maps.write_png(files.part(tile_names.of_tile(path, tile)), part, name, shown, ends.get(name))
+            go_on(of_tile, "write images", 0.9 + 0.1 * (index + 1) / len(paths))
+        if not as_png:
+            maps.write_exr(files.part(tile_names.of_tile(image, tile)), part, shown)
+            go_on(of_tile, "write images", 1.0)
+    results.finish_tiles()
+    results.tiles = None  # with the mesh that they would be evaluated on
+    results.notes += tiling.notes
+    results.warnings += [*maps.notes(baked), *tiling.warnings]
 
 
 def go_on(report: bridge.ProgressFunction, stage: str, fraction: float) -> None:

@@ -157,6 +157,7 @@ def packed(
         for word, texture in zip(groups, found, strict=True):
             made[word].append(texture)
     results.finish_tiles()
+    results.tiles = None  # with the mesh that they would be evaluated on
     results.notes += tiling.notes
     results.warnings += tiling.warnings
     if texel_centers.uv_area(arrays) > STACKED_SHARE * covered:
@@ -172,7 +173,7 @@ def textures_of(
     drawing: ProgressFunction | None,
 ) -> tuple[list[Texture], float]:
     """The textures of one tile, by the word in their names, and the share of it that is on the surface."""
-    shown = cut_of(baked, tile)
+    shown = maps.cut_of(baked, tile)
     made, covered = [], math.inf
     for number, (word, group) in enumerate(groups.items()):
         of_one = job.part_of(drawing, number, len(groups))
@@ -181,11 +182,6 @@ def textures_of(
         if baked.results.values[group[0]].ndim == 1:  # directions may be missing on the surface
             covered = one.covered
     return made, covered
-
-
-def cut_of(baked: Baked, tile: int | None) -> udim.Cut | None:
-    """What a tile shows of the mesh; None where there is a single image."""
-    return None if tile is None else udim.cut(maps.user_uvs(baked), tile)
 
 
 def encoded(

@@ -1,5 +1,6 @@
 """Writes results as images over the UV map (32-bit float EXR, 16-bit PNG), and pictures of the baked buffers."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,11 @@ def drawn(
         layout = None if layout is None else shown.at_corners(layout)
     texels = None if layout is None else bridge.TexelMap(results.maps[name], layout)
     return bridge.draw_uv_image(uvs, corners, values, size, texels, progress)
+
+
+def cut_of(baked: Baked, tile: int | None) -> udim.Cut | None:
+    """What a UDIM tile shows of the mesh; None where there is a single image."""
+    return None if tile is None else udim.cut(user_uvs(baked), tile)
 
 
 def image_of(baked: Baked, name: str, shown: udim.Cut | None = None) -> np.ndarray:
@@ -101,6 +107,22 @@ def stored_range(values: np.ndarray, components: int) -> tuple[float, float]:
         return 0.0, 1.0
     low, high = float(finite.min()), float(finite.max())
     return (low, high) if high > low else (low, low + 1.0)
+
+
+def ends_of_tiles(
+    baked: Baked, tiles: tuple[int, ...], progress: bridge.ProgressFunction | None = None
+) -> dict[str, tuple[float, float]]:
+    """What PNGs of several tiles span, by descriptor: the values of all tiles, which are drawn once for that."""
+    found: dict[str, list[float]] = {name: [] for name in baked.results.values}
+    for tile in tiles:
+        part = replace(baked, results=baked.results.of_tile(tile, progress))
+        shown = cut_of(part, tile)
+        for name, ends in found.items():
+            image = image_of(part, name, shown)
+            finite = image[np.isfinite(image)]
+            ends += [float(finite.min()), float(finite.max())] if finite.size else []
+    wide = {name: 3 if baked.results.values[name].ndim == 2 else 1 for name in found}
+    return {name: stored_range(np.array(ends), wide[name]) for name, ends in found.items()}
 
 
 def write_png(

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+from ..core import udim
+
 TOKEN = "<UDIM>"
 # The token with the mark that sets it apart from what comes before it.
 SET_APART = re.compile(rf"[._-]?{TOKEN}")
@@ -21,8 +23,10 @@ def with_token(path: Path) -> Path:
 
 
 def of_tile(path: Path, tile: int | None) -> Path:
-    """The path of a tile; None: of an image that is no tile."""
-    return path if tile is None else path.with_name(with_token(path).name.replace(TOKEN, str(tile)))
+    """The path of a tile; None: of an image that is no tile, but may be asked for as the first one."""
+    if tile is None and TOKEN not in path.name:
+        return path
+    return path.with_name(with_token(path).name.replace(TOKEN, str(tile or udim.FIRST)))
 
 
 def fault(path: Path) -> str:
