@@ -18,6 +18,7 @@ SPILL = 1 / 256
 MOST_TILES = 100
 # Coordinates beyond this are mistakes, and squares that far out have no whole numbers to count them by.
 FARTHEST = 1e6
+KEY_STEP = 1 << 24  # tells squares of one row from those of the next, wherever a map lies
 # Why there are no tiles where they may be expected.
 OUTSIDE = "Parts of the UV map lie outside of the UDIM tiles (U from 0 to 10, V from 0 to 100); move them into tiles."
 MANY = "The UV map lies over {:,} UDIM tiles, more than {}; use fewer."
@@ -107,16 +108,21 @@ def of_mesh(arrays: MeshArrays) -> Tiling:
 
 def tiling_of(uvs: np.ndarray) -> Tiling:
     """The tiles of (n, 3, 2) UV coordinates. A map in the square of tile 1001 has none, and makes a single image."""
+    if in_first(uvs):
+        return Tiling(first=True)
     uvs = uvs.astype(np.float64)[with_area(uvs)]
     if not len(uvs) or np.abs(uvs).max() > FARTHEST:
         return Tiling()
-    if uvs.min() >= -SPILL and uvs.max() <= 1 + SPILL:
+    if in_first(uvs):
         return Tiling(first=True)
     if counts(uvs).max() > MOST_TILES:
         return Tiling(why=MANY.format(int(counts(uvs).max()), MOST_TILES))
     triangles, squares = meetings(uvs)
-    places, number = np.unique(squares, axis=0, return_inverse=True)
-    real = deep(uvs[triangles] - squares[:, None], number.reshape(-1), len(places))
+    low = squares.min(axis=0)
+    keys, number = np.unique((squares - low) @ (1, KEY_STEP), return_inverse=True)
+    places = low + np.column_stack([keys % KEY_STEP, keys // KEY_STEP])
+    number = number.reshape(-1)
+    real = deep(uvs[triangles] - squares[:, None], number, len(places))
     found = places[real]
     inside = ((found >= 0) & (found < (COLUMNS, ROWS))).all(axis=1)
     tiles = np.sort(name_of(*found[inside].T))
@@ -126,8 +132,13 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
         return Tiling(why=MANY.format(len(tiles), MOST_TILES))
     if tiles.tolist() == [FIRST]:
         return Tiling(first=True)
-    several = np.bincount(triangles[real[number.reshape(-1)]]) > 1
+    several = np.bincount(triangles[real[number]]) > 1
     return Tiling(tuple(tiles.tolist()), int(several.sum()))
+
+
+def in_first(uvs: np.ndarray) -> bool:
+    """Whether (n, 3, 2) UV coordinates lie in the square of tile 1001."""
+    return len(uvs) > 0 and bool(uvs.min() >= -SPILL and uvs.max() <= 1 + SPILL)
 
 
 def with_area(uvs: np.ndarray) -> np.ndarray:
