@@ -293,6 +293,16 @@ def test_every_tile_has_centers_of_its_own_where_one_map_would_be_large(six):
     assert results.field_report["places"] > of_tile.field_report["places"]
 
 
+def test_faces_across_the_border_of_a_tile_are_evaluated_as_finely_as_the_others(six):
+    across = moved(six, (1, 1), (0.4, 0.4))
+    exact = settings_of("cavity", options=replace(SMALL, evaluate="texel"))
+    results = texel_tiles.run(across, exact, SIZE, udim.of_mesh(across).tiles)
+    _, alone = udim.alone(across, 1012)
+    span = udim.extent(alone.corner_uvs)
+    assert 1.05 < span < 1.23  # faces are 0.1125 wide
+    assert results.of_tile(1012).maps["cavity"].shape[0] == int(np.ceil(SIZE * span))
+
+
 def test_texture_space_makes_one_map_for_all_tiles():
     arrays = moved(bumpy(4))
     options = bridge.Options(radius=0.2, samples=16, buffer_size=256)
@@ -302,6 +312,9 @@ def test_texture_space_makes_one_map_for_all_tiles():
     for tile in SIX:
         assert np.abs(one[tile] - other[tile]).mean() < 0.05 * 65535
     assert texel_tiles.side_for(48, texel_tiles.used_uvs(arrays)) == 140  # columns from 0.05 to 2.95
+    assert texel_tiles.run(arrays, settings["software"], 48, SIX).maps["mean_curvature"].shape == (140, 140)
+    where_asked = replace(settings["software"], options=replace(options, evaluate="texel", texels=48))
+    assert texel_tiles.run_where_asked(arrays, where_asked, SIX).maps["mean_curvature"].shape == (140, 140)
     assert texel_tiles.coarser(140, 48, arrays.corner_uvs) == []
     (note,) = texel_tiles.coarser(8192, 4096, arrays.corner_uvs)
     assert "some 2825 along a side" in note
@@ -318,6 +331,30 @@ def test_tiles_of_a_coarse_mesh_take_the_detail_of_a_fine_one():
     assert 6 * 42**2 < found.results.transfer.texels <= 6 * 44**2  # charts are 0.9 of 48 texels wide
     assert found.results.transfer.missed == 0
     assert found.results.notes[0].startswith('Measured on "high"')
+
+
+def test_detail_comes_to_the_same_places_where_faces_cross_borders(monkeypatch):
+    def known(arrays, settings, _progress=None, _with_buffers=False):
+        found = measured(arrays, settings)
+        found.values["mean_curvature"] = np.sin(2 * arrays.positions[:, 0]).astype(np.float32)
+        return found
+
+    measured = job.run
+    monkeypatch.setattr(job, "run", known)
+    low, high = as_arrays(*cube_sphere(5)), as_arrays(*cube_sphere(24))
+    look, size = Look(ranges={"": (-1.0, 1.0)}), 48
+
+    def image_of(arrays, side):
+        parts = [transfer.Part(name, mesh, mesh, np.eye(4)) for name, mesh in (("low", arrays), ("high", high))]
+        choice = image_files.Choice(side, look=look)
+        return image_files.run_onto("x", parts[0], parts[1:], settings_of("mean_curvature"), choice, 0.0)
+
+    image = pixels(image_of(moved(low, (2, 2), (0.5, 0.5)), size))
+    (expected,) = pixels(image_of(moved(low, (2 / 3, 2 / 3), (1 / 6, 1 / 6)), 3 * size)).values()
+    joined = np.block([[image[1001 + column + 10 * row][:, :, 0] for column in range(3)] for row in (2, 1, 0)])
+    middle = slice(size // 2 + 2, 5 * size // 2 - 2)
+    # Texels have the same centers, but for those whose center rounds to another side of a chart's border.
+    assert np.mean(np.abs(joined - expected[:, :, 0])[middle, middle] > 0.002 * 65535) < 0.01
 
 
 def test_progress_never_goes_back_and_a_stop_between_tiles_ends_it(six):

@@ -249,7 +249,6 @@ def beside(
         both = np.take_along_axis(both, turn[:, :, None], axis=1)
         share = own[:, :1] / (own[:, :1] - own[:, 1:])  # of the way from the first corner to the line
         met = both[:, :1] + share[:, :, None] * (both[:, 1:] - both[:, :1])
-        met[:, :, axis] = limit
         for corners in faces(both, met, inside):
             parts.append((number[chosen], corners[:, :, :2], corners[:, :, 2:]))
     return tuple(np.concatenate(column) for column in zip(*parts, strict=True))

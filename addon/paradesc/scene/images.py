@@ -26,7 +26,7 @@ def from_file(path: Path) -> bpy.types.Image:
 def from_tiles(path: Path, tiles: list[int]) -> bpy.types.Image:
     """The tiled image of UDIM tiles whose files lie at a path with a place for their numbers, read afresh."""
     same = (item for item in bpy.data.images if item.source == "TILED" and item.library is None)
-    image = next((item for item in same if bpy.path.abspath(item.filepath) == str(path)), None)
+    image = next((item for item in same if Path(bpy.path.abspath(item.filepath)) == path), None)
     if image is None:
         image = bpy.data.images.load(str(tile_names.of_tile(path, tiles[0])))
         image.name = path.name
