@@ -73,7 +73,8 @@ def test_what_only_touches_a_border_or_rounds_over_it_makes_no_tile():
 
 def test_a_triangle_lies_in_the_tiles_that_it_covers_and_not_in_all_of_its_box():
     slanted = np.float32([[0.1, 0.1], [2.9, 0.1], [0.1, 1.5]])
-    tiling = udim.tiling_of(slanted[None])
+    whole = np.float32([[0, 0], [1, 0], [0, 1]])  # most of the map crosses nothing
+    tiling = udim.tiling_of(np.stack([slanted, *[whole] * 6]))
     assert tiling.tiles == (1001, 1002, 1003, 1011, 1012)
     assert tiling.crossing == 1
     assert "1 triangle crosses the borders of UDIM tiles" in tiling.notes[0]
@@ -98,6 +99,8 @@ def test_a_texture_that_repeats_makes_a_single_image_and_a_sentence():
     grid = np.stack([RIGHT + np.float32([x, y]) for x in range(10) for y in range(11)])
     assert "lies over 110 UDIM tiles" in udim.tiling_of(grid).why
     assert len(udim.tiling_of(grid[:100]).tiles) == 100
+    wall = np.float32([[[0, 0], [4, 0], [4, 3]], [[0, 0], [4, 3], [0, 3]]])
+    assert udim.tiling_of(wall) == udim.Tiling(why=udim.REPEATS)
 
 
 # ---- Cutting

@@ -21,6 +21,7 @@ FARTHEST = 1e6
 KEY_STEP = 1 << 24  # tells squares of one row from those of the next, wherever a map lies
 # Why there are no tiles where they may be expected.
 OUTSIDE = "Parts of the UV map lie outside of the UDIM tiles (U from 0 to 10, V from 0 to 100); move them into tiles."
+REPEATS = "Most of the UV map crosses borders of UDIM tiles, as that of a texture that repeats does."
 MANY = "The UV map lies over {:,} UDIM tiles, more than {}; use fewer."
 
 
@@ -132,7 +133,10 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
         return Tiling(why=MANY.format(len(tiles), MOST_TILES))
     if tiles.tolist() == [FIRST]:
         return Tiling(first=True)
-    several = np.bincount(triangles[real[number]]) > 1
+    several = np.bincount(triangles[real[number]], minlength=len(uvs)) > 1
+    area = areas(uvs)
+    if area[several].sum() > 0.5 * area.sum():
+        return Tiling(why=REPEATS)
     return Tiling(tuple(tiles.tolist()), int(several.sum()))
 
 
@@ -141,11 +145,16 @@ def in_first(uvs: np.ndarray) -> bool:
     return len(uvs) > 0 and bool(uvs.min() >= -SPILL and uvs.max() <= 1 + SPILL)
 
 
-def with_area(uvs: np.ndarray) -> np.ndarray:
-    """(n,) bool: which of (n, 3, 2) triangles can show up in an image."""
+def areas(uvs: np.ndarray) -> np.ndarray:
+    """(n,) twice the areas of (n, 3, 2) triangles."""
     one, other = (uvs[:, k].astype(np.float64) - uvs[:, 0] for k in (1, 2))
     with np.errstate(invalid="ignore", over="ignore"):
-        area = np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+        return np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+
+
+def with_area(uvs: np.ndarray) -> np.ndarray:
+    """(n,) bool: which of (n, 3, 2) triangles can show up in an image."""
+    area = areas(uvs)
     return np.isfinite(area) & (area > 0)
 
 
