@@ -169,19 +169,18 @@ static EvaluateParams params_of(const Request &request, double scale, float radi
 
 // Areas are cut off at the rim alone, where nothing evens out what clusters miss: they take five times as many, and triangles
 // half as large. Half of the radius has as many samples as the radius, where both count. What is near the center counts most for
-// bending, and volume is the small rest that curvature leaves: they take some more. Curvature hardly depends on the size of
-// triangles.
+// bending, which takes half as many again. Curvature hardly depends on the size of triangles, or on what lies within a cluster.
 static Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
   const auto any = [&](std::string_view terms) {
     return std::ranges::any_of(pass.rows, [&](int row) { return uses_terms(row, terms); });
   };
   if (pass.stage != Stage::surface && pass.stage != Stage::source) return {options.samples};
   if (options.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) return {4 * options.samples};
-  constexpr float half_as_large = 3.0f, large = 5.0f;
+  constexpr float half_as_large = 3.0f, large = 5.0f, coherence_for_curvature = 0.95f;
   if (options.estimator == PDESC_ESTIMATOR_INTEGRAL || any("area")) return {5 * options.samples, half_as_large};
-  const int samples = any("bending") || any("ball") ? 5 * options.samples / 4 : options.samples;
-  if (pass.stage == Stage::surface && !any("bending")) return {samples, large};
-  return {samples};
+  if (any("bending")) return {3 * options.samples / 2};
+  if (pass.stage == Stage::source) return {options.samples};
+  return any("ball") ? Fineness{options.samples, large} : Fineness{options.samples, large, coherence_for_curvature};
 }
 
 namespace {

@@ -17,10 +17,9 @@ namespace {
 
 constexpr int block_size = 8192;
 constexpr float samples_of_cell = 96;
-constexpr float least_spread = 1e-13f;   // pieces of less could not be told apart by floats
-constexpr float spread_of_clusters = 2;  // squares of the radius over the number of samples
-constexpr float spread_with_map = 1;     // likewise, where operators look at one
-constexpr float least_coherence = 0.95f; // of a surfel's mean normals, squared: it does not fold
+constexpr float least_spread = 1e-13f;  // pieces of less could not be told apart by floats
+constexpr float spread_of_clusters = 2; // squares of the radius over the number of samples
+constexpr float spread_with_map = 1;    // likewise, where operators look at one
 
 // Enough of a piece of surface to see whether it can be one surfel.
 struct Size {
@@ -38,7 +37,8 @@ struct Counts {
 
 class Builder {
 public:
-  Builder(const SurfelSource &source, float radius, Fineness fineness) : source_(source), tree_(source.tree) {
+  Builder(const SurfelSource &source, float radius, Fineness fineness)
+      : source_(source), tree_(source.tree), least_coherence_(fineness.coherence) {
     const float spread = source.map ? spread_with_map : spread_of_clusters;
     largest_spread_ = std::max(spread * radius * radius / static_cast<float>(fineness.samples), least_spread);
     result_.radius = radius;
@@ -152,8 +152,8 @@ private:
 
   // Whether one sample stands for it.
   bool is_small(const Size &size) const {
-    return size.spread <= largest_spread_ && dot(size.normal, size.normal) > least_coherence &&
-           dot(size.face, size.face) > least_coherence;
+    return size.spread <= largest_spread_ && dot(size.normal, size.normal) > least_coherence_ &&
+           dot(size.face, size.face) > least_coherence_;
   }
 
   // Which surfel and which cell a cluster begins with, or is part of.
@@ -348,6 +348,7 @@ private:
   const SurfelSource &source_;
   const ClusterTree &tree_;
   float largest_spread_; // of clusters
+  float least_coherence_;
   Surfels result_;
   std::vector<UnsetVector<Counts>> counts_;
   UnsetVector<Size> sizes_; // of the level that was measured last
