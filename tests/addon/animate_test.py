@@ -335,6 +335,14 @@ def test_command_refuses_in_one_sentence(cylinder_blend, tmp_path, monkeypatch, 
     assert "\n" not in sentence
 
 
+def test_command_notes_once_what_has_no_effect_on_the_processor(run, cylinder_blend, tmp_path):
+    words = ("--radius", "0.1", "--samples", "64", "--frames", "1:3", "--cache", tmp_path / "frames")
+    ended = run("animate", cylinder_blend, *words, "--seed", "3", "--buffer", "256", "--backend", "cpu")
+    assert ended.code == 0, ended.error
+    assert ended.output.count("The buffer size and the seed have no effect on the processor") == 1
+    assert "3 frames made" in ended.output
+
+
 def test_bake_measures_the_source_that_is_asked_for(paradesc, cylinder_blend):
     bpy.context.scene.frame_set(20)
     bpy.ops.wm.save_as_mainfile(filepath=str(cylinder_blend))

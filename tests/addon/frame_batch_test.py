@@ -14,6 +14,7 @@ from live_values import (  # noqa: E402
     switch,
     values,
 )
+from paradesc import bridge  # noqa: E402
 from paradesc.animation import cache_places, frame_batch, handlers, live, pausing  # noqa: E402
 from paradesc.core import color_maps  # noqa: E402
 from paradesc.files import cache  # noqa: E402
@@ -184,3 +185,28 @@ def test_frames_wait_for_no_mode_but_those_that_hold_the_mesh(pair):
     bpy.ops.object.mode_set(mode="EDIT")
     assert not bpy.ops.paradesc.bake_frames.poll()
     bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_numbers_without_effect_are_noted_once_for_all_frames_of_an_object(pair, capfd):
+    scene, note = bpy.context.scene, "The buffer size has no effect on the processor"
+    scene.paradesc.backend = "cpu"
+    pair[1].select_set(False)
+    running = batch()
+    take_steps(running)
+    running.close()
+    assert running.made == 3
+    assert [sentence.count(note) for sentence in running.pieces[0].notes] == [1]
+    capfd.readouterr()
+    assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
+    assert capfd.readouterr().out.count(note) == 1
+    scene.paradesc.buffer_size = bridge.Options().buffer_size
+    assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
+    assert "no effect" not in capfd.readouterr().out
+
+
+def test_live_values_say_nothing_of_numbers_without_effect(pair, capfd):
+    bpy.context.scene.paradesc.backend = "cpu"
+    assert switch(pair[0]) == ""
+    bpy.context.scene.frame_set(2)
+    assert handlers.session_at(pair[0]).results.backend == "cpu"
+    assert "no effect" not in capfd.readouterr().out

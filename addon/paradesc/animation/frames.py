@@ -87,6 +87,7 @@ class FrameBaker:
                 self.stream.close()
                 self.open(replace(settings, backend=settled))
             self.key = self.make_key()
+            self.notes += job.unused_notes(self.stream.backend, settings.options)
         except BaseException:
             self.stream.close()
             raise

@@ -158,13 +158,18 @@ class Results:
 
     def unused_notes(self) -> list[str]:
         """Says which numbers that were chosen have no effect on the processor."""
-        options, usual = self.settings.options, bridge.Options()
-        chosen = {"buffer size": options.buffer_size != usual.buffer_size, "seed": options.seed != usual.seed}
-        names = " and the ".join(name for name, given in chosen.items() if given)
-        if self.backend != "cpu" or not names:
-            return []
-        verb = "have" if " and " in names else "has"
-        return [f"The {names} {verb} no effect on the processor, which needs neither."]
+        return unused_notes(self.backend, self.settings.options)
+
+
+def unused_notes(backend: str, options: bridge.Options) -> list[str]:
+    """Says which of the numbers that were chosen have no effect on this backend."""
+    usual = bridge.Options()
+    chosen = {"buffer size": options.buffer_size != usual.buffer_size, "seed": options.seed != usual.seed}
+    names = " and the ".join(name for name, given in chosen.items() if given)
+    if backend != "cpu" or not names:
+        return []
+    verb = "have" if " and " in names else "has"
+    return [f"The {names} {verb} no effect on the processor, which needs neither."]
 
 
 def radius_suffix(radius: float) -> str:
