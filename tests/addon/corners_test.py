@@ -115,6 +115,83 @@ def test_of_equal_neighbors_one_stays():
     assert list(corners.find_corners(positions, triangles, response, 2.0).vertices) == [2]
 
 
+def plainly(positions, triangles, response, radius, threshold):
+    """The corners as their definition says, place by place."""
+    at = [tuple(place + np.float32(0)) for place in positions]
+    first = {place: index for index, place in reversed(list(enumerate(at)))}
+    height = {place: (-np.inf, -first[place]) for place in first}
+    for place, value in zip(at, response, strict=True):
+        if np.isfinite(value):
+            height[place] = max(height[place], (float(value), -first[place]))
+    beside = {place: set() for place in first}
+    for triangle in triangles:
+        for corner in range(3):
+            one, other = at[triangle[corner]], at[triangle[corner - 1]]
+            beside[one].add(other)
+            beside[other].add(one)
+    least = max(0, threshold * max(value for value, _ in height.values()))
+    found = []
+    for place in sorted(first, key=height.get, reverse=True):
+        reached, waiting = {place}, [place]
+        while waiting:
+            for other in beside[waiting.pop()] - reached:
+                if np.linalg.norm(np.subtract(other, place, dtype=np.float64)) <= radius:
+                    reached.add(other)
+                    waiting.append(other)
+        higher = any(height[other] > height[place] for other in reached | beside[place])
+        if height[place][0] > least and not higher:
+            found.append(first[place])
+    return found
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_corners_are_those_that_the_definition_says(seed, monkeypatch):
+    if seed % 2:
+        for name in ("PART", "GROUP", "RING"):  # many short steps
+            monkeypatch.setattr(corners, name, 7)
+    random = np.random.default_rng(seed)
+    points, quads, uvs = cube_sphere(5)
+    arrays = as_arrays(np.round(points) if seed > 3 else points, quads, uvs)  # many vertices at one place, -0 and 0
+    response = np.round(2 * random.standard_normal(len(points))) / 2  # many are equal
+    response[random.random(len(points)) < 0.2] = np.nan
+    for radius in (0.01, 1.0, 2.0, 10.0):
+        given = (arrays.positions, arrays.triangle_vertices, response.astype(np.float32), radius, 0.3)
+        found = corners.find_corners(*given)
+        assert list(found.vertices) == plainly(*given)
+        same_place = (arrays.positions[:, None] == arrays.positions[found.vertices]).all(axis=2)
+        assert np.array_equal(found.painted, same_place.any(axis=1))
+
+
+def test_the_search_asks_between_short_steps_whether_to_stop(monkeypatch):
+    monkeypatch.setattr(corners, "PART", 100)
+    monkeypatch.setattr(corners, "RING", 100)
+    arrays = as_arrays(*cube_sphere(12))
+    response = np.random.default_rng(0).standard_normal(len(arrays.positions)).astype(np.float32)
+    given = (arrays.positions, arrays.triangle_vertices, response, 1.0, 0.05)
+    asked = []
+    expected = corners.find_corners(*given, lambda *words: asked.append(words) or True)
+    assert set(asked) == {("corners", 1.0)}
+    assert len(asked) > 50
+    for last in range(len(asked)):
+        left = iter(range(last))
+        with pytest.raises(bridge.ParadescError) as caught:
+            corners.find_corners(*given, lambda *_words, left=left: next(left, None) is not None)
+        assert caught.value.status == bridge.abi.STATUS_CANCELLED
+    assert list(corners.find_corners(*given).vertices) == list(expected.vertices)
+
+
+def test_a_bake_can_be_cancelled_while_corners_are_looked_for():
+    arrays = as_arrays(*cube_sphere(6))
+    settings = job.Settings(("harris",), bridge.Options(radius=0.1, samples=32), "cpu")
+    seen = []
+    with pytest.raises(bridge.ParadescError) as caught:
+        job.run(arrays, settings, lambda stage, fraction: seen.append((stage, fraction)) or stage != "corners")
+    assert caught.value.status == bridge.abi.STATUS_CANCELLED
+    assert seen[-1] == ("corners", 1.0)
+    fractions = [fraction for _, fraction in seen]
+    assert fractions == sorted(fractions)
+
+
 @pytest.mark.slow
 def test_the_command_line_lists_and_paints_them(paradesc, tmp_path):
     points, quads, uvs = rounded_cube(16)

@@ -1,12 +1,18 @@
 """Finds corners: vertices whose Harris response no vertex around exceeds. Never imports bpy."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..bridge import ProgressFunction
+from .threads import go_on
+
 THRESHOLD = 0.05  # of the largest response
 ATTRIBUTE = "harris_corner"
 WINDOW_REACH = 2.0  # in sigma; how far the response looks: nearer corners cannot be told apart
+# What one step takes, so that it is short: vertices or triangles, places, and places of rings.
+PART, GROUP, RING = 1 << 16, 1 << 14, 1 << 14
 
 
 @dataclass
@@ -18,79 +24,160 @@ class Corners:
 
 
 def find_corners(
-    positions: np.ndarray, triangles: np.ndarray, response: np.ndarray, radius: float, threshold: float = THRESHOLD
+    positions: np.ndarray,
+    triangles: np.ndarray,
+    response: np.ndarray,
+    radius: float,
+    threshold: float = THRESHOLD,
+    progress: ProgressFunction | None = None,
 ) -> Corners:
     """Vertices whose response is above threshold times the largest, and that no other exceeds within the radius.
 
     Within means in the part of the mesh that edges in the ball connect to them. Of equal vertices the first counts.
     Even a surface without corners has a largest response: compare responses if that matters. positions (n, 3),
-    triangles (m, 3), response (n,) with NaN if there is none.
+    triangles (m, 3), response (n,) with NaN if there is none. Cancelled as a bake is, between short steps.
     """
-    _, first, point = np.unique(positions, axis=0, return_index=True, return_inverse=True)
-    point = point.reshape(-1)
-    places = positions[first].astype(np.float64)
-    value = np.full(len(first), -np.inf)
-    np.maximum.at(value, point, np.where(np.isfinite(response), response, -np.inf))
-    rank = np.empty(len(value), np.int64)
-    rank[np.lexsort((first, -value))] = np.arange(len(value))  # 0: the highest
-    begin, neighbors = adjacency(point[triangles], len(value))
+
+    def step() -> None:
+        go_on(progress, "corners", 1.0)
+
+    step()
+    order, begin, point = places(positions, step)
+    first = order[begin]
+    value = np.maximum.reduceat(np.where(np.isfinite(response), response, -np.inf).astype(np.float64)[order], begin)
+    heights, of_places = Heights(value, first), point[triangles]
+    step()
     highest = value.max(initial=-np.inf)
-    candidates = np.flatnonzero((value > threshold * highest) & (value > 0))
-    candidates = candidates[is_peak(candidates, rank, begin, neighbors)]
-    kept = candidates[~has_higher(candidates, rank, begin, neighbors, places, radius)]
-    kept = kept[np.argsort(rank[kept])]
+    peak = (value > threshold * highest) & (value > 0)
+    leave_peaks(peak, heights, of_places, step)
+    candidates = np.flatnonzero(peak)
+    where = positions[first].astype(np.float64)
+    kept = candidates[~has_higher(candidates, heights, around(of_places, len(first), step), where, radius, step)]
+    kept = kept[np.lexsort((first[kept], -value[kept]))]
     painted = np.zeros(len(value), np.float32)
     painted[kept] = 1.0
     return Corners(first[kept].astype(np.int32), painted[point])
 
 
-def adjacency(triangles: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """The neighbors of vertex i are neighbors[begin[i] : begin[i + 1]]."""
-    ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
-    ends = ends[ends[:, 0] != ends[:, 1]]
-    keys = np.unique(np.concatenate([ends[:, 0] * count + ends[:, 1], ends[:, 1] * count + ends[:, 0]]))
-    begin = np.searchsorted(keys, np.arange(count + 1) * count)
-    return begin, keys % count
+def places(positions: np.ndarray, step: Callable[[], None]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices (n,) sorted so that those at one place follow each other, where each place begins, the place of each.
+
+    Those at one place keep their order; places have none. positions (n, 3).
+    """
+    bits = (np.ascontiguousarray(positions, np.float32) + np.float32(0)).view(np.uint32)  # + 0: -0 is 0
+    mixed = (bits * np.array([0x9E3779B1, 0x85EBCA77, 0xC2B2AE3D], np.uint32)).sum(axis=1, dtype=np.uint32)
+    mixed ^= mixed >> 15
+    mixed *= np.uint32(0x2C1B3C6D)
+    parts = min(len(bits) // PART + 1, 1 << 16)
+    part = ((mixed >> 16) * np.uint64(parts) >> np.uint64(16)).astype(np.uint16)
+    order = np.argsort(part, kind="stable")
+    ends = np.cumsum(np.bincount(part, minlength=parts))
+    step()
+    for start, end in zip(ends - np.diff(ends, prepend=0), ends, strict=True):
+        own = order[start:end]
+        order[start:end] = own[np.lexsort(bits[own].T)]
+        step()
+    ordered = bits[order]
+    new = np.ones(len(order), bool)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    point = np.empty(len(order), np.int64)
+    point[order] = np.cumsum(new) - 1
+    return order, np.flatnonzero(new), point
 
 
-def spread_out(vertices: np.ndarray, begin: np.ndarray, neighbors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """All neighbors of all vertices, and to which row of vertices each belongs."""
-    counts = begin[vertices + 1] - begin[vertices]
-    rows = np.repeat(np.arange(len(vertices)), counts)
-    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    return rows, neighbors[begin[vertices][rows] + within]
+@dataclass
+class Heights:
+    """Which of two places is higher: that of the larger value; of equal ones, that of the vertex that comes first."""
+
+    value: np.ndarray  # (place_count,) float64
+    first: np.ndarray  # (place_count,) the first vertex of each
+
+    def above(self, ones: np.ndarray, others: np.ndarray) -> np.ndarray:
+        """(n,) bool: one place (n,) is higher than the other (n,)."""
+        mine, theirs = self.value[ones], self.value[others]
+        return (mine > theirs) | ((mine == theirs) & (self.first[ones] < self.first[others]))
 
 
-def is_peak(candidates: np.ndarray, rank: np.ndarray, begin: np.ndarray, neighbors: np.ndarray) -> np.ndarray:
-    """(candidates,) bool: no neighbor ranks higher."""
-    rows, beside = spread_out(candidates, begin, neighbors)
-    peak = np.ones(len(candidates), bool)
-    peak[rows[rank[beside] < rank[candidates[rows]]]] = False
-    return peak
+def leave_peaks(peak: np.ndarray, heights: Heights, triangles: np.ndarray, step: Callable[[], None]) -> None:
+    """Leaves out of peak (place_count,) bool every place with a higher neighbor."""
+    for start in range(0, len(triangles), PART):
+        part = triangles[start : start + PART]
+        for corner in range(3):
+            ones, others = part[:, corner], part[:, corner - 1]
+            peak[np.where(heights.above(ones, others), others, ones)[ones != others]] = False
+        step()
+
+
+@dataclass
+class Around:
+    """The corners of triangles by place: those of place i are corners[begin[i] : begin[i + 1]]."""
+
+    begin: np.ndarray  # (place_count + 1,)
+    corners: np.ndarray  # (corner_count,) numbers of corners
+    of_corners: np.ndarray  # (corner_count,) the place of each corner
+
+    def neighbors(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """All neighbors of all places, some of them twice, and to which row of places each belongs."""
+        counts = self.begin[places + 1] - self.begin[places]
+        rows = np.repeat(np.arange(len(places)), counts)
+        within = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
+        corners = self.corners[self.begin[places][rows] + within]
+        own = corners % 3
+        ahead, behind = corners - own + (own + 1) % 3, corners - own + (own + 2) % 3
+        return np.concatenate([rows, rows]), self.of_corners[np.concatenate([ahead, behind])]
+
+
+def around(triangles: np.ndarray, count: int, step: Callable[[], None]) -> Around:
+    """Sorts the corners of triangles (m, 3) by place, first into groups of GROUP places and then within each."""
+    of_corners = triangles.reshape(-1)
+    begin = np.concatenate([[0], np.cumsum(np.bincount(of_corners, minlength=count))])
+    free = begin[:-1:GROUP].copy()  # of each group
+    corners = np.empty(len(of_corners), np.int64)
+    for start in range(0, len(of_corners), PART):
+        group = (of_corners[start : start + PART] // GROUP).astype(np.uint16)
+        order, counts = np.argsort(group, kind="stable"), np.bincount(group, minlength=len(free))
+        corners[np.repeat(free - np.cumsum(counts) + counts, counts) + np.arange(len(order))] = start + order
+        free += counts
+        step()
+    for place in range(0, count, GROUP):
+        own = corners[begin[place] : begin[min(place + GROUP, count)]]
+        own[:] = own[np.argsort((of_corners[own] - place).astype(np.uint16), kind="stable")]
+        step()
+    return Around(begin, corners, of_corners)
 
 
 def has_higher(
     candidates: np.ndarray,
-    rank: np.ndarray,
-    begin: np.ndarray,
-    neighbors: np.ndarray,
-    places: np.ndarray,
+    heights: Heights,
+    beside: Around,
+    where: np.ndarray,
     radius: float,
+    step: Callable[[], None],
 ) -> np.ndarray:
-    """(candidates,) bool: a vertex that ranks higher is reached by edges that stay in the ball around the candidate."""
-    count = len(places)
+    """(candidates,) bool: a higher place is reached by edges that stay in the ball around the candidate.
+
+    Places (n,) are reached ring by ring, for many candidates at once; a neighbor of a ring is in it or beside it.
+    """
+    count = len(where)
     higher = np.zeros(len(candidates), bool)
-    rows, reached = np.arange(len(candidates)), candidates
-    seen = rows * count + reached
-    while len(rows):
-        back, beside = spread_out(reached, begin, neighbors)
-        keys = np.unique(rows[back] * count + beside)
-        rows, beside = keys // count, keys % count
-        near = np.linalg.norm(places[beside] - places[candidates[rows]], axis=1) <= radius
-        higher[rows[near & (rank[beside] < rank[candidates[rows]])]] = True
-        fresh = near & ~higher[rows] & ~np.isin(keys, seen, assume_unique=True)
-        rows, reached = rows[fresh], beside[fresh]
-        seen = np.concatenate([seen, keys[fresh]])
+    start = np.arange(len(candidates)) * count + candidates
+    waiting = [(start, start[:0])] if len(start) else []  # keys of a ring, candidate and place, and of the one before
+    while waiting:
+        ring, before = waiting.pop()
+        rows, reached = np.divmod(ring, count)
+        cut = rows[len(rows) // 2] * count  # between candidates
+        if len(ring) > RING and cut > ring[0]:
+            waiting += [(ring[ring < cut], before[before < cut]), (ring[ring >= cut], before[before >= cut])]
+            continue
+        back, found = beside.neighbors(reached)
+        keys = np.unique(rows[back] * count + found)
+        rows, found = np.divmod(keys, count)
+        near = np.linalg.norm(where[found] - where[candidates[rows]], axis=1) <= radius
+        higher[rows[near & heights.above(found, candidates[rows])]] = True
+        fresh = keys[near & ~higher[rows]]
+        fresh = np.setdiff1d(fresh, np.concatenate([ring, before]), assume_unique=True)
+        waiting += [(fresh, ring)] if len(fresh) else []
+        step()
     return higher
 
 

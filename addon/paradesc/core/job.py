@@ -14,6 +14,9 @@ from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 # Ends the names of values relative to the rest pose.
 CHANGE = "_change"
 
+# The computation has this share of the progress if corners are looked for afterwards.
+COMPUTING = 0.95
+
 # The attribute that marks vertices without a value.
 UNDEFINED_MASK = "paradesc_mask"
 
@@ -266,22 +269,25 @@ def run_on(
     with_buffers: bool = False,
 ) -> Results:
     """Computes the descriptors on a mesh that was made of these arrays."""
-    results = run_radii(context, mesh, settings, progress, with_buffers)
+    computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
+    results = run_radii(context, mesh, settings, computing, with_buffers)
     if arrays.layout is not None and (bridge.uses_texture_space(results.backend) or results.maps):
         results.unwrapped = arrays.layout
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
-    add_corners(results, arrays)
+    add_corners(results, arrays, progress)
     return results
 
 
-def add_corners(results: Results, arrays: bridge.MeshArrays) -> None:
+def add_corners(results: Results, arrays: bridge.MeshArrays, progress: ProgressFunction | None = None) -> None:
     """Finds the corners if there are Harris responses; with several radii, those of the first."""
     name = next((name for name in results.values if registry_name(name) == "harris"), None)
     if name is None:
         return
     reach = WINDOW_REACH * results.settings.options.map_sigma * results.radius_of(name)
     threshold = results.settings.corner_threshold
-    results.corners = find_corners(arrays.positions, arrays.triangle_vertices, results.values[name], reach, threshold)
+    results.corners = find_corners(
+        arrays.positions, arrays.triangle_vertices, results.values[name], reach, threshold, progress
+    )
 
 
 def run_radii(

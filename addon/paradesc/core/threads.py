@@ -48,6 +48,12 @@ def stop_all() -> None:
 atexit.register(stop_all)
 
 
+def go_on(progress: ProgressFunction | None, stage: str, fraction: float) -> None:
+    """Reports progress; raises if the answer is to stop."""
+    if progress is not None and not progress(stage, fraction):
+        raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
+
+
 def side_by_side(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
     """The results of work for all items, in their order, on all cores as far as work lets other threads run."""
     given = list(items)

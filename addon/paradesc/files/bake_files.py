@@ -9,6 +9,7 @@ import numpy as np
 from .. import bridge
 from ..bridge import ParadescError, abi
 from ..core import job, texel_tiles, udim
+from ..core.threads import go_on
 from . import maps, tile_names
 from .results import Baked, file_fault, folder_fault, part_path
 
@@ -126,9 +127,3 @@ def write_images(files: Files, image: Path, baked: Baked, report: bridge.Progres
     results.tiles = None  # with the mesh that they would be evaluated on
     results.notes += tiling.notes
     results.warnings += [*maps.notes(baked), *tiling.warnings]
-
-
-def go_on(report: bridge.ProgressFunction, stage: str, fraction: float) -> None:
-    """Reports progress; raises if the answer is to stop."""
-    if not report(stage, fraction):
-        raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bridge import MeshArrays, ParadescError, ProgressFunction, abi
+from ..bridge import MeshArrays, ProgressFunction
 from ..core import job, texel_centers, texel_tiles, transfer, udim
 from ..core.color_maps import Look
+from ..core.threads import go_on
 from . import maps, mask_image, png, tile_names
 from .results import Baked
 
@@ -202,8 +203,7 @@ def encoded(
         scales.append(pixels.scale)
         meanings.append(meaning if len(names) == 1 else f"{CHANNELS[number]}: {meaning}")
         filled = pixels.filled if filled is None else filled | pixels.filled
-    if progress is not None and not progress("write", DRAWING):
-        raise ParadescError(abi.STATUS_CANCELLED, "Cancelled.")
+    go_on(progress, "write", DRAWING)
     if transparent and len(names) < len(CHANNELS):
         channels.append(np.where(filled, OPAQUE, 0).astype(np.uint16)[:, :, None])
     image = channels[0] if len(channels) == 1 else np.concatenate(channels, axis=2)
