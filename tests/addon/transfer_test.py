@@ -1,5 +1,8 @@
 """High to low: values of detailed surfaces over the UV map of a coarse one, as arrays, and pairs told by names."""
 
+import tracemalloc
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -213,6 +216,37 @@ def test_it_is_cancelled_at_any_time(low, high):
         with pytest.raises(ParadescError) as error:
             transfer.run(low, [high], settings_of("mean_curvature"), 512, 0, lambda _s, done, at=least: done < at)
         assert error.value.status == abi.STATUS_CANCELLED
+
+
+def test_vertices_and_texels_look_through_one_tree(low, high, monkeypatch):
+    seen, cast = [], bridge.cast_rays
+    monkeypatch.setattr(bridge, "cast_rays", lambda *words: seen.append(len(words[2])) or cast(*words))
+    found = transfer.run(low, [high], settings_of("mean_curvature"), SIZE).transfer
+    assert seen == [len(low.arrays.positions) + found.texels]
+
+
+def test_images_that_need_more_memory_than_is_allowed_are_refused_before_anything_is_measured(low, high, monkeypatch):
+    settings = replace(settings_of("mean_curvature", "cavity"), memory_limit=10**8)
+    monkeypatch.setattr(job, "run", None)
+    with pytest.raises(ParadescError) as error:
+        transfer.run(low, [high], settings, 2048)
+    assert error.value.status == abi.STATUS_OUT_OF_MEMORY
+    assert error.value.sentence == (
+        "Images of 2,048 × 2,048 texels from high to low need about 0.21 GB of memory, and 0.1 GB may be used "
+        "(the memory limit); choose fewer texels, or set a higher limit."
+    )
+
+
+@pytest.mark.parametrize("names", [("mean_curvature",), ("mean_curvature", "cavity", "principal_direction_max")])
+def test_the_forecast_of_memory_holds(low, high, names):
+    tracemalloc.start()
+    try:
+        transfer.run(low, [high], settings_of(*names), 1024, 0.03)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    # Charts cover four fifths of the texels; beside images there are arrays of the meshes.
+    assert 0.6 < peak / transfer.memory_of_images(settings_of(*names), 1024) < 1.05
 
 
 def test_colors_span_the_values_of_the_detailed_surface(low):

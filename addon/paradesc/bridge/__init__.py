@@ -32,7 +32,7 @@ from .options import (
     uses_texture_space,
 )
 from .rays import Hits, cast_rays
-from .session import BUFFERS, Context, Field, Mesh, ProgressFunction
+from .session import BUFFERS, Context, Field, Mesh, ProgressFunction, allowed_memory
 from .uv_images import TexelMap, draw_uv_image, fill_gutter
 
 __all__ = [
@@ -66,6 +66,7 @@ __all__ = [
     "ProgressFunction",
     "SurfaceMaps",
     "TexelMap",
+    "allowed_memory",
     "cast_rays",
     "components",
     "descriptors",

@@ -25,6 +25,11 @@ class Hits:
         """(n,) bool"""
         return self.triangles < 0
 
+    def apart(self, count: int) -> tuple["Hits", "Hits"]:
+        """What the first rays met, so many of them, and what the others did."""
+        first, others = slice(0, count), slice(count, None)
+        return tuple(Hits(self.triangle_vertices, self.triangles[i], self.weights[i]) for i in (first, others))
+
     def values(self, values: np.ndarray) -> np.ndarray:
         """(n,) or (n, 3) float32 at what was met, of values (vertex_count,) or directions (vertex_count, 3)."""
         library = load_library()

@@ -276,6 +276,13 @@ class Context:
         self.close()
 
 
+def allowed_memory(limit: int) -> int:
+    """Bytes that may be used, as the library itself decides: a limit above 0, else half of what is free."""
+    triangle = MeshArrays(np.eye(3, dtype=np.float32), np.arange(3, dtype=np.int32), np.arange(3, dtype=np.int32)[None])
+    with Context("reference", memory_limit=limit) as context, context.mesh(triangle) as mesh:
+        return mesh.memory(["mean_curvature"])["allowed"]
+
+
 def backend_name(number: int) -> str:
     """The name of a pdesc_backend."""
     return next((name for name, value in BACKENDS.items() if value == number), str(number))

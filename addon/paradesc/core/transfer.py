@@ -21,6 +21,10 @@ USUAL_CAGE = 0.1
 FILLED_RINGS = 64
 # A smaller share of texels than this that met nothing is worth a note, and no warning.
 WORTH_WARNING = 0.001
+# What a texel takes: a point and a normal drawn and cast; what it met, apart from its values.
+FLOAT = 4
+RAY_BYTES = 2 * 6 * FLOAT + 1
+HIT_BYTES = 4 * FLOAT + 2
 # Measuring has this share of the progress.
 MEASURING = 0.6
 
@@ -72,29 +76,26 @@ class Projection:
     base: Results | None = None  # the coarse surface's, without images
     found: dict[int, Transfer] = field(default_factory=dict)  # by tile, without images
 
-    def seen(self, tile: int | None, progress: ProgressFunction | None) -> Transfer:
-        """Draws points and normals over the UV map, and looks from each texel at the other surface."""
+    def look(
+        self, tile: int | None, first: np.ndarray, progress: ProgressFunction | None
+    ) -> tuple[bridge.Hits, bridge.Hits, np.ndarray]:
+        """What the first rays (n, 6) met, what those of the covered texels did, and which texels (N, N) these are."""
         uvs = self.low.arrays.corner_uvs[self.low.arrays.triangle_corners]
-        corners, rays, size = self.low.arrays.triangle_vertices, self.rays, self.size
+        corners, rays = self.low.arrays.triangle_vertices, self.rays
         if tile is not None:
             shown = udim.cut(uvs, tile)
             uvs, (corners, rays) = shown.uvs, shown.values(corners, rays)
         drawing, casting = job.span_of(progress, 0.0, 0.2), job.span_of(progress, 0.2, 1.0)
-        of_texels = bridge.draw_uv_image(uvs, corners, rays, size, None, drawing, numbers=True)
-        of_texels = of_texels.reshape(-1, rays.shape[1])
-        covered = np.isfinite(of_texels[:, 0])
-        hits = bridge.cast_rays(self.surface.positions, self.surface.triangles, of_texels, self.cage, casting)
-        missed = (hits.missed & covered).reshape(size, size)
-        del of_texels
-        measured = self.surface.measured
-        images = {
-            name: filled(hits.values(column).reshape(size, size, -1), missed) for name, column in measured.items()
-        }
-        return Transfer([], self.cage, int(covered.sum()), int(missed.sum()), measured, images)
+        drawn = bridge.draw_uv_image(uvs, corners, rays, self.size, None, drawing, numbers=True)
+        covered, both = with_texels(first, drawn)
+        del drawn
+        hits = bridge.cast_rays(self.surface.positions, self.surface.triangles, both, self.cage, casting)
+        return *hits.apart(len(first)), covered
 
     def results_of(self, tile: int, progress: ProgressFunction | None) -> Results:
         """The results with the images of one tile."""
-        seen = self.seen(tile, progress)
+        _, at_texels, covered = self.look(tile, self.rays[:0], progress)
+        seen = over_uv_map(self.surface, at_texels, covered, self.cage)
         self.found[tile] = replace(seen, images={})
         return replace(self.base, transfer=seen, tiles=None)
 
@@ -121,8 +122,10 @@ def run(
     tiles: UDIM tiles that have images of their own, which are drawn when they are asked for.
     """
     check_cage(cage)
+    job.check_descriptors(settings.descriptors)
     for part in (low, *highs):
         spaces.check_scale(part.matrix, part.name)
+    check_memory(settings, size)
     settings = texel_centers.with_texels(settings, size, "vertex")
     settings = replace(settings, options=replace(settings.options, seam_error=False))
     measuring, projecting = job.span_of(progress, 0.0, MEASURING), job.span_of(progress, MEASURING, 1.0)
@@ -136,16 +139,20 @@ def run(
     surface = joined(low, highs, found, middle)
     cage = cage or USUAL_CAGE * float(np.linalg.norm(np.ptp(used, axis=0)))
     rays = np.column_stack([points - middle, smooth_normals(points, low.triangles)]).astype(np.float32)
-    begun = job.span_of(projecting, 0.0, 0.0)
-    at_vertices = bridge.cast_rays(surface.positions, surface.triangles, rays, cage, begun)
-    results = at_low_vertices(surface, at_vertices, found, [high.name for high in highs])
-    projection = Projection(low, surface, rays, cage, size, replace(results))
+    projection = Projection(low, surface, rays, cage, size)
+    names = [high.name for high in highs]
     if tiles:
-        results.transfer = Transfer([high.name for high in highs], cage, 0, 0, surface.measured, {})
+        begun = job.span_of(projecting, 0.0, 0.0)
+        at_vertices = bridge.cast_rays(surface.positions, surface.triangles, rays, cage, begun)
+        results = at_low_vertices(surface, at_vertices, found, names)
+        projection.base = replace(results)
+        results.transfer = Transfer(names, cage, 0, 0, surface.measured, {})
         results.tiles = projection
         return results
-    results.transfer = projection.seen(None, projecting)
-    results.transfer.sources = [high.name for high in highs]
+    at_vertices, at_texels, covered = projection.look(None, rays, projecting)
+    results = at_low_vertices(surface, at_vertices, found, names)
+    results.transfer = over_uv_map(surface, at_texels, covered, cage)
+    results.transfer.sources = names
     add_sentences(results, low.name)
     return results
 
@@ -155,6 +162,26 @@ def check_cage(cage: float) -> None:
     if not (np.isfinite(cage) and cage >= 0):
         sentence = f"The cage distance is {cage:g}; it must be a length above 0, or 0 to have it chosen."
         raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+
+
+def memory_of_images(settings: job.Settings, size: int) -> int:
+    """Bytes that rays and images take at most, where the UV map covers every texel."""
+    radii = 1 + len(settings.more_radii)
+    widths = [bridge.components(name) for name in settings.descriptors]
+    images = radii * sum(widths) + 2 * (1 + max(widths)) + 1  # all of them, and what filled() makes of one
+    return size**2 * max(RAY_BYTES, HIT_BYTES + FLOAT * images)
+
+
+def check_memory(settings: job.Settings, size: int) -> None:
+    """Refuses images that would take more memory than the library may use, before anything is measured."""
+    needed, limit = memory_of_images(settings, size), settings.memory_limit
+    allowed = bridge.allowed_memory(limit)
+    if needed <= allowed:
+        return
+    sentence = f"Images of {size:,} × {size:,} texels from high to low need about {needed / 1e9:.2g} GB of memory, and "
+    sentence += f"{allowed / 1e9:.2g} GB may be used ({'the memory limit' if limit else 'half of what is free'}); "
+    sentence += f"choose fewer texels, or {'set a higher limit' if limit else 'close other programs'}."
+    raise ParadescError(abi.STATUS_OUT_OF_MEMORY, sentence)
 
 
 def joined(low: Part, highs: list[Part], found: list[Results], middle: np.ndarray) -> Surface:
@@ -232,6 +259,30 @@ def summed(found: list[Results]) -> dict[str, float]:
     """The seconds that all of them took."""
     names = [name for name in found[0].field_report if name.startswith("seconds_")]
     return {name: sum(one.field_report[name] for one in found) for name in names}
+
+
+def with_texels(rays: np.ndarray, drawn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which texels (N, N) of drawn rays (N, N, 6) are covered, and rays: those given (n, 6), then those of these."""
+    covered = np.isfinite(drawn[:, :, 0])
+    both = np.empty((len(rays) + int(covered.sum()), drawn.shape[2]), np.float32)
+    both[: len(rays)] = rays
+    end = len(rays)
+    for row, there in zip(drawn, covered, strict=True):  # all at once would take as much memory again
+        start, end = end, end + int(there.sum())
+        both[start:end] = row[there]
+    return covered, both
+
+
+def over_uv_map(surface: Surface, hits: bridge.Hits, covered: np.ndarray, cage: float) -> Transfer:
+    """The images of what the rays of the covered texels (N, N) met."""
+    missed = np.zeros(covered.shape, bool)
+    missed[covered] = hits.missed
+    images = {}
+    for name, column in surface.measured.items():
+        image = np.full((*covered.shape, column.size // len(column)), np.nan, np.float32)
+        image[covered] = hits.values(column).reshape(-1, image.shape[2])
+        images[name] = filled(image, missed)
+    return Transfer([], cage, int(covered.sum()), int(missed.sum()), surface.measured, images)
 
 
 def filled(image: np.ndarray, missed: np.ndarray) -> np.ndarray:
