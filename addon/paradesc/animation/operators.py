@@ -4,7 +4,7 @@ import bpy
 
 from .. import bridge
 from ..bake.modal import ModalJob
-from ..bake.pieces import with_name
+from ..bake.pieces import failures, report_all
 from ..scene import targets
 from ..settings import translation
 from . import handlers
@@ -40,14 +40,11 @@ class PARADESC_OT_bake_frames(ModalJob, bpy.types.Operator):
         """Comes back to the frame before, makes colors span all frames, and says which frames there are now."""
         batch = self.job
         batch.close()
-        several = len(batch.pieces) > 1
-        for piece in batch.pieces:
-            for sentence in piece.notes:
-                self.report({"INFO"}, f'"{piece.name}": {sentence}' if several else sentence)
+        report_all(self.report, batch, batch.pieces)
         if batch.cancelled:
             self.report({"INFO"}, "Cancelled; the frames so far are in the cache")
             return {"CANCELLED"}
-        sentences = [with_name(piece.name, piece.failure) if several else piece.failure for piece in batch.failed]
+        sentences = failures(batch)
         if len(batch.failed) == len(batch.pieces):
             self.report({"ERROR"}, "\n".join(sentences))
             return {"CANCELLED"}
@@ -64,8 +61,11 @@ def frames_sentence(batch: FrameBatch) -> str:
     sound = [piece for piece in batch.pieces if not piece.failure]
     there = len(batch.wanted) * len(sound) - sum(piece.made for piece in sound)
     folder = sound[0].folder if len(batch.pieces) == 1 else sound[0].folder.parent
-    objects = f" of {len(sound)} objects" if len(batch.pieces) > 1 else ""
-    return f"{batch.made} frames{objects} baked, {there} were there already: {folder}"
+    found = {"made": batch.made, "objects": len(sound), "there": there, "folder": folder}
+    if len(batch.pieces) == 1:
+        return translation.said("{made} frames baked, {there} were there already: {folder}").format(**found)
+    sentence = "{made} frames of {objects} objects baked, {there} were there already: {folder}"
+    return translation.said(sentence).format(**found)
 
 
 class PARADESC_OT_live_range(bpy.types.Operator):

@@ -69,7 +69,8 @@ class PARADESC_OT_fit_radius(bpy.types.Operator):
             self.report({"ERROR"}, error.sentence)
             return {"CANCELLED"}
         group.radius_unit, group.radius_percent = "diagonal", 100 * advice.fitting_radius(edge, diagonal)
-        self.report({"INFO"}, f"Radius {group.radius_percent:.3g} %: the mean edge is {100 * edge / diagonal:.2g} %")
+        shares = {"radius": f"{group.radius_percent:.3g}", "edge": f"{100 * edge / diagonal:.2g}"}
+        self.report({"INFO"}, translation.said("Radius {radius} %: the mean edge is {edge} %").format(**shares))
         return {"FINISHED"}
 
 

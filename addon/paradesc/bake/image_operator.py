@@ -3,6 +3,7 @@
 import bpy
 
 from ..scene import pairs, targets
+from ..settings.translation import said
 from .image_batch import ImageBatch
 from .modal import ModalJob
 from .pieces import failures, report_all
@@ -92,14 +93,23 @@ class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):
 def image_sentence(batch: ImageBatch) -> str:
     """What was written, where, and how long it took, in one line."""
     made = [texture.file_name for piece in batch.written for texture in piece.textures.made]
-    what = made[0] if len(made) == 1 else f"{len(made)} images, {made[0]} to {made[-1]}"
-    where = "in this .blend, which is not saved yet" if batch.folder is None else f"in {batch.folder}"
+    several = {"count": len(made), "first": made[0], "last": made[-1]}
+    what = said("{count} images, {first} to {last}").format(**several) if len(made) > 1 else made[0]
+    here = said("in this .blend, which is not saved yet")
+    where = here if batch.folder is None else said("in {folder}").format(folder=batch.folder)
     found = [piece.textures.results for piece in batch.written]
     computed = sum(results.field_report["seconds_total"] for results in found)
     materials = ", ".join(f'"{name}"' for name in dict.fromkeys(piece.material for piece in batch.written) if name)
-    size = batch.choice.size
-    line = f"{what}, {size} × {size}, {where}: {batch.seconds:.2f} s, of which {computed:.2f} s on {found[0].device}"
-    return line + (f"; in the material {materials}" if materials else "")
+    parts = {
+        "what": what,
+        "size": batch.choice.size,
+        "where": where,
+        "seconds": f"{batch.seconds:.2f}",
+        "computed": f"{computed:.2f}",
+        "device": found[0].device,
+    }
+    line = said("{what}, {size} × {size}, {where}: {seconds} s, of which {computed} s on {device}").format(**parts)
+    return line + (said("; in the material {names}").format(names=materials) if materials else "")
 
 
 classes = (PARADESC_OT_bake_image, PARADESC_OT_bake_onto)

@@ -63,7 +63,7 @@ class PARADESC_OT_bake(RadiusOption, ModalJob, bpy.types.Operator):
         for sentence in failures(batch):
             self.report({"WARNING"}, sentence)
         for path in [path for piece in batch.written for path in piece.placed]:
-            self.report({"INFO"}, f"Wrote {path}")
+            self.report({"INFO"}, translation.said("Wrote {path}").format(path=path))
         self.report({"WARNING" if batch.failed else "INFO"}, bake_sentence(batch))
         return {"FINISHED"}
 
@@ -79,15 +79,19 @@ def bake_sentence(batch: Batch) -> str:
     """What a bake did, in one line."""
     written = batch.written
     seconds = sum(piece.results.field_report["seconds_total"] for piece in written)
-    names = ", ".join(map(legend.label, written[0].results.values))
+    names = ", ".join(translation.label(legend.label(name)) for name in written[0].results.values)
     undefined = sum(piece.results.field_report["undefined_vertices"] for piece in written)
-    end = f", {undefined:,} undefined vertices" if undefined else ""
-    line = f"{names}: {seconds:.2f} s on {written[0].results.device}{end}"
+    done = {"names": names, "seconds": f"{seconds:.2f}", "device": written[0].results.device}
+    line = translation.said("{names}: {seconds} s on {device}").format(**done)
+    if undefined:
+        line += translation.said(", {count} undefined vertices").format(count=f"{undefined:,}")
     if len(batch.pieces) == 1:
         return line
-    count = f"{len(written)} meshes" if not batch.failed else f"{len(written)} of {len(batch.pieces)} meshes"
+    if not batch.failed:
+        return translation.said("{count} meshes, {line}").format(count=len(written), line=line)
     lost = ", ".join(f'"{piece.name}"' for piece in batch.failed)
-    return f"{count}, {line}" + (f"; without {lost}" if lost else "")
+    some = {"count": len(written), "whole": len(batch.pieces), "line": line, "lost": lost}
+    return translation.said("{count} of {whole} meshes, {line}; without {lost}").format(**some)
 
 
 class PARADESC_OT_make_local(bpy.types.Operator):
@@ -115,7 +119,7 @@ class PARADESC_OT_make_local(bpy.types.Operator):
         except ParadescError as error:
             self.report({"ERROR"}, error.sentence)
             return {"FINISHED" if names else "CANCELLED"}
-        self.report({"INFO"}, f"Local now: {', '.join(names)}")
+        self.report({"INFO"}, translation.said("Local now: {names}").format(names=", ".join(names)))
         return {"FINISHED"}
 
 

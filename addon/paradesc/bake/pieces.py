@@ -7,6 +7,7 @@ import bpy
 
 from ..bridge import ParadescError, abi
 from ..core.threads import Worker
+from ..settings.translation import said
 
 ObjectKey = tuple[str, str | None]  # an object's name and library: objects themselves do not outlive an undo
 
@@ -140,13 +141,13 @@ def report_all(report: Callable[[set[str], str], None], batch: Pieces, written: 
     for piece in written:
         for kind, sentences in (("INFO", piece.notes), ("WARNING", piece.warnings)):
             for sentence in dict.fromkeys(sentences):
-                report({kind}, f'"{piece.name}": {sentence}' if several else sentence)
+                report({kind}, f'"{piece.name}": {said(sentence)}' if several else said(sentence))
 
 
 def failures(batch: Pieces) -> list[str]:
     """One sentence for each object that failed; with its name if there are several."""
     if len(batch.pieces) == 1:
-        return [piece.failure for piece in batch.failed]
+        return [said(piece.failure) for piece in batch.failed]
     return [with_name(piece.name, piece.failure) for piece in batch.failed]
 
 
@@ -164,7 +165,7 @@ def file_words(names: list[str]) -> list[str]:
 
 def with_name(name: str, failure: str) -> str:
     """The sentence about an object, with its name in front unless the sentence has it."""
-    return failure if f'"{name}"' in failure else f'"{name}": {failure}'
+    return said(failure) if f'"{name}"' in failure else f'"{name}": {said(failure)}'
 
 
 def find(key: ObjectKey) -> bpy.types.Object:

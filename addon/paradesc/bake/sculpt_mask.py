@@ -9,7 +9,7 @@ import numpy as np
 from ..core import job
 from ..core.threads import Worker
 from ..scene import sculpt_masks, targets
-from ..settings import presets, properties
+from ..settings import presets, properties, translation
 from .fit import RadiusOption
 from .modal import ModalJob
 from .pieces import OneByOne, Piece, failures, key_of, report_all
@@ -126,8 +126,12 @@ class PARADESC_OT_mask_from_shape(RadiusOption, ModalJob, bpy.types.Operator):
             return {"CANCELLED"}
         report_all(self.report, batch, batch.written)
         results = batch.written[0].results
-        seconds, label = results.field_report["seconds_total"], presets.PRESETS[self.mask].label
-        self.report({"INFO"}, f"Masked by {label}: {seconds:.2f} s on {results.device}")
+        done = {
+            "mask": translation.label(presets.PRESETS[self.mask].label),
+            "seconds": f"{results.field_report['seconds_total']:.2f}",
+            "device": results.device,
+        }
+        self.report({"INFO"}, translation.said("Masked by {mask}: {seconds} s on {device}").format(**done))
         return {"FINISHED"}
 
 

@@ -124,7 +124,7 @@ class PARADESC_OT_preset(NeedsLibrary, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Applies the preset, and says what it is for."""
         preset = apply(context.scene.paradesc, self.name)
-        self.report({"INFO"}, f"{preset.label}: {preset.purpose}")
+        self.report({"INFO"}, f"{translation.label(preset.label)}: {translation.said(preset.purpose)}")
         return {"FINISHED"}
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from ..core import color_maps
 from ..core.job import registry_row
 from ..scene import mesh_io, sculpt_masks
+from ..settings import translation
 from ..settings.looks import CHANNELS, PACKED_DOMAINS
 from . import recolor
 
@@ -181,8 +182,9 @@ class PARADESC_OT_pack(recolor.NeedsBake, bpy.types.Operator):
         group = context.scene.paradesc_looks
         names = [getattr(group, f"pack_{channel}") for channel in CHANNELS]
         pack(target.data, names, group.pack_name, group.pack_kind, group.pack_domain)
-        words = {item[0]: item[1].lower() for item in PACKED_DOMAINS}[group.pack_domain]
-        self.report({"INFO"}, f'Packed into "{group.pack_name}", one color a {words}')
+        words = translation.label({item[0]: item[1] for item in PACKED_DOMAINS}[group.pack_domain]).lower()
+        sentence = translation.said('Packed into "{name}", one color a {place}')
+        self.report({"INFO"}, sentence.format(name=group.pack_name, place=words))
 
 
 class PARADESC_OT_corner_colors(NeedsShown, bpy.types.Operator):
@@ -193,7 +195,7 @@ class PARADESC_OT_corner_colors(NeedsShown, bpy.types.Operator):
 
     def write(self, target: bpy.types.Object, name: str) -> str:
         """Makes the attribute."""
-        return f'Wrote the color attribute "{corner_colors(target.data, name)}"'
+        return translation.said('Wrote the color attribute "{name}"').format(name=corner_colors(target.data, name))
 
 
 class PARADESC_OT_vertex_group(NeedsShown, bpy.types.Operator):
@@ -205,7 +207,7 @@ class PARADESC_OT_vertex_group(NeedsShown, bpy.types.Operator):
     def write(self, target: bpy.types.Object, name: str) -> str:
         """Makes or fills the group."""
         vertex_group(target, name)
-        return f'Wrote the vertex group "{name}"'
+        return translation.said('Wrote the vertex group "{name}"').format(name=name)
 
 
 class PARADESC_OT_sculpt_mask(NeedsShown, bpy.types.Operator):
@@ -228,7 +230,7 @@ class PARADESC_OT_sculpt_mask(NeedsShown, bpy.types.Operator):
     def write(self, target: bpy.types.Object, name: str) -> str:
         """Fills the mask."""
         sculpt_mask(target, name, self.replace)
-        return f"Wrote {name} into the sculpt mask"
+        return translation.said("Wrote {name} into the sculpt mask").format(name=name)
 
 
 class PARADESC_OT_export_copies(recolor.NeedsBake, bpy.types.Operator):
@@ -240,7 +242,8 @@ class PARADESC_OT_export_copies(recolor.NeedsBake, bpy.types.Operator):
 
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Makes or fills the copies."""
-        self.report({"INFO"}, "Wrote " + ", ".join(export_copies(target.data)))
+        names = ", ".join(export_copies(target.data))
+        self.report({"INFO"}, translation.said("Wrote {names}").format(names=names))
 
 
 classes = (
