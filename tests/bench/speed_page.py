@@ -227,7 +227,7 @@ def readme_lines(found: dict) -> list[str]:
 def growth_lines(found: dict) -> list[str]:
     """How many times faster than the baseline a frame of the largest mesh is: on the CPU, and in texture space."""
     every, size = found | found["beside"], figures.SIZES[-1]
-    cpu, texture_space = every.get(f"cpu_speedup_{size}"), every.get(f"speedup_{size}_at_vertices")
+    cpu, texture_space = every.get(f"cpu_speedup_{size}"), every.get(f"speedup_{size}")
     if not (cpu and texture_space):
         return []
     return [
