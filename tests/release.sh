@@ -56,7 +56,7 @@ cp "$release/linux-x64/libparadesc.so" "$lib"
 "$python" -m pytest -q --rootdir "$root" "$root/tests/addon" "$@" || status=1
 if command -v blender >/dev/null; then
   site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
-  blender -b --factory-startup -P "$root/tests/addon/run_in_blender.py" -- "$site_packages" -q "$@" || status=1
+  blender -b --factory-startup --python-exit-code 1 -P "$root/tests/addon/run_in_blender.py" -- "$site_packages" -q "$@" || status=1
 fi
 [ $status -eq 0 ] && echo "release: all passed" || echo "release: FAILED"
 exit $status

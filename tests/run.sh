@@ -93,7 +93,7 @@ module=$!
 trap 'kill $(jobs -p) 2>/dev/null' EXIT # of what an interrupt leaves behind
 if command -v blender >/dev/null; then
   step "add-on in $(blender --version 2>/dev/null | head -n 1), beside the Python module" \
-    blender -b --factory-startup -P "$root/tests/addon/run_in_blender.py" -- "$site_packages" -q
+    blender -b --factory-startup --python-exit-code 1 -P "$root/tests/addon/run_in_blender.py" -- "$site_packages" -q
 else
   skipped+=("add-on in Blender itself: there is no blender here")
 fi

@@ -113,7 +113,7 @@ in_program() {
     python3 -m venv --clear "$environment" &&
       "$environment/bin/python" -m pip install -q --disable-pip-version-check "${TEST_REQUIREMENTS[@]}"
   } || fail "pip could not install ${TEST_REQUIREMENTS[*]}."
-  exec blender -b --factory-startup -P "$root/tests/addon/run_in_blender.py" -- \
+  exec blender -b --factory-startup --python-exit-code 1 -P "$root/tests/addon/run_in_blender.py" -- \
     "$("$environment/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')" -q ${words[@]+"${words[@]}"}
 }
 
