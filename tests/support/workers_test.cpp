@@ -9,7 +9,16 @@
 
 #include "support/parallel.h"
 
-#if defined(__unix__)
+// ThreadSanitizer knows no threads after a fork.
+#if defined(__has_feature)
+#define IS_THREAD_SANITIZED __has_feature(thread_sanitizer)
+#elif defined(__SANITIZE_THREAD__)
+#define IS_THREAD_SANITIZED 1
+#else
+#define IS_THREAD_SANITIZED 0
+#endif
+#if defined(__unix__) && !IS_THREAD_SANITIZED
+#define CAN_FORK
 #include <sys/wait.h>
 #include <unistd.h>
 #endif
@@ -62,7 +71,7 @@ TEST(Workers, scopes_nest_as_calls_from_a_callback_do) {
   EXPECT_EQ(visits(30), std::vector<int>(30, 1));
 }
 
-#if defined(__unix__) && !defined(__SANITIZE_THREAD__) // which knows no threads after a fork
+#ifdef CAN_FORK
 TEST(Workers, a_forked_process_starts_its_own_and_ends) {
   Workers workers;
   const Workers::Scope scope(workers);

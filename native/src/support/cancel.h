@@ -52,8 +52,8 @@ private:
 void checkpoint();
 
 // In a loop: a checkpoint once in so many steps as take a few milliseconds at most.
-inline void checkpoint_at(size_t step) {
-  if (step % 32768 == 0) checkpoint();
+inline void checkpoint_at(size_t step, size_t steps = 32768) {
+  if (step % steps == 0) checkpoint();
 }
 
 } // namespace paradesc

@@ -80,9 +80,8 @@ Sample sample_of(const SurfelSource &source, int32_t triangle, float lean);
 // may be larger than clusters; and far larger for what does not depend on the last per cent of an area, or on what lies near.
 struct Fineness {
   int samples;
-  float triangles = 1.5f; // how much wider they may spread than clusters
-  float coherence =
-      0.995f; // at least, of a cluster: the square of its mean normal's length. It does not fold, and hides no detail
+  float triangles = 1.5f;   // how much wider they may spread than clusters
+  float coherence = 0.995f; // of a cluster's normals: the square of their mean's length, at least. So it hides no detail
   friend bool operator==(const Fineness &, const Fineness &) = default;
 };
 Surfels build_surfels(const SurfelSource &source, float radius, Fineness fineness);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "mesh/ball_flood.h"
+#include "support/cancel.h"
 
 namespace paradesc {
 
@@ -27,6 +28,7 @@ void FacetFlood::run(dvec3 center, int32_t point, int32_t triangle, double radiu
     if (corner == first) break;
   }
   for (size_t triangles = 0, sides = 0; triangles < reached_.size() || sides < sides_.size();) {
+    checkpoint_at(triangles + sides, 4096);
     if (sides < sides_.size()) {
       cross(facets_.side[sides_[sides++]]);
       continue;

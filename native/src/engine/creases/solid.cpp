@@ -9,6 +9,7 @@
 #include "engine/creases/closed_forms.h"
 #include "kernel/limits.h"
 #include "mesh/ball_flood.h"
+#include "support/cancel.h"
 
 namespace paradesc {
 
@@ -149,8 +150,10 @@ SolidTensor SolidMeasure::at(const SolidCenter &center) {
   }
   Sums sums;
   if (center.point >= 0) add_own_edges(sums.hard);
-  for (const int32_t triangle : flood_.triangles()) {
-    const Seen seen = see(triangle);
+  constexpr size_t of_a_millisecond = 1024;
+  for (size_t i = 0; i < flood_.triangles().size(); ++i) {
+    checkpoint_at(i, of_a_millisecond);
+    const Seen seen = see(flood_.triangles()[i]);
     if (!(seen.face.twice_area > 0)) continue;
     add_face(sums, seen);
   }
