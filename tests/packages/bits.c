@@ -105,18 +105,11 @@ static int print_bits(pdesc_mesh *mesh, const char *shape, const pdesc_options *
 enum { SETTINGS = 7 };
 
 static int print_shape(pdesc_context *context, const char *shape, double radius, int has_map) {
-  pdesc_mesh_input input;
-  pdesc_mesh *mesh = NULL;
-  call(pdesc_mesh_input_init)(&input);
-  input.vertex_count = made.vertices;
-  input.corner_count = 3 * made.triangles;
-  input.triangle_count = made.triangles;
-  input.positions = made.positions;
-  input.corner_vertices = made.corner_vertices;
-  input.triangle_corners = made.triangle_corners;
   for (int i = 0; i < 6 * made.triangles; ++i) made.corner_uvs[i] = made.uvs[2 * made.corner_vertices[i / 2] + i % 2];
-  if (has_map) input.corner_uvs = made.corner_uvs;
-  if (call(pdesc_mesh_create)(context, &input, &mesh)) return fail("mesh");
+  pdesc_mesh *mesh =
+      make_mesh(context, (triangles_t){made.vertices, made.triangles, made.positions, has_map ? made.corner_uvs : NULL,
+                                       made.corner_vertices, made.triangle_corners});
+  if (!mesh) return 1;
   for (int choice = 0; choice < SETTINGS + has_map; ++choice) {
     pdesc_options options;
     call(pdesc_options_init)(&options);

@@ -53,23 +53,15 @@ int main(int argc, char **argv) {
   const library_t library = argc > 1 ? open_library(argv[1]) : NULL;
   if (!library || !find_functions(library)) return fprintf(stderr, "cannot load the library\n"), 1;
   pdesc_context_options context_options;
-  pdesc_mesh_input input;
   pdesc_options options;
   pdesc_context *context = NULL;
-  pdesc_mesh *mesh = NULL;
   call(pdesc_context_options_init)(&context_options);
   context_options.backend = PDESC_BACKEND_CPU;
   context_options.threads = argc > 2 ? atoi(argv[2]) : 0;
   if (call(pdesc_context_create)(&context_options, &context)) return fail("context");
   make_torus();
-  call(pdesc_mesh_input_init)(&input);
-  input.vertex_count = VERTICES;
-  input.corner_count = 3 * TRIANGLES;
-  input.triangle_count = TRIANGLES;
-  input.positions = positions;
-  input.corner_vertices = corner_vertices;
-  input.triangle_corners = triangle_corners;
-  if (call(pdesc_mesh_create)(context, &input, &mesh)) return fail("mesh");
+  pdesc_mesh *mesh = make_mesh(context, (triangles_t){VERTICES, TRIANGLES, positions, NULL, corner_vertices, triangle_corners});
+  if (!mesh) return 1;
   call(pdesc_options_init)(&options);
   double fastest = 1e300;
   for (int frame = 0; frame < FRAMES; ++frame) {

@@ -25,9 +25,10 @@ static library_t open_library(const char *path) { return dlopen(path, RTLD_NOW |
   F(pdesc_version)                                                                                                               \
   F(pdesc_last_error)                                                                                                            \
   F(pdesc_context_options_init)                                                                                                  \
-  F(pdesc_context_create) F(pdesc_context_destroy) F(pdesc_context_device) F(pdesc_mesh_input_init) F(pdesc_mesh_create)         \
-      F(pdesc_mesh_set_positions) F(pdesc_mesh_destroy) F(pdesc_options_init) F(pdesc_compute) F(pdesc_field_values)             \
-          F(pdesc_field_destroy) F(pdesc_descriptor_count) F(pdesc_descriptor_get) F(pdesc_descriptor_info_init)
+  F(pdesc_context_create)                                                                                                        \
+  F(pdesc_context_destroy) F(pdesc_context_device) F(pdesc_mesh_input_init) F(pdesc_mesh_create) F(pdesc_mesh_set_positions)     \
+      F(pdesc_mesh_destroy) F(pdesc_options_init) F(pdesc_compute) F(pdesc_field_values) F(pdesc_field_destroy)                  \
+          F(pdesc_descriptor_count) F(pdesc_descriptor_get) F(pdesc_descriptor_info_init)
 #define DECLARE(name) static __typeof__(&name) call_##name;
 FUNCTIONS(DECLARE)
 #define call(name) call_##name
@@ -47,6 +48,29 @@ static int find_functions(library_t library) {
 static int fail(const char *what) {
   fprintf(stderr, "%s: %s\n", what, call(pdesc_last_error)());
   return 1;
+}
+
+/* What a mesh needs; corners follow each other, three a triangle. */
+typedef struct {
+  int vertices, triangles;
+  const float *positions, *corner_uvs; /* corner_uvs: or NULL */
+  const int32_t *corner_vertices, *triangle_corners;
+} triangles_t;
+
+/* NULL, once it has said why. */
+static pdesc_mesh *make_mesh(pdesc_context *context, triangles_t of) {
+  pdesc_mesh_input input;
+  pdesc_mesh *mesh = NULL;
+  call(pdesc_mesh_input_init)(&input);
+  input.vertex_count = of.vertices;
+  input.corner_count = 3 * of.triangles;
+  input.triangle_count = of.triangles;
+  input.positions = of.positions;
+  input.corner_vertices = of.corner_vertices;
+  input.triangle_corners = of.triangle_corners;
+  input.corner_uvs = of.corner_uvs;
+  if (call(pdesc_mesh_create)(context, &input, &mesh)) fail("mesh");
+  return mesh;
 }
 
 #endif

@@ -44,16 +44,8 @@ int main(int argc, char **argv) {
   if (call(pdesc_context_create)(&context_options, &context)) return fail("context");
 
   make_sphere();
-  pdesc_mesh_input input;
-  pdesc_mesh *mesh = NULL;
-  call(pdesc_mesh_input_init)(&input);
-  input.vertex_count = VERTICES;
-  input.corner_count = 3 * TRIANGLES;
-  input.triangle_count = TRIANGLES;
-  input.positions = positions;
-  input.corner_vertices = corner_vertices;
-  input.triangle_corners = triangle_corners;
-  if (call(pdesc_mesh_create)(context, &input, &mesh)) return fail("mesh");
+  pdesc_mesh *mesh = make_mesh(context, (triangles_t){VERTICES, TRIANGLES, positions, NULL, corner_vertices, triangle_corners});
+  if (!mesh) return 1;
 
   pdesc_options options;
   pdesc_field *field = NULL;
