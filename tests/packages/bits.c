@@ -4,7 +4,6 @@
  * Every system, processor, compiler and number of threads has to print the same lines. The meshes are made of sums, products,
  * quotients and square roots alone, which IEEE 754 determines; a NaN is one whatever its bits are. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "loaded.h"
 #include "torus.h"
@@ -127,14 +126,8 @@ static int print_shape(pdesc_context *context, const char *shape, double radius,
 }
 
 int main(int argc, char **argv) {
-  const library_t library = argc > 1 ? open_library(argv[1]) : NULL;
-  if (!library || !find_functions(library)) return fprintf(stderr, "cannot load the library\n"), 1;
-  pdesc_context_options options;
-  pdesc_context *context = NULL;
-  call(pdesc_context_options_init)(&options);
-  options.backend = PDESC_BACKEND_CPU;
-  options.threads = argc > 2 ? atoi(argv[2]) : 0;
-  if (call(pdesc_context_create)(&options, &context)) return fail("context");
+  pdesc_context *const context = open_processor(argc > 1 ? argv[1] : NULL, argc > 2 ? argv[2] : NULL);
+  if (!context) return 1;
   make_torus();
   if (print_shape(context, "torus", 0.08, 0)) return 1;
   make_block(1);

@@ -2,7 +2,6 @@
  * positions, 2 % of the diagonal, the defaults, values at vertices.
  *   frame_times LIBRARY [THREADS]
  * Prints the milliseconds of the fastest frame. */
-#include <stdlib.h>
 #include <time.h>
 
 #include "loaded.h"
@@ -50,15 +49,9 @@ static double time_frame(pdesc_mesh *mesh, const pdesc_options *options) {
 }
 
 int main(int argc, char **argv) {
-  const library_t library = argc > 1 ? open_library(argv[1]) : NULL;
-  if (!library || !find_functions(library)) return fprintf(stderr, "cannot load the library\n"), 1;
-  pdesc_context_options context_options;
+  pdesc_context *const context = open_processor(argc > 1 ? argv[1] : NULL, argc > 2 ? argv[2] : NULL);
+  if (!context) return 1;
   pdesc_options options;
-  pdesc_context *context = NULL;
-  call(pdesc_context_options_init)(&context_options);
-  context_options.backend = PDESC_BACKEND_CPU;
-  context_options.threads = argc > 2 ? atoi(argv[2]) : 0;
-  if (call(pdesc_context_create)(&context_options, &context)) return fail("context");
   make_torus();
   pdesc_mesh *mesh = make_mesh(context, (triangles_t){VERTICES, TRIANGLES, positions, NULL, corner_vertices, triangle_corners});
   if (!mesh) return 1;

@@ -4,6 +4,7 @@
 
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "paradesc/paradesc.h"
@@ -26,9 +27,10 @@ static library_t open_library(const char *path) { return dlopen(path, RTLD_NOW |
   F(pdesc_last_error)                                                                                                            \
   F(pdesc_context_options_init)                                                                                                  \
   F(pdesc_context_create)                                                                                                        \
-  F(pdesc_context_destroy) F(pdesc_context_device) F(pdesc_mesh_input_init) F(pdesc_mesh_create) F(pdesc_mesh_set_positions)     \
-      F(pdesc_mesh_destroy) F(pdesc_options_init) F(pdesc_compute) F(pdesc_field_values) F(pdesc_field_destroy)                  \
-          F(pdesc_descriptor_count) F(pdesc_descriptor_get) F(pdesc_descriptor_info_init)
+  F(pdesc_context_destroy)                                                                                                       \
+  F(pdesc_context_device) F(pdesc_mesh_input_init) F(pdesc_mesh_create) F(pdesc_mesh_set_positions) F(pdesc_mesh_destroy)        \
+      F(pdesc_options_init) F(pdesc_compute) F(pdesc_field_values) F(pdesc_field_destroy) F(pdesc_descriptor_count)              \
+          F(pdesc_descriptor_get) F(pdesc_descriptor_info_init)
 #define DECLARE(name) static __typeof__(&name) call_##name;
 FUNCTIONS(DECLARE)
 #define call(name) call_##name
@@ -48,6 +50,19 @@ static int find_functions(library_t library) {
 static int fail(const char *what) {
   fprintf(stderr, "%s: %s\n", what, call(pdesc_last_error)());
   return 1;
+}
+
+/* A context of the processor; of all cores without a word that says how many. NULL, once it has said why. */
+static inline pdesc_context *open_processor(const char *library_path, const char *threads) {
+  const library_t library = library_path ? open_library(library_path) : NULL;
+  if (!library || !find_functions(library)) return fprintf(stderr, "cannot load the library\n"), NULL;
+  pdesc_context_options options;
+  pdesc_context *context = NULL;
+  call(pdesc_context_options_init)(&options);
+  options.backend = PDESC_BACKEND_CPU;
+  options.threads = threads ? atoi(threads) : 0;
+  if (call(pdesc_context_create)(&options, &context)) fail("context");
+  return context;
 }
 
 /* What a mesh needs; corners follow each other, three a triangle. */
