@@ -10,11 +10,11 @@ set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
 source "$root/tests/sanitizers/build.sh"
 
-inputs=100000 seconds=0 only_cpu=
+inputs=100000 seconds=0 only_cpu= priority=10 patience=60
 while [ $# -gt 0 ]; do
   case "$1 ${2:-}" in
   "--inputs "[1-9]*) inputs=$2 ;;
-  "--cpu "[1-9]*) inputs=$(($2 * 10)) only_cpu=yes ;;
+  "--cpu "[1-9]*) inputs=$(($2 * 10)) only_cpu=yes patience=600 ;; # runs for an hour and more, beside other work
   "--hours "[0-9.]*) seconds=$(awk -v hours="$2" 'BEGIN { print int(hours * 3600) }') ;;
   *) fail "usage: bash tests/fuzz.sh [--inputs N | --cpu N | --hours H]" ;;
   esac
@@ -31,7 +31,6 @@ build_with_clang "$folder" "-O2 -gline-tables-only" "paradesc_fuzz_cpu paradesc_
 [ -f "$root/addon/paradesc/lib/libparadesc.so" ] || build_library paradesc
 
 export UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=$root/tests/sanitizers/leaks.txt:print_suppressions=0
-priority=10 patience=60
 
 # calls TARGET NAME LIMIT...: libFuzzer over the corpus and what follows from it. Stopped computations begin with that of whole ones,
 # cut short: a mesh, options and the first calls, of which there are twice as many a second as of long sequences. The device keeps
