@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "descriptor/passes.h"
@@ -17,6 +19,7 @@
 #include "engine/cpu/search.h"
 #include "engine/creases/blend.h"
 #include "engine/memory.h"
+#include "support/free_memory.h"
 #include "support/keyed.h"
 #include "support/parallel.h"
 #include "support/pool.h"
@@ -183,25 +186,46 @@ static Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
   return any("ball") ? Fineness{options.samples, large} : Fineness{options.samples, large, coherence_for_curvature};
 }
 
+// In parts that grow, and as one list.
+static constexpr int64_t bytes_of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
+
+// Throws Error(OUT_OF_MEMORY) where they do not fit, which counts alone do not tell: maps may displace a surface as far as they
+// like.
+static SurfaceSamples samples_within(int64_t memory_limit, const SurfelSource &source, const Surfels &surfels) {
+  double count = 0.0;
+  for (const Surfel &surfel : surfels.surfel)
+    if (surfel.samples <= max_stored_samples) count += surfel.samples;
+  const double needed =
+      count * (static_cast<double>(bytes_of_sample) + static_cast<double>(source.map ? 2 * sizeof(SampleMap) : 0));
+  const auto allowed = static_cast<double>(allowed_memory(memory_limit, 0));
+  if (needed <= allowed) return list_samples(source, surfels);
+  throw Error(PDESC_ERROR_OUT_OF_MEMORY, "About " + std::to_string(std::llround(count)) +
+                                             " samples would stand for the surface, which need " +
+                                             std::to_string(std::llround(1e-6 * needed)) + " MB of memory, and " +
+                                             std::to_string(std::llround(1e-6 * allowed)) +
+                                             " MB may be used; use a larger radius, fewer samples, or maps that displace less.");
+}
+
 namespace {
 
 // One pass on a surface that is divided for it.
 class RunningPass {
 public:
   RunningPass(const Surface &surface, const Request &request, const ClusterTree &tree, const BakeSpace &space, const Pass &pass,
-              const MapValues *map, int threads)
+              const MapValues *map, const Resources &resources)
       : surface_(surface), request_(request), pass_(pass),
         radius_(static_cast<float>(radius_of(pass, request.options, request.radius) * space.scale)),
         space_(space), source_{surface.triangles,
                                surface.half_edges,
                                surface.normals,
                                tree,
-                               positions_in(space, surface.triangles, threads),
+                               positions_in(space, surface.triangles, resources.threads),
                                map,
-                               threads},
-        surfels_(build_surfels(source_, radius_, fineness_of(pass, request.options))), samples_(list_samples(source_, surfels_)),
+                               resources.threads},
+        surfels_(build_surfels(source_, radius_, fineness_of(pass, request.options))),
+        samples_(samples_within(resources.memory_limit, source_, surfels_)),
         params_(params_of(request, space.scale, radius_, share_of_clusters(surfels_))),
-        creases_(surface, radius_of(pass, request.options, request.radius), threads) {
+        creases_(surface, radius_of(pass, request.options, request.radius), resources.threads) {
     surfels_.cluster = {}; // samples stand for them
   }
 
@@ -344,7 +368,7 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
     }
     const RunningPass running = [&] {
       const CancelScope cancel([&] { part(0.0); });
-      return RunningPass(surface, request, tree, space, pass, map, resources.threads);
+      return RunningPass(surface, request, tree, space, pass, map, resources);
     }();
     if (!map_texels) {
       const int32_t points = points_of(pass, surface);
@@ -383,8 +407,6 @@ static int64_t bytes_of_texels(const ComputationSize &size) {
 MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
   // The tree, positions, faces and places; sizes, counts and places of clusters while it is cut for a radius; links.
   constexpr int64_t of_triangle = 12 + 40 + 120 + sizeof(Surfel) + 44;
-  // In parts that grow, and as one list.
-  constexpr int64_t of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
   constexpr int64_t of_thread = 12; // for each surfel, of which there are as many as triangles at most: Search, GroupFlood
   const auto triangles = static_cast<double>(size.pieces);
   const Pass finest{Stage::surface, {size.descriptors.begin(), size.descriptors.end()}};
@@ -392,7 +414,7 @@ MemoryForecast forecast_cpu_memory(const ComputationSize &size) {
       std::min(1.5 * fineness_of(finest, size.options).samples * size.disks, triangles * static_cast<double>(max_stored_samples));
   MemoryForecast memory;
   memory.host = bytes_of_results(size) + size.pieces * (of_triangle + size.threads * of_thread) +
-                static_cast<int64_t>(triangles + divided) * of_sample;
+                static_cast<int64_t>(triangles + divided) * bytes_of_sample;
   if (size.options.evaluate == PDESC_EVALUATE_TEXEL) memory.host += bytes_of_texels(size);
   return memory;
 }

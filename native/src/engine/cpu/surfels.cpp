@@ -79,13 +79,21 @@ private:
     const float twice_area = length(plane), spread = (dot(ab, ab) + dot(ac, ac) + dot(bc, bc)) * (1.0f / 36.0f);
     vec3 normals[3];
     for (int32_t k = 0; k < 3; ++k) normals[k] = source_.normals.corner(static_cast<size_t>(corner + k));
-    const float turn_of_part = squared_turn(normals[0], normals[1], normals[2]) / std::max(spread / result_.largest_spread, 1.0f);
+    const float turning_spread = std::min(spread, spread_by_height(twice_area, dot(ab, ab), dot(bc, bc), dot(ac, ac)));
+    const float turn_of_part =
+        squared_turn(normals[0], normals[1], normals[2]) / std::max(turning_spread / result_.largest_spread, 1.0f);
     const float largest = result_.largest_spread_at(turn_of_part);
     counts_[0][i] = {samples_of(0.5f * twice_area, spread, largest), 1, 1, spread <= largest};
     const vec3 face = twice_area > 0.0f ? plane / twice_area : vec3(0.0f);
     result_.face[tree_.triangle[i]] = face;
     return {a + (ab + ac) * (1.0f / 3.0f), (normals[0] + normals[1] + normals[2]) * (1.0f / 3.0f), face, 0.5f * twice_area,
             spread};
+  }
+
+  // The square of a third of its height, which is the spread of an equilateral triangle as high: normals of a sliver turn across
+  // it as long as its pieces are wider than that.
+  static float spread_by_height(float twice_area, float ab, float bc, float ac) {
+    return twice_area * twice_area / (9.0f * std::max({ab, bc, ac, 1e-30f}));
   }
 
   // About as many as a triangle is divided into: of a sliver, along its length alone.
