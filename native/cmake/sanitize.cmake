@@ -6,7 +6,8 @@ if(PARADESC_FUZZ)
   if(NOT PARADESC_SANITIZE)
     set(PARADESC_SANITIZE address)
   endif()
-  add_compile_options(-fsanitize=fuzzer-no-link)
+  # Without what libFuzzer learns from comparisons: these stand in the innermost loops, and took nearly half of the time.
+  add_compile_options(-fsanitize=fuzzer-no-link -fno-sanitize-coverage=trace-cmp)
 endif()
 
 if(PARADESC_SANITIZE STREQUAL "address")

@@ -106,6 +106,29 @@ TEST_F(Memory, a_computation_over_the_limit_is_refused_and_the_mesh_stays_usable
   }
 }
 
+// Counts do not tell how far maps displace a surface, and samples stand for its area.
+TEST_F(Memory, samples_of_a_surface_that_is_displaced_far_are_refused_before_they_are_made) {
+  std::vector<float> heights(16);
+  for (size_t i = 0; i < heights.size(); ++i) heights[i] = static_cast<float>(i * 7 % 16) / 16.0f;
+  const auto displaced = [&](const Context &of) {
+    Mesh mesh = make_mesh(of.get(), ball);
+    EXPECT_EQ(pdesc_mesh_set_displacement(mesh.get(), heights.data(), 4, 4, 0.0, 20.0), PDESC_OK);
+    return mesh;
+  };
+  options.radius_unit = PDESC_RADIUS_ABSOLUTE;
+  options.radius = 1.0;
+  const Context plenty = open_limited(PDESC_BACKEND_CPU, 0);
+  const pdesc_memory memory = memory_of(displaced(plenty).get(), PDESC_BACKEND_CPU);
+  const Context limited = open_limited(PDESC_BACKEND_CPU, memory.total);
+  const Mesh mesh = displaced(limited);
+  pdesc_field *field = never_field();
+  expect_refused(compute_on(mesh.get(), &field), PDESC_ERROR_OUT_OF_MEMORY, {"samples", "larger radius", "MB may be used"});
+  EXPECT_EQ(field, never_field());
+  ASSERT_EQ(pdesc_mesh_set_displacement(mesh.get(), nullptr, 0, 0, 0.0, 1.0), PDESC_OK);
+  ASSERT_EQ(compute_on(mesh.get(), &field), PDESC_OK) << pdesc_last_error();
+  pdesc_field_destroy(field);
+}
+
 TEST_F(Memory, a_larger_buffer_map_or_mesh_is_expected_to_take_more) {
   const Mesh mesh = make_mesh(context.get(), ball);
   const pdesc_memory small = memory_of(mesh.get(), PDESC_BACKEND_SOFTWARE);

@@ -22,9 +22,9 @@ struct Sampled {
 
 // What samples are made of.
 struct Prepared {
-  explicit Prepared(const TestMesh &mesh)
+  explicit Prepared(const TestMesh &mesh, int32_t kind_of_normals = PDESC_NORMALS_FITTED)
       : triangles(read_triangles(input_of(mesh))), half_edges(build_half_edges(triangles)),
-        normals(compute_normals(triangles, half_edges, build_normal_rings(triangles, half_edges), PDESC_NORMALS_FITTED, 1)),
+        normals(compute_normals(triangles, half_edges, build_normal_rings(triangles, half_edges), kind_of_normals, 1)),
         tree(build_cluster_tree(half_edges)), space(bake_space_of(measure_extent(triangles, half_edges, 1).box)),
         source{triangles, half_edges, normals, tree, positions_in(space, triangles, 2), nullptr, 2} {}
   Triangles triangles;
@@ -108,6 +108,35 @@ TEST(SurfaceSamples, of_needles_are_as_many_as_lie_in_a_row) {
     const double across_a_sample = 4 * radius / std::sqrt(256.0); // about
     EXPECT_LT(found.count, 8 * 8 / across_a_sample) << "third corner at " << tip;
     EXPECT_GT(found.count, 8 / across_a_sample);
+  }
+}
+
+// They turn by half a circle from the longest edge to the third corner, on however short pieces: what is counted on is what
+// memory is allowed for, and how much of a triangle is kept. Pieces of needles are halved until they fit, two of them side by
+// side.
+TEST(SurfaceSamples, of_slivers_whose_normals_turn_across_them_are_about_as_many_as_were_counted) {
+  for (const float height : {1e-4f, 1e-3f, 1e-2f}) {
+    TestMesh mesh;
+    mesh.vertex_count = 24;
+    for (int k = 0; k < 8; ++k) {
+      const float y = 0.05f * static_cast<float>(k);
+      for (const vec3 position : {vec3(0, y, 0), vec3(1, y, 0), vec3(0.5f, y + height, 0)})
+        mesh.positions.insert(mesh.positions.end(), {position.x, position.y, position.z});
+      for (int corner = 0; corner < 3; ++corner) {
+        mesh.corner_normals.insert(mesh.corner_normals.end(), {0.0f, 0.0f, corner == 2 ? -1.0f : 1.0f});
+        mesh.corner_vertices.push_back(3 * k + corner);
+        mesh.triangle_corners.push_back(3 * k + corner);
+      }
+    }
+    const Prepared prepared(mesh, PDESC_NORMALS_MESH);
+    const Surfels surfels = build_surfels(prepared.source, static_cast<float>(0.02 * prepared.space.scale), {256});
+    for (size_t k = 0; k < surfels.surfel.size(); ++k) {
+      SampleList divided;
+      divide_triangle(prepared.source, surfels, static_cast<int32_t>(k), vec3(0.0f), std::numeric_limits<float>::max(), divided);
+      const auto count = static_cast<float>(divided.sample.size());
+      EXPECT_LT(count, 8.0f * surfels.surfel[k].samples) << "height " << height;
+      EXPECT_GT(count, 0.25f * surfels.surfel[k].samples) << "height " << height;
+    }
   }
 }
 
