@@ -61,34 +61,27 @@ def compute(
     """Computes descriptors at every vertex of a mesh, in the order of the vertices.
 
     vertices: (n, 3) real numbers, or a mesh of trimesh, PyVista or Open3D, which has its faces. The library computes
-        with 32-bit floats; a mesh that lies farther from the origin than it is large is moved there first, in 64 bits,
-        so that nothing is lost. Values do not depend on where a mesh is.
+        with 32-bit floats; a mesh farther from the origin than it is large is moved there first, so nothing is lost.
     faces: (m, 3) triangles, (m, k) polygons, or a list of lists of any lengths: vertices counted from 0,
         counterclockwise as seen from outside. Polygons may be concave.
     descriptors: a name or several, of those that paradesc.descriptors() lists.
-    radius: of the neighborhood that is measured, or several; then the values are named "mean_curvature_r0.01". In
-        radius_unit: "diagonal" (a share of that of the bounding box), "absolute" (the unit of the vertices) or
-        "mean-edge" (multiples of the mean length of edges).
-    samples: of the neighborhood of a vertex, at least.
-    uvs: (n, 2) at vertices, (corners, 2) or (m, k, 2) at the corners of faces; needed by the backends gpu and software.
-    corner_normals: the same with 3; used where normals is "mesh".
-    sharp_edges: (k, 2) pairs of vertices; creases: "auto" finds more by their angles, "marked" takes these alone,
-        "none" measures curvature as if there were none.
-    normals: "fitted" to the surface, "max" (Max 1999) or "mesh" (corner_normals).
-    estimator: of curvature: "shape-operator", the paper's "integral" (8, 11-14), or that "extrapolated" to radius 0.
-    distance: the neighborhood is what lies in a ball ("euclidean") or so near along the surface ("geodesic").
-    map_descriptor: the descriptor on which the operators work (gradient_magnitude, laplacian, harris and so on).
+    radius: of the neighborhood that is measured; of several, values are named "mean_curvature_r0.01". In radius_unit:
+        "diagonal" (of the bounding box, times it), "absolute" (the vertices' unit) or "mean-edge" (times it).
+    samples: of the neighborhood of a vertex, at least. distance: what is near in space, or along the surface.
+    uvs: (n, 2) at vertices, (corners, 2) or (m, k, 2) at corners of faces; needed by the backends gpu and software.
+    corner_normals: the same with 3, for normals "mesh"; "fitted" to the surface and "max" (Max 1999) need none.
+    sharp_edges: (k, 2) vertices; creases "auto" finds more by angles, "marked" takes these, "none" measures past them.
+    estimator: of curvature: "shape-operator", the paper's "integral" (8, 11-14), or "extrapolated" to radius 0.
+    map_descriptor: on which the operators work (gradient_magnitude, laplacian, harris and so on).
     backend: "auto" takes a graphics card, else all cores ("cpu"); "reference" integrates exactly, and slowly.
-    threads: on the CPU, 0: all cores; values do not depend on it. memory_limit: bytes, 0: half of what is free.
+    threads: 0 is all cores; values do not depend on it. memory_limit: bytes, 0 is half of what is free.
     progress: called as progress(stage, fraction) every few milliseconds; returns False to cancel.
     more: what is needed less often, see numpy_api.options.MoreOptions and the manual's reference.
 
-    Values are float32, (n,) or (n, 3); NaN at vertices without a face and wherever a descriptor does not exist, such as
-    the shape index of a plane. The arrays given are not changed. May be called from several threads at once.
-
-    Errors: InputError, a ValueError, for arrays and options that cannot be used, an empty mesh among them;
-    ParadescError for what cannot be computed here (no such device, too little memory), or was cancelled. Either is one
-    sentence. Ctrl-C ends it as soon as it ends anything.
+    Values are float32, (n,) or (n, 3); NaN at vertices without a face and wherever a descriptor does not exist. The
+    arrays given are not changed. May be called from several threads at once. Ctrl-C ends it within a tenth of a second.
+    Errors: InputError, a ValueError, for arrays (empty ones too) and options that cannot be used; ParadescError for
+    what cannot be computed here (no such device, too little memory) or was cancelled. Each is one sentence.
     """
     named = {
         "radius_unit": radius_unit, "samples": samples, "creases": creases, "normals": normals,

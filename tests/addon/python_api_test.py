@@ -93,10 +93,11 @@ def test_values_do_not_depend_on_the_number_of_threads(sphere):
 
 def test_a_mesh_far_from_the_origin_loses_nothing(sphere):
     points, quads, _ = sphere
-    far = paradesc.compute(points + [5e6, 0, -3e7], quads, radius=0.1)
+    far_off = np.array([5e6, 0, -3e7])
+    far = paradesc.compute(points + far_off, quads, radius=0.1)
     near = paradesc.compute(points, quads, radius=0.1)
     assert np.abs(far["mean_curvature"] - near["mean_curvature"]).max() < 1e-5
-    rounded = paradesc.compute((points + [5e6, 0, -3e7]).astype(np.float32), quads, radius=0.1)
+    rounded = paradesc.compute((points + far_off).astype(np.float32), quads, radius=0.1)
     assert np.nanmax(np.abs(rounded["mean_curvature"] - near["mean_curvature"])) > 1e-2  # it was lost before
 
 
@@ -154,7 +155,9 @@ def test_sharp_edges_count(sphere):
     edges = quads[:8, :2]
     marked = paradesc.compute(points, quads, radius=0.1, sharp_edges=edges, creases="marked")
     assert marked.report["field_report"]["crease_edges"] > 0
-    assert same(paradesc.compute(points, quads, radius=0.1, sharp_edges=[]), paradesc.compute(points, quads, radius=0.1))
+    assert same(
+        paradesc.compute(points, quads, radius=0.1, sharp_edges=[]), paradesc.compute(points, quads, radius=0.1)
+    )
 
 
 # ---- Polygons
@@ -162,7 +165,22 @@ def test_sharp_edges_count(sphere):
 ARROW = [(0, 0), (2, 2), (0, 1), (-2, 2)]  # concave at the third corner
 COMB = [(0, 0), (7, 0), (7, 3), (6, 1), (5, 3), (4, 1), (3, 3), (2, 1), (1, 3)]
 NOTCHED = [(0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (1, 1), (0, 2), (0, 1)]  # with corners on straight sides
-SPIRAL = [(0, 0), (6, 0), (6, 6), (1, 6), (1, 2), (4, 2), (4, 4), (3, 4), (3, 3), (2, 3), (2, 5), (5, 5), (5, 1), (0, 1)]
+SPIRAL = [
+    (0, 0),
+    (6, 0),
+    (6, 6),
+    (1, 6),
+    (1, 2),
+    (4, 2),
+    (4, 4),
+    (3, 4),
+    (3, 3),
+    (2, 3),
+    (2, 5),
+    (5, 5),
+    (5, 1),
+    (0, 1),
+]
 
 
 def area_of(outline):
@@ -193,7 +211,9 @@ def test_random_star_shaped_polygons_keep_their_area():
         angle = np.sort(random.random((30, size)), axis=1) * 2 * np.pi
         flat = random.uniform(0.2, 1, (30, size, 1)) * np.stack([np.cos(angle), np.sin(angle)], axis=2)
         found = polygons.cut(np.concatenate([flat, np.zeros((30, size, 1))], axis=2))
-        areas = np.stack([polygons.turn(*(one[cut[:, k]] for k in range(3))) for one, cut in zip(flat, found, strict=True)])
+        areas = np.stack(
+            [polygons.turn(*(one[cut[:, k]] for k in range(3))) for one, cut in zip(flat, found, strict=True)]
+        )
         exact = [area_of(one) for one in flat]
         star = np.diff(angle, axis=1, append=angle[:, :1] + 2 * np.pi).max(axis=1) < np.pi  # holds the middle
         assert np.abs(areas.sum(axis=1) / 2 - exact)[star].max() < 1e-9
@@ -425,6 +445,15 @@ def test_a_forked_process_computes_the_same(sphere):
     process.join()
 
 
+@pytest.mark.slow
+def test_hostile_inputs_give_a_result_or_one_sentence():
+    words = [sys.executable, "-W", "ignore", str(ROOT / "tests" / "fuzz" / "python_inputs.py"), "--inputs", "2000"]
+    done = subprocess.run(
+        words, capture_output=True, text=True, timeout=200, env={"PYTHONPATH": str(ADDON)}, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 # ---- Meshes of other packages
 
 
@@ -508,6 +537,7 @@ def test_the_package_offers_its_names_without_reading_them_early():
     assert (ADDON / "paradesc" / "py.typed").is_file()
 
 
+@pytest.mark.slow
 def test_a_users_program_is_typed(tmp_path):
     api = pytest.importorskip("mypy.api", reason="mypy is not installed")
     program = tmp_path / "program.py"
@@ -522,7 +552,7 @@ def test_a_users_program_is_typed(tmp_path):
         "    return found['shape_index']\n"
     )
     wrong = tmp_path / "wrong.py"
-    wrong.write_text("import paradesc\nparadesc.compute([[0.0]], [[0]], sampels=3)\nparadesc.compute([], normals='x')\n")
+    wrong.write_text("import paradesc\nparadesc.compute([], sampels=3)\nparadesc.compute([], normals='x')\n")
     out, *_ = api.run(["--strict", "--no-incremental", "--follow-imports=silent", str(program)])
     assert "Success" in out, out
     out, *_ = api.run(["--strict", "--no-incremental", "--follow-imports=silent", str(wrong)])
@@ -544,5 +574,5 @@ def test_the_manuals_code_runs(tmp_path, monkeypatch):
     assert len(blocks()) >= 6
     for code in blocks():
         if "open3d" not in code:
-            exec(compile(code, str(PAGE), "exec"), names)  # noqa: S102
-    assert (tmp_path / "glyphs.png").is_file() or "off_screen" not in PAGE.read_text()
+            exec(compile(code, str(PAGE), "exec"), names)
+    assert (tmp_path / "directions.vtp").is_file()

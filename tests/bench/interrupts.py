@@ -1,9 +1,9 @@
-"""Measures how long compute() goes on after Ctrl-C at any moment, on a mesh of a million triangles, also while it is made.
+"""Measures how long compute() goes on after Ctrl-C at any moment, on a mesh of a million triangles.
 
-    PYTHONPATH=addon python tests/bench/interrupts.py [--triangles 1000000] [--signals 100] [--seed 1] [--mesh] [--polygons]
+    PYTHONPATH=addon python tests/bench/interrupts.py [--triangles 1000000] [--signals 100] [--mesh] [--polygons]
 
-Another process computes again and again and gets SIGINT at random moments, as a terminal sends it. It measures from the
-moment at which the signal was sent until KeyboardInterrupt has reached it. --mesh computes frames of one paradesc.Mesh
+Another process computes again and again and gets SIGINT at random moments, also while the mesh is made. It measures
+from the moment at which the signal was sent until KeyboardInterrupt has reached it. --mesh computes frames of one paradesc.Mesh
 instead, --polygons gives quads. Every signal has to arrive, as KeyboardInterrupt and nothing else.
 """
 
@@ -23,7 +23,7 @@ LIMIT = 0.1  # seconds
 
 def torus(triangles, polygons):
     """Positions and faces of a torus with about so many triangles."""
-    along = int((triangles / 2 * 2) ** 0.5)
+    along = int(triangles**0.5)
     around = max(3, triangles // (2 * along))
     u, v = np.meshgrid(np.arange(along), np.arange(around), indexing="ij")
     a, b = 2 * np.pi * u / along, 2 * np.pi * v / around

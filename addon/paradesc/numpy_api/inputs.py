@@ -94,9 +94,13 @@ def polygons_of(faces: object, vertex_count: int) -> Polygons:
 def rows_of(faces: object) -> tuple[np.ndarray, np.ndarray]:
     """The corners of all faces one after the other, and how many each has."""
     if isinstance(faces, (list, tuple)):
-        lengths = [len(row) if hasattr(row, "__len__") else 0 for row in faces]
-        if len(set(lengths)) > 1 and min(lengths) > 0:
-            return whole(list(chain.from_iterable(faces)), "faces", FACES_WANTED, 1), np.array(lengths)
+        try:
+            lengths = list(map(len, faces))
+            flat = list(chain.from_iterable(faces)) if len(set(lengths)) > 1 else []
+        except TypeError:
+            flat = []  # some are no lists, which is said below
+        if flat:
+            return whole(flat, "faces", FACES_WANTED, 1), np.array(lengths)
     array = whole(faces, "faces", FACES_WANTED, 2)
     return array.reshape(-1), np.full(len(array), array.shape[1])
 

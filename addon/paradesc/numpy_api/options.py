@@ -70,9 +70,10 @@ def descriptors_of(given: object) -> tuple[str, ...]:
     """The names of descriptors, of which one may be given by itself."""
     if isinstance(given, str):
         given = (given,)
-    if not isinstance(given, Iterable):
-        raise InputError(f"descriptors is {shown(given)}; give a name or several.")
-    names = tuple(given)
+    try:
+        names = tuple(given)
+    except TypeError as error:
+        raise InputError(f"descriptors is {shown(given)}; give a name or several.") from error
     known = [row.name for row in bridge.descriptors()]
     for name in names:
         if not isinstance(name, str) or name not in known:

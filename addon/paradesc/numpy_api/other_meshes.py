@@ -49,12 +49,12 @@ def vertices_and_faces(mesh: object) -> tuple[object, object]:
     return mesh, None
 
 
-def tensor(mapping: object, name: str) -> np.ndarray:
-    """The numpy array of one of a tensor mesh's attributes, brought from whatever device."""
+def tensor(mapping: object, name: str) -> object:
+    """The array of one of a tensor mesh's attributes, brought from whatever device."""
     if name not in mapping:
         raise InputError(f"The Open3D mesh has no {name}.")
     found = mapping[name]
-    return found.cpu().numpy() if hasattr(found, "cpu") else np.asarray(found)
+    return found.cpu().numpy() if hasattr(found, "cpu") else found
 
 
 def grid_polygons(mesh: object) -> Polygons:
