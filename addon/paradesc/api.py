@@ -17,16 +17,16 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from .bridge import Descriptor, InputError, MeshArrays, ParadescError, ProgressFunction, abi, descriptors
 from .core import job
 from .core.stream import Stream
 from .numpy_api import inputs, options, other_meshes
-from .numpy_api.polygons import triangle_corners
+from .numpy_api.polygons import Polygons, triangle_corners
 from .numpy_api.result import Result
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
     from typing_extensions import Unpack
 
 __all__ = ["Descriptor", "InputError", "Mesh", "ParadescError", "Result", "compute", "descriptors"]
@@ -134,7 +134,7 @@ class Mesh:
         self._finalizer.atexit = False  # a thread may still use it then
 
     @property
-    def positions(self) -> np.ndarray:
+    def positions(self) -> NDArray[np.float64]:
         """(n, 3) float64 in use, which cannot be written into; assign (n, 3) others for the next frame."""
         shown = self._points.view()
         shown.flags.writeable = False
@@ -220,7 +220,7 @@ class Mesh:
         return moved
 
 
-def surface_of(vertices: object, faces: object) -> tuple[np.ndarray, inputs.Polygons]:
+def surface_of(vertices: object, faces: object) -> tuple[NDArray[np.float64], Polygons]:
     """(n, 3) float64 points and the polygons of what was given: two arrays, or a mesh of another package."""
     if faces is None:
         vertices, faces = other_meshes.vertices_and_faces(vertices)

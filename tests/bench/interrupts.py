@@ -3,8 +3,8 @@
     PYTHONPATH=addon python tests/bench/interrupts.py [--triangles 1000000] [--signals 100] [--mesh] [--polygons]
 
 Another process computes again and again and gets SIGINT at random moments, also while the mesh is made. It measures
-from the moment at which the signal was sent until KeyboardInterrupt has reached it. --mesh computes frames of one paradesc.Mesh
-instead, --polygons gives quads. Every signal has to arrive, as KeyboardInterrupt and nothing else.
+from the moment at which the signal was sent until KeyboardInterrupt has reached it. --mesh computes frames of one
+paradesc.Mesh instead, --polygons gives quads. Every signal has to arrive, as KeyboardInterrupt and nothing else.
 """
 
 import argparse

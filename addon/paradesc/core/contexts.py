@@ -99,8 +99,7 @@ class Lease:
 
     def failed(self, error: BaseException) -> None:
         """Prevents the context from being used again if its device may be the reason of the error."""
-        harmless = isinstance(error, ParadescError) and error.status in HARMLESS
-        if self._slot is not None and not (harmless or isinstance(error, KeyboardInterrupt)):
+        if self._slot is not None and not (isinstance(error, ParadescError) and error.status in HARMLESS):
             self._slot.sound = False
 
     def leave(self) -> None:

@@ -1,7 +1,7 @@
 """Turns the options of compute() into settings, or says in one sentence which one is wrong. Never imports bpy."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from numbers import Integral, Real
 from typing import Literal, TypedDict
@@ -44,7 +44,7 @@ class MoreOptions(TypedDict, total=False):
     adaptive: float
 
 
-def settings_of(descriptors: object, radius: object, given: dict[str, object]) -> Settings:
+def settings_of(descriptors: object, radius: object, given: Mapping[str, object]) -> Settings:
     """The settings of a computation; given are options and machine settings by name."""
     known = [*DEFAULTS, *WHOLE, "backend", "corner_threshold"]
     for name in given:

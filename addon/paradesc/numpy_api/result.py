@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core import legend
 from ..core.job import Results
@@ -13,19 +14,21 @@ from .other_meshes import write_to
 AnyMesh = TypeVar("AnyMesh")
 
 
-class Result(Mapping[str, np.ndarray]):
+class Result(Mapping[str, NDArray[np.float32]]):
     """The values at the vertices that were given, in their order, by the names of descriptors.
 
     Each is (n,) or, of a direction, (n, 3) float32; NaN where it does not exist. With several radii the names end with
     them: "mean_curvature_r0.01". str(result) shows the least, middle and largest of each.
     """
 
-    coverage: np.ndarray  # (n,) float32 share of the neighborhood that was found; 1 where all was
-    mask: np.ndarray  # (n,) uint8: 1 no face, 2 cut by a boundary, 4 coverage below 0.9, 8 no place in the UV map
+    coverage: NDArray[np.float32]  # (n,) float32 share of the neighborhood that was found; 1 where all was
+    mask: NDArray[
+        np.uint8
+    ]  # (n,) uint8: 1 no face, 2 cut by a boundary, 4 coverage below 0.9, 8 no place in the UV map
     units: dict[str, str]  # by name: "1/length", "length^3" or "" for none; length is that of the positions
     radii: dict[str, float]  # by name, in units of the positions
     radius: float  # the first of them
-    corners: np.ndarray  # (k,) int32 vertices that are corners, the strongest first; of the descriptor harris
+    corners: NDArray[np.int32]  # (k,) int32 vertices that are corners, the strongest first; of the descriptor harris
     warnings: list[str]  # sentences about what limits the values
     notes: list[str]  # sentences about what had no effect, or was done otherwise
     backend: str  # that computed
@@ -47,7 +50,7 @@ class Result(Mapping[str, np.ndarray]):
         self.backend, self.device = results.backend, results.device
         self.report = self._report(results)
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __getitem__(self, name: str) -> NDArray[np.float32]:
         if name not in self._values:
             raise KeyError(f"{name!r} was not computed; there is {', '.join(self._values)}")
         return self._values[name]
