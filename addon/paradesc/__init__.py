@@ -1,12 +1,19 @@
 """Paradesc: geometric descriptors of UV-mapped meshes as attributes and colors, computed in texture space.
 
-Importing the package imports no part of Blender; register() does.
+Importing the package imports no part of Blender; register() does. compute() and what else `__all__` names are the
+Python package (api.py), which is imported with the first of these names.
 """
 
 import atexit
 import sys
 from importlib import import_module
 from types import ModuleType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .api import Descriptor, InputError, Mesh, ParadescError, Result, compute, descriptors
+
+__all__ = ["Descriptor", "InputError", "Mesh", "ParadescError", "Result", "compute", "descriptors"]
 
 # Blender before 4.2 reads this without running the file, so it holds literals only. Later versions read the manifest.
 bl_info = {
@@ -57,6 +64,17 @@ MODULES = (
     "animation.handlers",
     "commands.cli_command",
 )
+
+
+def __getattr__(name: str) -> object:
+    """What the Python package offers; never kept here, as this file may be read again."""
+    if name in __all__:
+        return getattr(import_module(".api", __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
 
 
 def modules() -> list[ModuleType]:

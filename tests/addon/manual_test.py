@@ -245,12 +245,13 @@ def test_every_link_of_the_web_pages_leads_to_a_file_and_to_a_heading_in_it(writ
         "index",
         "reference",
         "pipelines",
+        "python",
         "values",
         "changelog",
     } | pages_for_artists
     for page in found:
         text = page.read_text(encoding="utf-8")
-        assert "<table>" in text or page.stem in {"changelog", "live", "sculpting", "high_to_low"}
+        assert "<table>" in text or page.stem in {"changelog", "live", "sculpting", "high_to_low", "python"}
         for target in re.findall(r'(?:href|src)="([^"]+)"', text):
             name, _, anchor = target.partition("#")
             file = page.parent / name if name else page

@@ -13,6 +13,7 @@ USES = {
     "bridge": set(),
     "core": {"bridge"},
     "files": {"bridge", "core"},
+    "numpy_api": {"bridge", "core", "files"},
     "settings": {"bridge", "core", "files"},
     "scene": {"bridge", "core", "files", "settings"},
     "bake": {"bridge", "core", "files", "settings", "scene"},
@@ -21,7 +22,7 @@ USES = {
     "ui": {"bridge", "core", "files", "settings", "scene", "bake", "animation", "show"},
     "commands": {"bridge", "core", "files", "settings", "scene", "bake", "animation", "show"},
 }
-WITHOUT_BLENDER = ("bridge", "core", "files")
+WITHOUT_BLENDER = ("bridge", "core", "files", "numpy_api")
 BLENDER = {"bgl", "blf", "bl_math", "bl_operators", "bmesh", "bpy", "bpy_extras", "freestyle", "gpu", "mathutils"}
 BLENDER |= {"addon_utils", "aud", "bl_ui", "idprop", "imbuf", "nodeitems_utils", "rna_prop_ui"}
 MODULES = {

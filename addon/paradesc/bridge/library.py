@@ -41,8 +41,8 @@ class ParadescError(Exception):
         self.sentence = sentence
 
 
-class InputError(ParadescError):
-    """The mesh or file that was given cannot be used, whatever the settings."""
+class InputError(ParadescError, ValueError):
+    """The mesh or file that was given cannot be used, whatever the settings; a ValueError for users of Python."""
 
     def __init__(self, sentence: str) -> None:
         super().__init__(abi.STATUS_INVALID_ARGUMENT, sentence)

@@ -10,6 +10,7 @@ import numpy as np
 
 from . import abi
 from .arrays import MeshArrays, SurfaceMaps, address, contiguous, image, native_mesh
+from .interrupts import Interrupts
 from .library import InputError, check, components, load_library, new_struct, text
 from .options import BACKENDS, Options, choice, int32, native_options
 
@@ -161,9 +162,10 @@ class Mesh:
         pointer = abi.FieldPointer()
         caught: list[BaseException] = []
         callback = progress_callback(progress, caught)
-        status = self._library.pdesc_compute(
-            self._pointer, byref(native), names, len(descriptors), callback, None, byref(pointer)
-        )
+        with Interrupts(caught):
+            status = self._library.pdesc_compute(
+                self._pointer, byref(native), names, len(descriptors), callback, None, byref(pointer)
+            )
         if caught:
             self._library.pdesc_field_destroy(pointer)
             raise caught[0]
@@ -245,10 +247,10 @@ class Context:
         """Validates and copies a mesh, and builds its adjacency, charts and seams."""
         native, kept = native_mesh(self._library, arrays)
         caught: list[BaseException] = []
-        if progress is not None:
-            native.progress = progress_callback(progress, caught)
+        native.progress = progress_callback(progress, caught)
         pointer = abi.MeshPointer()
-        status = self._library.pdesc_mesh_create(self._pointer, byref(native), byref(pointer))
+        with Interrupts(caught):
+            status = self._library.pdesc_mesh_create(self._pointer, byref(native), byref(pointer))
         del kept
         if caught:
             self._library.pdesc_mesh_destroy(pointer)
@@ -289,13 +291,11 @@ def backend_name(number: int) -> str:
 
 
 def progress_callback(progress: ProgressFunction | None, caught: list[BaseException]) -> object:
-    """A C callback that keeps what the Python one raised (for example Ctrl-C), and then cancels."""
-    if progress is None:
-        return abi.Progress()
+    """A C callback that keeps what the Python one raised, and then cancels; also once Ctrl-C has been caught."""
 
     def report(_user: int | None, stage: bytes, fraction: float) -> int:
         try:
-            return int(bool(progress(text(stage), fraction)))
+            return int(not caught and (progress is None or bool(progress(text(stage), fraction))))
         except BaseException as error:  # noqa: BLE001 (raised again by the caller: no exception may cross C)
             caught.append(error)
             return 0

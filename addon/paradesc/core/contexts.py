@@ -1,10 +1,13 @@
 """Keeps native contexts, with their devices and compiled programs, for whoever asks next. Never imports bpy.
 
 Calls on one context wait for each other, so a bake has one for itself while it lasts. Streams that are asked one after
-the other, such as live objects, share one. One unused context of each device is kept until close_idle().
+the other, such as live objects, share one. One unused context of each kind is kept until close_idle(), a few in all.
 """
 
+import os
 import threading
+from collections import deque
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from types import TracebackType
@@ -15,7 +18,10 @@ from ..bridge import ParadescError, abi
 # These errors say nothing against the device on which they happened.
 HARMLESS = {abi.STATUS_CANCELLED, abi.STATUS_INVALID_ARGUMENT, abi.STATUS_INVALID_OPERATION}
 
-Key = tuple[str, int, int]  # backend and device, as asked for, and the memory limit
+# So many unused contexts are kept, those that were used last.
+MOST_IDLE = 4
+
+Key = tuple[str, int, int, int]  # backend and device, as asked for, the memory limit and the number of threads
 
 
 @dataclass
@@ -35,10 +41,14 @@ class Pool:
 
     used: list[Slot] = field(default_factory=list)
     idle: dict[Key, bridge.Context] = field(default_factory=dict)
+    left: deque[Slot] = field(default_factory=deque)  # by users that are gone, not given back yet
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def take(self, key: Key, shared: bool) -> Slot:
         """A context of this device: if shared, the one that others share already; else an idle one, or a new one."""
+        with suppress(IndexError):
+            while True:
+                self.give_back(self.left.popleft())
         with self.lock:
             found = next(
                 (slot for slot in self.used if shared and slot.shared and slot.sound and slot.key == key), None
@@ -47,8 +57,8 @@ class Pool:
                 found.users += 1
                 return found
             context = self.idle.pop(key, None)
-        backend, index, limit = key
-        slot = Slot(key, context or bridge.Context(backend, index, memory_limit=limit), shared)
+        backend, index, limit, threads = key
+        slot = Slot(key, context or bridge.Context(backend, index, threads, limit), shared)
         with self.lock:
             self.used.append(slot)
         return slot
@@ -63,24 +73,40 @@ class Pool:
             keeps = slot.sound and not slot.context.fallback and slot.key not in self.idle
             if keeps:
                 self.idle[slot.key] = slot.context
-        if not keeps:
-            slot.context.close()
+            keys = list(self.idle)[:-MOST_IDLE]
+            unused = [self.idle.pop(key) for key in keys] if keeps else [slot.context]
+        for context in unused:
+            context.close()
+
+    def unlock(self) -> None:
+        """Makes the pool of a forked process usable: the thread that held the lock may be none of its own."""
+        self.lock = threading.Lock()
 
 
 POOL = Pool()
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=POOL.unlock)
 
 
 class Lease:
     """A context for a while. Whoever makes meshes of it has to close them."""
 
-    def __init__(self, backend: str, device_index: int, shared: bool = False, memory_limit: int = 0) -> None:
-        self._slot: Slot | None = POOL.take((backend, device_index, memory_limit), shared)
+    def __init__(
+        self, backend: str, device_index: int, shared: bool = False, memory_limit: int = 0, threads: int = 0
+    ) -> None:
+        self._slot: Slot | None = POOL.take((backend, device_index, memory_limit, threads), shared)
         self.context = self._slot.context
 
     def failed(self, error: BaseException) -> None:
         """Prevents the context from being used again if its device may be the reason of the error."""
         if self._slot is not None and not (isinstance(error, ParadescError) and error.status in HARMLESS):
             self._slot.sound = False
+
+    def leave(self) -> None:
+        """Gives the context back with the next lease; without waiting for a lock, as the garbage collector needs it."""
+        slot, self._slot = self._slot, None
+        if slot is not None:
+            POOL.left.append(slot)
 
     def close(self) -> None:
         """Gives the context back."""

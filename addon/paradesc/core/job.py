@@ -36,6 +36,7 @@ class Settings:
     corner_threshold: float = THRESHOLD  # of the largest Harris response
     space: str = "object"  # or "world": what the arrays were brought into before; see spaces.py
     memory_limit: int = 0  # bytes, 0: half of what is free; of the machine and not of the results, so not in as_dict()
+    threads: int = 0  # 0: all cores; neither in as_dict()
 
     def value_names(self) -> list[str]:
         """The names of the results: the descriptors, at each radius if there are several."""
@@ -227,7 +228,7 @@ def run(
 
 def open_context(arrays: bridge.MeshArrays, settings: Settings, shared: bool = False) -> contexts.Lease:
     """The device that the settings name, if it can compute on these arrays; alone or together with others."""
-    lease = contexts.Lease(settings.backend, settings.device_index, shared, settings.memory_limit)
+    lease = contexts.Lease(settings.backend, settings.device_index, shared, settings.memory_limit, settings.threads)
     try:
         check_uvs(arrays, lease.context.backend)
     except bridge.ParadescError:

@@ -108,8 +108,8 @@ class Stream:
             self._mesh.set_positions(arrays.positions)
             return self._mesh
         self.forget()
-        self._mesh = self._context.mesh(arrays, progress)
-        self._contact = Contact(arrays)
+        contact = Contact(arrays)  # before the mesh: Ctrl-C may come between them
+        self._mesh, self._contact = self._context.mesh(arrays, progress), contact
         self.made += 1
         return self._mesh
 
@@ -123,6 +123,11 @@ class Stream:
         """Frees the mesh and gives the device back."""
         self.forget()
         self._lease.close()
+
+    def leave(self) -> None:
+        """Does the same where the garbage collector calls, in the middle of anything."""
+        self.forget()
+        self._lease.leave()
 
     def __enter__(self) -> "Stream":
         return self

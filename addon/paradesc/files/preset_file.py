@@ -121,6 +121,8 @@ def text_in(path: Path, kind: str) -> str:
             refuse(path, "is not there; choose another file")
         with path.open("rb") as file:
             found = file.read(LARGEST_FILE + 1)
+    except PresetError:
+        raise
     except (OSError, ValueError) as error:
         refuse(path, f"cannot be read: {getattr(error, 'strerror', None) or error}")
     if len(found) > LARGEST_FILE:

@@ -148,15 +148,12 @@ def report(baked: Baked) -> dict[str, object]:
     results = baked.results
     ranges = {}
     for name, values in results.values.items():
-        finite = values[np.isfinite(values)]
         shown = baked.shown(name)
         ranges[name] = {
-            "minimum": float(finite.min()) if finite.size else None,
-            "maximum": float(finite.max()) if finite.size else None,
+            **statistics(values),
             "shown_minimum": shown.minimum,
             "shown_maximum": shown.maximum,
             "color_map": shown.color_map.name,
-            "undefined": int(np.isnan(values.reshape(len(values), -1)).any(axis=1).sum()),
             "radius": results.radius_of(name),
             "unit": baked.unit(name),
         }
@@ -170,6 +167,16 @@ def report(baked: Baked) -> dict[str, object]:
         **transfer_report(results.transfer),
         "notes": baked.notes,
         "warnings": results.warnings,
+    }
+
+
+def statistics(values: np.ndarray) -> dict[str, float | int | None]:
+    """The range of (n,) or (n, 3) values, and at how many vertices they do not exist."""
+    finite = values[np.isfinite(values)]
+    return {
+        "minimum": float(finite.min()) if finite.size else None,
+        "maximum": float(finite.max()) if finite.size else None,
+        "undefined": int(np.isnan(values.reshape(len(values), -1)).any(axis=1).sum()),
     }
 
 

@@ -81,6 +81,8 @@ def reading(path: Path, verbose: bool) -> Iterator[Path]:
     try:
         with quiet(verbose):
             yield path.absolute()  # Blender would resolve it by $PWD, which may not be the working directory
+    except ParadescError:
+        raise
     except (RuntimeError, ValueError, KeyError, IndexError, TypeError, AttributeError, OSError) as error:
         raise refuse(f'Blender cannot read "{path}": {reason(error)}.') from error
 

@@ -1,0 +1,151 @@
+"""Turns the options of compute() into settings, or says in one sentence which one is wrong. Never imports bpy."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from numbers import Integral, Real
+from typing import Literal, TypedDict
+
+import numpy as np
+
+from .. import bridge
+from ..bridge import BACKENDS, CHOICES, InputError
+from ..core.job import Settings, check_descriptors
+
+RadiusUnit = Literal["diagonal", "absolute", "mean-edge"]
+Normals = Literal["fitted", "max", "mesh"]
+Creases = Literal["auto", "marked", "none"]
+Estimator = Literal["shape-operator", "integral", "extrapolated"]
+Distance = Literal["euclidean", "geodesic"]
+Backend = Literal["auto", "gpu", "cpu", "software", "reference"]
+
+DEFAULTS = {field.name: field.default for field in fields(bridge.Options)}
+# Those of the settings that belong to the machine, with their largest values.
+WHOLE = {"device_index": 2**31 - 1, "threads": 4096, "memory_limit": 2**63 - 1}
+
+
+class MoreOptions(TypedDict, total=False):
+    """The options that are needed less often; addon/manual/reference.md describes each."""
+
+    variance_reduction: Literal["shape", "none"]
+    geodesic: Literal["local", "chords"]
+    map_sigma: float
+    harris_k: float
+    corner_threshold: float
+    buffer_size: int
+    relocation: Literal["connected", "affine", "paper"]
+    max_jumps: int
+    seed: int
+    pattern: Literal["golden-angle", "stratified"]
+    ellipse: Literal["center", "directional"]
+    evaluate: Literal["vertex", "texel"]
+    texels: int
+    precision: Literal["full", "half"]
+    adaptive: float
+
+
+def settings_of(descriptors: object, radius: object, given: Mapping[str, object]) -> Settings:
+    """The settings of a computation; given are options and machine settings by name."""
+    known = [*DEFAULTS, *WHOLE, "backend", "corner_threshold"]
+    for name in given:
+        if name not in known or name in ("radius", "seam_error"):
+            names = ", ".join(sorted(set(known) - {"radius", "seam_error"}))
+            raise InputError(f"There is no option {shown(name)}; choose from {names}.")
+    radii = radii_of(radius)
+    options = {name: option_of(name, value) for name, value in given.items() if name in DEFAULTS}
+    machine = {name: whole_number(name, given[name]) for name in WHOLE if name in given}
+    check_machine(machine)
+    if "corner_threshold" in given:
+        machine["corner_threshold"] = real_number("corner_threshold", given["corner_threshold"])
+    return Settings(
+        descriptors_of(descriptors),
+        bridge.Options(**options, radius=radii[0]),
+        choice_of("backend", given.get("backend", "auto"), BACKENDS),
+        more_radii=radii[1:],
+        **machine,
+    )
+
+
+def descriptors_of(given: object) -> tuple[str, ...]:
+    """The names of descriptors, of which one may be given by itself."""
+    if isinstance(given, str):
+        given = (given,)
+    try:
+        names = tuple(given)
+    except TypeError as error:
+        raise InputError(f"descriptors is {shown(given)}; give a name or several.") from error
+    known = [row.name for row in bridge.descriptors()]
+    for name in names:
+        if not isinstance(name, str) or name not in known:
+            raise InputError(f"There is no descriptor {shown(name)}; choose from {', '.join(known)}.")
+    names = tuple(map(str, names))
+    check_descriptors(names)
+    return names
+
+
+def radii_of(given: object) -> tuple[float, ...]:
+    """One radius or several."""
+    if isinstance(given, np.ndarray) and given.ndim == 1:
+        given = given.tolist()
+    several = tuple(given) if isinstance(given, (list, tuple)) else (given,)
+    if not several:
+        raise InputError("radius is empty; give one or several.")
+    radii = tuple(real_number("radius", value) for value in several)
+    for value in radii:
+        if value <= 0:
+            raise InputError(f"radius is {value:g}; it has to be above 0.")
+    return radii
+
+
+def option_of(name: str, value: object) -> object:
+    """The value of an option, if it is of the right type and one of its choices."""
+    if name in CHOICES:
+        return choice_of(name, value, CHOICES[name][0])
+    if name == "map_descriptor":
+        return choice_of(name, value, [row.name for row in bridge.descriptors()])
+    return whole_number(name, value) if isinstance(DEFAULTS[name], int) else real_number(name, value)
+
+
+def choice_of(name: str, value: object, choices: Iterable[str]) -> str:
+    """One of the names there are."""
+    if not isinstance(value, str) or value not in choices:
+        raise InputError(f"{name} is {shown(value)}; choose one of {', '.join(choices)}.")
+    return str(value)
+
+
+def real_number(name: str, value: object) -> float:
+    """A finite number."""
+    value = value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
+    is_number = isinstance(value, Real) and not isinstance(value, bool)
+    try:
+        number = float(value) if is_number else math.nan
+    except (OverflowError, ValueError):
+        number = math.inf
+    if not math.isfinite(number):
+        raise InputError(f"{name} is {shown(value)}; a finite number is needed.")
+    return number
+
+
+def whole_number(name: str, value: object) -> int:
+    """A whole number."""
+    if not isinstance(value, Integral) or isinstance(value, bool):
+        raise InputError(f"{name} is {shown(value)}; a whole number is needed.")
+    return int(value)
+
+
+def check_machine(machine: dict[str, int]) -> None:
+    """Refuses numbers that are out of range."""
+    for name, value in machine.items():
+        least = -1 if name == "device_index" else 0
+        if not least <= value <= WHOLE[name]:
+            raise InputError(f"{name} is {shown(value)}; it has to be between {least} and {WHOLE[name]}.")
+
+
+def shown(value: object) -> str:
+    """A value in a sentence: short, and on one line."""
+    try:
+        text = ascii(value) if isinstance(value, str) else repr(value)
+    except Exception:  # noqa: BLE001 (whatever a foreign object does, the sentence is about its type)
+        text = f"a {type(value).__name__}"
+    text = " ".join(text.split())
+    return text if len(text) <= 60 else f"{text[:57]}…"

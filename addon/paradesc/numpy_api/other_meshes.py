@@ -1,0 +1,112 @@
+"""Takes meshes of trimesh, PyVista and Open3D by the arrays they have, and gives values back to them.
+
+None of these packages is imported: a mesh is recognized by its attributes. Never imports bpy.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..bridge import InputError
+from .inputs import numbers, whole
+from .polygons import Polygons
+
+# Triangles, polygons and quads among VTK's types of cells.
+FLAT_CELLS = (5, 7, 9)
+LEGACY = (
+    "A legacy Open3D TriangleMesh has no place for values at vertices; "
+    "make one that has by open3d.t.geometry.TriangleMesh.from_legacy(mesh)."
+)
+
+
+def kind_of(mesh: object) -> str:
+    """The kind of a mesh: "open3d tensor", "open3d legacy", "trimesh", "polydata", "grid", or "" for none of these."""
+    for name, attributes in {
+        "open3d tensor": ("vertex", "triangle"),
+        "trimesh": ("vertices", "faces"),  # which has triangles too, as points
+        "open3d legacy": ("vertices", "triangles"),
+        "polydata": ("points", "faces"),
+        "grid": ("points", "cells", "celltypes"),
+    }.items():
+        if all(hasattr(mesh, attribute) for attribute in attributes):
+            return name
+    return ""
+
+
+def vertices_and_faces(mesh: object) -> tuple[object, object]:
+    """The arrays of a mesh of another package; (mesh, None) if it is none."""
+    kind = kind_of(mesh)
+    if kind == "open3d tensor":
+        return tensor(mesh.vertex, "positions"), tensor(mesh.triangle, "indices")
+    if kind == "open3d legacy":
+        return mesh.vertices, mesh.triangles
+    if kind == "trimesh":
+        return mesh.vertices, mesh.faces
+    if kind == "polydata":
+        return mesh.points, vtk_polygons(mesh.faces)
+    if kind == "grid":
+        return mesh.points, grid_polygons(mesh)
+    return mesh, None
+
+
+def tensor(mapping: object, name: str) -> object:
+    """The array of one of a tensor mesh's attributes, brought from whatever device."""
+    if name not in mapping:
+        raise InputError(f"The Open3D mesh has no {name}.")
+    found = mapping[name]
+    return found.cpu().numpy() if hasattr(found, "cpu") else found
+
+
+def grid_polygons(mesh: object) -> Polygons:
+    """The faces of an unstructured grid that is a surface."""
+    kinds = numbers(mesh.celltypes, "celltypes", "VTK's numbers are needed")
+    if not np.isin(kinds, FLAT_CELLS).all():
+        raise InputError("The grid has cells that are no polygons; give its surface, for example extract_surface().")
+    return vtk_polygons(mesh.cells)
+
+
+def vtk_polygons(cells: object) -> Polygons:
+    """The faces of VTK's list: the number of corners of a face, then its vertices, then the next face."""
+    wanted = "VTK's list of faces (corners, vertex, vertex, vertex, corners, …) is needed"
+    array = whole(cells, "faces", wanted, 1).astype(np.int64)
+    size = int(array[0]) if array.size else 0
+    if size >= 3 and len(array) % (size + 1) == 0 and (array[:: size + 1] == size).all():
+        table = array.reshape(-1, size + 1)
+        return Polygons(table[:, 1:].reshape(-1), np.arange(len(table) + 1) * size)
+    heads, at, sizes = [], 0, array.tolist()
+    while at < len(sizes):
+        heads.append(at)
+        if sizes[at] < 0:
+            break
+        at += sizes[at] + 1
+    if at != len(sizes):
+        raise InputError(f"faces ends within a face; {wanted}.")
+    corners = np.delete(array, heads)
+    return Polygons(corners, np.concatenate([[0], np.cumsum(array[heads])]).astype(np.int64))
+
+
+def write_to(mesh: object, values: Mapping[str, np.ndarray]) -> None:
+    """Gives (n,) and (n, 3) arrays to a mesh with n vertices, where its package keeps values at vertices."""
+    kind = kind_of(mesh)
+    if kind == "open3d legacy":
+        raise InputError(LEGACY)
+    if not kind:
+        sentence = f"Values cannot be given to a {type(mesh).__name__}"
+        raise InputError(f"{sentence}; trimesh, PyVista and Open3D's tensor meshes take them.")
+    count, wanted = len(vertices_and_faces(mesh)[0]), len(next(iter(values.values())))
+    if count != wanted:
+        raise InputError(f"The mesh has {count} vertices, but the result belongs to one with {wanted}.")
+    for name, array in values.items():
+        if kind == "trimesh":
+            mesh.vertex_attributes[name] = array
+        elif kind in ("polydata", "grid"):
+            mesh.point_data[name] = array
+        else:
+            write_tensor(mesh, name, array)
+
+
+def write_tensor(mesh: object, name: str, array: np.ndarray) -> None:
+    """Gives an (n, 1) or (n, 3) tensor to a mesh of Open3D, on its device; so its files keep them."""
+    positions = mesh.vertex["positions"]
+    made = type(positions).from_numpy(np.ascontiguousarray(array.reshape(len(array), -1)))
+    mesh.vertex[name] = made.to(positions.device)

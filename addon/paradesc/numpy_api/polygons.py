@@ -1,0 +1,149 @@
+"""Cuts polygons into triangles: convex ones as fans, others by clipping ears, the best shaped first. Never imports bpy.
+
+No vertex of a polygon is left on the side of a triangle as long as the polygon has an area, so that what is connected
+stays connected. All polygons with the same number of corners are cut together.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+# Twice the area of a triangle against the square of its polygon's size, from which on it is a triangle and no line;
+# coordinates that were 32-bit floats are not straighter than that.
+THIN = 1e-7
+# So many corners are cut together that their numbers stay in the processor's cache.
+BLOCK = 1 << 14
+
+
+@dataclass
+class Polygons:
+    """The faces of a mesh; the corners of face i are those from starts[i] to starts[i + 1]."""
+
+    corner_vertices: np.ndarray  # (corner_count,) int32
+    starts: np.ndarray  # (face_count + 1,) int64
+
+    @property
+    def sizes(self) -> np.ndarray:
+        """(face_count,) int64 numbers of corners"""
+        return np.diff(self.starts)
+
+
+def triangle_corners(polygons: Polygons, points: np.ndarray) -> np.ndarray:
+    """(triangle_count, 3) int32 corners of the triangles of polygons on (n, 3) float64 points, face after face."""
+    sizes = polygons.sizes
+    if (sizes == 3).all():
+        return np.arange(3 * len(sizes), dtype=np.int32).reshape(-1, 3)
+    first = np.concatenate([[0], np.cumsum(sizes - 2)])
+    triangles = np.empty((first[-1], 3), np.int32)
+    for size in np.unique(sizes):
+        alike = np.flatnonzero(sizes == size)
+        step = max(1, BLOCK // int(size))
+        for begin in range(0, len(alike), step):
+            faces = alike[begin : begin + step]
+            corners = polygons.starts[faces][:, None] + np.arange(size)
+            local = cut(points[polygons.corner_vertices[corners]])
+            places = first[faces][:, None] + np.arange(size - 2)
+            triangles[places] = np.take_along_axis(corners[:, None, :], local, axis=2)
+    return triangles
+
+
+def cut(polygons: np.ndarray) -> np.ndarray:
+    """(g, k - 2, 3) int64 places of the corners of triangles in (g, k, 3) polygons."""
+    count, size = polygons.shape[:2]
+    fan = np.stack([np.zeros(size - 2, np.int64), np.arange(1, size - 1), np.arange(2, size)], axis=1)
+    triangles = np.repeat(fan[None], count, axis=0)
+    if size == 3:
+        return triangles
+    flat = flattened(polygons)
+    thinnest = areas(flat, fan).min(axis=1)
+    if size == 4:
+        other = np.array([[0, 1, 3], [1, 2, 3]])
+        triangles[(thinnest < THIN) & (areas(flat, other).min(axis=1) > thinnest)] = other
+        return triangles
+    bent = np.flatnonzero(thinnest < THIN)
+    if bent.size:
+        triangles[bent] = Ears(flat[bent]).clip()
+    return triangles
+
+
+def flattened(polygons: np.ndarray) -> np.ndarray:
+    """(g, k, 2) places of (g, k, 3) polygons in the coordinate plane nearest theirs, counterclockwise, of size 1."""
+    offsets = polygons - polygons[:, :1]
+    reach = np.abs(offsets).max(axis=(1, 2), keepdims=True)
+    offsets = offsets / np.where(reach > 0, reach, 1.0)
+    this, after = offsets[:, :-1], offsets[:, 1:]  # the first is the origin, so the last adds nothing
+    normals = np.stack(
+        [(this[..., k - 2] * after[..., k - 1] - this[..., k - 1] * after[..., k - 2]).sum(1) for k in range(3)], 1
+    )
+    axis = np.abs(normals).argmax(axis=1)
+    rows = np.arange(len(polygons))
+    across = np.where(normals[rows, axis] < 0, -1.0, 1.0)
+    first = offsets[rows, :, (axis + 1) % 3] * across[:, None]
+    return np.stack([first, offsets[rows, :, (axis + 2) % 3]], axis=2)
+
+
+def turn(first: np.ndarray, second: np.ndarray, third: np.ndarray) -> np.ndarray:
+    """(...) twice the signed areas of triangles of (..., 2) points."""
+    one, two = second - first, third - first
+    return one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0]
+
+
+def areas(flat: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(g, t) twice the signed areas of (t, 3) triangles in each of (g, k, 2) polygons."""
+    return turn(*(flat[:, triangles[:, place]] for place in range(3)))
+
+
+class Ears:
+    """Polygons from which ears are clipped: corners whose triangle with both neighbors holds no other corner."""
+
+    def __init__(self, flat: np.ndarray) -> None:
+        """Takes (g, k, 2) counterclockwise polygons."""
+        self.points = flat
+        count, size = flat.shape[:2]
+        self.rows = np.arange(count)
+        self.before = np.repeat((np.arange(size)[None] - 1) % size, count, axis=0)
+        self.after = np.repeat((np.arange(size)[None] + 1) % size, count, axis=0)
+        self.alive = np.ones((count, size), bool)
+        self.hopeless = np.zeros(count, bool)  # a polygon that crosses itself has no right triangles
+        self.scores = np.empty((count, size))
+        for corner in range(size):
+            self.scores[:, corner] = self.score(self.rows, np.full(count, corner))
+
+    def clip(self) -> np.ndarray:
+        """(g, k - 2, 3) int64 places of the corners of triangles."""
+        size = self.points.shape[1]
+        triangles = np.empty((len(self.rows), size - 2, 3), np.int64)
+        for step in range(size - 2):
+            tips = self.tips()
+            before, after = self.before[self.rows, tips], self.after[self.rows, tips]
+            triangles[:, step] = np.stack([before, tips, after], axis=1)
+            self.alive[self.rows, tips] = False
+            self.scores[self.rows, tips] = -np.inf
+            self.after[self.rows, before], self.before[self.rows, after] = after, before
+            for neighbors in (before, after):
+                self.scores[self.rows, neighbors] = self.score(self.rows, neighbors)
+        return triangles
+
+    def tips(self) -> np.ndarray:
+        """(g,) the best ear of each polygon; where none is known, all corners are looked at anew."""
+        unknown = np.flatnonzero((self.scores.max(axis=1) <= 0) & ~self.hopeless)
+        if unknown.size:
+            for corner in range(self.points.shape[1]):
+                rows = unknown[self.alive[unknown, corner]]
+                self.scores[rows, corner] = self.score(rows, np.full(len(rows), corner))
+            self.hopeless[unknown] = self.scores[unknown].max(axis=1) <= 0
+        return self.scores.argmax(axis=1)
+
+    def score(self, rows: np.ndarray, corners: np.ndarray) -> np.ndarray:
+        """(r,) how well shaped the triangles at these corners are; not above 0 where they are no ears."""
+        a = self.points[rows, self.before[rows, corners]][:, None]
+        b = self.points[rows, corners][:, None]
+        c = self.points[rows, self.after[rows, corners]][:, None]
+        size = ((b - a) ** 2 + (c - b) ** 2 + (a - c) ** 2).sum(axis=2)[:, 0]
+        shape = turn(a, b, c)[:, 0] / np.where(size > 0, size, 1.0)
+        others = self.points[rows]
+        inside = (turn(a, b, others) >= 0) & (turn(b, c, others) >= 0) & (turn(c, a, others) >= 0)
+        for tip in (a, b, c):  # another corner at the same place is where a polygon touches itself
+            inside &= (others != tip).any(axis=2)
+        taken = (inside & self.alive[rows]).any(axis=1)
+        return np.where(taken | (shape <= 0), shape - 1.0, shape)
