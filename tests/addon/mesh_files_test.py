@@ -1,0 +1,270 @@
+"""Mesh files are read without Blender into the file's own vertices, and what cannot be read is one sentence."""
+
+import json
+
+import numpy as np
+import pytest
+
+from paradesc.bridge import InputError
+from paradesc.core import polygons
+from paradesc.files import mesh_files
+from shapes import cube_sphere, write_obj
+
+trimesh = pytest.importorskip("trimesh", reason="trimesh reads .stl, .off and glTF; blend_samples/setup.sh installs it")
+
+SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+
+
+def read_text(path, text):
+    path.write_text(text)
+    return mesh_files.read(path)
+
+
+def triangles_of(mesh):
+    return mesh.arrays.triangle_vertices.tolist()
+
+
+# ---- OBJ
+
+
+def test_obj_keeps_vertices_at_seams_and_the_uv_map_of_corners(tmp_path):
+    points, quads, uvs = cube_sphere(4)
+    (mesh,) = mesh_files.read(write_obj(tmp_path / "sphere.obj", points, quads, uvs))
+    assert mesh.name == "sphere"
+    assert np.allclose(mesh.arrays.positions, points, atol=1e-6)
+    assert np.array_equal(mesh.arrays.corner_vertices.reshape(-1, 4), quads)
+    assert np.allclose(mesh.arrays.corner_uvs, uvs.reshape(-1, 2), atol=1e-6)
+    assert (mesh.face_count, len(mesh.arrays.triangle_corners)) == (96, 192)
+    assert np.array_equal(mesh.matrix_world, np.eye(4))
+
+
+def test_obj_keeps_vertices_that_no_face_uses(tmp_path):
+    (mesh,) = read_text(tmp_path / "a.obj", SQUARE + "v 9 9 9\nf 1 2 3\n")
+    assert len(mesh.arrays.positions) == 5
+    assert mesh.name == "a"
+
+
+@pytest.mark.parametrize(
+    "face",
+    ["f 1 2 3", "f 1/1 2/1 3/1", "f 1//1 2//1 3//1", "f 1/1/1 2/1/1 3/1/1", "f -4 -3 -2", "f -4/-1/-1 -3/1/1 -2/1/1",
+     "f 1/ 2/ 3/", "f 1// 2// 3//", " f\t1 2 \\\n 3  # a face", "f 1 2 3\r"],
+)  # fmt: skip
+def test_obj_faces_may_be_written_in_all_ways(tmp_path, face):
+    (mesh,) = read_text(tmp_path / "a.obj", SQUARE + "vt 0.5 0.25\nvn 0 0 1\n" + face + "\n")
+    assert triangles_of(mesh) == [[0, 1, 2]]
+
+
+def test_obj_faces_of_several_kinds_keep_their_order(tmp_path):
+    text = SQUARE + "vt 0.5 0.25\nf 1 2 3\nf 1/1 2/1 3/1 4/1\nf 2//1 3//1 4//1\nvn 0 0 1\n"
+    (mesh,) = read_text(tmp_path / "a.obj", text)
+    assert triangles_of(mesh) == [[0, 1, 2], [0, 1, 2], [0, 2, 3], [1, 2, 3]]
+    assert mesh.arrays.corner_uvs.tolist() == [[0, 0]] * 3 + [[0.5, 0.25]] * 4 + [[0, 0]] * 3
+    assert mesh.corner_normals is None
+
+
+def test_obj_objects_have_their_own_vertices(tmp_path):
+    text = "o one\n" + SQUARE + "f 1 2 3\no two\nv 0 0 5\nv 7 7 7\nf 2 3 5\no none\no one\nf 4 3 1\n"
+    one, two, again = read_text(tmp_path / "a.obj", text)
+    assert [one.name, two.name, again.name] == ["one", "two", "one.001"]
+    assert len(one.arrays.positions) == 3
+    assert two.arrays.positions.tolist() == [[1, 0, 0], [1, 1, 0], [0, 0, 5], [7, 7, 7]]
+    assert triangles_of(two) == [[0, 1, 2]]
+
+
+# ---- PLY
+
+
+def as_ply(order, faces, more="", rows=()):
+    kind = {"ascii": None, "binary_little_endian": "<", "binary_big_endian": ">"}[order]
+    header = f"ply\nformat {order} 1.0\ncomment x\nelement vertex 4\nproperty float x\nproperty float y\n"
+    header += f"property double z\n{more}element face {len(faces)}\nproperty list uchar int vertex_indices\n"
+    header += "property uchar flag\nend_header\n"
+    points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    body = b""
+    for row, point in enumerate(points):
+        numbers = [*point, *(rows[row] if rows else ())]
+        if kind is None:
+            body += (" ".join(map(str, numbers)) + "\n").encode()
+        else:
+            kinds = ["f4", "f4", "f8"] + ["f4"] * (len(numbers) - 3)
+            body += b"".join(np.array(n, kind + k).tobytes() for n, k in zip(numbers, kinds, strict=True))
+    for face in faces:
+        if kind is None:
+            body += (" ".join(map(str, [len(face), *face, 7])) + "\n").encode()
+        else:
+            body += bytes([len(face)]) + np.array(face, kind + "i4").tobytes() + b"\7"
+    return header.encode() + body
+
+
+@pytest.mark.parametrize("order", ["ascii", "binary_little_endian", "binary_big_endian"])
+@pytest.mark.parametrize("faces", [[[0, 1, 2]], [[0, 1, 2, 3]], [[0, 1, 2], [0, 1, 2, 3], [0, 2, 3]]])
+def test_ply_has_faces_of_any_size(tmp_path, order, faces):
+    (tmp_path / "a.ply").write_bytes(as_ply(order, faces))
+    (mesh,) = mesh_files.read(tmp_path / "a.ply")
+    expected = [[face[0], *face[k : k + 2]] for face in faces for k in range(1, len(face) - 1)]
+    assert triangles_of(mesh) == expected
+    assert mesh.arrays.positions.tolist() == [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+
+
+@pytest.mark.parametrize("names", [("s", "t"), ("u", "v"), ("texture_u", "texture_v")])
+def test_ply_texture_coordinates_of_vertices_are_read(tmp_path, names):
+    more = "".join(f"property float {name}\n" for name in names)
+    rows = [[0, 0], [1, 0], [1, 0.5], [0, 0.5]]
+    (tmp_path / "a.ply").write_bytes(as_ply("binary_little_endian", [[0, 1, 2, 3]], more, rows))
+    (mesh,) = mesh_files.read(tmp_path / "a.ply")
+    assert mesh.arrays.corner_uvs.tolist() == rows
+
+
+# ---- The other formats
+
+
+def test_stl_is_welded_in_the_order_of_first_use(tmp_path):
+    ball = trimesh.creation.icosphere(2)
+    ball.export(tmp_path / "ball.stl")
+    (mesh,) = mesh_files.read(tmp_path / "ball.stl")
+    assert len(mesh.arrays.positions) == len(ball.vertices)
+    assert np.array_equal(np.unique(mesh.arrays.corner_vertices, return_index=True)[1], np.sort(first_uses(mesh)))
+    assert np.allclose(mesh.arrays.positions[mesh.arrays.triangle_vertices], ball.triangles, atol=1e-6)
+    assert "960 corners of 320 were welded into 162 vertices" in mesh.notes[0]
+
+
+def first_uses(mesh):
+    corners = mesh.arrays.corner_vertices.tolist()
+    return [corners.index(vertex) for vertex in range(len(mesh.arrays.positions))]
+
+
+def test_off_is_read(tmp_path):
+    (mesh,) = read_text(tmp_path / "a.off", "OFF\n# square\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")
+    assert len(mesh.arrays.triangle_corners) == 2
+    assert len(mesh.arrays.positions) == 4
+
+
+@pytest.mark.parametrize("suffix", ["glb", "gltf"])
+def test_gltf_has_a_mesh_for_each_node_with_its_place(tmp_path, suffix):
+    ball = trimesh.creation.icosphere(1)
+    ball.visual = trimesh.visual.TextureVisuals(uv=ball.vertices[:, :2].copy())
+    place = trimesh.transformations.translation_matrix([1, 2, 3])
+    scene = trimesh.Scene()
+    scene.add_geometry(ball, node_name="ball", geom_name="mesh")
+    scene.add_geometry(ball, node_name="moved", geom_name="mesh", transform=place)
+    scene.export(tmp_path / f"two.{suffix}")
+    ours, moved = mesh_files.read(tmp_path / f"two.{suffix}")
+    assert {ours.name, moved.name} == {"ball", "moved"}
+    assert np.allclose((moved if moved.name == "moved" else ours).matrix_world, place)
+    assert np.allclose(ours.arrays.positions, ball.vertices, atol=1e-6)
+    assert np.array_equal(ours.arrays.triangle_vertices, ball.faces)
+    assert np.allclose(ours.arrays.corner_uvs, ball.vertices[ball.faces.reshape(-1), :2], atol=1e-6)
+
+
+def test_gltf_parts_of_a_node_are_one_mesh(tmp_path):
+    header = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"name": "thing", "mesh": 0, "scale": [2, 2, 2]}],
+        "meshes": [{"name": "m", "primitives": [{"attributes": {"POSITION": 0}}, {"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "points.bin"}],
+    }  # fmt: skip
+    (tmp_path / "points.bin").write_bytes(np.eye(3, dtype="<f4").tobytes())
+    (mesh,) = read_text(tmp_path / "a.gltf", json.dumps(header))
+    assert mesh.name == "thing"
+    assert triangles_of(mesh) == [[0, 1, 2], [3, 4, 5]]
+    assert np.allclose(mesh.matrix_world, np.diag([2, 2, 2, 1]))
+    header["extensionsRequired"] = ["KHR_draco_mesh_compression"]
+    with pytest.raises(InputError, match="KHR_draco_mesh_compression; save it without compression"):
+        read_text(tmp_path / "a.gltf", json.dumps(header))
+
+
+# ---- What cannot be read
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "sentence"),
+    [
+        ("a.obj", "v 0 0\nf 1 1 1\n", "fewer than 3 numbers"),
+        ("a.obj", SQUARE + "f 1 2 9\n", "a face has vertex 9, and there are 4"),
+        ("a.obj", SQUARE + "f 1 2 -9\n", "a face has vertex -4, and there are 4"),
+        ("a.obj", SQUARE + "f 1/1 2/1 3/1\n", "a face has texture vertex 1, and there are 0"),
+        ("a.obj", SQUARE + "f 1/1 2 3\n", "is no face"),
+        ("a.obj", SQUARE + "f one two three\n", "is no row of numbers"),
+        ("a.obj", SQUARE, "has no faces"),
+        ("a.obj", "", "has no faces"),
+        ("a.obj", "\0\1\2", "has no faces"),
+        ("a.ply", "", "does not begin as one"),
+        ("a.ply", "ply\nformat ascii 1.0\n", "header does not end"),
+        ("a.ply", "ply\nformat ascii 1.0\nelement vertex x\nend_header\n", 'has the line "element vertex x"'),
+        ("a.ply", as_ply("ascii", [[0, 1, 9]]), "a face has vertex 9, counted from 0, and there are 4"),
+        ("a.ply", as_ply("binary_little_endian", [[0, 1, 2], [0, 1, 2, 3]])[:-9], "ends too early"),
+        ("a.ply", as_ply("binary_little_endian", [[0, 1, 2]])[:-40], "too early"),
+        ("a.ply", as_ply("ascii", []), "has no faces"),
+        ("a.stl", "", "has no faces"),
+        ("a.stl", "solid x\nfacet", ""),
+        ("a.off", "", "cannot be read"),
+        ("a.off", "OFF\n3 1 0\n0 0 0\n", "cannot be read"),
+        ("a.glb", "", "cannot be read"),
+        ("a.glb", "glTF" + "\0" * 40, "cannot be read"),
+        ("a.gltf", "{}", "has no faces"),
+        ("a.gltf", "[1]", "cannot be read"),
+        ("a.txt", "", "is none of .obj"),
+    ],
+)
+def test_what_cannot_be_read_is_one_sentence(tmp_path, name, content, sentence):
+    path = tmp_path / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(InputError) as found:
+        mesh_files.read(path)
+    said = found.value.sentence
+    assert sentence in said
+    assert str(path) in said
+    assert "\n" not in said
+    assert said.endswith(".")
+    assert not said.endswith("..")
+
+
+def test_a_file_that_is_not_there_is_one_sentence(tmp_path):
+    with pytest.raises(InputError, match="There is no file"):
+        mesh_files.read(tmp_path / "a.obj")
+
+
+# ---- Polygons
+
+
+def area(points, triangles):
+    corners = points[triangles]
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] / 2
+
+
+@pytest.mark.parametrize(
+    "outline",
+    [
+        [(0, 0), (1, 0), (1, 1), (0, 1)],
+        [(0, 0), (2, 0), (0.5, 0.5), (0, 2)],
+        [(2, 0), (0.5, 0.5), (0, 2), (0, 0)],
+        [(0, 0), (3, 0), (3, 1), (1, 1), (1, 2), (3, 2), (3, 3), (0, 3)],
+        [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)],
+        [(0, 0), (4, 0), (4, 4), (2, 1), (0, 4)],
+    ],
+)
+@pytest.mark.parametrize("turned", [False, True])
+def test_triangles_cover_a_polygon_once(outline, turned):
+    points = np.array([(*point, 0.0) for point in (outline[::-1] if turned else outline)], np.float32)
+    around = np.arange(len(points), dtype=np.int32)
+    triangles = polygons.triangulated(points, around, np.array([len(points)]))
+    flat = points[:, :2]
+    whole = (flat[:, 0] * np.roll(flat[:, 1], -1) - flat[:, 1] * np.roll(flat[:, 0], -1)).sum() / 2
+    areas = area(points, triangles)
+    assert len(triangles) == len(points) - 2
+    assert (areas * np.sign(whole) >= 0).all()
+    assert np.isclose(areas.sum(), whole)
+
+
+def test_faces_without_area_or_corners_do_not_shift_the_others():
+    points = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], np.float32)
+    corners = np.array([0, 1, 0, 1, 2, 0, 1, 2, 3, 1, 1, 1, 1, 1], np.int32)
+    triangles = polygons.triangulated(points, corners, np.array([2, 3, 4, 0, 5]))
+    assert triangles.tolist() == [[2, 3, 4], [5, 6, 7], [5, 7, 8], [9, 10, 11], [9, 11, 12], [9, 12, 13]]
+
+
+def test_a_polygon_that_crosses_itself_still_has_all_triangles():
+    points = np.array([(0, 0, 0), (2, 2, 0), (2, 0, 0), (0, 2, 0), (1, 3, 0)], np.float32)
+    assert polygons.triangulated(points, np.arange(5), np.array([5])).shape == (3, 3)
