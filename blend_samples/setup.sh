@@ -11,7 +11,8 @@ RUN_PACKAGES=(libegl1 libegl-mesa0 libgl1-mesa-dri python3-venv
 # Blender itself, its numpy, and a screen for it that nobody has to see.
 TEST_PACKAGES=(blender glslang-tools python3-numpy xvfb xauth)
 REQUIREMENTS=(bpy==4.2.23 numpy==1.26.4 markdown==3.11.3) # markdown: packages contain the manual as web pages
-TEST_REQUIREMENTS=(pytest==8.4.2 lizard==1.24.3) # lizard: finds functions of C++ and GLSL, whose lengths are tested
+TEST_REQUIREMENTS=(pytest==8.4.2 lizard==1.24.3 scikit-build-core==1.1.2) # lizard: finds functions of C++ and GLSL, whose lengths are
+# tested; scikit-build-core: packs the wheel
 
 fail() {
   echo "paradesc: $*" >&2

@@ -134,8 +134,8 @@ def absent_sentence(path: Path) -> str:
 def offer() -> str:
     """Says which release packages and wheels there are, and what this system is."""
     return (
-        "releases are for Linux, Windows and macOS on x86-64 and ARM64 (for Linux on ARM64 a wheel without the add-on), "
-        f"and this is {platform.system()} on {platform.machine()}"
+        "releases are for Linux, Windows and macOS on x86-64 and ARM64 (for Linux on ARM64 a wheel alone), and "
+        f"this is {platform.system()} on {platform.machine()}"
     )
 
 
@@ -160,7 +160,7 @@ def unlocked(path: Path) -> Path:
 
 
 def check_version(library: ctypes.CDLL, path: Path) -> None:
-    """Compares the library's versions with those that this Python was written for, before any other call."""
+    """Compares the library's versions with those that the package was written for, before any other call."""
     try:
         library.pdesc_abi_version.restype = ctypes.c_int32
         found = library.pdesc_abi_version()
@@ -172,7 +172,7 @@ def check_version(library: ctypes.CDLL, path: Path) -> None:
     if found != abi.ABI_VERSION:
         raise ParadescError(
             abi.STATUS_UNSUPPORTED,
-            f"native library does not fit – {path.name} has ABI version {found} and this Paradesc needs "
+            f"native library does not fit – {path.name} has ABI version {found} and the package needs "
             f"{abi.ABI_VERSION}; {REMEDY}.",
         )
     library.pdesc_version.restype = ctypes.c_char_p
@@ -180,7 +180,7 @@ def check_version(library: ctypes.CDLL, path: Path) -> None:
     if version != __version__:
         raise ParadescError(
             abi.STATUS_UNSUPPORTED,
-            f"native library does not fit – {path.name} is version {version} and this Paradesc {__version__}; {REMEDY}.",
+            f"native library does not fit – {path.name} is version {version} and the package {__version__}; {REMEDY}.",
         )
 
 
