@@ -6,6 +6,7 @@
 # Versions from 5.1 on need Python 3.13 and run in a Debian 13 in the folder DIR, which is made if it is missing (by root).
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
+source "$root/tests/support/chroot.sh"
 
 DEFAULTS=(4.2.23 4.5.15 5.0.1)
 NEWEST=5.2.3
@@ -14,7 +15,6 @@ CHROOT_PACKAGES=(python3-venv gcc libc6-dev libgomp1 libx11-6 libxext6 libxrende
   libice6 libgl1 libvulkan1 libegl1 libegl-mesa0 libgl1-mesa-dri)
 TESTED=(CMakeLists.txt LICENSE addon native/README.md native/cmake native/include native/src shaders tests blend_samples pyproject.toml README.md)
 
-CERTIFICATES=/etc/ssl/certs/ca-certificates.crt
 environments=$root/build/versions
 chroot_folder='' asked=() words=() rows=() failures=0
 
@@ -70,10 +70,9 @@ in_module() {
 
 # in_chroot VERSION: the same in Debian 13, on a copy of what is tested and of the meshes beside it.
 in_chroot() {
-  local folder=$chroot_folder place=/root/paradesc environment=/root/bpy-$1 trust=/root/certificates.crt
+  local folder=$chroot_folder place=/root/paradesc environment=/root/bpy-$1
   [ -n "$folder" ] || fail "Blender $1 needs Python 3.13; give --chroot DIR, a folder for a Debian 13."
-  [ "$(id -u)" -eq 0 ] || fail "Only root can change into the Debian 13 of $folder."
-  make_chroot "$folder"
+  make_chroot "$folder" "$environments/debootstrap.log" "${CHROOT_PACKAGES[@]}"
   rm -rf "${folder:?}$place"
   mkdir -p "$folder$place"
   (cd "$root" && tar -c --exclude=__pycache__ --exclude=blend_samples/out "${TESTED[@]}") | tar -x -C "$folder$place" ||
@@ -83,26 +82,14 @@ in_chroot() {
     cp -rLT "$root/../shared/meshes" "$folder/root/shared/meshes"
   fi
   chroot "$folder" "$environment/bin/python" -c 'import bpy, pytest' 2>/dev/null || {
-    cp "$CERTIFICATES" "$folder$trust" && # what this system trusts, a proxy for one
-      chroot "$folder" python3 -m venv --clear "$environment" &&
-      chroot "$folder" env PIP_CERT=$trust SSL_CERT_FILE=$trust "$environment/bin/python" -m pip install -q \
-        --disable-pip-version-check "bpy==$1" "${TEST_REQUIREMENTS[@]}"
+    in_debian "$folder" python3 -m venv --clear "$environment" &&
+      in_debian "$folder" "$environment/bin/python" -m pip install -q --disable-pip-version-check "bpy==$1" \
+        "${TEST_REQUIREMENTS[@]}"
   } || fail "pip could not install bpy $1 in $folder."
   mountpoint -q "$folder/proc" || mount -t proc proc "$folder/proc" || fail "/proc could not be mounted in $folder."
   trap 'umount "$chroot_folder/proc"' EXIT
-  chroot "$folder" env PYTHONPATH="$place/addon" HOME=/root LANG=C.UTF-8 "$environment/bin/python" -m pytest -q \
+  in_debian "$folder" env PYTHONPATH="$place/addon" "$environment/bin/python" -m pytest -q \
     -p no:cacheprovider --rootdir "$place" "$place/tests/addon" ${words[@]+"${words[@]}"}
-}
-
-# make_chroot DIR: a Debian 13 with the packages, if there is none yet.
-make_chroot() {
-  [ -e "$1/ready" ] && return 0
-  install_packages debootstrap
-  debootstrap --variant=minbase trixie "$1" >"$environments/debootstrap.log" ||
-    fail "debootstrap could not make a Debian 13 in $1; its output is in $environments/debootstrap.log."
-  chroot "$1" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${CHROOT_PACKAGES[@]}" \
-    </dev/null >>"$environments/debootstrap.log" || fail "apt-get could not install Blender's libraries in $1."
-  touch "$1/ready"
 }
 
 # in_program: the tests in the installed Blender itself; only pytest comes from an environment beside it.

@@ -1,4 +1,4 @@
-"""The command line's entry: runs as `python -m paradesc …` and as `blender -b FILE -P cli.py -- …`."""
+"""The command line's entry: runs as `paradesc …`, `python -m paradesc …` and `blender -b FILE -P cli.py -- …`."""
 
 import sys
 from pathlib import Path
@@ -9,7 +9,13 @@ if __name__ == "__main__":  # Blender runs this as a script, and has to find the
 else:
     from .commands.main import main
 
-__all__ = ["main"]
+__all__ = ["command", "main"]
+
+
+def command() -> int:
+    """The program `paradesc` that pip installs: this process's words → the exit code."""
+    return main(sys.argv[1:])
+
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []))

@@ -1,9 +1,10 @@
 # Libraries → the add-on's folder, its zips and the static repository of extensions: target package_addon.
 #
-# With PARADESC_ZIG the libraries come from Zig's compiler, one build a platform; without, the one for this system is packed.
+# With PARADESC_ZIG the libraries come from Zig's compiler, one build a platform (target release_libraries, from which
+# wheels.py makes wheels, too); without, the one for this system is packed. A wheel that is built from source is installed.
 set(PARADESC_ZIG "" CACHE FILEPATH "Zig's compiler, for release builds: .../site-packages/ziglang/zig")
 set(PARADESC_PLATFORMS linux-x64 windows-x64 windows-arm64 macos-arm64 macos-x64 CACHE STRING "Platforms of release builds")
-set(PARADESC_TRIED linux-arm64 CACHE STRING "Platforms that are built to be tried here, and not packed")
+set(PARADESC_WITHOUT_BLENDER linux-arm64 CACHE STRING "Platforms of release builds that have wheels and no Blender")
 set(PARADESC_WEBSITE "" CACHE STRING "Address that packages link, as doc_url and website; none if empty")
 find_program(PARADESC_PYTHON python3 HINTS ${PROJECT_SOURCE_DIR}/.venv/bin)
 
@@ -29,9 +30,10 @@ if(PARADESC_PLATFORM)
   return()
 endif()
 
-# The add-on finds the library in its own lib folder and nowhere else.
+# The add-on finds the library in its own lib folder and nowhere else; so does the same Python in a wheel.
 set(library_files $<TARGET_FILE:paradesc> ${OPENMESH_CORE_FILE})
-if(NOT PARADESC_SANITIZE)
+install(FILES ${library_files} DESTINATION paradesc/lib)
+if(NOT PARADESC_SANITIZE AND NOT SKBUILD)
   add_custom_command(TARGET paradesc POST_BUILD
     COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_SOURCE_DIR}/addon/paradesc/lib
     COMMAND ${CMAKE_COMMAND} -E copy_if_different ${library_files} ${PROJECT_SOURCE_DIR}/addon/paradesc/lib/)
@@ -40,7 +42,7 @@ endif()
 set(arguments "")
 if(PARADESC_ZIG)
   include(ExternalProject)
-  foreach(platform ${PARADESC_PLATFORMS} ${PARADESC_TRIED})
+  foreach(platform ${PARADESC_PLATFORMS} ${PARADESC_WITHOUT_BLENDER})
     ExternalProject_Add(library_${platform} EXCLUDE_FROM_ALL ON
       SOURCE_DIR ${PROJECT_SOURCE_DIR} BINARY_DIR ${PROJECT_BINARY_DIR}/${platform}
       CMAKE_ARGS -DCMAKE_TOOLCHAIN_FILE=${PROJECT_SOURCE_DIR}/native/cmake/zig.cmake -DPARADESC_ZIG=${PARADESC_ZIG}
@@ -52,6 +54,7 @@ if(PARADESC_ZIG)
       list(APPEND arguments --folder ${platform}=${PROJECT_BINARY_DIR}/${platform})
     endif()
   endforeach()
+  add_custom_target(release_libraries DEPENDS ${libraries})
 else()
   set(libraries paradesc)
   set(arguments --files ${library_files})

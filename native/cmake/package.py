@@ -162,34 +162,43 @@ def valid_tags(tool: list[str]) -> list[str]:
     return ["--valid-tags", str(Path(tool[-1]).parents[3] / "modules" / "_bpy_internal" / "extensions" / "tags.py")]
 
 
-def given_libraries(arguments: argparse.Namespace) -> dict[str, list[Path]]:
-    """Files by platform, all of which are there."""
+def given_libraries(arguments: argparse.Namespace, names: dict[str, str]) -> dict[str, list[Path]]:
+    """Files by platform, all of which are there; names: the library's by platform, as in LIBRARIES."""
     libraries = {}
     for pair in arguments.folder:
         name, _, folder = pair.partition("=")
-        if name not in LIBRARIES:
-            sys.exit(f"package.py: there is no platform '{name}'; choose from {', '.join(LIBRARIES)}.")
-        libraries[name] = [Path(folder) / LIBRARIES[name]]
+        if name not in names:
+            sys.exit(f"{sys.argv[0]}: there is no platform '{name}'; choose from {', '.join(names)}.")
+        libraries[name] = [Path(folder) / names[name]]
     if arguments.files:
         name = f"{SYSTEMS.get(platform.system())}-{MACHINES.get(platform.machine())}"
         libraries[name] = [Path(file) for file in arguments.files]
     for file in [file for files in libraries.values() for file in files]:
         if not file.is_file():
-            sys.exit(f"package.py: {file} is missing; build the native library first.")
+            sys.exit(f"{sys.argv[0]}: {file} is missing; build the native library first.")
     if not libraries:
-        sys.exit("package.py: no library was given; name them by --folder or --files.")
+        sys.exit(f"{sys.argv[0]}: no library was given; name them by --folder or --files.")
     return libraries
+
+
+def library_arguments() -> argparse.ArgumentParser:
+    """The options that name libraries and where packages of them go."""
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.add_argument("--output", type=Path, required=True, help="emptied first")
+    parser.add_argument("--folder", action="append", default=[], metavar="PLATFORM=FOLDER")
+    parser.add_argument("--files", nargs="+", default=[], metavar="FILE")
+    return parser
 
 
 def main() -> int:
     """Packs, and says what was written."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--output", type=Path, required=True, help="emptied first")
-    parser.add_argument("--folder", action="append", default=[], metavar="PLATFORM=FOLDER")
-    parser.add_argument("--files", nargs="+", default=[], metavar="FILE")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, parents=[library_arguments()]
+    )
     parser.add_argument("--website", default="", metavar="ADDRESS", help="linked as doc_url and website; default: none")
     arguments = parser.parse_args()
-    for path in package(arguments.output.resolve(), given_libraries(arguments), arguments.website):
+    libraries = given_libraries(arguments, LIBRARIES)
+    for path in package(arguments.output.resolve(), libraries, arguments.website):
         sys.stdout.write(f"{path.stat().st_size:>9,} bytes  {path}\n")
     sys.stdout.write(f"repository       {arguments.output.resolve() / 'repository' / 'index.json'}\n")
     return 0

@@ -3,7 +3,7 @@
 # PARADESC_PLATFORM is a platform's name in Blender's extension manifests.
 set(platforms
   "linux-x64|x86_64-linux-gnu.2.28|Linux|x86_64" # 2.28: the glibc of the systems that Blender itself is built on
-  "linux-arm64|aarch64-linux-gnu.2.28|Linux|aarch64" # not packed: it shows what ARM processors compute, by emulation
+  "linux-arm64|aarch64-linux-gnu.2.28|Linux|aarch64" # for wheels alone: no Blender runs there
   "windows-x64|x86_64-windows-gnu|Windows|AMD64"
   "windows-arm64|aarch64-windows-gnu|Windows|ARM64"
   "macos-x64|x86_64-macos.10.13|Darwin|x86_64"

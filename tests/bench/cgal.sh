@@ -7,6 +7,6 @@ source "$root/tests/support/foreign.sh"
 
 folder=$root/build/cgal
 install_packages libboost-dev libeigen3-dev
-get_package trixie deb libcgal-dev "$folder"
+get_package trixie deb "$folder" libcgal-dev
 dpkg -x "$folder"/libcgal-dev_*.deb "$folder"
 echo "CGAL's headers lie in $folder/usr/include; now: cmake -S . -B build -DPARADESC_BENCHMARKS=ON"

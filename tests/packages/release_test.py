@@ -24,6 +24,8 @@ LIBRARIES = {
     "macos-x64": "libparadesc-x86_64.dylib",
     "macos-arm64": "libparadesc-arm64.dylib",
 }
+WITHOUT_BLENDER = {"linux-arm64": "libparadesc.so"}  # for wheels alone
+LINUX = {"linux-x64": "ld-linux-x86-64.so.2", "linux-arm64": "ld-linux-aarch64.so.1"}
 WINDOWS = {"windows-x64": "AMD64", "windows-arm64": "ARM64"}
 MACS = {"macos-x64": "x86_64", "macos-arm64": "arm64"}
 WINE = next((path for path in map(Path, ("/usr/lib/wine/wine64", "/usr/bin/wine64")) if path.is_file()), None)
@@ -37,7 +39,7 @@ MAC_EXTRAS = re.compile(r"__mh_dylib_header|___dso_handle|__Zn[wa]m.*|__Zd[la]Pv
 
 def path_of(platform):
     """The path of a platform's library."""
-    return RELEASE / platform / LIBRARIES[platform]
+    return RELEASE / platform / {**LIBRARIES, **WITHOUT_BLENDER}[platform]
 
 
 def public_functions():
@@ -57,7 +59,7 @@ def test_header_declares_functions():
     assert {"pdesc_abi_version", "pdesc_compute", "pdesc_field_destroy"} <= public_functions()
 
 
-@pytest.mark.parametrize("platform", ["linux-x64", *WINDOWS])
+@pytest.mark.parametrize("platform", [*LINUX, *WINDOWS])
 def test_library_shows_the_public_functions_alone(platform):
     assert exports(platform) == public_functions()
 
@@ -68,18 +70,20 @@ def test_mac_library_shows_the_public_functions(platform):
     assert names == {f"_{name}" for name in public_functions()}
 
 
-def test_linux_library_runs_with_glibc_2_28():
-    binary = lief.parse(str(path_of("linux-x64")))
+@pytest.mark.parametrize("platform", LINUX)
+def test_linux_library_runs_with_glibc_2_28(platform):
+    binary = lief.parse(str(path_of(platform)))
     names = {aux.name for need in binary.symbols_version_requirement for aux in need.get_auxiliary_symbols()}
     versions = sorted(tuple(map(int, re.findall(r"\d+", name))) for name in names)
-    print("lowest glibc of libparadesc.so:", ".".join(map(str, versions[-1])))  # noqa: T201
+    print(f"lowest glibc of {platform}:", ".".join(map(str, versions[-1])))  # noqa: T201
     assert all(name.startswith("GLIBC_") for name in names)
     assert versions[-1] <= NEWEST_GLIBC
 
 
-def test_linux_library_needs_the_c_library_alone():
-    binary = lief.parse(str(path_of("linux-x64")))
-    assert set(binary.libraries) <= {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "ld-linux-x86-64.so.2"}
+@pytest.mark.parametrize(("platform", "loader"), LINUX.items())
+def test_linux_library_needs_the_c_library_alone(platform, loader):
+    binary = lief.parse(str(path_of(platform)))
+    assert set(binary.libraries) <= {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", loader}
 
 
 @pytest.mark.parametrize(("platform", "machine"), WINDOWS.items())
@@ -194,5 +198,5 @@ def test_zips_hold_the_libraries_that_were_tested():
 
 
 def test_libraries_are_stripped_and_small():
-    for platform in LIBRARIES:
+    for platform in (*LIBRARIES, *WITHOUT_BLENDER):
         assert path_of(platform).stat().st_size < 4e6, platform

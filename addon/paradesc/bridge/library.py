@@ -1,4 +1,4 @@
-"""Finds, loads and checks libparadesc in the add-on's own lib folder, and reads its descriptor registry."""
+"""Finds, loads and checks libparadesc in the package's own lib folder, and reads its descriptor registry."""
 
 import ctypes
 import hashlib
@@ -20,14 +20,14 @@ LIBRARY_NAMES = {
     "win32": "paradesc.dll",
     "darwin": f"libparadesc-{platform.machine()}.dylib",
 }
-# What release packages hold libraries for; platform.machine() by sys.platform.
-MACHINES = {"linux": ("x86_64",), "win32": ("AMD64", "ARM64"), "darwin": ("x86_64", "arm64")}
+# What releases hold libraries for; platform.machine() by sys.platform. Linux on ARM64 has a wheel alone.
+MACHINES = {"linux": ("x86_64", "aarch64"), "win32": ("AMD64", "ARM64"), "darwin": ("x86_64", "arm64")}
 # libparadesc needs these libraries; they are loaded first if they are in the same folder.
 COMPANION_NAMES = ("libOpenMeshCore.so.9.0",)
 # Bytes kept free behind every struct: a newer library of the same ABI version may know more members than abi.py.
 GROWTH_ROOM = 256
-# A library stays loaded, so an add-on that is updated meanwhile meets the old one.
-REMEDY = "restart Blender if you have just updated the add-on, else install both from one release"
+# A library stays loaded, so an add-on or a package that is updated meanwhile meets the old one.
+REMEDY = "restart Blender or Python if you have just updated it, else install both from one release"
 
 Struct = TypeVar("Struct", bound=ctypes.Structure)
 
@@ -126,16 +126,16 @@ def absent_sentence(path: Path) -> str:
     if platform.machine() not in MACHINES.get(sys.platform, ()):
         return f"native library missing – {offer()}; elsewhere build it with cmake, so that {path} exists."
     return (
-        f"native library missing – {path.name} is not in {path.parent}; install the add-on from a release package for "
-        "this system instead of a source archive, or build it with cmake."
+        f"native library missing – {path.name} is not in {path.parent}; install a release package of the add-on for "
+        "this system, or by pip a wheel, instead of a source archive, or build it with cmake."
     )
 
 
 def offer() -> str:
-    """Says which release packages there are, and what this system is."""
+    """Says which release packages and wheels there are, and what this system is."""
     return (
-        "release packages are for Linux and Windows on x86-64 and for macOS, and this is "
-        f"{platform.system()} on {platform.machine()}"
+        "releases are for Linux, Windows and macOS on x86-64 and ARM64 (for Linux on ARM64 a wheel alone), and "
+        f"this is {platform.system()} on {platform.machine()}"
     )
 
 
@@ -160,7 +160,7 @@ def unlocked(path: Path) -> Path:
 
 
 def check_version(library: ctypes.CDLL, path: Path) -> None:
-    """Compares the library's versions with those that this add-on was written for, before any other call."""
+    """Compares the library's versions with those that the package was written for, before any other call."""
     try:
         library.pdesc_abi_version.restype = ctypes.c_int32
         found = library.pdesc_abi_version()
@@ -172,7 +172,7 @@ def check_version(library: ctypes.CDLL, path: Path) -> None:
     if found != abi.ABI_VERSION:
         raise ParadescError(
             abi.STATUS_UNSUPPORTED,
-            f"native library does not fit – {path.name} has ABI version {found} and this add-on needs "
+            f"native library does not fit – {path.name} has ABI version {found} and the package needs "
             f"{abi.ABI_VERSION}; {REMEDY}.",
         )
     library.pdesc_version.restype = ctypes.c_char_p
@@ -180,7 +180,7 @@ def check_version(library: ctypes.CDLL, path: Path) -> None:
     if version != __version__:
         raise ParadescError(
             abi.STATUS_UNSUPPORTED,
-            f"native library does not fit – {path.name} is version {version} and this add-on {__version__}; {REMEDY}.",
+            f"native library does not fit – {path.name} is version {version} and the package {__version__}; {REMEDY}.",
         )
 
 

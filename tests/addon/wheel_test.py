@@ -1,0 +1,62 @@
+"""The wheel of this system: made of the library that is built already, and used by a Python that has numpy alone."""
+
+import os
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from conftest import blender_program
+from paradesc import __version__
+from shapes import ADDON, ROOT
+
+LIBRARIES = sorted((ADDON / "paradesc" / "lib").glob("*"))
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(bool(blender_program()), reason="pip belongs to Python, not to Blender's executable"),
+    pytest.mark.skipif(find_spec("scikit_build_core") is None, reason="scikit-build-core is not installed"),
+]
+
+
+def completed(*words):
+    """Runs a program without what this Python was told about paths."""
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    return subprocess.run(
+        list(map(str, words)), env=environment, capture_output=True, text=True, timeout=120, check=False
+    )
+
+
+@pytest.fixture(scope="module")
+def programs(tmp_path_factory):
+    """The folder of programs of an environment with the wheel, and with numpy by its path."""
+    folder = tmp_path_factory.mktemp("wheel")
+    script = ROOT / "native" / "cmake" / "wheels.py"
+    made = completed(sys.executable, script, "--output", folder / "wheels", "--files", *LIBRARIES)
+    assert made.returncode == 0, made.stdout + made.stderr
+    (wheel,) = (folder / "wheels").glob("*.whl")
+    completed(sys.executable, "-m", "venv", "--without-pip", folder / "venv")
+    (site_packages,) = (folder / "venv").glob("lib/python*/site-packages")
+    for path in Path(np.__file__).parents[1].glob("numpy*"):
+        (site_packages / path.name).symlink_to(path)
+    found = folder / "venv" / "bin"
+    installed = completed(
+        sys.executable, "-m", "pip", "--python", found / "python", "install", "--no-index", "--no-deps", wheel
+    )
+    assert installed.returncode == 0, installed.stdout + installed.stderr
+    return found
+
+
+def test_curvature_of_a_torus_is_that_of_the_closed_form(programs):
+    done = completed(programs / "python", ROOT / "tests" / "packages" / "torus.py")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_program_gives_the_exit_code(programs):
+    done = completed(programs / "paradesc", "--version")
+    assert (done.returncode, done.stdout) == (0, f"paradesc {__version__}\n")
+    assert completed(programs / "paradesc", "list", "--quiet").returncode == 0
+    assert completed(programs / "paradesc", "bake", "--wobble").returncode == 2
