@@ -62,12 +62,9 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         raise UsageError("Give --object or --all, not both.")
     check_outputs([arguments.json] if arguments.json else [])
     opened = open_objects(arguments)
-    import bpy
-
-    scene = bpy.context.scene
     settings = opened_settings(arguments)
     opened.notes += notes_of_preset(arguments.preset_content, has_colors=False)
-    wanted = chosen or range(scene.frame_start, scene.frame_end + 1, max(1, scene.frame_step))
+    wanted = chosen or scene_frames()
     root = cache_folder(arguments)
     reports = []
     with Progress(arguments.progress) as progress:
@@ -146,6 +143,14 @@ def parse_frames(text: str | None) -> range | None:
         return None if text is None else cache.parse_frames(text)
     except ValueError as error:
         raise UsageError(str(error)) from error
+
+
+def scene_frames() -> range:
+    """The frames of the open scene."""
+    import bpy
+
+    scene = bpy.context.scene
+    return range(scene.frame_start, scene.frame_end + 1, max(1, scene.frame_step))
 
 
 def cache_folder(arguments: argparse.Namespace) -> Path:

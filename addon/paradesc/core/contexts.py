@@ -36,6 +36,7 @@ class Pool:
     used: list[Slot] = field(default_factory=list)
     idle: dict[Key, bridge.Context] = field(default_factory=dict)
     lock: threading.Lock = field(default_factory=threading.Lock)
+    threads: int = 0  # of the contexts that are opened from now on, for work on the processor; 0: all cores
 
     def take(self, key: Key, shared: bool) -> Slot:
         """A context of this device: if shared, the one that others share already; else an idle one, or a new one."""
@@ -48,7 +49,7 @@ class Pool:
                 return found
             context = self.idle.pop(key, None)
         backend, index, limit = key
-        slot = Slot(key, context or bridge.Context(backend, index, memory_limit=limit), shared)
+        slot = Slot(key, context or bridge.Context(backend, index, self.threads, limit), shared)
         with self.lock:
             self.used.append(slot)
         return slot
