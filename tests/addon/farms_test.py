@@ -255,7 +255,7 @@ def test_openjd_runs_a_library_and_goes_on_where_it_was_killed(tmp_path, program
 
 
 def no_process_of(output):
-    """Ends the processes that work on this folder, since openjd's tasks have sessions of their own; whether none was left."""
+    """Ends the processes that work on this folder, as openjd's tasks have sessions of their own; if none was left."""
     left = []
     for path in Path("/proc").glob("[0-9]*/cmdline"):
         with contextlib.suppress(OSError):
