@@ -12,6 +12,7 @@ import paradesc  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
+from paradesc.core.uv_faults import uv_areas  # noqa: E402
 from paradesc.scene import mesh_io, record, unwrap  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint, measure_curvature  # noqa: E402
 
@@ -103,7 +104,7 @@ def test_layout_lies_in_the_unit_square_without_overlap(bare):
     assert arrays.corner_uvs.shape == (len(bare.data.loops), 2)
     assert arrays.corner_uvs.min() >= 0
     assert arrays.corner_uvs.max() <= 1
-    assert (unwrap.uv_areas(arrays.corner_uvs, arrays.triangle_corners) > 0).all()
+    assert (uv_areas(arrays.corner_uvs, arrays.triangle_corners) > 0).all()
     assert overlapping_texels(arrays.corner_uvs, arrays.triangle_corners) == 0
 
 
@@ -155,7 +156,7 @@ def test_faces_that_use_a_place_twice_do_not_harm_the_others(bare):
     mesh.vertices[collapsed].co = mesh.vertices[kept].co
     arrays = read(bare)
     assert np.isfinite(arrays.corner_uvs).all()
-    areas = unwrap.uv_areas(arrays.corner_uvs, arrays.triangle_corners)
+    areas = uv_areas(arrays.corner_uvs, arrays.triangle_corners)
     assert (areas != 0).mean() > 0.99
 
 

@@ -17,10 +17,10 @@ from .common import (
     add_objects_options,
     add_output_options,
     check_outputs,
-    open_objects,
     print_notes,
 )
 from .look_options import fixed_range
+from .opening import open_objects
 from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
 from .preset_options import check_preset, notes_of_preset
 from .reading import map_sources

@@ -1,6 +1,7 @@
 """paradesc bake: computes descriptors of one object or of several and writes them to files."""
 
 import argparse
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,10 +21,10 @@ from .common import (
     add_output_options,
     check_overwriting,
     fallback_note,
-    open_objects,
     print_notes,
 )
 from .look_options import add_look_options, look_of
+from .opening import open_objects
 from .options import (
     add_computation_options,
     add_input,
@@ -35,7 +36,7 @@ from .options import (
 )
 from .outputs import add_output_files, check_files, files_of, write_files
 from .preset_options import check_preset, look_of_preset, notes_of_preset
-from .reading import read_object
+from .reading import Target, fitting, mesh_name, read_object, world_matrix
 
 if TYPE_CHECKING:
     import bpy
@@ -130,7 +131,7 @@ def saves_scene(arguments: argparse.Namespace) -> bool:
 
 
 def bake_objects(
-    targets: list["bpy.types.Object"],
+    targets: list[Target],
     settings: job.Settings,
     arguments: argparse.Namespace,
     onto: dict["bpy.types.Object", list["bpy.types.Object"]] | None = None,
@@ -139,10 +140,10 @@ def bake_objects(
 
     onto: the detailed objects that are measured in place of each.
     """
-    from ..scene import mesh_io
-
     look = asked_look(arguments)
     if saves_scene(arguments):
+        from ..scene import mesh_io
+
         for target in targets:
             mesh_io.check_writable(target)
     its_own = arguments.material_maps or settings.space == "world" or arguments.source != "original" or onto
@@ -150,27 +151,29 @@ def bake_objects(
     of_mesh: dict[str, results.Baked] = {}
     with Progress(arguments.progress) as progress:
         for index, target in enumerate(targets):
-            known = None if its_own else of_mesh.get(target.data.name_full)
+            known = None if its_own else of_mesh.get(mesh_name(target))
             if known is None:
                 part = job.part_of(progress, index, len(targets))
                 with named(target, len(targets)):
                     read = read_object(target, settings, arguments)
-                    reading, notes = read.reading, read.notes
-                    tiles = images.tiles_of(target.name, reading.arrays, arguments)
+                    arrays, reading, notes = read.arrays, read.reading, read.notes
+                    tiles = images.tiles_of(target.name, arrays, arguments)
                     if onto:
                         highs = onto[target]
                         computed, notes = pairs.run_onto(target, read, highs, settings, arguments, tiles, part)
                     else:
                         buffers = arguments.dump_buffers is not None
-                        computed = texel_tiles.run_where_asked(read.measured, settings, tiles, part, buffers)
+                        computed = texel_tiles.run_where_asked(
+                            read.measured, fitting(settings, read), tiles, part, buffers
+                        )
                 computed.look = look
             else:
-                reading, computed = known.reading, known.results
+                arrays, reading, computed = known.arrays, known.reading, known.results
                 notes = [f'It shares the mesh of "{known.object_name}" and has its results.']
             notes = [*notes, *computed.facet_notes(), *computed.unused_notes()]
-            matrix = mesh_io.world_matrix(target)
-            baked.append(results.Baked(target.name, computed, reading.arrays, matrix, notes, reading))
-            of_mesh.setdefault(target.data.name_full, baked[-1])
+            matrix = world_matrix(target)
+            baked.append(results.Baked(target.name, computed, arrays, matrix, notes, reading))
+            of_mesh.setdefault(mesh_name(target), baked[-1])
     return baked
 
 
@@ -196,7 +199,7 @@ def asked_look(arguments: argparse.Namespace) -> Look:
 
 
 @contextmanager
-def named(target: "bpy.types.Object", count: int) -> Iterator[None]:
+def named(target: Target, count: int) -> Iterator[None]:
     """Adds to an error which object it is about, if there are several."""
     try:
         yield
@@ -207,10 +210,9 @@ def named(target: "bpy.types.Object", count: int) -> Iterator[None]:
 
 
 def open_file() -> Path | None:
-    """The .blend that the open scene comes from."""
-    import bpy
-
-    return Path(bpy.data.filepath) if bpy.data.filepath else None
+    """The .blend that the open scene comes from, if there is one."""
+    blender = sys.modules.get("bpy")
+    return Path(blender.data.filepath) if blender is not None and blender.data.filepath else None
 
 
 def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:

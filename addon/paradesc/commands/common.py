@@ -1,20 +1,15 @@
-"""What the commands share: errors and exit codes, opening the input, checks of outputs, progress, notes."""
+"""What the commands share: errors and exit codes, checks of outputs, progress, notes."""
 
 import argparse
 import shlex
 import sys
 import time
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 from ..bridge import InputError, ParadescError, abi
-from ..core.standard_streams import quiet
 from ..files.results import file_fault
 from .signals import Signals, Terminated
-
-if TYPE_CHECKING:
-    import bpy
 
 EXIT_OK = 0
 EXIT_FAILED = 1  # could not be computed or written
@@ -97,55 +92,6 @@ def check_overwriting(paths: list[Path], given: Path | None, force: bool) -> Non
     for path in paths:
         if given is not None and not force and path.resolve() == given.resolve():
             raise UsageError(f'"{path}" is the input; add --force to write over it, or choose another name.')
-
-
-@dataclass
-class Opened:
-    """The objects to work on, and sentences about how they were found."""
-
-    objects: list["bpy.types.Object"]
-    notes: list[str] = field(default_factory=list)
-
-
-def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
-    """Opens the input, or takes the open scene. Gives whether a file was imported, and sentences about that."""
-    scene_is_open = "bpy" in sys.modules  # in Blender, and in scripts that made a scene
-    try:
-        with quiet(arguments.verbose):
-            import bpy  # before bmesh, which scene_io imports
-
-            from ..scene import scene_io
-    except ImportError as error:
-        raise ParadescError(abi.STATUS_UNSUPPORTED, "Blender's Python module bpy is not installed here.") from error
-    if arguments.input is not None:
-        notes = scene_io.open_scene(arguments.input, arguments.verbose)
-        return arguments.input.suffix.lower() != ".blend", notes
-    if not scene_is_open:
-        raise UsageError(f"INPUT is missing; give a file: {', '.join(scene_io.SUFFIXES)}.")
-    bpy.context.view_layer.update()  # a script may have moved objects
-    return False, []
-
-
-def open_object(arguments: argparse.Namespace) -> "bpy.types.Object":
-    """Opens the input and picks --object or the one that stands out; prints how it was found."""
-    imported, notes = open_input(arguments)
-    from ..scene import scene_io
-
-    print_notes(notes)
-    return scene_io.choose_object(arguments.object, prefer_active=not imported)
-
-
-def open_objects(arguments: argparse.Namespace) -> Opened:
-    """Opens the input and picks the objects: --all of them, those that --object names, or the one that stands out."""
-    imported, notes = open_input(arguments)
-    from ..scene import scene_io
-
-    if arguments.all:
-        chosen, left_out = scene_io.all_objects()
-        return Opened(chosen, notes + left_out)
-    if arguments.object:
-        return Opened([scene_io.find_object(name) for name in dict.fromkeys(arguments.object)], notes)
-    return Opened([scene_io.choose_object(None, prefer_active=not imported)], notes)
 
 
 def add_objects_options(parser: argparse.ArgumentParser) -> None:

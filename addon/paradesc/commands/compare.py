@@ -10,12 +10,12 @@ from .common import (
     add_output_options,
     check_outputs,
     fallback_note,
-    open_object,
     print_notes,
 )
+from .opening import open_object
 from .options import add_mesh_options, opened_settings, settings_of
 from .preset_options import check_preset, notes_of_preset
-from .reading import read_object
+from .reading import fitting, read_object
 
 COLUMNS = (
     ("mean_percent_ae", "mean %"),
@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     read = read_object(target, settings, arguments)
     read.notes += notes_of_preset(arguments.preset_content, has_colors=False)
     with Progress(arguments.progress) as progress:
-        rows, device, reference = compare.compare(read.measured, settings, progress)
+        rows, device, reference = compare.compare(read.measured, fitting(settings, read), progress)
     print(f'object "{target.name}", radius {device.radius:.6g}, {settings.options.samples} samples')
     print(f"{device.backend}: {device.device}, {device.field_report['seconds_total']:.2f} s")
     print(f"reference: {reference.device}, {reference.field_report['seconds_total']:.2f} s")

@@ -1,16 +1,25 @@
 """paradesc info: describes the meshes of a file, what is wrong with them, and which radius and buffer suit them."""
 
 import argparse
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .. import bridge
-from ..core import advice
-from .common import Parser, add_objects_options, add_output_options, check_outputs, open_input, print_notes
+from ..core import advice, uv_faults
+from ..files.mesh_files import FileMesh
+from . import file_reading
+from .common import Parser, add_objects_options, add_output_options, check_outputs, print_notes
+from .opening import open_input
 from .options import add_input
 
 if TYPE_CHECKING:
     import bpy
 
+# What the only UV map of a file without names is called.
+UV_NAME = "UVMap"
 # Counts of the mesh report that limit a bake, in words.
 DEFECTS = {
     "degenerate_triangles": "triangles without area",
@@ -35,12 +44,18 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
 def run(arguments: argparse.Namespace) -> dict[str, object]:
     """Prints every mesh object, or those that --object names; gives them."""
     check_outputs([arguments.json] if arguments.json else [])
-    _, notes = open_input(arguments)
-    from ..scene import scene_io
+    if file_reading.reads_files(arguments):
+        meshes = file_reading.open_files(arguments)
+        shown = file_reading.chosen(meshes, arguments.object) if arguments.object else meshes
+        objects = [described(subject_of_file(mesh)) for mesh in shown]
+        notes = [note for mesh in shown for note in mesh.notes]
+    else:
+        _, notes = open_input(arguments)
+        from ..scene import scene_io
 
-    named = [scene_io.find_object(name) for name in dict.fromkeys(arguments.object)]
-    shown = named or [item for item in scene_io.mesh_objects() if item not in scene_io.bone_shapes()]
-    objects = [describe(item) for item in shown]
+        named = [scene_io.find_object(name) for name in dict.fromkeys(arguments.object)]
+        shown = named or [item for item in scene_io.mesh_objects() if item not in scene_io.bone_shapes()]
+        objects = [described(subject_of(item)) for item in shown]
     for row in objects:
         print_object(row)
     if not objects:
@@ -49,12 +64,24 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     return {"objects": objects, "notes": notes}
 
 
-def describe(target: "bpy.types.Object") -> dict[str, object]:
-    """Describes one object: facts, UV map, defects, and what suits it; or says why the mesh cannot be read."""
+@dataclass
+class Subject:
+    """What is described: the facts that are told in any case, and the mesh."""
+
+    facts: dict[str, object]
+    vertices: int
+    faces: int
+    uv_name: str | None
+    uvs: np.ndarray | None  # (corner_count, 2) float32 of the active UV map, whatever it lacks
+    read: Callable[[], bridge.MeshArrays]  # raises ParadescError if it cannot be read
+
+
+def subject_of(target: "bpy.types.Object") -> Subject:
+    """An object of the scene."""
     from ..scene import mesh_io, record
 
     mesh = target.data
-    row: dict[str, object] = {
+    facts: dict[str, object] = {
         "object": target.name,
         "mesh": mesh.name,
         "renders": not target.hide_render,
@@ -66,23 +93,60 @@ def describe(target: "bpy.types.Object") -> dict[str, object]:
         "baked": record.attributes_of(mesh),
         "obstacle": "",
     }
+    uvs, active = mesh_io.read_uvs(mesh), mesh.uv_layers.active
+    return Subject(
+        facts, len(mesh.vertices), len(mesh.polygons), active.name if active else None, uvs,
+        lambda: mesh_io.read_object(target, corner_normals=False, needs_uvs=False),
+    )  # fmt: skip
+
+
+def subject_of_file(mesh: FileMesh) -> Subject:
+    """A mesh of a file, which has no more than its shape; formats with one UV map give it no name."""
+    uvs = mesh.arrays.corner_uvs
+    facts: dict[str, object] = {
+        "object": mesh.name,
+        "mesh": mesh.name,
+        "renders": True,
+        "linked": False,
+        "scale": [round(float(size), 6) for size in np.linalg.norm(mesh.matrix_world[:3, :3], axis=0)],
+        "modifiers": [],
+        "shape_keys": 0,
+        "uv_maps": [] if uvs is None else [UV_NAME],
+        "baked": [],
+        "obstacle": "",
+    }
+    arrays = mesh.arrays
+    if uv_faults.fault(uvs, arrays.triangle_corners):
+        arrays = replace(arrays, corner_uvs=None)
+    name = None if uvs is None else UV_NAME
+    return Subject(facts, len(arrays.positions), mesh.face_count, name, uvs, lambda: arrays)
+
+
+def described(subject: Subject) -> dict[str, object]:
+    """Facts, UV map, defects, and what suits a mesh; or why it cannot be read."""
     try:
-        arrays = mesh_io.read_object(target, corner_normals=False, needs_uvs=False)
+        arrays = subject.read()
         with bridge.Context("reference") as context, context.mesh(arrays) as native:
             report = native.report()
             hint = advice.suggested(report, advice.texels_per_length(arrays))
             memory = expected_memory(native, hint)
     except bridge.ParadescError as error:
-        return {**row, "obstacle": error.sentence, "vertices": len(mesh.vertices), "faces": len(mesh.polygons)}
+        counts = {"vertices": subject.vertices, "faces": subject.faces}
+        return {**subject.facts, "obstacle": error.sentence, **counts}
     return {
-        **row,
+        **subject.facts,
         "vertices": report["vertex_count"],
-        "faces": len(mesh.polygons),
+        "faces": subject.faces,
         "triangles": report["triangle_count"],
         "parts": report["parts"],
         "boundary_edges": report["boundary_edges"],
         "welded_vertices": report["welded_vertices"],
-        "uv_map": uv_map(mesh, arrays, report),
+        "uv_map": {
+            "name": subject.uv_name,
+            "fault": uv_faults.fault(subject.uvs, arrays.triangle_corners),
+            "charts": report["charts"],
+            "seam_edges": report["seam_edges"],
+        },
         "defects": {name: report[name] for name in DEFECTS},
         "diagonal": report["diagonal"],
         "mean_edge": report["mean_edge"],
@@ -97,19 +161,6 @@ def expected_memory(native: bridge.Mesh, hint: dict[str, object] | None) -> dict
     return native.memory(["mean_curvature"], options, "software")
 
 
-def uv_map(mesh: "bpy.types.Mesh", arrays: bridge.MeshArrays, report: dict[str, float]) -> dict[str, object]:
-    """The active UV map: its name, what it is lacking, its charts and seams."""
-    from ..scene import mesh_io, unwrap
-
-    own = mesh_io.read_uvs(mesh)
-    return {
-        "name": None if own is None else mesh.uv_layers.active.name,
-        "fault": unwrap.fault(own, arrays.triangle_corners),
-        "charts": report["charts"],
-        "seam_edges": report["seam_edges"],
-    }
-
-
 def print_object(row: dict[str, object]) -> None:
     """Prints an object in a few lines."""
     if row["obstacle"]:
@@ -120,7 +171,8 @@ def print_object(row: dict[str, object]) -> None:
         f"{row['triangles']:,} triangles, parts: {row['parts']:,}, boundary edges: {row['boundary_edges']:,}"
     )
     found = row["uv_map"]
-    state = f"The mesh {found['fault']}; it is unwrapped for a bake" if found["fault"] else "usable"
+    unwrapped = "it is unwrapped for a bake" if file_reading.has_blender() else "only Blender can unwrap it for images"
+    state = f"The mesh {found['fault']}; {unwrapped}" if found["fault"] else "usable"
     name = f' "{found["name"]}"' if found["name"] else ""
     print(f"  UV map{name}: {state}, charts: {found['charts']:,}, seam edges: {found['seam_edges']:,}")
     defects = [f"{count:,} {DEFECTS[key]}" for key, count in row["defects"].items() if count]

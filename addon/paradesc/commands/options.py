@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from .. import bridge
 from ..core import job, source_kinds
 from .common import PROGRESS, UsageError
+from .file_reading import READERS
 from .preset_options import found_preset, with_preset
 
 if TYPE_CHECKING:
@@ -38,8 +39,13 @@ def add_source(parser: argparse.ArgumentParser, default: str, *more: str) -> Non
 
 def add_input(parser: argparse.ArgumentParser) -> None:
     """Adds the input file."""
-    known = ".blend, .obj, .ply, .stl, .glb, .gltf, .fbx or .usd; in Blender: the open file"
+    known = ".blend, .obj, .ply, .stl, .off, .glb, .gltf, .fbx or .usd; in Blender: the open file"
     parser.add_argument("input", nargs="?", metavar="INPUT", type=Path, help=known)
+    parser.add_argument(
+        "--reader", choices=READERS, default="auto",
+        help="what reads the input: Blender where it is installed (default), or always Paradesc itself (.obj, .ply, "
+        ".stl, .off, .glb, .gltf), with the vertices and axes of the file",
+    )  # fmt: skip
 
 
 def add_computation_options(parser: argparse.ArgumentParser) -> None:

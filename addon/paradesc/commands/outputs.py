@@ -6,13 +6,18 @@ from pathlib import Path
 
 from .. import bridge
 from ..bridge import uses_texture_space
-from ..files import maps, results, tile_names
+from ..files import maps, results, tile_names, vtk_files
 from ..files.results import Baked, folder_fault, write_whole
 from .common import Progress, UsageError, check_outputs, check_overwriting
 from .images import file_name, paths_of, write_images
 
 # These hold one object, or several as one in world space.
-WRITERS: dict[str, Callable[[Path, Baked], None]] = {".ply": results.write_ply, ".png": results.write_picture}
+WRITERS: dict[str, Callable[[Path, Baked], None]] = {
+    ".ply": results.write_ply,
+    ".vtp": vtk_files.write_vtp,
+    ".vtk": vtk_files.write_vtk,
+    ".png": results.write_picture,
+}
 PNG_RANGES = ("values", "colors")
 OUTPUT_SUFFIXES = (".npz", *WRITERS, ".exr", ".blend")
 
@@ -20,7 +25,10 @@ OUTPUT_SUFFIXES = (".npz", *WRITERS, ".exr", ".blend")
 def add_output_files(parser: argparse.ArgumentParser) -> None:
     """Adds the options for the files to write."""
     add = parser.add_argument
-    output = ".blend, .npz, .ply, .png (picture) or .exr (image over the UV map); give it again for more"
+    output = (
+        ".blend, .npz, .ply, .vtp or .vtk (for ParaView), .png (picture) or .exr (image over the UV map); give it again "
+        "for more"
+    )
     image = (
         "write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor); of "
         "several UDIM tiles one each, whose number stands for <UDIM> in the name, else before the suffix"
@@ -79,8 +87,6 @@ def files_of(arguments: argparse.Namespace) -> list[Path]:
 
 def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, object]:
     """Writes all files; gives what the report says of them."""
-    from ..scene import scene_io
-
     whole = baked[0] if len(baked) == 1 else results.joined(baked)
     written: list[Path] = []
     for path in arguments.output:
@@ -88,6 +94,8 @@ def write_files(arguments: argparse.Namespace, baked: list[Baked]) -> dict[str, 
         if suffix == ".exr":
             continue
         if suffix == ".blend":
+            from ..scene import scene_io
+
             scene_io.save_blend(path, arguments.verbose)
         elif suffix == ".npz" and len(baked) > 1:
             write_whole(path, baked, results.write_npz_of_all)

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 from ..core import job, pair_names, transfer
 from ..core.standard_streams import quiet
-from .common import Opened, Parser, UsageError, open_input, open_objects
+from .common import Parser, UsageError
+from .file_reading import open_files, reads_files
+from .opening import Opened, open_input, open_objects
 from .reading import read_object
 
 if TYPE_CHECKING:
@@ -82,6 +84,8 @@ def opened_lows(arguments: argparse.Namespace) -> Opened:
     """Opens the input and picks the low-poly objects: with --pairs by their names, unless --object names them."""
     if not arguments.pairs or arguments.object:
         return open_objects(arguments)
+    if reads_files(arguments):
+        open_files(arguments)  # which refuses
     _, notes = open_input(arguments)
     from ..scene import mesh_io, scene_io
 

@@ -1,10 +1,14 @@
 """Reads an object as the options ask: its shape, the images that change it, and the space it is measured in."""
 
 import argparse
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Union
+
+import numpy as np
 
 from ..core import job
 from ..core.standard_streams import quiet
+from ..files.mesh_files import FileMesh
+from .file_reading import FileRead, read_mesh
 
 if TYPE_CHECKING:
     import bpy
@@ -12,9 +16,14 @@ if TYPE_CHECKING:
     from ..scene.surface_maps import MapChoice
     from ..scene.targets import Read
 
+# What commands work on: an object of Blender's scene, or a mesh of a file that was read without Blender.
+Target = Union["bpy.types.Object", FileMesh]
 
-def read_object(target: "bpy.types.Object", settings: job.Settings, arguments: argparse.Namespace) -> "Read":
+
+def read_object(target: Target, settings: job.Settings, arguments: argparse.Namespace) -> "Read | FileRead":
     """Reads the object's mesh, by --source before or after modifiers; the mesh stays as it is."""
+    if isinstance(target, FileMesh):
+        return read_mesh(target, settings, arguments)
     from ..scene import targets
 
     shape = arguments.shape_key or "basis"
@@ -24,6 +33,21 @@ def read_object(target: "bpy.types.Object", settings: job.Settings, arguments: a
         read = targets.read(target, settings, request)
     read.notes += [*read.warnings, *read.map_notes]
     return read
+
+
+def fitting(settings: job.Settings, read: "Read | FileRead") -> job.Settings:
+    """The settings for what was read: a mesh of a file may have no UV map, and gets none."""
+    return job.without_uvs(settings) if isinstance(read, FileRead) and read.arrays.corner_uvs is None else settings
+
+
+def mesh_name(target: Target) -> str:
+    """What objects have in common that share a mesh."""
+    return target.name if isinstance(target, FileMesh) else target.data.name_full
+
+
+def world_matrix(target: Target) -> np.ndarray:
+    """(4, 4) float64 matrix from object space to world space."""
+    return np.array(target.matrix_world, np.float64)
 
 
 def map_sources(arguments: argparse.Namespace) -> "MapChoice":

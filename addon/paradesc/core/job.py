@@ -251,6 +251,13 @@ def needs_uvs(settings: Settings, buffers: bool = False) -> bool:
     return bridge.uses_texture_space(backend) or (backend == "cpu" and settings.options.evaluate == "texel")
 
 
+def without_uvs(settings: Settings) -> Settings:
+    """The same for a mesh without UV coordinates: the processor in place of an automatic device that needs them."""
+    if settings.backend == "auto" and not bridge.needs_texture_space(settings.options):
+        return replace(settings, backend="cpu")
+    return settings
+
+
 def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:
     """Refuses arrays without UV coordinates where texture space is needed."""
     if arrays.corner_uvs is None and bridge.uses_texture_space(backend):

@@ -1,5 +1,7 @@
 """Brings a mesh from object space into world space, to measure it there. Never imports bpy."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..bridge import MeshArrays, ParadescError, abi
@@ -28,6 +30,21 @@ def check_scale(matrix: np.ndarray, name: str) -> None:
             return
     sentence = f'The object "{name}" is scaled to nothing along an axis; it has no shape in the world to measure.'
     raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+
+
+def measured(
+    arrays: MeshArrays, matrix: np.ndarray, name: str, space: str, remedy: str
+) -> tuple[MeshArrays, list[str]]:
+    """The arrays of an object of that name in the space that is measured; a sentence if its scale does not count."""
+    found = replace(arrays)
+    if space == "world":
+        if arrays.maps is not None:
+            found.maps = replace(arrays.maps)
+        to_world(found, matrix, name)
+    elif not is_even(matrix):
+        sentence = f'The object "{name}" is scaled differently along its axes, but was measured without its scale; '
+        return found, [f"{sentence}{remedy}, or apply the scale."]
+    return found, []
 
 
 def to_world(arrays: MeshArrays, matrix: np.ndarray, name: str) -> None:

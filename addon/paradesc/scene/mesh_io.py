@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 
 from ..bridge import InputError, MeshArrays, ParadescError, components
-from ..core import color_maps
+from ..core import color_maps, uv_faults
 from ..core.job import Results, registry_name
 from . import modes, record, unwrap
 
@@ -43,7 +43,7 @@ def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name:
         triangle_smooth=read_smooth(mesh),
         sharp_edges=read_sharp_edges(mesh),
     )
-    reason = unwrap.fault(arrays.corner_uvs, arrays.triangle_corners)
+    reason = uv_faults.fault(arrays.corner_uvs, arrays.triangle_corners)
     if reason:
         arrays.layout = unwrap.layout(mesh, record.layout_of(mesh), arrays, reason) if needs_uvs else None
         arrays.corner_uvs = arrays.layout.uvs if arrays.layout else None

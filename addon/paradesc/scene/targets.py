@@ -1,6 +1,6 @@
 """Turns the selection into the meshes that are baked, each once; says what stands in the way; reads them."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
@@ -116,16 +116,8 @@ def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest)
         notes += take_shape(target, arrays, request.shape_key)
     map_notes = surface_maps.add_maps(target, arrays, request.maps)
     source_meshes.check_maps(reading)
-    measured, matrix, warnings = replace(arrays), mesh_io.world_matrix(target), []
-    if settings.space == "world":
-        if arrays.maps is not None:
-            measured.maps = replace(arrays.maps)
-        spaces.to_world(measured, matrix, target.name)
-    elif not spaces.is_even(matrix):
-        warnings.append(
-            f'The object "{target.name}" is scaled differently along its axes, but was measured without its scale; '
-            f"{request.remedy}, or apply the scale."
-        )
+    matrix = mesh_io.world_matrix(target)
+    measured, warnings = spaces.measured(arrays, matrix, target.name, settings.space, request.remedy)
     return Read(arrays, measured, reading, notes, warnings, map_notes)
 
 

@@ -10,42 +10,16 @@ import numpy as np
 from ..bridge import InputError, Layout, MeshArrays, ParadescError, abi
 from ..core import packing
 from ..core.digests import digest
+from ..core.uv_faults import fault
 
 # It has three floats a corner (u, v, 0), because two would be one more UV map since Blender 3.5. Blender's own lists
 # leave out attributes whose names begin with ".hide".
 ATTRIBUTE = ".hide_paradesc_uv"
-# A map is unusable if a smaller share of the triangles than this has an area in it.
-LEAST_SHARE_WITH_AREA = 0.01
 # The angle between directions of one chart. Up to here no chart of the tested meshes overlaps itself; from 55 degrees
 # on some do.
 ANGLE_LIMIT = radians(50)
 # The name of the scene, object and mesh that exist only during the unwrap.
 TEMPORARY = "Paradesc unwrap"
-
-
-def fault(uvs: np.ndarray | None, triangle_corners: np.ndarray) -> str:
-    """What the (corner_count, 2) UV map lacks, as "has …", or "" if it is usable."""
-    if uvs is None:
-        return "has no UV map"
-    if not np.isfinite(uvs).all():
-        return "has a UV map with coordinates that are not finite"
-    if len(triangle_corners) and not has_uv_area(uvs, triangle_corners):
-        return "has a UV map without area"
-    return ""
-
-
-def has_uv_area(uvs: np.ndarray, triangle_corners: np.ndarray) -> bool:
-    """Whether enough triangles have an area in the UV map; most often a part of them is enough to tell."""
-    needed = LEAST_SHARE_WITH_AREA * len(triangle_corners)
-    parts = (triangle_corners[::16], triangle_corners)
-    return any(np.count_nonzero(uv_areas(uvs, part)) >= needed for part in parts)
-
-
-def uv_areas(uvs: np.ndarray, triangle_corners: np.ndarray) -> np.ndarray:
-    """(triangle_count,) float64 twice the signed areas in the UV map."""
-    first, second, third = (uvs[triangle_corners[:, k]].astype(np.float64) for k in range(3))
-    one, other = second - first, third - first
-    return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
 
 
 def layout(mesh: bpy.types.Mesh, stored: dict[str, str], arrays: MeshArrays, reason: str) -> Layout:

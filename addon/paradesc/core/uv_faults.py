@@ -1,0 +1,31 @@
+"""Says what a UV map lacks to be computed on. Never imports bpy."""
+
+import numpy as np
+
+# A map is unusable if a smaller share of the triangles than this has an area in it.
+LEAST_SHARE_WITH_AREA = 0.01
+
+
+def fault(uvs: np.ndarray | None, triangle_corners: np.ndarray) -> str:
+    """What the (corner_count, 2) UV map lacks, as "has …", or "" if it is usable."""
+    if uvs is None:
+        return "has no UV map"
+    if not np.isfinite(uvs).all():
+        return "has a UV map with coordinates that are not finite"
+    if len(triangle_corners) and not has_uv_area(uvs, triangle_corners):
+        return "has a UV map without area"
+    return ""
+
+
+def has_uv_area(uvs: np.ndarray, triangle_corners: np.ndarray) -> bool:
+    """Whether enough triangles have an area in the UV map; most often a part of them is enough to tell."""
+    needed = LEAST_SHARE_WITH_AREA * len(triangle_corners)
+    parts = (triangle_corners[::16], triangle_corners)
+    return any(np.count_nonzero(uv_areas(uvs, part)) >= needed for part in parts)
+
+
+def uv_areas(uvs: np.ndarray, triangle_corners: np.ndarray) -> np.ndarray:
+    """(triangle_count,) float64 twice the signed areas in the UV map."""
+    first, second, third = (uvs[triangle_corners[:, k]].astype(np.float64) for k in range(3))
+    one, other = second - first, third - first
+    return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
