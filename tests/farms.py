@@ -1,4 +1,4 @@
-"""Prints what sharing out costs: a library of small assets in one process, several, and by Dask, with killed workers too.
+"""Prints what sharing out costs: a library in one process, in several, and by Dask, also with a worker that is killed.
 
 Usage: bash tests/farms.sh [--assets 2000] [--keep FOLDER]
 Ends with 1 if the arrays of any way differ, or an asset is lost or computed twice.
@@ -17,13 +17,18 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "addon"))
 
-from libraries import all_hash, dask_workers, make_library, process_environment, rows_of, waited_for  # noqa: E402
-
-from paradesc.commands import assets  # noqa: E402
-from paradesc.core import costs, job  # noqa: E402
-from paradesc.files.triangle_counts import triangles  # noqa: E402
+from libraries import all_hash, dask_workers, make_library, process_environment, rows_of, waited_for
+from paradesc.commands import assets
+from paradesc.core import costs, job
+from paradesc.files.triangle_counts import triangles
 
 STEPS = (3, 4, 5, 6, 8)
+
+
+def say(text: str) -> None:
+    """Prints at once."""
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
 
 
 def run(library: Path, output: Path, words: list[str]) -> dict:
@@ -75,30 +80,28 @@ def main() -> int:
         folder.mkdir(parents=True, exist_ok=True)
         library = make_library(folder / "library", arguments.assets, STEPS)
         cores = len(os.sched_getaffinity(0))
-        print(f"{arguments.assets} assets, {cores} cores, load {os.getloadavg()[0]:.2f}")
-        print(
-            "| run | assets | computed | s | computing, ms an asset | beside it, ms an asset and core | hash of all arrays |"
-        )
-        print("| --- | ---: | ---: | ---: | ---: | ---: | --- |", flush=True)
+        say(f"{arguments.assets} assets, {cores} cores, load {os.getloadavg()[0]:.2f}")
+        say("| run | assets | computed | s | computing, ms an asset | beside it, ms an asset | hash of all arrays |")
+        say("| --- | ---: | ---: | ---: | ---: | ---: | --- |")
         ways = [("one process, one core", 1, ["--workers", "1", "--threads", "1"])]
         ways += [("one process, all cores", cores, ["--workers", "1"])]
         ways += [("processes, one a core", cores, ["--workers", str(cores)])]
         for title, used, words in ways:
             output = folder / title.replace(" ", "_").replace(",", "")
-            print(line(title, used, run(library, output, words), output), flush=True)
-        print(line("the same again", cores, run(library, output, ways[-1][2]), output), flush=True)
+            say(line(title, used, run(library, output, words), output))
+        say(line("the same again", cores, run(library, output, ways[-1][2]), output))
         for workers, killed in ((1, False), (2, False), (3, False), (3, True)):
             title = f"Dask, {workers} workers" + (", one killed" if killed else "")
             name = title.replace(" ", "_").replace(",", "")
             report = by_dask(library, folder, name, workers, killed)
-            print(line(title, min(workers, cores), report, folder / name), flush=True)
-        print(estimates(library, folder / "one_process_one_core"))
+            say(line(title, min(workers, cores), report, folder / name))
+        say(estimates(library, folder / "one_process_one_core"))
         outputs = [path.parent for path in folder.glob("*/library.jsonl")]
         hashes = {all_hash(path) for path in outputs}
         counts = {len(rows_of(path)) for path in outputs}
         names = {assets.RESULTS: {len(list(path.rglob("*.npz"))) for path in outputs}}
     same = len(hashes) == 1 and counts == {arguments.assets} and names == {assets.RESULTS: counts}
-    print("all ways give the same arrays of every asset" if same else f"DIFFERENT: {hashes} {counts} {names}")
+    say("all ways give the same arrays of every asset" if same else f"DIFFERENT: {hashes} {counts} {names}")
     return 0 if same else 1
 
 

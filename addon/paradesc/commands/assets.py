@@ -5,22 +5,24 @@ written whole, the row last: a row that is there belongs to results that are the
 and done twice at the same time.
 """
 
+import argparse
 import hashlib
 import json
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from .. import __version__
 from ..bridge import InputError, ParadescError, ProgressFunction, abi
-from ..core import contexts, job, spaces
+from ..core import contexts, job
 from ..core.distributions import distribution
 from ..files import mesh_files, results
 from ..files.results import Baked, write_whole
 from .common import EXIT_FAILED, EXIT_INPUT, EXIT_USAGE, exit_code
+from .file_reading import read_mesh
 
 RESULTS = "results"
 # Failures that the same file and settings have everywhere: they are not tried again.
@@ -202,15 +204,11 @@ def computed(work: Work, name: str, progress: ProgressFunction | None) -> dict[s
 
 
 def bake(mesh: mesh_files.FileMesh, settings: job.Settings, progress: ProgressFunction | None) -> Baked:
-    """Computes one mesh of a file, in its own space or as it stands in the world."""
-    measured = replace(mesh.arrays)
-    if settings.options.normals == "mesh":
-        measured.corner_normals = mesh.corner_normals
-    if settings.space == "world":
-        spaces.to_world(measured, mesh.matrix_world, mesh.name)
-    found = job.run(measured, settings, progress)
-    notes = [*mesh.notes, *found.facet_notes(), *found.unused_notes()]
-    return Baked(mesh.name, found, mesh.arrays, mesh.matrix_world, notes)
+    """Computes one mesh of a file as paradesc bake does without Blender."""
+    read = read_mesh(mesh, settings, argparse.Namespace())
+    found = job.run(read.measured, settings, progress)
+    notes = [*read.notes, *found.facet_notes(), *found.unused_notes()]
+    return Baked(mesh.name, found, read.arrays, mesh.matrix_world, notes)
 
 
 def described_object(baked: Baked) -> dict[str, object]:

@@ -15,11 +15,14 @@ from pathlib import Path
 from ..bridge import ParadescError
 from ..core import costs, job
 from ..files import cache, results
+from ..files.mesh_files import FileMesh
 from ..files.results import folder_fault, write_whole
 from ..files.triangle_counts import triangles
 from . import animate, assets, bundles, library
-from .common import Parser, UsageError, add_output_options, check_outputs, open_objects
+from .common import Parser, UsageError, add_output_options, check_outputs
+from .opening import open_objects
 from .options import opened_settings, settings_of
+from .reading import Target
 
 DIVIDED = ("animate", "library")
 FRAMES_A_TASK = 10
@@ -221,9 +224,15 @@ def scene_of(parsed: argparse.Namespace) -> Scene:
     settings = opened_settings(parsed)
     root = animate.cache_folder(parsed)
     folders = [cache.object_folder(root, target.name) for target in opened.objects]
-    meshes = [target.data for target in opened.objects]
-    count = sum(len(mesh.loops) - 2 * len(mesh.polygons) for mesh in meshes)
+    count = sum(map(triangle_count, opened.objects))
     return Scene(frames or animate.scene_frames(), folders, count, settings)
+
+
+def triangle_count(target: Target) -> int:
+    """The number of triangles of an object's own mesh, before modifiers."""
+    if isinstance(target, FileMesh):
+        return len(target.arrays.triangle_corners)
+    return len(target.data.loops) - 2 * len(target.data.polygons)
 
 
 # ---- Assets
