@@ -11,8 +11,9 @@ RUN_PACKAGES=(libegl1 libegl-mesa0 libgl1-mesa-dri python3-venv
 # Blender itself, its numpy, and a screen for it that nobody has to see.
 TEST_PACKAGES=(blender glslang-tools python3-numpy xvfb xauth)
 REQUIREMENTS=(bpy==4.2.23 numpy==1.26.4 markdown==3.11.3) # markdown: packages contain the manual as web pages
-# lizard: finds functions of C++ and GLSL, whose lengths are tested; trimesh: reads mesh files without Blender
-TEST_REQUIREMENTS=(pytest==8.4.2 lizard==1.24.3 trimesh==5.2.0)
+# lizard: finds functions of C++ and GLSL, whose lengths are tested; trimesh: reads mesh files without Blender;
+# openjd-cli, distributed and dukpy (a JavaScript engine): what job descriptions and farms are tried with
+TEST_REQUIREMENTS=(pytest==8.4.2 lizard==1.24.3 trimesh==5.2.0 openjd-cli==0.8.0 distributed==2026.8.0 dukpy==0.6.0)
 
 fail() {
   echo "paradesc: $*" >&2

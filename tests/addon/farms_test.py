@@ -124,7 +124,7 @@ def test_triangles_are_told_without_reading_a_file(tmp_path):
         assert triangles(tmp_path / name) == len(sphere.faces), name
     obj = write_obj(tmp_path / "a.obj", *cube_sphere(20))
     (mesh,) = mesh_files.read(obj)
-    assert triangles(obj) == pytest.approx(len(mesh.arrays.triangle_corners), rel=0.5)
+    assert 1 / 3 < triangles(obj) / len(mesh.arrays.triangle_corners) < 3  # as it has no header
     (tmp_path / "noise.glb").write_bytes(b"glTF")
     assert triangles(tmp_path / "noise.glb") == triangles(tmp_path / "missing.obj") == 0
 

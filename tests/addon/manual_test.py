@@ -245,6 +245,7 @@ def test_every_link_of_the_web_pages_leads_to_a_file_and_to_a_heading_in_it(writ
         "index",
         "reference",
         "pipelines",
+        "farms",
         "values",
         "changelog",
     } | pages_for_artists

@@ -13,7 +13,7 @@ from ..bridge import InputError
 from ..core import job
 from ..files import mesh_files
 from ..files.results import folder_fault, write_whole
-from . import assets, spreading
+from . import assets, file_reading, spreading
 from .assets import Done, Work
 from .common import Parser, Progress, UsageError, add_output_options, check_outputs, print_notes
 from .options import add_computation_options, opened_settings, settings_of
@@ -57,18 +57,24 @@ def part(text: str) -> tuple[int, int]:
 
 @dataclass
 class Tally:
-    """What became of the assets."""
+    """What became of the assets; of a million there is room for their lines, but not for all that these say."""
 
-    rows: list[dict] = field(default_factory=list)
+    lines: dict[str, str] = field(default_factory=dict)
+    failures: list[dict] = field(default_factory=list)
+    warned: int = 0
     made: int = 0
     compute_seconds: float = 0.0
 
     def add(self, done: Done) -> None:
         """Counts one more."""
-        self.rows.append(done.row)
+        row = done.row
+        self.lines[row["file"]] = assets.line_of(row)
+        self.warned += bool(row.get("warnings"))
         self.made += done.made
-        if done.made and done.row["status"] == "ok":
-            self.compute_seconds += sum(done.row["seconds"].values())
+        if row["status"] == "failed":
+            self.failures.append({name: row[name] for name in ("file", "exit_code", "error")})
+        elif done.made:
+            self.compute_seconds += sum(row["seconds"].values())
 
 
 def run(arguments: argparse.Namespace) -> dict[str, object]:
@@ -86,12 +92,12 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     with Progress(arguments.progress) as progress:
         for done in spread(arguments, work, names, workers, progress):
             tally.add(done)
-            progress(done.row["file"], len(tally.rows) / len(names))
-    tally.rows.sort(key=lambda row: row["file"])
+            progress(done.row["file"], len(tally.lines) / len(names))
+    tally.failures.sort(key=lambda row: row["file"])
     listing = arguments.output / LISTING
     listed = not (arguments.part or arguments.asset)
     if listed:
-        write_whole(listing, tally.rows, write_listing)
+        write_whole(listing, tally.lines, write_listing)
     return report(arguments, work, tally, listing if listed else None, time.monotonic() - started)
 
 
@@ -103,6 +109,8 @@ def check(arguments: argparse.Namespace) -> None:
         )
     settings_of(arguments)
     check_preset(arguments.preset)
+    if arguments.preset and not file_reading.has_blender():
+        raise file_reading.refused(file_reading.PRESET)
     check_outputs([arguments.json] if arguments.json else [])
     if folder_fault(arguments.output):
         raise UsageError(folder_fault(arguments.output))
@@ -184,38 +192,37 @@ def stopping(progress: Progress) -> Callable[[], None]:
     return check
 
 
-def write_listing(path: Path, rows: list[dict]) -> None:
-    """Writes a line for each asset."""
+def write_listing(path: Path, lines: dict[str, str]) -> None:
+    """Writes the line of each asset, by name."""
     with path.open("w", encoding="utf-8") as file:
-        file.writelines(map(assets.line_of, rows))
+        file.writelines(lines[name] for name in sorted(lines))
 
 
 def report(
     arguments: argparse.Namespace, work: Work, tally: Tally, listing: Path | None, seconds: float
 ) -> dict[str, object]:
     """Prints what was done in a few lines; gives the report."""
-    failures = [row for row in tally.rows if row["status"] == "failed"]
-    kept = len(tally.rows) - tally.made
-    print(f"{len(tally.rows):,} assets: {tally.made:,} computed, {kept:,} kept, {len(failures):,} of them failed")
+    count, failures = len(tally.lines), tally.failures
+    kept = count - tally.made
+    print(f"{count:,} assets: {tally.made:,} computed, {kept:,} kept, {len(failures):,} of them failed")
     print(f"{seconds:.2f} s; over all assets, reading, computing and writing took {tally.compute_seconds:.2f} s")
-    warned = sum(bool(row.get("warnings")) for row in tally.rows)
     notes = [*notes_of_preset(arguments.preset_content, has_colors=False)]
-    notes += [f"{warned:,} assets have warnings; their rows name them."] if warned else []
+    notes += [f"{tally.warned:,} assets have warnings; their rows name them."] if tally.warned else []
     print_notes(notes)
     if listing is not None:
         print(f"wrote {listing}")
     return {
         "settings": work.settings.as_dict(),
         "settings_key": work.key,
-        "assets": len(tally.rows),
+        "assets": count,
         "made": tally.made,
         "kept": kept,
-        "failed": [{name: row[name] for name in ("file", "exit_code", "error")} for row in failures],
+        "failed": failures,
         "listing": None if listing is None else str(listing),
         "notes": notes,
         "warnings": [],
         "seconds": {"run": seconds, "assets": tally.compute_seconds},
-        "failed_checks": failed_checks(arguments, failures, len(tally.rows)),
+        "failed_checks": failed_checks(arguments, failures, count),
     }
 
 

@@ -2,26 +2,26 @@
 
 Seconds are those of one core of an AMD EPYC with the backend cpu; other machines differ by a factor that is the same
 for all tasks. The coefficients follow from tests/bench/REPORT.md of 2026-11-24 (its columns "all cores ms", meshes
-detail_1m and together); tests/farms.sh prints estimates beside measured seconds.
+detail_1m and together) and from rows of paradesc library; tests/farms.sh prints estimates beside measured seconds.
 """
 
 from .. import bridge
 from .job import Settings
 
 # Seconds of a core per million triangles.
-PREPROCESSING = 0.5  # adjacency, once a mesh
+PREPROCESSING = 1.0  # adjacency, once a mesh
 PREPARING = 0.24  # normals and order of the samples, once a frame
 EVALUATING = 1.0  # one descriptor at one radius, however few the samples; the radius itself changes next to nothing
 EVALUATING_SAMPLE = 0.0016  # for each sample more
-READING = 1.2  # a file's triangles into arrays
+READING = 3.0  # an .obj; others are faster
 # Shares of evaluating that further descriptors cost beside the first.
 MORE_DESCRIPTORS = 0.15
 OPERATORS = 1.7  # operators on a map: two passes over the surface
 # Seconds.
 STARTING = 0.4  # Python, numpy and the library
-STARTING_BLENDER = 1.5  # with Blender's module and a small scene
+STARTING_BLENDER = 1.0  # with Blender's module and a small scene
 KEPT = 0.001  # finding that a small asset is there already
-ASSET = 0.01  # reading, describing and writing the smallest asset
+ASSET = 0.006  # reading, describing and writing the smallest asset
 
 
 def evaluation(settings: Settings) -> float:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 FIRST_BYTES = 1 << 16
 # Bytes that a triangle takes in files of text, with its share of vertices, normals and texture coordinates.
-TEXT_BYTES = {".obj": 75, ".stl": 260, ".ply": 45, ".off": 45}
+TEXT_BYTES = {".obj": 45, ".stl": 260, ".ply": 45, ".off": 45}
 BINARY_STL = 84, 50  # bytes before the first triangle, and of each
 GLTF_BYTES = 24  # of a triangle, where the file does not tell
 
