@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     settings = replace(settings, backend=backend)
     names = asked(arguments)
     assets.make_folder(arguments.output)
-    workers = arguments.workers or min(spreading.cores(), max(1, len(names)))
+    workers = 1 if spreading.in_blender() else arguments.workers or min(spreading.cores(), max(1, len(names)))
     work = work_of(arguments, settings, workers)
     started = time.monotonic()
     tally = Tally()
@@ -117,6 +117,8 @@ def check(arguments: argparse.Namespace) -> None:
     for name in ("workers", "threads"):
         if (given := getattr(arguments, name)) is not None and given < 1:
             raise UsageError(f"--{name} is {given}; it must be at least 1.")
+    if spreading.in_blender() and (arguments.workers or 1) > 1:
+        raise UsageError("Blender starts no processes of Python; leave --workers out, and one takes all cores.")
     if arguments.dask and arguments.workers:
         raise UsageError("Dask has workers of its own; leave --workers or --dask out.")
     if arguments.part and arguments.asset:

@@ -7,6 +7,7 @@ import multiprocessing
 import os
 import secrets
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
@@ -42,6 +43,12 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def in_blender() -> bool:
+    """Whether this is Blender itself, whose Python cannot start others like it."""
+    blender = sys.modules.get("bpy")
+    return blender is not None and bool(blender.app.binary_path)
 
 
 # ---- This machine
