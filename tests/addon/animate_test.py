@@ -20,7 +20,8 @@ from cli_test import accepted  # noqa: E402
 from paradesc import bridge, cli  # noqa: E402
 from paradesc.animation import frames  # noqa: E402
 from paradesc.core import contexts, job  # noqa: E402
-from paradesc.files import cache  # noqa: E402
+from paradesc.files import cache, frame_baking  # noqa: E402
+from paradesc.files.frame_baking import at_fixed_radii  # noqa: E402
 from paradesc.scene import mesh_io, source_meshes, unwrap  # noqa: E402
 from scene import fingerprint  # noqa: E402
 
@@ -66,7 +67,7 @@ def test_frame_has_the_bits_of_a_bake_of_its_own(tmp_path):
     assert bake(target, tmp_path, (1, 10, 20)) == [1, 10, 20]
     rest = mesh_io.read_object(target, corner_normals=False)
     with bridge.Context("software") as context, context.mesh(rest) as mesh:
-        fixed = frames.at_fixed_radii(SETTINGS, mesh.report())
+        fixed = at_fixed_radii(SETTINGS, mesh.report())
     for frame in (1, 10, 20):
         bpy.context.scene.frame_set(frame)
         alone = job.run(source_meshes.read(target, "deformed").arrays, fixed).values["mean_curvature"]
@@ -89,12 +90,12 @@ def test_swelling_sphere_has_the_curvature_of_its_radius_and_the_change(tmp_path
 
 def test_frame_that_the_reference_computed_for_a_failed_device_is_not_kept(tmp_path, monkeypatch):
     target = animated.swelling_sphere(steps=5)
-    compute = frames.Stream.compute
+    compute = frame_baking.Stream.compute
 
     def failing(*arguments):
         return replace(compute(*arguments), backend="reference", fallback="The graphics device was lost.")
 
-    monkeypatch.setattr(frames.Stream, "compute", failing)
+    monkeypatch.setattr(frame_baking.Stream, "compute", failing)
     with pytest.raises(bridge.ParadescError, match=r"failed \(The graphics device was lost\); start again"):
         bake(target, tmp_path, (1,))
     assert not contents(tmp_path)
@@ -133,7 +134,7 @@ def test_auto_goes_on_by_the_method_that_was_chosen_first(tmp_path, monkeypatch)
     def with_card(stream):
         return "gpu" if stream.settings.backend == "auto" else stream.settings.backend
 
-    monkeypatch.setattr(frames.Stream, "backend", property(with_card))  # as a machine that has one
+    monkeypatch.setattr(frame_baking.Stream, "backend", property(with_card))  # as a machine that has one
     assert bake(target, tmp_path / "auto", (1, 2), settings=AUTO) == [2]
     assert contents(tmp_path / "auto") == contents(tmp_path / "cpu")
 

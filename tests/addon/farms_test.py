@@ -90,6 +90,17 @@ def test_frames_that_are_given_count(scene, tmp_path):
     assert not [word for task in found for word in task["command"] if word == "--frames=-5:12:3"]
 
 
+def test_tasks_of_a_sequence_of_files_leave_out_its_gaps(tmp_path):
+    for frame in (1, 2, 3, 5, 6):
+        write_obj(tmp_path / f"a_{frame:04}.obj", *cube_sphere(3, radius=frame))
+    words = ("animate", tmp_path / "a_####.obj", "--cache", tmp_path / "cache", "--chunk", "2", *QUICK)
+    found = tasks(tmp_path, *words)
+    assert [task["name"] for task in found] == ["frames 1:2", "frames 3", "frames 5:6"]
+    assert main([*found[2]["command"][1:], "--quiet"]) == 0
+    assert sorted(map(str, (tmp_path / "cache").rglob("*.pdframe"))) == found[2]["outputs"]
+    assert main(["tasks", *map(str, words), "--bundle", str(tmp_path / "bundle")]) == 2
+
+
 def test_tasks_of_a_library_have_every_asset_once_and_their_words_compute_it(library, tmp_path):
     words = ("library", library, "--output", tmp_path / "out", *QUICK, "--workers", "1")
     single, parts = tasks(tmp_path, *words), tasks(tmp_path, "--chunk", "3", *words)

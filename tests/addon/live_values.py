@@ -6,8 +6,9 @@ import bpy
 import numpy as np
 
 from paradesc import bridge
-from paradesc.animation import frames, live
+from paradesc.animation import live
 from paradesc.core import job
+from paradesc.files.frame_baking import at_fixed_radii
 from paradesc.scene import mesh_io
 from scene import add_sphere, attribute_values
 
@@ -55,7 +56,7 @@ def live_settings(target):
     settings = live.settings_for(bpy.context.scene, rendering=False)
     with bridge.Context(settings.backend) as context:
         rest = context.mesh(mesh_io.read_object(target, corner_normals=False)).report()
-    return frames.at_fixed_radii(settings, rest)
+    return at_fixed_radii(settings, rest)
 
 
 def count_computations(monkeypatch):

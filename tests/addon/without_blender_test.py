@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paradesc.files import cache
 from shapes import ADDON, cube_sphere, write_obj
 
 COMMANDS = ("bake", "animate", "library", "tasks", "compare", "info", "list")
@@ -63,14 +64,162 @@ def test_descriptors_and_devices_are_listed(python):
     assert "reference" in [row["backend"] for row in found["devices"]]
 
 
-@pytest.mark.parametrize(
-    "words", [("bake", "--output", "out.npz"), ("animate", "--cache", "frames"), ("compare",), ("info",)]
-)
-def test_what_needs_blender_says_so_in_one_sentence(python, tmp_path, words):
-    name, *more = words
-    done = python("-m", "paradesc", name, write_obj(tmp_path / "sphere.obj", *cube_sphere(3)), *more)
+@pytest.fixture
+def with_trimesh(python, tmp_path):
+    """The same with trimesh on its path."""
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed; blend_samples/setup.sh installs it")
+    (tmp_path / "modules" / "trimesh").symlink_to(Path(trimesh.__file__).parent)
+    return python
+
+
+def sphere_obj(folder, name="sphere.obj", size=(1, 1, 1), with_uvs=True):
+    points, quads, uvs = cube_sphere(4)
+    return write_obj(folder / name, points * size, quads, uvs if with_uvs else None)
+
+
+def report_of(done):
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+# ---- What needs Blender
+
+
+def test_a_file_that_only_blender_opens_says_so_in_one_sentence(python, tmp_path):
+    (tmp_path / "scene.blend").write_bytes(b"BLENDER")
+    done = python("-m", "paradesc", "bake", "scene.blend", "--output", "out.npz")
     assert (done.returncode, done.stdout) == (4, "")
-    assert done.stderr == "paradesc: Blender's Python module bpy is not installed here.\n"
+    assert done.stderr == (
+        'paradesc: Blender\'s Python module bpy is not installed here to open "scene.blend"; pip install bpy, or give '
+        "one of .obj, .ply, .stl, .off, .glb, .gltf.\n"
+    )
+
+
+REFUSALS = [
+    (("bake", "sphere.obj", "--output", "out.blend"), 4, "A .blend is written by Blender, and"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--scene-settings"), 4, "--scene-settings takes the panel's settings"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--preset", "cavity"), 4, "--preset is checked against"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--displacement", "x.png"), 4, "--displacement has Blender read"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--material-maps"), 4, "--material-maps takes images from"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--from-file", "x.obj"), 4, "--from-file has Blender place"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--pairs"), 4, "--pairs has Blender place"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--reader", "blender"), 4, "leave --reader blender out"),
+    (("bake", "bare.obj", "--map", "o.exr"), 3, "has no UV map, and without Blender it cannot be unwrapped"),
+    (("bake", "bare.obj", "-o", "o.npz", "--evaluate", "texel"), 3, "it cannot be unwrapped"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--normals", "mesh"), 3, "has no normals"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--object", "cube"), 3, 'There is no object "cube"'),
+    (("bake", "gone.obj", "-o", "o.npz"), 3, 'There is no file "gone.obj"'),
+    (("bake", "gone.blend", "-o", "o.npz"), 3, 'There is no file "gone.blend"'),
+    (("bake", "-o", "o.npz"), 2, "INPUT is missing"),
+    (("animate", "sphere.obj", "--cache", "c"), 2, "is one mesh and no animation"),
+    (("animate", "x_####.ply", "--cache", "c"), 3, "has a number in its name"),
+    (("animate", "nowhere/x_####.ply", "--cache", "c"), 3, 'There is no folder "nowhere"'),
+    (("info", "ball.stl"), 4, "pip install paradesc[io]"),
+]
+# Runs the command line many times in one process; gives each code with what was said.
+MANY = """
+import contextlib, io, json, sys
+from paradesc.cli import main
+for words in json.loads(sys.argv[1]):
+    said, printed = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(printed):
+        code = main(words)
+    print(json.dumps([code, said.getvalue(), printed.getvalue()]))
+"""
+
+
+def many(python, runs):
+    """[code, standard error, standard output] of each run."""
+    done = python("-c", MANY, json.dumps(runs))
+    assert done.returncode == 0, done.stderr
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def test_what_needs_more_says_so_in_one_sentence(python, tmp_path):
+    sphere_obj(tmp_path)
+    sphere_obj(tmp_path, "bare.obj", with_uvs=False)
+    (tmp_path / "ball.stl").write_text("solid\nendsolid\n")
+    results = many(python, [words for words, _, _ in REFUSALS])
+    for (words, code, sentence), (given, said, printed) in zip(REFUSALS, results, strict=True):
+        assert (given, printed) == (code, ""), words
+        assert sentence in said, words
+        assert said.count("\n") == 1, words
+    assert not list(tmp_path.glob("o.*"))
+
+
+# ---- What works with numpy alone
+
+
+def test_a_file_is_baked_into_all_kinds_of_files(python, tmp_path):
+    sphere_obj(tmp_path)
+    outputs = ["out.npz", "out.ply", "out.vtp", "out.vtk", "out.exr"]
+    more = [word for name in outputs for word in ("--output", name)]
+    descriptors = "mean_curvature,principal_direction_max"
+    done = python(
+        "-m", "paradesc", "bake", "sphere.obj", *more, "--map", "map.png", "--descriptors", descriptors, "--radius",
+        "0.1", "--texels", "64", "--json", "-",
+    )  # fmt: skip
+    report = report_of(done)
+    assert report["outputs"][: len(outputs) - 1] == outputs[:-1]
+    assert all((tmp_path / name).stat().st_size for name in outputs)
+    assert report["objects"][0]["object"] == "sphere"
+    assert report["backend"] == "cpu"
+    found = np.load(tmp_path / "out.npz")
+    assert found["vertices"].shape == (98, 3)
+    assert np.allclose(found["mean_curvature"], 0.5, rtol=0.05)
+
+
+def test_info_and_compare_take_files(python, tmp_path):
+    sphere_obj(tmp_path)
+    (row,) = report_of(python("-m", "paradesc", "info", "sphere.obj", "--json", "-"))["objects"]
+    assert (row["vertices"], row["faces"], row["uv_map"]["fault"], row["uv_map"]["charts"]) == (98, 96, "", 6)
+    report = report_of(python("-m", "paradesc", "compare", "sphere.obj", "--radius", "0.1", "--json", "-"))
+    assert report["rows"][0]["mean_percent_ae"] < 1
+
+
+def test_a_sequence_of_files_is_baked_as_an_animation_and_gone_on_with(python, tmp_path):
+    (tmp_path / "frames").mkdir()
+    for frame in (1, 2, 3):
+        sphere_obj(tmp_path / "frames", f"ball_{frame:04}.obj", (1, 1, frame))
+    words = ("-m", "paradesc", "animate", "frames", "--relative-to-rest", "--radius", "0.1", "--json", "-")
+    (done,) = report_of(python(*words, "--frames", "1:2"))["objects"]
+    assert (done["object"], done["made"], done["kept"]) == ("ball", [1, 2], [])
+    (done,) = report_of(python(*words))["objects"]
+    assert (done["made"], done["kept"]) == ([3], [1, 2])
+    first, third = (cache.read_frame(cache.frame_path(tmp_path / done["folder"], frame)) for frame in (1, 3))
+    assert np.abs(first.values["mean_curvature_change"]).max() == 0
+    assert np.abs(third.values["mean_curvature_change"]).max() > 0.1
+
+
+def test_frames_with_other_faces_are_baked_and_have_no_change(python, tmp_path):
+    sphere_obj(tmp_path, "a1.obj")
+    write_obj(tmp_path / "a2.obj", *cube_sphere(5))
+    words = ("-m", "paradesc", "animate", "a#.obj", "--cache", "c", "--radius", "0.1", "--json", "-")
+    (done,) = report_of(python(*words))["objects"]
+    assert done["made"] == [1, 2]
+    refused = python(*words, "--relative-to-rest")
+    assert refused.returncode == 3
+    assert "Frame 2 has other faces than the first file" in refused.stderr
+
+
+# ---- What works with trimesh
+
+
+def test_files_are_read_by_trimesh_where_only_numpy_is_beside_it(with_trimesh, tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    names = [f"ball.{suffix}" for suffix in ("stl", "off", "glb")]
+    for name in names:
+        trimesh.creation.icosphere(2).export(tmp_path / name)
+    more = ("--radius", "0.1", "--space", "world", "--all")
+    runs = [["bake", name, "--output", f"{name}.npz", "--json", f"{name}.json", *more] for name in names]
+    for name, (code, said, _) in zip(names, many(with_trimesh, runs), strict=True):
+        assert (code, said) == (0, "")
+        report = json.loads((tmp_path / f"{name}.json").read_text())
+        assert report["objects"][0]["mesh_report"]["triangle_count"] == 320
+        assert np.allclose(np.load(tmp_path / f"{name}.npz")["mean_curvature"], 1, rtol=0.05)
+
+
+# ---- What makes no sense
 
 
 def test_options_that_make_no_sense_are_refused_before_blender_is_missed(python):

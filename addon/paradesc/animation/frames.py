@@ -1,24 +1,19 @@
 """Bakes frames of an animated object into files of a frame cache, for the animate command and the Bake Frames operator.
 
-prepare() needs Blender's main thread, run() runs on any. Radii are those of the rest pose in all frames, so that values
-of one frame can be compared with those of another.
+prepare() needs Blender's main thread, run() runs on any.
 """
 
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, replace
-from pathlib import Path
 
 import bpy
 import numpy as np
 
-from .. import __version__
-from ..bridge import METHODS, InputError, MeshArrays, ParadescError, ProgressFunction, abi
+from ..bridge import MeshArrays, ParadescError
 from ..core import job
 from ..core.digests import digest
-from ..core.stream import Stream
-from ..files import cache
+from ..files.frame_baking import Baker, FrameRequest, Task, at_frame
 from ..scene import mesh_io, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from . import pausing
@@ -29,115 +24,24 @@ OWN_VERTICES = (
 )
 
 
-DEVICE_METHOD, CPU_METHOD = METHODS["software"], METHODS["cpu"]
-
-
-@dataclass
-class FrameRequest:
-    """What to bake of one object."""
-
-    settings: job.Settings
-    folder: Path  # of this object's frames
-    source: str = "deformed"
-    relative: bool = False  # keeps the change against the rest pose too
-    force: bool = False  # computes frames again that are there
-    maps: surface_maps.MapChoice | None = None
-
-
-@dataclass
-class Task:
-    """One frame, read from Blender, to be computed and written."""
-
-    frame: int
-    reading: source_meshes.Reading
-    input: str
-    seconds: dict[str, float]
-
-
-@dataclass
-class Done:
-    """One frame that was written."""
-
-    frame: int
-    path: Path
-    seconds: dict[str, float]
-    device: str
-    warnings: list[str]
-
-
-class FrameBaker:
-    """Bakes frames of one object, each from one native mesh; a frame that is there already is left as it is."""
+class FrameBaker(Baker):
+    """Bakes frames of one object; what counts for all frames is the object's own mesh, the rest pose."""
 
     def __init__(self, scene: bpy.types.Scene, target: bpy.types.Object, request: FrameRequest) -> None:
         source_meshes.check_source(request.source)
-        self.scene, self.target, self.request = scene, target, request
-        self.object_name, self.mesh_name = target.name, target.data.name  # for run(), which may not ask Blender
-        settings = request.settings
-        if settings.space != "object":
-            raise refuse("Frames are measured in object space; choose that, and apply the scale where it matters.")
-        self.normals = settings.options.normals == "mesh"
-        self.notes: list[str] = []
+        self.scene, self.target = scene, target
         self.reading: source_meshes.Reading | None = None
-        self._rest: job.Results | None = None
-        self.open(settings)
-        try:
-            cache.sweep(request.folder)
-            settled = self.settled()
-            if settled != settings.backend:
-                self.stream.close()
-                self.open(replace(settings, backend=settled))
-            self.key = self.make_key()
-            self.notes += job.unused_notes(self.stream.backend, settings.options)
-        except BaseException:
-            self.stream.close()
-            raise
+        super().__init__(target.name, target.data.name, request)
 
-    def open(self, settings: job.Settings) -> None:
-        """Reads the original mesh as these settings need it, and opens their device."""
-        self.needs_uvs = job.needs_uvs(settings)
-        self.base = mesh_io.read_object(self.target, self.normals, self.needs_uvs)
-        self.add_maps(self.base)
-        self.stream = Stream(self.base, settings)
-        try:
-            self.stream.settings = at_fixed_radii(settings, self.stream.mesh_at(self.base).report())
-            self.method = METHODS[self.stream.backend]
-        except BaseException:
-            self.stream.close()
-            raise
+    def read_base(self, needs_uvs: bool) -> MeshArrays:
+        """The object's own mesh."""
+        base = mesh_io.read_object(self.target, self.normals, needs_uvs)
+        self.add_maps(base)
+        return base
 
-    def settled(self) -> str:
-        """The backend for these frames: auto is what this machine has, unless frames of the other method are there."""
-        own = self.request.settings.backend
-        if own != "auto":
-            return own
-        animation = self.make_key("", without_layout(self.base))
-        method = cache.settled_method(self.request.folder, animation, self.method_there() or self.method)
-        if method == self.method:
-            return own
-        return "cpu" if method == CPU_METHOD else "software"
-
-    def method_there(self) -> str:
-        """The method of frames that are there already, "" if none are: of an earlier version, or copied."""
-        folder = self.request.folder
-        if not cache.frames_in(folder) or cache.has_key(folder, self.make_key()):
-            return ""
-        other = CPU_METHOD if self.method == DEVICE_METHOD else DEVICE_METHOD
-        base = mesh_io.read_object(self.target, self.normals, other == DEVICE_METHOD)
-        return other if cache.has_key(folder, self.make_key(other, replace(base, maps=self.base.maps))) else ""
-
-    def make_key(self, method: str | None = None, base: MeshArrays | None = None) -> str:
-        """Makes the key of everything that the frames have in common."""
-        base = self.base if base is None else base
-        maps = base.maps
-        rest = digest(base.positions) if self.request.relative else ""
-        images = digest(maps.heights) + f"{maps.midlevel!r} {maps.scale!r}" if maps is not None else ""
-        more = {"source": self.request.source, "rest": rest, "maps": images, "paradesc": __version__}
-        method = self.method if method is None else method
-        return cache.key_of(base, self.stream.settings, method, names=self.names(), **more)
-
-    def names(self) -> list[str]:
-        """The names of the values, after the radius that was asked for."""
-        return self.request.settings.value_names()
+    def on_base(self, results: job.Results, reading: source_meshes.Reading) -> job.Results:
+        """The results at the object's own vertices, where those are still there."""
+        return source_meshes.on_original(results, reading)
 
     def add_maps(self, arrays: MeshArrays) -> None:
         """Puts the displacement into the arrays; normal maps would need the tangents of every frame."""
@@ -166,7 +70,7 @@ class FrameBaker:
         if arrays.corner_vertices is not self.base.corner_vertices:
             content = digest(np.frombuffer(content.encode(), np.uint8), arrays.corner_vertices, arrays.corner_uvs)
         read = time.perf_counter()
-        if not self.request.force and cache.kept(self.request.folder, frame, self.key, content):
+        if self.is_kept(frame, content):
             return None
         return Task(frame, reading, content, {"depsgraph": moved - start, "read": read - moved})
 
@@ -197,76 +101,6 @@ class FrameBaker:
         notes = reading.notes if reading.own else [OWN_VERTICES]
         self.notes += [note for note in notes if note not in self.notes]
 
-    def run(self, task: Task, progress: ProgressFunction | None = None) -> Done:
-        """Computes and writes a frame."""
-        try:
-            rest = self.rest(progress) if self.request.relative else None
-            start = time.perf_counter()
-            arrays = task.reading.arrays
-            if not self.stream.matches(arrays):
-                self.stream.replace(arrays)
-            results = self.stream.compute(arrays.positions, progress, arrays.corner_normals)
-            self.check_method(results)
-            computed = time.perf_counter()
-            path = cache.write_frame(self.request.folder, self.content(task, results, rest))
-        except ParadescError as error:
-            raise at_frame(task.frame, error) from error
-        report = list(results.field_reports.values())
-        native = {name: sum(part[f"seconds_{name}"] for part in report) for name in ("prepare", "bake", "evaluate")}
-        total = sum(part["seconds_total"] for part in report)
-        write = {"write": time.perf_counter() - computed}
-        seconds = {**task.seconds, "upload": computed - start - total, **native, **write}
-        return Done(task.frame, path, seconds, f"{results.backend}: {results.device}", results.warnings)
-
-    def check_method(self, results: job.Results) -> None:
-        """Refuses what another method computed because a device failed: all frames have one method in common."""
-        if METHODS[results.backend] != self.method:
-            failure = results.fallback.rstrip(".")
-            raise ParadescError(
-                abi.STATUS_DEVICE_LOST,
-                f"The graphics device failed ({failure}); start again to go on from here, or choose another backend.",
-            )
-
-    def rest(self, progress: ProgressFunction | None) -> job.Results:
-        """The results of the original mesh, which are computed once."""
-        if self._rest is None:
-            self._rest = self.stream.compute(self.base.positions, progress, self.base.corner_normals)
-        return self._rest
-
-    def content(self, task: Task, results: job.Results, rest: job.Results | None) -> cache.Frame:
-        """What a frame's file holds."""
-        found = source_meshes.on_original(results, task.reading)
-        values, radius = {}, {}
-        for asked, name in zip(self.names(), found.settings.value_names(), strict=True):
-            values[asked] = found.values[name]
-            radius[asked] = results.radius_of(name)
-            if rest is not None and found.values[name].ndim == 1:
-                values[asked + job.CHANGE] = found.values[name] - rest.values[name]
-                radius[asked + job.CHANGE] = radius[asked]
-        settings = self.request.settings.as_dict()
-        for own in ("backend", "device_index"):
-            del settings[own]
-        info = {
-            "object": self.object_name,
-            "mesh": self.mesh_name,
-            "source": self.request.source,
-            "vertices": "original" if task.reading.own else "evaluated",
-            "settings": settings,
-            "radius": radius,
-            "warnings": results.warnings,
-        }
-        return cache.Frame(task.frame, self.key, task.input, {**values, **found.extras}, info)
-
-    def close(self) -> None:
-        """Frees the device."""
-        self.stream.close()
-
-    def __enter__(self) -> "FrameBaker":
-        return self
-
-    def __exit__(self, *_error: object) -> None:
-        self.close()
-
 
 @contextmanager
 def frame_kept(scene: bpy.types.Scene) -> Iterator[None]:
@@ -276,23 +110,3 @@ def frame_kept(scene: bpy.types.Scene) -> Iterator[None]:
         yield
     finally:
         scene.frame_set(frame, subframe=part)
-
-
-def without_layout(arrays: MeshArrays) -> MeshArrays:
-    """The same mesh without the UV map that was made for the computation, which some methods need and others do not."""
-    return arrays if arrays.layout is None else replace(arrays, corner_uvs=None, layout=None)
-
-
-def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> job.Settings:
-    """The same settings with radii in units of the positions, which do not follow a frame's own size."""
-    unit = {"diagonal": report["diagonal"], "mean-edge": report["mean_edge"]}.get(settings.options.radius_unit, 1.0)
-    options = replace(settings.options, radius=settings.options.radius * unit, radius_unit="absolute")
-    return replace(settings, options=options, more_radii=tuple(radius * unit for radius in settings.more_radii))
-
-
-def at_frame(frame: int, error: ParadescError) -> ParadescError:
-    """The same error, saying at which frame."""
-    if error.status == abi.STATUS_CANCELLED or error.sentence.startswith("Frame "):
-        return error
-    sentence = f"Frame {frame}: {error.sentence}"
-    return InputError(sentence) if isinstance(error, InputError) else ParadescError(error.status, sentence)

@@ -16,10 +16,11 @@ from ..core.color_maps import Look, ValueRange
 from ..core.job import Results, Settings, needs_uvs, registry_row
 from ..core.latest import Latest, Outcome, is_cancelled
 from ..core.stream import Stream
+from ..files.frame_baking import at_fixed_radii
 from ..scene import mesh_io, record, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
-from . import frames, painting
+from . import painting
 
 # In these modes Blender works on a copy of the mesh, or keeps tables of its own, so results wait until the mode ends.
 WAITING_MODES = {"EDIT", "SCULPT", "VERTEX_PAINT"}
@@ -191,7 +192,7 @@ class Session:
         if new:
             self.prepared = None
             self.stream.settings = settings
-            self.stream.settings = frames.at_fixed_radii(settings, self.stream.mesh_at(request.arrays).report())
+            self.stream.settings = at_fixed_radii(settings, self.stream.mesh_at(request.arrays).report())
         results = self.stream.compute(request.positions, progress, request.corner_normals)
         if new and request.quick:
             options = with_fewer_texels(self.stream.settings.options, results.field_report["radius_in_texels"])

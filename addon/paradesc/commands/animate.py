@@ -2,7 +2,9 @@
 
 import argparse
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +12,8 @@ from ..bridge import ProgressFunction
 from ..core import job, legend
 from ..core.standard_streams import quiet
 from ..files import cache
+from ..files.frame_baking import Baker, Done, FrameRequest
+from . import animate_files
 from .common import (
     Parser,
     Progress,
@@ -28,8 +32,6 @@ from .reading import map_sources
 if TYPE_CHECKING:
     import bpy
 
-    from ..animation.frames import Done, FrameBaker
-
 STAGES = ("depsgraph", "read", "upload", "prepare", "bake", "evaluate", "write")
 
 
@@ -42,10 +44,11 @@ def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
     add_computation_options(animate)
     add_map_options(animate)
     add = animate.add_argument
-    add("--frames", metavar="A:B[:STEP]", help="which frames (default: those of the scene)")
+    add("--frames", metavar="A:B[:STEP]", help="which frames (default: those of the scene, or all files)")
     add("--cache", metavar="FOLDER", type=Path,
-        help="where frames are kept, in a folder for each object (default: paradesc_cache by the .blend)")  # fmt: skip
-    add("--relative-to-rest", action="store_true", help="also the change against the rest pose, as NAME_change")
+        help="where frames are kept, in a folder for each object (default: paradesc_cache by the input)")  # fmt: skip
+    add("--relative-to-rest", action="store_true",
+        help="also the change against the rest pose, which of files is the first, as NAME_change")  # fmt: skip
     add("--range", action="append", type=fixed_range, default=[], metavar="[NAME=]A:B",
         help="colors span these values in all frames (default: what follows from all frames together)")  # fmt: skip
     add("--force", action="store_true", help="compute frames again that are there already")
@@ -61,18 +64,14 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     if arguments.all and arguments.object:
         raise UsageError("Give --object or --all, not both.")
     check_outputs([arguments.json] if arguments.json else [])
-    opened = open_objects(arguments)
-    settings = opened_settings(arguments)
-    opened.notes += notes_of_preset(arguments.preset_content, has_colors=False)
-    wanted = chosen or scene_frames()
-    root = cache_folder(arguments)
+    bakes = file_bakes(arguments, chosen) if animate_files.is_asked(arguments) else scene_bakes(arguments, chosen)
+    settings, wanted, root = bakes.settings, bakes.wanted, bakes.root
     reports = []
     with Progress(arguments.progress) as progress:
-        for index, target in enumerate(opened.objects):
-            folder = cache.object_folder(root, target.name)
+        for index, (name, bake) in enumerate(bakes.objects):
+            folder = cache.object_folder(root, name)
             make_folder(folder)
-            part = job.part_of(progress, index, len(opened.objects))
-            reports.append(bake_object(target, settings, arguments, folder, wanted, part))
+            reports.append(bake(folder, job.part_of(progress, index, len(bakes.objects))))
             if arguments.range:
                 cache.write_fixed(folder, dict(arguments.range))
     shared = cache.locked_ranges(sorted(path for path in root.iterdir() if path.is_dir()))
@@ -80,7 +79,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         report["ranges"] = cache.locked_ranges([Path(report["folder"])], report["key"])
         print_summary(report, settings)
         report["ranges"] = {name: [shown.minimum, shown.maximum] for name, shown in report["ranges"].items()}
-    print_notes(opened.notes)
+    print_notes(bakes.notes)
     return {
         "settings": settings.as_dict(),
         "source": arguments.source,
@@ -88,9 +87,51 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         "frames": list(wanted),
         "objects": reports,
         "ranges": {name: [shown.minimum, shown.maximum] for name, shown in shared.items()},
-        "notes": opened.notes,
+        "notes": bakes.notes,
         "warnings": list(dict.fromkeys(sentence for report in reports for sentence in report["warnings"])),
     }
+
+
+@dataclass
+class Bakes:
+    """What to bake: each object's name, with what bakes its frames into a folder."""
+
+    settings: job.Settings
+    wanted: Sequence[int]
+    root: Path
+    objects: list[tuple[str, Callable[[Path, ProgressFunction], dict[str, object]]]]
+    notes: list[str]
+
+
+def scene_bakes(arguments: argparse.Namespace, chosen: range | None) -> Bakes:
+    """The objects of Blender's scene."""
+    opened = open_objects(arguments)
+    settings = opened_settings(arguments)
+    notes = opened.notes + notes_of_preset(arguments.preset_content, has_colors=False)
+    wanted = chosen or scene_frames()
+
+    def bake(target: "bpy.types.Object", folder: Path, progress: ProgressFunction) -> dict[str, object]:
+        return bake_object(target, settings, arguments, folder, wanted, progress)
+
+    objects = [(target.name, partial(bake, target)) for target in opened.objects]
+    return Bakes(settings, wanted, cache_folder(arguments), objects, notes)
+
+
+def file_bakes(arguments: argparse.Namespace, chosen: range | None) -> Bakes:
+    """The meshes of a sequence of files."""
+    meshes = animate_files.opened(arguments)
+    settings = opened_settings(arguments)
+    arguments.source = animate_files.SOURCE
+    wanted = animate_files.wanted(meshes, chosen)
+    notes = notes_of_preset(arguments.preset_content, has_colors=False)
+
+    def bake(mesh: animate_files.MeshSequence, folder: Path, progress: ProgressFunction) -> dict[str, object]:
+        request = FrameRequest(settings, folder, arguments.source, arguments.relative_to_rest, arguments.force)
+        with animate_files.FileBaker(mesh, request, arguments) as baker:
+            return report_of(baker, wanted, bake_frames(baker, wanted, progress))
+
+    objects = [(mesh.name, partial(bake, mesh)) for mesh in meshes]
+    return Bakes(settings, wanted, animate_files.cache_folder(arguments), objects, notes)
 
 
 def bake_object(
@@ -98,7 +139,7 @@ def bake_object(
     settings: job.Settings,
     arguments: argparse.Namespace,
     folder: Path,
-    wanted: range,
+    wanted: Sequence[int],
     progress: ProgressFunction,
 ) -> dict[str, object]:
     """Bakes one object's frames; gives its part of the report."""
@@ -107,7 +148,7 @@ def bake_object(
     from ..animation import frames
 
     maps = map_sources(arguments)
-    request = frames.FrameRequest(
+    request = FrameRequest(
         settings, folder, arguments.source, arguments.relative_to_rest, arguments.force, maps if maps.any else None
     )
     scene = bpy.context.scene
@@ -119,7 +160,7 @@ def bake_object(
         return report_of(baker, wanted, made)
 
 
-def bake_frames(baker: "FrameBaker", wanted: range, progress: ProgressFunction) -> "list[Done]":
+def bake_frames(baker: Baker, wanted: Sequence[int], progress: ProgressFunction) -> list[Done]:
     """Bakes one frame after the other; gives those that had to be made."""
     made = []
     for index, frame in enumerate(wanted):
@@ -174,12 +215,12 @@ def make_folder(folder: Path) -> None:
         raise cache.refused(f'The folder "{folder}" cannot be written.')
 
 
-def report_of(baker: "FrameBaker", wanted: range, made: "list[Done]") -> dict[str, object]:
+def report_of(baker: Baker, wanted: Sequence[int], made: list[Done]) -> dict[str, object]:
     """The report on an object's frames: everything except values."""
     frames = [done.frame for done in made]
     seconds = {stage: sum(done.seconds[stage] for done in made) / len(made) for stage in STAGES} if made else {}
     return {
-        "object": baker.target.name,
+        "object": baker.object_name,
         "folder": str(baker.request.folder),
         "key": baker.key,
         "made": frames,

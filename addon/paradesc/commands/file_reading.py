@@ -77,7 +77,13 @@ def refused(what: str) -> Exception:
 
 
 def open_files(arguments: argparse.Namespace) -> list[FileMesh]:
-    """The meshes of the input; refuses options that need Blender before anything is read."""
+    """The meshes of the input."""
+    check_options(arguments)
+    return mesh_files.read(arguments.input)
+
+
+def check_options(arguments: argparse.Namespace) -> None:
+    """Refuses options that need Blender, before anything is read."""
     for name, what in BY_BLENDER.items():
         if getattr(arguments, name, None):
             raise refused(what)
@@ -85,7 +91,6 @@ def open_files(arguments: argparse.Namespace) -> list[FileMesh]:
         raise refused(PRESET)
     if any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", [])):
         raise refused("A .blend is written by Blender")
-    return mesh_files.read(arguments.input)
 
 
 def chosen(meshes: list[FileMesh], names: list[str]) -> list[FileMesh]:

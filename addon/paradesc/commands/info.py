@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         shown = named or [item for item in scene_io.mesh_objects() if item not in scene_io.bone_shapes()]
         objects = [described(subject_of(item)) for item in shown]
     for row in objects:
-        print_object(row)
+        print_object(row, unwraps=not file_reading.reads_files(arguments))
     if not objects:
         print("There is no mesh object.")
     print_notes(notes)
@@ -161,7 +161,7 @@ def expected_memory(native: bridge.Mesh, hint: dict[str, object] | None) -> dict
     return native.memory(["mean_curvature"], options, "software")
 
 
-def print_object(row: dict[str, object]) -> None:
+def print_object(row: dict[str, object], unwraps: bool) -> None:
     """Prints an object in a few lines."""
     if row["obstacle"]:
         print(f'object "{row["object"]}": {row["obstacle"]}')
@@ -171,7 +171,7 @@ def print_object(row: dict[str, object]) -> None:
         f"{row['triangles']:,} triangles, parts: {row['parts']:,}, boundary edges: {row['boundary_edges']:,}"
     )
     found = row["uv_map"]
-    unwrapped = "it is unwrapped for a bake" if file_reading.has_blender() else "only Blender can unwrap it for images"
+    unwrapped = "it is unwrapped for a bake" if unwraps else "only Blender can unwrap it for images"
     state = f"The mesh {found['fault']}; {unwrapped}" if found["fault"] else "usable"
     name = f' "{found["name"]}"' if found["name"] else ""
     print(f"  UV map{name}: {state}, charts: {found['charts']:,}, seam edges: {found['seam_edges']:,}")

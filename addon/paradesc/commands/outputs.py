@@ -26,8 +26,8 @@ def add_output_files(parser: argparse.ArgumentParser) -> None:
     """Adds the options for the files to write."""
     add = parser.add_argument
     output = (
-        ".blend, .npz, .ply, .vtp or .vtk (for ParaView), .png (picture) or .exr (image over the UV map); give it again "
-        "for more"
+        ".blend, .npz, .ply, .vtp or .vtk (for ParaView), .png (picture) or .exr (image over the UV map); give it "
+        "again for more"
     )
     image = (
         "write images over the UV map, --texels wide: .exr (32-bit float) or .png (16-bit, a file a descriptor); of "

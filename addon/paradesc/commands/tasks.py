@@ -9,16 +9,17 @@ import json
 import math
 import shlex
 import sys
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..bridge import ParadescError
+from ..bridge import InputError, ParadescError
 from ..core import costs, job
 from ..files import cache, results
 from ..files.mesh_files import FileMesh
 from ..files.results import folder_fault, write_whole
 from ..files.triangle_counts import triangles
-from . import animate, assets, bundles, library
+from . import animate, animate_files, assets, bundles, file_reading, library
 from .common import Parser, UsageError, add_output_options, check_outputs
 from .opening import open_objects
 from .options import opened_settings, settings_of
@@ -141,7 +142,7 @@ def tasks_of(words: list[str], parsed: argparse.Namespace, arguments: argparse.N
     rest, _ = bundles.without_options(words, OURS[words[0]])
     start = [*program_of(arguments), *rest]
     if words[0] == "animate":
-        return frames_of(start, parsed, arguments.chunk or FRAMES_A_TASK)
+        return frames_of(start, parsed, arguments)
     return assets_of(start, parsed, arguments)
 
 
@@ -164,21 +165,22 @@ def write_list(arguments: argparse.Namespace, tasks: list[dict]) -> None:
 
 @dataclass
 class Scene:
-    """What is known of a scene without or with Blender."""
+    """What is known of a scene without or with Blender, or of a sequence of files."""
 
-    frames: range
+    frames: Sequence[int]
+    root: Path  # of all frames
     folders: list[Path]  # of the frames of each object
     triangles: int | None
     settings: job.Settings
     note: str = ""
 
 
-def frames_of(start: list[str], parsed: argparse.Namespace, chunk: int) -> Listed:
+def frames_of(start: list[str], parsed: argparse.Namespace, arguments: argparse.Namespace) -> Listed:
     """Chunks of frames."""
-    scene = scene_of(parsed)
+    chunk = arguments.chunk or FRAMES_A_TASK
+    scene = sequence_of(parsed) if animate_files.is_asked(parsed) else scene_of(parsed)
     tasks = []
-    for first in range(0, len(scene.frames), chunk):
-        frames = scene.frames[first : first + chunk]
+    for frames in chunks(scene.frames, chunk):
         text = written_frames(frames)
         cost = None
         if scene.triangles is not None:
@@ -190,14 +192,32 @@ def frames_of(start: list[str], parsed: argparse.Namespace, chunk: int) -> Liste
                 "stage": 1,
                 "command": [*start, f"--frames={text}"],  # the first frame may be negative
                 "input": str(parsed.input),
-                "outputs": outputs or [str(parsed.cache)],
+                "outputs": outputs or [str(scene.root)],
                 "cost_seconds": cost,
             }
         )
-    frames = written_frames(scene.frames).replace(":", "-", 1)
-    parameters = {"Scene": absolute(parsed.input), "Frames": frames, "FramesPerTask": chunk}
-    parameters["Cache"] = absolute(parsed.cache or animate.cache_folder(parsed))
+    parameters = {"Scene": absolute(parsed.input), "Cache": absolute(scene.root), "FramesPerTask": chunk}
+    if arguments.bundle is not None:
+        if not isinstance(scene.frames, range):
+            raise UsageError(
+                "The bundle for frames takes a scene; list the tasks of a sequence of files without --bundle."
+            )
+        parameters["Frames"] = written_frames(scene.frames).replace(":", "-", 1)
     return Listed(tasks, parameters, [scene.note] if scene.note else [])
+
+
+def chunks(frames: Sequence[int], longest: int) -> Iterator[range]:
+    """Divides frames, which may have gaps, into ranges of at most so many."""
+    if isinstance(frames, range):
+        for first in range(0, len(frames), longest):
+            yield frames[first : first + longest]
+        return
+    first = 0
+    for index in range(1, len(frames) + 1):
+        ends = index == len(frames) or index - first == longest or frames[index] != frames[index - 1] + 1
+        if ends:
+            yield range(frames[first], frames[index - 1] + 1)
+            first = index
 
 
 def written_frames(frames: range) -> str:
@@ -216,16 +236,25 @@ def scene_of(parsed: argparse.Namespace) -> Scene:
     frames = animate.parse_frames(parsed.frames)
     try:
         opened = open_objects(parsed)
-    except ParadescError:
-        if "bpy" in sys.modules or frames is None or parsed.cache is None:
+    except (ParadescError, InputError):
+        if file_reading.has_blender() or frames is None or parsed.cache is None:
             raise
         note = "Without Blender's module bpy nobody knows the objects: costs are left out."
-        return Scene(frames, [], None, settings_of(parsed), note)
+        return Scene(frames, parsed.cache, [], None, settings_of(parsed), note)
     settings = opened_settings(parsed)
     root = animate.cache_folder(parsed)
     folders = [cache.object_folder(root, target.name) for target in opened.objects]
-    count = sum(map(triangle_count, opened.objects))
-    return Scene(frames or animate.scene_frames(), folders, count, settings)
+    return Scene(frames or animate.scene_frames(), root, folders, sum(map(triangle_count, opened.objects)), settings)
+
+
+def sequence_of(parsed: argparse.Namespace) -> Scene:
+    """Opens the first file of a sequence."""
+    meshes = animate_files.opened(parsed)
+    frames = animate_files.wanted(meshes, animate.parse_frames(parsed.frames))
+    root = animate_files.cache_folder(parsed)
+    folders = [cache.object_folder(root, mesh.name) for mesh in meshes]
+    count = sum(triangle_count(mesh.first) for mesh in meshes)
+    return Scene(list(frames), root, folders, count, opened_settings(parsed))
 
 
 def triangle_count(target: Target) -> int:

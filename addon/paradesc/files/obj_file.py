@@ -3,6 +3,7 @@
 Libraries for this format divide vertices where texture coordinates part, and results belong to the file's vertices.
 """
 
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -32,7 +33,9 @@ class Lines:
 
 def read(path: Path) -> list[tuple[str, Polygons]]:
     """The objects with faces, each with its name, "" where it has none; raises ValueError if the file is damaged."""
-    content = path.read_bytes().replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\\\n", b" ")
+    content = (
+        path.read_bytes().replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\\\n", b" ").replace(b"\t", b" ")
+    )
     found = lines_of(content)
     del content
     if not found.faces:
@@ -51,14 +54,15 @@ def lines_of(content: bytes) -> Lines:
     for line in content.split(b"\n"):
         if b"#" in line:
             line = line.partition(b"#")[0]
-        word, _, rest = line.replace(b"\t", b" ").strip().partition(b" ")
-        if word == b"o":
+        word, _, rest = line.partition(b" ")
+        if not word:
+            word, _, rest = line.strip().partition(b" ")
+        rows = by_word.get(word)
+        if rows is not None:
+            rows.append(counted_from_one(rest, found.counts) if word == b"f" and b"-" in rest else rest)
+        elif word == b"o":
             name = rest.strip().decode("utf-8", "replace")
             found.objects.append((name, len(found.vertices), len(found.faces)))
-        elif word in by_word:
-            if word == b"f" and b"-" in rest:
-                rest = counted_from_one(rest, found.counts)
-            by_word[word].append(rest)
     return found
 
 
@@ -81,27 +85,32 @@ def table(lines: list[bytes], width: int) -> np.ndarray:
     if (widths != widths[0]).any():
         lines = [b" ".join(line.split()[:width]) for line in lines]
         widths[0] = width
-    return numbers(lines, np.float64).reshape(-1, widths[0])[:, :width].astype(np.float32)
+    return rows_of(lines, np.float64, len(lines), int(widths[0]))[:, :width].astype(np.float32)
 
 
-def numbers(lines: list[bytes], kind: type) -> np.ndarray:
-    """All the numbers in lines, (n,) of this type."""
-    text = b" ".join(lines)
-    found = np.array(text.split(), dtype=np.bytes_)
-    try:
-        return found.astype(kind)
-    except ValueError:
-        bad = next(line for line in lines if not is_numeric(line, kind))
-        raise ValueError(f'"{text_of(bad)}" is no row of numbers') from None
+def rows_of(lines: list[bytes], kind: type, count: int, width: int) -> np.ndarray:
+    """(count, width) numbers of this type; a line may have several rows."""
+    found = numbers_in(b" ".join(lines), kind)
+    if found is None or len(found) != count * width:
+        bad = next((line for line in lines if not is_numeric(line, kind)), lines[0])
+        raise ValueError(f'"{text_of(bad)}" is no row of numbers')
+    return found.reshape(count, width)
+
+
+def numbers_in(text: bytes, kind: type) -> np.ndarray | None:
+    """(n,) numbers between blanks, or None if anything else stands there."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)  # by which numpy says that it stopped at such a place
+        try:
+            return np.fromstring(text, kind, sep=" ")
+        except (ValueError, DeprecationWarning):
+            return None
 
 
 def is_numeric(line: bytes, kind: type) -> bool:
     """Whether a line holds numbers only."""
-    try:
-        np.array(line.split(), dtype=np.bytes_).astype(kind)
-    except ValueError:
-        return False
-    return True
+    found = numbers_in(line, kind)
+    return found is not None and len(found) == len(line.split())
 
 
 def text_of(line: bytes) -> str:
@@ -124,7 +133,8 @@ def corners_of(faces: list[bytes], counts: tuple[int, int, int]) -> tuple[np.nda
     corners = np.zeros((int(sizes.sum()), 3), np.int64)
     for kind in np.unique(form):
         own = [rows[k].replace(b"/", b" ") for k in np.flatnonzero(form == kind)]
-        corners[np.repeat(form == kind, sizes), : kind + 1] = numbers(own, np.int64).reshape(-1, kind + 1)
+        where = np.flatnonzero(np.repeat(form == kind, sizes))
+        corners[where, : kind + 1] = rows_of(own, np.int64, len(where), int(kind) + 1)
     check_references(corners, counts)
     return corners - 1, sizes
 

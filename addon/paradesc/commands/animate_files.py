@@ -1,0 +1,139 @@
+"""Bakes an animation that is a sequence of mesh files, without Blender: the first file is what counts as rest pose."""
+
+import argparse
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from ..bridge import InputError, MeshArrays, ParadescError
+from ..core import job
+from ..core.digests import digest
+from ..core.stream import TOPOLOGY, same
+from ..files import cache, mesh_files, sequences
+from ..files.frame_baking import Baker, FrameRequest, Task, at_frame
+from ..files.mesh_files import FileMesh
+from . import file_reading
+from .common import UsageError
+
+SOURCE = "files"
+
+
+@dataclass
+class MeshSequence:
+    """One mesh in each file of a sequence."""
+
+    name: str
+    files: dict[int, Path]  # by frame
+    selector: str | None  # the mesh's name in each file; None: the largest
+
+    @cached_property
+    def first(self) -> FileMesh:
+        """The mesh of the first file."""
+        return self.mesh_at(next(iter(self.files)))
+
+    def mesh_at(self, frame: int) -> FileMesh:
+        """The mesh of a frame."""
+        names = [] if self.selector is None else [self.selector]
+        return file_reading.chosen(mesh_files.read(self.files[frame]), names)[0]
+
+
+@dataclass
+class FileReading:
+    """A frame's mesh; its vertices are those of its file."""
+
+    arrays: MeshArrays
+    own: bool = True
+
+
+def is_asked(arguments: argparse.Namespace) -> bool:
+    """Whether the input is a sequence of files; refuses single files that hold no animation of their own."""
+    if arguments.input is None:
+        return False
+    if sequences.is_sequence(arguments.input):
+        if arguments.reader == "blender":
+            raise UsageError("A sequence of files is read without Blender; leave --reader blender out.")
+        return True
+    if file_reading.reads_files(arguments):
+        how = "a folder, frames/mesh_####.ply or 'frames/*.ply'"
+        raise UsageError(f'"{arguments.input}" is one mesh and no animation; give a sequence of files: {how}.')
+    return False
+
+
+def opened(arguments: argparse.Namespace) -> list[MeshSequence]:
+    """The meshes of a sequence that the options choose, by those of its first file."""
+    file_reading.check_options(arguments)
+    files = sequences.frames_of(arguments.input)
+    name = sequences.name_of(arguments.input, next(iter(files.values())))
+    if not arguments.all and not arguments.object:
+        return [MeshSequence(name, files, None)]
+    there = mesh_files.read(next(iter(files.values())))
+    if arguments.all and len(there) == 1:
+        return [MeshSequence(name, files, None)]
+    chosen = there if arguments.all else file_reading.chosen(there, arguments.object)
+    return [MeshSequence(mesh.name, files, mesh.name) for mesh in chosen]
+
+
+def wanted(meshes: list[MeshSequence], asked: range | None) -> Sequence[int]:
+    """The frames to bake: all files, or those that are asked for, which have to be there."""
+    files = meshes[0].files
+    lacking = [frame for frame in asked or () if frame not in files]
+    if lacking:
+        more = f" and {len(lacking) - 1:,} more" if len(lacking) > 1 else ""
+        first, last = min(files), max(files)
+        raise InputError(f"There is no file for frame {lacking[0]}{more}; there are frames {first} to {last}.")
+    return list(files) if asked is None else asked
+
+
+def cache_folder(arguments: argparse.Namespace) -> Path:
+    """The folder asked for, or one beside the files."""
+    if arguments.cache is not None:
+        return arguments.cache
+    return (arguments.input if arguments.input.is_dir() else arguments.input.parent) / cache.DEFAULT_FOLDER
+
+
+class FileBaker(Baker):
+    """Bakes the frames of one mesh, a file each."""
+
+    def __init__(self, mesh: MeshSequence, request: FrameRequest, arguments: argparse.Namespace) -> None:
+        self.mesh, self.arguments, self.settings = mesh, arguments, request.settings
+        super().__init__(mesh.name, mesh.first.name, request)
+        self.notes += [note for note in mesh.first.notes if note not in self.notes]
+
+    def open(self, settings: job.Settings) -> None:
+        """Opens the device, which a mesh without a UV map may need none for."""
+        self.settings = settings
+        if self.read_base(True).corner_uvs is None:
+            settings = job.without_uvs(settings)
+        super().open(settings)
+
+    def read_base(self, _needs_uvs: bool) -> MeshArrays:
+        """The mesh of the first file."""
+        return file_reading.read_mesh(self.mesh.first, self.settings, self.arguments).measured
+
+    def prepare(self, frame: int) -> Task | None:
+        """Reads a frame's file; None if its result is there already."""
+        start = time.perf_counter()
+        try:
+            read = file_reading.read_mesh(self.mesh.mesh_at(frame), self.settings, self.arguments)
+        except ParadescError as error:
+            raise at_frame(frame, error) from error
+        arrays = read.measured
+        content = digest(arrays.positions, arrays.corner_normals)
+        if len(arrays.positions) == len(self.base.positions) and all(
+            same(getattr(arrays, name), getattr(self.base, name)) for name in TOPOLOGY
+        ):
+            arrays = replace(self.base, positions=arrays.positions, corner_normals=arrays.corner_normals)
+        elif self.request.relative:
+            sentence = f"Frame {frame} has other faces than the first file, which is the rest pose"
+            raise InputError(f"{sentence}; leave --relative-to-rest out.")
+        else:
+            shape = [getattr(arrays, name) for name in TOPOLOGY]
+            content = digest(np.frombuffer(content.encode(), np.uint8), *shape)
+        self.notes += [note for note in read.notes if note not in self.notes and note not in self.mesh.first.notes]
+        if self.is_kept(frame, content):
+            return None
+        return Task(frame, FileReading(arrays), content, {"depsgraph": 0.0, "read": time.perf_counter() - start})

@@ -1,0 +1,236 @@
+"""Bakes frames of one mesh into files of a frame cache; where each frame's mesh comes from is for others to say.
+
+Radii are those of the base mesh in all frames, so that values of one frame can be compared with those of another. Never
+imports bpy.
+"""
+
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Protocol
+
+from .. import __version__
+from ..bridge import METHODS, InputError, MeshArrays, ParadescError, ProgressFunction, abi
+from ..core import job
+from ..core.digests import digest
+from ..core.stream import Stream
+from . import cache
+
+DEVICE_METHOD, CPU_METHOD = METHODS["software"], METHODS["cpu"]
+
+
+class Reading(Protocol):
+    """A mesh to measure: that of a file, or source_meshes.Reading."""
+
+    arrays: MeshArrays
+    own: bool  # its vertices are the base's
+
+
+@dataclass
+class FrameRequest:
+    """What to bake of one object."""
+
+    settings: job.Settings
+    folder: Path  # of this object's frames
+    source: str = "deformed"
+    relative: bool = False  # keeps the change against the base mesh too
+    force: bool = False  # computes frames again that are there
+    maps: object = None  # surface_maps.MapChoice
+
+
+@dataclass
+class Task:
+    """One frame, read, to be computed and written."""
+
+    frame: int
+    reading: Reading
+    input: str
+    seconds: dict[str, float]
+
+
+@dataclass
+class Done:
+    """One frame that was written."""
+
+    frame: int
+    path: Path
+    seconds: dict[str, float]
+    device: str
+    warnings: list[str]
+
+
+class Baker:
+    """Bakes frames of one mesh, each from one native mesh where its faces stay; a frame that is there stays."""
+
+    def __init__(self, object_name: str, mesh_name: str, request: FrameRequest) -> None:
+        self.object_name, self.mesh_name, self.request = object_name, mesh_name, request
+        settings = request.settings
+        if settings.space != "object":
+            raise InputError("Frames are measured in object space; choose that, and apply the scale where it matters.")
+        self.normals = settings.options.normals == "mesh"
+        self.notes: list[str] = []
+        self._rest: job.Results | None = None
+        self.open(settings)
+        try:
+            cache.sweep(request.folder)
+            settled = self.settled()
+            if settled != settings.backend:
+                self.stream.close()
+                self.open(replace(settings, backend=settled))
+            self.key = self.make_key()
+            self.notes += job.unused_notes(self.stream.backend, settings.options)
+        except BaseException:
+            self.stream.close()
+            raise
+
+    def read_base(self, needs_uvs: bool) -> MeshArrays:
+        """The mesh whose size, and whose values where the change is asked for, count for all frames."""
+        raise NotImplementedError
+
+    def prepare(self, frame: int) -> Task | None:
+        """Reads the mesh of a frame; None if its file exists already."""
+        raise NotImplementedError
+
+    def on_base(self, results: job.Results, _reading: Reading) -> job.Results:
+        """The results at the vertices that the frame's file is about."""
+        return results
+
+    def open(self, settings: job.Settings) -> None:
+        """Reads the base mesh as these settings need it, and opens their device."""
+        self.needs_uvs = job.needs_uvs(settings)
+        self.base = self.read_base(self.needs_uvs)
+        self.stream = Stream(self.base, settings)
+        try:
+            self.stream.settings = at_fixed_radii(settings, self.stream.mesh_at(self.base).report())
+            self.method = METHODS[self.stream.backend]
+        except BaseException:
+            self.stream.close()
+            raise
+
+    def settled(self) -> str:
+        """The backend for these frames: auto is what this machine has, unless frames of the other method are there."""
+        own = self.request.settings.backend
+        if own != "auto":
+            return own
+        animation = self.make_key("", without_layout(self.base))
+        method = cache.settled_method(self.request.folder, animation, self.method_there() or self.method)
+        if method == self.method:
+            return own
+        return "cpu" if method == CPU_METHOD else "software"
+
+    def method_there(self) -> str:
+        """The method of frames that are there already, "" if none are: of an earlier version, or copied."""
+        folder = self.request.folder
+        if not cache.frames_in(folder) or cache.has_key(folder, self.make_key()):
+            return ""
+        other = CPU_METHOD if self.method == DEVICE_METHOD else DEVICE_METHOD
+        base = self.read_base(other == DEVICE_METHOD)
+        return other if cache.has_key(folder, self.make_key(other, replace(base, maps=self.base.maps))) else ""
+
+    def make_key(self, method: str | None = None, base: MeshArrays | None = None) -> str:
+        """Makes the key of everything that the frames have in common."""
+        base = self.base if base is None else base
+        maps = base.maps
+        rest = digest(base.positions) if self.request.relative else ""
+        images = digest(maps.heights) + f"{maps.midlevel!r} {maps.scale!r}" if maps is not None else ""
+        more = {"source": self.request.source, "rest": rest, "maps": images, "paradesc": __version__}
+        method = self.method if method is None else method
+        return cache.key_of(base, self.stream.settings, method, names=self.names(), **more)
+
+    def names(self) -> list[str]:
+        """The names of the values, after the radius that was asked for."""
+        return self.request.settings.value_names()
+
+    def is_kept(self, frame: int, content: str) -> bool:
+        """Whether this frame of this content is there and need not be made again."""
+        return not self.request.force and cache.kept(self.request.folder, frame, self.key, content)
+
+    def run(self, task: Task, progress: ProgressFunction | None = None) -> Done:
+        """Computes and writes a frame."""
+        try:
+            rest = self.rest(progress) if self.request.relative else None
+            start = time.perf_counter()
+            arrays = task.reading.arrays
+            if not self.stream.matches(arrays):
+                self.stream.replace(arrays)
+            results = self.stream.compute(arrays.positions, progress, arrays.corner_normals)
+            self.check_method(results)
+            computed = time.perf_counter()
+            path = cache.write_frame(self.request.folder, self.content(task, results, rest))
+        except ParadescError as error:
+            raise at_frame(task.frame, error) from error
+        report = list(results.field_reports.values())
+        native = {name: sum(part[f"seconds_{name}"] for part in report) for name in ("prepare", "bake", "evaluate")}
+        total = sum(part["seconds_total"] for part in report)
+        write = {"write": time.perf_counter() - computed}
+        seconds = {**task.seconds, "upload": computed - start - total, **native, **write}
+        return Done(task.frame, path, seconds, f"{results.backend}: {results.device}", results.warnings)
+
+    def check_method(self, results: job.Results) -> None:
+        """Refuses what another method computed because a device failed: all frames have one method in common."""
+        if METHODS[results.backend] != self.method:
+            failure = results.fallback.rstrip(".")
+            raise ParadescError(
+                abi.STATUS_DEVICE_LOST,
+                f"The graphics device failed ({failure}); start again to go on from here, or choose another backend.",
+            )
+
+    def rest(self, progress: ProgressFunction | None) -> job.Results:
+        """The results of the base mesh, which are computed once."""
+        if self._rest is None:
+            self._rest = self.stream.compute(self.base.positions, progress, self.base.corner_normals)
+        return self._rest
+
+    def content(self, task: Task, results: job.Results, rest: job.Results | None) -> cache.Frame:
+        """What a frame's file holds."""
+        found = self.on_base(results, task.reading)
+        values, radius = {}, {}
+        for asked, name in zip(self.names(), found.settings.value_names(), strict=True):
+            values[asked] = found.values[name]
+            radius[asked] = results.radius_of(name)
+            if rest is not None and found.values[name].ndim == 1:
+                values[asked + job.CHANGE] = found.values[name] - rest.values[name]
+                radius[asked + job.CHANGE] = radius[asked]
+        settings = self.request.settings.as_dict()
+        for own in ("backend", "device_index"):
+            del settings[own]
+        info = {
+            "object": self.object_name,
+            "mesh": self.mesh_name,
+            "source": self.request.source,
+            "vertices": "original" if task.reading.own else "evaluated",
+            "settings": settings,
+            "radius": radius,
+            "warnings": results.warnings,
+        }
+        return cache.Frame(task.frame, self.key, task.input, {**values, **found.extras}, info)
+
+    def close(self) -> None:
+        """Frees the device."""
+        self.stream.close()
+
+    def __enter__(self) -> "Baker":
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
+
+
+def without_layout(arrays: MeshArrays) -> MeshArrays:
+    """The same mesh without the UV map that was made for the computation, which some methods need and others do not."""
+    return arrays if arrays.layout is None else replace(arrays, corner_uvs=None, layout=None)
+
+
+def at_fixed_radii(settings: job.Settings, report: dict[str, float | int]) -> job.Settings:
+    """The same settings with radii in units of the positions, which do not follow a frame's own size."""
+    unit = {"diagonal": report["diagonal"], "mean-edge": report["mean_edge"]}.get(settings.options.radius_unit, 1.0)
+    options = replace(settings.options, radius=settings.options.radius * unit, radius_unit="absolute")
+    return replace(settings, options=options, more_radii=tuple(radius * unit for radius in settings.more_radii))
+
+
+def at_frame(frame: int, error: ParadescError) -> ParadescError:
+    """The same error, saying at which frame."""
+    if error.status == abi.STATUS_CANCELLED or error.sentence.startswith("Frame "):
+        return error
+    sentence = f"Frame {frame}: {error.sentence}"
+    return InputError(sentence) if isinstance(error, InputError) else ParadescError(error.status, sentence)
