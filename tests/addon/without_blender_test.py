@@ -12,7 +12,7 @@ import pytest
 from paradesc.files import cache
 from shapes import ADDON, cube_sphere, write_obj
 
-COMMANDS = ("bake", "animate", "compare", "info", "list")
+COMMANDS = ("bake", "animate", "library", "tasks", "compare", "info", "list")
 
 
 @pytest.fixture
@@ -233,3 +233,22 @@ def test_a_file_that_is_no_preset_is_refused_before_blender_is_missed(python, tm
     done = python("-m", "paradesc", "bake", "sphere.obj", "--preset", "mask.json", "--output", "out.npz")
     assert (done.returncode, done.stdout) == (3, "")
     assert done.stderr.startswith('paradesc: The preset file "mask.json" is of version 2')
+
+
+def test_a_library_is_computed(python, tmp_path):
+    (tmp_path / "library").mkdir()
+    write_obj(tmp_path / "library" / "sphere.obj", *cube_sphere(3))
+    words = ("library", "library", "--output", "out", "--workers", "1", "--json", "-")
+    done = python("-m", "paradesc", *words)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["made"] == 1
+    assert (tmp_path / "out" / "library.jsonl").read_text().count("\n") == 1
+
+
+def test_tasks_of_an_animation_are_listed_for_machines_with_blender(python, tmp_path):
+    done = python("-m", "paradesc", "tasks", "animate", "shot.blend", "--frames", "1:20", "--cache", "frames")
+    assert done.returncode == 0, done.stderr
+    found = [json.loads(line) for line in done.stdout.splitlines()]
+    assert [task["command"][-1] for task in found] == ["--frames=1:10", "--frames=11:20"]
+    assert {task["cost_seconds"] for task in found} == {None}
+    assert "costs are left out" in done.stderr

@@ -4,7 +4,7 @@ from importlib import import_module
 from types import ModuleType
 
 # They stand in the order of the help.
-COMMANDS = ("bake", "animate", "compare", "info", "list")
+COMMANDS = ("bake", "animate", "library", "tasks", "compare", "info", "list")
 
 
 def modules() -> list[ModuleType]:

@@ -106,12 +106,9 @@ class Bakes:
 def scene_bakes(arguments: argparse.Namespace, chosen: range | None) -> Bakes:
     """The objects of Blender's scene."""
     opened = open_objects(arguments)
-    import bpy
-
-    scene = bpy.context.scene
     settings = opened_settings(arguments)
     notes = opened.notes + notes_of_preset(arguments.preset_content, has_colors=False)
-    wanted = chosen or range(scene.frame_start, scene.frame_end + 1, max(1, scene.frame_step))
+    wanted = chosen or scene_frames()
 
     def bake(target: "bpy.types.Object", folder: Path, progress: ProgressFunction) -> dict[str, object]:
         return bake_object(target, settings, arguments, folder, wanted, progress)
@@ -187,6 +184,14 @@ def parse_frames(text: str | None) -> range | None:
         return None if text is None else cache.parse_frames(text)
     except ValueError as error:
         raise UsageError(str(error)) from error
+
+
+def scene_frames() -> range:
+    """The frames of the open scene."""
+    import bpy
+
+    scene = bpy.context.scene
+    return range(scene.frame_start, scene.frame_end + 1, max(1, scene.frame_step))
 
 
 def cache_folder(arguments: argparse.Namespace) -> Path:

@@ -1,6 +1,7 @@
 """What the commands share: errors and exit codes, checks of outputs, progress, notes."""
 
 import argparse
+import shlex
 import sys
 import time
 from pathlib import Path
@@ -18,8 +19,8 @@ EXIT_DEVICE = 4  # no such device, or it cannot do this; or a part of the instal
 EXIT_CHECK = 5  # everything is written, but a check that was asked for failed
 EXIT_INTERRUPTED = 130  # Ctrl-C
 EXIT_TERMINATED = 143  # SIGTERM
-PROGRESS = ("auto", "lines", "off")
-# Between two lines of --progress lines.
+PROGRESS = ("auto", "lines", "openjd", "off")
+# Between two lines of --progress lines and openjd.
 LINE_STEP = 0.05
 
 
@@ -57,6 +58,26 @@ def add_output_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--quiet", "-q", action="store_true", help="print errors only")
     parser.add_argument("--verbose", action="store_true", help="show what Blender itself prints")
+    parser.add_argument(
+        "--also", metavar="WORDS", action="append", default=[],
+        help="more of these options in one word, as job descriptions pass them; may be empty",
+    )  # fmt: skip
+
+
+def with_also(words: list[str]) -> list[str]:
+    """Puts the options that --also holds in its place."""
+    found: list[str] = []
+    left = iter(words)
+    for word in left:
+        text = next(left, None) if word == "--also" else word.removeprefix("--also=")
+        if not word.startswith("--also") or text is None:
+            found.append(word)
+            continue
+        try:
+            found += shlex.split(text)
+        except ValueError as error:
+            raise UsageError(f"The words of --also, {text}, cannot be told apart: {error}.") from error
+    return found
 
 
 def check_outputs(paths: list[Path]) -> None:
@@ -93,14 +114,34 @@ def fallback_note(fallback: str, backend: str) -> str:
     return f"{fallback.partition(';')[0].rstrip('.')}; the {backend} backend computed." if fallback else ""
 
 
+def write_line(stage: str, fraction: float) -> None:
+    """Writes the progress as a line of a log."""
+    sys.stderr.write(f"Progress: {100 * fraction:.0f}% {stage}\n")
+    sys.stderr.flush()
+
+
+def write_openjd(stage: str, fraction: float) -> None:
+    """Writes the progress as Open Job Description's sessions read it."""
+    tell_openjd("progress", f"{100 * fraction:.1f}")
+    tell_openjd("status", stage)
+
+
+def tell_openjd(kind: str, text: str) -> None:
+    """Writes one message of Open Job Description, past --quiet: its sessions read the standard output."""
+    if sys.__stdout__ is not None:
+        sys.__stdout__.write(f"openjd_{kind}: {' '.join(text.split())}\n")
+        sys.__stdout__.flush()
+
+
 class Progress:
     """Shows how far the work is on the standard error stream, and lets Ctrl-C and SIGTERM cancel it at the next tile.
 
-    auto: one line that is written over and over, on a terminal only; lines: a line every few percent, for a farm's log.
+    auto: one line that is written over and over, on a terminal only; lines: a line every few percent, for a farm's log;
+    openjd: the lines on the standard output by which Open Job Description's sessions know the progress.
     """
 
     def __init__(self, mode: str = "auto") -> None:
-        self.lines = mode == "lines"
+        self.line = {"lines": write_line, "openjd": write_openjd}.get(mode)
         self.shown = mode == "auto" and sys.stderr.isatty()
         self.time = 0.0
         self.last = -1.0
@@ -113,10 +154,9 @@ class Progress:
             self.time = now
             sys.stderr.write(f"\r\x1b[K{fraction:6.1%} {stage}")
             sys.stderr.flush()
-        if self.lines and (fraction >= self.last + LINE_STEP or fraction >= 1.0 > self.last):
+        if self.line is not None and (fraction >= self.last + LINE_STEP or fraction >= 1.0 > self.last):
             self.last = fraction
-            sys.stderr.write(f"Progress: {100 * fraction:.0f}% {stage}\n")
-            sys.stderr.flush()
+            self.line(stage, fraction)
         return self.signals.stopped is None
 
     def __enter__(self) -> "Progress":

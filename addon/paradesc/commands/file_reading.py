@@ -16,6 +16,7 @@ from .images import paths_of
 READERS = ("auto", "blender", "files")
 BLENDER_LACKS = (".off",)
 KNOWN = ", ".join(mesh_files.SUFFIXES)
+PRESET = "--preset is checked against the add-on's settings, which Blender defines"
 # Options that are about what only Blender's files have, or that Blender does.
 BY_BLENDER = {
     "scene_settings": "--scene-settings takes the panel's settings from a .blend",
@@ -87,7 +88,7 @@ def check_options(arguments: argparse.Namespace) -> None:
         if getattr(arguments, name, None):
             raise refused(what)
     if getattr(arguments, "preset", None) and not has_blender():
-        raise refused("--preset is checked against the add-on's settings, which Blender defines")
+        raise refused(PRESET)
     if any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", [])):
         raise refused("A .blend is written by Blender")
 

@@ -12,7 +12,7 @@ from ..bridge import ParadescError
 from ..core import contexts
 from ..files import results
 from . import COMMANDS, modules
-from .common import EXIT_CHECK, EXIT_FAILED, EXIT_OK, EXIT_USAGE, Parser, UsageError, exit_code
+from .common import EXIT_CHECK, EXIT_FAILED, EXIT_OK, EXIT_USAGE, Parser, UsageError, exit_code, tell_openjd, with_also
 from .signals import Signals, Terminated
 
 # The schema of the JSON reports. It grows if a key changes its meaning or goes, but not if a key is new.
@@ -34,7 +34,7 @@ def make_parser() -> Parser:
 def main(words: list[str]) -> int:
     """Runs one command; gives the exit code. Any failure is one sentence on the standard error stream."""
     try:
-        arguments, unknown = make_parser().parse_known_args(words)
+        arguments, unknown = make_parser().parse_known_args(with_also(words))
         if unknown:
             kind = "is no option" if unknown[0].startswith("-") else "is no place for"
             raise UsageError(f'There {kind} "{unknown[0]}"; see paradesc {arguments.command} --help.')
@@ -42,6 +42,8 @@ def main(words: list[str]) -> int:
         return say(str(error), exit_code(error))
     except SystemExit as error:  # --help and --version, which were shown
         return int(error.code or 0)
+    if prints_json(arguments) and getattr(arguments, "progress", None) == "openjd":
+        return say("--json - and --progress openjd both write to the standard output; name a file.", EXIT_USAGE)
     if reports_over_input(arguments):
         return say(f'"{arguments.json}" is the input; choose another file for the report.', EXIT_USAGE)
     try:
@@ -59,6 +61,8 @@ def main(words: list[str]) -> int:
         return fail(arguments, f"Unexpected {type(error).__name__}: {error} (--verbose says where).", EXIT_FAILED)
     finally:
         contexts.close_idle()
+    if sentence:
+        tell_farm(arguments, sentence)
     return say(sentence, code) if sentence else code
 
 
@@ -124,7 +128,14 @@ def fail(arguments: argparse.Namespace, sentence: str, code: int) -> int:
     """Says why it failed, also in the report; if the report cannot be written, that gets no second sentence."""
     with contextlib.suppress(ParadescError):
         write_report(arguments, {}, code, " ".join(sentence.split()))
+    tell_farm(arguments, sentence)
     return say(sentence, code)
+
+
+def tell_farm(arguments: argparse.Namespace, sentence: str) -> None:
+    """Says why it failed to a session of Open Job Description too, if one listens."""
+    if getattr(arguments, "progress", None) == "openjd":
+        tell_openjd("fail", sentence)
 
 
 def say(sentence: str, code: int) -> int:

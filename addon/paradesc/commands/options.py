@@ -55,7 +55,7 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
         help="take what is not given here from the panel's settings in the .blend")  # fmt: skip
     add("--preset", metavar="FILE",
         help="take them from a preset: a JSON file, or a name (cavity, edge_wear, ... or your own)")  # fmt: skip
-    add("--descriptors", metavar="A,B,C", help="see paradesc list (default: mean_curvature)")
+    add("--descriptors", type=or_nothing, metavar="A,B,C", help="see paradesc list (default: mean_curvature)")
     add("--radius", type=radii, metavar="R[,R...]",
         help="support radius (default: 0.02); of several, names end in _r and the radius")  # fmt: skip
     add("--radius-unit", choices=bridge.RADIUS_UNITS,
@@ -100,8 +100,15 @@ def add_computation_options(parser: argparse.ArgumentParser) -> None:
         help="on the standard error stream: where it is a terminal (default), a line every 5 %%, or none")  # fmt: skip
 
 
-def radii(text: str) -> tuple[float, ...]:
-    """Parses numbers between commas."""
+def or_nothing(text: str) -> str | None:
+    """A text, or None for an empty one: job descriptions pass options that nobody filled in."""
+    return text or None
+
+
+def radii(text: str) -> tuple[float, ...] | None:
+    """Parses numbers between commas; an empty text is not given."""
+    if not text:
+        return None
     try:
         return tuple(float(word) for word in text.split(","))
     except ValueError:

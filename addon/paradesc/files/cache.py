@@ -34,7 +34,7 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.+-]{0,62}")
 FILE_NAME = re.compile(r"frame_(-?\d{1,7})" + re.escape(SUFFIX))
 # Each frame keeps its distribution at so many evenly spaced ranks; the range over all frames follows from these.
 QUANTILES = 257
-FRAMES = re.compile(r"(-?\d+)(?::(-?\d+))?(?::(\d+))?")
+FRAMES = re.compile(r"(-?\d+)(?:[:-](-?\d+))?(?::(\d+))?")
 MOST_FRAMES = 1_000_000
 RANGE_FILE = "range.json"
 # How often, and after how many seconds, a file is looked at again that another machine is writing.
@@ -88,7 +88,7 @@ def frames_in(folder: Path) -> dict[int, Path]:
 
 
 def parse_frames(text: str) -> range:
-    """The frames of A:B, A:B:STEP or A; B is included."""
+    """The frames of A:B, A:B:STEP or A, B included; a minus sign may stand for the first colon, as farms write it."""
     found = FRAMES.fullmatch(text.strip())
     if not found:
         raise ValueError(f'"{text}" is no range of frames; give A:B or A:B:STEP, for example 1:250.')

@@ -1,0 +1,239 @@
+"""Computes one asset of a library and describes it as a row, the same wherever that is done. Never imports bpy.
+
+The results of FOLDER/props/crate.obj are OUT/results/props/crate.obj.npz, and its row is beside it as .json. Both are
+written whole, the row last: a row that is there belongs to results that are there. So a task may be killed, repeated,
+and done twice at the same time.
+"""
+
+import argparse
+import hashlib
+import json
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .. import __version__
+from ..bridge import InputError, ParadescError, ProgressFunction, abi
+from ..core import contexts, job
+from ..core.distributions import distribution
+from ..files import mesh_files, results
+from ..files.results import Baked, write_whole
+from .common import EXIT_FAILED, EXIT_INPUT, EXIT_USAGE, exit_code
+from .file_reading import read_mesh
+
+RESULTS = "results"
+# Failures that the same file and settings have everywhere: they are not tried again.
+LASTING = (EXIT_USAGE, EXIT_INPUT)
+
+
+@dataclass(frozen=True)
+class Work:
+    """What is done with every asset of a library."""
+
+    folder: Path
+    output: Path
+    settings: job.Settings
+    key: str
+    force: bool = False
+    threads: int = 0  # for one asset, 0: all cores. Results do not depend on it
+    version: str = __version__
+
+
+@dataclass
+class Done:
+    """An asset's row, and whether it had to be made."""
+
+    row: dict
+    made: bool
+
+
+def key_of(settings: job.Settings) -> str:
+    """The name of settings: results of the same key and content are the same."""
+    flat = {name: value for name, value in settings.as_dict().items() if name != "device_index"}
+    return hashlib.sha256(json.dumps([__version__, flat], sort_keys=True).encode()).hexdigest()[:32]
+
+
+def results_path(work: Work, name: str) -> Path:
+    """Where an asset's arrays are."""
+    return work.output / RESULTS / f"{name}.npz"
+
+
+def row_path(work: Work, name: str) -> Path:
+    """Where an asset's row is."""
+    return work.output / RESULTS / f"{name}.json"
+
+
+def measure(work: Work, name: str, progress: ProgressFunction | None = None) -> Done:
+    """The row of an asset, computed unless its results are there already. A failure is a row as well."""
+    row = {"file": name, "status": "ok", "exit_code": 0, "error": None, "content_hash": None, "settings_key": work.key}
+    try:
+        if work.version != __version__:
+            sentence = f"This machine has Paradesc {__version__}, but {work.version} was asked for; install that here."
+            raise ParadescError(abi.STATUS_UNSUPPORTED, sentence)
+        row["content_hash"] = content_hash(work.folder / name)
+        found = None if work.force else kept_row(work, row)
+        if found is not None:
+            return Done(found, False)
+        row.update(computed(work, name, progress))
+    except ParadescError as error:
+        if error.status == abi.STATUS_CANCELLED:
+            raise
+        row = failed(row, error.sentence, exit_code(error))
+    except Exception as error:  # noqa: BLE001 (one asset must not end the run; its row says what happened)
+        row = failed(row, f"Unexpected {type(error).__name__}: {error}", EXIT_FAILED)
+    write_row(work, row)
+    return Done(row, True)
+
+
+def failed(row: dict, sentence: str, code: int) -> dict:
+    """The row of an asset that could not be computed."""
+    return {**row, "status": "failed", "exit_code": code, "error": " ".join(sentence.split())}
+
+
+def write_row(work: Work, row: dict) -> None:
+    """Keeps a row beside the results."""
+    path = row_path(work, row["file"])
+    make_folder(path.parent)
+    write_whole(path, row, write_line)
+
+
+def write_line(path: Path, row: dict) -> None:
+    """Writes a row as one line of JSON."""
+    path.write_text(line_of(row), encoding="utf-8")
+
+
+def line_of(row: dict) -> str:
+    """A row as one line of JSON, with null for what is not a number."""
+    return json.dumps(results.finite_only(row), ensure_ascii=False) + "\n"
+
+
+def make_folder(folder: Path) -> None:
+    """Makes the folder, or says why it cannot be made."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        sentence = f'The folder "{folder}" cannot be made: {error.strerror or error}.'
+        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error
+
+
+# ---- What is there
+
+
+def content_hash(path: Path) -> str:
+    """SHA-256 of a file and of the buffers that a .gltf keeps beside it."""
+    try:
+        content = path.read_bytes()
+        found = hashlib.sha256(content)
+        for name in buffers_beside(path, content):
+            found.update((path.parent / name).read_bytes())
+        return found.hexdigest()
+    except OSError as error:
+        raise InputError(f'"{path}" cannot be read: {error.strerror or error}.') from error
+
+
+def buffers_beside(path: Path, content: bytes) -> list[str]:
+    """The files that a .gltf names as its buffers; none of any other file, and of a damaged one."""
+    if path.suffix.lower() != ".gltf":
+        return []
+    try:
+        names = [str(buffer.get("uri", "")) for buffer in json.loads(content).get("buffers", [])]
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        return []
+    return [name for name in names if name and not name.startswith("data:") and (path.parent / name).is_file()]
+
+
+def kept_row(work: Work, asked: dict) -> dict | None:
+    """The row that an earlier run left, if it is of this content and these settings and its results are there."""
+    row = read_row(row_path(work, asked["file"]))
+    if any(row.get(name) != asked[name] for name in ("file", "content_hash", "settings_key")):
+        return None
+    if row.get("status") == "failed":
+        return row if row.get("exit_code") in LASTING else None
+    try:
+        size = results_path(work, asked["file"]).stat().st_size
+    except OSError:
+        return None
+    return row if size == row.get("results_bytes") else None
+
+
+def read_row(path: Path) -> dict:
+    """A row as it was written; empty if there is none, or a damaged one."""
+    try:
+        row = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return row if isinstance(row, dict) else {}
+
+
+# ---- Computing
+
+
+def computed(work: Work, name: str, progress: ProgressFunction | None) -> dict[str, object]:
+    """Computes an asset and writes its arrays; gives what its row says of them."""
+    started = time.monotonic()
+    meshes = mesh_files.read(work.folder / name)
+    read = time.monotonic()
+    contexts.POOL.threads = work.threads
+    parts = [job.part_of(progress, index, len(meshes)) for index in range(len(meshes))]
+    baked = [bake(mesh, work.settings, part) for mesh, part in zip(meshes, parts, strict=True)]
+    done = time.monotonic()
+    path = results_path(work, name)
+    make_folder(path.parent)
+    if len(baked) == 1:
+        write_whole(path, baked[0], results.write_npz)
+    else:
+        write_whole(path, baked, results.write_npz_of_all)
+    content = path.read_bytes()
+    first = baked[0].results
+    described = [described_object(one) for one in baked]
+    return {
+        "objects": described,
+        "warnings": list(dict.fromkeys(sentence for one in baked for sentence in one.results.warnings)),
+        "notes": list(dict.fromkeys(sentence for one in baked for sentence in one.notes)),
+        "backend": first.backend,
+        "device": first.device,
+        "version": __version__,
+        "results": path.relative_to(work.output).as_posix(),
+        "results_bytes": len(content),
+        "results_hash": hashlib.sha256(content).hexdigest(),
+        "seconds": {"read": read - started, "compute": done - read, "write": time.monotonic() - done},
+    }
+
+
+def bake(mesh: mesh_files.FileMesh, settings: job.Settings, progress: ProgressFunction | None) -> Baked:
+    """Computes one mesh of a file as paradesc bake does without Blender."""
+    read = read_mesh(mesh, settings, argparse.Namespace())
+    found = job.run(read.measured, settings, progress)
+    notes = [*read.notes, *found.facet_notes(), *found.unused_notes()]
+    return Baked(mesh.name, found, read.arrays, mesh.matrix_world, notes)
+
+
+def described_object(baked: Baked) -> dict[str, object]:
+    """What a row says of one object: of the report of a bake what differs from asset to asset, and distributions."""
+    found = baked.results
+    report = results.report(baked)
+    for name, row in report["descriptors"].items():
+        if found.values[name].ndim == 1:
+            row.update(distribution(found.values[name]))
+    names = ("vertex_count", "triangle_count", "charts", "boundary_edges")
+    return {
+        "object": baked.object_name,
+        "mesh_report": {name: found.mesh_report[name] for name in names if name in found.mesh_report},
+        "coverage": {"mean": float(np.mean(found.coverage)), "minimum": float(np.min(found.coverage, initial=1.0))},
+        "radius": found.radius,
+        "corners": len(report["corners"]),
+        "descriptors": report["descriptors"],
+    }
+
+
+def in_part(name: str, part: int, parts: int) -> bool:
+    """Whether an asset belongs to one of equal parts, counted from 1; that does not depend on the other assets."""
+    return int(hashlib.sha256(name.encode()).hexdigest()[:12], 16) % parts == part - 1
+
+
+def of_part(names: Iterable[str], part: tuple[int, int] | None) -> list[str]:
+    """The names that belong to part k of n; None: all."""
+    return [name for name in names if part is None or in_part(name, *part)]

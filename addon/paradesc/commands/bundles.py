@@ -1,0 +1,69 @@
+"""Copies the package's job descriptions to where a farm's engine finds them, with the values of a command."""
+
+import json
+import shlex
+import shutil
+from collections.abc import Collection
+from pathlib import Path
+
+from ..bridge import ParadescError, abi
+
+FARMS = Path(__file__).resolve().parent.parent / "farms"
+# Options that the templates have parameters of their own for, or set themselves.
+OWN = ("--frames", "--cache", "--output", "-o", "--backend", "--descriptors", "--radius", "--progress")
+
+
+def without_options(words: list[str], names: Collection[str]) -> tuple[list[str], dict[str, str]]:
+    """The words without these options, which take a value each, and the values that they had."""
+    rest: list[str] = []
+    given: dict[str, str] = {}
+    left = iter(words)
+    for word in left:
+        name, equals, value = word.partition("=")
+        if name in names:
+            given[name] = value if equals else next(left, "")
+        else:
+            rest.append(word)
+    return rest, given
+
+
+def values_of(words: list[str], own: dict[str, object], program: list[str]) -> dict[str, object]:
+    """The values of a template's parameters that a command's words after its input mean, besides those of its own."""
+    rest, given = without_options(words, OWN)
+    named = {name.title(): given.get(f"--{name}", "") for name in ("descriptors", "radius")}
+    backend = given.get("--backend", "cpu")
+    more = {"Options": shlex.join(rest), "Paradesc": program[0]} if len(program) == 1 else {"Options": shlex.join(rest)}
+    return {**own, **named, "Backend": backend, **more}
+
+
+def write_bundle(folder: Path, kind: str, values: dict[str, object]) -> list[Path]:
+    """Writes a job bundle of Open Job Description: the template of this kind, and values for its parameters."""
+    lines = ["parameterValues:"]
+    for name, value in values.items():
+        lines += [f"  - name: {name}", f"    value: {json.dumps(value, ensure_ascii=False)}"]  # JSON is YAML as well
+    written = copied([FARMS / "openjd" / kind / "template.yaml"], folder)
+    path = folder / "parameter_values.yaml"
+    try:
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise refused(path, error) from error
+    return [*written, path]
+
+
+def write_job_types(folder: Path) -> list[Path]:
+    """Copies the job types of Flamenco into its manager's folder of scripts."""
+    return copied(sorted((FARMS / "flamenco").glob("*.js")), folder)
+
+
+def copied(paths: list[Path], folder: Path) -> list[Path]:
+    """Copies files of the package into a folder, which is made."""
+    try:
+        folder.mkdir(exist_ok=True)
+        return [Path(shutil.copyfile(path, folder / path.name)) for path in paths]
+    except OSError as error:
+        raise refused(folder, error) from error
+
+
+def refused(path: Path, error: OSError) -> ParadescError:
+    """The error for a file that cannot be written."""
+    return ParadescError(abi.STATUS_UNKNOWN, f'"{path}" cannot be written: {error.strerror or error}.')

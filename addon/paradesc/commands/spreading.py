@@ -1,0 +1,186 @@
+"""Spreads the assets of a library over this machine's processes or Dask's workers; yields them as they are done.
+
+Nothing is planned here: the pool and Dask decide who takes which asset. Never imports bpy.
+"""
+
+import multiprocessing
+import os
+import secrets
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from ..bridge import ParadescError, abi
+from . import assets
+from .assets import Done, Work
+from .common import EXIT_FAILED
+
+if TYPE_CHECKING:
+    from distributed import Client
+    from distributed import Future as DaskFuture
+
+# Dask's scheduler keeps something of each task that it knows, so it hears of so many at a time.
+WINDOW = 2000
+# Seconds until a scheduler counts as absent.
+CONNECTING = 10
+# Seconds between two looks at whether the run has to stop.
+PATIENCE = 0.1
+SHORT_PATIENCE = 0.005
+DIED = "The process that computed it was ended from outside, perhaps because memory was short; try --workers 1."
+DIED_ON_WORKERS = "Every Dask worker that computed it was ended, perhaps because memory was short."
+
+# Called while nothing is done yet; raises if the run has to stop.
+Check = Callable[[], None]
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def in_blender() -> bool:
+    """Whether this is Blender itself, whose Python cannot start others like it."""
+    blender = sys.modules.get("bpy")
+    return blender is not None and bool(blender.app.binary_path)
+
+
+# ---- This machine
+
+
+def on_processes(work: Work, names: list[str], workers: int, check: Check) -> Iterator[Done]:
+    """Computes assets in processes of their own; one that dies takes no other asset with it."""
+    left = dict.fromkeys(names)
+    while left:
+        try:
+            for done in pooled(work, list(left), workers, check):
+                del left[done.row["file"]]
+                yield done
+        except BrokenProcessPool:
+            for name in list(left)[: 4 * workers]:  # one by one: whoever ends a process of its own is known then
+                del left[name]
+                yield alone(work, name, check)
+
+
+def alone(work: Work, name: str, check: Check) -> Done:
+    """Computes one asset in a process of its own."""
+    try:
+        (done,) = pooled(work, [name], 1, check)
+    except BrokenProcessPool:
+        return ended(work, name, DIED)
+    return done
+
+
+def pooled(work: Work, names: list[str], workers: int, check: Check) -> Iterator[Done]:
+    """Computes assets in a pool, nearly in their order. Raises BrokenProcessPool if a process dies.
+
+    No more than four times as many as there are processes are under way, and these are the first of what is left then.
+    """
+    others = set(multiprocessing.active_children())
+    # Not forked: the native library may have threads, which a fork would lose in the middle of their work.
+    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), begin_process)
+    try:
+        yield from windowed(lambda name: pool.submit(assets.measure, work, name), names, 2 * workers, check)
+    except BaseException:
+        for process in set(multiprocessing.active_children()) - others:
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+def begin_process() -> None:
+    """Leaves Ctrl-C to the process that asks, which ends this one: what it writes is whole or not there."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def windowed(submit: Callable[[str], Future], names: list[str], window: int, check: Check) -> Iterator[Done]:
+    """Submits names as earlier ones are done, so many at a time."""
+    waiting = iter(names)
+    running = {submit(name) for name in islice(waiting, window)}
+    while running:
+        done, running = wait(running, PATIENCE, FIRST_COMPLETED)
+        check()
+        for future in done:
+            name = next(waiting, None)
+            if name is not None:
+                running.add(submit(name))
+            yield future.result()
+
+
+def ended(work: Work, name: str, sentence: str) -> Done:
+    """The row of an asset whose process died."""
+    row = {"file": name, "content_hash": None, "settings_key": work.key}
+    row = assets.failed(row, sentence, EXIT_FAILED)
+    assets.write_row(work, row)
+    return Done(row, True)
+
+
+# ---- Dask
+
+
+def connected(address: str) -> "Client":
+    """Dask's scheduler at this address, or that of a scheduler file, which ends in .json."""
+    try:
+        from distributed import Client
+    except ImportError as error:
+        sentence = "Dask is not installed here; pip install paradesc[dask]."
+        raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
+    try:
+        where = {"scheduler_file": address} if address.endswith(".json") else {"address": address}
+        return Client(**where, timeout=CONNECTING, set_as_default=False)
+    except (OSError, ValueError) as error:
+        sentence = f'There is no Dask scheduler at "{address}" ({error}); start one with dask scheduler.'
+        raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
+
+
+def on_dask(work: Work, names: list[str], client: "Client", check: Check) -> Iterator[Done]:
+    """Computes assets on Dask's workers, which find the folders at the same paths; Dask repeats what one leaves."""
+    from distributed import as_completed
+
+    waiting = iter(names)
+    asset_of: dict[str, str] = {}
+    run = secrets.token_hex(4)  # a run asks anew for what another one asked for
+
+    def submit(name: str) -> "DaskFuture":
+        future = client.submit(assets.measure, work, name, pure=False, key=f"paradesc-{run}-{name}")
+        asset_of[future.key] = name
+        return future
+
+    running = as_completed([submit(name) for name in islice(waiting, WINDOW)], loop=client.loop)
+    try:
+        while running.count():
+            check()
+            if not running.has_ready():
+                time.sleep(SHORT_PATIENCE)
+                continue
+            future = next(running)
+            done = result_of(work, asset_of.pop(future.key), future)
+            name = next(waiting, None)
+            if name is not None:
+                running.add(submit(name))
+            yield done
+    finally:
+        client.cancel(list(running.futures), force=True)
+
+
+def result_of(work: Work, name: str, future: "DaskFuture") -> Done:
+    """What a worker gave; a row that says so if it ended every worker that tried."""
+    from distributed import KilledWorker
+
+    try:
+        return future.result()
+    except KilledWorker:
+        return ended(work, name, DIED_ON_WORKERS)
+    except ImportError as error:
+        sentence = f"A Dask worker cannot import this package ({error}); install the same version there."
+        raise ParadescError(abi.STATUS_UNSUPPORTED, sentence) from error
+    except CancelledError as error:
+        sentence = "The connection to the Dask scheduler was lost; what is done is kept, so run this again."
+        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error

@@ -1,0 +1,310 @@
+"""paradesc tasks: lists the tasks into which another command divides, for engines that share them out over machines.
+
+A line of JSON for each: name, stage (those of a stage run in any order, once the stage before is done), command (the
+words to run), input, outputs, and cost_seconds of one core.
+"""
+
+import argparse
+import json
+import math
+import shlex
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..bridge import InputError, ParadescError
+from ..core import costs, job
+from ..files import cache, results
+from ..files.mesh_files import FileMesh
+from ..files.results import folder_fault, write_whole
+from ..files.triangle_counts import triangles
+from . import animate, animate_files, assets, bundles, file_reading, library
+from .common import Parser, UsageError, add_output_options, check_outputs
+from .opening import open_objects
+from .options import opened_settings, settings_of
+from .reading import Target
+
+DIVIDED = ("animate", "library")
+FRAMES_A_TASK = 10
+PARTS = 16  # of a library in a bundle, unless --chunk says how many assets each has
+# What the tasks get from here, or would get in each other's way with.
+OURS = {"animate": ("--frames",), "library": ()}
+REFUSED = {"animate": ("--json",), "library": ("--json", "--part", "--asset", "--dask")}
+
+
+@dataclass
+class Listed:
+    """The tasks of a command, with what a bundle's parameters say of them."""
+
+    tasks: list[dict]
+    parameters: dict[str, object]
+    notes: list[str] = field(default_factory=list)
+
+
+def add_command(commands: "argparse._SubParsersAction[Parser]") -> None:
+    """The command and its options."""
+    tasks = commands.add_parser("tasks", help="list the tasks of animate or library, for render farms")
+    add_own_options(tasks)
+    add_output_options(tasks)
+    help_text = "animate or library, its input, and its options, as that command takes them"
+    tasks.add_argument("words", nargs=argparse.REMAINDER, metavar="COMMAND ...", help=help_text)
+    tasks.set_defaults(run=run)
+
+
+def add_own_options(parser: argparse.ArgumentParser) -> None:
+    """Adds the options that may stand before the command or among its words."""
+    add = parser.add_argument
+    add("--chunk", type=int, metavar="N",
+        help=f"frames a task (default: {FRAMES_A_TASK}), or about so many assets (default: one)")  # fmt: skip
+    add("--program", metavar="WORDS", help="what the commands begin with (default: paradesc)")
+    add("--list", metavar="FILE", type=Path, help="write the list to this file (default: the standard output)")
+    add("--bundle", metavar="FOLDER", type=Path,
+        help="write a job bundle of Open Job Description there instead of the list")  # fmt: skip
+    add("--flamenco", metavar="FOLDER", type=Path, help="copy the job types of Flamenco to its folder of scripts")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, object]:
+    """Lists the tasks, or writes job descriptions; gives the report."""
+    words = own_options(arguments)
+    check(arguments, words)
+    written: list[Path] = []
+    if arguments.flamenco is not None:
+        written += bundles.write_job_types(arguments.flamenco)
+    listed = Listed([], {})
+    if words:
+        parsed = parsed_words(words)
+        listed = tasks_of(words, parsed, arguments)
+        if arguments.bundle is not None:
+            values = bundles.values_of(words[2:], listed.parameters, program_of(arguments))
+            kind = "animation" if words[0] == "animate" else "library"
+            written += bundles.write_bundle(arguments.bundle, kind, values)
+        else:
+            write_list(arguments, listed.tasks)
+    for sentence in listed.notes:
+        print(f"note: {sentence}", file=sys.stderr)  # the standard output may be the list
+    for path in written:
+        print(f"wrote {path}")
+    seconds = [task["cost_seconds"] for task in listed.tasks]
+    known = None if None in seconds else sum(seconds)
+    return {
+        "tasks": len(listed.tasks),
+        "cost_seconds": known,
+        "outputs": [str(path) for path in written],
+        "notes": listed.notes,
+        "warnings": [],
+    }
+
+
+def own_options(arguments: argparse.Namespace) -> list[str]:
+    """Takes the options of this command out of the words of the other; gives the words that are left."""
+    own = Parser(prog="paradesc tasks", add_help=False, allow_abbrev=False)
+    add_own_options(own)
+    found, words = own.parse_known_args(arguments.words)
+    for name, value in vars(found).items():
+        if value is not None:
+            setattr(arguments, name, value)
+    return words
+
+
+def check(arguments: argparse.Namespace, words: list[str]) -> None:
+    """Refuses what makes no sense, before any file is opened."""
+    if not words and arguments.flamenco is None:
+        raise UsageError(f"There is no command to divide; give {' or '.join(DIVIDED)}, its input and its options.")
+    if words and words[0] not in DIVIDED:
+        raise UsageError(f'"{words[0]}" is not divided into tasks; give {" or ".join(DIVIDED)}.')
+    if words and "--help" not in words and (len(words) < 2 or words[1].startswith("-")):
+        raise UsageError(f"Give the input directly after {words[0]}.")
+    for word in words:
+        if word.partition("=")[0] in REFUSED[words[0]]:
+            raise UsageError(f"Every task would have the same {word.partition('=')[0]}; leave it out.")
+    if arguments.chunk is not None and arguments.chunk < 1:
+        raise UsageError(f"--chunk is {arguments.chunk}; it must be at least 1.")
+    check_outputs([path for path in (arguments.json, arguments.list) if path])
+    for folder in filter(None, (arguments.bundle, arguments.flamenco)):
+        if folder_fault(folder):
+            raise UsageError(folder_fault(folder))
+
+
+def parsed_words(words: list[str]) -> argparse.Namespace:
+    """What the other command makes of its words, with all that it refuses."""
+    from .main import make_parser
+
+    parsed, unknown = make_parser().parse_known_args(words)
+    if unknown:
+        raise UsageError(f'There is no option "{unknown[0]}"; see paradesc {words[0]} --help.')
+    settings_of(parsed)
+    return parsed
+
+
+def tasks_of(words: list[str], parsed: argparse.Namespace, arguments: argparse.Namespace) -> Listed:
+    """The tasks of one of both commands."""
+    rest, _ = bundles.without_options(words, OURS[words[0]])
+    start = [*program_of(arguments), *rest]
+    if words[0] == "animate":
+        return frames_of(start, parsed, arguments)
+    return assets_of(start, parsed, arguments)
+
+
+def program_of(arguments: argparse.Namespace) -> list[str]:
+    """The words that commands begin with."""
+    return shlex.split(arguments.program or "paradesc")
+
+
+def write_list(arguments: argparse.Namespace, tasks: list[dict]) -> None:
+    """Writes a line for each task."""
+    text = "".join(json.dumps(results.finite_only(task), ensure_ascii=False) + "\n" for task in tasks)
+    if arguments.list is None or str(arguments.list) == "-":
+        print(text, end="")
+    else:
+        write_whole(arguments.list, text, lambda path, content: path.write_text(content, encoding="utf-8"))
+
+
+# ---- Frames
+
+
+@dataclass
+class Scene:
+    """What is known of a scene without or with Blender, or of a sequence of files."""
+
+    frames: Sequence[int]
+    root: Path  # of all frames
+    folders: list[Path]  # of the frames of each object
+    triangles: int | None
+    settings: job.Settings
+    note: str = ""
+
+
+def frames_of(start: list[str], parsed: argparse.Namespace, arguments: argparse.Namespace) -> Listed:
+    """Chunks of frames."""
+    chunk = arguments.chunk or FRAMES_A_TASK
+    scene = sequence_of(parsed) if animate_files.is_asked(parsed) else scene_of(parsed)
+    tasks = []
+    for frames in chunks(scene.frames, chunk):
+        text = written_frames(frames)
+        cost = None
+        if scene.triangles is not None:
+            cost = costs.of_frames(scene.triangles, len(frames), scene.settings)
+        outputs = [str(cache.frame_path(folder, frame)) for folder in scene.folders for frame in frames]
+        tasks.append(
+            {
+                "name": f"frames {text}",
+                "stage": 1,
+                "command": [*start, f"--frames={text}"],  # the first frame may be negative
+                "input": str(parsed.input),
+                "outputs": outputs or [str(scene.root)],
+                "cost_seconds": cost,
+            }
+        )
+    parameters = {"Scene": absolute(parsed.input), "Cache": absolute(scene.root), "FramesPerTask": chunk}
+    if arguments.bundle is not None:
+        if not isinstance(scene.frames, range):
+            raise UsageError(
+                "The bundle for frames takes a scene; list the tasks of a sequence of files without --bundle."
+            )
+        parameters["Frames"] = written_frames(scene.frames).replace(":", "-", 1)
+    return Listed(tasks, parameters, [scene.note] if scene.note else [])
+
+
+def chunks(frames: Sequence[int], longest: int) -> Iterator[range]:
+    """Divides frames, which may have gaps, into ranges of at most so many."""
+    if isinstance(frames, range):
+        for first in range(0, len(frames), longest):
+            yield frames[first : first + longest]
+        return
+    first = 0
+    for index in range(1, len(frames) + 1):
+        ends = index == len(frames) or index - first == longest or frames[index] != frames[index - 1] + 1
+        if ends:
+            yield range(frames[first], frames[index - 1] + 1)
+            first = index
+
+
+def written_frames(frames: range) -> str:
+    """Frames as --frames takes them."""
+    text = f"{frames[0]}:{frames[-1]}" if len(frames) > 1 else f"{frames[0]}"
+    return text if frames.step == 1 or len(frames) == 1 else f"{text}:{frames.step}"
+
+
+def absolute(path: Path) -> str:
+    """A path as other machines need it."""
+    return str(path.absolute())
+
+
+def scene_of(parsed: argparse.Namespace) -> Scene:
+    """Opens the scene for its frames, objects and triangles; where there is no Blender, the options have to do."""
+    frames = animate.parse_frames(parsed.frames)
+    try:
+        opened = open_objects(parsed)
+    except (ParadescError, InputError):
+        if file_reading.has_blender() or frames is None or parsed.cache is None:
+            raise
+        note = "Without Blender's module bpy nobody knows the objects: costs are left out."
+        return Scene(frames, parsed.cache, [], None, settings_of(parsed), note)
+    settings = opened_settings(parsed)
+    root = animate.cache_folder(parsed)
+    folders = [cache.object_folder(root, target.name) for target in opened.objects]
+    return Scene(frames or animate.scene_frames(), root, folders, sum(map(triangle_count, opened.objects)), settings)
+
+
+def sequence_of(parsed: argparse.Namespace) -> Scene:
+    """Opens the first file of a sequence."""
+    meshes = animate_files.opened(parsed)
+    frames = animate_files.wanted(meshes, animate.parse_frames(parsed.frames))
+    root = animate_files.cache_folder(parsed)
+    folders = [cache.object_folder(root, mesh.name) for mesh in meshes]
+    count = sum(triangle_count(mesh.first) for mesh in meshes)
+    return Scene(list(frames), root, folders, count, opened_settings(parsed))
+
+
+def triangle_count(target: Target) -> int:
+    """The number of triangles of an object's own mesh, before modifiers."""
+    if isinstance(target, FileMesh):
+        return len(target.arrays.triangle_corners)
+    return len(target.data.loops) - 2 * len(target.data.polygons)
+
+
+# ---- Assets
+
+
+def assets_of(start: list[str], parsed: argparse.Namespace, arguments: argparse.Namespace) -> Listed:
+    """One task an asset, or one for each of equal parts; then one that lists what they left."""
+    library.check(parsed)
+    settings = opened_settings(parsed)
+    names = [name for name, _ in library.found(parsed.input)]
+    work = library.work_of(parsed, settings, 2)
+    chunk = arguments.chunk or 1
+    parts = max(1, math.ceil(len(names) / chunk))
+    shares = [(f"--asset={name}", [name]) for name in names]
+    if arguments.chunk or arguments.bundle:
+        parts = parts if arguments.chunk else min(parts, PARTS)
+        shares = [(f"--part={k}/{parts}", assets.of_part(names, (k, parts))) for k in range(1, parts + 1)]
+    tasks = [asset_task([*start, word, "--allow-failures"], parsed, work, share) for word, share in shares if share]
+    tasks.append(
+        {
+            "name": "listing",
+            "stage": 2,
+            "command": start,
+            "input": str(parsed.input),
+            "outputs": [str(parsed.output / library.LISTING)],
+            "cost_seconds": costs.STARTING + costs.KEPT * len(names),
+        }
+    )
+    parameters = {"Library": absolute(parsed.input), "Output": absolute(parsed.output), "Parts": parts}
+    return Listed(tasks, parameters)
+
+
+def asset_task(
+    command: list[str], parsed: argparse.Namespace, work: assets.Work, names: list[str]
+) -> dict[str, object]:
+    """The task that computes these assets."""
+    seconds = [costs.of_asset(triangles(parsed.input / name), work.settings) for name in names]
+    where = [path(work, name) for name in names for path in (assets.results_path, assets.row_path)]
+    return {
+        "name": names[0] if len(names) == 1 else f"{command[-2].removeprefix('--part=')}: {len(names)} assets",
+        "stage": 1,
+        "command": command,
+        "input": str(parsed.input / names[0] if len(names) == 1 else parsed.input),
+        "outputs": [str(parsed.output / path.relative_to(work.output)) for path in where],
+        "cost_seconds": costs.STARTING + sum(seconds),
+    }
