@@ -1,6 +1,7 @@
 """The wheel of this system: made of the library that is built already, and used by a Python that has numpy alone."""
 
 import os
+import re
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -53,6 +54,13 @@ def programs(tmp_path_factory):
 def test_curvature_of_a_torus_is_that_of_the_closed_form(programs):
     done = completed(programs / "python", ROOT / "tests" / "packages" / "torus.py")
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_example_of_the_index_page_runs(programs):
+    (example,) = re.findall(r"```python\n(.+?)```", (ADDON / "PACKAGE.md").read_text(), re.S)
+    done = completed(programs / "python", "-c", example)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("[1.60")  # of the outer equator: (R + 2 r) / (2 r (R + r)) = 1.607
 
 
 def test_the_program_gives_the_exit_code(programs):

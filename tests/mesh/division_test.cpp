@@ -241,6 +241,25 @@ TEST(Division, ends_where_a_triangle_spans_an_image_many_times_over) {
 }
 
 // Sides are halved ten times at most, so parts of these would stay long.
+// Each side is short in space or in the image, so that a cut is longer than all of them.
+TEST(Division, ends_where_a_cut_is_longer_than_any_side) {
+  const Built built = build(read_triangles(input_of(sphere(1, {.vertices = 40}))));
+  const MeasureTriangle measure = [](int32_t) {
+    return TriangleMeasure{vec2(60000.0f, 0.0f), vec2(60000.0f, 2000.0f), vec3(2000.0f, 0.0f, 0.0f), vec3(-2000.0f, 0.0f, 0.0f)};
+  };
+  expect_sound(divide(built.half_edges, plan_division(built.half_edges, measure, 1 << 20, 2), 2).half_edges);
+}
+
+// Along one way what is so long in space cancels out, but for what floats have lost.
+TEST(Division, ends_where_a_triangle_is_far_larger_than_its_image) {
+  const Built built = build(read_triangles(input_of(sphere(1, {.vertices = 40}))));
+  const MeasureTriangle measure = [](int32_t) {
+    return TriangleMeasure{vec2(8.8359375f, 2.9453125f), vec2(0.0f, 2.9453125f), vec3(-27557888.0f, -0.60229677f, -0.60229677f),
+                           vec3(-13778944.0f, 0.0f, -0.60229677f)};
+  };
+  expect_sound(divide(built.half_edges, plan_division(built.half_edges, measure, 1 << 20, 2), 2).half_edges);
+}
+
 TEST(Division, ends_where_edges_are_longer_than_halving_makes_short) {
   const Built built = build(read_triangles(input_of(sphere(1, {.vertices = 8}))));
   const DivisionPlan plan = plan_division(built.half_edges, in_space(built.triangles, 1e-6f), 1 << 16, 2);

@@ -35,17 +35,23 @@ class Lengths {
 public:
   Lengths() = default;
   Lengths(const TriangleMeasure &measure, float coarsening) : measure_(measure) {
-    // Of a triangle with an image many times over, floats do not tell how long a way is that is short against it.
-    constexpr float most_in_image = 65536.0f;
+    // Of a triangle that is so large, floats do not tell how long a way is that is short against it.
+    constexpr float most = 65536.0f;
+    float in_space = 0.0f, in_image = 0.0f;
     for (int k = 0; k < 3; ++k) {
       const vec2 side = side_of(k);
-      counts_image_ = counts_image_ && length(measure.image1 * side.x + measure.image2 * side.y) < most_in_image;
+      in_space = std::max(in_space, length(measure.space1 * side.x + measure.space2 * side.y));
+      in_image = std::max(in_image, length(measure.image1 * side.x + measure.image2 * side.y));
     }
+    counts_image_ = in_image < most;
+    counts_space_ = in_space < most || !counts_image_;
     float longest = 0.0f;
     for (int k = 0; k < 3; ++k) longest = std::max(longest, measured(side_of(k)));
     if (!std::isfinite(longest)) return;
     longest_ = longest;
-    scale_ = 1.0f / std::max(coarsening, longest / static_cast<float>(1 << most_halvings));
+    // One side may be short in space and another in the image: then a cut is up to twice as long as any side.
+    const float longest_cut = !counts_image_ ? in_space : !counts_space_ ? in_image : std::min(in_space, in_image);
+    scale_ = 1.0f / std::max(coarsening, longest_cut / static_cast<float>(1 << most_halvings));
   }
   float longest() const { return longest_; } // side, however coarse
   float of(vec2 way) const { return scale_ > 0.0f ? scale_ * measured(way) : 0.0f; }
@@ -56,11 +62,13 @@ private:
   float measured(vec2 way) const {
     const float space = length(measure_.space1 * way.x + measure_.space2 * way.y);
     if (!std::isfinite(space)) return std::numeric_limits<float>::infinity();
-    return counts_image_ ? std::min(space, length(measure_.image1 * way.x + measure_.image2 * way.y)) : space;
+    if (!counts_image_) return space;
+    const float image = length(measure_.image1 * way.x + measure_.image2 * way.y);
+    return counts_space_ ? std::min(space, image) : image;
   }
 
   TriangleMeasure measure_;
-  bool counts_image_ = true;
+  bool counts_image_ = true, counts_space_ = true;
   float longest_ = 0.0f, scale_ = 0.0f;
 };
 
