@@ -21,9 +21,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .bridge import Descriptor, InputError, MeshArrays, ParadescError, ProgressFunction, abi, descriptors
 from .core import job
+from .core.polygons import Polygons, triangle_corners
 from .core.stream import Stream
 from .numpy_api import inputs, options, other_meshes
-from .numpy_api.polygons import Polygons, triangle_corners
 from .numpy_api.result import Result
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import paradesc
-from paradesc.numpy_api import polygons
+from paradesc.core import polygons
 
 ARROW = [(0, 0), (2, 2), (0, 1), (-2, 2)]  # concave at the third corner
 COMB = [(0, 0), (7, 0), (7, 3), (6, 1), (5, 3), (4, 1), (3, 3), (2, 1), (1, 3)]

@@ -1,4 +1,8 @@
-"""Divides the polygons of a mesh into triangles of their own corners, as Blender does with quads. Never imports bpy."""
+"""Cuts polygons into triangles: convex ones as fans, others by clipping ears, the best shaped first. Never imports bpy.
+
+No vertex of a polygon is left on the side of a triangle as long as the polygon has an area, so that what is connected
+stays connected. All polygons with the same number of corners are cut together.
+"""
 
 from dataclasses import dataclass
 
@@ -6,10 +10,29 @@ import numpy as np
 
 from ..bridge import MeshArrays
 
+# Twice the area of a triangle against the square of its polygon's size, from which on it is a triangle and no line;
+# coordinates that were 32-bit floats are not straighter than that.
+THIN = 1e-7
+# So many corners are cut together that their numbers stay in the processor's cache.
+BLOCK = 1 << 14
+
 
 @dataclass
 class Polygons:
-    """A mesh of polygons, whose corners follow each other."""
+    """The faces of a mesh; the corners of face i are those from starts[i] to starts[i + 1]."""
+
+    corner_vertices: np.ndarray  # (corner_count,) int32
+    starts: np.ndarray  # (face_count + 1,) int64
+
+    @property
+    def sizes(self) -> np.ndarray:
+        """(face_count,) int64 numbers of corners"""
+        return np.diff(self.starts)
+
+
+@dataclass
+class PolygonMesh:
+    """A mesh of polygons as files hold it, whose corners follow each other."""
 
     positions: np.ndarray  # (vertex_count, 3) float32
     corner_vertices: np.ndarray  # (corner_count,) int32
@@ -19,93 +42,141 @@ class Polygons:
 
     def arrays(self) -> MeshArrays:
         """The mesh as triangles, which keep its vertices and corners; without its normals."""
-        triangles = triangulated(self.positions, self.corner_vertices, self.sizes)
+        starts = np.concatenate([[0], np.cumsum(self.sizes)]).astype(np.int64)
+        faces = Polygons(self.corner_vertices, starts)
+        triangles = triangle_corners(faces, self.positions.astype(np.float64))
         return MeshArrays(self.positions, self.corner_vertices, triangles, self.corner_uvs)
 
 
-def triangulated(positions: np.ndarray, corner_vertices: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """(triangle_count, 3) int32 corners, face after face; faces of fewer than three corners have no triangle.
+def triangle_corners(polygons: Polygons, points: np.ndarray) -> np.ndarray:
+    """(triangle_count, 3) int32 corners of the triangles of polygons on (n, 3) float64 points, face after face.
 
-    Quads are divided between their first and third corner unless they bend inwards there. Larger faces become fans, or
-    lose ear after ear where a fan would fold over. positions (n, 3), corner_vertices (c,), sizes (face_count,).
+    Faces of fewer than three corners have no triangle.
     """
-    sizes = np.asarray(sizes, np.int64)
-    starts = np.cumsum(sizes) - sizes
-    counts = np.maximum(sizes - 2, 0)
-    face = np.repeat(np.arange(len(sizes)), counts)
-    before = np.cumsum(counts) - counts
-    along = np.arange(len(face)) - before[face]
-    first = starts[face]
-    triangles = np.stack([first, first + along + 1, first + along + 2], axis=1)
-    quads = np.flatnonzero(sizes == 4)
-    bent = quads[bends_inwards(positions[corner_vertices[starts[quads, None] + np.arange(4)]])]
-    triangles[before[bent], 2] = starts[bent] + 3
-    triangles[before[bent] + 1, 0] = starts[bent] + 1
-    for one in folded_fans(positions, corner_vertices, starts, sizes):
-        own = corner_vertices[starts[one] : starts[one] + sizes[one]]
-        ears = starts[one] + without_ears(flattened(positions[own]))
-        triangles[before[one] : before[one] + counts[one]] = ears
-    return triangles.astype(np.int32)
+    sizes = polygons.sizes
+    if (sizes == 3).all():
+        return np.arange(3 * len(sizes), dtype=np.int32).reshape(-1, 3)
+    first = np.concatenate([[0], np.cumsum(np.maximum(sizes - 2, 0))])
+    triangles = np.empty((first[-1], 3), np.int32)
+    for size in np.unique(sizes[sizes > 2]):
+        alike = np.flatnonzero(sizes == size)
+        step = max(1, BLOCK // int(size))
+        for begin in range(0, len(alike), step):
+            faces = alike[begin : begin + step]
+            corners = polygons.starts[faces][:, None] + np.arange(size)
+            local = cut(points[polygons.corner_vertices[corners]])
+            places = first[faces][:, None] + np.arange(size - 2)
+            triangles[places] = np.take_along_axis(corners[:, None, :], local, axis=2)
+    return triangles
 
 
-def bends_inwards(corners: np.ndarray) -> np.ndarray:
-    """(n,) bool: the second and fourth of (n, 4, 3) corners lie on one side of the line from first to third."""
-    second, third, fourth = (corners[:, k] - corners[:, 0] for k in (1, 2, 3))
+def cut(polygons: np.ndarray) -> np.ndarray:
+    """(g, k - 2, 3) int64 places of the corners of triangles in (g, k, 3) polygons."""
+    count, size = polygons.shape[:2]
+    fan = np.stack([np.zeros(size - 2, np.int64), np.arange(1, size - 1), np.arange(2, size)], axis=1)
+    triangles = np.repeat(fan[None], count, axis=0)
+    if size == 3:
+        return triangles
+    flat = flattened(polygons)
+    thinnest = areas(flat, fan).min(axis=1)
+    if size == 4:
+        other = np.array([[0, 1, 3], [1, 2, 3]])
+        straight = (np.abs(thinnest) < THIN) & (areas(flat, other).min(axis=1) > thinnest)
+        triangles[bends_inwards(polygons) | straight] = other
+        return triangles
+    bent = np.flatnonzero(thinnest < THIN)
+    if bent.size:
+        triangles[bent] = Ears(flat[bent]).clip()
+    return triangles
+
+
+def bends_inwards(quads: np.ndarray) -> np.ndarray:
+    """(g,) bool: the second and fourth of (g, 4, 3) corners lie on one side of the line from first to third.
+
+    Blender divides quads by that as well, so that either way to read a file gives the same triangles.
+    """
+    second, third, fourth = (quads[:, k] - quads[:, 0] for k in (1, 2, 3))
     return (np.cross(second, third) * np.cross(fourth, third)).sum(axis=1) > 0
 
 
-def folded_fans(
-    positions: np.ndarray, corner_vertices: np.ndarray, starts: np.ndarray, sizes: np.ndarray
-) -> list[np.intp]:
-    """The faces of five or more corners whose fan has a triangle that looks the other way."""
-    found: list[np.intp] = []
-    for size in np.unique(sizes[sizes > 4]):
-        faces = np.flatnonzero(sizes == size)
-        corners = positions[corner_vertices[starts[faces, None] + np.arange(size)]].astype(np.float64)
-        corners -= corners[:, :1]
-        normals = np.cross(corners[:, 1:-1], corners[:, 2:])
-        folds = (normals * normals.sum(axis=1, keepdims=True)).sum(axis=2) < 0
-        found += list(faces[folds.any(axis=1)])
-    return found
+def flattened(polygons: np.ndarray) -> np.ndarray:
+    """(g, k, 2) places of (g, k, 3) polygons in the coordinate plane nearest theirs, counterclockwise, of size 1."""
+    offsets = polygons - polygons[:, :1]
+    reach = np.abs(offsets).max(axis=(1, 2), keepdims=True)
+    offsets = offsets / np.where(reach > 0, reach, 1.0)
+    this, after = offsets[:, :-1], offsets[:, 1:]  # the first is the origin, so the last adds nothing
+    normals = np.stack(
+        [(this[..., k - 2] * after[..., k - 1] - this[..., k - 1] * after[..., k - 2]).sum(1) for k in range(3)], 1
+    )
+    axis = np.abs(normals).argmax(axis=1)
+    rows = np.arange(len(polygons))
+    across = np.where(normals[rows, axis] < 0, -1.0, 1.0)
+    first = offsets[rows, :, (axis + 1) % 3] * across[:, None]
+    return np.stack([first, offsets[rows, :, (axis + 2) % 3]], axis=2)
 
 
-def flattened(corners: np.ndarray) -> np.ndarray:
-    """(n, 2) float64 of a polygon (n, 3), seen along its normal so that it runs counterclockwise."""
-    around = corners.astype(np.float64) - corners[0]
-    normal = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
-    axis = int(np.argmax(np.abs(normal)))
-    flat = around[:, [(axis + 1) % 3, (axis + 2) % 3]]
-    return flat if normal[axis] >= 0 else flat[:, ::-1]
+def turn(first: np.ndarray, second: np.ndarray, third: np.ndarray) -> np.ndarray:
+    """(...) twice the signed areas of triangles of (..., 2) points."""
+    one, two = second - first, third - first
+    return one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0]
 
 
-def without_ears(points: np.ndarray) -> np.ndarray:
-    """(n - 2, 3) triangles of a counterclockwise polygon (n, 2): ears are cut off until three corners are left."""
-    left = list(range(len(points)))
-    triangles = []
-    at = 0
-    tried = 0
-    while len(left) > 3:
-        before, here, after = left[at - 1], left[at], left[(at + 1) % len(left)]
-        if tried >= len(left) or is_ear(points, left, (before, here, after)):  # crossing itself, it has no ear
-            triangles.append((before, here, after))
-            del left[at]
-            at, tried = at % len(left), 0
-        else:
-            at, tried = (at + 1) % len(left), tried + 1
-    return np.array([*triangles, tuple(left)], np.int64)
+def areas(flat: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(g, t) twice the signed areas of (t, 3) triangles in each of (g, k, 2) polygons."""
+    return turn(*(flat[:, triangles[:, place]] for place in range(3)))
 
 
-def is_ear(points: np.ndarray, left: list[int], corners: tuple[int, int, int]) -> bool:
-    """Whether the triangle turns left and holds no other corner of the polygon that is left."""
-    a, b, c = points[list(corners)]
-    if turn(a, b, c) <= 0:
-        return False
-    others = points[[corner for corner in left if corner not in corners]]
-    inside = (turn(a, b, others) >= 0) & (turn(b, c, others) >= 0) & (turn(c, a, others) >= 0)
-    same = (others[:, None] == points[list(corners)]).all(axis=2).any(axis=1)
-    return not (inside & ~same).any()
+class Ears:
+    """Polygons from which ears are clipped: corners whose triangle with both neighbors holds no other corner."""
 
+    def __init__(self, flat: np.ndarray) -> None:
+        """Takes (g, k, 2) counterclockwise polygons."""
+        self.points = flat
+        count, size = flat.shape[:2]
+        self.rows = np.arange(count)
+        self.before = np.repeat((np.arange(size)[None] - 1) % size, count, axis=0)
+        self.after = np.repeat((np.arange(size)[None] + 1) % size, count, axis=0)
+        self.alive = np.ones((count, size), bool)
+        self.hopeless = np.zeros(count, bool)  # a polygon that crosses itself has no right triangles
+        self.scores = np.empty((count, size))
+        for corner in range(size):
+            self.scores[:, corner] = self.score(self.rows, np.full(count, corner))
 
-def turn(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """Twice the signed area of triangles a, b, c, each (2,) or (n, 2)."""
-    return (b[0] - a[0]) * (c[..., 1] - a[1]) - (b[1] - a[1]) * (c[..., 0] - a[0])
+    def clip(self) -> np.ndarray:
+        """(g, k - 2, 3) int64 places of the corners of triangles."""
+        size = self.points.shape[1]
+        triangles = np.empty((len(self.rows), size - 2, 3), np.int64)
+        for step in range(size - 2):
+            tips = self.tips()
+            before, after = self.before[self.rows, tips], self.after[self.rows, tips]
+            triangles[:, step] = np.stack([before, tips, after], axis=1)
+            self.alive[self.rows, tips] = False
+            self.scores[self.rows, tips] = -np.inf
+            self.after[self.rows, before], self.before[self.rows, after] = after, before
+            for neighbors in (before, after):
+                self.scores[self.rows, neighbors] = self.score(self.rows, neighbors)
+        return triangles
+
+    def tips(self) -> np.ndarray:
+        """(g,) the best ear of each polygon; where none is known, all corners are looked at anew."""
+        unknown = np.flatnonzero((self.scores.max(axis=1) <= 0) & ~self.hopeless)
+        if unknown.size:
+            for corner in range(self.points.shape[1]):
+                rows = unknown[self.alive[unknown, corner]]
+                self.scores[rows, corner] = self.score(rows, np.full(len(rows), corner))
+            self.hopeless[unknown] = self.scores[unknown].max(axis=1) <= 0
+        return self.scores.argmax(axis=1)
+
+    def score(self, rows: np.ndarray, corners: np.ndarray) -> np.ndarray:
+        """(r,) how well shaped the triangles at these corners are; not above 0 where they are no ears."""
+        a = self.points[rows, self.before[rows, corners]][:, None]
+        b = self.points[rows, corners][:, None]
+        c = self.points[rows, self.after[rows, corners]][:, None]
+        size = ((b - a) ** 2 + (c - b) ** 2 + (a - c) ** 2).sum(axis=2)[:, 0]
+        shape = turn(a, b, c)[:, 0] / np.where(size > 0, size, 1.0)
+        others = self.points[rows]
+        inside = (turn(a, b, others) >= 0) & (turn(b, c, others) >= 0) & (turn(c, a, others) >= 0)
+        for tip in (a, b, c):  # another corner at the same place is where a polygon touches itself
+            inside &= (others != tip).any(axis=2)
+        taken = (inside & self.alive[rows]).any(axis=1)
+        return np.where(taken | (shape <= 0), shape - 1.0, shape)

@@ -15,7 +15,7 @@ from types import ModuleType
 import numpy as np
 
 from ..bridge import InputError, MeshArrays, ParadescError, abi
-from ..core.polygons import Polygons
+from ..core.polygons import PolygonMesh
 from ..core.stream import columns_of, place_keys
 from . import obj_file, ply_file
 
@@ -70,7 +70,7 @@ def with_own_names(meshes: list[FileMesh]) -> list[FileMesh]:
     return meshes
 
 
-def of_polygons(name: str, mesh: Polygons) -> FileMesh:
+def of_polygons(name: str, mesh: PolygonMesh) -> FileMesh:
     """A file's polygons as triangles, where the file has them."""
     return FileMesh(name, mesh.arrays(), np.eye(4), mesh.corner_normals, len(mesh.sizes))
 

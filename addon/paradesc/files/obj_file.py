@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.polygons import Polygons
+from ..core.polygons import PolygonMesh
 
 REFERENCES = ("vertex", "texture vertex", "normal")
 
@@ -31,7 +31,7 @@ class Lines:
         return len(self.vertices), len(self.uvs), len(self.normals)
 
 
-def read(path: Path) -> list[tuple[str, Polygons]]:
+def read(path: Path) -> list[tuple[str, PolygonMesh]]:
     """The objects with faces, each with its name, "" where it has none; raises ValueError if the file is damaged."""
     content = (
         path.read_bytes().replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\\\n", b" ").replace(b"\t", b" ")
@@ -180,10 +180,10 @@ def parts(
 
 def polygons(
     part: tuple[np.ndarray, np.ndarray, np.ndarray], uvs: np.ndarray | None, normals: np.ndarray | None
-) -> Polygons:
+) -> PolygonMesh:
     """The polygons of an object; corners without a texture vertex lie at 0. Normals count if all corners have one."""
     positions, corners, sizes = part
-    mesh = Polygons(positions, corners[:, 0].astype(np.int32), sizes)
+    mesh = PolygonMesh(positions, corners[:, 0].astype(np.int32), sizes)
     if uvs is not None and (corners[:, 1] >= 0).any():
         mesh.corner_uvs = np.where(corners[:, 1:2] >= 0, uvs[corners[:, 1]], np.float32(0))
     if normals is not None and len(corners) and (corners[:, 2] >= 0).all():

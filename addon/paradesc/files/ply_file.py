@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.polygons import Polygons
+from ..core.polygons import PolygonMesh
 
 KINDS = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
@@ -49,7 +49,7 @@ class Lists:
 Columns = dict[str, "np.ndarray | Lists"]
 
 
-def read(path: Path) -> Polygons | None:
+def read(path: Path) -> PolygonMesh | None:
     """The polygons, or None without faces; raises ValueError if the file is damaged."""
     with path.open("rb") as file:
         elements, is_text = read_header(file.readline)
@@ -189,7 +189,7 @@ def gathered(body: bytes, places: np.ndarray, sizes: np.ndarray, kind: np.dtype)
     return values
 
 
-def polygons(vertex: Columns, face: Columns) -> Polygons | None:
+def polygons(vertex: Columns, face: Columns) -> PolygonMesh | None:
     """The polygons that the tables of vertices and faces hold; None without faces."""
     lists = next((face[name] for name in INDICES if name in face), None)
     if lists is None:
@@ -201,14 +201,14 @@ def polygons(vertex: Columns, face: Columns) -> Polygons | None:
     if corners.size and not 0 <= corners.min() <= corners.max() < len(positions):
         wrong = corners.min() if corners.min() < 0 else corners.max()
         raise ValueError(f"a face has vertex {wrong}, counted from 0, and there are {len(positions)}")
-    mesh = Polygons(positions, corners.astype(np.int32), lists.sizes)
+    mesh = PolygonMesh(positions, corners.astype(np.int32), lists.sizes)
     mesh.corner_uvs = uvs_of(vertex, face, mesh)
     if all(name in vertex for name in NORMAL_NAMES):
         mesh.corner_normals = stacked(vertex, NORMAL_NAMES)[mesh.corner_vertices]
     return mesh
 
 
-def uvs_of(vertex: Columns, face: Columns, mesh: Polygons) -> np.ndarray | None:
+def uvs_of(vertex: Columns, face: Columns, mesh: PolygonMesh) -> np.ndarray | None:
     """(corner_count, 2) float32 texture coordinates of corners or of vertices, or None."""
     own = face.get("texcoord")
     if isinstance(own, Lists) and (own.sizes == 2 * mesh.sizes).all():

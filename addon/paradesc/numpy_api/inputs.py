@@ -8,7 +8,7 @@ from itertools import chain
 import numpy as np
 
 from ..bridge import InputError, MeshArrays
-from .polygons import Polygons, triangle_corners
+from ..core.polygons import Polygons, triangle_corners
 
 FACES_WANTED = "(m, 3) triangles, (m, k) polygons or a list of lists of vertices are needed"
 LARGEST = float(np.finfo(np.float32).max)

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..bridge import InputError
+from ..core.polygons import Polygons
 from .inputs import numbers, whole
-from .polygons import Polygons
 
 # Triangles, polygons and quads among VTK's types of cells.
 FLAT_CELLS = (5, 7, 9)
