@@ -10,14 +10,14 @@ import hashlib
 import json
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from .. import __version__
 from ..bridge import InputError, ParadescError, ProgressFunction, abi
-from ..core import contexts, job
+from ..core import job
 from ..core.distributions import distribution
 from ..files import mesh_files, results
 from ..files.results import Baked, write_whole
@@ -176,9 +176,9 @@ def computed(work: Work, name: str, progress: ProgressFunction | None) -> dict[s
     started = time.monotonic()
     meshes = mesh_files.read(work.folder / name)
     read = time.monotonic()
-    contexts.POOL.threads = work.threads
+    settings = replace(work.settings, threads=work.threads)
     parts = [job.part_of(progress, index, len(meshes)) for index in range(len(meshes))]
-    baked = [bake(mesh, work.settings, part) for mesh, part in zip(meshes, parts, strict=True)]
+    baked = [bake(mesh, settings, part) for mesh, part in zip(meshes, parts, strict=True)]
     done = time.monotonic()
     path = results_path(work, name)
     make_folder(path.parent)

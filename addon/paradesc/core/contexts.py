@@ -43,7 +43,6 @@ class Pool:
     idle: dict[Key, bridge.Context] = field(default_factory=dict)
     left: deque[Slot] = field(default_factory=deque)  # by users that are gone, not given back yet
     lock: threading.Lock = field(default_factory=threading.Lock)
-    threads: int = 0  # of the contexts that are opened from now on, for work on the processor; 0: all cores
 
     def take(self, key: Key, shared: bool) -> Slot:
         """A context of this device: if shared, the one that others share already; else an idle one, or a new one."""
@@ -59,7 +58,7 @@ class Pool:
                 return found
             context = self.idle.pop(key, None)
         backend, index, limit, threads = key
-        slot = Slot(key, context or bridge.Context(backend, index, threads or self.threads, limit), shared)
+        slot = Slot(key, context or bridge.Context(backend, index, threads, limit), shared)
         with self.lock:
             self.used.append(slot)
         return slot
