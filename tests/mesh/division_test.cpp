@@ -2,6 +2,7 @@
 #include "mesh/division.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <map>
@@ -258,6 +259,22 @@ TEST(Division, ends_where_a_triangle_is_far_larger_than_its_image) {
                            vec3(-13778944.0f, 0.0f, -0.60229677f)};
   };
   expect_sound(divide(built.half_edges, plan_division(built.half_edges, measure, 1 << 20, 2), 2).half_edges);
+}
+
+// Some of these triangles are a point in space or in the image along one way, and far larger than the other along another.
+TEST(Division, ends_whatever_lengths_are) {
+  const Built built = build(read_triangles(input_of(sphere(1, {.vertices = 40}))));
+  for (uint32_t seed = 0; seed < 50; ++seed) {
+    const MeasureTriangle measure = [seed](int32_t triangle) {
+      Random random(1000 * seed + static_cast<uint32_t>(triangle));
+      const auto some = [&] { return static_cast<float>(random.normal() * std::pow(10.0, 4.0 * random.normal())); };
+      const vec2 image(some(), some());
+      const vec3 space(some(), some(), some());
+      const float part = static_cast<float>(random.normal());
+      return TriangleMeasure{image, part * image + vec2(0.0f, some()), space, part * space + vec3(0.0f, 0.0f, 1.0f)};
+    };
+    EXPECT_LE(plan_division(built.half_edges, measure, 1 << 12, 2).pieces(), 1 << 12) << "seed " << seed;
+  }
 }
 
 TEST(Division, ends_where_edges_are_longer_than_halving_makes_short) {

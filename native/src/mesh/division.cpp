@@ -17,6 +17,7 @@
 namespace paradesc {
 
 static constexpr int most_halvings = 10; // of one edge
+static constexpr int deepest = 64;       // cuts of pieces of pieces; sides that halve as they should are short long before
 static constexpr int block = 256;        // of triangles
 
 static int halvings_of(float length) {
@@ -142,7 +143,7 @@ public:
       sides[k] = {k, 0, parts, lengths_.of_side(k)};
       lines_.push_back(target_ ? line_of_side(h, parts) : Line{parts, 0, 0, 0, 0, false});
     }
-    cut(corners, sides);
+    cut(corners, sides, 0);
     if (counted_) counted_->pieces += pieces_ % pieces_at_once;
   }
 
@@ -161,14 +162,15 @@ private:
   }
 
   // Side -1: the triangle is a piece.
-  Cut next_cut(const Corners &corner, const Sides &side) {
+  Cut next_cut(const Corners &corner, const Sides &side, int depth) {
     int i = -1;
     for (int k = 0; k < 3; ++k)
       if (!side[k].is_short() && (i < 0 || side[k].length > side[i].length)) i = k;
     if (i < 0) return {-1, 0};
     if (target_) return Cut::from(plan_.cut[plan_.piece_begin[triangle_] + nodes_ - pieces_]);
     const vec2 middle = 0.5f * (corner[i].weights + corner[(i + 1) % 3].weights);
-    const Cut cut{i, halvings_of(lengths_.of(corner[(i + 2) % 3].weights - middle))};
+    // Lengths are the lesser of two, and rounded: they need not get shorter with the pieces. Cuts that are not halved end all.
+    const Cut cut{i, depth < deepest ? halvings_of(lengths_.of(corner[(i + 2) % 3].weights - middle)) : 0};
     cuts_.push_back(cut.stored());
     return cut;
   }
@@ -187,9 +189,9 @@ private:
     return static_cast<int32_t>(lines_.size()) - 1;
   }
 
-  void cut(const Corners &corner, const Sides &side) {
+  void cut(const Corners &corner, const Sides &side, int depth) {
     if (stopped_) return;
-    const auto [i, halvings] = next_cut(corner, side);
+    const auto [i, halvings] = next_cut(corner, side, depth);
     if (i < 0) return add_piece(corner, side);
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     const Side halved = side[i];
@@ -198,9 +200,11 @@ private:
     const int32_t line = add_line(halvings), parts = lines_[line].parts;
     const float across = lengths_.of(corner[k].weights - middle.weights), along = 0.5f * halved.length;
     const int32_t node = nodes_++;
-    cut({corner[i], middle, corner[k]}, {Side{halved.line, halved.from, half, along}, Side{line, 0, parts, across}, side[k]});
+    cut({corner[i], middle, corner[k]}, {Side{halved.line, halved.from, half, along}, Side{line, 0, parts, across}, side[k]},
+        depth + 1);
     if (target_) tree()[node] = 4 * nodes_ + i;
-    cut({middle, corner[j], corner[k]}, {Side{halved.line, half, halved.to, along}, side[j], Side{line, parts, 0, across}});
+    cut({middle, corner[j], corner[k]}, {Side{halved.line, half, halved.to, along}, side[j], Side{line, parts, 0, across}},
+        depth + 1);
   }
 
   Corner corner_on(const Line &line, int32_t part, vec2 weights) const {
