@@ -69,7 +69,10 @@ def test_quitting_while_a_bake_runs_neither_hangs_nor_crashes(tmp_path, backend,
 
 
 def test_all_threads_of_the_addon_are_stopped_when_blender_quits():
-    """For bakes, frames and live values alike, one module starts all threads: the one that stops them."""
+    """For bakes, frames and live values alike, one module starts all threads: the one that stops them.
+
+    Processes, which the command line alone starts, end with it.
+    """
     package = ADDON / "paradesc"
     starting = {
         str(path.relative_to(package))
@@ -77,7 +80,7 @@ def test_all_threads_of_the_addon_are_stopped_when_blender_quits():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in STARTERS
     }
-    assert starting == {str(Path("core", "threads.py"))}
+    assert starting == {str(Path("core", "threads.py")), str(Path("commands", "spreading.py"))}
 
 
 def test_a_thread_that_ended_is_not_waited_for():

@@ -231,6 +231,17 @@ TEST(Division, ends_where_lengths_are_no_numbers) {
   EXPECT_LE(plan_division(built.half_edges, measure, 1 << 16, 2).pieces(), 1 << 16);
 }
 
+TEST(Division, follows_space_alone_where_an_image_is_no_number) {
+  const Built built = build(read_triangles(input_of(sphere(1, {.vertices = 40}))));
+  const auto pieces = [&](float image) {
+    const MeasureTriangle measure = [image](int32_t) {
+      return TriangleMeasure{vec2(-6.5f, image), vec2(-6.5f, image), vec3(184.0f, 146.0f, 57.0f), vec3(78.0f, 139.0f, -381.0f)};
+    };
+    return plan_division(built.half_edges, measure, 1 << 24, 2).pieces();
+  };
+  EXPECT_EQ(pieces(-std::numeric_limits<float>::infinity()), pieces(1e9f));
+}
+
 // Found by fuzzing: a piece whose lengths are but the rounding of far larger ones has a side that nothing cuts off.
 TEST(Division, ends_where_a_triangle_spans_an_image_many_times_over) {
   const Built built = build(read_triangles(input_of(sphere(1, {.vertices = 40}))));

@@ -41,11 +41,14 @@ public:
     float in_space = 0.0f, in_image = 0.0f;
     for (int k = 0; k < 3; ++k) {
       const vec2 side = side_of(k);
-      in_space = std::max(in_space, length(measure.space1 * side.x + measure.space2 * side.y));
-      in_image = std::max(in_image, length(measure.image1 * side.x + measure.image2 * side.y));
+      const float space = length(measure.space1 * side.x + measure.space2 * side.y);
+      const float image = length(measure.image1 * side.x + measure.image2 * side.y);
+      counts_space_ = counts_space_ && space < most;
+      counts_image_ = counts_image_ && image < most; // nor where it is no number
+      in_space = std::max(in_space, space);
+      in_image = std::max(in_image, image);
     }
-    counts_image_ = in_image < most;
-    counts_space_ = in_space < most || !counts_image_;
+    counts_space_ = counts_space_ || !counts_image_;
     float longest = 0.0f;
     for (int k = 0; k < 3; ++k) longest = std::max(longest, measured(side_of(k)));
     if (!std::isfinite(longest)) return;
