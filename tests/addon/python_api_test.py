@@ -10,12 +10,15 @@ import numpy as np
 import pytest
 
 import paradesc
+from conftest import blender_program
 from paradesc import InputError, ParadescError
 from paradesc.core import contexts
 from shapes import ADDON, ROOT, cube_sphere
 
 PAGE = ADDON / "manual" / "python.md"
 NAMES = ("mean_curvature", "gaussian_curvature", "principal_direction_max")
+# Tests of other processes: the interpreter beside Blender's executable need not have numpy.
+of_python = pytest.mark.skipif(bool(blender_program()), reason="runs in Python itself, not in Blender's executable")
 
 
 def torus(along=160, around=64, small=0.4):
@@ -331,6 +334,7 @@ def test_progress_is_told_and_false_cancels(sphere):
 
 
 @pytest.mark.slow
+@of_python
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows sends Ctrl-C otherwise")
 @pytest.mark.parametrize("more", [[], ["--mesh"]], ids=["compute", "frames"])
 def test_every_ctrl_c_arrives(more):
@@ -378,6 +382,7 @@ def test_a_forked_process_computes_the_same(sphere):
 
 
 @pytest.mark.slow
+@of_python
 def test_hostile_inputs_give_a_result_or_one_sentence():
     words = [sys.executable, "-W", "ignore", str(ROOT / "tests" / "fuzz" / "python_inputs.py"), "--inputs", "2000"]
     done = subprocess.run(
@@ -389,6 +394,7 @@ def test_hostile_inputs_give_a_result_or_one_sentence():
 # ---- The package
 
 
+@of_python
 def test_the_package_offers_its_names_without_reading_them_early():
     code = "import sys, paradesc\n"
     code += "assert not [name for name in sys.modules if name == 'numpy' or name.startswith('paradesc.')]\n"
