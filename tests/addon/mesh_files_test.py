@@ -141,6 +141,7 @@ def test_off_is_read(tmp_path):
 
 @pytest.mark.parametrize("suffix", ["glb", "gltf"])
 def test_gltf_has_a_mesh_for_each_node_with_its_place(tmp_path, suffix):
+    pytest.importorskip("PIL", reason="trimesh writes texture coordinates with Pillow; it reads them without")
     ball = trimesh.creation.icosphere(1)
     ball.visual = trimesh.visual.TextureVisuals(uv=ball.vertices[:, :2].copy())
     place = trimesh.transformations.translation_matrix([1, 2, 3])
