@@ -21,40 +21,50 @@ static long this_process() {
 #endif
 }
 
+Workers::Workers() : process_(this_process()) {}
+
 Workers::~Workers() {
+  leave_to_other_process();
   {
-    const std::lock_guard lock(mutex_);
-    closing_ = true;
+    const std::lock_guard lock(call_->mutex);
+    call_->closing = true;
   }
-  called_.notify_all();
-  for (std::thread &thread : threads_) process_ == this_process() ? thread.join() : thread.detach();
+  call_->called.notify_all();
+  for (std::thread &thread : threads_) thread.join();
+}
+
+// After a fork: one of the threads that are gone may have held the lock, and been waited for. So what they shared is left as it
+// is.
+void Workers::leave_to_other_process() {
+  if (process_ == this_process()) return;
+  process_ = this_process();
+  for (std::thread &thread : threads_) thread.detach();
+  threads_.clear();
+  static_cast<void>(call_.release());
+  call_ = std::make_unique<Call>();
+  in_use_ = false;
 }
 
 // So many in all; fewer if the system gives no more.
 void Workers::start(size_t count) {
-  if (process_ != this_process()) {
-    for (std::thread &thread : threads_) thread.detach();
-    threads_.clear();
-    process_ = this_process();
-  }
   try {
-    while (threads_.size() < count) threads_.emplace_back([this] { serve(); });
+    while (threads_.size() < count) threads_.emplace_back([&call = *call_] { serve(call); });
   } catch (const std::system_error &) {
   }
 }
 
-void Workers::serve() {
-  std::unique_lock lock(mutex_);
+void Workers::serve(Call &call) {
+  std::unique_lock lock(call.mutex);
   for (;;) {
-    called_.wait(lock, [&] { return closing_ || wanted_ > 0; });
-    if (wanted_ == 0) return;
-    --wanted_;
-    ++inside_;
-    const std::function<void()> &work = *work_;
+    call.called.wait(lock, [&] { return call.closing || call.wanted > 0; });
+    if (call.wanted == 0) return;
+    --call.wanted;
+    ++call.inside;
+    const std::function<void()> &work = *call.work;
     lock.unlock();
     work();
     lock.lock();
-    if (--inside_ == 0) ended_.notify_one();
+    if (--call.inside == 0) call.ended.notify_one();
   }
 }
 
@@ -65,6 +75,7 @@ Workers::Scope::~Scope() { workers_here = before_; }
 Workers::Loop::Loop(int count, const std::function<void()> &work) {
   if (count < 1) return;
   workers_ = workers_here;
+  if (workers_) workers_->leave_to_other_process();
   if (!workers_ || workers_->in_use_) {
     own_ = std::make_unique<Workers>();
     workers_ = own_.get();
@@ -72,26 +83,28 @@ Workers::Loop::Loop(int count, const std::function<void()> &work) {
   workers_->in_use_ = true;
   workers_->start(static_cast<size_t>(count));
   {
-    const std::lock_guard lock(workers_->mutex_);
-    workers_->work_ = &work;
-    workers_->wanted_ = static_cast<size_t>(count);
+    const std::lock_guard lock(workers_->call_->mutex);
+    workers_->call_->work = &work;
+    workers_->call_->wanted = static_cast<size_t>(count);
   }
-  count == 1 ? workers_->called_.notify_one() : workers_->called_.notify_all();
+  count == 1 ? workers_->call_->called.notify_one() : workers_->call_->called.notify_all();
 }
 
 Workers::Loop::~Loop() {
   if (!workers_) return;
-  std::unique_lock lock(workers_->mutex_);
-  workers_->wanted_ = 0;
-  workers_->ended_.wait(lock, [&] { return workers_->inside_ == 0; });
+  Call &call = *workers_->call_;
+  std::unique_lock lock(call.mutex);
+  call.wanted = 0;
+  call.ended.wait(lock, [&] { return call.inside == 0; });
   workers_->in_use_ = false;
 }
 
 bool Workers::Loop::wait(std::chrono::milliseconds patience) {
   if (!workers_) return true;
-  std::unique_lock lock(workers_->mutex_);
-  workers_->wanted_ = 0;
-  return workers_->ended_.wait_for(lock, patience, [&] { return workers_->inside_ == 0; });
+  Call &call = *workers_->call_;
+  std::unique_lock lock(call.mutex);
+  call.wanted = 0;
+  return call.ended.wait_for(lock, patience, [&] { return call.inside == 0; });
 }
 
 } // namespace paradesc

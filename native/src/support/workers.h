@@ -14,7 +14,7 @@ namespace paradesc {
 // Of one thread at a time. They are started when a loop first needs them.
 class Workers {
 public:
-  Workers() = default;
+  Workers();
   ~Workers();
   Workers(const Workers &) = delete;
   Workers &operator=(const Workers &) = delete;
@@ -48,18 +48,23 @@ public:
   };
 
 private:
+  // What threads share.
+  struct Call {
+    std::mutex mutex; // of all that follows
+    std::condition_variable called, ended;
+    const std::function<void()> *work = nullptr;
+    size_t wanted = 0, inside = 0;
+    bool closing = false;
+  };
+
   void start(size_t count);
-  void serve();
+  void leave_to_other_process();
+  static void serve(Call &call);
 
   std::vector<std::thread> threads_;
-  long process_ = 0; // that the threads belong to
+  std::unique_ptr<Call> call_ = std::make_unique<Call>();
+  long process_; // that the threads belong to
   bool in_use_ = false;
-
-  std::mutex mutex_; // of all that follows
-  std::condition_variable called_, ended_;
-  const std::function<void()> *work_ = nullptr;
-  size_t wanted_ = 0, inside_ = 0;
-  bool closing_ = false;
 };
 
 } // namespace paradesc
