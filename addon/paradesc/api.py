@@ -128,6 +128,7 @@ class Mesh:
             settings = options.settings_of("mean_curvature", 0.02, self._machine)
             self._points, self._polygons = surface_of(vertices, faces)
             arrays = inputs.mesh_arrays(self._points, self._polygons, uvs, None, sharp_edges)
+            self._near = arrays.positions  # the points as the library reads them
             self._stream: Stream | None = Stream(arrays, settings)
         self._lock = threading.RLock()
         self._finalizer = weakref.finalize(self, self._stream.leave)
@@ -146,8 +147,7 @@ class Mesh:
             points = inputs.points_of(vertices)
             if points.shape != self._points.shape:
                 raise InputError(f"positions has the shape {points.shape}, but the mesh has {self._points.shape}.")
-            inputs.near_origin(points)  # refuses what 32-bit floats do not hold
-            self._points = points
+            self._points, self._near = points, inputs.near_origin(points)
 
     @property
     def report(self) -> dict[str, float | int]:
@@ -214,7 +214,7 @@ class Mesh:
         triangles = stream.arrays.triangle_corners
         if len(triangles) != len(self._polygons.starts) - 1:
             triangles = triangle_corners(self._polygons, self._points)
-        moved = replace(stream.arrays, positions=inputs.near_origin(self._points), triangle_corners=triangles)
+        moved = replace(stream.arrays, positions=self._near, triangle_corners=triangles)
         if not np.array_equal(triangles, stream.arrays.triangle_corners):
             stream.replace(moved)
         return moved

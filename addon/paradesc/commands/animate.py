@@ -13,6 +13,7 @@ from ..core import job, legend
 from ..core.standard_streams import quiet
 from ..files import cache
 from ..files.frame_baking import Baker, Done, FrameRequest
+from ..files.results import make_folder
 from . import animate_files
 from .common import (
     Parser,
@@ -70,7 +71,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     with Progress(arguments.progress) as progress:
         for index, (name, bake) in enumerate(bakes.objects):
             folder = cache.object_folder(root, name)
-            make_folder(folder)
+            make_writable(folder)
             reports.append(bake(folder, job.part_of(progress, index, len(bakes.objects))))
             if arguments.range:
                 cache.write_fixed(folder, dict(arguments.range))
@@ -205,12 +206,9 @@ def cache_folder(arguments: argparse.Namespace) -> Path:
     return Path(bpy.data.filepath).parent / cache.DEFAULT_FOLDER
 
 
-def make_folder(folder: Path) -> None:
+def make_writable(folder: Path) -> None:
     """Makes the folder, or says why it cannot be written."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise cache.refused(f'The folder "{folder}" cannot be made: {error.strerror or error}.') from error
+    make_folder(folder)
     if not os.access(folder, os.W_OK):
         raise cache.refused(f'The folder "{folder}" cannot be written.')
 

@@ -12,7 +12,7 @@ import numpy as np
 from ..bridge import InputError, MeshArrays, ParadescError
 from ..core import job
 from ..core.digests import digest
-from ..core.stream import TOPOLOGY, same
+from ..core.stream import TOPOLOGY, same_topology
 from ..files import cache, mesh_files, sequences
 from ..files.frame_baking import Baker, FrameRequest, Task, at_frame
 from ..files.mesh_files import FileMesh
@@ -123,9 +123,7 @@ class FileBaker(Baker):
             raise at_frame(frame, error) from error
         arrays = read.measured
         content = digest(arrays.positions, arrays.corner_normals)
-        if len(arrays.positions) == len(self.base.positions) and all(
-            same(getattr(arrays, name), getattr(self.base, name)) for name in TOPOLOGY
-        ):
+        if same_topology(arrays, self.base):
             arrays = replace(self.base, positions=arrays.positions, corner_normals=arrays.corner_normals)
         elif self.request.relative:
             sentence = f"Frame {frame} has other faces than the first file, which is the rest pose"

@@ -20,7 +20,7 @@ from ..bridge import InputError, ParadescError, ProgressFunction, abi
 from ..core import job
 from ..core.distributions import distribution
 from ..files import mesh_files, results
-from ..files.results import Baked, write_whole
+from ..files.results import Baked, make_folder, write_whole
 from .common import EXIT_FAILED, EXIT_INPUT, EXIT_USAGE, exit_code
 from .file_reading import read_mesh
 
@@ -108,15 +108,6 @@ def write_line(path: Path, row: dict) -> None:
 def line_of(row: dict) -> str:
     """A row as one line of JSON, with null for what is not a number."""
     return json.dumps(results.finite_only(row), ensure_ascii=False) + "\n"
-
-
-def make_folder(folder: Path) -> None:
-    """Makes the folder, or says why it cannot be made."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        sentence = f'The folder "{folder}" cannot be made: {error.strerror or error}.'
-        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error
 
 
 # ---- What is there

@@ -1,11 +1,9 @@
 """paradesc bake: computes descriptors of one object or of several and writes them to files."""
 
 import argparse
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .. import bridge
@@ -21,6 +19,7 @@ from .common import (
     add_output_options,
     check_overwriting,
     fallback_note,
+    open_file,
     print_notes,
 )
 from .look_options import add_look_options, look_of
@@ -207,12 +206,6 @@ def named(target: Target, count: int) -> Iterator[None]:
         if count > 1:
             raise bridge.InputError(f'Object "{target.name}": {error.sentence}') from error
         raise
-
-
-def open_file() -> Path | None:
-    """The .blend that the open scene comes from, if there is one."""
-    blender = sys.modules.get("bpy")
-    return Path(blender.data.filepath) if blender is not None and blender.data.filepath else None
 
 
 def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:

@@ -94,6 +94,12 @@ def check_overwriting(paths: list[Path], given: Path | None, force: bool) -> Non
             raise UsageError(f'"{path}" is the input; add --force to write over it, or choose another name.')
 
 
+def open_file() -> Path | None:
+    """The .blend that the open scene comes from, if there is one."""
+    blender = sys.modules.get("bpy")
+    return Path(blender.data.filepath) if blender is not None and blender.data.filepath else None
+
+
 def add_objects_options(parser: argparse.ArgumentParser) -> None:
     """Adds the options that choose objects: none, one, several or all."""
     parser.add_argument(

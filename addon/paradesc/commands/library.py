@@ -12,7 +12,7 @@ from .. import bridge
 from ..bridge import InputError
 from ..core import job
 from ..files import mesh_files
-from ..files.results import folder_fault, write_whole
+from ..files.results import folder_fault, make_folder, write_whole
 from . import assets, file_reading, spreading
 from .assets import Done, Work
 from .common import Parser, Progress, UsageError, add_output_options, check_outputs, print_notes
@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     backend = job.backend_for(settings)  # one for all machines, so that all results have the same bits
     settings = replace(settings, backend=backend)
     names = asked(arguments)
-    assets.make_folder(arguments.output)
+    make_folder(arguments.output)
     workers = 1 if spreading.in_blender() else arguments.workers or min(spreading.cores(), max(1, len(names)))
     work = work_of(arguments, settings, workers)
     started = time.monotonic()

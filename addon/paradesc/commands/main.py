@@ -12,7 +12,18 @@ from ..bridge import ParadescError
 from ..core import contexts
 from ..files import results
 from . import COMMANDS, modules
-from .common import EXIT_CHECK, EXIT_FAILED, EXIT_OK, EXIT_USAGE, Parser, UsageError, exit_code, tell_openjd, with_also
+from .common import (
+    EXIT_CHECK,
+    EXIT_FAILED,
+    EXIT_OK,
+    EXIT_USAGE,
+    Parser,
+    UsageError,
+    exit_code,
+    open_file,
+    tell_openjd,
+    with_also,
+)
 from .signals import Signals, Terminated
 
 # The schema of the JSON reports. It grows if a key changes its meaning or goes, but not if a key is new.
@@ -93,9 +104,7 @@ def reports_over_input(arguments: argparse.Namespace) -> bool:
     path: Path | None = getattr(arguments, "json", None)
     if path is None or prints_json(arguments):
         return False
-    blender = sys.modules.get("bpy")
-    opened = blender.data.filepath if blender is not None else ""
-    inputs = [getattr(arguments, "input", None), Path(opened) if opened else None]
+    inputs = (getattr(arguments, "input", None), open_file())
     return any(given is not None and path.resolve() == given.resolve() for given in inputs)
 
 

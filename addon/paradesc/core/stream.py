@@ -49,11 +49,7 @@ class Stream:
 
     def matches(self, arrays: MeshArrays) -> bool:
         """Whether only positions differ (and normals and tangents, which follow them)."""
-        return (
-            len(arrays.positions) == len(self.arrays.positions)
-            and all(same(getattr(arrays, name), getattr(self.arrays, name)) for name in TOPOLOGY)
-            and same_images(arrays.maps, self.arrays.maps)
-        )
+        return same_topology(arrays, self.arrays) and same_images(arrays.maps, self.arrays.maps)
 
     def replace(self, arrays: MeshArrays) -> None:
         """Takes another mesh on the same device."""
@@ -231,6 +227,13 @@ def goes_on(results: job.Results) -> bool:
 def same(first: np.ndarray | None, second: np.ndarray | None) -> bool:
     """Whether two arrays are equal, or both are missing."""
     return first is second or (first is not None and second is not None and np.array_equal(first, second))
+
+
+def same_topology(first: MeshArrays, second: MeshArrays) -> bool:
+    """Whether two meshes have the same faces on as many vertices."""
+    return len(first.positions) == len(second.positions) and all(
+        same(getattr(first, name), getattr(second, name)) for name in TOPOLOGY
+    )
 
 
 def same_images(first: bridge.SurfaceMaps | None, second: bridge.SurfaceMaps | None) -> bool:

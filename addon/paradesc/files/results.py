@@ -227,6 +227,15 @@ def folder_fault(path: Path) -> str:
     return f'"{path}" is a file; it has to be a folder.' if path.exists() and not path.is_dir() else ""
 
 
+def make_folder(folder: Path) -> None:
+    """Makes the folder and those above it, or says why it cannot be made."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        sentence = f'The folder "{folder}" cannot be made: {error.strerror or error}.'
+        raise ParadescError(abi.STATUS_UNKNOWN, sentence) from error
+
+
 def write_whole(path: Path, content: object, writer: Callable[[Path, Any], object]) -> None:
     """Writes beside the path first: a failure leaves no half file, and keeps an old file as it was."""
     temporary = part_path(path)
