@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "compute/choice.h"
 #include "compute/refine.h"
 #include "engine/engines.h"
-#include "support/free_memory.h"
+#include "engine/memory.h"
 #include "support/parallel.h"
 
 namespace paradesc {
@@ -69,30 +68,8 @@ MemoryForecast forecast_memory_of(Mesh &mesh, int backend, const pdesc_options &
   return memory;
 }
 
-static std::string in_words(int64_t bytes) {
-  const auto number = static_cast<double>(bytes);
-  char text[32];
-  if (bytes < 10'000'000)
-    std::snprintf(text, sizeof text, "%.0f kB", std::ceil(1e-3 * number));
-  else if (bytes < 1'000'000'000)
-    std::snprintf(text, sizeof text, "%.0f MB", std::ceil(1e-6 * number));
-  else
-    std::snprintf(text, sizeof text, "%.1f GB", 1e-9 * number);
-  return text;
-}
-
-void check_memory(const Context &context, const std::string &subject, const std::string &remedy, int64_t needed, int64_t held) {
-  const int64_t allowed = allowed_memory(context.memory_limit, held);
-  if (needed <= allowed) return;
-  const bool limited = context.memory_limit > 0;
-  throw Error(PDESC_ERROR_OUT_OF_MEMORY, subject + " needs about " + in_words(needed) + " of memory, and " + in_words(allowed) +
-                                             " may be used (" +
-                                             (limited ? "what the memory limit leaves" : "half of what is free") + "); " +
-                                             remedy + ", or " + (limited ? "set a higher limit." : "close other programs."));
-}
-
 void check_memory_of_input(const Context &context, const pdesc_mesh_input &input) {
-  check_memory(context,
+  check_memory(context.memory_limit,
                "A mesh of " + std::to_string(input.triangle_count) + " triangles and " + std::to_string(input.vertex_count) +
                    " vertices",
                "use fewer triangles", bytes_of_input(input), 0);
@@ -104,7 +81,7 @@ void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span
   const bool divided = is_divided(mesh, backend);
   const bool buffers = backend == PDESC_BACKEND_GPU || backend == PDESC_BACKEND_SOFTWARE;
   const int64_t kept_for_others = mesh.session ? mesh.session->bytes_kept_for_others() : 0;
-  check_memory(*mesh.context,
+  check_memory(mesh.context->memory_limit,
                "A computation on " + std::to_string(mesh.triangles.triangle_count) + " triangles" +
                    (divided ? ", divided into " + std::to_string(division_plan_of(mesh, options).pieces()) + " for surface maps,"
                     : buffers ? " with buffers of " + std::to_string(options.buffer_size) + " texels a side"

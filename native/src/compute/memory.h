@@ -14,10 +14,6 @@ int64_t bytes_of_input(const pdesc_mesh_input &input);
 // backend: any but AUTO.
 MemoryForecast forecast_memory_of(Mesh &mesh, int backend, const pdesc_options &options, std::span<const int> descriptors);
 
-// Throws Error(OUT_OF_MEMORY) with both numbers if more is needed than allowed. subject: "A mesh of 17 triangles"; remedy:
-// "use fewer triangles".
-void check_memory(const Context &context, const std::string &subject, const std::string &remedy, int64_t needed, int64_t held);
-
 // Throws what a mesh or a computation is too large for.
 void check_memory_of_input(const Context &context, const pdesc_mesh_input &input);
 void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors);

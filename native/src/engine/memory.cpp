@@ -2,8 +2,11 @@
 #include "engine/memory.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 
 #include "descriptor/registry.h"
+#include "support/free_memory.h"
 
 #include "shared.h"
 
@@ -22,6 +25,28 @@ int64_t bytes_of_results(const ComputationSize &size) {
   const auto reads_map = [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; };
   const int64_t points = std::ranges::any_of(size.descriptors, reads_map) ? size.piece_points : size.points;
   return (60 + creases) * size.triangles + 400 * size.points + 12 * rows_of(size.descriptors) * points;
+}
+
+static std::string in_words(int64_t bytes) {
+  const auto number = static_cast<double>(bytes);
+  char text[32];
+  if (bytes < 10'000'000)
+    std::snprintf(text, sizeof text, "%.0f kB", std::ceil(1e-3 * number));
+  else if (bytes < 1'000'000'000)
+    std::snprintf(text, sizeof text, "%.0f MB", std::ceil(1e-6 * number));
+  else
+    std::snprintf(text, sizeof text, "%.1f GB", 1e-9 * number);
+  return text;
+}
+
+void check_memory(int64_t memory_limit, const std::string &subject, const std::string &remedy, int64_t needed, int64_t held) {
+  const int64_t allowed = allowed_memory(memory_limit, held);
+  if (needed <= allowed) return;
+  const bool limited = memory_limit > 0;
+  throw Error(PDESC_ERROR_OUT_OF_MEMORY, subject + " needs about " + in_words(needed) + " of memory, and " + in_words(allowed) +
+                                             " may be used (" +
+                                             (limited ? "what the memory limit leaves" : "half of what is free") + "); " +
+                                             remedy + ", or " + (limited ? "set a higher limit." : "close other programs."));
 }
 
 } // namespace paradesc

@@ -1,5 +1,7 @@
-// Counts → bytes that every engine takes.
+// Counts → bytes that every engine takes; refuses more than may be used.
 #pragma once
+
+#include <string>
 
 #include "engine/engine.h"
 
@@ -10,5 +12,9 @@ int64_t rows_of(std::span<const int> descriptors);
 
 // Normals and results, beside the mesh.
 int64_t bytes_of_results(const ComputationSize &size);
+
+// Throws Error(OUT_OF_MEMORY) with both numbers if more is needed than allowed. subject: "A mesh of 17 triangles"; remedy:
+// "use fewer triangles".
+void check_memory(int64_t memory_limit, const std::string &subject, const std::string &remedy, int64_t needed, int64_t held);
 
 } // namespace paradesc

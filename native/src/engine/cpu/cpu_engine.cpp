@@ -19,7 +19,6 @@
 #include "engine/cpu/search.h"
 #include "engine/creases/blend.h"
 #include "engine/memory.h"
-#include "support/free_memory.h"
 #include "support/keyed.h"
 #include "support/parallel.h"
 #include "support/pool.h"
@@ -189,21 +188,15 @@ static Fineness fineness_of(const Pass &pass, const pdesc_options &options) {
 // In parts that grow, and as one list.
 static constexpr int64_t bytes_of_sample = (5 * static_cast<int64_t>(sizeof(FlatSample))) / 2;
 
-// Throws Error(OUT_OF_MEMORY) where they do not fit, which counts alone do not tell: maps may displace a surface as far as they
-// like.
+// Refused where they do not fit, which the mesh's counts do not tell: maps may displace a surface as far as they like.
 static SurfaceSamples samples_within(int64_t memory_limit, const SurfelSource &source, const Surfels &surfels) {
   double count = 0.0;
   for (const Surfel &surfel : surfels.surfel)
     if (surfel.samples <= max_stored_samples) count += surfel.samples;
-  const double needed =
-      count * (static_cast<double>(bytes_of_sample) + static_cast<double>(source.map ? 2 * sizeof(SampleMap) : 0));
-  const auto allowed = static_cast<double>(allowed_memory(memory_limit, 0));
-  if (needed <= allowed) return list_samples(source, surfels);
-  throw Error(PDESC_ERROR_OUT_OF_MEMORY, "About " + std::to_string(std::llround(count)) +
-                                             " samples would stand for the surface, which need " +
-                                             std::to_string(std::llround(1e-6 * needed)) + " MB of memory, and " +
-                                             std::to_string(std::llround(1e-6 * allowed)) +
-                                             " MB may be used; use a larger radius, fewer samples, or maps that displace less.");
+  const int64_t of_sample = bytes_of_sample + (source.map ? 2 * static_cast<int64_t>(sizeof(SampleMap)) : 0);
+  check_memory(memory_limit, "A surface that about " + std::to_string(std::llround(count)) + " samples stand for",
+               "use a larger radius, fewer samples, or maps that displace less", std::llround(count) * of_sample, 0);
+  return list_samples(source, surfels);
 }
 
 namespace {
