@@ -34,7 +34,7 @@ build_release() {
   local zig openmesh
   zig=$("$tools/bin/python" -c 'import ziglang, pathlib; print(pathlib.Path(ziglang.__file__).with_name("zig"))')
   get_openmesh
-  echo "Building for Linux, Windows and macOS (the first time about 18 minutes of one core: Zig builds a C++ library for each)"
+  echo "Building for Linux, Windows and macOS (the first time about 28 minutes of one core: Zig builds a C++ library for each)"
   mkdir -p "$release"
   { cmake -S "$root" -B "$release" -G Ninja -DCMAKE_BUILD_TYPE=Release -DPARADESC_TESTS=OFF -DPARADESC_ZIG="$zig" \
     -DOPENMESH_SOURCE_DIR="$openmesh" && cmake --build "$release" --target "$1"; } >"$release/build.log" 2>&1 || {
