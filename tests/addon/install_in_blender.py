@@ -22,9 +22,10 @@ USER = Path(os.environ["PARADESC_TEST_USER"])
 CYCLES = 100 if os.environ.get("PARADESC_LONG_TESTS") else 32
 # The first rounds fill caches of Blender, the driver and Python.
 FIRST_CYCLES = 8
-# Megabytes for each round: at most 0.004 and 0.03 were seen, in bpy 4.2.23 and in Debian's Blender 3.4.1. A baked mesh
-# with its reports is 0.1, a context that stays, with its buffers and programs, 10. Of what is resident 2 MB come and go
-# by chance, which over 24 rounds can look like 0.17.
+# What is held repeats after four rounds.
+PERIOD = 4
+# Megabytes for each round: at most 0.008 and 0.03 were seen in 40 runs on a busy machine. A baked mesh with its reports
+# is 0.1, a context that stays, with its buffers and programs, 10.
 MOST_GROWTH = {"heap": 0.03, "resident": 0.3}
 # What a user chose, one of each kind: number, text, choice, several choices, and a member of another group.
 CHOSEN = {"samples": 97, "more_radii": "7, 9", "normals": "max", "descriptors": {"curvedness", "harris"}}
@@ -233,9 +234,10 @@ def cycles(package: str) -> None:
 
 
 def growth(megabytes: list[float]) -> float:
-    """Megabytes for each round, by the medians of the first and the second half of the rounds."""
-    half = len(megabytes) // 2
-    return (statistics.median(megabytes[-half:]) - statistics.median(megabytes[:half])) / (len(megabytes) - half)
+    """Megabytes for each round. The median, since a leak grows in every round, and a list or an arena only in one."""
+    return statistics.median(
+        (late - early) / PERIOD for early, late in zip(megabytes[:-PERIOD], megabytes[PERIOD:], strict=True)
+    )
 
 
 def holdings() -> dict[str, float]:
