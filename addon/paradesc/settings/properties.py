@@ -47,7 +47,7 @@ CREASES = [
     ("none", "None", "Round every edge as if the surface were smooth"),
 ]
 RELOCATIONS = [
-    ("connected", "Connected", "Take what is connected to the vertex in the buffers; exact over any seams"),
+    ("connected", "Connected", "Take what is connected to the vertex; exact over any seams"),
     ("affine", "Affine", "Carry every sample over seams by itself, by the map of the seam edge"),
     ("paper", "Paper", "Sample again on every chart that samples fell on, as the paper does"),
 ]
@@ -81,8 +81,8 @@ EVALUATIONS = [
     ("texel", "Texels", "Evaluate at the texels of a map and look the vertices up in it, as the paper does"),
 ]
 PRECISIONS = [
-    ("full", "Full", "32-bit buffers"),
-    ("half", "Half", "16-bit buffers: half the memory"),
+    ("full", "Full", "32-bit numbers"),
+    ("half", "Half", "16-bit numbers: half the memory of the card"),
 ]
 BACKENDS = [(name, devices.TITLES[name], devices.ABOUT[name]) for name in bridge.BACKENDS]
 DEFAULT_DESCRIPTOR = "cavity"
@@ -182,7 +182,7 @@ def neighborhood_members() -> dict[str, object]:
         ),
         "more_radii": bpy.props.StringProperty(
             name="More Radii",
-            description="Further radii in the same unit, separated by commas, from the same buffers; with any, every "
+            description="Further radii in the same unit, separated by commas, computed at once; with any, every "
             "result's name ends in _r and its radius",
         ),
         "space": bpy.props.EnumProperty(
@@ -209,11 +209,12 @@ def quality_members() -> dict[str, object]:
         ),
         "buffer_size": bpy.props.IntProperty(
             name="Bake Resolution",
-            description="Texels along a side of the baked buffers; the radius should span at least four",
+            description="Texels along a side of what a graphics card bakes; the radius should span at least four. The "
+            "processor needs none",
             default=1024, min=64, max=8192, subtype="PIXEL",
         ),
         "precision": bpy.props.EnumProperty(
-            name="Precision", description="Size of the numbers in the baked buffers", items=PRECISIONS, default="full"
+            name="Precision", description="Size of numbers on the card", items=PRECISIONS, default="full"
         ),
         "normals": bpy.props.EnumProperty(
             name="Normals", description="Where the vertex normals come from", items=NORMALS, default="fitted"
