@@ -10,7 +10,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import paradesc  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bake import operators  # noqa: E402
-from paradesc.core import job  # noqa: E402
+from paradesc.core import job, members  # noqa: E402
 from paradesc.core.threads import Worker  # noqa: E402
 from paradesc.scene import mesh_io, record  # noqa: E402
 from paradesc.settings import properties  # noqa: E402
@@ -119,7 +119,7 @@ def test_nothing_selected_cannot_be_baked():
 def test_missing_library_is_said_before_anything_else(sphere_object, monkeypatch):
     monkeypatch.setattr(bridge, "missing_sentence", lambda: "native library missing – somewhere.")
     assert operators.obstacle(bpy.context).startswith("native library missing")
-    assert properties.descriptor_items() == [properties.NO_DESCRIPTOR]
+    assert members.descriptor_items() == [members.NO_DESCRIPTOR]
     with pytest.raises(RuntimeError, match="poll"):
         bpy.ops.paradesc.bake()
 

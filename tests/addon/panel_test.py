@@ -10,8 +10,8 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from paradesc import bridge  # noqa: E402
 from paradesc.animation.frame_batch import FrameBatch  # noqa: E402
 from paradesc.bake import batch, modal  # noqa: E402
+from paradesc.core import members  # noqa: E402
 from paradesc.scene import mesh_io, record  # noqa: E402
-from paradesc.settings import properties  # noqa: E402
 from paradesc.ui import drawing, image_panel, live_panel, panel, report_panel, settings_panel  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
@@ -119,8 +119,8 @@ def test_every_setting_is_in_the_panel():
     for unit in ("absolute", "mean-edge"):
         settings.radius_unit = unit
         shown |= set(drawn_everything()["prop"])
-    members = {name for group in properties.GROUPS for name in group()}
-    assert members - shown == {"descriptors", "backend", "device_index"}  # one by one, and as a menu
+    defined = {name for group in members.GROUPS for name in group()}
+    assert defined - shown == {"descriptors", "backend", "device_index"}  # one by one, and as a menu
     assert {row.name for row in bridge.descriptors()} <= shown
 
 

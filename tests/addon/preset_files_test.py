@@ -11,8 +11,9 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.bridge import ParadescError  # noqa: E402
-from paradesc.files import old_presets, preset_file  # noqa: E402
-from paradesc.settings import preset_folders, preset_members, presets, properties  # noqa: E402
+from paradesc.core import members  # noqa: E402
+from paradesc.files import old_presets, preset_file, preset_rules  # noqa: E402
+from paradesc.settings import preset_folders, preset_members, presets  # noqa: E402
 from preset_files import SOUND, own_folder, written  # noqa: E402
 from scene import measure_curvature  # noqa: E402
 
@@ -210,7 +211,7 @@ def test_all_of_our_own_presets_are_sound(tmp_path):
     for name, preset in presets.PRESETS.items():
         path = tmp_path / f"{name}.json"
         preset_file.write(path, preset.content())
-        assert preset_members.sound(path) == preset.content()
+        assert preset_rules.sound(path) == preset.content()
 
 
 # ---- Refused
@@ -254,7 +255,7 @@ def test_damaged_files_give_the_one_error_or_are_sound_and_never_anything_else(t
             content[place:end] = random_numbers.choice([*pieces, bytes([random_numbers.randrange(256)])])
         path.write_bytes(content)
         try:
-            found = preset_members.sound(path)
+            found = preset_rules.sound(path)
         except preset_file.PresetError as error:
             assert "\n" not in error.sentence  # noqa: PT017
             error.sentence.encode()
@@ -262,7 +263,7 @@ def test_damaged_files_give_the_one_error_or_are_sound_and_never_anything_else(t
         else:
             preset_members.apply(bpy.context.scene, found)
             preset_members.apply(bpy.context.scene, preset_file.Content("all", settings={}, colors={}))
-            for name in properties.output_members():
+            for name in members.output_members():
                 bpy.context.scene.paradesc.property_unset(name)
             measure_curvature()
         assert state() == before
@@ -292,8 +293,8 @@ def test_the_menu_lists_ours_then_the_users_then_those_of_the_shared_folder(own,
 
 def test_an_open_menu_reads_no_file_twice_and_sees_what_has_changed(own, monkeypatch):
     read, path = [], written(own)
-    whole = preset_members.sound
-    monkeypatch.setattr(preset_members, "sound", lambda path: read.append(path) or whole(path))
+    whole = preset_rules.sound
+    monkeypatch.setattr(preset_rules, "sound", lambda path: read.append(path) or whole(path))
     for _ in range(3):
         drawn()
     monkeypatch.setattr(preset_folders, "PATIENCE", 0.0)

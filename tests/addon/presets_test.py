@@ -6,7 +6,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc import bridge  # noqa: E402
-from paradesc.core import devices  # noqa: E402
+from paradesc.core import devices, members  # noqa: E402
 from paradesc.settings import presets, properties  # noqa: E402
 from paradesc.ui import settings_panel  # noqa: E402
 from scene import add_sphere, attribute_values, small_bake  # noqa: E402
@@ -49,7 +49,7 @@ def test_every_preset_says_what_it_is_for_and_names_only_settings_there_are():
 
 
 def test_every_field_has_a_name_and_says_what_it_is(settings):
-    for group in properties.GROUPS:
+    for group in members.GROUPS:
         for name in group():
             field = settings.bl_rna.properties[name]
             assert field.name, name

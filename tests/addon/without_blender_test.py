@@ -98,7 +98,7 @@ def test_a_file_that_only_blender_opens_says_so_in_one_sentence(python, tmp_path
 REFUSALS = [
     (("bake", "sphere.obj", "--output", "out.blend"), 4, "A .blend is written by Blender, and"),
     (("bake", "sphere.obj", "-o", "o.npz", "--scene-settings"), 4, "--scene-settings takes the panel's settings"),
-    (("bake", "sphere.obj", "-o", "o.npz", "--preset", "cavity"), 4, "--preset is checked against"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--preset", "wear"), 2, "choose one of cavity, edge_wear, curvature"),
     (("bake", "sphere.obj", "-o", "o.npz", "--displacement", "x.png"), 4, "--displacement has Blender read"),
     (("bake", "sphere.obj", "-o", "o.npz", "--material-maps"), 4, "--material-maps takes images from"),
     (("bake", "sphere.obj", "-o", "o.npz", "--from-file", "x.obj"), 4, "--from-file has Blender place"),
@@ -167,6 +167,40 @@ def test_a_file_is_baked_into_all_kinds_of_files(python, tmp_path):
     found = np.load(tmp_path / "out.npz")
     assert found["vertices"].shape == (98, 3)
     assert np.allclose(found["mean_curvature"], 0.5, rtol=0.05)
+
+
+def test_a_preset_gives_the_bits_of_the_same_options(python, tmp_path):
+    sphere_obj(tmp_path)
+    settings = {"descriptors": ["harris", "cavity"], "radius_percent": 9.7, "more_radii": "14.1; 20", "samples": 99,
+                "harris_k": 0.05, "corner_threshold": 7.3, "estimator": "integral", "creases": "none"}  # fmt: skip
+    colors = {"color_map": "heat", "span": "fixed", "minimum": -0.5, "maximum": 0.75}
+    about = {"paradesc_preset": 1, "name": "Studio", "settings": settings, "colors": colors, "image": {"texels": 64}}
+    (tmp_path / "studio.json").write_text(json.dumps(about))
+    words = ("--descriptors", "cavity,harris", "--radius", "0.097,0.141,0.2", "--samples", "99", "--harris-k", "0.05",
+             "--corner-threshold", "0.073", "--estimator", "integral", "--creases", "none", "--texels", "64",
+             "--color-map", "heat", "--range=-0.5:0.75")  # fmt: skip
+    runs = {"preset": ("--preset", "studio.json"), "options": words, "packaged": ("--preset", "edge_wear")}
+    outputs = {name: ["-o", f"{name}.npz", "-o", f"{name}.exr", "--json", f"{name}.report"] for name in runs}
+    for code, said, _ in many(python, [["bake", "sphere.obj", *outputs[name], *runs[name]] for name in runs]):
+        assert (code, said) == (0, "")
+    preset, options = (np.load(tmp_path / f"{name}.npz") for name in ("preset", "options"))
+    assert set(preset) == set(options) >= {"harris_r0.097", "cavity_r0.2"}
+    for name in preset:
+        assert preset[name].tobytes() == options[name].tobytes(), name
+    assert (tmp_path / "preset.exr").read_bytes() == (tmp_path / "options.exr").read_bytes()
+    reports = {name: json.loads((tmp_path / f"{name}.report").read_text()) for name in runs}
+    assert reports["preset"]["settings"] == reports["options"]["settings"]
+    assert reports["packaged"]["settings"]["descriptors"] == ["convexity"]
+    assert reports["packaged"]["settings"]["radius"] == 0.015
+
+
+def test_every_command_takes_a_preset(python, tmp_path):
+    (tmp_path / "frames").mkdir()
+    sphere_obj(tmp_path / "frames", "ball_1.obj")
+    preset = ["--preset", "cavity", "--json", "r.json"]
+    runs = [["animate", "frames"], ["compare", "frames/ball_1.obj"], ["library", "frames", "--output", "out"]]
+    for words, (code, said, _) in zip(runs, many(python, [[*words, *preset] for words in runs]), strict=True):
+        assert (code, said) == (0, ""), words
 
 
 def test_info_and_compare_take_files(python, tmp_path):

@@ -1,6 +1,7 @@
 """What the commands share: errors and exit codes, checks of outputs, progress, notes."""
 
 import argparse
+import importlib.util
 import shlex
 import sys
 import time
@@ -92,6 +93,11 @@ def check_overwriting(paths: list[Path], given: Path | None, force: bool) -> Non
     for path in paths:
         if given is not None and not force and path.resolve() == given.resolve():
             raise UsageError(f'"{path}" is the input; add --force to write over it, or choose another name.')
+
+
+def has_blender() -> bool:
+    """Whether Blender's Python module can be imported, without doing so."""
+    return "bpy" in sys.modules or importlib.util.find_spec("bpy") is not None
 
 
 def open_file() -> Path | None:

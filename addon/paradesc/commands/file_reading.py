@@ -1,8 +1,6 @@
 """Opens mesh files without Blender: decides who reads a file, picks its meshes, and reads them as the options ask."""
 
 import argparse
-import importlib.util
-import sys
 from dataclasses import dataclass, field, replace
 
 from .. import bridge
@@ -10,13 +8,12 @@ from ..bridge import InputError, ParadescError, abi
 from ..core import job, spaces, uv_faults
 from ..files import mesh_files
 from ..files.mesh_files import FileMesh
-from .common import UsageError
+from .common import UsageError, has_blender
 from .images import paths_of
 
 READERS = ("auto", "blender", "files")
 BLENDER_LACKS = (".off",)
 KNOWN = ", ".join(mesh_files.SUFFIXES)
-PRESET = "--preset is checked against the add-on's settings, which Blender defines"
 # Options that are about what only Blender's files have, or that Blender does.
 BY_BLENDER = {
     "scene_settings": "--scene-settings takes the panel's settings from a .blend",
@@ -37,11 +34,6 @@ class FileRead:
     measured: bridge.MeshArrays  # the same in the space that is measured
     notes: list[str]
     reading: None = field(default=None)  # its results belong to no scene
-
-
-def has_blender() -> bool:
-    """Whether Blender's Python module can be imported, without doing so."""
-    return "bpy" in sys.modules or importlib.util.find_spec("bpy") is not None
 
 
 def reads_files(arguments: argparse.Namespace) -> bool:
@@ -87,8 +79,6 @@ def check_options(arguments: argparse.Namespace) -> None:
     for name, what in BY_BLENDER.items():
         if getattr(arguments, name, None):
             raise refused(what)
-    if getattr(arguments, "preset", None) and not has_blender():
-        raise refused(PRESET)
     if any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", [])):
         raise refused("A .blend is written by Blender")
 

@@ -13,7 +13,7 @@ from ..bridge import InputError
 from ..core import job
 from ..files import mesh_files
 from ..files.results import folder_fault, make_folder, write_whole
-from . import assets, file_reading, spreading
+from . import assets, spreading
 from .assets import Done, Work
 from .common import Parser, Progress, UsageError, add_output_options, check_outputs, print_notes
 from .options import add_computation_options, opened_settings, settings_of
@@ -109,8 +109,6 @@ def check(arguments: argparse.Namespace) -> None:
         )
     settings_of(arguments)
     check_preset(arguments.preset)
-    if arguments.preset and not file_reading.has_blender():
-        raise file_reading.refused(file_reading.PRESET)
     check_outputs([arguments.json] if arguments.json else [])
     if folder_fault(arguments.output):
         raise UsageError(folder_fault(arguments.output))

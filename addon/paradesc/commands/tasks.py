@@ -19,8 +19,8 @@ from ..files import cache, results
 from ..files.mesh_files import FileMesh
 from ..files.results import folder_fault, write_whole
 from ..files.triangle_counts import triangles
-from . import animate, animate_files, assets, bundles, file_reading, library
-from .common import Parser, UsageError, add_output_options, check_outputs
+from . import animate, animate_files, assets, bundles, library
+from .common import Parser, UsageError, add_output_options, check_outputs, has_blender
 from .opening import open_objects
 from .options import opened_settings, settings_of
 from .reading import Target
@@ -237,7 +237,7 @@ def scene_of(parsed: argparse.Namespace) -> Scene:
     try:
         opened = open_objects(parsed)
     except (ParadescError, InputError):
-        if file_reading.has_blender() or frames is None or parsed.cache is None:
+        if has_blender() or frames is None or parsed.cache is None:
             raise
         note = "Without Blender's module bpy nobody knows the objects: costs are left out."
         return Scene(frames, parsed.cache, [], None, settings_of(parsed), note)

@@ -134,6 +134,11 @@ class Results:
         return found.astype(np.float32)
 
     @property
+    def harris(self) -> str | None:
+        """The name of the Harris responses that corners are found in, if there are any: those of the first radius."""
+        return next((name for name in self.values if registry_name(name) == "harris"), None)
+
+    @property
     def radius(self) -> float:
         """The first radius in units of the positions."""
         return float(self.field_report["radius"])
@@ -288,7 +293,7 @@ def run_on(
 
 def add_corners(results: Results, arrays: bridge.MeshArrays, progress: ProgressFunction | None = None) -> None:
     """Finds the corners if there are Harris responses; with several radii, those of the first."""
-    name = next((name for name in results.values if registry_name(name) == "harris"), None)
+    name = results.harris
     if name is None:
         return
     reach = WINDOW_REACH * results.settings.options.map_sigma * results.radius_of(name)

@@ -190,8 +190,10 @@ def transfer_report(transfer: Transfer | None) -> dict[str, object]:
 
 def listed_corners(baked: Baked) -> list[dict[str, object]]:
     """Vertex, position and response of each corner, the strongest first; none unless harris was asked for."""
-    found = baked.results.corners
-    return [] if found is None else corners.listed(found, baked.arrays.positions, baked.results.values["harris"])
+    found = baked.results
+    if found.corners is None:
+        return []
+    return corners.listed(found.corners, baked.arrays.positions, found.values[found.harris])
 
 
 def write_json(path: Path, content: object) -> None:

@@ -10,8 +10,8 @@ import bpy
 
 from .. import bridge
 from ..bridge import ParadescError
-from ..files import old_presets
-from . import preferences, preset_members
+from ..files import old_presets, preset_rules
+from . import preferences
 
 SUBFOLDER = "paradesc"
 # A menu that is open is drawn at every move of the mouse; folders are looked at again after so many seconds.
@@ -101,7 +101,7 @@ def stamps_in(folder: Path) -> list[tuple[str, int, int]]:
 def row_of(path: Path) -> Row:
     """A preset file as the menu lists it: if it cannot be used, by its file name."""
     try:
-        content = preset_members.sound(path)
+        content = preset_rules.sound(path)
     except ParadescError as error:
         return Row(path, path.name, fault=error.sentence)
     return Row(path, content.name, content.purpose)
@@ -138,5 +138,5 @@ def convert_own() -> None:
     with suppress(OSError):
         for path in sorted(folder.glob(f"*{old_presets.SUFFIX}")):
             with suppress(ParadescError, OSError):
-                old_presets.convert(path, preset_members.check)
+                old_presets.convert(path, preset_rules.check)
     forget()

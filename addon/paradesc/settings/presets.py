@@ -1,68 +1,16 @@
 """Presets for common purposes, by one click each, the user's own, and those of a folder that a studio shares."""
 
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import bpy
 
 from .. import bridge
 from ..bridge import ParadescError
-from ..files import preset_file
-from ..files.preset_file import Content
+from ..files import preset_file, preset_rules
+from ..files.preset_rules import PRESETS, Preset
 from . import preset_folders, preset_members, translation
 
 NO_NAME = "Give the preset a name."
-
-
-@dataclass(frozen=True)
-class Preset:
-    """Settings and colors that differ from the defaults, images as they shall be, and what all of it is for."""
-
-    label: str
-    purpose: str
-    members: dict[str, object] = field(default_factory=dict)
-    colors: dict[str, object] = field(default_factory=dict)
-    image: dict[str, object] = field(default_factory=dict)
-
-    def content(self) -> Content:
-        """The same as a preset file says it."""
-        settings = {name: preset_file.plain(value) for name, value in self.members.items()}
-        return Content(self.label, self.purpose, settings, self.colors, self.image)
-
-
-# The first four are masks, which stand at the top of the panel.
-PRESETS = {
-    "cavity": Preset(
-        "Cavity",
-        "Grooves and dents, from 0 to 1: a mask for dirt, or to darken a color with",
-        {"descriptors": {"cavity"}, "radius_percent": 2.0, "samples": 128},
-    ),
-    "edge_wear": Preset(
-        "Edge Wear",
-        "Edges and tips that stand out, from 0 to 1: a mask for worn paint or bare metal",
-        {"descriptors": {"convexity"}, "radius_percent": 1.5, "samples": 128},
-    ),
-    "curvature": Preset(
-        "Curvature",
-        "Mean and Gaussian curvature, with sign: where and how strongly the surface bends",
-        {"descriptors": {"mean_curvature", "gaussian_curvature"}, "radius_percent": 2.0},
-    ),
-    "openness": Preset(
-        "Openness",
-        "How open the space around each point is, 0.5 on a plane: a mask for dust, or for soft light and shade",
-        {"descriptors": {"ambient_openness"}, "radius_percent": 5.0},
-    ),
-    "shape_classes": Preset(
-        "Shape Classes",
-        "Cup, rut, saddle, ridge or cap by the shape index, and how strongly so by the curvedness",
-        {"descriptors": {"shape_index", "curvedness"}, "radius_percent": 3.0},
-    ),
-    "corners": Preset(
-        "Corners",
-        "Corner points: the Harris response, and 1 at each corner in harris_corner",
-        {"descriptors": {"harris"}, "radius_percent": 3.0, "samples": 64},
-    ),
-}
 
 
 # The file of the preset that was chosen last, if it was none of ours.
@@ -77,7 +25,7 @@ def chosen_mask(group: bpy.types.PropertyGroup) -> str:
 
 def members() -> list[str]:
     """Names of the settings that a preset sets, without colors and images."""
-    return preset_members.members()
+    return list(preset_rules.setting_members())
 
 
 def apply(group: bpy.types.PropertyGroup, name: str) -> Preset:
@@ -148,7 +96,7 @@ class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):
         """Applies the preset if all of it is sound, else nothing."""
         path = Path(bpy.path.abspath(self.filepath))
         try:
-            content = preset_members.sound(path)
+            content = preset_rules.sound(path)
         except ParadescError as error:
             self.report({"ERROR"}, error.sentence)
             return {"CANCELLED"}
@@ -246,7 +194,7 @@ def add(scene: bpy.types.Scene, name: str, purpose: str) -> str:
         return "Blender has no folder of your own where presets could be kept."
     path = preset_file.place_of(folder, name)
     content = preset_members.content_of(scene, name, purpose)
-    preset_members.check(path, content)
+    preset_rules.check(path, content)
     preset_file.write(path, content)
     preset_folders.forget()
     show_chosen(name, path)

@@ -5,10 +5,10 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import ParadescError
-from ..core import color_maps, legend
+from ..core import choices, color_maps, legend
 from ..core.job import registry_name, registry_row
 from ..scene import mesh_io, modes, record, viewports
-from ..settings import looks, translation
+from ..settings import translation
 
 Item = tuple[str, str, str]
 
@@ -143,13 +143,13 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
     def run(self, context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Recolors one descriptor, or all of this mesh."""
         group = context.scene.paradesc_looks
-        if looks.fault(group):
-            raise mesh_io.refuse(looks.fault(group))
+        if choices.look_fault(group):
+            raise mesh_io.refuse(choices.look_fault(group))
         mesh = target.data
         names = baked_names(mesh)
         chosen = names if self.every or not shown_name(mesh) else [shown_name(mesh)]
         for name in chosen:
-            recolor(mesh, name, looks.look_of(group))
+            recolor(mesh, name, choices.look_of(group))
 
 
 # Blender needs the strings of such items to stay alive.

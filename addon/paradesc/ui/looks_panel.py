@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..settings import looks
+from ..core import choices
 from ..settings.looks import CHANNELS
 from ..settings.translation import label
 from .drawing import SidebarPanel, button, in_two_columns, sentence_lines, setting, side_by_side
@@ -27,8 +27,8 @@ class PARADESC_PT_looks(SidebarPanel, bpy.types.Panel):
         if group.span == "fixed":
             setting(context, column, group, "minimum")
             setting(context, column, group, "maximum")
-            if looks.fault(group):
-                sentence_lines(context, column, looks.fault(group), "ERROR")
+            if choices.look_fault(group):
+                sentence_lines(context, column, choices.look_fault(group), "ERROR")
         elif group.span == "percentile":
             setting(context, column, group, "percentile")
         if group.span != "fixed":

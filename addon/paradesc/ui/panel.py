@@ -6,8 +6,9 @@ from .. import bridge
 from ..animation import handlers
 from ..bake import sculpt_mask
 from ..bake.modal import ModalJob, Steps, progress_text
+from ..core import choices
 from ..scene import pairs, sculpt_masks, targets, viewports
-from ..settings import presets, properties
+from ..settings import presets
 from ..settings.translation import label
 from ..show import recolor
 from .drawing import (
@@ -52,7 +53,7 @@ class PARADESC_PT_bake(SidebarPanel, bpy.types.Panel):
         column = layout.column()
         in_two_columns(column)
         fit = ("paradesc.fit_radius", "FULLSCREEN_EXIT")
-        setting(context, column, settings, properties.radius_member(settings), beside=fit)
+        setting(context, column, settings, choices.radius_member(settings), beside=fit)
         setting(context, column, context.scene.paradesc_animation, "source")
         if ModalJob.running:
             draw_progress(context, layout, ModalJob.running)

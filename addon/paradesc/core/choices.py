@@ -1,0 +1,96 @@
+"""Turns what was chosen, in the panel or by a preset, into the settings of a computation and the look of its colors.
+
+A group has the members of members.py as attributes, be it one of Blender's or made of a preset. Never imports bpy.
+"""
+
+import math
+from decimal import Decimal
+
+from .. import bridge
+from ..bridge import ParadescError, abi
+from .color_maps import Look
+from .job import Settings
+
+# Digits of a percentage that a person wrote. A 32-bit float of the panel that has more stays what it is.
+WRITTEN = 9
+
+
+def radius_member(group: object) -> str:
+    """The name of the radius that the chosen unit uses."""
+    return {"diagonal": "radius_percent", "absolute": "radius_absolute"}.get(group.radius_unit, "radius_edges")
+
+
+def share(percent: float) -> float:
+    """A percentage as a share: of 1.1 the very float that is written 0.011, which 1.1 / 100 is not."""
+    written = Decimal(f"{percent:.{WRITTEN}g}")
+    return float(written.scaleb(-2)) if float(written) == percent else percent / 100
+
+
+def scaled_radius(group: object, radius: float) -> float:
+    """A radius of the panel in the unit of the computation, where a share of the diagonal replaces percent."""
+    return share(radius) if group.radius_unit == "diagonal" else radius
+
+
+def more_radii(group: object) -> tuple[float, ...]:
+    """The further radii in the unit of the computation; raises one sentence about what is not a number."""
+    radii = []
+    for word in group.more_radii.replace(";", ",").split(","):
+        try:
+            radius = float(word) if word.strip() else None
+        except ValueError:
+            radius = math.nan
+        if radius is None:
+            continue
+        if not (math.isfinite(radius) and radius > 0):
+            sentence = f'"{word.strip()}" in More Radii is no positive number; write numbers with commas between them.'
+            raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
+        radii.append(scaled_radius(group, radius))
+    return tuple(radii)
+
+
+def settings_fault(group: object) -> str:
+    """One sentence about what is wrong with settings that each are within their limits, or ""."""
+    try:
+        more_radii(group)
+    except ParadescError as error:
+        return error.sentence
+    return ""
+
+
+def settings_of(group: object, memory_limit: int = 0) -> Settings:
+    """The settings as the computation takes them, descriptors in the registry's order."""
+    chosen = group.descriptors
+    same = ("samples", "buffer_size", "max_jumps", "texels", "adaptive", "seed", "map_descriptor", "map_sigma")
+    return Settings(
+        descriptors=tuple(row.name for row in bridge.descriptors() if row.name in chosen),
+        options=bridge.Options(
+            radius=scaled_radius(group, getattr(group, radius_member(group))),
+            harris_k=group.harris_k,
+            **{name: getattr(group, name) for name in (*same, *bridge.CHOICES)},
+        ),
+        backend=group.backend,
+        device_index=group.device_index,
+        more_radii=more_radii(group),
+        corner_threshold=share(group.corner_threshold),
+        space=group.space,
+        memory_limit=memory_limit,
+    )
+
+
+def look_fault(group: object) -> str:
+    """One sentence about what is wrong with colors that each are within their limits, or ""."""
+    if group.span == "fixed" and not group.maximum > group.minimum:
+        return f"The range ends at {group.maximum:g}, which is not above {group.minimum:g}; set a larger maximum."
+    return ""
+
+
+def look_of(group: object) -> Look:
+    """The colors as the color maps take them; an invalid range counts as automatic."""
+    fixed = group.span == "fixed" and not look_fault(group)
+    return Look(
+        color_map=group.color_map,
+        percentile=group.percentile if group.span == "percentile" else None,
+        ranges={"": (group.minimum, group.maximum)} if fixed else {},
+        symmetric=group.symmetric,
+        neutral=group.neutral if group.use_neutral else None,
+    )

@@ -1,0 +1,155 @@
+"""What presets may say, which follows from what there is to choose, and what they mean; and the presets that are ours.
+
+The rules hold in Blender and without it: one file is one computation. Never imports bpy.
+"""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import SimpleNamespace
+
+from ..core import choices, members
+from ..core.color_maps import Look
+from ..core.job import Settings
+from ..core.members import Member
+from . import preset_file
+from .old_presets import read_any
+from .preset_file import Content, Rule, Rules
+
+# These belong to the machine or to an object and not to a purpose, or say where results go.
+NO_PRESET = {"backend", "device_index", "material_maps", "space", "shape_key", "cage"}
+NOTHING = {"bool": False, "int": 0, "float": 0.0, "text": ""}
+
+
+# ---- Our own
+
+
+@dataclass(frozen=True)
+class Preset:
+    """Settings and colors that differ from the defaults, images as they shall be, and what all of it is for."""
+
+    label: str
+    purpose: str
+    members: dict[str, object] = field(default_factory=dict)
+    colors: dict[str, object] = field(default_factory=dict)
+    image: dict[str, object] = field(default_factory=dict)
+
+    def content(self) -> Content:
+        """The same as a preset file says it."""
+        settings = {name: preset_file.plain(value) for name, value in self.members.items()}
+        return Content(self.label, self.purpose, settings, self.colors, self.image)
+
+
+# The first four are masks, which stand at the top of the panel.
+PRESETS = {
+    "cavity": Preset(
+        "Cavity",
+        "Grooves and dents, from 0 to 1: a mask for dirt, or to darken a color with",
+        {"descriptors": {"cavity"}, "radius_percent": 2.0, "samples": 128},
+    ),
+    "edge_wear": Preset(
+        "Edge Wear",
+        "Edges and tips that stand out, from 0 to 1: a mask for worn paint or bare metal",
+        {"descriptors": {"convexity"}, "radius_percent": 1.5, "samples": 128},
+    ),
+    "curvature": Preset(
+        "Curvature",
+        "Mean and Gaussian curvature, with sign: where and how strongly the surface bends",
+        {"descriptors": {"mean_curvature", "gaussian_curvature"}, "radius_percent": 2.0},
+    ),
+    "openness": Preset(
+        "Openness",
+        "How open the space around each point is, 0.5 on a plane: a mask for dust, or for soft light and shade",
+        {"descriptors": {"ambient_openness"}, "radius_percent": 5.0},
+    ),
+    "shape_classes": Preset(
+        "Shape Classes",
+        "Cup, rut, saddle, ridge or cap by the shape index, and how strongly so by the curvedness",
+        {"descriptors": {"shape_index", "curvedness"}, "radius_percent": 3.0},
+    ),
+    "corners": Preset(
+        "Corners",
+        "Corner points: the Harris response, and 1 at each corner in harris_corner",
+        {"descriptors": {"harris"}, "radius_percent": 3.0, "samples": 64},
+    ),
+}
+
+
+# ---- Rules
+
+
+def setting_members() -> dict[str, Member]:
+    """The settings that a preset sets, without colors and images."""
+    groups = [group for group in members.GROUPS if group != members.output_members]
+    return {name: member for group in groups for name, member in group().items() if name not in NO_PRESET}
+
+
+def image_members() -> dict[str, Member]:
+    """What a preset says of images: their kind and size, never whether and where files are written."""
+    return {
+        name: member
+        for name, member in members.output_members().items()
+        if member.kind != "text" and not name.startswith("write_") and name not in NO_PRESET
+    }
+
+
+def rules() -> Rules:
+    """What each member of each section may be."""
+    found = {"settings": setting_members(), "colors": members.color_members(), "image": image_members()}
+    return {section: {name: rule_of(one) for name, one in there.items()} for section, there in found.items()}
+
+
+def rule_of(member: Member) -> Rule:
+    """The rule of one setting."""
+    words, kind = member.words, member.kind
+    names = tuple(item[0] for item in words.get("items", ()))
+    if kind == "choices":
+        return Rule(kind, sorted(words["default"]), choices=names)
+    default = words.get("default", NOTHING[kind] if kind in NOTHING else names[0])
+    bounds = {name: words[short] for name, short in (("minimum", "min"), ("maximum", "max")) if short in words}
+    if kind == "int":
+        bounds = {"minimum": -(2**31), "maximum": 2**31 - 1, **bounds}
+    return Rule(kind, default, **bounds, choices=names)
+
+
+# ---- Checking
+
+
+def sound(path: Path) -> Content:
+    """Reads a preset and checks all of it; raises PresetError."""
+    content = read_any(path)
+    check(path, content)
+    return content
+
+
+def check(path: Path, content: Content) -> None:
+    """Raises PresetError if any member is unknown or may not be what it is, also together with others."""
+    known = rules()
+    preset_file.check(path, content, known)
+    for section, fault in (("settings", choices.settings_fault), ("colors", choices.look_fault)):
+        given = getattr(content, section)
+        if given is None:
+            continue
+        whole = preset_file.completed(given, known[section])
+        sentence = fault(SimpleNamespace(**preset_file.as_kept(whole, known[section])))
+        if sentence:
+            preset_file.refuse(path, f"cannot be used: {sentence.rstrip('.')}")
+
+
+# ---- Meaning
+
+
+def settings_of(content: Content, base: Settings) -> Settings:
+    """The settings with those of a preset; the device, the space and the limit of memory stay."""
+    texels = (content.image or {}).get("texels", base.options.texels)
+    if content.settings is None:
+        return replace(base, options=replace(base.options, texels=texels))
+    values = preset_file.completed(content.settings, rules()["settings"])
+    machine = {"backend": base.backend, "device_index": base.device_index, "space": base.space}
+    return choices.settings_of(SimpleNamespace(**values, **machine, texels=texels), base.memory_limit)
+
+
+def look_of(content: Content, otherwise: Look | None) -> Look | None:
+    """The look that a preset asks for, if it says anything of colors."""
+    if content.colors is None:
+        return otherwise
+    return choices.look_of(SimpleNamespace(**preset_file.completed(content.colors, rules()["colors"])))
