@@ -101,8 +101,14 @@ REFUSALS = [
     (("bake", "sphere.obj", "-o", "o.npz", "--preset", "wear"), 2, "choose one of cavity, edge_wear, curvature"),
     (("bake", "sphere.obj", "-o", "o.npz", "--displacement", "x.png"), 4, "--displacement has Blender read"),
     (("bake", "sphere.obj", "-o", "o.npz", "--material-maps"), 4, "--material-maps takes images from"),
-    (("bake", "sphere.obj", "-o", "o.npz", "--from-file", "x.obj"), 4, "--from-file has Blender place"),
-    (("bake", "sphere.obj", "-o", "o.npz", "--pairs"), 4, "--pairs has Blender place"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--from-file", "x.obj"), 3, 'There is no file "x.obj"'),
+    (("bake", "sphere.obj", "-o", "o.npz", "--from-file", "scene.fbx"), 4, '"scene.fbx" is opened by Blender, and'),
+    (("bake", "sphere.obj", "-o", "o.npz", "--pairs"), 3, "No mesh object has a name that ends in _low"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--pairs", "--object", "sphere"), 3, 'is named as "sphere" with _high'),
+    (("bake", "sphere.obj", "-o", "o.npz", "--from", "ball"), 3, 'There is no object "ball"; mesh objects: "sphere"'),
+    (("bake", "sphere.obj", "-o", "o.npz", "--from", "sphere"), 2, "cannot be detailed and low-poly at once"),
+    (("bake", "bare.obj", "-o", "o.npz", "--from-file", "sphere.obj"), 3, "has no usable UV map"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--cage", "1"), 2, "give --from, --from-file or --pairs"),
     (("bake", "sphere.obj", "-o", "o.npz", "--reader", "blender"), 4, "leave --reader blender out"),
     (("bake", "bare.obj", "--map", "o.exr"), 3, "has no UV map, and without Blender it cannot be unwrapped"),
     (("bake", "bare.obj", "-o", "o.npz", "--evaluate", "texel"), 3, "it cannot be unwrapped"),
@@ -139,6 +145,7 @@ def test_what_needs_more_says_so_in_one_sentence(python, tmp_path):
     sphere_obj(tmp_path)
     sphere_obj(tmp_path, "bare.obj", with_uvs=False)
     (tmp_path / "ball.stl").write_text("solid\nendsolid\n")
+    (tmp_path / "scene.fbx").write_bytes(b"Kaydara")
     results = many(python, [words for words, _, _ in REFUSALS])
     for (words, code, sentence), (given, said, printed) in zip(REFUSALS, results, strict=True):
         assert (given, printed) == (code, ""), words
@@ -192,6 +199,19 @@ def test_a_preset_gives_the_bits_of_the_same_options(python, tmp_path):
     assert reports["preset"]["settings"] == reports["options"]["settings"]
     assert reports["packaged"]["settings"]["descriptors"] == ["convexity"]
     assert reports["packaged"]["settings"]["radius"] == 0.015
+
+
+def test_detail_comes_from_meshes_without_a_uv_map_too(python, tmp_path):
+    write_obj(tmp_path / "low.obj", *cube_sphere(4))
+    write_obj(tmp_path / "high.obj", *cube_sphere(20)[:2])
+    words = ("-m", "paradesc", "bake", "low.obj", "--from-file", "high.obj", "--radius", "0.08", "--texels", "48")
+    report = report_of(python(*words, "--map", "x.exr", "-o", "x.npz", "--json", "-"))
+    (row,) = report["objects"]
+    assert (row["object"], row["transfer"]["sources"], row["transfer"]["missed"]) == ("sphere", ["sphere"], 0)
+    found = np.load(tmp_path / "x.npz")
+    np.testing.assert_allclose(found["mean_curvature"], 0.5, atol=2e-3)
+    assert len(found["mean_curvature"]) == len(found["vertices"]) == 98
+    assert (tmp_path / "x.exr").stat().st_size
 
 
 def test_every_command_takes_a_preset(python, tmp_path):

@@ -23,7 +23,7 @@ from .common import (
     print_notes,
 )
 from .look_options import add_look_options, look_of
-from .opening import open_objects
+from .opening import Opened, open_objects
 from .options import (
     add_computation_options,
     add_input,
@@ -76,9 +76,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         raise UsageError("Corners are found by the descriptor harris; add it to --descriptors.")
     check_overwriting(files_of(arguments), open_file(), arguments.force)
     read = time.monotonic()
-    baked = (
-        bake_onto(opened.objects, settings, arguments) if onto else bake_objects(opened.objects, settings, arguments)
-    )
+    baked = bake_onto(opened, settings, arguments) if onto else bake_objects(opened.objects, settings, arguments)
     computed = time.monotonic()
     if saves_scene(arguments):
         write_attributes(opened.objects, baked)
@@ -133,7 +131,7 @@ def bake_objects(
     targets: list[Target],
     settings: job.Settings,
     arguments: argparse.Namespace,
-    onto: dict["bpy.types.Object", list["bpy.types.Object"]] | None = None,
+    onto: dict[Target, list[Target]] | None = None,
 ) -> list[results.Baked]:
     """Computes each object. Objects that share a mesh share its results, unless modifiers or scale make them differ.
 
@@ -154,7 +152,7 @@ def bake_objects(
             if known is None:
                 part = job.part_of(progress, index, len(targets))
                 with named(target, len(targets)):
-                    read = read_object(target, settings, arguments)
+                    read = (pairs.read_low if onto else read_object)(target, settings, arguments)
                     arrays, reading, notes = read.arrays, read.reading, read.notes
                     tiles = images.tiles_of(target.name, arrays, arguments)
                     if onto:
@@ -176,14 +174,10 @@ def bake_objects(
     return baked
 
 
-def bake_onto(
-    targets: list["bpy.types.Object"], settings: job.Settings, arguments: argparse.Namespace
-) -> list[results.Baked]:
+def bake_onto(opened: Opened, settings: job.Settings, arguments: argparse.Namespace) -> list[results.Baked]:
     """Computes detailed objects for low-poly ones; those of another file are gone afterwards, so no output has them."""
-    from ..scene import scene_io
-
-    with scene_io.without_added():
-        return bake_objects(targets, settings, arguments, pairs.highs_of(targets, arguments))
+    with pairs.with_highs(opened, arguments) as highs:
+        return bake_objects(opened.objects, settings, arguments, highs)
 
 
 def asked_look(arguments: argparse.Namespace) -> Look:

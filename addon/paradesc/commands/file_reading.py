@@ -20,9 +20,6 @@ BY_BLENDER = {
     "material_maps": "--material-maps takes images from Blender's materials",
     "displacement": "--displacement has Blender read an image",
     "normal_map": "--normal-map has Blender read an image",
-    "from_objects": "--from has Blender place objects",
-    "from_file": "--from-file has Blender place objects",
-    "pairs": "--pairs has Blender place objects",
 }
 
 
@@ -79,6 +76,9 @@ def check_options(arguments: argparse.Namespace) -> None:
     for name, what in BY_BLENDER.items():
         if getattr(arguments, name, None):
             raise refused(what)
+    other = getattr(arguments, "from_file", None)
+    if other is not None and other.is_file() and other.suffix.lower() not in mesh_files.SUFFIXES:
+        raise refused(f'"{other}" is opened by Blender')
     if any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", [])):
         raise refused("A .blend is written by Blender")
 
@@ -95,12 +95,17 @@ def chosen(meshes: list[FileMesh], names: list[str]) -> list[FileMesh]:
     return [by_name[name] for name in dict.fromkeys(names)]
 
 
-def read_mesh(mesh: FileMesh, settings: job.Settings, arguments: argparse.Namespace) -> FileRead:
-    """Reads a mesh of a file as it is measured: with a usable UV map or none, in the space that is asked for."""
+def read_mesh(
+    mesh: FileMesh, settings: job.Settings, arguments: argparse.Namespace, has_images: bool = True
+) -> FileRead:
+    """Reads a mesh of a file as it is measured: with a usable UV map or none, in the space that is asked for.
+
+    has_images: those that are asked for are of its UV map.
+    """
     arrays = replace(mesh.arrays)
     reason = uv_faults.fault(arrays.corner_uvs, arrays.triangle_corners)
     if reason:
-        if needs_layout(settings, arguments):
+        if job.needs_uvs(job.without_uvs(settings)) or (has_images and writes_images(arguments)):
             raise InputError(
                 f'The mesh "{mesh.name}" {reason}, and without Blender it cannot be unwrapped; give it one, or '
                 "pip install bpy, or compute at vertices (--backend cpu, no image)."
@@ -114,8 +119,7 @@ def read_mesh(mesh: FileMesh, settings: job.Settings, arguments: argparse.Namesp
     return FileRead(arrays, measured, [*mesh.notes, *notes])
 
 
-def needs_layout(settings: job.Settings, arguments: argparse.Namespace) -> bool:
-    """Whether these settings need UV coordinates wherever they are computed, or images do."""
+def writes_images(arguments: argparse.Namespace) -> bool:
+    """Whether what is asked for lies over UV coordinates, wherever it is computed."""
     buffers = getattr(arguments, "dump_buffers", None) is not None
-    images = hasattr(arguments, "map") and bool(paths_of(arguments))
-    return buffers or images or job.needs_uvs(job.without_uvs(settings))
+    return buffers or (hasattr(arguments, "map") and bool(paths_of(arguments)))

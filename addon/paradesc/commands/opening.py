@@ -16,6 +16,7 @@ class Opened:
 
     objects: list[Target]
     notes: list[str] = field(default_factory=list)
+    beside: list[Target] = field(default_factory=list)  # all that there are, of a file that was read without Blender
 
 
 def open_input(arguments: argparse.Namespace) -> tuple[bool, list[str]]:
@@ -53,7 +54,7 @@ def open_objects(arguments: argparse.Namespace) -> Opened:
     """Opens the input and picks the objects: --all of them, those that --object names, or the one that stands out."""
     if file_reading.reads_files(arguments):
         meshes = file_reading.open_files(arguments)
-        return Opened(meshes if arguments.all else file_reading.chosen(meshes, arguments.object))
+        return Opened(meshes if arguments.all else file_reading.chosen(meshes, arguments.object), beside=meshes)
     imported, notes = open_input(arguments)
     from ..scene import scene_io
 

@@ -1,19 +1,23 @@
 """bake from detailed objects onto low-poly ones: which belong together, and where the detailed ones come from."""
 
 import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..bridge import InputError
 from ..core import job, pair_names, transfer
 from ..core.standard_streams import quiet
+from ..files import mesh_files
+from ..files.mesh_files import FileMesh
 from .common import Parser, UsageError
-from .file_reading import open_files, reads_files
+from .file_reading import FileRead, chosen, open_files, read_mesh, reads_files
 from .opening import Opened, open_input, open_objects
-from .reading import read_object
+from .reading import Target, fitting, mesh_name, read_object, world_matrix
 
 if TYPE_CHECKING:
-    import bpy
-
     from ..scene.targets import Read
 
 
@@ -57,78 +61,122 @@ def check_pair_options(arguments: argparse.Namespace) -> None:
         raise UsageError("Maps belong to the mesh that is measured; leave them out, or bake that mesh itself.")
 
 
-def highs_of(
-    lows: list["bpy.types.Object"], arguments: argparse.Namespace
-) -> dict["bpy.types.Object", list["bpy.types.Object"]]:
-    """The detailed objects of each low-poly one, added to the open scene if they are in another file."""
-    from ..scene import scene_io
-
-    if arguments.from_file is not None:
-        there = scene_io.add_objects(arguments.from_file, arguments.verbose)
-    else:
-        there = scene_io.mesh_objects()
-    if arguments.pairs:
-        return by_name(lows, there)
-    (low,) = lows
-    if arguments.from_objects:
-        added = arguments.from_file is not None
-        found = [scene_io.find_among(there, name, numbered=added) for name in dict.fromkeys(arguments.from_objects)]
-    else:
-        found = [item for item in there if item.data.polygons]
-    if low in found:
-        raise UsageError(f'The object "{low.name}" cannot be detailed and low-poly at once; name another one.')
-    return {low: found}
-
-
 def opened_lows(arguments: argparse.Namespace) -> Opened:
     """Opens the input and picks the low-poly objects: with --pairs by their names, unless --object names them."""
     if not arguments.pairs or arguments.object:
         return open_objects(arguments)
     if reads_files(arguments):
-        open_files(arguments)  # which refuses
-    _, notes = open_input(arguments)
-    from ..scene import mesh_io, scene_io
+        there, notes = open_files(arguments), []
+        opened = Opened([], beside=there)
+    else:
+        _, notes = open_input(arguments)
+        from ..scene import scene_io
 
-    lows = [item for item in scene_io.mesh_objects() if pair_names.LOW.fullmatch(item.name)]
+        there = scene_io.mesh_objects()
+        opened = Opened([], notes)
+    lows = [item for item in there if pair_names.LOW.fullmatch(item.name)]
     if not lows:
-        raise mesh_io.refuse("No mesh object has a name that ends in _low.")
-    return Opened(sorted(lows, key=lambda item: item.name), notes)
+        raise InputError("No mesh object has a name that ends in _low.")
+    opened.objects = sorted(lows, key=lambda item: item.name)
+    return opened
 
 
-def by_name(
-    lows: list["bpy.types.Object"], there: list["bpy.types.Object"]
-) -> dict["bpy.types.Object", list["bpy.types.Object"]]:
+@contextmanager
+def with_highs(opened: Opened, arguments: argparse.Namespace) -> Iterator[dict[Target, list[Target]]]:
+    """The detailed objects of each low-poly one; those of another file are in the open scene meanwhile."""
+    if reads_files(arguments):
+        other = arguments.from_file
+        yield highs_of(opened.objects, opened.beside if other is None else mesh_files.read(other), arguments)
+        return
+    from ..scene import scene_io
+
+    with scene_io.without_added():
+        if arguments.from_file is not None:
+            there = scene_io.add_objects(arguments.from_file, arguments.verbose)
+        else:
+            there = scene_io.mesh_objects()
+        yield highs_of(opened.objects, there, arguments)
+
+
+def highs_of(lows: list[Target], there: list[Target], arguments: argparse.Namespace) -> dict[Target, list[Target]]:
+    """The detailed objects of each low-poly one, among those that there are."""
+    if arguments.pairs:
+        return by_name(lows, there)
+    (low,) = lows
+    found = named(there, arguments) if arguments.from_objects else [item for item in there if has_faces(item)]
+    if low in found:
+        raise UsageError(f'The object "{low.name}" cannot be detailed and low-poly at once; name another one.')
+    return {low: found}
+
+
+def named(there: list[Target], arguments: argparse.Namespace) -> list[Target]:
+    """The objects that --from names, each once."""
+    if reads_files(arguments):
+        return chosen(there, arguments.from_objects)
+    from ..scene import scene_io
+
+    added = arguments.from_file is not None
+    return [scene_io.find_among(there, name, numbered=added) for name in dict.fromkeys(arguments.from_objects)]
+
+
+def has_faces(target: Target) -> bool:
+    """Whether there is any surface; meshes of files have one."""
+    return isinstance(target, FileMesh) or bool(target.data.polygons)
+
+
+def by_name(lows: list[Target], there: list[Target]) -> dict[Target, list[Target]]:
     """The detailed objects of each low-poly one by their names; refuses one without any."""
-    from ..scene import mesh_io, pairs
-
-    named = pairs.by_name(list({*lows, *there}))
-    found = {low: [item for item in named.get(low, []) if item in there] for low in lows}
+    among = {item.name: item for item in there}
+    pairs = pair_names.pairs_of(dict.fromkeys([*(low.name for low in lows), *among]))
+    found = {low: [among[name] for name in pairs.get(low.name, []) if name in among] for low in lows}
     for low, highs in found.items():
         if not highs:
-            raise mesh_io.refuse(f'No mesh object is named as "{low.name}" with _high in place of _low.')
+            raise InputError(f'No mesh object is named as "{low.name}" with _high in place of _low.')
     return found
 
 
+# ---- Baking
+
+
+def read_low(low: Target, settings: job.Settings, arguments: argparse.Namespace) -> "Read | FileRead":
+    """Reads the low-poly object, whose own normals are not measured."""
+    options = replace(settings.options, normals="fitted")
+    return read_object(low, replace(settings, options=options), arguments)
+
+
+def read_high(high: Target, settings: job.Settings, arguments: argparse.Namespace) -> "Read | FileRead":
+    """Reads a detailed object, which is measured at its vertices and needs no UV map for that."""
+    if isinstance(high, FileMesh):
+        options = replace(settings.options, evaluate="vertex")
+        return read_mesh(high, replace(settings, options=options), arguments, has_images=False)
+    with quiet(arguments.verbose):
+        return read_object(high, settings, arguments)
+
+
+def part_of(target: Target, read: "Read | FileRead") -> transfer.Part:
+    """The object as it stands in the world, as it was read."""
+    return transfer.Part(target.name, read.arrays, read.measured, world_matrix(target))
+
+
 def run_onto(
-    low: "bpy.types.Object",
-    read: "Read",
-    highs: list["bpy.types.Object"],
+    low: Target,
+    read: "Read | FileRead",
+    highs: list[Target],
     settings: job.Settings,
     arguments: argparse.Namespace,
     tiles: tuple[int, ...],
     progress: object,
 ) -> tuple[job.Results, list[str]]:
     """Measures the detailed objects for one low-poly one, which has been read; sentences about how they were read."""
-    from ..scene import mesh_io, pairs
-
     if read.arrays.corner_uvs is None or read.arrays.layout is not None:
-        raise mesh_io.refuse(f'The mesh "{low.data.name}" has no usable UV map; unwrap it.')
+        raise InputError(f'The mesh "{mesh_name(low)}" has no usable UV map; unwrap it.')
     parts, notes = [], []
     for high in highs:
-        with quiet(arguments.verbose):
-            found = read_object(high, settings, arguments)
-        notes += pairs.notes_of(found)
-        parts.append(pairs.part_of(high, found))
+        found = read_high(high, settings, arguments)
+        settings = fitting(settings, found)
+        # What is said about where its results would go belongs to no detailed object.
+        notes += [note for note in found.notes if found.reading is None or note not in found.reading.notes]
+        parts.append(part_of(high, found))
     size, cage = settings.options.texels, arguments.cage or 0.0
-    results = transfer.run(pairs.part_of(low, read), parts, settings, size, cage, progress, tiles)
+    results = transfer.run(part_of(low, read), parts, settings, size, cage, progress, tiles)
     return results, [*notes, *results.notes]

@@ -25,7 +25,7 @@ HARMLESS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KH
 COPIES = {"TEXCOORD_0": "_PARADESC_UV", "NORMAL": "_PARADESC_NORMAL"}
 
 
-@dataclass
+@dataclass(eq=False)
 class FileMesh:
     """A mesh of a file, as triangles."""
 
