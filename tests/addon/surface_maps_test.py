@@ -11,6 +11,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import ParadescError  # noqa: E402
 from paradesc.core import job  # noqa: E402
+from paradesc.files import map_images  # noqa: E402
 from paradesc.scene import mesh_io, surface_maps  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, measure_curvature  # noqa: E402
 
@@ -136,7 +137,7 @@ def test_files_are_read_as_they_are_from_bottom_to_top(target, tmp_path):
     assert pixels.shape == (2, 3, 4)
     np.testing.assert_allclose(pixels[..., :3], ramp(), atol=1e-6)
     arrays, notes = maps_of(target, displacement=path, midlevel=0.1, scale=3.0)
-    np.testing.assert_allclose(arrays.maps.heights, ramp() @ np.array(surface_maps.LUMINANCE), atol=1e-6)
+    np.testing.assert_allclose(arrays.maps.heights, ramp() @ np.array(map_images.LUMINANCE), atol=1e-6)
     assert (arrays.maps.midlevel, arrays.maps.scale) == (0.1, 3.0)
     assert arrays.maps.normals is None
     assert len(notes) == 2

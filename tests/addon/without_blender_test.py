@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paradesc.files import cache
+from paradesc.files import cache, exr
 from shapes import ADDON, cube_sphere, write_obj
 
 COMMANDS = ("bake", "animate", "library", "tasks", "compare", "info", "list")
@@ -99,7 +99,15 @@ REFUSALS = [
     (("bake", "sphere.obj", "--output", "out.blend"), 4, "A .blend is written by Blender, and"),
     (("bake", "sphere.obj", "-o", "o.npz", "--scene-settings"), 4, "--scene-settings takes the panel's settings"),
     (("bake", "sphere.obj", "-o", "o.npz", "--preset", "wear"), 2, "choose one of cavity, edge_wear, curvature"),
-    (("bake", "sphere.obj", "-o", "o.npz", "--displacement", "x.png"), 4, "--displacement has Blender read"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--displacement", "x.png"), 3, 'There is no image "x.png"'),
+    (
+        ("bake", "sphere.obj", "-o", "o.npz", "--displacement", "x.tif"),
+        3,
+        "is none of .png, .exr, which are read",
+    ),
+    (("bake", "bare.obj", "-o", "o.npz", "--displacement", "x.png"), 3, "has no UV map for displacement and normal"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--normal-map", "x.png"), 3, "has no normals for"),
+    (("bake", "sphere.obj", "-o", "o.npz", "--from", "x", "--displacement", "x.png"), 2, "Maps belong to the mesh"),
     (("bake", "sphere.obj", "-o", "o.npz", "--material-maps"), 4, "--material-maps takes images from"),
     (("bake", "sphere.obj", "-o", "o.npz", "--from-file", "x.obj"), 3, 'There is no file "x.obj"'),
     (("bake", "sphere.obj", "-o", "o.npz", "--from-file", "scene.fbx"), 4, '"scene.fbx" is opened by Blender, and'),
@@ -212,6 +220,26 @@ def test_detail_comes_from_meshes_without_a_uv_map_too(python, tmp_path):
     np.testing.assert_allclose(found["mean_curvature"], 0.5, atol=2e-3)
     assert len(found["mean_curvature"]) == len(found["vertices"]) == 98
     assert (tmp_path / "x.exr").stat().st_size
+
+
+def test_frames_are_displaced_by_an_image_and_gone_on_with(python, tmp_path):
+    for frame, size in ((1, (1, 1, 1)), (2, (1, 1, 1.5))):
+        sphere_obj(tmp_path, f"ball_{frame}.obj", size)
+    write_obj(tmp_path / "ball_3.obj", *cube_sphere(5))
+    heights = np.add.outer(*2 * [np.sin(np.arange(64) / 4)]).astype(np.float32)
+    exr.write_exr(tmp_path / "h.exr", {"Y": heights})
+    words = ("-m", "paradesc", "animate", "ball_#.obj", "--radius", "0.1", "--json", "-", "--displacement", "h.exr")
+    report = report_of(python(*words, "--displacement-scale", "0.1"))
+    (done,) = report["objects"]
+    assert done["made"] == [1, 2, 3]
+    frames = [cache.read_frame(cache.frame_path(tmp_path / done["folder"], frame)) for frame in (1, 2, 3)]
+    assert all(np.ptp(frame.values["mean_curvature"]) > 0.3 for frame in frames)  # of a sphere they are all 1/2
+    (done,) = report_of(python(*words, "--displacement-scale", "0.1"))["objects"]
+    assert done["kept"] == [1, 2, 3]
+    (done,) = report_of(python(*words, "--displacement-scale", "0.2"))["objects"]
+    assert done["made"] == [1, 2, 3]
+    refused = python(*words[:-2], "--normal-map", "h.exr")
+    assert (refused.returncode, "Normal maps are followed in single bakes only" in refused.stderr) == (3, True)
 
 
 def test_every_command_takes_a_preset(python, tmp_path):

@@ -24,11 +24,11 @@ from .common import (
     check_outputs,
     print_notes,
 )
+from .file_reading import map_sources
 from .look_options import fixed_range
 from .opening import open_objects
 from .options import add_computation_options, add_input, add_map_options, add_source, opened_settings, settings_of
 from .preset_options import check_preset, notes_of_preset
-from .reading import map_sources
 
 if TYPE_CHECKING:
     import bpy

@@ -9,12 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bridge import InputError, MeshArrays, ParadescError
+from ..bridge import InputError, MeshArrays, ParadescError, SurfaceMaps
 from ..core import job
 from ..core.digests import digest
 from ..core.stream import TOPOLOGY, same_topology
 from ..files import cache, mesh_files, sequences
 from ..files.frame_baking import Baker, FrameRequest, Task, at_frame
+from ..files.map_images import MapChoice
 from ..files.mesh_files import FileMesh
 from . import file_reading
 from .common import UsageError
@@ -100,8 +101,9 @@ class FileBaker(Baker):
 
     def __init__(self, mesh: MeshSequence, request: FrameRequest, arguments: argparse.Namespace) -> None:
         self.mesh, self.arguments, self.settings = mesh, arguments, request.settings
+        self.maps: SurfaceMaps | None = None
+        self.notes: list[str] = []
         super().__init__(mesh.name, mesh.first.name, request)
-        self.notes += [note for note in mesh.first.notes if note not in self.notes]
 
     def open(self, settings: job.Settings) -> None:
         """Opens the device, which a mesh without a UV map may need none for."""
@@ -112,13 +114,19 @@ class FileBaker(Baker):
 
     def read_base(self, _needs_uvs: bool) -> MeshArrays:
         """The mesh of the first file."""
-        return file_reading.read_mesh(self.mesh.first, self.settings, self.arguments).measured
+        if self.arguments.normal_map is not None:
+            raise InputError("Normal maps are followed in single bakes only; leave them out to bake frames.")
+        known = None if self.maps is None else MapChoice()  # images are read once
+        read = file_reading.read_mesh(self.mesh.first, self.settings, self.arguments, maps=known)
+        self.maps = read.measured.maps = self.maps or read.measured.maps
+        self.notes += [note for note in read.notes if note not in self.notes]
+        return read.measured
 
     def prepare(self, frame: int) -> Task | None:
         """Reads a frame's file; None if its result is there already."""
         start = time.perf_counter()
         try:
-            read = file_reading.read_mesh(self.mesh.mesh_at(frame), self.settings, self.arguments)
+            read = file_reading.read_mesh(self.mesh.mesh_at(frame), self.settings, self.arguments, maps=MapChoice())
         except ParadescError as error:
             raise at_frame(frame, error) from error
         arrays = read.measured
@@ -129,6 +137,7 @@ class FileBaker(Baker):
             sentence = f"Frame {frame} has other faces than the first file, which is the rest pose"
             raise InputError(f"{sentence}; leave --relative-to-rest out.")
         else:
+            arrays.maps = self.maps
             shape = [getattr(arrays, name) for name in TOPOLOGY]
             content = digest(np.frombuffer(content.encode(), np.uint8), *shape)
         self.notes += [note for note in read.notes if note not in self.notes and note not in self.mesh.first.notes]

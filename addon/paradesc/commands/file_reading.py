@@ -5,8 +5,9 @@ from dataclasses import dataclass, field, replace
 
 from .. import bridge
 from ..bridge import InputError, ParadescError, abi
-from ..core import job, spaces, uv_faults
-from ..files import mesh_files
+from ..core import job, spaces, tangents, uv_faults
+from ..files import map_images, mesh_files
+from ..files.map_images import MapChoice
 from ..files.mesh_files import FileMesh
 from .common import UsageError, has_blender
 from .images import paths_of
@@ -18,8 +19,6 @@ KNOWN = ", ".join(mesh_files.SUFFIXES)
 BY_BLENDER = {
     "scene_settings": "--scene-settings takes the panel's settings from a .blend",
     "material_maps": "--material-maps takes images from Blender's materials",
-    "displacement": "--displacement has Blender read an image",
-    "normal_map": "--normal-map has Blender read an image",
 }
 
 
@@ -96,12 +95,17 @@ def chosen(meshes: list[FileMesh], names: list[str]) -> list[FileMesh]:
 
 
 def read_mesh(
-    mesh: FileMesh, settings: job.Settings, arguments: argparse.Namespace, has_images: bool = True
+    mesh: FileMesh,
+    settings: job.Settings,
+    arguments: argparse.Namespace,
+    has_images: bool = True,
+    maps: MapChoice | None = None,
 ) -> FileRead:
     """Reads a mesh of a file as it is measured: with a usable UV map or none, in the space that is asked for.
 
-    has_images: those that are asked for are of its UV map.
+    has_images: those that are asked for are of its UV map. maps: those that the options name, if none are given.
     """
+    maps = map_sources(arguments) if maps is None else maps
     arrays = replace(mesh.arrays)
     reason = uv_faults.fault(arrays.corner_uvs, arrays.triangle_corners)
     if reason:
@@ -111,12 +115,44 @@ def read_mesh(
                 "pip install bpy, or compute at vertices (--backend cpu, no image)."
             )
         arrays.corner_uvs = None
+    map_notes = add_maps(mesh, arrays, reason, maps)
     if settings.options.normals == "mesh":
         if mesh.corner_normals is None:
             raise InputError(f'The file has no normals for "{mesh.name}"; choose fitted ones.')
         arrays.corner_normals = spaces.unit(mesh.corner_normals)
     measured, notes = spaces.measured(arrays, mesh.matrix_world, mesh.name, settings.space, "give --space world")
-    return FileRead(arrays, measured, [*mesh.notes, *notes])
+    return FileRead(arrays, measured, [*mesh.notes, *notes, *map_notes])
+
+
+def map_sources(arguments: argparse.Namespace) -> MapChoice:
+    """Where displacement and normal map come from; compare has no such options."""
+    if not hasattr(arguments, "displacement"):
+        return MapChoice()
+    return MapChoice(
+        arguments.displacement,
+        arguments.midlevel,
+        arguments.displacement_scale,
+        arguments.normal_map,
+        arguments.material_maps,
+    )
+
+
+def add_maps(mesh: FileMesh, arrays: bridge.MeshArrays, uv_fault: str, choice: MapChoice) -> list[str]:
+    """Puts the maps, and what they need of the mesh, into its arrays; gives a sentence about each."""
+    if not choice.any:
+        return []
+    if uv_fault:
+        raise InputError(f'The mesh "{mesh.name}" {uv_fault} for displacement and normal maps; unwrap it.')
+    if choice.normal_map is not None and mesh.corner_normals is None:
+        sentence = f'The file has no normals for "{mesh.name}", in whose tangent space a normal map lies'
+        raise InputError(f"{sentence}; export them with it.")
+    maps = bridge.SurfaceMaps()
+    notes = map_images.of_files(choice, maps, map_images.read_image)
+    if maps.normals is not None:
+        arrays.corner_normals = spaces.unit(mesh.corner_normals)
+        maps.corner_tangents = tangents.corner_tangents(arrays)
+    arrays.maps = maps
+    return notes
 
 
 def writes_images(arguments: argparse.Namespace) -> bool:

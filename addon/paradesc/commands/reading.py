@@ -8,12 +8,11 @@ import numpy as np
 from ..core import job
 from ..core.standard_streams import quiet
 from ..files.mesh_files import FileMesh
-from .file_reading import FileRead, read_mesh
+from .file_reading import FileRead, map_sources, read_mesh
 
 if TYPE_CHECKING:
     import bpy
 
-    from ..scene.surface_maps import MapChoice
     from ..scene.targets import Read
 
 # What commands work on: an object of Blender's scene, or a mesh of a file that was read without Blender.
@@ -48,18 +47,3 @@ def mesh_name(target: Target) -> str:
 def world_matrix(target: Target) -> np.ndarray:
     """(4, 4) float64 matrix from object space to world space."""
     return np.array(target.matrix_world, np.float64)
-
-
-def map_sources(arguments: argparse.Namespace) -> "MapChoice":
-    """Where displacement and normal map come from; compare has no such options."""
-    from ..scene import surface_maps
-
-    if not hasattr(arguments, "displacement"):
-        return surface_maps.MapChoice()
-    return surface_maps.MapChoice(
-        arguments.displacement,
-        arguments.midlevel,
-        arguments.displacement_scale,
-        arguments.normal_map,
-        arguments.material_maps,
-    )

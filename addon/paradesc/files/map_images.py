@@ -1,15 +1,67 @@
-"""Reads displacement and normal maps from image files without Blender: PNG and OpenEXR, exactly. Never imports bpy."""
+"""Takes displacement and normal maps from image files, which it reads itself: PNG and OpenEXR. Never imports bpy."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from ..bridge import InputError
+from ..bridge import InputError, SurfaceMaps
 from .exr_reading import read_exr
 from .png_reading import read_png
 
 # The largest numbers of a channel stand for 1. Blender multiplies too, so that one image is the same bits everywhere.
 STEPS = {np.dtype(kind): np.float32(1.0) / np.float32(np.iinfo(kind).max) for kind in (np.uint8, np.uint16)}
+
+LUMINANCE = (0.2126, 0.7152, 0.0722)  # how Blender makes a color a number
+# Gives (height, width, 3 or 4) float32 values of a file, rows bottom-up, and whether it has more than 8 bits.
+Reader = Callable[[Path], tuple[np.ndarray, bool]]
+
+
+@dataclass
+class MapChoice:
+    """Where maps come from: from files, or from the object's material."""
+
+    displacement: Path | None = None
+    midlevel: float = 0.5
+    scale: float = 1.0  # in units of the mesh
+    normal_map: Path | None = None
+    material: bool = False
+
+    @property
+    def any(self) -> bool:
+        """Whether there is any map."""
+        return self.material or self.displacement is not None or self.normal_map is not None
+
+
+def of_files(choice: MapChoice, maps: SurfaceMaps, read: Reader) -> list[str]:
+    """Fills the maps from image files, whose values are taken as they are; gives a sentence about each."""
+    notes = []
+    if choice.displacement is not None:
+        pixels, fine = read(choice.displacement)
+        maps.heights = luminance(pixels)
+        maps.midlevel, maps.scale = choice.midlevel, choice.scale
+        notes += displacement_notes(choice.displacement.name, maps, fine)
+    if choice.normal_map is not None:
+        maps.normals = read(choice.normal_map)[0][..., :3]
+        notes.append(f'Normals are those of "{choice.normal_map.name}".')
+    return notes
+
+
+def displacement_notes(name: str, maps: SurfaceMaps, fine: bool) -> list[str]:
+    """Says by what the surface was displaced, and what limits an image of few bits."""
+    notes = [f'The surface is displaced by "{name}", midlevel {maps.midlevel:g}, scale {maps.scale:g}.']
+    if not fine and len(np.unique(maps.heights)) > 2:
+        notes.append(f'"{name}" has 8 bits, each step of which is a slope of its own; use 16 bits or floats.')
+    return notes
+
+
+def luminance(pixels: np.ndarray) -> np.ndarray:
+    """(height, width) float32 of (height, width, 3 or 4)."""
+    return (pixels[..., :3].astype(np.float64) @ np.array(LUMINANCE)).astype(np.float32)
+
+
+# ---- Files
 
 
 def read_image(path: Path) -> tuple[np.ndarray, bool]:

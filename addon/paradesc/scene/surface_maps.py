@@ -1,6 +1,5 @@
 """Reads displacement and normal maps of an object, from files or from its material, and its corners' tangents."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import bmesh
@@ -9,27 +8,11 @@ import numpy as np
 
 from ..bridge import MeshArrays, SurfaceMaps
 from ..core import color_maps, spaces
+from ..files.map_images import MapChoice, displacement_notes, luminance, of_files
 from . import mesh_io
 from .mesh_io import read_array, refuse
 
-LUMINANCE = (0.2126, 0.7152, 0.0722)  # how Blender makes a color a number
 ORIGINAL_FACE = "paradesc_face"
-
-
-@dataclass
-class MapChoice:
-    """Where maps come from: from files, or from the object's material."""
-
-    displacement: Path | None = None
-    midlevel: float = 0.5
-    scale: float = 1.0  # in units of the mesh
-    normal_map: Path | None = None
-    material: bool = False
-
-    @property
-    def any(self) -> bool:
-        """Whether there is any map."""
-        return self.material or self.displacement is not None or self.normal_map is not None
 
 
 def add_maps(target: bpy.types.Object, arrays: MeshArrays, choice: MapChoice) -> list[str]:
@@ -39,7 +22,7 @@ def add_maps(target: bpy.types.Object, arrays: MeshArrays, choice: MapChoice) ->
     if target.data.uv_layers.active is None:
         raise refuse(f'The mesh "{target.data.name}" has no UV map for displacement and normal maps; unwrap it.')
     maps = SurfaceMaps()
-    notes = read_material(target, maps) if choice.material else read_files(choice, maps)
+    notes = read_material(target, maps) if choice.material else of_files(choice, maps, read_file)
     if maps.normals is not None:
         maps.corner_tangents, arrays.corner_normals = read_tangent_space(target)
     arrays.maps = maps
@@ -47,28 +30,6 @@ def add_maps(target: bpy.types.Object, arrays: MeshArrays, choice: MapChoice) ->
 
 
 # ---- Images
-
-
-def read_files(choice: MapChoice, maps: SurfaceMaps) -> list[str]:
-    """Fills the maps from image files, whose values are taken as they are; gives a sentence about each."""
-    notes = []
-    if choice.displacement is not None:
-        pixels, fine = read_file(choice.displacement)
-        maps.heights = luminance(pixels)
-        maps.midlevel, maps.scale = choice.midlevel, choice.scale
-        notes += displacement_notes(choice.displacement.name, maps, fine)
-    if choice.normal_map is not None:
-        maps.normals = read_file(choice.normal_map)[0][..., :3]
-        notes.append(f'Normals are those of "{choice.normal_map.name}".')
-    return notes
-
-
-def displacement_notes(name: str, maps: SurfaceMaps, fine: bool) -> list[str]:
-    """Says by what the surface was displaced, and what limits an image of few bits."""
-    notes = [f'The surface is displaced by "{name}", midlevel {maps.midlevel:g}, scale {maps.scale:g}.']
-    if not fine and len(np.unique(maps.heights)) > 2:
-        notes.append(f'"{name}" has 8 bits, each step of which is a slope of its own; use 16 bits or floats.')
-    return notes
 
 
 def read_file(path: Path) -> tuple[np.ndarray, bool]:
@@ -106,11 +67,6 @@ def read_pixels(image: bpy.types.Image, name: str) -> np.ndarray:
     if channels == 2:
         rgba[..., 3] = pixels[..., 1]
     return rgba
-
-
-def luminance(pixels: np.ndarray) -> np.ndarray:
-    """(height, width) float32 of (height, width, 3 or 4)."""
-    return (pixels[..., :3].astype(np.float64) @ np.array(LUMINANCE)).astype(np.float32)
 
 
 def read_linear(image: bpy.types.Image) -> np.ndarray:
