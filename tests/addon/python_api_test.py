@@ -5,14 +5,15 @@ import re
 import subprocess
 import sys
 import threading
+from dataclasses import fields
 
 import numpy as np
 import pytest
 
 import paradesc
 from conftest import blender_program
-from paradesc import InputError, ParadescError
-from paradesc.core import contexts
+from paradesc import InputError, ParadescError, bridge
+from paradesc.core import contexts, members
 from shapes import ADDON, ROOT, cube_sphere
 
 PAGE = ADDON / "manual" / "python.md"
@@ -260,6 +261,23 @@ def test_options_that_make_no_sense_are_refused_by_one_sentence(options, sentenc
     with pytest.raises(InputError, match=sentence) as caught:
         paradesc.compute(POINTS, FACES, **options)
     assert "\n" not in str(caught.value)
+
+
+def limits():
+    """Options that are numbers, with the limits that the panel and presets have."""
+    known = [field.name for field in fields(bridge.Options)]
+    found = [row for group in members.GROUPS for row in group().items()]
+    return {name: one.words for name, one in found if name in known and one.kind in ("int", "float")}
+
+
+@pytest.mark.parametrize("name", [*limits(), "corner_threshold"])
+def test_limits_are_those_of_the_panel(sphere, name):
+    words = limits().get(name, {"min": 1e-4, "max": 1.0})  # the panel has percent
+    for side, step in (("min", -1), ("max", 1)):
+        if side in words:
+            paradesc.compute(*sphere[:2], "harris", 0.3, backend="cpu", **{name: words[side]})
+            with pytest.raises(InputError, match=name.split("_")[0]):
+                paradesc.compute(*sphere[:2], "harris", 0.3, backend="cpu", **{name: words[side] + step})
 
 
 def test_too_little_memory_is_no_input_error(sphere):

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from .. import bridge
-from ..core import job, source_kinds, texel_tiles
+from ..core import corners, job, source_kinds, texel_tiles
 from ..core.color_maps import Look
 from ..files import results
 from . import images, pairs
@@ -115,9 +115,8 @@ def check(arguments: argparse.Namespace) -> None:
     pairs.check_pair_options(arguments)
     if arguments.all and arguments.object:
         raise UsageError("Give --object or --all, not both.")
-    threshold = arguments.corner_threshold
-    if threshold is not None and not 0 < threshold <= 1:
-        raise UsageError(f"The corner threshold is {threshold}; it must be above 0 and at most 1.")
+    if arguments.corner_threshold is not None:
+        corners.check_threshold(arguments.corner_threshold)
     if arguments.material_maps and (arguments.displacement or arguments.normal_map):
         raise UsageError("Maps come from the material or from files; leave --material-maps or the images out.")
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bridge import ProgressFunction
+from ..bridge import ParadescError, ProgressFunction, abi
 from .threads import go_on
 
 THRESHOLD = 0.05  # of the largest response
@@ -21,6 +21,13 @@ class Corners:
 
     vertices: np.ndarray  # (corner_count,) int32, one of each corner's vertices
     painted: np.ndarray  # (vertex_count,) float32: 1 at every vertex that lies at a corner, else 0
+
+
+def check_threshold(threshold: float) -> None:
+    """Refuses what is no share of the largest response; what the library computes has its limits there."""
+    if not 0 < threshold <= 1:
+        sentence = f"The corner threshold is {threshold:g}; it must be above 0 and at most 1."
+        raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
 
 
 def find_corners(

@@ -170,12 +170,12 @@ def descriptor_members() -> dict[str, Member]:
         "map_sigma": member(
             "float", name="Sigma",
             description="Standard deviation of the operators' Gaussian windows, in multiples of the radius",
-            default=bridge.Options.map_sigma, min=0.05, soft_max=2.0, max=16.0, precision=2,
+            default=bridge.Options.map_sigma, min=0.1, soft_max=2.0, max=4.0, precision=2,
         ),
         "harris_k": member(
             "float", name="Harris k",
             description="The k of det A - k tr\u00b2 A, without unit; more suppresses edges, 0.04 to 0.06 are usual",
-            default=bridge.Options.harris_k, min=0.0, max=0.25, precision=3, step=1,
+            default=bridge.Options.harris_k, min=0.0, max=0.249, precision=3, step=1,
         ),
         "corner_threshold": member(
             "float", name="Corners",

@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import BACKENDS, CHOICES, InputError
+from ..core.corners import check_threshold
 from ..core.job import Settings, check_descriptors
 
 RadiusUnit = Literal["diagonal", "absolute", "mean-edge"]
@@ -57,6 +58,7 @@ def settings_of(descriptors: object, radius: object, given: Mapping[str, object]
     check_machine(machine)
     if "corner_threshold" in given:
         machine["corner_threshold"] = real_number("corner_threshold", given["corner_threshold"])
+        check_threshold(machine["corner_threshold"])
     return Settings(
         descriptors_of(descriptors),
         bridge.Options(**options, radius=radii[0]),
