@@ -113,6 +113,8 @@ REFUSALS = [
     (("bake", "sphere.obj", "-o", "o.npz", "--from-file", "scene.fbx"), 4, '"scene.fbx" is opened by Blender, and'),
     (("bake", "sphere.obj", "-o", "o.npz", "--pairs"), 3, "No mesh object has a name that ends in _low"),
     (("bake", "sphere.obj", "-o", "o.npz", "--pairs", "--object", "sphere"), 3, 'is named as "sphere" with _high'),
+    (("bake", "low.obj", "--from-file", "high.ply", "-o", "high.ply"), 2, '"high.ply" is the input; add --force'),
+    (("bake", "sphere.obj", "--displacement", "h.exr", "--map", "h.exr"), 2, '"h.exr" is the input; add --force'),
     (("bake", "sphere.obj", "-o", "o.npz", "--from", "ball"), 3, 'There is no object "ball"; mesh objects: "sphere"'),
     (("bake", "sphere.obj", "-o", "o.npz", "--from", "sphere"), 2, "cannot be detailed and low-poly at once"),
     (("bake", "bare.obj", "-o", "o.npz", "--from-file", "sphere.obj"), 3, "has no usable UV map"),

@@ -112,6 +112,8 @@ def check(arguments: argparse.Namespace) -> None:
         raise UsageError(f"--pack needs {', '.join(lacking)}; add that to --descriptors.")
     check_preset(arguments.preset)
     check_files(arguments)
+    for given in (arguments.from_file, arguments.displacement, arguments.normal_map):
+        check_overwriting(files_of(arguments), given, arguments.force)
     pairs.check_pair_options(arguments)
     if arguments.all and arguments.object:
         raise UsageError("Give --object or --all, not both.")
