@@ -95,6 +95,15 @@ in_environment() {
   [ $code -eq 2 ] || { echo "paradesc gave $code instead of 2"; return 1; }
 }
 
+# with_extras: a fresh environment with what the wheel's extras bring; every command on files that need them.
+with_extras() {
+  local environment=$work/extras
+  "$base" -m venv --clear "$environment" || return
+  "$environment/bin/python" -m pip install -q --disable-pip-version-check "$(wheel_of manylinux_2_28_x86_64)[io,dask]" || return
+  rm -rf "$work/extras-files" && mkdir -p "$work/extras-files" && cd "$work/extras-files" &&
+    "$environment/bin/python" "$root/tests/packages/extras.py"
+}
+
 # under_wine: Windows' Python with the wheel for it.
 under_wine() {
   local folder=$work/windows wine=/usr/lib/wine/wine64
@@ -161,6 +170,7 @@ step "sdist and wheels" pack
 step "what lies in them" contents
 step "what they say of themselves" descriptions
 step "wheel for Linux on x86-64, in a fresh environment" in_environment x64 "$(wheel_of manylinux_2_28_x86_64)"
+step "the same with its extras, trimesh and Dask" with_extras
 step "wheel for Linux on ARM64, in Debian's Python under QEMU" under_qemu
 step "wheel for Windows on x86-64, in Windows' Python under Wine" under_wine
 step "wheel for Windows on ARM64, unpacked" fit_for win_arm64 win_arm64
