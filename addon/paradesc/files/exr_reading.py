@@ -40,7 +40,7 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
     try:
         header = header_of(content)
         lines = lines_of(content, header)
-    except (struct.error, IndexError) as error:
+    except (struct.error, IndexError, OverflowError) as error:
         raise ValueError("it ends too early, or is damaged") from error
     found, place = {}, 0
     for name, kind in header.channels:
