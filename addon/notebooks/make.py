@@ -101,9 +101,12 @@ def small_png(picture: bytes) -> bytes:
     with Image.open(io.BytesIO(picture)) as image:
         colored = image.convert("RGB")
     palette = colored.quantize(255, method=Image.Quantize.MEDIANCUT)
-    palette.putpalette([*palette.getpalette()[: 3 * 255], 255, 255, 255])
+    reduced = colored.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG)
+    colors = [*reduced.getpalette(), *[255] * 3 * 256]
+    reduced.putpalette([*colors[: 3 * 255], 255, 255, 255])
+    reduced.paste(255, mask=colored.convert("L").point(lambda light: 255 * (light == 255)))  # the background stays white
     content = io.BytesIO()
-    colored.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG).save(content, "PNG", optimize=True)
+    reduced.save(content, "PNG", optimize=True)
     return content.getvalue()
 
 
