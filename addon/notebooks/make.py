@@ -104,7 +104,9 @@ def small_png(picture: bytes) -> bytes:
     reduced = colored.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG)
     colors = [*reduced.getpalette(), *[255] * 3 * 256]
     reduced.putpalette([*colors[: 3 * 255], 255, 255, 255])
-    reduced.paste(255, mask=colored.convert("L").point(lambda light: 255 * (light == 255)))  # the background stays white
+    reduced.paste(
+        255, mask=colored.convert("L").point(lambda light: 255 * (light == 255))
+    )  # the background stays white
     content = io.BytesIO()
     reduced.save(content, "PNG", optimize=True)
     return content.getvalue()
