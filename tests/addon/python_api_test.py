@@ -437,9 +437,9 @@ def blocks():
     return re.findall(r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.M | re.S)
 
 
+@pytest.mark.usefixtures("pyvista")
 def test_the_manuals_code_runs(tmp_path, monkeypatch):
     trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
-    pytest.importorskip("pyvista", reason="PyVista is not installed")
     monkeypatch.chdir(tmp_path)
     trimesh.creation.icosphere(subdivisions=3).export("part.ply")
     names = {}
