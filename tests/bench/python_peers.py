@@ -5,8 +5,9 @@
     .venv/bin/python tests/bench/python_peers.py --quick         # the torus once: to try it; nothing is kept
 
 The jobs are those of python_jobs.py. A package that is not installed is left out with a sentence. Time is everything
-but the import; the fastest of several turns counts, packages in turns. Errors are against the closed form on a torus,
-and on the bunny against the reference at the radius, by the one definition (core/compare.py).
+but the import: each package runs once before, and the fastest of three runs counts, packages in turns. Errors are
+against the closed form on a torus, and on the bunny against the reference at the radius, by the one definition
+(core/compare.py).
 """
 
 import argparse
@@ -93,7 +94,7 @@ def once(job: Job, case: Case) -> dict[str, object]:
         taken = {"seconds": time.perf_counter() - start, "cpu_seconds": time.process_time() - cpu}
         return taken | {"error_mean": error_of(H, mean, case), "error_gaussian": error_of(K, gaussian, case)}
     except ImportError:
-        raise MissingError(f"{job.label} is not installed (pip install {job.package}).") from None
+        raise MissingError(f"{job.package.split()[0]} is not installed (pip install {job.package}).") from None
     except Exception as error:  # noqa: BLE001
         raise MissingError(f"{job.label} failed: {error}") from None
 
@@ -120,13 +121,11 @@ def measure(cases: dict[str, Case], jobs: dict[str, Job], turns: int) -> tuple[d
 
 
 def in_turns(cases: dict[str, Case], jobs: dict[str, Job], turns: int, rows: dict, reasons: dict) -> None:
-    """Puts the fastest of several runs of each job into its row, under the mesh's name; one run if that is long."""
+    """Puts the fastest of several runs of each job into its row, under the mesh's name."""
     for mesh, case in cases.items():
-        for turn in range(turns):
+        for _ in range(turns):
             for name in [name for name in jobs if name not in reasons]:
                 before = rows[name].get(mesh)
-                if turn > 0 and before["seconds"] > parts.LONG_TURN:
-                    continue
                 parts.say(f"{mesh} {name} … ")
                 try:
                     found = once(jobs[name], case)

@@ -276,7 +276,7 @@ def python_lines(found: dict) -> list[str]:
             cells += [percent(one["error_mean"]), percent(one["error_gaussian"])]
         lines.append("| " + " | ".join([*cells, row["size"], row["lacks"] or "–"]) + " |")
     lines += ["", f"Versions: {', '.join(f'{name} {version}' for name, version in found['versions'].items())}.", ""]
-    lines += [f"- Not measured: {name}: {text}" for name, text in found["reasons"].items()]
+    lines += [f"- Not measured: {text}" for text in dict.fromkeys(found["reasons"].values())]
     return [*lines, *[""] * bool(found["reasons"]), *stamp_lines(found)]
 
 
@@ -285,20 +285,21 @@ def python_intro(found: dict) -> str:
     sizes = ", ".join(f"{name}: {size['triangles']:,} triangles" for name, size in found["meshes"].items())
     return (
         "The same job in each: mean and Gaussian curvature (H, K) at every vertex, as a Python user writes it "
-        "(`python_jobs.py`), from arrays of vertices and faces to an array of each. *Lines* of code are counted in what "
-        "is run; the import is one of them. Times include everything but the import, a package's own mesh too; each "
-        "package uses the threads that it takes by itself (*cores*: seconds of all cores over seconds). "
-        f"r = 2 % of the diagonal for those that take a radius; {sizes}. *Errors* (mean, the better sign of H): "
-        "on the torus, irregularly triangulated, against the closed form, which is what all of them mean; on the bunny "
-        "against Paradesc's own reference at r, which is not what packages of another size measure. *Lacks*: what a "
-        "user of the job has to add or to do without; directions are the principal ones. MeshLab's Quadric Fitting "
-        "comes to libigl's 2 rings, and its PCA gives no curvature of any unit. Open3D has no curvature of meshes. CGAL "
-        "has one at a radius, in C++ alone: it is in the table above."
+        "(`python_jobs.py`), from arrays of vertices and faces to an array of each. *Lines* of code are counted in "
+        "what is run; the import is one of them. Times are the fastest of three turns and include everything but the "
+        "import, a package's own mesh too; each package uses the threads that it takes by itself (*cores*: seconds of "
+        "all cores over seconds, which other programs on the machine make smaller). r = 2 % of the diagonal for those "
+        f"that take a radius; {sizes}. *Errors* (mean, the better sign of H): on the torus, irregularly triangulated, "
+        "against the closed form, which is what all of them mean; on the bunny against Paradesc's own reference at r, "
+        "which is not what packages of another size measure. *Lacks*: what a user of the job has to add or to do "
+        "without; directions are the principal ones. MeshLab's Quadric Fitting comes to libigl's 2 rings, and its PCA "
+        "gives no curvature of any unit. Open3D has no curvature of meshes. CGAL has one at a radius, in C++ alone: it "
+        "is in the table above."
     )
 
 
 def manual_lines(found: dict) -> list[str]:
-    """What the manual shows: a package's time on the last mesh, and its errors on the first, which has a closed form."""
+    """What the manual shows: time on the last mesh, and errors on the first, which has a closed form."""
     first, *_, last = list(found["meshes"]) * 2
     lines = ["", f"| | lines of code | {last}, ms | H, error % | K, error % | measured over |"]
     lines.append("| --- |" + " ---: |" * 4 + " --- |")
@@ -307,8 +308,8 @@ def manual_lines(found: dict) -> list[str]:
         cells = [name_of(row), str(row["lines"]), f"{1e3 * row[last]['seconds']:.0f}", *errors, row["size"]]
         lines.append("| " + " | ".join(cells) + " |")
     used = ", ".join(f"{name} {version}" for name, version in found["versions"].items() if name != "paradesc")
-    where = f"{found['cpu']}, {found['cores']} cores, {found['date']}, `{found['command']}`"
-    return [*lines, "", f"Measured on {where}, with {used}."]
+    where = f"{found['cpu']}, {found['cores']} cores, {found['date']}, load before {found['load_before']}"
+    return [*lines, "", f"Measured by `{found['command']}` ({where}) with {used}."]
 
 
 def fill(page_file: Path, lines: list[str], start: str = START, end: str = END) -> None:
