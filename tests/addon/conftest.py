@@ -48,6 +48,14 @@ def blender_program():
     return [bpy.app.binary_path, "-b", "--factory-startup"] if bpy.app.binary_path else []
 
 
+@pytest.fixture
+def pyvista():
+    """PyVista; it wants a newer numpy than Blender's, and then disturbs how Blender ends."""
+    if blender_program():
+        pytest.skip("PyVista is tried in Blender's Python module only, where numpy is ours")
+    return pytest.importorskip("pyvista", reason="PyVista is not installed")
+
+
 def command_line():
     """The words before the command: this Blender's if the tests run in one, else the Python module's."""
     program = blender_program()

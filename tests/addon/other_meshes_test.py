@@ -29,8 +29,7 @@ def test_trimesh_goes_in_and_gets_its_values():
         result.to(trimesh.creation.icosphere(subdivisions=0))
 
 
-def test_pyvista_goes_in_and_gets_its_values(sphere):
-    pyvista = pytest.importorskip("pyvista", reason="PyVista is not installed")
+def test_pyvista_goes_in_and_gets_its_values(sphere, pyvista):
     points, quads, _ = sphere
     mixed = [*quads[1:].tolist(), quads[0, [0, 1, 2]].tolist(), quads[0, [0, 2, 3]].tolist()]
     expected = paradesc.compute(points.astype(np.float32), mixed, radius=0.1)

@@ -442,9 +442,10 @@ def test_a_users_program_is_typed(tmp_path):
     )
     wrong = tmp_path / "wrong.py"
     wrong.write_text("import paradesc\nparadesc.compute([], sampels=3)\nparadesc.compute([], normals='x')\n")
-    out, *_ = api.run(["--strict", "--no-incremental", "--follow-imports=silent", str(program)])
+    words = ["--strict", "--no-incremental", "--follow-imports=silent", f"--cache-dir={tmp_path}"]
+    out, *_ = api.run([*words, str(program)])
     assert "Success" in out, out
-    out, *_ = api.run(["--strict", "--no-incremental", "--follow-imports=silent", str(wrong)])
+    out, *_ = api.run([*words, str(wrong)])
     assert "sampels" in out
     assert 'argument "normals"' in out.lower() or "normals" in out
 
@@ -454,9 +455,9 @@ def blocks():
     return re.findall(r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.M | re.S)
 
 
+@pytest.mark.usefixtures("pyvista")
 def test_the_manuals_code_runs(tmp_path, monkeypatch):
     trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
-    pytest.importorskip("pyvista", reason="PyVista is not installed")
     monkeypatch.chdir(tmp_path)
     trimesh.creation.icosphere(subdivisions=3).export("part.ply")
     names = {}

@@ -41,7 +41,9 @@ def parse(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--sweep", action="append", default=[], choices=sweeps.SWEEPS, help=f"measure a sweep: {names}")
     parser.add_argument("--json", type=Path, help="where the ratios go")
     parser.add_argument(
-        "--page", action="store_true", help="write REPORT.md, the plot and README's table from all results"
+        "--page",
+        action="store_true",
+        help="write REPORT.md, the plot, README's and the manual's table from all results",
     )
     parser.add_argument("--no-peers", action="store_true", help="leave other programs out")
     parser.add_argument(
@@ -61,11 +63,18 @@ def parse(words: list[str] | None) -> argparse.Namespace:
 
 
 def about(run: parts.Run, command: str) -> dict[str, object]:
-    """Says where, when and on what this was measured."""
+    """Says on which engines, where and when this was measured."""
     context = run.device.context
     return {
         "device": f"{context.backend}: {context.device}",
         "engines": {name: bench.context.device for name, bench in run.engines.items()},
+        **where_and_when(command),
+    }
+
+
+def where_and_when(command: str) -> dict[str, object]:
+    """Says by which command, when and on which processor something is measured, and what it had to do before."""
+    return {
         "cpu": accuracy_bench.cpu_model(),
         "cores": os.cpu_count(),
         "load_before": round(os.getloadavg()[0], 2),
@@ -121,6 +130,11 @@ def show(found: dict[str, object]) -> None:
         sys.stdout.write(f"{name:40} {value:g}\n")
 
 
+def write_pages(results: Path) -> None:
+    """Writes REPORT.md, and the tables of README.md and the manual if the results are those that are kept."""
+    speed_page.write(results, ROOT if results == HERE / "results" else None)
+
+
 def main(words: list[str] | None = None) -> int:
     """Measures what is asked for."""
     arguments = parse(words)
@@ -142,7 +156,7 @@ def main(words: list[str] | None = None) -> int:
                     path.write_text(text)
                 show(found)
     if arguments.page:
-        speed_page.write(results, ROOT / "README.md" if results == HERE / "results" else None)
+        write_pages(results)
     parts.say(f"{time.monotonic() - start:.0f} s in all\n")
     return 0
 

@@ -1,4 +1,5 @@
-"""Turns the JSON files of run.py into tests/bench/REPORT.md, a plot of the peers, and the table in README.md."""
+"""Turns the JSON files of run.py and python_peers.py into tests/bench/REPORT.md, a plot of the peers, and the tables in
+README.md and the manual."""
 
 import json
 from pathlib import Path
@@ -11,22 +12,28 @@ from figures import CPU
 
 START, END = "<!-- speed: written by tests/bench/run.py --page -->", "<!-- end of speed -->"
 SIZE_NAMES = {"100k": "100 K", "1m": "1 M", "2m": "2 M"}
-QUICK, PLOT = "quick.json", "peers.png"
+PYTHON_START = "<!-- packages: written by tests/bench/python_peers.py --page -->"
+PYTHON_END = "<!-- end of packages -->"
+QUICK, PLOT, PYTHON = "quick.json", "peers.png", "python_peers.json"
 WAYS = ("fewest", "at_256", "one_core")  # in which frames of the bunny are timed beside other programs
 
 
-def write(results: Path, readme: Path | None) -> None:
-    """Writes REPORT.md beside the folder of results, its plot, and README's part, from all results that are there."""
-    quick = results / QUICK
-    found = json.loads(quick.read_text()) if quick.is_file() else None
+def write(results: Path, root: Path | None) -> None:
+    """Writes REPORT.md beside the folder of results, its plot, and the parts of README and manual below a root, from
+    all results that are there."""
+    found, packages = (stored(results / name) for name in (QUICK, PYTHON))
     lines = ["# Speed", "", *intro()]
     if found:
         drawn = plot(found, results / PLOT)
         lines += ratio_lines(found) + peer_lines(found, f"results/{PLOT}" if drawn else "") + stage_lines(found)
-        if readme:
-            fill(readme, readme_lines(found))
+        if root:
+            fill(root / "README.md", readme_lines(found))
     else:
         lines += ["The ratios have not been measured yet: `--quick --page`.", ""]
+    if packages:
+        lines += python_lines(packages)
+        if root:
+            fill(root / "addon" / "manual" / "python.md", manual_lines(packages), PYTHON_START, PYTHON_END)
     for name, sweep in sweeps.SWEEPS.items():
         path = results / f"{name}.json"
         if path.is_file():
@@ -34,6 +41,11 @@ def write(results: Path, readme: Path | None) -> None:
         else:
             lines += [f"## {sweep.title}", "", f"Not measured yet: `--sweep {name}`.", ""]
     (results.parent / "REPORT.md").write_text("\n".join(lines).rstrip() + "\n")
+
+
+def stored(path: Path) -> dict | None:
+    """What a file of results holds, if it is there."""
+    return json.loads(path.read_text()) if path.is_file() else None
 
 
 def intro() -> list[str]:
@@ -238,9 +250,71 @@ def growth_lines(found: dict) -> list[str]:
     ]
 
 
-def fill(readme: Path, lines: list[str]) -> None:
-    """Puts lines between README's markers, if they are there."""
-    text = readme.read_text()
-    if START in text and END in text:
-        before, rest = text.split(START, 1)
-        readme.write_text(before + START + "\n" + "\n".join(lines).rstrip() + "\n" + END + rest.split(END, 1)[1])
+def python_rows(found: dict) -> list[dict]:
+    """Rows of Python packages, fastest on the last mesh first."""
+    last = list(found["meshes"])[-1]
+    return sorted(found["rows"].values(), key=lambda row: row[last]["seconds"])
+
+
+def name_of(row: dict) -> str:
+    """A package's label; ours is set in bold."""
+    return f"**{row['label']}**" if row["label"].startswith("Paradesc") else row["label"]
+
+
+def python_lines(found: dict) -> list[str]:
+    """Writes the section about Python packages."""
+    head = ["", "lines"]
+    for mesh in found["meshes"]:
+        head += [f"{mesh} ms", "cores", "H %", "K %"]
+    lines = ["## Python packages", "", python_intro(found), "", "| " + " | ".join([*head, "size", "lacks"]) + " |"]
+    lines.append("| --- |" + " ---: |" * (len(head) - 1) + " --- | --- |")
+    for row in python_rows(found):
+        cells = [name_of(row), str(row["lines"])]
+        for mesh in found["meshes"]:
+            one = row[mesh]
+            cells += [f"{1e3 * one['seconds']:.0f}", f"{one['cpu_seconds'] / one['seconds']:.1f}"]
+            cells += [percent(one["error_mean"]), percent(one["error_gaussian"])]
+        lines.append("| " + " | ".join([*cells, row["size"], row["lacks"] or "–"]) + " |")
+    lines += ["", f"Versions: {', '.join(f'{name} {version}' for name, version in found['versions'].items())}.", ""]
+    lines += [f"- Not measured: {text}" for text in dict.fromkeys(found["reasons"].values())]
+    return [*lines, *[""] * bool(found["reasons"]), *stamp_lines(found)]
+
+
+def python_intro(found: dict) -> str:
+    """Says what the job is and what its figures mean."""
+    sizes = ", ".join(f"{name}: {size['triangles']:,} triangles" for name, size in found["meshes"].items())
+    return (
+        "The same job in each: mean and Gaussian curvature (H, K) at every vertex, as a Python user writes it "
+        "(`python_jobs.py`), from arrays of vertices and faces to an array of each. *Lines* of code are counted in "
+        "what is run; the import is one of them. Times are the fastest of three turns and include everything but the "
+        "import, a package's own mesh too; each package uses the threads that it takes by itself (*cores*: seconds of "
+        "all cores over seconds, which other programs on the machine make smaller). r = 2 % of the diagonal for those "
+        f"that take a radius; {sizes}. *Errors* (mean, the better sign of H): on the torus, irregularly triangulated, "
+        "against the closed form, which is what all of them mean; on the bunny against Paradesc's own reference at r, "
+        "which is not what packages of another size measure. *Lacks*: what a user of the job has to add or to do "
+        "without; directions are the principal ones. MeshLab's Quadric Fitting comes to libigl's 2 rings, and its PCA "
+        "gives no curvature of any unit. Open3D has no curvature of meshes. CGAL has one at a radius, in C++ alone: it "
+        "is in the table above."
+    )
+
+
+def manual_lines(found: dict) -> list[str]:
+    """What the manual shows: time on the last mesh, and errors on the first, which has a closed form."""
+    first, *_, last = list(found["meshes"]) * 2
+    lines = ["", f"| | lines of code | {last}, ms | H, error % | K, error % | measured over |"]
+    lines.append("| --- |" + " ---: |" * 4 + " --- |")
+    for row in python_rows(found):
+        errors = [percent(row[first][f"error_{name}"]) for name in ("mean", "gaussian")]
+        cells = [name_of(row), str(row["lines"]), f"{1e3 * row[last]['seconds']:.0f}", *errors, row["size"]]
+        lines.append("| " + " | ".join(cells) + " |")
+    used = ", ".join(f"{name} {version}" for name, version in found["versions"].items() if name != "paradesc")
+    where = f"{found['cpu']}, {found['cores']} cores, {found['date']}, load before {found['load_before']}"
+    return [*lines, "", f"Measured by `{found['command']}` ({where}) with {used}."]
+
+
+def fill(page_file: Path, lines: list[str], start: str = START, end: str = END) -> None:
+    """Puts lines between the markers of a page, if they are there."""
+    text = page_file.read_text()
+    if start in text and end in text:
+        before, rest = text.split(start, 1)
+        page_file.write_text(before + start + "\n" + "\n".join(lines).rstrip() + "\n" + end + rest.split(end, 1)[1])

@@ -132,10 +132,10 @@ def timed(mesh: Mesh, positions: np.ndarray, names: tuple[str, ...], options: Op
     }
 
 
-def percent_error(values: np.ndarray, truth: np.ndarray, radius: float) -> float:
-    """Mean %AE of H, (n,) each, by the definition in compare.py."""
+def percent_error(values: np.ndarray, truth: np.ndarray, radius: float, name: str = NAME) -> float:
+    """Mean %AE of a descriptor, (n,) each, by the definition in compare.py."""
     everywhere = np.ones(len(truth), bool)
-    found = compare.percent_errors(values, truth, everywhere, registry_row(NAME), radius)
+    found = compare.percent_errors(values, truth, everywhere, registry_row(name), radius)
     return float(np.nanmean(found.percent))
 
 
