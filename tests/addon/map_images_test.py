@@ -144,12 +144,13 @@ def test_exr_of_ours_is_read(tmp_path):
 
 
 def same_as_blender(path):
-    pytest.importorskip("bpy", reason="needs Blender")
+    bpy = pytest.importorskip("bpy", reason="needs Blender")
     from paradesc.scene import surface_maps
 
     pixels, fine = surface_maps.read_file(path)
     own, own_fine = map_images.read_image(path)
-    assert np.array_equal(own, pixels[..., :3])
+    last_bit = 0 if bpy.app.version >= (4, 0) else 2**-24  # Blender 3 rounds 16 bits otherwise
+    assert np.abs(own - pixels[..., :3]).max() <= last_bit
     assert fine == own_fine
 
 
@@ -167,6 +168,9 @@ def test_all_numbers_of_16_bits_have_the_bits_of_blender(tmp_path):
 @pytest.mark.parametrize("names", ["RGB", "RGBA", "Y", "V", "R"])
 @pytest.mark.parametrize("compression", [0, 1, 2])
 def test_exr_has_the_bits_of_blender(tmp_path, names, compression):
+    bpy = pytest.importorskip("bpy", reason="needs Blender")
+    if names == "V" and bpy.app.version < (4, 0):
+        pytest.skip("Blender 3 does not read a channel of any name")
     values = np.random.default_rng(0).normal(size=(4, 9, 8)).astype(np.float32).round(1)
     same_as_blender(write_exr(tmp_path / "x.exr", dict(zip(names, values, strict=False)), compression, kind=1))
 
