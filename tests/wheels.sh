@@ -84,22 +84,25 @@ descriptions() {
   return $status
 }
 
-# in_environment NAME WORDS...: a fresh environment with what pip installs by these words; then the program and a torus.
+# fresh ENVIRONMENT WORDS...: an environment with what pip installs by these words.
+fresh() {
+  "$base" -m venv --clear "$1" && "$1/bin/python" -m pip install -q --disable-pip-version-check "${@:2}"
+}
+
+# in_environment NAME WORDS...: the program and a torus in a fresh environment.
 in_environment() {
   local environment=$work/$1 code=0
-  shift
-  "$base" -m venv --clear "$environment" && "$environment/bin/python" -m pip install -q --disable-pip-version-check "$@" || return
+  fresh "$environment" "${@:2}" || return
   cd "$work" && "$environment/bin/paradesc" --version && "$environment/bin/python" -m paradesc list >list.txt &&
     "$environment/bin/python" "$torus" || return
   "$environment/bin/paradesc" bake --wobble 2>said.txt || code=$?
   [ $code -eq 2 ] || { echo "paradesc gave $code instead of 2"; return 1; }
 }
 
-# with_extras: a fresh environment with what the wheel's extras bring; every command on files that need them.
+# with_extras: every command, on files that need what the wheel's extras bring.
 with_extras() {
   local environment=$work/extras
-  "$base" -m venv --clear "$environment" || return
-  "$environment/bin/python" -m pip install -q --disable-pip-version-check "$(wheel_of manylinux_2_28_x86_64)[io,dask]" || return
+  fresh "$environment" "$(wheel_of manylinux_2_28_x86_64)[io,dask]" || return
   rm -rf "$work/extras-files" && mkdir -p "$work/extras-files" && cd "$work/extras-files" &&
     "$environment/bin/python" "$root/tests/packages/extras.py"
 }

@@ -102,7 +102,6 @@ class FileBaker(Baker):
     def __init__(self, mesh: MeshSequence, request: FrameRequest, arguments: argparse.Namespace) -> None:
         self.mesh, self.arguments, self.settings = mesh, arguments, request.settings
         self.maps: SurfaceMaps | None = None
-        self.notes: list[str] = []
         super().__init__(mesh.name, mesh.first.name, request)
 
     def open(self, settings: job.Settings) -> None:

@@ -1,13 +1,13 @@
 """Reads OpenEXR files as arrays with the standard library and numpy: scan lines, by ZIP, RLE or as they are."""
 
 import struct
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from .exr import MAGIC
+from .inflating import MOST, inflated
 
 NO, RUNS, ZIP_LINES, ZIP = 0, 1, 2, 3
 LINES = {NO: 1, RUNS: 1, ZIP_LINES: 1, ZIP: 16}  # that are compressed together
@@ -105,7 +105,7 @@ def lines_of(content: bytes, header: Header) -> np.ndarray:
     """(height, bytes) uint8 of all lines. Their blocks lie wherever the table behind the header says."""
     step = LINES[header.compression]
     count = -(-header.height // step)
-    if header.height * header.line_bytes > 1100 * len(content):  # zlib packs no tighter
+    if header.height * header.line_bytes > MOST * len(content):
         raise ValueError("it ends too early, or is damaged")
     places = struct.unpack_from(f"<{count}Q", content, header.end)
     lines = np.zeros((header.height, header.line_bytes), np.uint8)
@@ -140,14 +140,6 @@ def block(packed: bytes, size: int, compression: int) -> np.ndarray:
     if len(found) != size:
         raise ValueError("it is damaged")
     return found
-
-
-def inflated(packed: bytes, size: int) -> bytes:
-    """What zlib packed, as far as it is expected."""
-    try:
-        return zlib.decompressobj().decompress(packed, size)
-    except zlib.error as error:
-        raise ValueError("it is damaged") from error
 
 
 def runs(packed: bytes) -> bytes:

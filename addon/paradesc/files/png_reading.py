@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .inflating import MOST, inflated
 from .png import SIGNATURE
 
 GREY, RGB, PALETTE, GREY_ALPHA, RGB_ALPHA = 0, 2, 3, 4, 6
@@ -104,12 +105,9 @@ def header_of(content: bytes) -> Header:
 def unpacked(header: Header, packed: bytes) -> np.ndarray:
     """(n,) uint8 filtered rows of all parts. A small file cannot make more of itself than its header says."""
     size = sum(height * (1 + header.row_bytes(width)) for _, _, height, width in header.parts())
-    if size > 1100 * len(packed) + 1000:  # zlib packs no tighter
+    if size > MOST * len(packed) + 1000:
         raise ValueError("it ends too early")
-    try:
-        found = zlib.decompressobj().decompress(packed, size)
-    except zlib.error as error:
-        raise ValueError("it is damaged") from error
+    found = inflated(packed, size)
     if len(found) < size:
         raise ValueError("it ends too early")
     return np.frombuffer(found, np.uint8)
