@@ -219,7 +219,7 @@ def test_geometry_nodes_scatter_where_the_value_is_high():
     mesh.attributes["mean_curvature"].data.foreach_set("value", values)
     bpy.ops.paradesc.add_geometry_nodes(kind="scatter")
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    places = np.array([item.matrix_world.translation for item in depsgraph.object_instances if item.is_instance])
+    places = np.array([tuple(item.matrix_world.translation) for item in depsgraph.object_instances if item.is_instance])
     assert len(places) > 100
     positions = mesh_io.read_array(mesh.vertices, "co", np.float32, 3)
     edge = max(np.linalg.norm(positions[a] - positions[b]) for a, b in mesh.edge_keys)
