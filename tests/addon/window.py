@@ -1,7 +1,6 @@
 """Shared by scripts in Blender's window: words for run_in_window.sh, and steps that the event loop takes in turn."""
 
 import sys
-import tempfile
 import time
 import traceback
 from collections.abc import Iterator
@@ -13,6 +12,9 @@ import numpy as np
 import paradesc
 from paradesc.bake import operators
 from scene import measure_curvature
+
+sys.path.append(str(Path(paradesc.__file__).parents[1] / "manual" / "pictures"))
+import screen
 
 PATIENCE = 120.0  # seconds that one step may take
 
@@ -62,14 +64,7 @@ def baking() -> bool:
 
 def screen_pixels() -> np.ndarray:
     """(height, width, 3) float32 pixels of the window, from the lowest row on."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = str(Path(folder) / "screen.png")
-        bpy.ops.screen.screenshot(filepath=path)
-        image = bpy.data.images.load(path)
-        width, height = image.size
-        pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[..., :3]
-        bpy.data.images.remove(image)
-    return pixels
+    return screen.pixels()[::-1].astype(np.float32) / 255
 
 
 def begin(steps: Iterator[None], seconds: float) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 from paradesc.bake import operators  # noqa: E402
+from paradesc.files import png  # noqa: E402
 from paradesc.scene import mesh_io, record, sculpt_masks  # noqa: E402
 from scene import add_sphere, attribute_values, fingerprint  # noqa: E402
 from window import baking, begin, prepare, say, screen_pixels, start_bake, view_context, wait_for  # noqa: E402
@@ -94,7 +95,7 @@ def take_picture(screenshot: str) -> Iterator[None]:
     for _ in range(5):
         area.tag_redraw()
         yield
-    bpy.ops.screen.screenshot(filepath=screenshot)
+    png.write_png(Path(screenshot), np.round(255 * screen_pixels()[::-1]).astype(np.uint8))
     say(f"wrote {screenshot}")
 
 

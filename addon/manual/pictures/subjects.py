@@ -8,6 +8,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+import screen
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from paradesc.commands.main import main as run
@@ -124,16 +125,7 @@ def drawn(made: bpy.types.Object, *words: str) -> np.ndarray:
         file = str(Path(folder) / "drawn.png")
         if run(["bake", "--object", made.name, *words, "--output", file, "--quiet"]) != 0:
             raise RuntimeError("the mesh was not baked")
-        return pixels_of(file)[::2, ::2]
-
-
-def pixels_of(file: str) -> np.ndarray:
-    """(height, width, 3) uint8 of an image file, top row first."""
-    image = bpy.data.images.load(file)
-    width, height = image.size
-    pixels = np.array(image.pixels[:], np.float32).reshape(height, width, 4)[::-1, :, :3]
-    bpy.data.images.remove(image)
-    return np.round(255 * pixels).astype(np.uint8)
+        return screen.pixels_of(file)[::2, ::2]
 
 
 def trimmed(image: np.ndarray) -> np.ndarray:

@@ -9,7 +9,9 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+import screen
 import subjects
+from bpy_extras import view3d_utils
 
 from paradesc.files import png
 
@@ -43,8 +45,7 @@ def from_the_front() -> dict[str, object]:
 def screenshot(area: bpy.types.Area, path: str) -> Iterator[None]:
     """Takes the picture of the whole window."""
     yield from drawn(area)
-    bpy.ops.screen.screenshot(filepath=path)
-    png.write_png(Path(path), subjects.pixels_of(path))
+    png.write_png(Path(path), screen.pixels())
 
 
 def legend_steps(path: str) -> Iterator[None]:
@@ -76,6 +77,8 @@ def sculpting_steps(path: str) -> Iterator[None]:
 TAB_BELOW_TOP, BUTTON_BELOW_TOP = 175, 148
 # And from there down to the one that makes textures.
 IMAGE_BELOW_BUTTON = 30
+# And to the one that bakes the selected meshes onto the active one.
+ONTO_BELOW_BUTTON = 56
 # The panel fits one screen, before and after a bake.
 MOST_PIXELS = 825
 
@@ -97,31 +100,33 @@ def panel_steps(path: str) -> Iterator[None]:
     sidebar = next(region for region in area.regions if region.type == "UI")
     yield from clicked(window, sidebar.x + sidebar.width - 12, sidebar.y + sidebar.height - TAB_BELOW_TOP)
     yield from drawn(area)
-    before = picture_of(sidebar, path)
+    before = picture_of(sidebar)
     yield from clicked(window, sidebar.x + sidebar.width // 3, sidebar.y + sidebar.height - BUTTON_BELOW_TOP)
     for _ in range(100):
         if "cavity" in mesh.attributes:
             break
         yield
     else:
-        bpy.ops.screen.screenshot(filepath=path)
+        png.write_png(Path(path), screen.pixels())
         raise AssertionError("the click baked nothing")
     with bpy.context.temp_override(window=window, area=area, region=view_of(area)):
         bpy.ops.view3d.view_axis(type="FRONT")
         bpy.ops.view3d.view_selected()
     yield from drawn(area)
     view = view_of(area)
-    after = picture_of(sidebar, path)
-    seen = picture_of(view, path)[:, : sidebar.x - view.x]
+    after = picture_of(sidebar)
+    seen = picture_of(view)[:, : sidebar.x - view.x]
     height = max(map(panel_height, (before, after)))
     png.write_png(Path(path), np.ascontiguousarray(np.hstack([before, after])[: height + 8]))
     png.write_png(Path(path).with_stem("first_mask"), np.ascontiguousarray(seen))
     assert mesh.color_attributes.active_color.name == "cavity_color"
     assert grey_contrast(seen) > 0.2, "no grey mask is seen"
     assert height <= MOST_PIXELS, f"the panel is {height} pixels high"
+    yield from one_click_each(window, sidebar, mesh)
+    yield from three_clicks_onto(window, area, sidebar)
     sys.stdout.write(
         f"panel: {panel_height(before)} pixels high, {panel_height(after)} after one click and a grey mask; "
-        "one click makes a texture, and one switches live values on\n"
+        "one click makes a texture, one switches live values on, and three bake a detailed mesh onto another\n"
     )
 
 
@@ -141,18 +146,47 @@ def one_click_each(window: bpy.types.Window, sidebar: bpy.types.Region, mesh: bp
     raise AssertionError("one click makes no texture")
 
 
+def three_clicks_onto(window: bpy.types.Window, area: bpy.types.Area, sidebar: bpy.types.Region) -> Iterator[None]:
+    """Selects a detailed mesh, then a coarse one, in the viewport, and bakes; fails if the clicks make no texture."""
+    subjects.empty()
+    for image in list(bpy.data.images):
+        bpy.data.images.remove(image)
+    apart = 0.3  # so that either can be clicked where the other is not
+    for segments, place in ((64, -apart / 2), (16, apart / 2)):
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=segments, ring_count=segments // 2, location=(place, 0, 0))
+    view = view_of(area)
+    with bpy.context.temp_override(window=window, area=area, region=view):
+        bpy.ops.object.select_all(action="SELECT")
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_selected()
+        bpy.ops.object.select_all(action="DESELECT")
+    yield from drawn(area)
+    for shift, side in ((False, -1), (True, 1)):
+        rim = (side * (1 + 0.3 * apart), 0, 0)
+        x, y = view3d_utils.location_3d_to_region_2d(view, area.spaces[0].region_3d, rim)
+        yield from clicked(window, view.x + round(x), view.y + round(y), shift=shift)
+        yield from drawn(area)
+    button = sidebar.y + sidebar.height - BUTTON_BELOW_TOP - ONTO_BELOW_BUTTON
+    yield from clicked(window, sidebar.x + sidebar.width // 3, button)
+    for _ in range(100):
+        if any(image.name.endswith("_cavity") for image in bpy.data.images):
+            return
+        yield
+    raise AssertionError("three clicks bake nothing onto the coarse mesh")
+
+
 def view_of(area: bpy.types.Area) -> bpy.types.Region:
     """The region that shows the scene."""
     return next(region for region in area.regions if region.type == "WINDOW")
 
 
-def clicked(window: bpy.types.Window, x: int, y: int) -> Iterator[None]:
+def clicked(window: bpy.types.Window, x: int, y: int, shift: bool = False) -> Iterator[None]:
     """Moves there, which makes a button active, and presses and releases the left button of the mouse."""
     for _ in range(2):
         window.event_simulate("MOUSEMOVE", "NOTHING", x=x, y=y)
         yield
     for value in ("PRESS", "RELEASE"):
-        window.event_simulate("LEFTMOUSE", value, x=x, y=y)
+        window.event_simulate("LEFTMOUSE", value, x=x, y=y, shift=shift)
         yield
 
 
@@ -163,10 +197,9 @@ def drawn(area: bpy.types.Area) -> Iterator[None]:
         yield
 
 
-def picture_of(region: bpy.types.Region, path: str) -> np.ndarray:
+def picture_of(region: bpy.types.Region) -> np.ndarray:
     """(height, width, 3) uint8 of a region of the window, top row first."""
-    bpy.ops.screen.screenshot(filepath=path)
-    pixels = subjects.pixels_of(path)
+    pixels = screen.pixels()
     top = len(pixels) - (region.y + region.height)
     return pixels[top : top + region.height, region.x : region.x + region.width]
 
