@@ -54,6 +54,7 @@ if [ -n "$on_screen" ]; then
   run_tests
   exit
 fi
+install_packages "${BUILD_PACKAGES[@]}" "${RUN_PACKAGES[@]}" wine64 xvfb xauth
 mkdir -p "$logs"
 build_tests
 PARADESC_ON_SCREEN=1 xvfb-run -a bash "$root/tests/wine.sh" "$pattern"

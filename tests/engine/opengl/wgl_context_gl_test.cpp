@@ -63,7 +63,16 @@ protected:
     }
     return bounded && tells;
   }
-  static HWND hidden_window() { return FindWindowExW(nullptr, nullptr, L"paradesc", nullptr); }
+  // Of this process; another one may compute beside it.
+  static HWND hidden_window() {
+    HWND window = nullptr;
+    while ((window = FindWindowExW(nullptr, window, L"paradesc", nullptr)) != nullptr) {
+      DWORD process = 0;
+      GetWindowThreadProcessId(window, &process);
+      if (process == GetCurrentProcessId()) break;
+    }
+    return window;
+  }
 };
 
 TEST_F(WglContext, is_refused_where_a_function_is_missing) {
