@@ -40,7 +40,7 @@ run_tests() {
   first=$!
   half 1 || status=1
   wait $first || status=1
-  grep -hE '^\[  (PASSED|FAILED|SKIPPED) ' "${all[@]}"
+  grep -hE '^\[  (PASSED|FAILED) |^\[  SKIPPED \] .* ms\)$' "${all[@]}"
   grep -hA1 ': Skipped$' "${all[@]}" | grep -vE ': Skipped$|^--$' | sort | uniq -c
   if grep -q '^\[  SKIPPED \] WglContext' "${all[@]}"; then
     echo "wine: no OpenGL 4.5 was found, so the device has not been tested" >&2
