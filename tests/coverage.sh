@@ -3,8 +3,8 @@
 # Usage: bash tests/coverage.sh [--build FOLDER] [--leave-out TESTS] [--addon "PYTEST WORDS"] [--only native|addon]
 # TESTS: native ones, as GoogleTest's filter has them, e.g. 'IrregularSurface*:Parity*'. Each suite is a process of its own, as many
 # at a time as there are cores, so that one that fails or takes longer than PARADESC_SUITE_SECONDS (1800) loses no counts but its own.
-# What is left out: generated shader text, OpenMesh, stb and other headers from outside, engine/opengl/no_egl.cpp (systems without
-# EGL), and lines that the comments LCOV_EXCL_LINE or "pragma: no cover" mark.
+# What is left out: generated shader text, OpenMesh, stb and other headers from outside, engine/opengl/no_context.cpp and wgl_context.cpp
+# (other systems), and lines that the comments LCOV_EXCL_LINE or "pragma: no cover" mark.
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
 
@@ -55,7 +55,7 @@ export -f suite
 # Below the share it fails. Lines of a template count once, not once an instance.
 report_native() {
   PYTHONPATH=$tools "$python" -m gcovr --root "$root" --object-directory "$build" --filter "$root/native/src/" \
-    --exclude '.*/no_egl\.cpp' --gcov-ignore-errors=all --gcov-ignore-parse-errors=all --gcov-suspicious-hits-threshold=0 \
+    --exclude '.*/(no|wgl)_context\.cpp' --gcov-ignore-errors=all --gcov-ignore-parse-errors=all --gcov-suspicious-hits-threshold=0 \
     --merge-mode-functions=separate --merge-lines --exclude-throw-branches --sort uncovered-number \
     --json-summary "$build/native.json" --txt "$build/native.txt" \
     --fail-under-line 90

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the release packages for all systems from this one, and tests what users get: exports and needs of each library, the
-# same bits under Wine and on other processors under QEMU, and the add-on's own tests with the Linux one. The packages stay in
+# same bits under Wine and on other processors under QEMU, the native tests under Wine, and the add-on's own tests with the Linux one. The packages stay in
 # build/release/packages.
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
@@ -19,6 +19,8 @@ status=0
 export PARADESC_RELEASE=$release PARADESC_OTHER_LIBRARY=$root/build/libparadesc.so
 "$tools/bin/python" -m pytest -q -s -p no:cacheprovider --rootdir "$root" -o testpaths= \
   "$root/tests/packages/release_test.py" || status=1
+
+bash "$root/tests/wine.sh" || status=1 # the native tests on Windows' way to a device
 
 # The add-on's own tests, with the library that lies in the zips, and those zips installed.
 lib=$root/addon/paradesc/lib

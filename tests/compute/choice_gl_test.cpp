@@ -23,12 +23,12 @@ protected:
     options.samples = 16;
   }
 
-  // Without EGL, as on most machines.
-  static std::shared_ptr<Context> open(int32_t backend, bool with_egl = true) {
+  // Without the library that devices are reached through, as on machines without any.
+  static std::shared_ptr<Context> open(int32_t backend, bool with_library = true) {
     pdesc_context_options requested;
     pdesc_context_options_init(&requested);
     requested.backend = backend;
-    return with_egl ? make_context(requested) : make_context(requested, test::FailingDriver().without("libEGL.so.1"));
+    return with_library ? make_context(requested) : make_context(requested, test::FailingDriver().without(test::driver_library));
   }
   static bool has_software() {
     std::string why_not;
@@ -81,7 +81,7 @@ protected:
 TEST_F(Choice, is_the_processor_where_there_is_no_card_and_says_why) {
   const auto context = open(PDESC_BACKEND_AUTO, false);
   EXPECT_EQ(context->backend, PDESC_BACKEND_CPU);
-  EXPECT_NE(std::string(context->fallback.load()).find("libEGL"), std::string::npos) << context->fallback.load();
+  EXPECT_NE(std::string(context->fallback.load()).find(test::driver_library), std::string::npos) << context->fallback.load();
   const auto mesh = mesh_on(context), by_name = mesh_on(open(PDESC_BACKEND_CPU));
   const Field field = compute_on(*mesh);
   EXPECT_EQ(field.report.backend, PDESC_BACKEND_CPU);
@@ -132,7 +132,7 @@ TEST_F(Choice, follows_surface_maps_on_the_processor_without_a_card) {
 
 TEST_F(Choice, refuses_what_takes_opengl_where_there_is_none_in_one_sentence) {
   const auto mesh = mesh_on(open(PDESC_BACKEND_AUTO, false));
-  expect_all_refused(*mesh, PDESC_ERROR_UNSUPPORTED, {"OpenGL", "libEGL.so.1"});
+  expect_all_refused(*mesh, PDESC_ERROR_UNSUPPORTED, {"OpenGL", test::driver_library});
   EXPECT_EQ(compute_on(*mesh).report.backend, PDESC_BACKEND_CPU);
 }
 

@@ -1,8 +1,10 @@
 /* Loads libparadesc as a host does and prints a hash of the bits of every descriptor on generated meshes, by the engine on the
  * CPU with every estimator, distance and kind of normals, and at texels of a map whose charts lie upon each other:
  *   bits LIBRARY [THREADS]
- * Every system, processor, compiler and number of threads has to print the same lines. The meshes are made of sums, products,
- * quotients and square roots alone, which IEEE 754 determines; a NaN is one whatever its bits are. */
+ *   bits LIBRARY software      by OpenGL without a card instead, with what texture space alone has: the shapes that have a map
+ * Every system, processor, compiler and number of threads has to print the same lines; every system with one software device,
+ * too. The meshes are made of sums, products, quotients and square roots alone, which IEEE 754 determines; a NaN is one whatever
+ * its bits are. */
 #include <math.h>
 
 #include "loaded.h"
@@ -94,31 +96,45 @@ static int print_bits(pdesc_mesh *mesh, const char *shape, const pdesc_options *
   if (call(pdesc_compute)(mesh, options, names, count, NULL, NULL, &field)) return fail("compute");
   for (int32_t i = 0; i < count; ++i) {
     if (call(pdesc_field_values)(field, names[i], values, made.vertices)) return fail(names[i]);
-    printf("%s estimator %d distance %d normals %d evaluate %d %s %016llx\n", shape, options->estimator, options->distance,
-           options->normals, options->evaluate, names[i], (unsigned long long)hash(values, widths[i] * made.vertices));
+    printf("%s estimator %d distance %d normals %d evaluate %d relocation %d precision %d %s %016llx\n", shape,
+           options->estimator, options->distance, options->normals, options->evaluate, options->relocation, options->precision,
+           names[i], (unsigned long long)hash(values, widths[i] * made.vertices));
   }
   call(pdesc_field_destroy)(field);
   return 0;
 }
 
-enum { SETTINGS = 7 };
+enum { SETTINGS = 7, DEVICE_SETTINGS = 5 };
 
-static int print_shape(pdesc_context *context, const char *shape, double radius, int has_map) {
+static void set_for_processor(pdesc_options *options, int choice) {
+  options->estimator = choice < SETTINGS ? choice % 3 : 0;
+  options->distance = choice < SETTINGS ? choice / 3 % 2 : 0;
+  options->normals = choice == 6 ? PDESC_NORMALS_MAX : PDESC_NORMALS_FITTED;
+  options->evaluate = choice < SETTINGS ? PDESC_EVALUATE_VERTEX : PDESC_EVALUATE_TEXEL;
+  options->texels = 48;
+}
+
+static void set_for_device(pdesc_options *options, int choice) {
+  options->relocation = choice < 3 ? choice : PDESC_RELOCATION_CONNECTED;
+  options->precision = choice == 3 ? PDESC_PRECISION_HALF : PDESC_PRECISION_FULL;
+  options->estimator = choice == 4 ? PDESC_ESTIMATOR_INTEGRAL : PDESC_ESTIMATOR_SHAPE_OPERATOR;
+  options->buffer_size = 128;
+}
+
+static int print_shape(pdesc_context *context, const char *shape, double radius, int has_map, int on_device) {
+  if (on_device && !has_map) return 0;
   for (int i = 0; i < 6 * made.triangles; ++i) made.corner_uvs[i] = made.uvs[2 * made.corner_vertices[i / 2] + i % 2];
   pdesc_mesh *mesh =
       make_mesh(context, (triangles_t){made.vertices, made.triangles, made.positions, has_map ? made.corner_uvs : NULL,
                                        made.corner_vertices, made.triangle_corners});
   if (!mesh) return 1;
-  for (int choice = 0; choice < SETTINGS + has_map; ++choice) {
+  const int settings = on_device ? DEVICE_SETTINGS : SETTINGS + has_map;
+  for (int choice = 0; choice < settings; ++choice) {
     pdesc_options options;
     call(pdesc_options_init)(&options);
     options.radius = radius;
-    options.estimator = choice < SETTINGS ? choice % 3 : 0;
-    options.distance = choice < SETTINGS ? choice / 3 % 2 : 0;
-    options.normals = choice == 6 ? PDESC_NORMALS_MAX : PDESC_NORMALS_FITTED;
-    options.evaluate = choice < SETTINGS ? PDESC_EVALUATE_VERTEX : PDESC_EVALUATE_TEXEL;
-    options.texels = 48;
     options.samples = 64; /* emulators are slow */
+    (on_device ? set_for_device : set_for_processor)(&options, choice);
     if (print_bits(mesh, shape, &options)) return 1;
   }
   call(pdesc_mesh_destroy)(mesh);
@@ -126,14 +142,16 @@ static int print_shape(pdesc_context *context, const char *shape, double radius,
 }
 
 int main(int argc, char **argv) {
-  pdesc_context *const context = open_processor(argc > 1 ? argv[1] : NULL, argc > 2 ? argv[2] : NULL);
+  const int on_device = argc > 2 && strcmp(argv[2], "software") == 0;
+  pdesc_context *const context = open_backend(argc > 1 ? argv[1] : NULL, on_device ? PDESC_BACKEND_SOFTWARE : PDESC_BACKEND_CPU,
+                                              argc > 2 ? atoi(argv[2]) : 0);
   if (!context) return 1;
   make_torus();
-  if (print_shape(context, "torus", 0.08, 0)) return 1;
+  if (print_shape(context, "torus", 0.08, 0, on_device)) return 1;
   make_block(1);
-  if (print_shape(context, "ellipsoid", 0.06, 1)) return 1;
+  if (print_shape(context, "ellipsoid", 0.06, 1, on_device)) return 1;
   make_block(0);
-  if (print_shape(context, "cube", 0.05, 1)) return 1;
+  if (print_shape(context, "cube", 0.05, 1, on_device)) return 1;
   call(pdesc_context_destroy)(context);
   return 0;
 }

@@ -49,7 +49,7 @@ static double time_frame(pdesc_mesh *mesh, const pdesc_options *options) {
 }
 
 int main(int argc, char **argv) {
-  pdesc_context *const context = open_processor(argc > 1 ? argv[1] : NULL, argc > 2 ? argv[2] : NULL);
+  pdesc_context *const context = open_backend(argc > 1 ? argv[1] : NULL, PDESC_BACKEND_CPU, argc > 2 ? atoi(argv[2]) : 0);
   if (!context) return 1;
   pdesc_options options;
   make_torus();

@@ -52,15 +52,15 @@ static int fail(const char *what) {
   return 1;
 }
 
-/* A context of the processor; of all cores without a word that says how many. NULL, once it has said why. */
-static inline pdesc_context *open_processor(const char *library_path, const char *threads) {
+/* A context of the backend; of all cores with 0 threads. NULL, once it has said why. */
+static inline pdesc_context *open_backend(const char *library_path, int32_t backend, int32_t threads) {
   const library_t library = library_path ? open_library(library_path) : NULL;
   if (!library || !find_functions(library)) return fprintf(stderr, "cannot load the library\n"), NULL;
   pdesc_context_options options;
   pdesc_context *context = NULL;
   call(pdesc_context_options_init)(&options);
-  options.backend = PDESC_BACKEND_CPU;
-  options.threads = threads ? atoi(threads) : 0;
+  options.backend = backend;
+  options.threads = threads;
   if (call(pdesc_context_create)(&options, &context)) fail("context");
   return context;
 }

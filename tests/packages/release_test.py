@@ -158,6 +158,15 @@ def test_windows_library_computes_the_same_bits(bits):
     assert printed(under_wine("bits")) == bits
 
 
+def test_windows_library_computes_the_same_bits_by_opengl():
+    if shutil.which("xvfb-run") is None:
+        pytest.skip("xvfb-run is not here")
+    ours = printed([RELEASE / "linux-x64" / "bits", path_of("linux-x64"), "software"])
+    assert len(ours) == len(set(ours)) >= 2 * 5 * 20  # shapes with a map, settings, descriptors
+    # Wine hands OpenGL on to the same rasterizer; a screen is where it begins.
+    assert printed(["xvfb-run", "-a", *under_wine("bits"), "software"]) == ours
+
+
 def test_arm_processors_compute_the_same_bits(bits):
     assert printed(emulated(ON_ARM, "linux-arm64")) == bits
 

@@ -78,8 +78,8 @@ typedef enum pdesc_status {
 
 typedef enum pdesc_backend {
   PDESC_BACKEND_AUTO = 0,      /* gpu, else cpu; see pdesc_context_create */
-  PDESC_BACKEND_GPU = 1,       /* a hardware device by EGL, OpenGL 4.5 */
-  PDESC_BACKEND_SOFTWARE = 2,  /* a software rasterizer by EGL (llvmpipe), OpenGL 4.5 */
+  PDESC_BACKEND_GPU = 1,       /* a hardware device by EGL or WGL, OpenGL 4.5 */
+  PDESC_BACKEND_SOFTWARE = 2,  /* a software rasterizer (llvmpipe), OpenGL 4.5 */
   PDESC_BACKEND_REFERENCE = 3, /* object space on the CPU, exact quadrature over the surface, needs no UV map */
   PDESC_BACKEND_CPU = 4        /* samples of the surface on all cores, needs a UV map at texels alone */
 } pdesc_backend;

@@ -5,7 +5,7 @@
 
 namespace paradesc {
 
-// Replaces libEGL.so.1 or an entry point of EGL or OpenGL, by its name. It is empty in the library itself, whose callers cannot
+// Replaces a library of the system (libEGL.so.1, opengl32.dll) or an entry point of it or of OpenGL, by its name. It is empty in the library itself, whose callers cannot
 // set it.
 using DriverSubstitute = std::function<void *(const char *name, void *found)>;
 

@@ -3,8 +3,6 @@
 #include <string>
 #include <vector>
 
-#include <EGL/egl.h>
-#include <EGL/eglext.h>
 #include <gtest/gtest.h>
 
 #include "compute/compute.h"
@@ -26,7 +24,7 @@ using test::FailingDriver;
 // ---- What a driver may do. Functions of C have no state of their own, so it stands here; every test begins with set_up().
 
 struct Script {
-  std::atomic<int> opened = 0;     // times that libEGL was opened
+  std::atomic<int> opened = 0;     // times that the system's library was opened
   std::atomic<int> dispatches = 0; // since set_up
   std::atomic<int> lose_at = 0;    // the dispatch with which the device is lost; 0: never
   std::atomic<int> fail_at = 0;    // the dispatch after which the device is out of memory
@@ -41,7 +39,7 @@ PFNGLGETINTEGERVPROC real_integer = nullptr;
 PFNGLGETSTRINGPROC real_string = nullptr;
 PFNGLGETSHADERIVPROC real_shader = nullptr;
 PFNGLGETPROGRAMIVPROC real_program = nullptr;
-PFNEGLQUERYDEVICESTRINGEXTPROC real_device_string = nullptr;
+test::DeviceString real_device_string = nullptr;
 
 bool pretends_hardware() { return script.opened <= script.hardware; }
 // Where there is a card, it alone is lost.
@@ -60,9 +58,7 @@ const GLubyte *APIENTRY device_name(GLenum name) {
   if (name == GL_RENDERER && pretends_hardware()) return reinterpret_cast<const GLubyte *>("Pretended card");
   return real_string(name);
 }
-const char *EGLAPIENTRY device_extensions(EGLDeviceEXT device, EGLint name) {
-  return pretends_hardware() ? "" : real_device_string(device, name);
-}
+const char *device_extensions(void *device, int32_t name) { return pretends_hardware() ? "" : real_device_string(device, name); }
 void APIENTRY old_version(GLenum name, GLint *value) {
   real_integer(name, value);
   if (name == GL_MAJOR_VERSION) *value = 3;
@@ -88,14 +84,6 @@ void APIENTRY long_log(GLuint, GLsizei room, GLsizei *length, GLchar *log) {
   if (length) *length = used;
 }
 GLenum APIENTRY incomplete(GLuint, GLenum) { return GL_FRAMEBUFFER_UNSUPPORTED; }
-EGLContext EGLAPIENTRY no_context(EGLDisplay, EGLConfig, EGLContext, const EGLint *) { return EGL_NO_CONTEXT; }
-EGLBoolean EGLAPIENTRY no_display(EGLDisplay, EGLint *, EGLint *) { return EGL_FALSE; }
-EGLBoolean EGLAPIENTRY not_current(EGLDisplay, EGLSurface, EGLSurface, EGLContext) { return EGL_FALSE; }
-EGLBoolean EGLAPIENTRY no_devices(EGLint, EGLDeviceEXT *, EGLint *count) {
-  *count = 0;
-  return EGL_TRUE;
-}
-const char *EGLAPIENTRY no_extensions(EGLDisplay, EGLint) { return nullptr; }
 
 // The driver's own functions, which the scripted ones go on to.
 DriverSubstitute scripted(const FailingDriver &failing) {
@@ -104,7 +92,7 @@ DriverSubstitute scripted(const FailingDriver &failing) {
     auto keep = [&](const char *wanted, auto &function) {
       if (requested == wanted) function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
     };
-    if (requested == "libEGL.so.1") ++script.opened;
+    if (requested == test::driver_library) ++script.opened;
     keep("glDispatchCompute", real_dispatch);
     keep("glGetError", real_error);
     keep("glGetIntegerv", real_integer);
@@ -156,20 +144,10 @@ protected:
     test::expect_one_sentence(text);
   }
 
-  // By name it is refused with this word in the sentence; so is what needs it under AUTO, which computes all else by the
-  // processor.
+  // So is what needs it under AUTO, which computes all else by the processor.
   void expect_refused_at_once(const FailingDriver &failing, const char *word) const {
-    try {
-      open(PDESC_BACKEND_SOFTWARE, failing);
-      ADD_FAILURE() << "the device was taken: " << word;
-    } catch (const Error &error) {
-      EXPECT_EQ(error.status(), PDESC_ERROR_UNSUPPORTED);
-      expect_one_sentence(error.what(), word);
-    }
-    const auto context = open(PDESC_BACKEND_AUTO, failing);
-    EXPECT_EQ(context->backend, PDESC_BACKEND_CPU);
-    test::expect_one_sentence(context->fallback.load());
-    const auto mesh = mesh_on(context);
+    test::expect_refused(scripted(failing), word);
+    const auto mesh = mesh_on(open(PDESC_BACKEND_AUTO, failing));
     EXPECT_EQ(compute_on(*mesh).report.backend, PDESC_BACKEND_CPU);
     pdesc_options half = options;
     half.precision = PDESC_PRECISION_HALF;
@@ -223,36 +201,13 @@ protected:
   pdesc_options options;
 };
 
-TEST_F(DriverFailures, a_machine_without_egl_is_told_so) {
-  expect_refused_at_once(FailingDriver().without("libEGL.so.1"), "libEGL.so.1 was not found");
-}
-
-TEST_F(DriverFailures, an_egl_that_lacks_a_function_is_refused) {
-  if (!has_software()) GTEST_SKIP();
-  expect_refused_at_once(FailingDriver().without("eglCreateContext"), "has no eglCreateContext");
-  expect_refused_at_once(FailingDriver().without("eglGetPlatformDisplayEXT"), "without a window");
-}
-
-TEST_F(DriverFailures, an_egl_without_devices_is_refused) {
-  if (!has_software()) GTEST_SKIP();
-  expect_refused_at_once(FailingDriver().put("eglQueryString", no_extensions), "No software OpenGL 4.5 device");
-  expect_refused_at_once(FailingDriver().put("eglInitialize", no_display), "No software OpenGL 4.5 device");
-  expect_refused_at_once(FailingDriver().put("eglMakeCurrent", not_current), "No software OpenGL 4.5 device");
-}
-
-TEST_F(DriverFailures, an_egl_that_lists_no_device_may_still_have_one_without_a_surface) {
-  if (!has_software()) GTEST_SKIP();
-  try {
-    EXPECT_EQ(open(PDESC_BACKEND_SOFTWARE, FailingDriver().put("eglQueryDevicesEXT", no_devices))->backend,
-              PDESC_BACKEND_SOFTWARE);
-  } catch (const Error &error) {
-    expect_one_sentence(error.what(), "No software OpenGL 4.5 device");
-  }
+TEST_F(DriverFailures, a_machine_without_the_systems_library_is_told_so) {
+  const std::string word = std::string(test::driver_library) + " was not found";
+  expect_refused_at_once(FailingDriver().without(test::driver_library), word.c_str());
 }
 
 TEST_F(DriverFailures, an_opengl_below_4_5_is_refused) {
   if (!has_software()) GTEST_SKIP();
-  expect_refused_at_once(FailingDriver().put("eglCreateContext", no_context), "No software OpenGL 4.5 device");
   expect_refused_at_once(FailingDriver().put("glGetIntegerv", old_version), "it offers OpenGL 3.");
   expect_refused_at_once(FailingDriver().without("glDispatchCompute"), "no glDispatchCompute");
 }
@@ -346,7 +301,7 @@ TEST_F(DriverFailures, a_device_that_does_not_come_back_says_so_each_time) {
   pdesc_context_options_init(&requested);
   requested.backend = PDESC_BACKEND_SOFTWARE;
   const auto context = make_context(requested, [=](const char *name, void *found) {
-    return gone && std::string(name) == "libEGL.so.1" ? nullptr : sound(name, found);
+    return gone && std::string(name) == test::driver_library ? nullptr : sound(name, found);
   });
   const auto mesh = mesh_on(context);
   script.lose_at = 1;

@@ -1,14 +1,25 @@
-// A driver that fails where a test says so: functions that replace EGL's and OpenGL's entry points.
+// A driver that fails where a test says so: functions that replace the entry points of OpenGL and of the system's library.
 #pragma once
 
 #include <map>
 #include <string>
 
-#include "engine/opengl/egl_context.h"
+#include <gtest/gtest.h>
+
+#include "context.h"
+#include "engine/opengl/gl_context.h"
+#include "support/sentence.h"
 
 namespace paradesc::test {
 
-// By the name of an entry point, or "libEGL.so.1". Others are the driver's own.
+// Through which the system's devices are reached.
+#if defined(_WIN32)
+inline constexpr const char *driver_library = "opengl32.dll";
+#else
+inline constexpr const char *driver_library = "libEGL.so.1";
+#endif
+
+// By the name of an entry point, or the library's. Others are the driver's own.
 class FailingDriver {
 public:
   template <class Function> FailingDriver &put(const std::string &name, Function *function) {
@@ -29,5 +40,27 @@ public:
 private:
   std::map<std::string, void *> replaced_;
 };
+
+// As eglQueryDeviceStringEXT, which tells what a device of EGL is before there is a context; WGL has only the name.
+using DeviceString = const char *(*)(void *device, int32_t name);
+
+// Refused by name with this word in the sentence; under AUTO the processor computes instead, and the context says why.
+inline void expect_refused(const DriverSubstitute &failing, const char *word) {
+  pdesc_context_options requested;
+  pdesc_context_options_init(&requested);
+  requested.backend = PDESC_BACKEND_SOFTWARE;
+  try {
+    make_context(requested, failing);
+    ADD_FAILURE() << "the device was taken: " << word;
+  } catch (const Error &error) {
+    EXPECT_EQ(error.status(), PDESC_ERROR_UNSUPPORTED);
+    EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << "no \"" << word << "\" in: " << error.what();
+    expect_one_sentence(error.what());
+  }
+  requested.backend = PDESC_BACKEND_AUTO;
+  const auto context = make_context(requested, failing);
+  EXPECT_EQ(context->backend, PDESC_BACKEND_CPU);
+  expect_one_sentence(context->fallback.load());
+}
 
 } // namespace paradesc::test

@@ -68,7 +68,7 @@
 
 namespace paradesc {
 
-// What the device says it can take; never less than OpenGL 4.5 promises, see EglContext.
+// What the device says it can take; never less than OpenGL 4.5 promises, see GlContext.
 struct GlLimits {
   GLint texture_size = 16384;
   GLint list_texels = 65536;       // of a buffer texture

@@ -41,10 +41,10 @@ void GlThread::run(const std::function<void(const Gl &, ProgramCache &)> &work) 
 }
 
 void GlThread::loop(bool software, int device_index, const DriverSubstitute &substitute) {
-  std::unique_ptr<EglContext> context;
+  std::unique_ptr<GlContext> context;
   std::unique_lock lock(mutex_);
   try {
-    context = std::make_unique<EglContext>(software, device_index, substitute);
+    context = std::make_unique<GlContext>(software, device_index, substitute);
     device_ = context->device();
     const GlLimits &limits = context->gl().limits;
     group_size_ = limits.group_size;

@@ -1,4 +1,4 @@
-// The private thread that owns the EGL context and makes every OpenGL call; others post work to it and wait.
+// The private thread that owns the OpenGL context and makes every OpenGL call; others post work to it and wait.
 #pragma once
 
 #include <atomic>
@@ -9,14 +9,14 @@
 #include <string>
 #include <thread>
 
-#include "engine/opengl/egl_context.h"
+#include "engine/opengl/gl_context.h"
 #include "engine/opengl/program.h"
 
 namespace paradesc {
 
 class GlThread {
 public:
-  GlThread(bool software, int device_index, const DriverSubstitute &substitute = {}); // throws as EglContext does
+  GlThread(bool software, int device_index, const DriverSubstitute &substitute = {}); // throws as GlContext does
   ~GlThread();
   GlThread(const GlThread &) = delete;
   GlThread &operator=(const GlThread &) = delete;

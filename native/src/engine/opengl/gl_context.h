@@ -1,32 +1,28 @@
-// A headless OpenGL 4.5 core context by EGL, current on the thread that makes it. libEGL is opened at first use.
+// An OpenGL 4.5 core context that nobody sees, current on the thread that makes it.
 #pragma once
 
-#include <memory>
 #include <string>
 
 #include "engine/driver_substitute.h"
 #include "engine/opengl/gl.h"
+#include "engine/opengl/system_context.h"
 
 namespace paradesc {
 
-class EglContext {
+class GlContext {
 public:
   // software: true takes a software rasterizer, false a hardware device. device_index: among the devices of that kind, -1: the
   // first that works. Throws Error(UNSUPPORTED) with what was found and what to do.
-  EglContext(bool software, int device_index, const DriverSubstitute &substitute = {});
-  ~EglContext();
-  EglContext(const EglContext &) = delete;
-  EglContext &operator=(const EglContext &) = delete;
+  GlContext(bool software, int device_index, const DriverSubstitute &substitute = {});
 
   const Gl &gl() const { return gl_; }
   const std::string &device() const { return device_; }
 
 private:
-  struct Egl;
   // Loads OpenGL's functions and looks at what the context can do; why it cannot be used, or "".
   std::string look_at_context(bool software);
 
-  std::unique_ptr<Egl> egl_;
+  SystemContext system_;
   Gl gl_;
   std::string device_;
 };
