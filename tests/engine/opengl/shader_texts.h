@@ -158,13 +158,18 @@ void multiply(std::vector<Variant> &all, Value Owner::*member, const std::vector
   all.swap(product);
 }
 
-inline std::vector<Variant> all_variants() {
+// What is computed together where everything is asked for.
+inline std::vector<std::vector<int>> rows_of_passes() {
   std::vector<int> every_row;
   for (int row = 0; row < pdesc_descriptor_count(); ++row) every_row.push_back(row);
   std::vector<std::vector<int>> rows;
   for (const Pass &pass : plan_passes(every_row, find_map(nullptr))) rows.push_back(pass.rows);
+  return rows;
+}
+
+inline std::vector<Variant> all_variants() {
   std::vector<Variant> connected(1);
-  multiply(connected, &Variant::rows, rows);
+  multiply(connected, &Variant::rows, rows_of_passes());
   multiply(connected, &Variant::estimator,
            {PDESC_ESTIMATOR_SHAPE_OPERATOR, PDESC_ESTIMATOR_INTEGRAL, PDESC_ESTIMATOR_EXTRAPOLATED});
   multiply(connected, &Variant::geodesic_ball, {false, true});
@@ -184,16 +189,23 @@ inline std::vector<Variant> all_variants() {
   return connected;
 }
 
-// One descriptor alone, in the ways that most are asked for.
-inline std::vector<Variant> single_variants() {
+// One descriptor alone, and all of a pass, in the ways that most are asked for.
+inline std::vector<Variant> plain_variants() {
   std::vector<Variant> all;
   for (int row = 0; row < pdesc_descriptor_count(); ++row) {
     all.emplace_back();
     all.back().rows = {row};
   }
+  for (const std::vector<int> &rows : rows_of_passes()) {
+    all.emplace_back();
+    all.back().rows = rows;
+  }
   multiply(all, &Variant::relocation, {PDESC_RELOCATION_CONNECTED, PDESC_RELOCATION_AFFINE, PDESC_RELOCATION_PAPER});
   multiply(all, &Variant::listed, {false, true});
-  std::erase_if(all, [](const Variant &variant) { return variant.listed && variant.relocation != PDESC_RELOCATION_CONNECTED; });
+  multiply(all, &Variant::exact, {false, true});
+  std::erase_if(all, [](const Variant &variant) {
+    return variant.relocation != PDESC_RELOCATION_CONNECTED && (variant.listed || variant.exact);
+  });
   return all;
 }
 
