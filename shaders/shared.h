@@ -35,7 +35,8 @@
 #define UNIT_COLORS 20   // image, RGBA32F: normal map
 #define UNIT_INPUT_UV 21 // list, RG32F: the caller's (u, v) of each bake vertex
 #define UNIT_TANGENTS 22 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
-#define UNIT_COUNT 23
+#define UNIT_EDGES 23    // buffer texture, RGBA32I, two a chart-edge line: the bits of EdgeData
+#define UNIT_COUNT 24
 
 // Uniforms of programs that take few. Programs over centers take EvaluateParams.
 #define LOCATION_BUFFER_SIZE 0
@@ -65,16 +66,15 @@
 #define BINDING_CONNECTED 4     // of centers computed again: their numbers, where their triangles begin (one more), the triangles
 #define BINDING_MAP_CENTERS 5   // gradient and value of the map at each center
 #define BINDING_MAP_TEXELLESS 6 // the same at the samples of BINDING_TEXELLESS
-#define BINDING_EDGES 7         // chart-edge lines to rasterize
-#define BINDING_CELLS 8         // what was measured of each cell
-#define BINDING_POINTS 9        // where UNIT_POINTS is written
+#define BINDING_CELLS 7         // what was measured of each cell
+#define BINDING_POINTS 8        // where UNIT_POINTS is written
 // In the affine and the paper's relocation.
-#define BINDING_PATTERN 10
-#define BINDING_PROGRESS 11    // (centers of one dispatch)
-#define BINDING_STRETCHES 12   // (centers, STRETCH_DIRECTIONS)
-#define BINDING_SEAMS 13       // the seam of each border
-#define BINDING_VISITS 14      // (centers of one dispatch, MAX_VISITS)
-#define BINDING_COUNT 15
+#define BINDING_PATTERN 9
+#define BINDING_PROGRESS 10    // (centers of one dispatch)
+#define BINDING_STRETCHES 11   // (centers, STRETCH_DIRECTIONS)
+#define BINDING_SEAMS 12       // the seam of each border
+#define BINDING_VISITS 13      // (centers of one dispatch, MAX_VISITS)
+#define BINDING_COUNT 14
 #define STRETCH_DIRECTIONS 16  // of the directional ellipse
 #define MAX_VISITS 64          // charts, by way of a seam each, that one center's pattern is repeated on
 

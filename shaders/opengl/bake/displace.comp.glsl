@@ -10,6 +10,7 @@ layout(binding = UNIT_COLORS) uniform sampler2D colors;
 layout(binding = IMAGE_POSITION) writeonly restrict uniform image2D positions;
 layout(binding = IMAGE_NORMAL) writeonly restrict uniform image2D normals;
 layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
+layout(location = LOCATION_FIRST) uniform int first_row;
 layout(location = LOCATION_DISPLACED) uniform int displaced;
 layout(location = LOCATION_NORMAL_MAPPED) uniform int normal_mapped;
 layout(location = LOCATION_MIDLEVEL) uniform float midlevel;
@@ -60,7 +61,7 @@ vec3 normal_of_map(int corner, vec3 part, vec2 uv, vec3 otherwise) {
 }
 
 void main() {
-  ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 texel = ivec2(gl_GlobalInvocationID.x, first_row + int(gl_GlobalInvocationID.y));
   if (any(greaterThanEqual(texel, ivec2(buffer_size)))) return;
   int triangle;
   ivec4 vertex;

@@ -5,9 +5,10 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = UNIT_IDS) uniform isampler2D ids;
 layout(binding = IMAGE_DISTORTION, rgba32f) writeonly restrict uniform image2D distortion;
+layout(location = LOCATION_FIRST) uniform int first_row;
 
 void main() {
-  ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 texel = ivec2(gl_GlobalInvocationID.x, first_row + int(gl_GlobalInvocationID.y));
   if (any(greaterThanEqual(texel, imageSize(distortion)))) return;
   ivec2 id = texelFetch(ids, texel, 0).xy;
   vec4 result = vec4(0.0);

@@ -1,16 +1,14 @@
 #version 450 core
 // Chart edge → texels whose center lies off the chart: each stands for the nearest point of the nearest edge. Triangle texels have depth 0
 // and win.
-#include "shared.h"
-layout(std430, binding = BINDING_EDGES) readonly buffer Edges { EdgeData edges[]; };
-layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
+#include "opengl/bake/chart_edge.glsl"
 
 flat in int edge;
 layout(location = 0) out ivec2 ids;
 layout(location = 1) out vec2 weights;
 
 void main() {
-  EdgeData data = edges[edge];
+  EdgeData data = edge_at(edge);
   vec4 uv = data.uv * float(buffer_size);
   vec2 along = uv.zw - uv.xy;
   float square = dot(along, along);

@@ -1,9 +1,7 @@
 #version 450 core
 // Chart edges → quads that reach every texel an edge passes through, so that no chart falls apart (paper 3.3). A line of the
 // rasterizer would skip texels that it only touches.
-#include "shared.h"
-layout(std430, binding = BINDING_EDGES) readonly buffer Edges { EdgeData edges[]; };
-layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
+#include "opengl/bake/chart_edge.glsl"
 
 flat out int edge;
 
@@ -14,7 +12,7 @@ void main() {
   edge = gl_VertexID / 6;
   const vec2 corners[6] = vec2[](vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, -1), vec2(1, 1), vec2(-1, 1));
   vec2 corner = corners[gl_VertexID % 6];
-  vec4 uv = edges[edge].uv * float(buffer_size);
+  vec4 uv = edge_at(edge).uv * float(buffer_size);
   vec2 along = uv.zw - uv.xy;
   float span = length(along);
   along = span > 0.0 ? along / span : vec2(1.0, 0.0);

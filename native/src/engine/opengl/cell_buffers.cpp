@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <string>
 
+#include "engine/opengl/dispatch.h"
+
 namespace paradesc {
 
 CellBuffers::CellBuffers(const Gl &gl, const Cells &cells, int buffer_size)
@@ -23,19 +25,6 @@ static void use_program(const Gl &gl, ProgramCache &programs, const char *name, 
   gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
 }
 
-// Runs the program in use, few enough invocations at a time for the patience of a desktop's driver.
-static void dispatch(const Gl &gl, int count, int64_t tile) {
-  const int64_t group = gl.limits.group_size;
-  const auto size = static_cast<int>(std::clamp<int64_t>(tile / group * group, group, 65535 * group));
-  for (int first = 0; first < count; first += size) {
-    const int last = std::min(first + size, count);
-    gl.Uniform1i(LOCATION_FIRST, first);
-    gl.Uniform1i(LOCATION_LAST, last);
-    gl.DispatchCompute(group_count(gl, last - first), 1, 1);
-    if (last < count) gl.Finish();
-  }
-}
-
 std::vector<CellData> CellBuffers::measure(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer) {
   std::vector<CellData> cells(static_cast<size_t>(cell_count_));
   if (cells.empty()) return cells;
@@ -45,7 +34,8 @@ std::vector<CellData> CellBuffers::measure(const Gl &gl, ProgramCache &programs,
   gl.BindTextureUnit(UNIT_BOXES, boxes_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, measured_.id());
   gl.Uniform1i(LOCATION_BLOCK_SIZE, block_size_);
-  dispatch(gl, cell_count_, (int64_t{1} << 26) / (int64_t{block_size_} * block_size_)); // a cell has up to a block of texels
+  dispatch_invocations(gl, cell_count_,
+                       (int64_t{1} << 22) / (int64_t{block_size_} * block_size_)); // a cell has up to a block of texels
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.GetNamedBufferSubData(measured_.id(), 0, static_cast<GLsizeiptr>(cells.size() * sizeof(CellData)), cells.data());
   check_gl(gl, "cells");
@@ -72,7 +62,7 @@ std::vector<vec3> read_points(const Gl &gl, ProgramCache &programs, const Geomet
     use_program(gl, programs, "points", buffer);
     gl.BindTextureUnit(UNIT_SAMPLES, list.id());
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_POINTS, found.id());
-    dispatch(gl, static_cast<int>(entries.size()), int64_t{1} << 24);
+    dispatch_invocations(gl, static_cast<int>(entries.size()), int64_t{1} << 22);
     gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl.GetNamedBufferSubData(found.id(), 0, static_cast<GLsizeiptr>(read.size() * sizeof(vec4)), read.data());
     for (size_t i = 0; i < read.size(); i += 2) points.emplace_back(read[i]);
@@ -96,7 +86,7 @@ bool CellBuffers::list_points(const Gl &gl, ProgramCache &programs, const Geomet
   use_program(gl, programs, "points", buffer);
   gl.BindTextureUnit(UNIT_SAMPLES, samples_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_POINTS, points.buffer_id());
-  dispatch(gl, sample_count_, int64_t{1} << 24);
+  dispatch_invocations(gl, sample_count_, int64_t{1} << 22);
   gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
   check_gl(gl, "points of samples");
   return true;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "descriptor/registry.h"
+#include "engine/opengl/dispatch.h"
 #include "engine/opengl/texture_space.h"
 #include "sample/ambiguous.h"
 
@@ -60,7 +61,7 @@ void TextureSpace::bake_map(const Job &job, const Centers &centers, const Texell
   });
 }
 
-// Tiles of about 30 ms keep the callback's latency, and a desktop driver's patience, well within bounds.
+// A computation is cancelled between tiles.
 void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress,
                                   double from, double to) {
   const int smallest_tile = job.resources.smallest_tile; // enough for every core of a software device
@@ -72,8 +73,7 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
     gl_->run([&](const Gl &gl, ProgramCache &programs) {
       device_->evaluator.run(gl, programs, *device_->buffer, settings, first, last);
     });
-    const double scale = std::clamp(0.03 / std::max(clock.lap(), 1e-4), 0.25, 4.0);
-    tile = std::max(smallest_tile, static_cast<int>(tile * scale) / group * group);
+    tile = next_tile(tile, clock.lap(), smallest_tile, group);
     first = last;
     check_cancel(progress, "evaluate", from + (to - from) * first / count);
   }

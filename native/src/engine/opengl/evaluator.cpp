@@ -81,7 +81,7 @@ void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers
 }
 
 // These choices are made while compiling: one that is not taken costs nothing.
-static std::string variant_of(const EvaluateSettings &settings, const GeometryBuffer &buffer, bool texelless, bool listed) {
+static std::string variant_of(const EvaluateSettings &settings, const char *buffer_variant, bool texelless) {
   auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) +
          define("PAPER", settings.relocation == PDESC_RELOCATION_PAPER) +
@@ -90,7 +90,19 @@ static std::string variant_of(const EvaluateSettings &settings, const GeometryBu
          define("EXTRAPOLATED", settings.estimator == PDESC_ESTIMATOR_EXTRAPOLATED) +
          define("GEODESIC_BALL", settings.geodesic_ball) + define("ADAPTIVE", settings.adaptive > 0.0f) +
          define("EXACT", settings.exact) + define("MAP", settings.map != nullptr) + define("FACES", settings.faces()) +
-         define("TEXELLESS", texelless) + define("LISTED", listed) + buffer.variant();
+         define("TEXELLESS", texelless) + define("LISTED", settings.points != nullptr) + buffer_variant;
+}
+
+GLuint evaluate_program(const Gl &gl, ProgramCache &programs, const EvaluateSettings &settings, const char *buffer_variant,
+                        bool texelless) {
+  const std::string variant = variant_of(settings, buffer_variant, texelless);
+  std::string name = "evaluate " + variant;
+  for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
+  const bool integral = settings.estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR;
+  return programs.get(gl, name, {{GL_COMPUTE_SHADER, "opengl/evaluate/evaluate.comp.glsl"}},
+                      {{"variant.glsl", variant},
+                       {"terms.glsl", compose_terms(settings.descriptors, integral)},
+                       {"descriptors.glsl", compose_descriptors(settings.descriptors)}});
 }
 
 // Binds what samples read that march.
@@ -194,14 +206,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   params_.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, params_.id());
   if (marches && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
-  const std::string variant = variant_of(settings, buffer, has_texelless_, settings.points != nullptr);
-  std::string name = "evaluate " + variant;
-  for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
-  const bool integral = settings.estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR;
-  const GLuint program = programs.get(gl, name, {{GL_COMPUTE_SHADER, "opengl/evaluate/evaluate.comp.glsl"}},
-                                      {{"variant.glsl", variant},
-                                       {"terms.glsl", compose_terms(settings.descriptors, integral)},
-                                       {"descriptors.glsl", compose_descriptors(settings.descriptors)}});
+  const GLuint program = evaluate_program(gl, programs, settings, buffer.variant(), has_texelless_);
   gl.UseProgram(program);
   buffer.bind();
   gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());

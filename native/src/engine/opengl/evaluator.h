@@ -58,6 +58,11 @@ struct EvaluateSettings {
 // A number of ROW_FLAGS: bits of whole numbers, where the others are floats; NaN, as everywhere, where nothing was written.
 inline uint32_t flags_of(float number) { return std::bit_cast<uint32_t>(number); }
 
+// The program that computes these descriptors. buffer_variant: GeometryBuffer::variant(). texelless: some triangles have no
+// texel.
+GLuint evaluate_program(const Gl &gl, ProgramCache &programs, const EvaluateSettings &settings, const char *buffer_variant,
+                        bool texelless);
+
 // The part of the device's state that samples read beside the geometry buffer.
 class Evaluator {
 public:

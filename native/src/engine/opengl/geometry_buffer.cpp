@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "bake/seam_links.h"
+#include "engine/opengl/dispatch.h"
 #include "engine/opengl/half.h"
 #include "shared.h"
 #include "support/error.h"
@@ -80,7 +81,7 @@ void GeometryBuffer::begin_layout(const Charts &charts, const BakeVertices &vert
   corners_.upload(gl_, GL_RGBA32I, corners.data(), corners.size(), GL_STATIC_DRAW);
   const std::vector<EdgeData> edges = edge_data(charts);
   drawing_ = std::make_unique<Drawing>();
-  drawing_->edges.upload(gl_, edges);
+  drawing_->edges.upload(gl_, GL_RGBA32I, edges.data(), 2 * edges.size(), GL_STATIC_DRAW);
   drawing_->edge_count = static_cast<GLsizei>(edges.size());
   drawing_->depth = Texture(gl_, size_, size_, GL_DEPTH_COMPONENT32F);
   const GLuint framebuffer = layout_framebuffer_.id();
@@ -118,7 +119,7 @@ void GeometryBuffer::draw_borders(ProgramCache &programs) {
   gl_.UseProgram(programs.get(
       gl_, "edge", {{GL_VERTEX_SHADER, "opengl/bake/edge.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/edge.frag.glsl"}}));
   gl_.Uniform1i(LOCATION_BUFFER_SIZE, size_);
-  gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_EDGES, drawing_->edges.id());
+  gl_.BindTextureUnit(UNIT_EDGES, drawing_->edges.id());
   gl_.DrawArrays(GL_TRIANGLES, 0, 6 * drawing_->edge_count);
   check_gl(gl_, "layout");
 }
@@ -259,8 +260,7 @@ std::vector<vec4> GeometryBuffer::read_distortion(ProgramCache &programs) const 
   gl_.UseProgram(programs.get(gl_, "distortion", {{GL_COMPUTE_SHADER, "opengl/bake/distortion.comp.glsl"}}));
   bind_owners();
   gl_.BindImageTexture(IMAGE_DISTORTION, distortion.id(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  const auto groups = static_cast<GLuint>((size_ + 7) / 8);
-  gl_.DispatchCompute(groups, groups, 1);
+  dispatch_texels(gl_, size_);
   gl_.MemoryBarrier(GL_ALL_BARRIER_BITS);
   return read_image(gl_, distortion.id(), size_);
 }

@@ -69,7 +69,7 @@ private:
   // Exists only while a layout is drawn.
   struct Drawing {
     Texture depth;
-    Buffer edges;
+    BufferTexture edges;
     GLsizei edge_count = 0;
   };
   void begin_drawing(GLenum depth_function) const;

@@ -1,6 +1,7 @@
 // Images and corners as textures, one dispatch over all texels.
 #include "engine/opengl/surface_mapper.h"
 
+#include "engine/opengl/dispatch.h"
 #include "shared.h"
 #include "support/error.h"
 
@@ -63,8 +64,7 @@ void SurfaceMapper::run(const Gl &gl, ProgramCache &programs, const GeometryBuff
   gl.Uniform1f(LOCATION_MIDLEVEL, maps.displacement ? maps.displacement->midlevel : 0.0f);
   gl.Uniform1f(LOCATION_HEIGHT_SCALE,
                maps.displacement ? maps.displacement->scale * static_cast<float>(input.bake_space.scale) : 0.0f);
-  const auto groups = static_cast<GLuint>((buffer.size() + 7) / 8);
-  gl.DispatchCompute(groups, groups, 1);
+  dispatch_texels(gl, buffer.size());
   gl.MemoryBarrier(GL_ALL_BARRIER_BITS);
   check_gl(gl, "displacement");
 }

@@ -1,0 +1,6 @@
+// A chart-edge line. It comes from a texture: stages that draw may have no storage buffers at all.
+#include "shared.h"
+layout(binding = UNIT_EDGES) uniform isamplerBuffer edges;
+layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
+
+EdgeData edge_at(int edge) { return EdgeData(intBitsToFloat(texelFetch(edges, 2 * edge)), texelFetch(edges, 2 * edge + 1)); }
