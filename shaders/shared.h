@@ -4,6 +4,10 @@
 
 #define LIST_ROW 4096 // elements per row of a list texture
 #define CELL_LEAVES 4 // of a cell: its parts in the quarters of its block
+#define LEAF_LISTS 4  // of a cell: its leaves' coarse samples, one half of these, its fine samples, one half of these
+#define LEAF_RADII 250.0 // steps to the radius of the cell, in the codes of its leaves
+#define NEAR_TRAITS 3 // of four numbers, of a cell near centers
+#define CELL_VECTORS (4 + 2 * CELL_LEAVES) // of four floats in CellData
 #define MAX_MARCH_STEPS                                                                                                          \
   4096 // guard of the march; a straight line crosses at most 2 x 8192 texels between seams, far less in practice
 
@@ -36,7 +40,23 @@
 #define UNIT_INPUT_UV 21 // list, RG32F: the caller's (u, v) of each bake vertex
 #define UNIT_TANGENTS 22 // list, RGBA32F, two a corner: tangent, sign of the bitangent; normal that goes with it
 #define UNIT_EDGES 23    // buffer texture, RGBA32I, two a chart-edge line: the bits of EdgeData
-#define UNIT_COUNT 24
+// Of what centers find their neighborhoods in; pairs of numbers unless it says otherwise.
+#define UNIT_CELLS 24         // buffer texture, RGBA32F: CellData
+#define UNIT_CELL_LISTS 25    // buffer texture, RGBA32I, two a cell: first and end in UNIT_NEAR_CELLS, in UNIT_ADJACENCY; in UNIT_BOUNDARY, of the samples of BINDING_TEXELLESS
+#define UNIT_NEAR_CELLS 26    // buffer texture, RGBA32I: a cell near the centers that start in another, sorted; that other; its first in UNIT_NEAR_NEIGHBORS; CELL_ bits
+#define UNIT_NEAR_NORMALS 27  // buffer texture, RGBA32F, one a cell: the mean normal of those near it
+#define UNIT_ADJACENCY 28     // buffer texture: neighboring cell, link
+#define UNIT_NEAR_SPHERES 29  // buffer texture, RGBA32F, one of UNIT_NEAR_CELLS: its sphere
+#define UNIT_NEAR_TRAITS 30   // buffer texture, RGBA32I, NEAR_TRAITS each: cell, CELL_ bits, projected area, unit of leaf codes; these codes; first and end in UNIT_NEAR_NEIGHBORS
+#define UNIT_NEAR_NEIGHBORS 31 // buffer texture, RGBA32I: place of the neighboring cell among those near the same one, or -1; link; first and end in UNIT_LINK_POINTS
+#define UNIT_CELL_LINKS 32    // buffer texture: first and end of a link in UNIT_LINK_POINTS
+#define UNIT_LINK_POINTS 33   // buffer texture, as UNIT_POINTS: where the surface goes over from cell to cell
+#define UNIT_LINK_SPHERES 34  // buffer texture, RGBA32F, one a link: around its points
+#define UNIT_LEAF_LISTS 35    // buffer texture, RGBA32I, LEAF_LISTS a cell: first in UNIT_SAMPLES, how many samples each leaf has (16 bits)
+#define UNIT_BOUNDARY 36      // buffer texture, RGBA32F: both ends of edges on the mesh's boundary
+#define UNIT_STARTS 37        // buffer texture, one a center: first and end in UNIT_START_CELLS
+#define UNIT_START_CELLS 38   // buffer texture: a cell that a center starts from; the first one is that of UNIT_NEAR_CELLS
+#define UNIT_COUNT 39
 
 // Uniforms of programs that take few. Programs over centers take EvaluateParams.
 #define LOCATION_BUFFER_SIZE 0
@@ -47,6 +67,7 @@
 #define LOCATION_FIRST 2 // invocation, and the one after the last
 #define LOCATION_LAST 3
 #define LOCATION_BLOCK_SIZE 8
+#define LOCATION_RANGES 9 // that the neighborhood of a center has at most
 #define LOCATION_AREA_UNIT 30   // of every program that writes or reads the area element
 #define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
 
@@ -61,20 +82,25 @@
 // Storage buffers, each number once: drivers often have 16.
 #define BINDING_CENTERS 0
 #define BINDING_RESULTS 1
-#define BINDING_NEIGHBORHOODS 2 // the ranges of samples of each center's neighborhood
+#define BINDING_NEIGHBORHOODS 2 // (centers of one dispatch) the ranges of samples of each center's neighborhood
 #define BINDING_TEXELLESS 3     // samples of triangles that no texel carries
 #define BINDING_CONNECTED 4     // of centers computed again: their numbers, where their triangles begin (one more), the triangles
 #define BINDING_MAP_CENTERS 5   // gradient and value of the map at each center
 #define BINDING_MAP_TEXELLESS 6 // the same at the samples of BINDING_TEXELLESS
 #define BINDING_CELLS 7         // what was measured of each cell
-#define BINDING_POINTS 8        // where UNIT_POINTS is written
+#define BINDING_POINTS 8        // where UNIT_POINTS is written, or UNIT_LINK_SPHERES
 // In the affine and the paper's relocation.
 #define BINDING_PATTERN 9
 #define BINDING_PROGRESS 10    // (centers of one dispatch)
 #define BINDING_STRETCHES 11   // (centers, STRETCH_DIRECTIONS)
 #define BINDING_SEAMS 12       // the seam of each border
 #define BINDING_VISITS 13      // (centers of one dispatch, MAX_VISITS)
-#define BINDING_COUNT 14
+#define BINDING_RANGES 14      // where UNIT_RANGES is written
+#define BINDING_COUNT 15
+// Of the program that lists cells near centers.
+#define BINDING_NEAR_SPHERES 10
+#define BINDING_NEAR_TRAITS 11
+#define BINDING_NEAR_NEIGHBORS 12
 #define STRETCH_DIRECTIONS 16  // of the directional ellipse
 #define MAX_VISITS 64          // charts, by way of a seam each, that one center's pattern is repeated on
 
@@ -97,7 +123,13 @@
 #define FLAG_HITS_BOUNDARY 1u // the mesh's boundary lies in the neighborhood
 #define FLAG_ALL_SAMPLES 2u   // adaptive sampling took all samples
 #define FLAG_AMBIGUOUS 4u     // the moments are no disk's: samples may have come in that are not connected within the ball
-#define FLAG_FAR_FROM_DISK 8u // they are far from a disk's
+
+// Bits of a cell among those that centers look through.
+#define CELL_JOINED 1      // its coarse samples are the cell's, not its leaves'
+#define CELL_AT_BOUNDARY 2 // an edge on the mesh's boundary runs through it
+#define CELL_WITHOUT_POINTS 4 // it has no texels, but may lead on
+#define CELL_FACES_CENTERS 8  // its normals lie within a cone around those that look at it
+#define CELL_FINE_LEAF 16     // and the next ones: this leaf has fine samples
 
 #ifdef __cplusplus
 namespace paradesc {
@@ -142,6 +174,7 @@ struct NeighborhoodRanges {
   int end;
   float hits_boundary; // above 0 where the mesh's boundary lies in the ball
   float missing_area;  // area of what exceeds the iterations of a device
+  int single_sheet;    // the surface in the ball faces one way; others searched by themselves
 };
 BLOCK_OF_VECTORS TexellessSample {
   vec3 position; // in buffer units
@@ -156,8 +189,9 @@ BLOCK_OF_VECTORS LeafData {
 BLOCK_OF_VECTORS CellData {
   vec4 sphere; // as a leaf's
   vec4 cone;   // the normal of one texel, the least cosine between it and the others'
-  vec4 area;   // of its surface
+  vec4 area;   // of its surface; the sphere's radius as it was measured
   LeafData leaf[CELL_LEAVES];
+  ivec4 leaf_codes; // spheres of the leaves, rounded up: 8 bits each of an offset and a radius, in units of the cell's; -1: none
 };
 BLOCK_OF_VECTORS VisitData {
   vec4 linear; // columns of the linear part of the maps over the seams crossed

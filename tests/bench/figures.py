@@ -82,6 +82,11 @@ def bunny_milliseconds(m: Measured) -> float:
     return 1e3 * m["bunny"]["at_256"]["seconds"]
 
 
+def read_backs(m: Measured) -> float:
+    """How often a frame reads back what the device computed, on either mesh."""
+    return max(m[part]["read_backs"] for part in ("host_bunny", "host_1m"))
+
+
 def error_over_peers(m: Measured) -> float:
     """Our error on the torus over the smallest of all peers."""
     theirs = [row["error_closed"] for row in m["peers"].values() if row.get("error_closed")]
@@ -130,6 +135,17 @@ FIGURES: dict[str, Figure] = {
         bunny_milliseconds,
         "stanford-bunny, r = 2 %, 256 samples, the whole frame (a tenth of libigl's was 80 ms)",
     ),
+    "host_ms_bunny": Figure(
+        3,
+        False,
+        ("host_bunny",),
+        lambda m: m["host_bunny"]["host_ms"],
+        "processor time of that frame outside OpenGL's calls, all threads",
+    ),
+    "host_ms_1m": Figure(
+        15, False, ("host_1m",), lambda m: m["host_1m"]["host_ms"], "the same at 1 M triangles, r = 4 %"
+    ),
+    "read_backs": Figure(1, False, ("host_bunny", "host_1m"), read_backs, "of one of these frames"),
     "over_libigl5": Figure(10, True, ("bunny", "libigl5"), over_peer("libigl5"), "libigl, 5 rings, over that frame"),
     "over_dirty": Figure(20, True, ("bunny", "dirty"), over_peer("dirty"), "Dirty Vertex Colors over that frame"),
     "over_pymeshlab_pca": Figure(

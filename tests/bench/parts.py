@@ -212,6 +212,19 @@ def bunny(run: Run) -> MeshArrays | None:
     return None
 
 
+def host(run: Run, arrays: MeshArrays | None) -> None:
+    """Measures what a frame of the device asks of the processor, on the bunny and on a million triangles."""
+    gpu = run.device.context.backend == "gpu"
+    with run.part("host_bunny"):
+        if arrays is None:
+            raise MissingError(run.reasons["bunny"])
+        path = programs.write_mesh(run.folder / "host", arrays)
+        run.measured["host_bunny"] = programs.frame_host(run.build, path, 0.02, gpu)
+    with run.part("host_1m"):
+        path = programs.write_mesh(run.folder / "host", torus(run, 1_000_000))
+        run.measured["host_1m"] = programs.frame_host(run.build, path, 0.04, gpu)
+
+
 def together(run: Run) -> None:
     """Measures several descriptors from one sampling, and three radii of one frame."""
     with run.part("together"):

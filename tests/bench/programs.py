@@ -12,6 +12,7 @@ from paradesc.bridge import MeshArrays
 
 ROOT = Path(__file__).resolve().parents[2]
 OBJECT_SPACE, GATHER, CGAL = "paradesc_object_space", "paradesc_gather_bench", "paradesc_cgal_curvature"
+FRAME_HOST = "paradesc_frame_host"
 # What a program needs beyond the library's own.
 NEEDS = {GATHER: "it needs libbenchmark-dev", CGAL: "it needs CGAL 6: bash tests/bench/cgal.sh"}
 
@@ -81,6 +82,11 @@ def cgal(build: Path, mesh: Path, radius: float) -> tuple[float, Values]:
     file = mesh.with_suffix(".values")
     seconds = float(printed(build, CGAL, [str(mesh), repr(radius), str(file)]))
     return seconds, read_values(file)
+
+
+def frame_host(build: Path, mesh: Path, fraction: float, gpu: bool) -> dict:
+    """What a frame in texture space asks of the processor; fraction: the radius as a part of the diagonal."""
+    return json.loads(printed(build, FRAME_HOST, [str(mesh), repr(fraction), "gpu" if gpu else "software"]))
 
 
 def printed(build: Path, name: str, words: list[str]) -> str:

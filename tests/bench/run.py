@@ -90,6 +90,7 @@ def quick(run: parts.Run, with_peers: bool) -> None:
     parts.detail(run, 100_000, "detail_100k")
     parts.detail(run, 1_000_000, "detail_1m")
     parts.detail(run, 2_000_000, "detail_2m")
+    parts.host(run, arrays)
     parts.radius(run)
     parts.together(run)
     parts.gather(run, "gather_one_chart", 1)

@@ -23,7 +23,6 @@ void Centers::permute(const std::vector<int32_t> &order_now) {
   reorder(order_now, wedges);
   reorder(order_now, points);
   reorder(order_now, order);
-  reorder(order_now, single_sheet);
 }
 
 static bool is_center(const Charts &charts, const CenterOptions &options, size_t wedge) {

@@ -30,8 +30,7 @@ struct Centers {
   std::vector<CenterData> data;
   std::vector<int32_t> wedges; // -1: the point has no wedge
   std::vector<int32_t> points;
-  std::vector<int32_t> order;        // the number that each center had when the list was made
-  std::vector<uint8_t> single_sheet; // as in Neighborhoods, once these are found
+  std::vector<int32_t> order; // the number that each center had when the list was made
 
   // Center i becomes the one that was center order_now[i].
   void permute(const std::vector<int32_t> &order_now);

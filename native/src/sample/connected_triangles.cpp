@@ -11,14 +11,6 @@
 
 namespace paradesc {
 
-bool segment_in_ball(dvec3 a, dvec3 b, dvec3 center, double radius) {
-  const dvec3 way = b - a;
-  const double square = dot(way, way);
-  const double t = square > 0.0 ? std::clamp(dot(center - a, way) / square, 0.0, 1.0) : 0.0;
-  const dvec3 gap = a + way * t - center;
-  return dot(gap, gap) < radius * radius;
-}
-
 // Offsets from the center are in units of the radius: meshes have any size.
 static bool in_ball(vec3 offset) { return dot(offset, offset) < 1.0f; }
 

@@ -46,7 +46,4 @@ private:
   Pool<SharedFlood> floods_;
 };
 
-// Whether the segment from a to b comes nearer to the center than the radius.
-bool segment_in_ball(dvec3 a, dvec3 b, dvec3 center, double radius);
-
 } // namespace paradesc

@@ -1,15 +1,14 @@
-// Cells and their links → the ranges of samples of each center's neighborhood.
+// Floods over cells, one for all centers that start in a cell.
 #include "sample/neighborhoods.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <limits>
 #include <numeric>
-#include <string>
+#include <utility>
 
-#include "sample/cell_search.h"
-#include "support/error.h"
 #include "support/parallel.h"
+#include "support/pool.h"
 
 namespace paradesc {
 
@@ -51,44 +50,11 @@ TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles 
   return samples;
 }
 
-void Neighborhoods::permute(const std::vector<int32_t> &order_now) {
-  std::vector<NeighborhoodRanges> ordered;
-  ordered.reserve(center.size());
-  for (const int32_t i : order_now) ordered.push_back(center[i]);
-  center.swap(ordered);
-}
-
-namespace {
-
-// The ranges of some centers, before they are joined to one list.
-struct Part {
-  std::vector<ivec2> range;
-  std::vector<int32_t> left; // centers that have to search by themselves
-};
-
-} // namespace
-
-static std::vector<Bounds> link_bounds(const Cells &cells, const std::vector<vec3> &points, int threads) {
-  std::vector<Bounds> bounds(cells.link_begin.size() - 1);
-  parallel_blocks(static_cast<int>(bounds.size()), threads, 4096, [&](int begin, int end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      vec3 low(1e30f), high(-1e30f);
-      for (int32_t k = cells.link_begin[i]; k < cells.link_begin[i + 1]; ++k) {
-        low = glm::min(low, points[k]);
-        high = glm::max(high, points[k]);
-      }
-      bounds[i] = {low, high};
-    }
-  });
-  return bounds;
-}
-
-// The cells, with spheres and cones that enclose the samples of their texelless triangles as well.
-static std::vector<CellData> with_texelless_samples(const SearchSpace &space) {
-  std::vector<CellData> cells(space.measured.begin(), space.measured.end());
-  for (size_t cell = 0; cell + 1 < space.texelless.begin.size(); ++cell)
-    for (int32_t k = space.texelless.begin[cell]; k < space.texelless.begin[cell + 1]; ++k) {
-      const TexellessSample &sample = space.texelless.samples[static_cast<size_t>(k)];
+std::vector<CellData> with_texelless_samples(std::span<const CellData> measured, const TexellessSamples &texelless) {
+  std::vector<CellData> cells(measured.begin(), measured.end());
+  for (size_t cell = 0; cell + 1 < texelless.begin.size(); ++cell)
+    for (int32_t k = texelless.begin[cell]; k < texelless.begin[cell + 1]; ++k) {
+      const TexellessSample &sample = texelless.samples[static_cast<size_t>(k)];
       CellData &data = cells[cell];
       if (data.sphere.w < 0.0f) {
         data.sphere = vec4(sample.position, 0.0f);
@@ -100,71 +66,41 @@ static std::vector<CellData> with_texelless_samples(const SearchSpace &space) {
   return cells;
 }
 
-static std::vector<CellLeaves> list_leaves(const SearchSpace &space, float radius, int threads) {
-  const int side = space.cells.block_size / 2;
-  std::vector<CellLeaves> leaves(space.measured.size());
-  parallel_blocks(static_cast<int>(leaves.size()), threads, 4096, [&](int begin, int end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-      leaves[i] = leaves_of(space.measured[i], space.samples.strides, i, side * side, radius);
-  });
-  return leaves;
+Starts list_starts(std::span<const int32_t> begin, std::span<const int32_t> start_cells, int cell_count) {
+  const size_t centers = begin.size() - 1;
+  const auto cell_of = [&](size_t i) { return begin[i] < begin[i + 1] ? start_cells[begin[i]] : cell_count; };
+  Starts starts;
+  starts.begin.assign(static_cast<size_t>(cell_count) + 2, 0);
+  for (size_t i = 0; i < centers; ++i) ++starts.begin[cell_of(i) + 1];
+  std::partial_sum(starts.begin.begin(), starts.begin.end(), starts.begin.begin());
+  std::vector<int32_t> next(starts.begin.begin(), starts.begin.end() - 1);
+  starts.order.resize(centers);
+  for (size_t i = 0; i < centers; ++i) starts.order[next[cell_of(i)]++] = static_cast<int32_t>(i);
+  starts.begin.pop_back();
+  starts.range.reserve(centers);
+  for (size_t i = 0; i < centers; ++i) starts.range.emplace_back(begin[i], begin[i + 1]);
+  starts.cell.reserve(start_cells.size());
+  for (const int32_t cell : start_cells) starts.cell.emplace_back(cell, 0);
+  return starts;
 }
 
-// The cell from which a center's group searches, or -1.
-static int32_t start_of(const Cells &cells, const SearchCenter &center) {
-  if (center.cell >= 0) return center.cell;
-  for (const int32_t wedge : center.wedges)
-    if (const int32_t cell = cells.wedge_cell[wedge]; cell >= 0) return cell;
-  return -1;
-}
-
-namespace {
-
-// Centers by the square that they start in: a block, or two by two or four by four where these are small against the radius.
-struct Groups {
-  std::vector<int32_t> start; // (centers) cell, or -1
-  std::vector<int32_t> order; // centers
-  std::vector<int32_t> begin; // (groups + 1) into order; the first: those that start nowhere
-};
-
-} // namespace
-
-static Groups group(const Cells &cells, std::span<const CellData> measured, const std::vector<SearchCenter> &centers,
-                    float radius) {
-  double spheres = 0.0;
-  for (const CellData &cell : measured) spheres += static_cast<double>(std::max(cell.sphere.w, 0.0f));
-  const double radii = static_cast<double>(radius) * static_cast<double>(measured.size()) / std::max(spheres, 1e-30);
-  const int width = (radii > 4.4 ? 4 : radii > 2.6 ? 2 : 1) * cells.block_size; // at most about the radius
-  int across = 1;
-  for (const ivec4 box : cells.box) across = std::max({across, box.x / width + 1, box.y / width + 1});
-  auto square_of = [&](int32_t cell) {
-    if (cell < 0) return 0;
-    const ivec4 box = cells.box[cell];
-    return 1 + box.y / width * across + box.x / width;
-  };
-  Groups groups;
-  groups.start.resize(centers.size());
-  std::vector<int32_t> begin(static_cast<size_t>(across) * static_cast<size_t>(across) + 2, 0);
-  for (size_t i = 0; i < centers.size(); ++i) {
-    groups.start[i] = start_of(cells, centers[i]);
-    ++begin[static_cast<size_t>(square_of(groups.start[i])) + 1];
-  }
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  groups.begin.push_back(0);
-  for (size_t square = 0; square + 1 < begin.size(); ++square)
-    if (square == 0 || begin[square + 1] > begin[square]) groups.begin.push_back(begin[square + 1]);
-  groups.order.resize(centers.size());
-  for (size_t i = 0; i < centers.size(); ++i) groups.order[begin[square_of(groups.start[i])]++] = static_cast<int32_t>(i);
-  return groups;
+std::vector<int32_t> put_in_order(Starts &starts) {
+  std::vector<int32_t> order = std::move(starts.order);
+  std::vector<ivec2> range;
+  range.reserve(order.size());
+  for (const int32_t i : order) range.push_back(starts.range[i]);
+  starts.range = std::move(range);
+  starts.order.resize(order.size());
+  std::iota(starts.order.begin(), starts.order.end(), 0);
+  return order;
 }
 
 namespace {
 
-// Some of a group's centers: how far they lie apart.
+// A ball around some centers.
 struct Spread {
-  vec3 low, high;
-  Spread(const std::vector<SearchCenter> &centers, std::span<const int32_t> members)
-      : low(std::numeric_limits<float>::max()), high(-low) {
+  vec3 low{std::numeric_limits<float>::max()}, high{-std::numeric_limits<float>::max()};
+  void add(std::span<const CenterData> centers, std::span<const int32_t> members) {
     for (const int32_t i : members) {
       low = glm::min(low, centers[i].position);
       high = glm::max(high, centers[i].position);
@@ -172,179 +108,217 @@ struct Spread {
   }
   vec3 middle() const { return 0.5f * (low + high); }
   float radius() const { return 0.5f * length(high - low); }
-  int longest_axis() const {
-    const vec3 side = high - low;
-    return side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+};
+
+// The floods that one thread makes.
+class Flood {
+public:
+  Flood(const Cells &cells, std::span<const CellData> measured, float radius)
+      : cells_(cells), measured_(measured), radius_(radius), visited_(static_cast<size_t>(cells.count), 0) {}
+
+  // All cells that are connected to `cell` within the ball of any center nearer than spread.radius to its middle; and others,
+  // too.
+  const std::vector<int32_t> &run(int32_t cell, const Spread &spread) {
+    constexpr float around = 1.25f; // a link may lie a texel beyond the points of a cell
+    const vec3 middle = spread.middle();
+    const float reach = radius_ + spread.radius();
+    ++mark_;
+    found_.clear();
+    add(cell);
+    for (size_t i = 0; i < found_.size(); ++i) {
+      const auto from = static_cast<size_t>(found_[i]);
+      for (int32_t k = cells_.adjacency_begin[from]; k < cells_.adjacency_begin[from + 1]; ++k) {
+        const int32_t other = cells_.adjacency[k].x;
+        if (visited_[other] == mark_) continue;
+        const vec4 sphere = measured_[other].sphere;
+        const vec3 gap = vec3(sphere) - middle;
+        const float limit = reach + around * sphere.w;
+        if (sphere.w < 0.0f || dot(gap, gap) < limit * limit) add(other); // one without a sphere may lead on
+      }
+    }
+    std::sort(found_.begin(), found_.end()); // one order of summation, wherever the search began
+    return found_;
   }
+
+  bool was_found(int32_t cell) const { return visited_[cell] == mark_; } // by the last one
+
+  // Of what was found last.
+  vec4 mean_normal() const {
+    vec3 sum(0.0f);
+    for (const int32_t cell : found_) {
+      const CellData &data = measured_[cell];
+      if (data.sphere.w >= 0.0f) sum += vec3(data.cone) * data.area.x;
+    }
+    const float size = length(sum);
+    return vec4(size > 0.0f ? sum / size : vec3(0.0f), 0.0f);
+  }
+
+private:
+  void add(int32_t cell) {
+    visited_[cell] = mark_;
+    found_.push_back(cell);
+  }
+
+  const Cells &cells_;
+  std::span<const CellData> measured_;
+  float radius_;
+  std::vector<uint32_t> visited_;
+  std::vector<int32_t> found_;
+  uint32_t mark_ = 0;
 };
 
 } // namespace
 
-// The members of one group that lie near each other: first those that are connected to the first member's cell, then those
-// connected to the first of the others…
-static void search_together(CellSearch &search, const std::vector<SearchCenter> &centers, const std::vector<int32_t> &start,
-                            std::vector<int32_t> members, Neighborhoods &neighborhoods, Part &part) {
-  std::vector<int32_t> others;
-  while (!members.empty()) {
-    const Spread spread(centers, members);
-    search.flood_from(start[members[0]], spread.middle(), spread.radius());
-    others.clear();
-    for (const int32_t i : members) {
-      if (!search.was_found(start[i])) {
-        others.push_back(i);
-        continue;
-      }
-      const vec3 position = centers[i].position;
-      search.measure(position);
-      if (search.is_single_sheet(position)) {
-        neighborhoods.center[i] = search.list(position, false, part.range);
-        neighborhoods.single_sheet[i] = 1;
-      } else {
-        part.left.push_back(i);
-      }
-    }
-    members.swap(others);
+// (cells) CELL_ bits.
+static std::vector<int32_t> bits_of_cells(const Cells &cells, const CellStrides &strides, std::span<const CellData> measured) {
+  const int leaf_texels = cells.block_size / 2 * (cells.block_size / 2);
+  std::vector<int32_t> bits(measured.size(), 0);
+  for (size_t i = 0; i < bits.size(); ++i) {
+    if (strides.coarse[CELL_LEAVES * i] > leaf_texels) bits[i] |= CELL_JOINED;
+    if (cells.boundary_begin[i] < cells.boundary_begin[i + 1]) bits[i] |= CELL_AT_BOUNDARY;
+    if (measured[i].sphere.w < 0.0f) bits[i] |= CELL_WITHOUT_POINTS;
+    for (size_t k = 0; k < CELL_LEAVES; ++k)
+      if (measured[i].leaf[k].sphere.w >= 0.0f && strides.fine[CELL_LEAVES * i + k] != strides.coarse[CELL_LEAVES * i + k])
+        bits[i] |= CELL_FINE_LEAF << k;
   }
-}
-
-// A group, in halves until each lies within a part of the radius: the map may stretch a square to any length.
-static void search_in_halves(CellSearch &search, const std::vector<SearchCenter> &centers, const std::vector<int32_t> &start,
-                             std::span<int32_t> members, float radius, Neighborhoods &neighborhoods, Part &part) {
-  constexpr float near = 0.6f;
-  const Spread spread(centers, members);
-  if (members.size() < 2 || spread.radius() <= near * radius)
-    return search_together(search, centers, start, {members.begin(), members.end()}, neighborhoods, part);
-  const int axis = spread.longest_axis();
-  const float middle = spread.middle()[axis];
-  const auto split =
-      std::stable_partition(members.begin(), members.end(), [&](int32_t i) { return centers[i].position[axis] < middle; });
-  const auto first = static_cast<size_t>(split - members.begin());
-  if (first == 0 || first == members.size()) // as far apart as floats tell
-    return search_together(search, centers, start, {members.begin(), members.end()}, neighborhoods, part);
-  search_in_halves(search, centers, start, members.first(first), radius, neighborhoods, part);
-  search_in_halves(search, centers, start, members.subspan(first), radius, neighborhoods, part);
-}
-
-// Appends the ranges of all parts to one list; part_centers[i]: the centers of part i.
-static void join(std::vector<Part> &parts, const std::vector<std::span<const int32_t>> &part_centers,
-                 Neighborhoods &neighborhoods) {
-  size_t all = neighborhoods.range.size();
-  for (const Part &part : parts) all += part.range.size();
-  neighborhoods.range.reserve(all);
-  for (size_t i = 0; i < parts.size(); ++i) {
-    const auto offset = static_cast<int32_t>(neighborhoods.range.size());
-    for (const int32_t center : part_centers[i]) {
-      NeighborhoodRanges &data = neighborhoods.center[center];
-      for (int32_t *at : {&data.first, &data.middle, &data.last, &data.end}) *at += offset;
-    }
-    neighborhoods.range.insert(neighborhoods.range.end(), parts[i].range.begin(), parts[i].range.end());
-    parts[i].range = {}; // all together are as much again
-  }
-}
-
-[[noreturn]] static void refuse_ranges(size_t centers, size_t max_ranges) {
-  throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The neighborhoods of " + std::to_string(centers) + " places have more than " +
-                                             std::to_string(max_ranges) +
-                                             " pieces of charts, for which there is no memory; use a "
-                                             "smaller radius, smaller buffers, or a UV map of fewer charts.");
+  return bits;
 }
 
 namespace {
 
-// What both passes over the centers read, and how many ranges they have listed.
-struct Passes {
-  const SearchSpace &space;
-  std::span<const CellData> measured;
-  std::span<const CellLeaves> leaves;
-  const std::vector<SearchCenter> &centers;
-  float radius;
-  int threads;
-  size_t max_ranges;
-  std::atomic<size_t> all{0};
-
-  void count(size_t added) {
-    if ((all += added) > max_ranges) refuse_ranges(centers.size(), max_ranges);
-  }
+// Cells in which centers start, by squares that are small against the radius: those of one square share a flood.
+struct Squares {
+  std::vector<int32_t> cell;  // by squares
+  std::vector<int32_t> begin; // (squares + 1) into cell
 };
 
 } // namespace
 
-// Searches group by group. Returns the centers that are left to search_alone().
-static std::vector<int32_t> search_groups(Passes &passes, Groups &groups, Neighborhoods &neighborhoods) {
-  constexpr int block = 64;
-  const auto count = static_cast<int>(groups.begin.size()) - 1;
-  auto members_of = [&](int first, int last) {
-    const auto begin = static_cast<size_t>(groups.begin[first]);
-    return std::span(groups.order).subspan(begin, static_cast<size_t>(groups.begin[last]) - begin);
-  };
-  std::vector<Part> parts(static_cast<size_t>((count + block - 1) / block));
-  std::vector<std::span<const int32_t>> part_centers;
-  for (int begin = 0; begin < count; begin += block) part_centers.push_back(members_of(begin, std::min(begin + block, count)));
-  parallel_blocks(count, passes.threads, block, [&](int begin, int end) {
-    CellSearch search(passes.space, passes.measured, passes.leaves, passes.radius);
-    Part part; // of its own: neighboring vectors share cache lines
-    for (int g = begin; g < end; ++g) {
-      const size_t before = part.range.size();
-      const std::span<int32_t> members = members_of(g, g + 1);
-      if (g == 0) // they start nowhere
-        part.left.assign(members.begin(), members.end());
-      else
-        search_in_halves(search, passes.centers, groups.start, members, passes.radius, neighborhoods, part);
-      passes.count(part.range.size() - before);
-    }
-    parts[begin / block] = std::move(part);
-  });
-  join(parts, part_centers, neighborhoods);
-  std::vector<int32_t> left;
-  for (const Part &part : parts) left.insert(left.end(), part.left.begin(), part.left.end());
-  return left;
+static Squares squares_of(const Cells &cells, std::span<const CellData> measured, const Starts &starts, float radius) {
+  double spheres = 0.0;
+  for (const CellData &cell : measured) spheres += static_cast<double>(std::max(cell.sphere.w, 0.0f));
+  const double radii = static_cast<double>(radius) * static_cast<double>(measured.size()) / std::max(spheres, 1e-30);
+  const int width = (radii > 4.4 ? 4 : radii > 2.6 ? 2 : 1) * cells.block_size; // at most about the radius
+  const auto square_of = [&](int32_t cell) { return std::pair(cells.box[cell].y / width, cells.box[cell].x / width); };
+  Squares squares;
+  for (int32_t cell = 0; cell < cells.count; ++cell)
+    if (starts.begin[cell] < starts.begin[cell + 1]) squares.cell.push_back(cell);
+  std::ranges::stable_sort(squares.cell, {}, square_of);
+  for (size_t i = 0; i < squares.cell.size(); ++i)
+    if (i == 0 || square_of(squares.cell[i - 1]) != square_of(squares.cell[i])) squares.begin.push_back(static_cast<int32_t>(i));
+  squares.begin.push_back(static_cast<int32_t>(squares.cell.size()));
+  return squares;
 }
 
-// Searches for each of these centers by the links from its own cell.
-static void search_alone(Passes &passes, std::span<const int32_t> left, Neighborhoods &neighborhoods) {
-  constexpr int alone = 512;
-  const std::vector<vec3> &link_points = passes.space.link_points();
-  const std::vector<Bounds> links = link_bounds(passes.space.cells, link_points, passes.threads);
-  std::vector<Part> parts((left.size() + alone - 1) / alone);
-  std::vector<std::span<const int32_t>> part_centers;
-  for (size_t first = 0; first < left.size(); first += alone)
-    part_centers.push_back(left.subspan(first, std::min<size_t>(alone, left.size() - first)));
-  parallel_blocks(static_cast<int>(left.size()), passes.threads, alone, [&](int begin, int) {
-    CellSearch search(passes.space, passes.measured, passes.leaves, passes.radius);
-    Part part;
-    for (std::span<const int32_t> others = part_centers[begin / alone]; !others.empty();) {
-      const std::span<const int32_t> members = others.first(search.together(passes.centers, others));
-      others = others.subspan(members.size());
-      search.run(passes.centers, members, links, link_points);
-      const size_t before = part.range.size();
-      for (size_t lane = 0; lane < members.size(); ++lane) {
-        const vec3 position = passes.centers[members[lane]].position;
-        const bool boundary = search.choose(lane, position);
-        neighborhoods.center[members[lane]] = search.list(position, boundary, part.range);
+namespace {
+
+// What is near some squares, before it is joined to one list.
+struct Part {
+  std::vector<ivec4> near;     // as NearCells::cell
+  std::vector<int32_t> joined; // cells that others share a flood with, and what each of them has in `near`
+  std::vector<ivec2> range;
+};
+
+// Lists what is near the cells of a square: those that the flood from the first one finds, then from the first of the others…
+class SquareSearch {
+public:
+  SquareSearch(const Cells &cells, std::span<const CellData> measured, std::span<const int32_t> bits, const Starts &starts,
+               std::span<const CenterData> centers, float radius)
+      : bits_(bits), starts_(starts), centers_(centers), radius_(radius), flood_(cells, measured, radius) {}
+
+  void run(std::span<const int32_t> square, NearCells &near, Part &part) {
+    constexpr float most = 0.6f; // of the radius: the map may stretch a square to any length
+    std::vector<int32_t> left(square.begin(), square.end());
+    while (!left.empty()) {
+      Spread spread;
+      for (const int32_t cell : left) spread.add(centers_, members_of(cell));
+      const bool together = spread.radius() <= most * radius_;
+      list(left, together ? spread : spread_of(left[0]), together, near, part);
+    }
+  }
+
+private:
+  std::span<const int32_t> members_of(int32_t cell) const {
+    const auto begin = static_cast<size_t>(starts_.begin[cell]), end = static_cast<size_t>(starts_.begin[cell + 1]);
+    return std::span(starts_.order).subspan(begin, end - begin);
+  }
+
+  Spread spread_of(int32_t cell) const {
+    Spread spread;
+    spread.add(centers_, members_of(cell));
+    return spread;
+  }
+
+  // Takes the first cell out of `left`, and those that its flood finds if they share it.
+  void list(std::vector<int32_t> &left, const Spread &spread, bool together, NearCells &near, Part &part) {
+    const int32_t first = left[0];
+    const auto begin = static_cast<int32_t>(part.near.size());
+    for (const int32_t found : flood_.run(first, spread)) part.near.emplace_back(found, first, 0, bits_[found]);
+    near.normal[first] = flood_.mean_normal();
+    std::vector<int32_t> others;
+    for (const int32_t cell : left) {
+      if (cell != first && !(together && flood_.was_found(cell))) {
+        others.push_back(cell);
+        continue;
       }
-      passes.count(part.range.size() - before);
+      part.joined.push_back(cell);
+      part.range.emplace_back(begin, static_cast<int32_t>(part.near.size()));
     }
-    parts[begin / alone] = std::move(part);
-  });
-  join(parts, part_centers, neighborhoods);
+    left.swap(others);
+  }
+
+  std::span<const int32_t> bits_;
+  const Starts &starts_;
+  std::span<const CenterData> centers_;
+  float radius_;
+  Flood flood_;
+};
+
+} // namespace
+
+// Appends the parts to one list.
+static void join(const Cells &cells, std::vector<Part> &parts, NearCells &near) {
+  for (Part &part : parts) {
+    const auto offset = static_cast<int32_t>(near.cell.size());
+    for (size_t i = 0; i < part.joined.size(); ++i) {
+      near.range[part.joined[i]] = part.range[i] + offset;
+      near.most = std::max(near.most, static_cast<size_t>(part.range[i].y - part.range[i].x));
+    }
+    for (ivec4 &one : part.near) {
+      one.z = static_cast<int32_t>(near.neighbors);
+      near.neighbors += static_cast<size_t>(cells.adjacency_begin[one.x + 1] - cells.adjacency_begin[one.x]);
+    }
+    near.cell.insert(near.cell.end(), part.near.begin(), part.near.end());
+    part = {};
+  }
 }
 
-Neighborhoods find_neighborhoods(const SearchSpace &space, const std::vector<SearchCenter> &centers, float radius, int threads,
-                                 size_t max_ranges) {
-  const std::vector<CellData> with_texelless =
-      space.texelless.samples.empty() ? std::vector<CellData>() : with_texelless_samples(space);
-  const std::span<const CellData> measured = with_texelless.empty() ? space.measured : with_texelless;
-  const std::vector<CellLeaves> leaves = list_leaves(space, radius, threads);
-  Passes passes{
-      space, measured, leaves, centers, radius, threads, std::min<size_t>(max_ranges, std::numeric_limits<int32_t>::max())};
-  Groups groups = group(space.cells, measured, centers, radius);
-  Neighborhoods neighborhoods;
-  neighborhoods.center.resize(centers.size());
-  neighborhoods.single_sheet.resize(centers.size(), 0);
-  const std::vector<int32_t> left = search_groups(passes, groups, neighborhoods);
-  neighborhoods.order = std::move(groups.order);
-  if (!left.empty()) search_alone(passes, left, neighborhoods);
-  return neighborhoods;
+NearCells find_near_cells(const Cells &cells, const CellStrides &strides, std::span<const CellData> measured,
+                          const Starts &starts, std::span<const CenterData> centers, float radius, int threads) {
+  constexpr int block = 32;
+  const std::vector<int32_t> bits = bits_of_cells(cells, strides, measured);
+  const Squares squares = squares_of(cells, measured, starts, radius);
+  NearCells near;
+  near.any_fine = std::ranges::any_of(bits, [](int32_t of_cell) { return of_cell >= CELL_FINE_LEAF; });
+  near.range.assign(measured.size(), ivec2(0));
+  near.normal.assign(measured.size(), vec4(0.0f));
+  const auto count = static_cast<int>(squares.begin.size()) - 1;
+  std::vector<Part> parts(static_cast<size_t>((count + block - 1) / block));
+  Pool<SquareSearch> searches;
+  parallel_blocks(count, threads, block, [&](int first, int last) {
+    Part part; // of its own: neighboring vectors share cache lines
+    searches.with_one([&] { return SquareSearch(cells, measured, bits, starts, centers, radius); },
+                      [&](SquareSearch &search) {
+                        for (int i = first; i < last; ++i) {
+                          const auto begin = static_cast<size_t>(squares.begin[i]),
+                                     end = static_cast<size_t>(squares.begin[i + 1]);
+                          search.run(std::span(squares.cell).subspan(begin, end - begin), near, part);
+                        }
+                      });
+    parts[first / block] = std::move(part);
+  });
+  join(cells, parts, near);
+  return near;
 }
 
 } // namespace paradesc

@@ -1,13 +1,10 @@
-// Cells + positions of a frame → the neighborhood of each center: the samples of the surface connected to it within the ball.
+// Cells + the spheres of a frame → what centers find their neighborhoods in: the cells near those that start in one cell.
 //
-// The cells that are connected to a cell over links are found once for all centers in it. If those within a center's ball form a
-// single sheet, which faces the center's way and does not fold back, they are its neighborhood. Elsewhere, and at the mesh's
-// boundary, each center searches by itself, over links that lie in its own ball.
+// The cells that are connected to a cell over links are found once for all centers in it; neighborhoods.comp.glsl looks for each
+// center's own neighborhood among them. Triangles without texels are samples by themselves.
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -21,28 +18,11 @@
 
 namespace paradesc {
 
-// The samples of each center's neighborhood.
-struct Neighborhoods {
-  std::vector<NeighborhoodRanges> center; // (centers)
-  std::vector<ivec2> range;               // first and end of samples, see NeighborhoodRanges
-  std::vector<uint8_t> single_sheet; // (centers) the surface in the ball faces one way; others searched by themselves
-  std::vector<int32_t> order;        // centers, so that those with common samples follow each other
-
-  // center[i] becomes what was center[order_now[i]].
-  void permute(const std::vector<int32_t> &order_now);
-};
-
-struct SearchCenter {
-  vec3 position;                  // buffer units
-  std::span<const int32_t> wedges; // to start from
-  int32_t cell;                   // to start from as well, or -1
-};
-
 // Triangles that no texel carries count all the same, by samples of their own.
 struct TexellessSamples {
   std::vector<int32_t> begin; // (cells + 1)
   std::vector<TexellessSample> samples;
-  std::vector<vec2> weights;  // (samples) of the triangle's corners 1 and 2: where the sample lies
+  std::vector<vec2> weights; // (samples) of the triangle's corners 1 and 2: where the sample lies
 };
 
 // displaced: the surface as maps displace it, else NULL. radius in buffer units.
@@ -50,21 +30,35 @@ TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles 
                                             const BakeSpace &bake_space, float radius,
                                             const DisplacedSurface *displaced = nullptr);
 
-// The inputs of the search, of one frame.
-struct SearchSpace {
-  const Cells &cells;
-  const CellSamples &samples;
-  std::span<const CellData> measured;
-  const TexellessSamples &texelless;
-  const Triangles &triangles;
-  const BakeSpace &bake_space;
-  std::function<const std::vector<vec3> &()> link_points; // (cells.link_texel) in buffer units, where they are asked for
-  bool halves;                                            // samples in two turns, black squares and white ones
+// The cells, with spheres and cones that enclose these samples as well.
+std::vector<CellData> with_texelless_samples(std::span<const CellData> measured, const TexellessSamples &texelless);
+
+// Where centers start from.
+struct Starts {
+  std::vector<ivec2> range;   // (centers) first and end in cell
+  std::vector<ivec2> cell;    // and 0; the first one of a center is the one that it belongs to
+  std::vector<int32_t> order; // centers, so that those of one cell follow each other
+  std::vector<int32_t> begin; // (cells + 1) into order; the last centers start nowhere
 };
 
-// radius in buffer units. Throws Error(OUT_OF_MEMORY) where all neighborhoods together have more ranges than `max_ranges`, or
-// than can be counted.
-Neighborhoods find_neighborhoods(const SearchSpace &space, const std::vector<SearchCenter> &centers, float radius, int threads,
-                                 size_t max_ranges = std::numeric_limits<int32_t>::max());
+// begin: (centers + 1) into the cells that each center starts from.
+Starts list_starts(std::span<const int32_t> begin, std::span<const int32_t> start_cells, int cell_count);
+
+// Makes these the starts of the same centers in their order, which is returned.
+std::vector<int32_t> put_in_order(Starts &starts);
+
+// The cells connected to each cell in which centers start, over cells that come near any ball of these centers.
+struct NearCells {
+  std::vector<ivec2> range; // (cells) first and end in cell
+  std::vector<ivec4> cell;  // sorted; the one that centers start in; where its neighbors begin among those of all; CELL_ bits
+  size_t neighbors = 0;     // of all
+  std::vector<vec4> normal; // (cells) their mean normal
+  size_t most = 0;          // of one cell
+  bool any_fine = false;    // whether a cell has fine samples
+};
+
+// radius in buffer units; threads as in pdesc_context_options.
+NearCells find_near_cells(const Cells &cells, const CellStrides &strides, std::span<const CellData> measured,
+                          const Starts &starts, std::span<const CenterData> centers, float radius, int threads);
 
 } // namespace paradesc

@@ -16,6 +16,16 @@ vec4 sphere_around(vec3 low, vec3 high) {
   return low.x <= high.x ? vec4(0.5 * (low + high), 0.5 * length(high - low)) : vec4(0.0, 0.0, 0.0, -1.0);
 }
 
+// The sphere of a leaf as 8 bits each of its offset from the cell's middle and of its radius, in units of the cell's: the rounded sphere
+// encloses it.
+int code_of(vec4 leaf, vec4 cell) {
+  if (leaf.w < 0.0) return -1;
+  float unit = max(cell.w, 1e-30);
+  ivec3 offset = ivec3(round(clamp(0.5 + 0.5 * (leaf.xyz - cell.xyz) / unit, 0.0, 1.0) * 255.0));
+  int radius = int(min(ceil((leaf.w / unit + 0.007) * LEAF_RADII), 254.0));
+  return offset.x | offset.y << 8 | offset.z << 16 | radius << 24;
+}
+
 void main() {
   int cell = first + int(gl_GlobalInvocationID.x);
   if (cell >= last) return;
@@ -23,6 +33,7 @@ void main() {
   int side = block_size / 2;
   vec3 low = vec3(1e30), high = vec3(-1e30), face = vec3(0.0);
   float area = 0.0, cosine = 1.0;
+  vec4 spheres[CELL_LEAVES];
   for (int leaf = 0; leaf < CELL_LEAVES; ++leaf) {
     ivec2 corner = box.xy / block_size * block_size + side * ivec2(leaf & 1, leaf >> 1);
     ivec2 begin = max(box.xy, corner), end = min(box.xy + box.zw, corner + side);
@@ -48,11 +59,14 @@ void main() {
     low = min(low, leaf_low);
     high = max(high, leaf_high);
     bool whole = inside > float(side * side) - 0.5;
-    cells[cell].leaf[leaf].sphere = sphere_around(leaf_low, leaf_high);
+    spheres[leaf] = sphere_around(leaf_low, leaf_high);
+    cells[cell].leaf[leaf].sphere = spheres[leaf];
     cells[cell].leaf[leaf].area = vec4(whole ? largest : 4.0 * largest, leaf_cosine, 0.0, 0.0);
   }
   float size = float(buffer_size);
-  cells[cell].sphere = sphere_around(low, high);
+  vec4 sphere = sphere_around(low, high);
+  cells[cell].sphere = sphere;
+  for (int leaf = 0; leaf < CELL_LEAVES; ++leaf) cells[cell].leaf_codes[leaf] = code_of(spheres[leaf], sphere);
   cells[cell].cone = vec4(face, cosine);
-  cells[cell].area = vec4(area / (size * size), 0.0, 0.0, 0.0);
+  cells[cell].area = vec4(area / (size * size), sphere.w, 0.0, 0.0);
 }

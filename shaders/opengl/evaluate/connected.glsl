@@ -1,4 +1,4 @@
-// The ranges of a neighborhood's samples → its samples: texels, and those of triangles that no texel carries.
+// The ranges of a neighborhood's samples, as neighborhoods.comp.glsl lists them → its samples: texels, and those of triangles that no texel carries.
 #include "opengl/evaluate/buffers.glsl"
 layout(std430, binding = BINDING_NEIGHBORHOODS) readonly restrict buffer Neighborhoods { NeighborhoodRanges neighborhoods[]; };
 layout(binding = UNIT_SAMPLES) uniform isamplerBuffer sample_list;
@@ -66,19 +66,25 @@ void add_texelless_samples(inout Sums sums, int range, int end_range, float shar
 
 #if ADAPTIVE
 // Samples the black squares of a chessboard first (part 0), and the white ones then.
-void sample_neighborhood(inout Sums sums, CenterData data, int index, int part) {
-  NeighborhoodRanges neighborhood = neighborhoods[index];
+void sample_neighborhood(inout Sums sums, int slot, int part) {
+  NeighborhoodRanges neighborhood = neighborhoods[slot];
   sums.moments.hits_boundary = neighborhood.hits_boundary;
   sums.moments.missing_area = neighborhood.missing_area;
   add_texels(sums, part == 0 ? neighborhood.first : neighborhood.middle, part == 0 ? neighborhood.middle : neighborhood.last);
   add_texelless_samples(sums, neighborhood.last, neighborhood.end, 0.5);
 }
 #else
-void sample_neighborhood(inout Sums sums, CenterData data, int index) {
-  NeighborhoodRanges neighborhood = neighborhoods[index];
+void sample_neighborhood(inout Sums sums, int slot) {
+  NeighborhoodRanges neighborhood = neighborhoods[slot];
   sums.moments.hits_boundary = neighborhood.hits_boundary;
   sums.moments.missing_area = neighborhood.missing_area;
   add_texels(sums, neighborhood.first, neighborhood.last);
   add_texelless_samples(sums, neighborhood.last, neighborhood.end, 1.0);
 }
 #endif
+
+// The deviation from a disk's moments from which on a center's triangles are looked through: a single sheet is connected, unless it is far
+// from a disk.
+float ambiguous_from(int slot, float tolerance) {
+  return neighborhoods[slot].single_sheet != 0 ? 2.0 * tolerance + 0.1 : tolerance;
+}

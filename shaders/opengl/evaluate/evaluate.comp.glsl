@@ -74,9 +74,9 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
 #endif
 
 #if AFFINE || PAPER
+float ambiguous_from(int slot, float tolerance) { return tolerance; }
 // False if samples are left to later dispatches.
-bool take_samples(inout Sums sums, CenterData data, int index, out float scale) {
-  int slot = int(gl_GlobalInvocationID.x);
+bool take_samples(inout Sums sums, CenterData data, int index, int slot, out float scale) {
   bool refined = true;
   if (params.begin_sample > 0 || (PAPER == 1 && params.marks_only == 0)) {
     sums = progress[slot].sums;
@@ -106,16 +106,16 @@ bool take_samples(inout Sums sums, CenterData data, int index, out float scale) 
   return false;
 }
 #else
-bool take_samples(inout Sums sums, CenterData data, int index, out float scale) {
+bool take_samples(inout Sums sums, CenterData data, int index, int slot, out float scale) {
   scale = 1.0;
 #if ADAPTIVE
-  sample_neighborhood(sums, data, index, 0);
+  sample_neighborhood(sums, slot, 0);
   if (sums.moments.hits_boundary > 0.0 || is_rough(sums.moments))
-    sample_neighborhood(sums, data, index, 1);
+    sample_neighborhood(sums, slot, 1);
   else
     scale = 2.0;
 #else
-  sample_neighborhood(sums, data, index);
+  sample_neighborhood(sums, slot);
 #endif
   return true;
 }
@@ -125,7 +125,7 @@ void main() {
   // Software devices give each core a row of groups: every other one, so that cores have as much to do where centers in a row are costly.
   int group = int(gl_WorkGroupID.x), even = (int(gl_NumWorkGroups.x) + 1) / 2;
   group = group < even ? 2 * group : 2 * (group - even) + 1;
-  int index = params.first + group * GROUP_SIZE + int(gl_LocalInvocationID.x);
+  int slot = group * GROUP_SIZE + int(gl_LocalInvocationID.x), index = params.first + slot;
   if (index >= params.last) return;
 #if EXACT
   connected_range = ivec2(connected[params.connected_count + index], connected[params.connected_count + index + 1]);
@@ -139,14 +139,13 @@ void main() {
   sums_init(sums, data.position, data.normal, 0.0);
 #endif
   float scale;
-  if (!take_samples(sums, data, index, scale)) return;
+  if (!take_samples(sums, data, index, slot, scale)) return;
 
   Moments m = sums.moments;
   Neighborhood neighborhood = finish_neighborhood(sums, scale);
   float coverage = m.area > 0.0 ? m.area / (m.area + m.missing_area) : 0.0;
   uint flags = (m.hits_boundary > 0.0 ? FLAG_HITS_BOUNDARY : 0u) | (scale == 1.0 ? FLAG_ALL_SAMPLES : 0u) |
-               (neighborhood.deviation > neighborhood.tolerance ? FLAG_AMBIGUOUS : 0u) |
-               (neighborhood.deviation > 2.0 * neighborhood.tolerance + 0.1 ? FLAG_FAR_FROM_DISK : 0u);
+               (neighborhood.deviation > ambiguous_from(slot, neighborhood.tolerance) ? FLAG_AMBIGUOUS : 0u);
   results[ROW_COVERAGE * params.total + index] = floatBitsToUint(coverage);
   results[ROW_FLAGS * params.total + index] = flags;
   results[ROW_AREA * params.total + index] = floatBitsToUint(neighborhood.area);

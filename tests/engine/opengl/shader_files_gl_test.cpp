@@ -106,9 +106,9 @@ TEST_F(ShaderTexts, are_written_to_a_folder) {
   if (!folder_of_texts()) GTEST_SKIP() << "PARADESC_SHADER_TEXTS names no folder";
   const std::filesystem::path folder = folder_of_texts();
   send_all();
-  for (const bool pretended : {false, true}) recording.programs.merge(test::record(test::plain_variants(), pretended));
+  for (const bool pretended : {false, true}) recording.programs.merge(test::record_plain(pretended));
   write(recording.programs, folder / "sent");
-  std::set<Program> possible = test::record(test::all_variants(), true); // whose group size alone differs on a software device
+  std::set<Program> possible = test::record_all(true); // whose group size alone differs on a software device
   std::erase_if(possible, [](const Program &program) { return recording.programs.contains(program); });
   write(possible, folder / "possible");
 }

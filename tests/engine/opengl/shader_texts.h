@@ -19,6 +19,7 @@
 #include "descriptor/registry.h"
 #include "engine/opengl/evaluator.h"
 #include "engine/opengl/gl_thread.h"
+#include "engine/opengl/neighborhood_search.h"
 #include "engine/opengl/recorder.h"
 #include "shared.h"
 #include "support/error.h"
@@ -139,7 +140,7 @@ inline void ShaderTexts::send_all() {
   recording.programs = sent;
 }
 
-// ---- Every program that evaluates centers
+// ---- Every program that evaluates centers, or finds their neighborhoods
 
 struct Variant : EvaluateSettings {
   bool half = false, texelless = false, listed = false;
@@ -209,8 +210,18 @@ inline std::vector<Variant> plain_variants() {
   return all;
 }
 
+inline std::vector<SearchVariant> search_variants(const std::vector<int> &all_words) {
+  std::vector<SearchVariant> all;
+  for (const bool exact : {false, true})
+    for (const bool halves : {false, true})
+      for (const bool texelless : {false, true})
+        for (const bool fine : {false, true})
+          for (const int words : all_words) all.push_back({exact, halves, texelless, fine, words});
+  return all;
+}
+
 // As the library composes them; the driver neither compiles nor computes. pretended: for a card.
-inline std::set<Program> record(std::vector<Variant> variants, bool pretended) {
+inline std::set<Program> record(std::vector<Variant> variants, const std::vector<SearchVariant> &searches, bool pretended) {
   const std::set<Program> before = std::exchange(recording.programs, {});
   recording.compiles = false;
   GlThread(!pretended, -1, recording_driver(pretended)).run([&](const Gl &gl, ProgramCache &programs) {
@@ -222,9 +233,15 @@ inline std::set<Program> record(std::vector<Variant> variants, bool pretended) {
       variant.points = variant.listed ? &points : nullptr;
       evaluate_program(gl, programs, variant, variant.half ? "#define HALF_FLOATS\n" : "", variant.texelless);
     }
+    for (const SearchVariant &variant : searches) neighborhoods_program(gl, programs, variant);
   });
   recording.compiles = true;
   return std::exchange(recording.programs, before);
 }
+
+inline std::set<Program> record_all(bool pretended) {
+  return record(all_variants(), search_variants({1, 2, 3, 4, 5, 6, 7, 8, 16, 32}), pretended);
+}
+inline std::set<Program> record_plain(bool pretended) { return record(plain_variants(), search_variants({2}), pretended); }
 
 } // namespace paradesc::test

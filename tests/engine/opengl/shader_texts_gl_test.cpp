@@ -37,8 +37,8 @@ TEST_F(ShaderTexts, that_draw_have_no_storage_buffers_which_opengl_promises_to_c
 
 TEST_F(ShaderTexts, that_evaluate_are_all_among_those_that_settings_can_choose) {
   send_all();
-  std::set<Program> known = test::record(test::all_variants(), false);
-  known.merge(test::record(test::all_variants(), true));
+  std::set<Program> known = test::record_all(false);
+  known.merge(test::record_all(true));
   for (const Program &program : recording.programs) {
     const std::string &text = program.begin()->second;
     EXPECT_TRUE(file_of(text) != "opengl/evaluate/evaluate.comp.glsl" || known.contains(program)) << text.substr(0, 600);

@@ -65,7 +65,7 @@ void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
   const int size = buffer.size(), rows = std::max(1, drawn_at_once / size);
   for (const auto &set : device_->cells) {
     set->measured.clear();
-    set->link_points.clear();
+    set->listed_links.clear();
   }
   step([&](const Gl &, ProgramCache &) { buffer.upload(input); });
   for (int first = 0; first < size; first += rows)

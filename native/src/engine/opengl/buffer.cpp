@@ -10,12 +10,16 @@
 
 namespace paradesc {
 
-void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
-  // Shaders would read zeros beyond it, and no error would be reported.
+// Shaders would read zeros beyond it, and no error would be reported.
+static void check_storage(const Gl &gl, size_t bytes) {
   if (bytes > static_cast<size_t>(gl.limits.storage_bytes))
     throw Error(PDESC_ERROR_OUT_OF_MEMORY, "The mesh is too large for this device (a list of " + std::to_string(bytes >> 20) +
                                                " MiB, of which it takes " + std::to_string(gl.limits.storage_bytes >> 20) +
                                                "); use the software or reference backend.");
+}
+
+void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
+  check_storage(gl, bytes);
   fill(gl, data, bytes, usage);
 }
 
@@ -31,12 +35,22 @@ void Buffer::fill(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
   if (data && bytes && bytes < size) gl.NamedBufferSubData(id(), 0, static_cast<GLsizeiptr>(bytes), data);
 }
 
+static size_t bytes_of(GLenum format) { return format == GL_RG32I ? sizeof(ivec2) : sizeof(vec4); }
+
+void BufferTexture::reserve(const Gl &gl, GLenum format, size_t texels) {
+  if (texels <= reserved_ && reserved_ / 4 <= texels) return;
+  check_storage(gl, texels * bytes_of(format));
+  upload(gl, format, nullptr, texels, GL_STREAM_COPY);
+  reserved_ = texels;
+}
+
 void BufferTexture::upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage) {
   if (texels > static_cast<size_t>(gl.limits.list_texels))
     throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh or its neighborhoods are too large for this device (" +
                                              std::to_string(texels) +
                                              " list elements); use smaller buffers or fewer samples, or the reference backend.");
-  buffer_.fill(gl, data, texels * (format == GL_RG32I ? sizeof(ivec2) : sizeof(vec4)), usage);
+  reserved_ = 0;
+  buffer_.fill(gl, data, texels * bytes_of(format), usage);
   if (id()) return;
   GLuint made = 0;
   gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &made);

@@ -57,12 +57,16 @@ public:
   }
   // texels of format GL_RG32I, GL_RGBA32F or GL_RGBA32I, always the same; data may be NULL, for shaders to write into buffer_id.
   void upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage);
+  // Room for texels that shaders write, which is kept while it is not far too large. Throws Error(OUT_OF_MEMORY) where they could
+  // not reach all of it.
+  void reserve(const Gl &gl, GLenum format, size_t texels);
   GLuint id() const { return name_.id(); }
   GLuint buffer_id() const { return buffer_.id(); }
 
 private:
   Buffer buffer_;
   GlName<&Gl::DeleteTextures> name_;
+  size_t reserved_ = 0;
 };
 
 // A 2-D texture without mipmaps, fetched nearest.

@@ -30,7 +30,10 @@ EvaluateSettings TextureSpace::settings_of(const Job &job, const Frame &frame) {
   settings.radius = static_cast<float>(job.request.radius * frame.space.scale);
   settings.enlargement = job.connected() ? ellipse_enlargement : frame.enlargement;
   settings.relocation = options.relocation;
-  if (job.connected()) settings.cells = cells().buffers.get();
+  if (job.connected()) {
+    settings.cells = cells().buffers.get();
+    settings.search = &device_->search;
+  }
   settings.estimator = options.estimator;
   settings.use_control_variate = options.variance_reduction != PDESC_VARIANCE_REDUCTION_NONE;
   settings.displaced = frame.displaced != nullptr;
@@ -108,8 +111,9 @@ std::vector<float> TextureSpace::read_rows(const EvaluateSettings &settings) {
   return rows;
 }
 
-CenterResults TextureSpace::read_results(const EvaluateSettings &settings, const Frame &frame, size_t count) {
-  const std::vector<float> rows = read_rows(settings);
+// rows: as read_rows.
+CenterResults TextureSpace::results_of(const EvaluateSettings &settings, const Frame &frame, const std::vector<float> &rows,
+                                       size_t count) {
   CenterResults results;
   results.values.resize(settings.descriptors.size());
   size_t refined = 0, unwritten = 0;
@@ -137,27 +141,30 @@ CenterResults TextureSpace::read_results(const EvaluateSettings &settings, const
   return results;
 }
 
-// Computes the ambiguous centers again whose samples are not those connected to them within the ball, on exactly these.
-void TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame,
-                                     const Centers &centers, const Progress &progress) {
-  const std::vector<float> rows = read_rows(settings);
+// Computes the ambiguous centers again whose samples are not those connected to them within the ball, on exactly these. Returns
+// whether there are any, so that `rows` are no longer what the device has.
+bool TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame,
+                                     const Centers &centers, const std::vector<float> &rows, const Progress &progress) {
   const size_t count = centers.data.size();
   const double unit = frame.space.scale * frame.space.scale;
   AmbiguousCenters ambiguous;
   for (size_t i = 0; i < count; ++i)
-    if (flags_of(rows[ROW_FLAGS * count + i]) & (centers.single_sheet[i] ? FLAG_FAR_FROM_DISK : FLAG_AMBIGUOUS))
+    if (flags_of(rows[ROW_FLAGS * count + i]) & FLAG_AMBIGUOUS)
       ambiguous.push_back(static_cast<int32_t>(i), centers.points[i], static_cast<double>(rows[ROW_AREA * count + i]) / unit);
   const Surface &surface = job.surface;
   const RecheckSpace space{job.triangles(frame), surface.half_edges,    radius,         surface.extent.mean_edge,
                            settings.samples,     job.resources.threads, surface.patches};
   settings.exact = true;
   double from = 0.8;
+  bool any = false;
   recheck(std::move(ambiguous), space,
           {[&](double done) { check_cancel(progress, "evaluate", from = 0.8 + 0.2 * done); },
            [&](std::span<const int32_t> again, const ConnectedTriangles &triangles) {
              gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_connected_triangles(gl, again, triangles); });
              evaluate_tiles(job, settings, static_cast<int>(again.size()), progress, from, from);
+             any = true;
            }});
+  return any;
 }
 
 // Puts values (centers, width) back into the order in which the centers were listed.
@@ -172,8 +179,9 @@ template <class Value> static void put_back(const std::vector<int32_t> &order, s
 CenterResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
                                              const Centers &centers, const Progress &progress) {
   evaluate(job, settings, frame, centers.data, progress, 0.3, 0.8);
-  if (job.connected()) recheck_ambiguous(job, settings, radius, frame, centers, progress);
-  CenterResults results = read_results(settings, frame, centers.data.size());
+  std::vector<float> rows = read_rows(settings);
+  if (job.connected() && recheck_ambiguous(job, settings, radius, frame, centers, rows, progress)) rows = read_rows(settings);
+  CenterResults results = results_of(settings, frame, rows, centers.data.size());
   results.point = centers.points;
   for (size_t i = 0; i < centers.points.size(); ++i)
     results.primary.push_back(job.charts().point_wedge[centers.points[i]] == centers.wedges[i]);

@@ -33,14 +33,6 @@ void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const st
   seams_.upload(gl, seams);
 }
 
-void Evaluator::set_neighborhoods(const Gl &gl, const Neighborhoods &neighborhoods, const TexellessSamples &texelless) {
-  texelless_.upload(gl, texelless.samples, GL_STREAM_DRAW);
-  has_texelless_ = !texelless.samples.empty();
-  neighborhoods_.upload(gl, neighborhoods.center, GL_STREAM_DRAW);
-  ranges_.upload(gl, neighborhoods.range, GL_STREAM_DRAW);
-  check_gl(gl, "neighborhood upload");
-}
-
 void Evaluator::set_faces(const Gl &gl, const std::vector<vec4> &normals) {
   faces_.upload(gl, GL_RGBA32F, normals.data(), normals.size());
   check_gl(gl, "face upload");
@@ -181,12 +173,11 @@ EvaluateParams Evaluator::params_of(const EvaluateSettings &settings, int first,
 void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
+  if (settings.exact) gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CONNECTED, connected_.id());
   if (settings.relocation != PDESC_RELOCATION_CONNECTED) {
     bind_march(gl);
   } else {
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEIGHBORHOODS, neighborhoods_.id());
-    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_TEXELLESS, texelless_.id());
-    gl.BindTextureUnit(UNIT_RANGES, ranges_.id());
+    settings.search->bind(gl);
     settings.cells->bind(gl);
     if (settings.points) gl.BindTextureUnit(UNIT_POINTS, settings.points->id());
   }
@@ -196,7 +187,6 @@ void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_TEXELLESS, map_texelless_.id());
   }
   if (settings.faces()) gl.BindTextureUnit(UNIT_FACES, faces_.id());
-  if (settings.exact) gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CONNECTED, connected_.id());
 }
 
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
@@ -206,12 +196,14 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   params_.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, params_.id());
   if (marches && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
-  const GLuint program = evaluate_program(gl, programs, settings, buffer.variant(), has_texelless_);
+  bind(gl, settings);
+  if (settings.search) settings.search->run(gl, programs, *settings.cells, settings.exact, first, last);
+  const bool texelless = settings.search && settings.search->has_texelless();
+  const GLuint program = evaluate_program(gl, programs, settings, buffer.variant(), texelless);
   gl.UseProgram(program);
   buffer.bind();
   gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
   gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
-  bind(gl, settings);
   if (marches)
     dispatch_marches(gl, program, settings, params);
   else

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <bit>
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,10 +9,10 @@
 #include "engine/opengl/cell_buffers.h"
 #include "engine/opengl/geometry_buffer.h"
 #include "engine/opengl/map_buffer.h"
+#include "engine/opengl/neighborhood_search.h"
 #include "engine/opengl/program.h"
 #include "sample/border_grid.h"
 #include "sample/connected_triangles.h"
-#include "sample/neighborhoods.h"
 
 #include "shared.h"
 
@@ -24,29 +23,31 @@ struct EvaluateSettings {
   int samples;
   uint32_t seed;
   int max_jumps;
-  int pattern;                           // pdesc_pattern
-  int ellipse;                           // pdesc_ellipse
-  int samples_at_once;                   // how many march in one dispatch
-  bool chords;                           // distances along the surface are sums of chords
-  float radius;                          // in buffer units
-  float enlargement;                     // of the sampling ellipse over the radius
-  int relocation;                        // pdesc_relocation
-  int estimator;                         // pdesc_estimator of the curvatures
-  bool use_control_variate;              // which takes the noise of samples from what the shape operator explains
-  bool geodesic_ball;                    // the neighborhood ends where the distance along the surface exceeds the radius
-  float adaptive;                        // 0: all samples everywhere
-  bool displaced = false;                // the surface is displaced: its faces are not the mesh's
-  bool exact = false;                    // only the centers of set_connected_triangles, on their triangles
-  const CellBuffers *cells = nullptr;    // what samples of the connected relocation read
-  const BufferTexture *points = nullptr; // the points of these samples, if they are listed
-  const MapBuffer *map = nullptr;        // what operators read
-  float map_radius = 0;                  // at which it was computed, in buffer units
-  float map_sigma = 0;                   // of their Gaussian windows, in buffer units
+  int pattern;                                // pdesc_pattern
+  int ellipse;                                // pdesc_ellipse
+  int samples_at_once;                        // how many march in one dispatch
+  bool chords;                                // distances along the surface are sums of chords
+  float radius;                               // in buffer units
+  float enlargement;                          // of the sampling ellipse over the radius
+  int relocation;                             // pdesc_relocation
+  int estimator;                              // pdesc_estimator of the curvatures
+  bool use_control_variate;                   // which takes the noise of samples from what the shape operator explains
+  bool geodesic_ball;                         // the neighborhood ends where the distance along the surface exceeds the radius
+  float adaptive;                             // 0: all samples everywhere
+  bool displaced = false;                     // the surface is displaced: its faces are not the mesh's
+  bool exact = false;                         // only the centers of set_connected_triangles, on their triangles
+  const CellBuffers *cells = nullptr;         // what samples of the connected relocation read
+  const NeighborhoodSearch *search = nullptr; // and what finds their neighborhoods
+  const BufferTexture *points = nullptr;      // the points of these samples, if they are listed
+  const MapBuffer *map = nullptr;             // what operators read
+  float map_radius = 0;                       // at which it was computed, in buffer units
+  float map_sigma = 0;                        // of their Gaussian windows, in buffer units
   float harris_k = 0;
 
-  // Centers that one dispatch may hold: those that march leave a kilobyte or two each between dispatches.
+  // Centers that one dispatch may hold: neighborhoods of all of them lie side by side, and those that march leave a kilobyte or
+  // two each between dispatches.
   int largest_tile() const {
-    if (relocation == PDESC_RELOCATION_CONNECTED) return std::numeric_limits<int>::max();
+    if (search) return search->largest_tile();
     return relocation == PDESC_RELOCATION_PAPER ? 16384 : 65536;
   }
   // Whether areas are measured, which the normals of faces make exact.
@@ -73,7 +74,6 @@ public:
   void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
   // (triangle_count) unit normals, for settings that ask for faces.
   void set_faces(const Gl &gl, const std::vector<vec4> &normals);
-  void set_neighborhoods(const Gl &gl, const Neighborhoods &neighborhoods, const TexellessSamples &texelless);
   // The map where it is not read from texels: at the centers, and at the samples of TexellessSamples.
   void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &texelless);
   void set_connected_triangles(const Gl &gl, std::span<const int32_t> centers, const ConnectedTriangles &connected);
@@ -93,11 +93,8 @@ private:
 
   Texture border_;
   ListTexture border_list_, border_uv_, links_, faces_;
-  BufferTexture ranges_;
-  Buffer params_, centers_, pattern_, neighborhoods_, texelless_, connected_, results_, seams_, visits_, stretches_, progress_,
-      map_centers_, map_texelless_;
+  Buffer params_, centers_, pattern_, connected_, results_, seams_, visits_, stretches_, progress_, map_centers_, map_texelless_;
   size_t progress_bytes_ = 0;
-  bool has_texelless_ = false;
   int count_ = 0, connected_count_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Baked buffers → cells of their texels, the samples of each, and the neighborhoods that centers have among them.
+// Baked buffers → cells of their texels, the samples of each, and what centers find their neighborhoods in.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -54,16 +54,6 @@ const std::vector<CellData> &TextureSpace::measured_cells(const Frame &frame) {
   });
 }
 
-const std::vector<vec3> &TextureSpace::link_points(const Frame &frame) {
-  return cells().link_points.get(frame.key, [&] {
-    std::vector<vec3> points;
-    gl_->run([&](const Gl &gl, ProgramCache &programs) {
-      points = read_points(gl, programs, *device_->buffer, cells().cells.link_texel);
-    });
-    return points;
-  });
-}
-
 // The samples of the cells for a radius in buffer units. Lists are kept from frame to frame while they stay the same.
 void TextureSpace::list_samples_for(const Job &job, const Frame &frame, float radius, int samples) {
   CellSet &set = cells();
@@ -77,28 +67,45 @@ void TextureSpace::list_samples_for(const Job &job, const Frame &frame, float ra
   set.samples_version = ++last_samples_version_;
 }
 
-// The neighborhoods of centers, before any sample is fetched. texelless: the samples of triangles without texels.
-Neighborhoods TextureSpace::search(const Job &job, const Frame &frame, double radius, int samples,
-                                   const std::vector<SearchCenter> &centers, TexellessSamples &texelless) {
+// (cells.boundary, 2) the ends of half-edges, in buffer units.
+static std::vector<vec4> ends_of_boundary(const Cells &cells, const Triangles &triangles, const BakeSpace &space) {
+  std::vector<vec4> ends;
+  for (const int32_t half_edge : cells.boundary)
+    for (const int corner : {half_edge, next_corner(half_edge)})
+      ends.emplace_back(space.to_buffer(triangles.positions[triangles.corner_vertex[corner]]), 0.0f);
+  return ends;
+}
+
+// Uploads what neighborhoods of these centers are found in. Returns the samples of triangles without texels.
+TexellessSamples TextureSpace::prepare_search(const Job &job, const Frame &frame, double radius, int samples,
+                                              const Starts &starts, std::span<const CenterData> centers) {
   const auto buffer_radius = static_cast<float>(radius * frame.space.scale);
   checkpoint();
   list_samples_for(job, frame, buffer_radius, samples);
-  const CellSet &set = cells();
+  CellSet &set = cells();
   const Surface &surface = job.surface;
   const DisplacedSurface displaced(surface.maps, surface.triangles, surface.normals, frame.space);
-  texelless = sample_texelless_triangles(set.cells, surface.triangles, surface.normals, frame.space, buffer_radius,
-                                         frame.displaced ? &displaced : nullptr);
-  const SearchSpace space{set.cells,
-                          set.samples,
-                          measured_cells(frame),
-                          texelless,
-                          job.triangles(frame),
-                          frame.space,
-                          [&]() -> const std::vector<vec3> & { return link_points(frame); },
-                          job.options().adaptive > 0.0};
-  // Ranges of samples three times: in parts, as one list, and on the device.
-  const auto max_ranges = static_cast<size_t>(allowed_memory(job.resources.memory_limit, 0)) / (3 * sizeof(ivec2));
-  return paradesc::find_neighborhoods(space, centers, buffer_radius, job.resources.threads, max_ranges);
+  TexellessSamples texelless = sample_texelless_triangles(set.cells, surface.triangles, surface.normals, frame.space,
+                                                          buffer_radius, frame.displaced ? &displaced : nullptr);
+  std::span<const CellData> measured = measured_cells(frame);
+  const std::vector<CellData> extended =
+      texelless.samples.empty() ? std::vector<CellData>() : with_texelless_samples(measured, texelless);
+  if (!extended.empty()) measured = extended;
+  const NearCells near =
+      find_near_cells(set.cells, set.samples.strides, measured, starts, centers, buffer_radius, job.resources.threads);
+  const std::vector<vec4> boundary = ends_of_boundary(set.cells, job.triangles(frame), frame.space);
+  checkpoint();
+  gl_->run([&](const Gl &gl, ProgramCache &programs) {
+    set.listed_links.get(frame.key, [&] {
+      set.buffers->list_link_points(gl, programs, *device_->buffer);
+      return true;
+    });
+    device_->search.set(gl, programs, *set.buffers,
+                        {set.cells, near, starts, texelless, extended, boundary, job.options().adaptive > 0.0});
+  });
+  list_points(frame, samples, centers.size());
+  checkpoint();
+  return texelless;
 }
 
 // The points of the samples, if they are listed; null: samples fetch texels.
@@ -106,24 +113,19 @@ const BufferTexture *TextureSpace::listed_points(const Job &job, const Frame &fr
   return job.connected() && listed_points_.find(points_key(frame)) ? &device_->points : nullptr;
 }
 
-void TextureSpace::upload(const Neighborhoods &neighborhoods, const TexellessSamples &texelless, const Frame &frame) {
-  // Listing a point costs a few fetches of it.
+// Lists the points of the samples if centers fetch them often: listing a point costs a few fetches of it.
+void TextureSpace::list_points(const Frame &frame, int samples, size_t centers) {
   constexpr size_t worth = 4;
-  size_t fetches = 0;
-  for (const ivec2 range : neighborhoods.range) fetches += static_cast<size_t>(range.y - range.x);
+  const size_t fetches = centers * static_cast<size_t>(samples) * 3 / 2; // a neighborhood has once to twice as many as asked for
   const CellSet &set = cells();
   const PointsKey key = points_key(frame);
-  if (!listed_points_.find(key) && fetches > worth * set.samples.list.size()) {
-    bool listed = false;
-    listed_points_.clear();
-    gl_->run([&](const Gl &gl, ProgramCache &programs) {
-      listed = set.buffers->list_points(gl, programs, *device_->buffer, device_->points);
-    });
-    if (listed) listed_points_.get(key, [] { return true; });
-  }
-  checkpoint();
-  gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_neighborhoods(gl, neighborhoods, texelless); });
-  checkpoint();
+  if (listed_points_.find(key) || fetches <= worth * set.samples.list.size()) return;
+  bool listed = false;
+  listed_points_.clear();
+  gl_->run([&](const Gl &gl, ProgramCache &programs) {
+    listed = set.buffers->list_points(gl, programs, *device_->buffer, device_->points);
+  });
+  if (listed) listed_points_.get(key, [] { return true; });
 }
 
 // The wedges, sorted by point; begin: (points + 1) where those of each point start.
@@ -136,33 +138,38 @@ static std::vector<int32_t> wedges_by_point(const Charts &charts, int point_coun
   return order;
 }
 
-// Finds and uploads the neighborhoods of all centers, which this puts into another order.
-TexellessSamples TextureSpace::find_neighborhoods(const Job &job, const Frame &frame, double radius, int samples,
-                                                  Centers &centers) {
+// A center starts from all wedges of its point; for seam errors each wedge has to find the others by itself.
+static Starts starts_of(const Job &job, const Cells &cells, const Centers &centers) {
   const HalfEdges &half_edges = job.surface.half_edges;
   std::vector<int32_t> begin;
   const std::vector<int32_t> wedges = wedges_by_point(job.charts(), half_edges.point_count, begin);
-  std::vector<SearchCenter> starts;
-  starts.reserve(centers.data.size());
+  std::vector<int32_t> first, list;
   for (size_t i = 0; i < centers.data.size(); ++i) {
     const int32_t point = centers.points[i];
-    // A center starts from all wedges of its point; for seam errors each wedge has to find the others by itself.
     const bool alone = job.options().seam_error && centers.wedges[i] >= 0;
     const std::span<const int32_t> from = alone ? std::span<const int32_t>(centers.wedges).subspan(i, 1)
                                                 : std::span(wedges).subspan(begin[point], begin[point + 1] - begin[point]);
-    starts.push_back({centers.data[i].position, from,
-                      centers.wedges[i] < 0 ? cells().cells.triangle_cell[half_edges.point_half_edge[point] / 3] : -1});
+    first.push_back(static_cast<int32_t>(list.size()));
+    const auto add = [&](int32_t cell) {
+      if (cell >= 0 && std::find(list.begin() + first.back(), list.end(), cell) == list.end()) list.push_back(cell);
+    };
+    if (centers.wedges[i] < 0) add(cells.triangle_cell[half_edges.point_half_edge[point] / 3]);
+    for (const int32_t wedge : from) add(cells.wedge_cell[wedge]);
   }
-  TexellessSamples texelless;
-  Neighborhoods found = search(job, frame, radius, samples, starts, texelless);
-  checkpoint();
-  // Invocations side by side then have much the same samples, and as many.
-  centers.single_sheet = std::move(found.single_sheet);
-  const std::vector<int32_t> order = std::move(found.order);
-  centers.permute(order);
-  found.permute(order);
-  upload(found, texelless, frame);
-  return texelless;
+  first.push_back(static_cast<int32_t>(list.size()));
+  return list_starts(first, list, cells.count);
+}
+
+// Puts centers as they were listed into the order in which they are evaluated: invocations side by side then have much the same
+// samples, and as many.
+void TextureSpace::put_in_order(const Job &job, Centers &centers) {
+  CellSet &set = cells();
+  const OrderedStarts &ordered = set.starts.get({job.options().seam_error != 0, centers.wedges}, [&] {
+    OrderedStarts made{starts_of(job, set.cells, centers), {}};
+    made.order = paradesc::put_in_order(made.starts);
+    return made;
+  });
+  centers.permute(ordered.order);
 }
 
 } // namespace paradesc

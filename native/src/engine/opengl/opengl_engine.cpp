@@ -51,7 +51,10 @@ static int64_t bytes_of_device(const ComputationSize &size) {
   const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? 32768 : size.wedges;
   int64_t bytes = texels * a_texel + size.triangles * 48 + size.wedges * 32 + size.borders * 100 +
                   centers * (200 + 4 * rows_of(size.descriptors));
-  if (options.relocation == PDESC_RELOCATION_CONNECTED) bytes += std::min<int64_t>(texels * 5 / 4, max_listed_points) * 32;
+  if (options.relocation == PDESC_RELOCATION_CONNECTED)
+    bytes += std::min<int64_t>(texels * 5 / 4, max_listed_points) * 32 // samples
+             + std::min<int64_t>(texels * 64, 1 << 27)                 // cells near centers
+             + std::min<int64_t>(centers * 2048, 1 << 26);             // ranges of a tile
   if (reads_map(size.descriptors)) bytes += size.wedges * 32;
   if (options.relocation == PDESC_RELOCATION_PAPER) bytes += int64_t{16384} * MAX_VISITS * 64 + 16384 * 2048;
   if (options.relocation == PDESC_RELOCATION_AFFINE) bytes += int64_t{65536} * 2048;

@@ -39,14 +39,19 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Centers centers, Co
   const pdesc_options &options = job.options();
   const double radius = job.request.radius;
   EvaluateSettings settings = settings_of(job, frame);
-  std::pair<double, int> prepared{radius, 0}; // for which radius centers are there, and for how many samples neighborhoods
+  std::pair<double, int> prepared{radius, 0}; // for which radius centers are there, and for how many samples their search
   TexellessSamples texelless;
+  if (job.connected()) put_in_order(job, centers);
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
     const double pass_radius = radius_of(pass, options, radius);
     const int samples = pattern_samples(job, frame, samples_of(pass, options));
     const auto before = std::exchange(prepared, {pass_radius, samples});
-    if (before.first != pass_radius) centers = this->centers(job, frame, pass_radius);
-    if (job.connected() && before != prepared) texelless = find_neighborhoods(job, frame, pass_radius, samples, centers);
+    if (before.first != pass_radius) {
+      centers = this->centers(job, frame, pass_radius);
+      if (job.connected()) put_in_order(job, centers);
+    }
+    if (job.connected() && before != prepared)
+      texelless = prepare_search(job, frame, pass_radius, samples, cells().starts.value().starts, centers.data);
     settings.radius = static_cast<float>(pass_radius * frame.space.scale);
     settings.samples = samples;
     if (map) bake_map(job, centers, texelless, *map);
@@ -90,6 +95,16 @@ static void refuse_beyond_texels(const Job &job, const Frame &frame) {
                 "Displacement and normal maps are followed at vertices only; choose to evaluate at vertices, or clear the maps.");
 }
 
+// start: the cell of each texel, or -1.
+static Starts starts_of_texels(std::span<const int32_t> start, const Cells &cells) {
+  std::vector<int32_t> begin = {0}, list;
+  for (const int32_t cell : start) {
+    if (cell >= 0) list.push_back(cell);
+    begin.push_back(static_cast<int32_t>(list.size()));
+  }
+  return list_starts(begin, list, cells.count);
+}
+
 // Evaluates the texels of a map in batches, between which a computation can be cancelled; then looks the vertices up there.
 void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
   constexpr size_t batch = size_t{1} << 15;
@@ -108,19 +123,15 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
     const std::vector<CenterData> centers = texel_centers(map, surface.triangles, charts, surface.normals, frame.space, sizes,
                                                           settings.radius * ellipse_enlargement, job.options().seed, first, last);
     if (job.connected()) {
-      const std::vector<int32_t> &starts = cells().texel_cells.value();
-      std::vector<SearchCenter> from;
-      for (size_t i = first; i < last; ++i) from.push_back({centers[i - first].position, {}, starts[i]});
+      const Starts starts = starts_of_texels(std::span(cells().texel_cells.value()).subspan(first, last - first), cells().cells);
       const double own_radius = static_cast<double>(settings.radius) / frame.space.scale;
-      TexellessSamples texelless;
-      const Neighborhoods found = search(job, frame, own_radius, settings.samples, from, texelless);
-      upload(found, texelless, frame);
+      prepare_search(job, frame, own_radius, settings.samples, starts, centers);
       settings.points = listed_points(job, frame);
     }
     const double share = 0.7 / static_cast<double>(count);
     evaluate(job, settings, frame, centers, job.progress, 0.3 + share * static_cast<double>(first),
              0.3 + share * static_cast<double>(last));
-    CenterResults results = read_results(settings, frame, centers.size());
+    CenterResults results = results_of(settings, frame, read_rows(settings), centers.size());
     creases.at_texels(settings.descriptors, map, first, results);
     append(all, std::move(results));
   }

@@ -17,6 +17,7 @@
 #include "engine/opengl/geometry_buffer.h"
 #include "engine/opengl/gl_thread.h"
 #include "engine/opengl/map_buffer.h"
+#include "engine/opengl/neighborhood_search.h"
 #include "engine/opengl/surface_mapper.h"
 #include "sample/centers.h"
 #include "sample/neighborhoods.h"
@@ -66,6 +67,15 @@ struct BakedLayout {
   int texelless_triangles = 0; // on charts, but without a texel
 };
 
+// Whether each wedge starts alone, and the centers' wedges as they were listed.
+using StartsKey = std::pair<bool, std::vector<int32_t>>;
+
+// Starts of centers in this order.
+struct OrderedStarts {
+  Starts starts;
+  std::vector<int32_t> order;
+};
+
 // The cells of one block size: each radius has its own.
 struct CellSet {
   Cells cells;
@@ -73,8 +83,9 @@ struct CellSet {
   CellSamples samples;                            // for CellSamples::strides
   uint64_t samples_version = 0;                   // differs from that of any other list of the session
   Keyed<BakeKey, std::vector<CellData>> measured; // (cells)
-  Keyed<BakeKey, std::vector<vec3>> link_points;  // (cells.link_texel)
+  Keyed<BakeKey, bool> listed_links;              // what the buffers' points of links are of
   Keyed<int, std::vector<int32_t>> texel_cells;   // by the map's size: (texel centers) where their searches start
+  Keyed<StartsKey, OrderedStarts> starts;         // of centers at vertices
 };
 
 // The surface of one computation.
@@ -122,6 +133,7 @@ private:
     std::unique_ptr<MapBuffer> map;              // if an operator was asked for
     std::vector<std::unique_ptr<CellSet>> cells; // of the last radii, that of the last one first
     BufferTexture points;                        // of samples, if centers fetch them often
+    NeighborhoodSearch search;
     SurfaceMapper mapper;
   };
 
@@ -137,14 +149,13 @@ private:
   void use_cells(const Job &job, const Frame &frame);
   CellSet &cells() { return *device_->cells.front(); }
   const std::vector<CellData> &measured_cells(const Frame &frame);
-  const std::vector<vec3> &link_points(const Frame &frame);
   void list_samples_for(const Job &job, const Frame &frame, float radius, int samples);
-  Neighborhoods search(const Job &job, const Frame &frame, double radius, int samples, const std::vector<SearchCenter> &centers,
-                       TexellessSamples &texelless);
+  TexellessSamples prepare_search(const Job &job, const Frame &frame, double radius, int samples, const Starts &starts,
+                                  std::span<const CenterData> centers);
   PointsKey points_key(const Frame &frame) { return {frame.key, cells().samples_version}; }
   const BufferTexture *listed_points(const Job &job, const Frame &frame);
-  void upload(const Neighborhoods &neighborhoods, const TexellessSamples &texelless, const Frame &frame);
-  TexellessSamples find_neighborhoods(const Job &job, const Frame &frame, double radius, int samples, Centers &centers);
+  void list_points(const Frame &frame, int samples, size_t centers);
+  void put_in_order(const Job &job, Centers &centers);
 
   // evaluate_stage.cpp
   EvaluateSettings settings_of(const Job &job, const Frame &frame);
@@ -153,9 +164,9 @@ private:
   void evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                       double to);
   std::vector<float> read_rows(const EvaluateSettings &settings);
-  CenterResults read_results(const EvaluateSettings &settings, const Frame &frame, size_t count);
-  void recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame, const Centers &centers,
-                         const Progress &progress);
+  CenterResults results_of(const EvaluateSettings &settings, const Frame &frame, const std::vector<float> &rows, size_t count);
+  bool recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame, const Centers &centers,
+                         const std::vector<float> &rows, const Progress &progress);
   CenterResults evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
                                  const Centers &centers, const Progress &progress);
   void bake_map(const Job &job, const Centers &centers, const TexellessSamples &texelless, const MapValues &values);

@@ -1,0 +1,91 @@
+// From a center's start cells over links in its ball → which of the cells taken are connected to it there.
+//
+// Cells are numbered as in the list of those near the center.
+layout(binding = UNIT_NEAR_NEIGHBORS) uniform isamplerBuffer near_neighbors;
+layout(binding = UNIT_LINK_POINTS) uniform samplerBuffer link_points;
+layout(binding = UNIT_LINK_SPHERES) uniform samplerBuffer link_spheres;
+
+// A bit for each cell: it has been reached; others do not know yet.
+uint reached[NEAR_WORDS], pending[NEAR_WORDS];
+int missing; // cells that are taken and not reached
+
+bool was_reached(int k) { return (reached[k >> 5] >> (k & 31) & 1u) != 0u; }
+
+void reach(int k) {
+  uint bit = 1u << (k & 31);
+  if ((reached[k >> 5] & bit) != 0u) return;
+  reached[k >> 5] |= bit;
+  pending[k >> 5] |= bit;
+  if (is_taken(k)) --missing;
+}
+
+// The place of a cell in the list, or -1.
+int place_of(int cell, ivec2 near_cells) {
+  int low = near_cells.x, high = near_cells.y;
+  while (low < high) {
+    int middle = (low + high) / 2;
+    bool below = texelFetch(near_traits, NEAR_TRAITS * middle).x < cell;
+    low = below ? middle + 1 : low;
+    high = below ? high : middle;
+  }
+  return low < near_cells.y && texelFetch(near_traits, NEAR_TRAITS * low).x == cell ? low - near_cells.x : -1;
+}
+
+// Whether an edge on the mesh's boundary that a taken cell touches meets the ball.
+bool boundary_meets(vec3 center, ivec2 near_cells) {
+  bool boundary = false;
+  for (int word = 0; word < NEAR_WORDS; ++word)
+    for (uint left = taken[word] & at_boundary[word]; left != 0u && !boundary; left &= left - 1u)
+      boundary = meets_boundary(near_cell(near_cells.x + 32 * word + findLSB(left), center).number, center);
+  return boundary;
+}
+
+// Leaves out what is not connected. A neighbor that lies outside the ball adds nothing, and leads nowhere within, unless it has no texels.
+// One loop does all: nested ones would run, for the invocations that a device runs side by side, as often as the longest of each turn.
+// Each turn looks at one point of a link, or at the next neighbor of a cell, or for the next cell.
+void keep_connected(vec3 center, ivec2 starts, ivec2 near_cells) {
+  missing = 0;
+  for (int i = 0; i < NEAR_WORDS; ++i) {
+    reached[i] = pending[i] = 0u;
+    missing += bitCount(taken[i]);
+  }
+  for (int i = starts.x; i < starts.y; ++i) {
+    int k = place_of(texelFetch(start_cells, i).x, near_cells);
+    if (k >= 0) reach(k);
+  }
+  bool within = false; // all of the cell lies in the ball, and so do its links
+  ivec2 neighbors = ivec2(0), points = ivec2(0);
+  int word = 0, idle = 0, beyond = 0;
+  for (int turn = 0; turn < MAX_ITERATIONS && missing > 0; ++turn) {
+    if (points.x < points.y) {
+      if (in_ball(texelFetch(link_points, 2 * points.x).xyz, center)) {
+        reach(beyond);
+        points.x = points.y;
+      }
+      ++points.x;
+    } else if (neighbors.x < neighbors.y) {
+      ivec4 neighbor = texelFetch(near_neighbors, neighbors.x++);
+      beyond = neighbor.x;
+      if (beyond >= 0 && !was_reached(beyond) && (is_taken(beyond) || leads_on(beyond))) {
+        vec4 sphere = texelFetch(link_spheres, neighbor.y);
+        float away = length(sphere.xyz - center);
+        if (within || away + sphere.w < params.radius)
+          reach(beyond);
+        else if (away - sphere.w < params.radius)
+          points = neighbor.zw;
+      }
+    } else if (pending[word] == 0u) {
+      word = (word + 1) % NEAR_WORDS;
+      if (++idle > NEAR_WORDS) break;
+    } else {
+      int bit = findLSB(pending[word]), entry = near_cells.x + 32 * word + bit;
+      pending[word] &= ~(1u << bit);
+      idle = 0;
+      NearCell cell = near_cell(entry, center);
+      float rest = params.radius - cell.sphere.w;
+      within = cell.in_ball && rest > 0.0 && cell.square < rest * rest;
+      neighbors = texelFetch(near_traits, NEAR_TRAITS * entry + 2).xy;
+    }
+  }
+  for (int i = 0; i < NEAR_WORDS; ++i) taken[i] &= reached[i];
+}

@@ -1,0 +1,84 @@
+// The cells near a center: which lie in its ball, and whether these are a single sheet of surface.
+layout(binding = UNIT_CELL_LISTS) uniform isamplerBuffer cell_lists;
+layout(binding = UNIT_NEAR_SPHERES) uniform samplerBuffer near_spheres;
+layout(binding = UNIT_NEAR_TRAITS) uniform isamplerBuffer near_traits;
+layout(binding = UNIT_BOUNDARY) uniform samplerBuffer boundary_ends;
+layout(binding = UNIT_STARTS) uniform isamplerBuffer start_ranges;
+layout(binding = UNIT_START_CELLS) uniform isamplerBuffer start_cells;
+layout(location = LOCATION_RANGES) uniform int ranges_of_center; // at most
+
+struct NearCell {
+  int number, bits; // CELL_
+  vec4 sphere;
+  float square; // of the distance of its middle
+  bool in_ball;
+  float projected; // its area
+  float unit;      // of the codes of its leaves
+};
+
+NearCell near_cell(int entry, vec3 center) {
+  vec4 sphere = texelFetch(near_spheres, entry);
+  ivec4 traits = texelFetch(near_traits, NEAR_TRAITS * entry);
+  vec3 gap = sphere.xyz - center;
+  float square = dot(gap, gap), outer = params.radius + sphere.w;
+  return NearCell(traits.x, traits.y, sphere, square, sphere.w >= 0.0 && square < outer * outer, intBitsToFloat(traits.z),
+                  intBitsToFloat(traits.w));
+}
+
+bool in_ball(vec3 point, vec3 center) {
+  vec3 gap = point - center;
+  return dot(gap, gap) < params.radius * params.radius;
+}
+
+// Whether an edge on the mesh's boundary meets the ball.
+bool edge_in_ball(int edge, vec3 center) {
+  vec3 from = texelFetch(boundary_ends, 2 * edge).xyz, way = texelFetch(boundary_ends, 2 * edge + 1).xyz - from;
+  float square = dot(way, way);
+  float along = square > 0.0 ? clamp(dot(center - from, way) / square, 0.0, 1.0) : 0.0;
+  return in_ball(from + along * way, center);
+}
+
+bool meets_boundary(int cell, vec3 center) {
+  ivec2 edges = texelFetch(cell_lists, 2 * cell + 1).xy;
+  bool meets = false;
+  for (int i = edges.x; i < edges.y && !meets; ++i) meets = edge_in_ball(i, center);
+  return meets;
+}
+
+// The part of a cell's area that counts: between r^2 - 2 r s and r^2 + 2 r s, so that an even disk has its own area.
+float part_in_ball(NearCell cell) {
+  float radius = params.radius, across = cell.sphere.w;
+  return clamp((radius * (radius + 2.0 * across) - cell.square) / max(4.0 * radius * across, 1e-30), 0.0, 1.0);
+}
+
+// A bit for each cell near the center, in the order of their list: it lies in the ball, and belongs to the neighborhood; an edge on the
+// mesh's boundary runs through it; it has no texels, but may lead on.
+uint taken[NEAR_WORDS], at_boundary[NEAR_WORDS], leading[NEAR_WORDS];
+
+bool is_taken(int k) { return (taken[k >> 5] >> (k & 31) & 1u) != 0u; }
+bool leads_on(int k) { return (leading[k >> 5] >> (k & 31) & 1u) != 0u; }
+
+// Takes what lies in the ball. Returns whether all of it faces the center's way and covers its tangent plane once: then it is connected.
+bool take_single_sheet(vec3 center, ivec2 near_cells) {
+  float flat_area = 0.0;
+  bool single = near_cells.x < near_cells.y;
+  int k = 0, count = near_cells.y - near_cells.x;
+  for (int word = 0; word < NEAR_WORDS; ++word) {
+    uint bits = 0u, boundary = 0u, without_points = 0u;
+    for (int end = min(32 * word + 32, count); k < end; ++k) {
+      NearCell cell = near_cell(near_cells.x + k, center);
+      uint bit = 1u << (k & 31);
+      if ((cell.bits & CELL_WITHOUT_POINTS) != 0) without_points |= bit;
+      if (!cell.in_ball) continue;
+      bits |= bit;
+      if ((cell.bits & CELL_AT_BOUNDARY) != 0) boundary |= bit;
+      flat_area += cell.projected * part_in_ball(cell);
+      if ((cell.bits & CELL_FACES_CENTERS) == 0) single = false;
+      if (single && (cell.bits & CELL_AT_BOUNDARY) != 0 && meets_boundary(cell.number, center)) single = false;
+    }
+    taken[word] = bits;
+    at_boundary[word] = boundary;
+    leading[word] = without_points;
+  }
+  return single && flat_area < 1.25 * 3.14159265 * params.radius * params.radius;
+}

@@ -1,0 +1,195 @@
+#version 450 core
+// One invocation, one center → its neighborhood: the samples of the surface connected to it within the ball, as ranges of lists.
+//
+// The cells near its start cell were found for all centers there. If those in the center's own ball form a single sheet, which faces its
+// way and does not fold back, they are its neighborhood. Elsewhere, and at the mesh's boundary, it goes from cell to cell over links that
+// lie in its own ball.
+#include "variant.glsl"
+#include "device.glsl"
+#include "opengl/evaluate/params.glsl"
+#include "opengl/cells/near_cells.glsl"
+#include "opengl/cells/connected_cells.glsl"
+layout(local_size_x = GROUP_SIZE) in;
+layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
+#if EXACT
+layout(std430, binding = BINDING_CONNECTED) readonly restrict buffer Connected { int connected[]; };
+#endif
+layout(std430, binding = BINDING_NEIGHBORHOODS) writeonly restrict buffer Neighborhoods { NeighborhoodRanges neighborhoods[]; };
+layout(std430, binding = BINDING_RANGES) writeonly restrict buffer Ranges { ivec2 ranges[]; };
+layout(binding = UNIT_CELLS) uniform samplerBuffer cells;
+layout(binding = UNIT_LEAF_LISTS) uniform isamplerBuffer leaf_lists;
+
+// The leaves of a cell that a center takes.
+struct Taken {
+  int leaves, fine; // a bit each
+};
+const int all_leaves = (1 << CELL_LEAVES) - 1;
+const float near_share = 0.25; // of the radius: finer detail than it counts through what lies near, so leaves there have more samples
+
+// The list that is written: its next range, and the last one, which those that follow on are joined to.
+struct List {
+  int next;
+  ivec2 open;
+};
+
+void append(inout List list, ivec2 range) {
+  if (range.x >= range.y) return;
+  if (range.x == list.open.y) {
+    list.open.y = range.y;
+    return;
+  }
+  if (list.open.x < list.open.y) ranges[list.next++] = list.open;
+  list.open = range;
+}
+
+// Ends a list. Returns where the next one begins.
+int end_of(inout List list) {
+  if (list.open.x < list.open.y) ranges[list.next++] = list.open;
+  list.open = ivec2(-1);
+  return list.next;
+}
+
+Taken take(NearCell cell, int entry, vec3 center) {
+  Taken all = Taken(all_leaves, 0), some = Taken(0, 0);
+  float rest = params.radius - cell.sphere.w;
+  bool joined = (cell.bits & CELL_JOINED) != 0, whole = joined || (rest > 0.0 && cell.square < rest * rest);
+#if FINE
+  float within = near_share * params.radius + 2.0 * cell.sphere.w;
+  bool near = cell.bits >= CELL_FINE_LEAF && cell.square < within * within;
+#else
+  const bool near = false;
+#endif
+  if (whole && !near) return all;
+  ivec4 codes = texelFetch(near_traits, NEAR_TRAITS * entry + 1);
+  for (int i = 0; i < CELL_LEAVES; ++i) {
+    int code = codes[i];
+    vec3 offset = vec3(code & 255, code >> 8 & 255, code >> 16 & 255) * (2.0 / 255.0) - 1.0;
+    vec3 gap = cell.sphere.xyz + offset * cell.unit - center;
+    float own = float(code >> 24 & 255) * (cell.unit / LEAF_RADII);
+    float square = dot(gap, gap), outer = params.radius + own, inner = near_share * params.radius + own;
+    if (code != -1 && square < outer * outer) some.leaves |= 1 << i;
+    if (code != -1 && near && (cell.bits & CELL_FINE_LEAF << i) != 0 && square < inner * inner) some.fine |= 1 << i;
+  }
+  if (!joined) return some;
+  return some.fine != 0 ? Taken(some.leaves, all_leaves) : all; // its samples are those of all
+}
+
+// Where the leaves of a cell have their samples, or those of one half: four that begin, and four that end there.
+struct LeafLists {
+  ivec4 begin, end;
+  int size; // of both halves of all leaves
+};
+
+ivec4 sizes_of(ivec4 list) { return ivec4(list.y & 65535, list.y >> 16 & 65535, list.z & 65535, list.z >> 16 & 65535); }
+
+// What is listed in one turn.
+#define BLACK_SQUARES 0
+#define WHITE_SQUARES 1
+#define ALL_SQUARES 2
+
+// kind: 0 coarse, 1 fine.
+LeafLists lists_of(int cell, int kind, int turn) {
+  ivec4 list = texelFetch(leaf_lists, LEAF_LISTS * cell + 2 * kind), sizes = sizes_of(list);
+  ivec4 begin = list.x + ivec4(0, sizes.x, sizes.x + sizes.y, sizes.x + sizes.y + sizes.z), end = begin + sizes;
+  int size = end.w - begin.x;
+#if ADAPTIVE
+  ivec4 middle = begin + sizes_of(texelFetch(leaf_lists, LEAF_LISTS * cell + 2 * kind + 1));
+  if (turn == BLACK_SQUARES) return LeafLists(begin, middle, size);
+  if (turn == WHITE_SQUARES) return LeafLists(middle, end, size);
+#endif
+  return LeafLists(begin, end, size);
+}
+
+void append_samples(inout List list, Taken taken, LeafLists coarse, LeafLists fine) {
+  for (int i = 0; i < CELL_LEAVES; ++i) {
+    bool is_fine = (taken.fine >> i & 1) != 0;
+    if ((taken.leaves >> i & 1) != 0)
+      append(list, is_fine ? ivec2(fine.begin[i], fine.end[i]) : ivec2(coarse.begin[i], coarse.end[i]));
+  }
+}
+
+// The next taken cell; word: -1 at first, and NEAR_WORDS where there is none. left: of this word.
+int next_taken(inout int word, inout uint left) {
+  while (left == 0u && ++word < NEAR_WORDS) left = taken[word];
+  int k = 32 * word + findLSB(left);
+  left &= left - 1u;
+  return k;
+}
+
+// Appends samples on texels. Leaves out what exceeds the iterations of a device, and returns its area.
+float list_samples(inout List list, vec3 center, ivec2 near_cells, int turn) {
+  float missing_area = 0.0;
+  int total = 0, word = -1;
+  uint left = 0u;
+  for (;;) {
+    int k = next_taken(word, left);
+    if (word == NEAR_WORDS) break;
+    NearCell cell = near_cell(near_cells.x + k, center);
+    Taken some = take(cell, near_cells.x + k, center);
+    LeafLists coarse = lists_of(cell.number, 0, turn), fine = coarse;
+    total += 1 + coarse.size;
+#if FINE
+    fine = lists_of(cell.number, 1, turn);
+    if (some.fine != 0) total += fine.size;
+#endif
+#if TEXELLESS
+    ivec2 texelless = texelFetch(cell_lists, 2 * cell.number + 1).zw;
+    total += texelless.y - texelless.x;
+#endif
+    if (total > MAX_ITERATIONS) {
+      taken[word] &= ~(1u << (k & 31));
+      missing_area += texelFetch(cells, CELL_VECTORS * cell.number + 2).x;
+    } else {
+      append_samples(list, some, coarse, fine);
+    }
+  }
+  return missing_area;
+}
+
+// Appends those of triangles that no texel carries.
+void list_texelless_samples(inout List list, ivec2 near_cells) {
+  int word = -1;
+  uint left = 0u;
+  for (;;) {
+    int k = next_taken(word, left);
+    if (word == NEAR_WORDS) break;
+    int cell = texelFetch(near_traits, NEAR_TRAITS * (near_cells.x + k)).x;
+    append(list, texelFetch(cell_lists, 2 * cell + 1).zw);
+  }
+}
+
+void main() {
+  int slot = int(gl_GlobalInvocationID.x), index = params.first + slot;
+  if (index >= params.last) return;
+#if EXACT
+  index = connected[index];
+#endif
+  vec3 center = centers[index].position;
+  ivec2 starts = texelFetch(start_ranges, index).xy, near_cells = ivec2(0);
+  if (starts.x < starts.y) near_cells = texelFetch(cell_lists, 2 * texelFetch(start_cells, starts.x).x).xy;
+  bool single = take_single_sheet(center, near_cells);
+  bool boundary = false;
+  if (!single) {
+    keep_connected(center, starts, near_cells);
+    boundary = boundary_meets(center, near_cells);
+  }
+  NeighborhoodRanges found;
+  List list = List(slot * ranges_of_center, ivec2(-1));
+  found.first = list.next;
+#if ADAPTIVE
+  found.missing_area = list_samples(list, center, near_cells, BLACK_SQUARES);
+  found.middle = end_of(list);
+  list_samples(list, center, near_cells, WHITE_SQUARES);
+  found.last = end_of(list);
+#else
+  found.missing_area = list_samples(list, center, near_cells, ALL_SQUARES);
+  found.middle = found.last = end_of(list);
+#endif
+#if TEXELLESS
+  list_texelless_samples(list, near_cells);
+#endif
+  found.end = end_of(list);
+  found.hits_boundary = boundary ? 1.0 : 0.0;
+  found.single_sheet = single ? 1 : 0;
+  neighborhoods[slot] = found;
+}
