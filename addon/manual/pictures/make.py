@@ -1,5 +1,9 @@
-"""Draws one picture of the manual inside Blender, for make.sh: make.py -- KIND PLACE, kinds as in KINDS and STEPS."""
+"""Draws one picture of the manual inside Blender, for make.sh: make.py -- KIND PLACE, kinds as in KINDS and STEPS.
 
+With the add-on of this folder, or of the zip that PARADESC_ZIP names, which is installed first.
+"""
+
+import os
 import sys
 import traceback
 from collections.abc import Iterator
@@ -7,7 +11,12 @@ from pathlib import Path
 
 import bpy
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+ZIP = os.environ.get("PARADESC_ZIP")
+if ZIP:
+    bpy.ops.preferences.addon_install(filepath=ZIP)
+    bpy.ops.preferences.addon_enable(module="paradesc")
+else:
+    sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import beside
 import drawings
@@ -53,7 +62,8 @@ def turn(iterator: Iterator[None]) -> float | None:
 def main() -> None:
     """The picture that was asked for."""
     kind, place = sys.argv[sys.argv.index("--") + 1 :]
-    paradesc.register()
+    if not ZIP:
+        paradesc.register()
     if kind in KINDS:
         KINDS[kind](place)
         return

@@ -1,7 +1,6 @@
 """What the manual's pictures show, Blender's monkey and a rounded box, and how the command line draws one."""
 
 import math
-import sys
 import tempfile
 from itertools import pairwise
 from pathlib import Path
@@ -10,7 +9,6 @@ import bpy
 import numpy as np
 import screen
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from paradesc.commands.main import main as run
 from paradesc.files import picture
 
@@ -25,21 +23,22 @@ def empty() -> None:
         bpy.data.objects.remove(item)
 
 
-def subdivided(levels: int) -> bpy.types.Object:
-    """The active object, smooth, with that many levels of subdivision applied."""
+def subdivided(levels: int, applied: bool = True) -> bpy.types.Object:
+    """The active object, smooth, with that many levels of subdivision."""
     made = bpy.context.active_object
     bpy.ops.object.shade_smooth()
     if levels:
         made.modifiers.new("subdivision", "SUBSURF").levels = levels
-        bpy.ops.object.modifier_apply(modifier="subdivision")
+        if applied:
+            bpy.ops.object.modifier_apply(modifier="subdivision")
     return made
 
 
-def monkey(levels: int = 2) -> bpy.types.Object:
+def monkey(levels: int = 2, applied: bool = True) -> bpy.types.Object:
     """Blender's monkey, subdivided."""
     empty()
     bpy.ops.mesh.primitive_monkey_add()
-    made = subdivided(levels)
+    made = subdivided(levels, applied)
     made.name = "Suzanne"
     made.rotation_euler = (math.radians(-12), 0, math.radians(20))
     return made

@@ -91,7 +91,7 @@ def panel_steps(path: str) -> Iterator[None]:
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     with bpy.context.temp_override(window=window, area=area):
-        mesh = subjects.monkey().data
+        mesh = subjects.monkey(applied=False).data
         bpy.ops.screen.screen_full_area(use_hide_panels=True)
     yield
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
