@@ -1,9 +1,5 @@
-"""Draws one picture of the manual inside Blender, for make.sh: make.py -- KIND PLACE, kinds as in KINDS and STEPS.
+"""Draws one picture of the manual inside Blender, for make.sh: make.py -- KIND PLACE, kinds as in KINDS and STEPS."""
 
-With the add-on of this folder, or of the zip that PARADESC_ZIP names, which is installed first.
-"""
-
-import os
 import sys
 import traceback
 from collections.abc import Iterator
@@ -11,20 +7,14 @@ from pathlib import Path
 
 import bpy
 
-ZIP = os.environ.get("PARADESC_ZIP")
-if ZIP:
-    bpy.ops.preferences.addon_install(filepath=ZIP)
-    bpy.ops.preferences.addon_enable(module="paradesc")
-else:
-    sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+import addon  # first, see there
 import beside
 import drawings
 import onto
 import pages
 import renders
 
-import paradesc
 import window
 
 KINDS = {
@@ -62,8 +52,7 @@ def turn(iterator: Iterator[None]) -> float | None:
 def main() -> None:
     """The picture that was asked for."""
     kind, place = sys.argv[sys.argv.index("--") + 1 :]
-    if not ZIP:
-        paradesc.register()
+    addon.enable()
     if kind in KINDS:
         KINDS[kind](place)
         return
