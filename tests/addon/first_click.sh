@@ -17,7 +17,7 @@ sys.path.insert(0, str(root / "native" / "cmake"))
 import package
 
 folder.parent.mkdir()
-package.stage(folder, {"linux-x64": sorted((root / "addon" / "paradesc" / "lib").glob("*.so"))}, "")
+package.stage(folder, {"linux-x64": sorted((root / "addon" / "paradesc" / "lib").glob("*.so*"))}, "")
 package.write_zip(folder, target)
 PACK
 output=$(bash "$root/addon/manual/pictures/make.sh" "$root/build/pictures" panel 2>&1)

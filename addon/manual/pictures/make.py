@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-import addon  # first, see there
+import addon  # noqa: F401 (first, see there)
 import beside
 import drawings
 import onto
@@ -52,7 +52,6 @@ def turn(iterator: Iterator[None]) -> float | None:
 def main() -> None:
     """The picture that was asked for."""
     kind, place = sys.argv[sys.argv.index("--") + 1 :]
-    addon.enable()
     if kind in KINDS:
         KINDS[kind](place)
         return
