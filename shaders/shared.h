@@ -47,7 +47,7 @@
 #define UNIT_NEAR_NORMALS 27  // buffer texture, RGBA32F, one a cell: the mean normal of those near it
 #define UNIT_ADJACENCY 28     // buffer texture: neighboring cell, link
 #define UNIT_NEAR_SPHERES 29  // buffer texture, RGBA32F, one of UNIT_NEAR_CELLS: its sphere
-#define UNIT_NEAR_TRAITS 30   // buffer texture, RGBA32I, NEAR_TRAITS each: cell, CELL_ bits, projected area, unit of leaf codes; these codes; first and end in UNIT_NEAR_NEIGHBORS
+#define UNIT_NEAR_TRAITS 30   // buffer texture, RGBA32I, NEAR_TRAITS each: cell, CELL_ bits, projected area, unit of leaf codes; these codes; first and end in UNIT_NEAR_NEIGHBORS, the cell in which centers start
 #define UNIT_NEAR_NEIGHBORS 31 // buffer texture, RGBA32I: place of the neighboring cell among those near the same one, or -1; link; first and end in UNIT_LINK_POINTS
 #define UNIT_CELL_LINKS 32    // buffer texture: first and end of a link in UNIT_LINK_POINTS
 #define UNIT_LINK_POINTS 33   // buffer texture, as UNIT_POINTS: where the surface goes over from cell to cell
@@ -68,6 +68,7 @@
 #define LOCATION_LAST 3
 #define LOCATION_BLOCK_SIZE 8
 #define LOCATION_RANGES 9 // that the neighborhood of a center has at most
+#define LOCATION_CELLS 10 // how many there are
 #define LOCATION_AREA_UNIT 30   // of every program that writes or reads the area element
 #define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
 
@@ -97,7 +98,8 @@
 #define BINDING_VISITS 13      // (centers of one dispatch, MAX_VISITS)
 #define BINDING_RANGES 14      // where UNIT_RANGES is written
 #define BINDING_COUNT 15
-// Of the program that lists cells near centers.
+// Of the programs that find neighborhoods.
+#define BINDING_WALKS 9 // centers that go over links, and the lists of near cells that these need
 #define BINDING_NEAR_SPHERES 10
 #define BINDING_NEAR_TRAITS 11
 #define BINDING_NEAR_NEIGHBORS 12
@@ -124,12 +126,18 @@
 #define FLAG_ALL_SAMPLES 2u   // adaptive sampling took all samples
 #define FLAG_AMBIGUOUS 4u     // the moments are no disk's: samples may have come in that are not connected within the ball
 
+// Integers of BINDING_WALKS: two dispatches, as OpenGL takes them from a buffer, each with how much it has to do; then the lists.
+#define WALKS_LISTS_GROUPS 0
+#define WALKS_LISTS 3
+#define WALKS_CENTERS_GROUPS 4
+#define WALKS_CENTERS 7
+#define WALKS_HEADER 8
+
 // Bits of a cell among those that centers look through.
 #define CELL_JOINED 1      // its coarse samples are the cell's, not its leaves'
 #define CELL_AT_BOUNDARY 2 // an edge on the mesh's boundary runs through it
-#define CELL_WITHOUT_POINTS 4 // it has no texels, but may lead on
-#define CELL_FACES_CENTERS 8  // its normals lie within a cone around those that look at it
-#define CELL_FINE_LEAF 16     // and the next ones: this leaf has fine samples
+#define CELL_FACES_CENTERS 4  // its normals lie within a cone around those that look at it
+#define CELL_FINE_LEAF 8      // and the next ones: this leaf has fine samples
 
 #ifdef __cplusplus
 namespace paradesc {

@@ -176,7 +176,6 @@ static std::vector<int32_t> bits_of_cells(const Cells &cells, const CellStrides 
   for (size_t i = 0; i < bits.size(); ++i) {
     if (strides.coarse[CELL_LEAVES * i] > leaf_texels) bits[i] |= CELL_JOINED;
     if (cells.boundary_begin[i] < cells.boundary_begin[i + 1]) bits[i] |= CELL_AT_BOUNDARY;
-    if (measured[i].sphere.w < 0.0f) bits[i] |= CELL_WITHOUT_POINTS;
     for (size_t k = 0; k < CELL_LEAVES; ++k)
       if (measured[i].leaf[k].sphere.w >= 0.0f && strides.fine[CELL_LEAVES * i + k] != strides.coarse[CELL_LEAVES * i + k])
         bits[i] |= CELL_FINE_LEAF << k;

@@ -36,7 +36,7 @@ bool boundary_meets(vec3 center, ivec2 near_cells) {
   bool boundary = false;
   for (int word = 0; word < NEAR_WORDS; ++word)
     for (uint left = taken[word] & at_boundary[word]; left != 0u && !boundary; left &= left - 1u)
-      boundary = meets_boundary(near_cell(near_cells.x + 32 * word + findLSB(left), center).number, center);
+      boundary = meets_boundary(near_traits_of(near_cells.x + 32 * word + findLSB(left)).number, center);
   return boundary;
 }
 
@@ -81,9 +81,7 @@ void keep_connected(vec3 center, ivec2 starts, ivec2 near_cells) {
       int bit = findLSB(pending[word]), entry = near_cells.x + 32 * word + bit;
       pending[word] &= ~(1u << bit);
       idle = 0;
-      NearCell cell = near_cell(entry, center);
-      float rest = params.radius - cell.sphere.w;
-      within = cell.in_ball && rest > 0.0 && cell.square < rest * rest;
+      within = within_ball(near_sphere(entry, center));
       neighbors = texelFetch(near_traits, NEAR_TRAITS * entry + 2).xy;
     }
   }

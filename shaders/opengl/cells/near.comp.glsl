@@ -7,28 +7,13 @@ layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CELLS) readonly restrict buffer CellList { CellData cells[]; };
 layout(std430, binding = BINDING_NEAR_SPHERES) writeonly restrict buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = BINDING_NEAR_TRAITS) writeonly restrict buffer Traits { ivec4 traits[]; };
-layout(std430, binding = BINDING_NEAR_NEIGHBORS) writeonly restrict buffer Neighbors { ivec4 near_neighbors[]; };
 layout(binding = UNIT_NEAR_CELLS) uniform isamplerBuffer near_list;
 layout(binding = UNIT_NEAR_NORMALS) uniform samplerBuffer near_normals;
 layout(binding = UNIT_CELL_LISTS) uniform isamplerBuffer cell_lists;
-layout(binding = UNIT_ADJACENCY) uniform isamplerBuffer adjacency;
-layout(binding = UNIT_CELL_LINKS) uniform isamplerBuffer cell_links;
 layout(location = LOCATION_FIRST) uniform int first;
 layout(location = LOCATION_LAST) uniform int last;
 
 const float least_cosine = 0.25; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
-
-// The place of a cell in the sorted list, or -1.
-int place_of(int cell, ivec2 range) {
-  int low = range.x, high = range.y;
-  while (low < high) {
-    int middle = (low + high) / 2;
-    bool below = texelFetch(near_list, middle).x < cell;
-    low = below ? middle + 1 : low;
-    high = below ? high : middle;
-  }
-  return low < range.y && texelFetch(near_list, low).x == cell ? low - range.x : -1;
-}
 
 void main() {
   int entry = first + int(gl_GlobalInvocationID.x);
@@ -39,16 +24,11 @@ void main() {
   float cosine = dot(normal, cell.cone.xyz), own = clamp(cell.cone.w, -1.0, 1.0);
   float sine = sqrt(max(0.0, (1.0 - cosine * cosine) * (1.0 - own * own)));
   bool faces = min(min(own, cosine), cosine * own - sine) > least_cosine;
-  ivec2 range = texelFetch(cell_lists, 2 * near.y).xy, neighbors = texelFetch(cell_lists, 2 * near.x).zw;
+  ivec2 neighbors = texelFetch(cell_lists, 2 * near.x).zw;
   float projected = cell.area.x * max(cosine, 0.0);
   spheres[entry] = cell.sphere;
   traits[NEAR_TRAITS * entry] =
       ivec4(near.x, near.w | (faces ? CELL_FACES_CENTERS : 0), floatBitsToInt(projected), floatBitsToInt(cell.area.y));
   traits[NEAR_TRAITS * entry + 1] = cell.leaf_codes;
-  traits[NEAR_TRAITS * entry + 2] = ivec4(near.z, near.z + neighbors.y - neighbors.x, 0, 0);
-  for (int i = neighbors.x; i < neighbors.y; ++i) {
-    ivec2 neighbor = texelFetch(adjacency, i).xy;
-    near_neighbors[near.z + i - neighbors.x] =
-        ivec4(place_of(neighbor.x, range), neighbor.y, texelFetch(cell_links, neighbor.y).xy);
-  }
+  traits[NEAR_TRAITS * entry + 2] = ivec4(near.z, near.z + neighbors.y - neighbors.x, near.y, 0);
 }

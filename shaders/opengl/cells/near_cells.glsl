@@ -7,22 +7,37 @@ layout(binding = UNIT_STARTS) uniform isamplerBuffer start_ranges;
 layout(binding = UNIT_START_CELLS) uniform isamplerBuffer start_cells;
 layout(location = LOCATION_RANGES) uniform int ranges_of_center; // at most
 
-struct NearCell {
-  int number, bits; // CELL_
+// As a center sees it.
+struct NearSphere {
   vec4 sphere;
   float square; // of the distance of its middle
-  bool in_ball;
-  float projected; // its area
-  float unit;      // of the codes of its leaves
 };
 
-NearCell near_cell(int entry, vec3 center) {
+NearSphere near_sphere(int entry, vec3 center) {
   vec4 sphere = texelFetch(near_spheres, entry);
-  ivec4 traits = texelFetch(near_traits, NEAR_TRAITS * entry);
   vec3 gap = sphere.xyz - center;
-  float square = dot(gap, gap), outer = params.radius + sphere.w;
-  return NearCell(traits.x, traits.y, sphere, square, sphere.w >= 0.0 && square < outer * outer, intBitsToFloat(traits.z),
-                  intBitsToFloat(traits.w));
+  return NearSphere(sphere, dot(gap, gap));
+}
+
+bool in_ball(NearSphere near) {
+  float outer = params.radius + near.sphere.w;
+  return near.sphere.w >= 0.0 && near.square < outer * outer;
+}
+
+bool within_ball(NearSphere near) {
+  float rest = params.radius - near.sphere.w;
+  return near.sphere.w >= 0.0 && rest > 0.0 && near.square < rest * rest;
+}
+
+struct NearTraits {
+  int number, bits; // CELL_
+  float projected;  // its area
+  float unit;       // of the codes of its leaves
+};
+
+NearTraits near_traits_of(int entry) {
+  ivec4 traits = texelFetch(near_traits, NEAR_TRAITS * entry);
+  return NearTraits(traits.x, traits.y, intBitsToFloat(traits.z), intBitsToFloat(traits.w));
 }
 
 bool in_ball(vec3 point, vec3 center) {
@@ -46,9 +61,9 @@ bool meets_boundary(int cell, vec3 center) {
 }
 
 // The part of a cell's area that counts: between r^2 - 2 r s and r^2 + 2 r s, so that an even disk has its own area.
-float part_in_ball(NearCell cell) {
-  float radius = params.radius, across = cell.sphere.w;
-  return clamp((radius * (radius + 2.0 * across) - cell.square) / max(4.0 * radius * across, 1e-30), 0.0, 1.0);
+float part_in_ball(NearSphere near) {
+  float radius = params.radius, across = near.sphere.w;
+  return clamp((radius * (radius + 2.0 * across) - near.square) / max(4.0 * radius * across, 1e-30), 0.0, 1.0);
 }
 
 // A bit for each cell near the center, in the order of their list: it lies in the ball, and belongs to the neighborhood; an edge on the
@@ -58,23 +73,30 @@ uint taken[NEAR_WORDS], at_boundary[NEAR_WORDS], leading[NEAR_WORDS];
 bool is_taken(int k) { return (taken[k >> 5] >> (k & 31) & 1u) != 0u; }
 bool leads_on(int k) { return (leading[k >> 5] >> (k & 31) & 1u) != 0u; }
 
-// Takes what lies in the ball. Returns whether all of it faces the center's way and covers its tangent plane once: then it is connected.
-bool take_single_sheet(vec3 center, ivec2 near_cells) {
+// Takes what lies in the ball. Returns whether all of it faces the center's way and covers its tangent plane once: then it is
+// connected. Where that is known not to be so, nobody has to ask.
+bool take_near_cells(vec3 center, ivec2 near_cells) {
   float flat_area = 0.0;
-  bool single = near_cells.x < near_cells.y;
+  bool single = OVER_LINKS == 0 && near_cells.x < near_cells.y;
   int k = 0, count = near_cells.y - near_cells.x;
   for (int word = 0; word < NEAR_WORDS; ++word) {
     uint bits = 0u, boundary = 0u, without_points = 0u;
     for (int end = min(32 * word + 32, count); k < end; ++k) {
-      NearCell cell = near_cell(near_cells.x + k, center);
+      NearSphere near = near_sphere(near_cells.x + k, center);
       uint bit = 1u << (k & 31);
-      if ((cell.bits & CELL_WITHOUT_POINTS) != 0) without_points |= bit;
-      if (!cell.in_ball) continue;
-      bits |= bit;
-      if ((cell.bits & CELL_AT_BOUNDARY) != 0) boundary |= bit;
-      flat_area += cell.projected * part_in_ball(cell);
-      if ((cell.bits & CELL_FACES_CENTERS) == 0) single = false;
-      if (single && (cell.bits & CELL_AT_BOUNDARY) != 0 && meets_boundary(cell.number, center)) single = false;
+#if OVER_LINKS
+      if (near.sphere.w < 0.0) without_points |= bit;
+#endif
+      if (in_ball(near)) {
+        NearTraits cell = near_traits_of(near_cells.x + k);
+        bits |= bit;
+        if ((cell.bits & CELL_AT_BOUNDARY) != 0) boundary |= bit;
+#if !OVER_LINKS
+        flat_area += cell.projected * part_in_ball(near);
+        single = single && (cell.bits & CELL_FACES_CENTERS) != 0;
+        if (single && (cell.bits & CELL_AT_BOUNDARY) != 0) single = !meets_boundary(cell.number, center);
+#endif
+      }
     }
     taken[word] = bits;
     at_boundary[word] = boundary;

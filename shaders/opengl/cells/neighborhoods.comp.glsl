@@ -2,13 +2,16 @@
 // One invocation, one center → its neighborhood: the samples of the surface connected to it within the ball, as ranges of lists.
 //
 // The cells near its start cell were found for all centers there. If those in the center's own ball form a single sheet, which faces its
-// way and does not fold back, they are its neighborhood. Elsewhere, and at the mesh's boundary, it goes from cell to cell over links that
-// lie in its own ball.
+// way and does not fold back, they are its neighborhood. Elsewhere, and at the mesh's boundary, another dispatch (OVER_LINKS) goes from
+// cell to cell over links that lie in the center's own ball: there, centers that do so are side by side.
 #include "variant.glsl"
 #include "device.glsl"
 #include "opengl/evaluate/params.glsl"
 #include "opengl/cells/near_cells.glsl"
+#include "opengl/cells/walks.glsl"
+#if OVER_LINKS
 #include "opengl/cells/connected_cells.glsl"
+#endif
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
 #if EXACT
@@ -49,13 +52,13 @@ int end_of(inout List list) {
   return list.next;
 }
 
-Taken take(NearCell cell, int entry, vec3 center) {
+Taken take(NearTraits cell, int entry, vec3 center) {
   Taken all = Taken(all_leaves, 0), some = Taken(0, 0);
-  float rest = params.radius - cell.sphere.w;
-  bool joined = (cell.bits & CELL_JOINED) != 0, whole = joined || (rest > 0.0 && cell.square < rest * rest);
+  NearSphere from = near_sphere(entry, center);
+  bool joined = (cell.bits & CELL_JOINED) != 0, whole = joined || within_ball(from);
 #if FINE
-  float within = near_share * params.radius + 2.0 * cell.sphere.w;
-  bool near = cell.bits >= CELL_FINE_LEAF && cell.square < within * within;
+  float within = near_share * params.radius + 2.0 * from.sphere.w;
+  bool near = cell.bits >= CELL_FINE_LEAF && from.square < within * within;
 #else
   const bool near = false;
 #endif
@@ -64,7 +67,7 @@ Taken take(NearCell cell, int entry, vec3 center) {
   for (int i = 0; i < CELL_LEAVES; ++i) {
     int code = codes[i];
     vec3 offset = vec3(code & 255, code >> 8 & 255, code >> 16 & 255) * (2.0 / 255.0) - 1.0;
-    vec3 gap = cell.sphere.xyz + offset * cell.unit - center;
+    vec3 gap = from.sphere.xyz + offset * cell.unit - center;
     float own = float(code >> 24 & 255) * (cell.unit / LEAF_RADII);
     float square = dot(gap, gap), outer = params.radius + own, inner = near_share * params.radius + own;
     if (code != -1 && square < outer * outer) some.leaves |= 1 << i;
@@ -124,7 +127,7 @@ float list_samples(inout List list, vec3 center, ivec2 near_cells, int turn) {
   for (;;) {
     int k = next_taken(word, left);
     if (word == NEAR_WORDS) break;
-    NearCell cell = near_cell(near_cells.x + k, center);
+    NearTraits cell = near_traits_of(near_cells.x + k);
     Taken some = take(cell, near_cells.x + k, center);
     LeafLists coarse = lists_of(cell.number, 0, turn), fine = coarse;
     total += 1 + coarse.size;
@@ -158,21 +161,18 @@ void list_texelless_samples(inout List list, ivec2 near_cells) {
   }
 }
 
-void main() {
-  int slot = int(gl_GlobalInvocationID.x), index = params.first + slot;
-  if (index >= params.last) return;
-#if EXACT
-  index = connected[index];
-#endif
-  vec3 center = centers[index].position;
-  ivec2 starts = texelFetch(start_ranges, index).xy, near_cells = ivec2(0);
-  if (starts.x < starts.y) near_cells = texelFetch(cell_lists, 2 * texelFetch(start_cells, starts.x).x).xy;
-  bool single = take_single_sheet(center, near_cells);
-  bool boundary = false;
-  if (!single) {
-    keep_connected(center, starts, near_cells);
-    boundary = boundary_meets(center, near_cells);
-  }
+// Puts a center on the list of those that go over links, and the list of what is near it on that of the lists that they need.
+void ask_for_links(int slot, int start_cell) {
+  int i = atomicAdd(walks[WALKS_CENTERS], 1);
+  walks[walks_center(i)] = slot;
+  atomicMax(walks[WALKS_CENTERS_GROUPS], i / GROUP_SIZE + 1);
+  if (atomicExchange(walks[walks_of_cell(start_cell)], 1) != 0) return;
+  i = atomicAdd(walks[WALKS_LISTS], 1);
+  walks[walks_list(i)] = start_cell;
+  atomicMax(walks[WALKS_LISTS_GROUPS], min(i + 1, 65535));
+}
+
+void list_neighborhood(int slot, vec3 center, ivec2 near_cells, bool single, bool boundary) {
   NeighborhoodRanges found;
   List list = List(slot * ranges_of_center, ivec2(-1));
   found.first = list.next;
@@ -192,4 +192,31 @@ void main() {
   found.hits_boundary = boundary ? 1.0 : 0.0;
   found.single_sheet = single ? 1 : 0;
   neighborhoods[slot] = found;
+}
+
+void main() {
+  int slot = int(gl_GlobalInvocationID.x);
+#if OVER_LINKS
+  if (slot >= walks[WALKS_CENTERS]) return;
+  slot = walks[walks_center(slot)];
+#endif
+  int index = params.first + slot;
+  if (index >= params.last) return;
+#if EXACT
+  index = connected[index];
+#endif
+  vec3 center = centers[index].position;
+  ivec2 starts = texelFetch(start_ranges, index).xy, near_cells = ivec2(0);
+  if (starts.x < starts.y) near_cells = texelFetch(cell_lists, 2 * texelFetch(start_cells, starts.x).x).xy;
+  bool single = take_near_cells(center, near_cells), boundary = false;
+#if OVER_LINKS
+  keep_connected(center, starts, near_cells);
+  boundary = boundary_meets(center, near_cells);
+#else
+  if (!single && near_cells.x < near_cells.y) {
+    ask_for_links(slot, texelFetch(near_traits, NEAR_TRAITS * near_cells.x + 2).z);
+    return;
+  }
+#endif
+  list_neighborhood(slot, center, near_cells, single, boundary);
 }

@@ -212,11 +212,12 @@ inline std::vector<Variant> plain_variants() {
 
 inline std::vector<SearchVariant> search_variants(const std::vector<int> &all_words) {
   std::vector<SearchVariant> all;
-  for (const bool exact : {false, true})
-    for (const bool halves : {false, true})
-      for (const bool texelless : {false, true})
-        for (const bool fine : {false, true})
-          for (const int words : all_words) all.push_back({exact, halves, texelless, fine, words});
+  for (const bool over_links : {false, true})
+    for (const bool exact : {false, true})
+      for (const bool halves : {false, true})
+        for (const bool texelless : {false, true})
+          for (const bool fine : {false, true})
+            for (const int words : all_words) all.push_back({over_links, exact, halves, texelless, fine, words});
   return all;
 }
 

@@ -22,6 +22,8 @@
   F(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                             \
   F(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                                       \
   F(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                                                   \
+  F(PFNGLDISPATCHCOMPUTEINDIRECTPROC, DispatchComputeIndirect)                                                                   \
+  F(PFNGLBINDBUFFERPROC, BindBuffer)                                                                                             \
   F(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                                                       \
   F(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                                       \
   F(PFNGLNAMEDBUFFERDATAPROC, NamedBufferData)                                                                                   \

@@ -38,6 +38,8 @@ void NeighborhoodSearch::make_room(const Gl &gl, const SearchSpace &space) {
   ranges_of_center_ = static_cast<int>(of_center);
   largest_tile_ = static_cast<int>(tile);
   ranges_.reserve(gl, GL_RG32I, tile * of_center);
+  cell_count_ = space.cells.count;
+  walks_.upload(gl, std::vector<int32_t>(WALKS_HEADER + 2 * static_cast<size_t>(cell_count_) + tile, 0), GL_DYNAMIC_COPY);
   neighborhoods_.upload(gl, nullptr, tile * sizeof(NeighborhoodRanges), GL_STREAM_COPY);
 }
 
@@ -54,7 +56,6 @@ void NeighborhoodSearch::list_near_cells(const Gl &gl, ProgramCache &programs, c
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CELLS, has_texelless_ ? measured_.buffer_id() : cells.measured());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEAR_SPHERES, near_spheres_.buffer_id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEAR_TRAITS, near_traits_.buffer_id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEAR_NEIGHBORS, near_neighbors_.buffer_id());
   dispatch_invocations(gl, static_cast<int>(near.cell.size()), int64_t{1} << 20);
   gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }
@@ -78,19 +79,25 @@ void NeighborhoodSearch::set(const Gl &gl, ProgramCache &programs, const CellBuf
 
 GLuint neighborhoods_program(const Gl &gl, ProgramCache &programs, const SearchVariant &variant) {
   const auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
-  const std::string text = define("EXACT", variant.exact) + define("ADAPTIVE", variant.halves) +
-                           define("TEXELLESS", variant.texelless) + define("FINE", variant.fine) + "#define NEAR_WORDS " +
-                           std::to_string(variant.words) + "\n";
+  const std::string text = define("OVER_LINKS", variant.over_links) + define("EXACT", variant.exact) +
+                           define("ADAPTIVE", variant.halves) + define("TEXELLESS", variant.texelless) +
+                           define("FINE", variant.fine) + "#define NEAR_WORDS " + std::to_string(variant.words) + "\n";
   return programs.get(gl, "neighborhoods " + text, {{GL_COMPUTE_SHADER, "opengl/cells/neighborhoods.comp.glsl"}},
                       {{"variant.glsl", text}});
 }
 
+void NeighborhoodSearch::use(const Gl &gl, ProgramCache &programs, bool over_links, bool exact) const {
+  gl.UseProgram(neighborhoods_program(gl, programs, {over_links, exact, halves_, has_texelless_, fine_, near_words_}));
+  gl.Uniform1i(LOCATION_RANGES, ranges_of_center_);
+  gl.Uniform1i(LOCATION_CELLS, cell_count_);
+}
+
 void NeighborhoodSearch::run(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, bool exact, int first,
                              int last) const {
-  gl.UseProgram(neighborhoods_program(gl, programs, {exact, halves_, has_texelless_, fine_, near_words_}));
   cells.bind_to_search(gl);
   if (has_texelless_) gl.BindTextureUnit(UNIT_CELLS, measured_.id());
   gl.BindTextureUnit(UNIT_CELL_LISTS, cell_lists_.id());
+  gl.BindTextureUnit(UNIT_NEAR_CELLS, near_cells_.id());
   gl.BindTextureUnit(UNIT_NEAR_SPHERES, near_spheres_.id());
   gl.BindTextureUnit(UNIT_NEAR_TRAITS, near_traits_.id());
   gl.BindTextureUnit(UNIT_NEAR_NEIGHBORS, near_neighbors_.id());
@@ -99,9 +106,21 @@ void NeighborhoodSearch::run(const Gl &gl, ProgramCache &programs, const CellBuf
   gl.BindTextureUnit(UNIT_START_CELLS, start_cells_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEIGHBORHOODS, neighborhoods_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RANGES, ranges_.buffer_id());
-  gl.Uniform1i(LOCATION_RANGES, ranges_of_center_);
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_WALKS, walks_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEAR_NEIGHBORS, near_neighbors_.buffer_id());
+  gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, walks_.id());
+  constexpr int32_t nothing[WALKS_HEADER] = {0, 1, 1, 0, 0, 1, 1, 0};
+  gl.NamedBufferSubData(walks_.id(), 0, sizeof nothing, nothing);
+  use(gl, programs, false, exact);
   gl.DispatchCompute(group_count(gl, last - first), 1, 1);
-  gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+  gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+  gl.UseProgram(programs.get(gl, "near neighbors", {{GL_COMPUTE_SHADER, "opengl/cells/near_neighbors.comp.glsl"}}));
+  gl.Uniform1i(LOCATION_CELLS, cell_count_);
+  gl.DispatchComputeIndirect(WALKS_LISTS_GROUPS * sizeof(int32_t));
+  gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+  use(gl, programs, true, exact);
+  gl.DispatchComputeIndirect(WALKS_CENTERS_GROUPS * sizeof(int32_t));
+  gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   check_gl(gl, "neighborhoods");
 }
 

@@ -24,7 +24,7 @@ struct SearchSpace {
 
 // What chooses the text of the program that searches.
 struct SearchVariant {
-  bool exact, halves, texelless, fine;
+  bool over_links, exact, halves, texelless, fine;
   int words; // of 32 bits, with one for each cell that is near
 };
 
@@ -46,12 +46,13 @@ private:
   void list_cells(const Gl &gl, const SearchSpace &space);
   void list_near_cells(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, const NearCells &near);
   void make_room(const Gl &gl, const SearchSpace &space);
+  void use(const Gl &gl, ProgramCache &programs, bool over_links, bool exact) const;
 
   BufferTexture measured_, cell_lists_, near_cells_, near_normals_, near_spheres_, near_traits_, near_neighbors_, boundary_,
       starts_, start_cells_, ranges_;
-  Buffer neighborhoods_, texelless_;
+  Buffer neighborhoods_, texelless_, walks_;
   bool has_texelless_ = false, halves_ = false, fine_ = false;
-  int near_words_ = 1, ranges_of_center_ = 1, largest_tile_ = 1;
+  int cell_count_ = 0, near_words_ = 1, ranges_of_center_ = 1, largest_tile_ = 1;
 };
 
 } // namespace paradesc

@@ -1,0 +1,38 @@
+#version 450 core
+// One work group, one list of near cells → the neighbors of each of its cells among them, for the centers that go over links there.
+#include "device.glsl"
+#include "shared.h"
+#include "opengl/cells/walks.glsl"
+layout(local_size_x = GROUP_SIZE) in;
+layout(std430, binding = BINDING_NEAR_NEIGHBORS) writeonly restrict buffer Neighbors { ivec4 near_neighbors[]; };
+layout(binding = UNIT_NEAR_CELLS) uniform isamplerBuffer near_list;
+layout(binding = UNIT_CELL_LISTS) uniform isamplerBuffer cell_lists;
+layout(binding = UNIT_ADJACENCY) uniform isamplerBuffer adjacency;
+layout(binding = UNIT_CELL_LINKS) uniform isamplerBuffer cell_links;
+
+// The place of a cell in the sorted list, or -1.
+int place_of(int cell, ivec2 range) {
+  int low = range.x, high = range.y;
+  while (low < high) {
+    int middle = (low + high) / 2;
+    bool below = texelFetch(near_list, middle).x < cell;
+    low = below ? middle + 1 : low;
+    high = below ? high : middle;
+  }
+  return low < range.y && texelFetch(near_list, low).x == cell ? low - range.x : -1;
+}
+
+void main() {
+  for (int i = int(gl_WorkGroupID.x); i < walks[WALKS_LISTS]; i += int(gl_NumWorkGroups.x)) {
+    ivec2 range = texelFetch(cell_lists, 2 * walks[walks_list(i)]).xy;
+    for (int entry = range.x + int(gl_LocalInvocationID.x); entry < range.y; entry += GROUP_SIZE) {
+      ivec4 near = texelFetch(near_list, entry); // cell, the one that centers start in, where its neighbors go, CELL_ bits
+      ivec2 neighbors = texelFetch(cell_lists, 2 * near.x).zw;
+      for (int k = neighbors.x; k < neighbors.y; ++k) {
+        ivec2 neighbor = texelFetch(adjacency, k).xy;
+        near_neighbors[near.z + k - neighbors.x] =
+            ivec4(place_of(neighbor.x, range), neighbor.y, texelFetch(cell_links, neighbor.y).xy);
+      }
+    }
+  }
+}
