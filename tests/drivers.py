@@ -48,6 +48,8 @@ TESTED = [
     Driver("llvmpipe-25", "llvmpipe of Debian 13", SOFTWARE),
     Driver("zink", "zink over lavapipe of Debian 13", SOFTWARE | {"MESA_LOADER_DRIVER_OVERRIDE": "zink"}),
 ]
+# Only where it is asked for by its name.
+CARD = Driver("card", "this machine's graphics card", {"PARADESC_TEST_GPU": "1"}, in_chroot=False)
 AMD = [
     Driver(
         f"{chip} {option.removeprefix('use').upper()}",
@@ -192,21 +194,29 @@ def run_tests(place, driver, names):
                     outcome.skipped[name] = why_skipped(said)
                 else:
                     outcome.failed[name] = " ".join(said)[-600:]
+                outcome.device = outcome.device or next((line[8:] for line in said if line.startswith("device: ")), "")
             left = [name for name in left if name not in run.ended]
             if not run.ended:
                 outcome.failed["the process"] = f"it ended with {status} before the first test"
                 break
+    if not outcome.device:
+        outcome.failed["the device"] = "no test ran on it that says its name"
     outcome.seconds = time.monotonic() - start
     return outcome
 
 
-def device_tests(place):
-    """Names of the tests that want a device: those that are skipped where EGL offers none."""
-    nowhere = Driver("nowhere", "no device", NO_DEVICE, in_chroot=False)
-    kept = FOLDER / f"device-tests-{hashlib.sha256(BINARY.read_bytes()).hexdigest()[:16]}.json"
+def device_tests(place, driver):
+    """Names of the tests that want a device: those that are skipped where EGL offers none. A card's have names of their
+    own."""
+    card = driver is CARD
+    nowhere = Driver("nowhere", "no device", NO_DEVICE | (CARD.environment if card else {}), in_chroot=False)
+    binary = hashlib.sha256(BINARY.read_bytes()).hexdigest()[:16]
+    kept = FOLDER / f"device-tests-{'card-' if card else ''}{binary}.json"
     if kept.exists():
         return json.loads(kept.read_text(encoding="utf-8"))
-    listing = subprocess.run([BINARY, "--gtest_list_tests"], capture_output=True, text=True, check=True).stdout
+    listed = place.command(nowhere, ["*"])
+    listed["args"] = [*listed["args"], "--gtest_list_tests"]
+    listing = subprocess.run(**listed, capture_output=True, text=True, check=True).stdout
     suite, names = "", []
     for line in listing.splitlines():
         word = line.split("#")[0].rstrip()
@@ -300,6 +310,8 @@ def compile_programs(place, driver, part):
 def rows_of(outcomes):
     """Lines of the table."""
     for outcome in outcomes:
+        if outcome.device:
+            yield f"{outcome.title}: {outcome.device}"
         yield (
             f"{outcome.title:34} {outcome.passed:6} {outcome.unit:8} passed {len(outcome.failed):4} failed "
             f"{len(outcome.skipped):4} skipped {outcome.seconds:7.0f} s"
@@ -318,7 +330,8 @@ def say(lines):
 
 def main():
     """Runs what was asked for; ends with 1 where anything failed."""
-    names = ["texts", *(driver.name for driver in TESTED), "amd"]
+    usual = ["texts", *(driver.name for driver in TESTED), "amd"]
+    names = [*usual, CARD.name]
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("drivers", nargs="*", metavar="DRIVER", help=" ".join(names))
     parser.add_argument("--chroot")
@@ -328,15 +341,15 @@ def main():
         parser.error(f"there is no driver {', '.join(unknown)}; choose of {' '.join(names)}")
     FOLDER.mkdir(parents=True, exist_ok=True)
     place = Place(options.chroot)
-    asked = options.drivers or names
+    asked = options.drivers or usual
     outcomes = []
     if "texts" in asked or "amd" in asked:
         write_texts()
     if "texts" in asked:
         outcomes.append(check_texts().keep("texts"))
-    chosen = [driver for driver in TESTED if driver.name in asked and (place.chroot or not driver.in_chroot)]
-    tests = device_tests(place) if chosen else []
-    outcomes += [run_tests(place, driver, tests).keep(driver.name) for driver in chosen]
+    tested = [driver for driver in [*TESTED, CARD] if driver.name in asked]
+    chosen = [driver for driver in tested if place.chroot or not driver.in_chroot]
+    outcomes += [run_tests(place, driver, device_tests(place, driver)).keep(driver.name) for driver in chosen]
     if "amd" in asked and place.chroot:
         outcomes += [compile_programs(place, driver, "sent").keep(driver.name) for driver in AMD]
     say(["", "==== Drivers", *rows_of(outcomes)])

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Tries OpenGL drivers that this machine has no card for, prints a table of them, and ends with 1 where anything fails.
 # Usage: bash tests/drivers.sh [--chroot DIR] [--page] [DRIVER...]
-# DRIVER: any of texts llvmpipe llvmpipe-25 zink amd; without any all of them, those that need no --chroot where it is missing.
+# DRIVER: any of texts llvmpipe llvmpipe-25 zink card amd; without any all but card, of these without --chroot those that need none.
 #   texts        every shader text of every variant, through Khronos' compiler to SPIR-V, and through SPIR-V's validator
 #   llvmpipe     all tests of devices on this system's software rasterizer
 #   llvmpipe-25  the same on Debian 13's, in the folder DIR, where a Debian 13 is made if it is missing (by root)
 #   zink         the same on OpenGL over Vulkan there
+#   card         the same on this machine's graphics card, only where it is asked for
 #   amd          all programs compiled for three of AMD's cards that are not there, with the registers that they take
 # --page writes what was found into tests/DRIVERS.md.
 set -uo pipefail
@@ -17,7 +18,7 @@ CHROOT_PACKAGES=(libegl1 libegl-mesa0 libgl1-mesa-dri libvulkan1 mesa-vulkan-dri
 folder=$root/build/drivers
 chroot_folder='' words=()
 
-usage() { sed -n '2,11s/^# //p' "${BASH_SOURCE[0]}"; }
+usage() { sed -n '2,12s/^# //p' "${BASH_SOURCE[0]}"; }
 
 while [ $# -gt 0 ]; do
   case $1 in

@@ -78,8 +78,9 @@ def measured():
         **{f"detail_{name}": detail for name in ("100k", "1m", "2m")},
         "radius": {"small": frame(0.2), "large": frame(0.3)},
         "bunny": {"at_256": frame(0.1), "fewest": frame(0.05), "baseline": {"seconds": 1.0}},
-        "host_bunny": {"host_ms": 40.0, "read_backs": 4},
-        "host_1m": {"host_ms": 900.0, "read_backs": 5},
+        "texels": frame(0.8, evaluate=0.0009),
+        "host_bunny": {"host_ms": 40.0, "read_backs": 4, "driver": "4.5.0 A driver"},
+        "host_1m": {"host_ms": 900.0, "read_backs": 5, "driver": "4.5.0 A driver"},
         "peers": peers,
         "gather_one_chart": {"bare": bare, "evaluate": frame(9.0, evaluate=0.4)},
         "gather_many_charts": {"bare": bare, "evaluate": frame(9.0, evaluate=0.8)},
@@ -222,3 +223,34 @@ def test_the_page_says_of_every_key_whether_it_is_met_or_why_it_is_missing(measu
         name: "Not measured." if name.endswith("peak_memory_over_input") else "no" if name in MISSED else "yes"
         for name in figures.FIGURES
     }
+
+
+@IN_PYTHON
+def test_the_page_shows_what_a_card_was_asked_for_beside_what_it_measured(measured):
+    import speed_page
+
+    del measured["bunny"]
+    reasons = {"bunny": "There is no bunny."}
+    stamp = {"device": "gpu: A card", "cpu": "A processor", "cores": 16, "date": "a day", "command": "a command"}
+    found = {**stamp, "commit": "x", "load_before": 0.1, "reasons": reasons, "measured": measured}
+    lines = speed_page.card_lines(found)
+    rows = [[cell.strip("` ") for cell in line.strip("|").split(" | ")] for line in lines if line.startswith("| `")]
+    assert [[row[0], *row[2:]] for row in rows] == [
+        ["bunny_frame_ms", "–", "≤ 2", "There is no bunny."],
+        ["texels_512_ms", "0.900", "≤ 1", "yes"],
+        ["frame_1m_ms", "300.0", "≤ 10", "no"],
+        ["speedup_1m", "200.0", "≥ 1000", "no"],
+    ]
+    text = "\n".join(lines)
+    for words in ("500.0 ms (120.0 times)", "gpu: A card, OpenGL 4.5.0 A driver", "A processor × 16", "`a command`"):
+        assert words in text
+
+
+@IN_PYTHON
+def test_the_page_says_that_no_card_was_measured(tmp_path):
+    import speed_page
+
+    results = tmp_path / "results"
+    results.mkdir()
+    speed_page.write(results, None)
+    assert "No graphics card has been measured yet" in (tmp_path / "REPORT.md").read_text()

@@ -214,7 +214,7 @@ TEST_P(CancelAnywhere, charts_that_overlap_are_laid_out_once_and_whole) {
     pdesc_field_report report;
     pdesc_field_report_init(&report);
     ASSERT_EQ(pdesc_field_get_report(field, &report), PDESC_OK);
-    EXPECT_EQ(report.private_layout, GetParam() == PDESC_BACKEND_SOFTWARE ? PDESC_LAYOUT_OVERLAPS : PDESC_LAYOUT_GIVEN);
+    EXPECT_EQ(report.private_layout, GetParam() == device_backend() ? PDESC_LAYOUT_OVERLAPS : PDESC_LAYOUT_GIVEN);
     std::vector<float> values(expected.size(), sentinel);
     ASSERT_EQ(pdesc_field_values(field, name, values.data(), ball.vertex_count), PDESC_OK);
     expect_same_bits(values, expected);

@@ -90,7 +90,7 @@ TEST_F(Api, without_uvs_the_reference_computes_and_the_software_backend_refuses)
   const Mesh mesh = make_mesh(context.get(), ball);
   for (const float value : mean_curvature(mesh.get())) ASSERT_TRUE(std::isfinite(value));
   std::string why_not;
-  context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+  context = open_context(device_backend(), why_not);
   if (!context) GTEST_SKIP() << why_not;
   expect_compute_refused(PDESC_ERROR_INVALID_OPERATION, {"UV"});
 }
@@ -185,7 +185,7 @@ TEST_F(Api, new_positions_give_what_a_new_mesh_gives) {
 // What a mesh keeps from one computation to the next: normals and buffers while nothing but the radius changes, and no longer.
 TEST_F(Api, each_computation_gives_what_a_new_mesh_gives_whatever_came_before) {
   std::string why_not;
-  context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+  context = open_context(device_backend(), why_not);
   if (!context) GTEST_SKIP() << why_not;
   options.buffer_size = 256;
   const Mesh kept = make_mesh(context.get(), ball);
@@ -269,8 +269,7 @@ protected:
   }
 };
 INSTANTIATE_TEST_SUITE_P(, Cancel,
-                         ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, int32_t{PDESC_BACKEND_SOFTWARE},
-                                           int32_t{PDESC_BACKEND_CPU}),
+                         ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, device_backend(), int32_t{PDESC_BACKEND_CPU}),
                          backend_name);
 
 TEST_P(Cancel, progress_rises_on_the_calling_thread) {

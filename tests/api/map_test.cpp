@@ -14,7 +14,7 @@ class Maps : public ::testing::Test {
 protected:
   void SetUp() override {
     std::string why_not;
-    software = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+    software = open_context(device_backend(), why_not);
     if (!software) GTEST_SKIP() << why_not;
     reference = open_context(PDESC_BACKEND_REFERENCE, why_not);
     ASSERT_TRUE(reference);

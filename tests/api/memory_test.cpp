@@ -74,15 +74,15 @@ TEST_F(Memory, counts_at_the_end_of_their_type_do_not_overflow) {
 
 TEST_F(Memory, more_triangles_than_shaders_tell_apart_are_refused_by_name) {
   std::string why_not;
-  if (!open_context(PDESC_BACKEND_SOFTWARE, why_not)) GTEST_SKIP() << why_not;
-  context = open_limited(PDESC_BACKEND_SOFTWARE, std::numeric_limits<int64_t>::max());
+  if (!open_context(device_backend(), why_not)) GTEST_SKIP() << why_not;
+  context = open_limited(device_backend(), std::numeric_limits<int64_t>::max());
   input.triangle_count = (1 << 24) + 1;
   pdesc_mesh *mesh = never_mesh();
   expect_refused(pdesc_mesh_create(context.get(), &input, &mesh), PDESC_ERROR_UNSUPPORTED, {"16777217", "16777216", "cpu"});
 }
 
 TEST_F(Memory, a_computation_over_the_limit_is_refused_and_the_mesh_stays_usable) {
-  for (const int32_t backend : {PDESC_BACKEND_REFERENCE, PDESC_BACKEND_CPU, PDESC_BACKEND_SOFTWARE}) {
+  for (const int32_t backend : {int32_t{PDESC_BACKEND_REFERENCE}, int32_t{PDESC_BACKEND_CPU}, device_backend()}) {
     std::string why_not;
     if (!open_context(backend, why_not)) continue;
     options.buffer_size = 256;

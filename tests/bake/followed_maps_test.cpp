@@ -113,7 +113,7 @@ TEST_P(FollowedMaps, a_displaced_torus_is_measured_as_the_software_device_measur
   const Settings settings{.radius = 0.08, .radius_unit = PDESC_RADIUS_ABSOLUTE};
   const Results here = run(base, maps, settings, curvatures);
   std::string why_not;
-  context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+  context = open_context(device_backend(), why_not);
   if (!context) GTEST_SKIP() << why_not;
   const Results software = run(base, maps, settings, curvatures);
   for (const std::string &name : curvatures) {

@@ -46,7 +46,7 @@ class SurfaceMapsTest : public ::testing::Test {
 protected:
   void SetUp() override {
     std::string why_not;
-    context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+    context = open_context(device_backend(), why_not);
     if (!context) GTEST_SKIP() << why_not;
   }
 

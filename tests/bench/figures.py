@@ -82,6 +82,11 @@ def bunny_milliseconds(m: Measured) -> float:
     return 1e3 * m["bunny"]["at_256"]["seconds"]
 
 
+def texels_milliseconds(m: Measured) -> float:
+    """The evaluation at the texels of a map."""
+    return 1e3 * m["texels"]["seconds_evaluate"]
+
+
 def read_backs(m: Measured) -> float:
     """How often a frame reads back what the device computed, on either mesh."""
     return max(m[part]["read_backs"] for part in ("host_bunny", "host_1m"))
@@ -221,11 +226,33 @@ CPU_FIGURES: dict[str, Figure] = {
 }
 FIGURES |= {f"{CPU}_{name}": replace(row, value=on_cpu(row.value)) for name, row in CPU_FIGURES.items()}
 
+# What is asked for of a graphics card, an H200.
+CARD_FIGURES: dict[str, Figure] = {
+    "bunny_frame_ms": Figure(
+        2, False, ("bunny",), bunny_milliseconds, "stanford-bunny, r = 2 %, 256 samples, the frame"
+    ),
+    "texels_512_ms": Figure(
+        1, False, ("texels",), texels_milliseconds, "512² texels, 256 samples, the evaluation and reading its maps back"
+    ),
+    "frame_1m_ms": Figure(
+        10,
+        False,
+        ("detail_1m",),
+        lambda m: 1e3 * m["detail_1m"]["fewest"]["seconds"],
+        f"1 M triangles, r = 4 %, error ≤ {ALLOWED_ERROR:g} %, the frame",
+    ),
+    "speedup_1m": Figure(
+        1000, True, ("detail_1m",), over_baseline("detail_1m", "fewest"), "the baseline over that frame, times"
+    ),
+}
+
 # Figures that stand beside them and have no targets.
 BESIDE: dict[str, Value] = {
     **{f"speedup_{size}_256_samples": over_baseline(f"detail_{size}", "at_256") for size in SIZES},
     **{f"speedup_{size}_at_texels": over_baseline(f"detail_{size}", "at_texels") for size in SIZES},
     **{f"speedup_{size}_max_normals": over_baseline(f"detail_{size}", "max_normals") for size in SIZES},
+    "texels_512_ms": texels_milliseconds,
+    "frame_1m_256_samples_ms": lambda m: 1e3 * m["detail_1m"]["at_256"]["seconds"],
     "bunny_fewest_frame_ms": lambda m: 1e3 * m["bunny"]["fewest"]["seconds"],
     "discrete_over_bunny_fewest": over_peer("pymeshlab_discrete", "fewest"),
     "over_pymeshlab_pca_same_radius": over_peer("pymeshlab_pca_same_radius"),
@@ -247,11 +274,13 @@ BESIDE: dict[str, Value] = {
 }
 
 
-def figures(measured: Measured, reasons: dict[str, str]) -> tuple[dict[str, float | None], dict[str, str]]:
+def figures(
+    measured: Measured, reasons: dict[str, str], rows: dict[str, Figure] = FIGURES
+) -> tuple[dict[str, float | None], dict[str, str]]:
     """Every key's value or None, and why it is None; reasons says for each part why it is missing."""
     values: dict[str, float | None] = {}
     why: dict[str, str] = {}
-    for name, figure in FIGURES.items():
+    for name, figure in rows.items():
         try:
             values[name] = rounded(figure.value(measured))
         except KeyError:

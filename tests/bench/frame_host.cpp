@@ -27,6 +27,7 @@
 #include "context.h"
 #include "descriptor/registry.h"
 #include "engine/opengl/gl.h"
+#include "engine/opengl/gl_thread.h"
 #include "support/parallel.h"
 
 namespace paradesc::bench {
@@ -187,12 +188,22 @@ private:
   std::map<std::string, Calls> calls_before_;
 };
 
-void print(const char *device, const std::vector<Frame> &frames) {
+// The driver's own words.
+std::string driver_of(bool gpu) {
+  std::string version;
+  GlThread(!gpu, -1).run(
+      [&](const Gl &gl, ProgramCache &) { version = reinterpret_cast<const char *>(gl.GetString(GL_VERSION)); });
+  return version;
+}
+
+void print(const char *device, const std::string &driver, const std::vector<Frame> &frames) {
   const Frame &one = frames[frames.size() / 2];
-  std::printf("{\"device\": \"%s\", \"frames\": %zu, \"host_ms\": %.3f, \"least_host_ms\": %.3f, \"in_calls_ms\": %.3f, "
+  std::printf("{\"device\": \"%s\", \"driver\": \"%s\", \"frames\": %zu, \"host_ms\": %.3f, \"least_host_ms\": %.3f, "
+              "\"in_calls_ms\": %.3f, "
               "\"driver_threads_ms\": %.3f, \"wall_ms\": %.3f, \"read_backs\": %d, \"waits\": %d, \"calls\": {",
-              device, frames.size(), 1e3 * one.taken.host(), 1e3 * frames[0].taken.host(), 1e3 * one.taken.in_calls,
-              1e3 * one.taken.driver_threads, 1e3 * one.taken.wall, one.count(reads_back), one.count(waits));
+              device, driver.c_str(), frames.size(), 1e3 * one.taken.host(), 1e3 * frames[0].taken.host(),
+              1e3 * one.taken.in_calls, 1e3 * one.taken.driver_threads, 1e3 * one.taken.wall, one.count(reads_back),
+              one.count(waits));
   const char *comma = "";
   for (const auto &[name, made] : one.made) {
     std::printf("%s\"%s\": [%d, %.3f]", comma, name.c_str(), made.count, 1e3 * made.seconds);
@@ -210,7 +221,7 @@ void run(int count, char **words) {
   std::vector<Frame> frames;
   for (int turn = 0; turn < wanted; ++turn) frames.push_back(moving.run(turn));
   std::ranges::sort(frames, {}, [](const Frame &frame) { return frame.taken.host(); });
-  print(moving.device(), frames);
+  print(moving.device(), driver_of(gpu), frames);
 }
 
 } // namespace

@@ -225,6 +225,17 @@ def host(run: Run, arrays: MeshArrays | None) -> None:
         run.measured["host_1m"] = programs.frame_host(run.build, path, 0.04, gpu)
 
 
+def texels(run: Run) -> None:
+    """Measures the device alone at the texels of a map of 512², with the default samples."""
+    with run.part("texels"):
+        arrays, options = torus(run, 100_000), Options(radius=0.02, evaluate="texel", texels=512)
+        mesh, _ = run.device.mesh(arrays, options)
+        with mesh:
+            frame = run.device.frame(mesh, arrays, options)
+        del frame["values"]
+        run.measured["texels"] = frame
+
+
 def together(run: Run) -> None:
     """Measures several descriptors from one sampling, and three radii of one frame."""
     with run.part("together"):

@@ -5,6 +5,7 @@
     .venv/bin/python tests/bench/run.py --sweep detail --sweep charts --page
     .venv/bin/python tests/bench/run.py --quick --sweep models --json FILE     # with the ratios of this sweep
 
+On a graphics card --page keeps the ratios in results/gpu.json, beside those without one.
 FILE has the device, the CPU, the date, the commit and one key for each ratio (null with a reason if a part is missing),
 and the parts themselves. A sweep takes minutes, and writes results/<sweep>.json; --page puts together all that are
 there. Other programs on the machine make every figure worthless, so the file also has the load before the run.
@@ -91,6 +92,7 @@ def quick(run: parts.Run, with_peers: bool) -> None:
     parts.detail(run, 1_000_000, "detail_1m")
     parts.detail(run, 2_000_000, "detail_2m")
     parts.host(run, arrays)
+    parts.texels(run)
     parts.radius(run)
     parts.together(run)
     parts.gather(run, "gather_one_chart", 1)
@@ -119,16 +121,24 @@ def content(run: parts.Run, stamp: dict[str, object]) -> dict[str, object]:
     }
 
 
-def show(found: dict[str, object]) -> None:
-    """Prints the ratios beside their targets."""
-    for name, figure in figures.FIGURES.items():
-        value = found[name]
-        wanted = f"{'≥' if figure.at_least else '≤'} {figure.target:g}"
-        state = "–" if value is None else "met" if figure.met(value) else "missed"
-        shown = found["reasons"].get(name, "") if value is None else f"{value:g}"
-        sys.stdout.write(f"{name:30} {shown:>10}   {wanted:8} {state}\n")
+def show(found: dict[str, object], on_card: bool) -> None:
+    """Prints the ratios beside their targets, those of a card last."""
+    show_rows(figures.FIGURES, found, found["reasons"])
     for name, value in found["beside"].items():
         sys.stdout.write(f"{name:40} {value:g}\n")
+    if on_card:
+        sys.stdout.write("of a graphics card:\n")
+        show_rows(figures.CARD_FIGURES, *figures.figures(found["measured"], found["reasons"], figures.CARD_FIGURES))
+
+
+def show_rows(rows: dict[str, figures.Figure], values: dict[str, object], reasons: dict[str, str]) -> None:
+    """Prints a line for each."""
+    for name, figure in rows.items():
+        value = values[name]
+        wanted = f"{'≥' if figure.at_least else '≤'} {figure.target:g}"
+        state = "–" if value is None else "met" if figure.met(value) else "missed"
+        shown = reasons.get(name, "") if value is None else f"{value:g}"
+        sys.stdout.write(f"{name:30} {shown:>10}   {wanted:8} {state}\n")
 
 
 def write_pages(results: Path) -> None:
@@ -152,10 +162,11 @@ def main(words: list[str] | None = None) -> int:
                 quick(run, not arguments.no_peers)
                 found = content(run, stamp)
                 text = json.dumps(found, indent=1, ensure_ascii=False) + "\n"
-                kept = results / speed_page.QUICK
+                on_card = run.device.context.backend == "gpu"
+                kept = results / (speed_page.CARD if on_card else speed_page.QUICK)
                 for path in {arguments.json or kept, *([kept] if arguments.page else [])}:
                     path.write_text(text)
-                show(found)
+                show(found, on_card)
     if arguments.page:
         write_pages(results)
     parts.say(f"{time.monotonic() - start:.0f} s in all\n")

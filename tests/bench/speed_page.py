@@ -14,7 +14,7 @@ START, END = "<!-- speed: written by tests/bench/run.py --page -->", "<!-- end o
 SIZE_NAMES = {"100k": "100 K", "1m": "1 M", "2m": "2 M"}
 PYTHON_START = "<!-- packages: written by tests/bench/python_peers.py --page -->"
 PYTHON_END = "<!-- end of packages -->"
-QUICK, PLOT, PYTHON = "quick.json", "peers.png", "python_peers.json"
+QUICK, CARD, PLOT, PYTHON = "quick.json", "gpu.json", "peers.png", "python_peers.json"
 WAYS = ("fewest", "at_256", "one_core")  # in which frames of the bunny are timed beside other programs
 
 
@@ -30,6 +30,7 @@ def write(results: Path, root: Path | None) -> None:
             fill(root / "README.md", readme_lines(found))
     else:
         lines += ["The ratios have not been measured yet: `--quick --page`.", ""]
+    lines += card_lines(stored(results / CARD))
     if packages:
         lines += python_lines(packages)
         if root:
@@ -76,18 +77,44 @@ def stamp_lines(found: dict) -> list[str]:
 
 def ratio_lines(found: dict) -> list[str]:
     """Shows every key beside its target."""
-    rows = []
-    for name, figure in figures.FIGURES.items():
-        value = found.get(name)
-        wanted = f"{'≥' if figure.at_least else '≤'} {figure.target:g}"
-        shown = "–" if value is None else page.shown(value)
-        state = found["reasons"].get(name, "") if value is None else "yes" if figure.met(value) else "no"
-        rows.append([f"`{name}`", figure.meaning, shown, wanted, state])
     lines = ["## Ratios", "", "| key | what | value | wanted | met |", "| --- | --- | ---: | ---: | --- |"]
-    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    lines += figure_rows(figures.FIGURES, found, found["reasons"])
     lines += ["", "Beside them:", "", "| key | value |", "| --- | ---: |"]
     lines += [f"| `{name}` | {page.shown(value)} |" for name, value in found["beside"].items()]
     return [*lines, "", *stamp_lines(found)]
+
+
+def figure_rows(rows: dict[str, figures.Figure], values: dict, reasons: dict[str, str]) -> list[str]:
+    """A line of the table for each figure: its value beside its target, or why it is missing."""
+    lines = []
+    for name, figure in rows.items():
+        value = values.get(name)
+        wanted = f"{'≥' if figure.at_least else '≤'} {figure.target:g}"
+        shown = "–" if value is None else page.shown(value)
+        state = reasons.get(name, "") if value is None else "yes" if figure.met(value) else "no"
+        lines.append("| " + " | ".join([f"`{name}`", figure.meaning, shown, wanted, state]) + " |")
+    return lines
+
+
+def card_lines(found: dict | None) -> list[str]:
+    """Shows what a graphics card was asked for beside what one measured."""
+    lines = ["## On a graphics card", ""]
+    if not found:
+        return [*lines, "No graphics card has been measured yet: `bash tests/run_on_gpu.sh`.", ""]
+    values, reasons = figures.figures(found["measured"], found["reasons"], figures.CARD_FIGURES)
+    detail = found["measured"].get("detail_1m")
+    lines += ["| key | what | value | wanted | met |", "| --- | --- | ---: | ---: | --- |"]
+    lines += figure_rows(figures.CARD_FIGURES, values, reasons)
+    lines += [""]
+    if detail:
+        frame = detail["at_256"]
+        lines += [
+            f"With 256 samples the frame of 1 M triangles takes {page.shown(1e3 * frame['seconds'])} ms"
+            f" ({page.shown(figures.speedup(detail, 'at_256'))} times). The baseline ran on the processor below.",
+            "",
+        ]
+    drivers = [part["driver"] for part in found["measured"].values() if "driver" in part]
+    return [*lines, *stamp_lines(found | {"device": ", OpenGL ".join([found["device"], *drivers[:1]])})]
 
 
 def peer_rows(found: dict, ways: tuple = WAYS) -> list[tuple[str, float, float | None, float | None, str]]:
@@ -101,7 +128,7 @@ def peer_rows(found: dict, ways: tuple = WAYS) -> list[tuple[str, float, float |
     if bunny:
         for where, frames, errors in (
             ("CPU", bunny.get(CPU, {}), closed.get(CPU, {})),
-            ("texture space without a card" if "software" in found["device"] else "graphics card", bunny, closed),
+            ("texture space without a card", bunny, closed),
         ):
             for way in ways:
                 if way in frames:

@@ -90,7 +90,7 @@ TEST_F(Choice, is_the_processor_where_there_is_no_card_and_says_why) {
 }
 
 TEST_F(Choice, is_the_software_device_for_what_texture_space_alone_has_with_a_note) {
-  if (!has_software()) GTEST_SKIP();
+  if (!has_software()) GTEST_SKIP() << "no software rasterizer";
   const auto context = open(PDESC_BACKEND_AUTO), software = open(PDESC_BACKEND_SOFTWARE);
   if (context->backend == PDESC_BACKEND_GPU) GTEST_SKIP() << "it computes everything";
   const auto mesh = mesh_on(context), by_name = mesh_on(software);

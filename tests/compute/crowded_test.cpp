@@ -32,10 +32,10 @@ class Crowded : public ::testing::Test {
 protected:
   void SetUp() override {
     std::string why_not;
-    if (!open_context(PDESC_BACKEND_SOFTWARE, why_not)) GTEST_SKIP() << why_not;
+    if (!open_context(device_backend(), why_not)) GTEST_SKIP() << why_not;
     pdesc_context_options requested;
     pdesc_context_options_init(&requested);
-    requested.backend = PDESC_BACKEND_SOFTWARE;
+    requested.backend = device_backend();
     context = make_context(requested);
     ball = sphere(1.0, {.vertices = 300});
     lay_out(ball, {});

@@ -62,7 +62,7 @@ protected:
     std::string why_not;
     reference = open_context(PDESC_BACKEND_REFERENCE, why_not);
     ASSERT_TRUE(reference);
-    software = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+    software = open_context(device_backend(), why_not);
     if (!software) GTEST_SKIP() << why_not;
   }
 
@@ -144,8 +144,7 @@ void expect_exact_curvatures(pdesc_context *software, pdesc_context *reference, 
 TEST(IrregularSurfaces, keep_their_exact_curvatures_for_other_sizes_seeds_and_layouts) {
   if (!long_tests()) GTEST_SKIP() << "set PARADESC_LONG_TESTS to run it";
   std::string why_not;
-  const Context reference = open_context(PDESC_BACKEND_REFERENCE, why_not),
-                software = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+  const Context reference = open_context(PDESC_BACKEND_REFERENCE, why_not), software = open_context(device_backend(), why_not);
   if (!software) GTEST_SKIP() << why_not;
   for (const int vertices : {15000, 25000})
     for (const uint32_t seed : {2u, 3u}) {
@@ -285,7 +284,7 @@ PDESC_ON_EACH_BACKEND(Invariance);
 
 // Object space never looks at the UV map.
 class LayoutInvariance : public Invariance {};
-INSTANTIATE_TEST_SUITE_P(, LayoutInvariance, ::testing::Values(int32_t{PDESC_BACKEND_SOFTWARE}), backend_name);
+INSTANTIATE_TEST_SUITE_P(, LayoutInvariance, ::testing::Values(device_backend()), backend_name);
 
 TEST_P(LayoutInvariance, moving_the_seams_changes_no_more_than_the_error) {
   for (TestMesh mesh : {test_torus(), test_ellipsoid()}) {
@@ -364,7 +363,7 @@ TEST_P(Invariance, vertices_split_at_the_seams_get_the_results_of_the_whole) {
 // The seam error of issue "Core": the difference between a vertex's wedges.
 TEST(SeamError, wedges_of_one_vertex_agree) {
   std::string why_not;
-  const Context context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+  const Context context = open_context(device_backend(), why_not);
   if (!context) GTEST_SKIP() << why_not;
   for (TestMesh mesh : {test_torus(), test_ellipsoid()}) {
     lay_out(mesh, {.charts = 15});

@@ -81,7 +81,7 @@ protected:
     ASSERT_FALSE(first.values.empty());
     const auto context = open();
     std::vector<Way> ways = {Way{1}, Way{2}, Way{4}};
-    if (GetParam() == PDESC_BACKEND_SOFTWARE) ways.insert(ways.end(), {Way{0, 16}, Way{0, 1 << 20}}); // others have no tiles
+    if (GetParam() == test::device_backend()) ways.insert(ways.end(), {Way{0, 16}, Way{0, 1 << 20}}); // others have no tiles
     for (const Way &way : ways) {
       SCOPED_TRACE(std::to_string(way.threads) + " threads, tiles of " + std::to_string(way.smallest_tile));
       expect_same(first, compute_by(context, way));
@@ -110,7 +110,7 @@ TEST_P(Determinism, integrals_over_adaptive_samples_have_the_same_bits_at_all_we
 }
 
 TEST_P(Determinism, samples_that_march_have_the_same_bits) {
-  if (GetParam() != PDESC_BACKEND_SOFTWARE) GTEST_SKIP() << "samples march in texture space";
+  if (GetParam() != test::device_backend()) GTEST_SKIP() << "samples march in texture space";
   settings.relocation = PDESC_RELOCATION_AFFINE;
   settings.max_jumps = 2;
   expect_one_result();
@@ -130,8 +130,7 @@ TEST_P(Determinism, a_mesh_computes_the_same_bits_again) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, Determinism,
-                         ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, int32_t{PDESC_BACKEND_SOFTWARE},
-                                           int32_t{PDESC_BACKEND_CPU}),
+                         ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, test::device_backend(), int32_t{PDESC_BACKEND_CPU}),
                          test::backend_name);
 
 } // namespace

@@ -14,7 +14,7 @@ class HalfPrecision : public ::testing::TestWithParam<int32_t> {
 protected:
   void SetUp() override {
     std::string why_not;
-    context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+    context = open_context(device_backend(), why_not);
     if (!context) GTEST_SKIP() << why_not;
     names = registered_descriptors();
     std::erase_if(names, [](const std::string &name) { return components_of(name) != 1 || map_degree_of(name) > 0; });

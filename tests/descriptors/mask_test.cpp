@@ -54,8 +54,9 @@ int32_t marching(int32_t relocation, int32_t backend) {
 TEST_P(Masks, coverage_below_nine_tenths_is_low) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 2000});
   lay_out(mesh, {.charts = 60});
-  const Results results = compute(mesh, {.radius = 0.04, .relocation = marching(PDESC_RELOCATION_PAPER, GetParam()), .max_jumps = 0});
-  if (GetParam() != PDESC_BACKEND_SOFTWARE) {
+  const Results results =
+      compute(mesh, {.radius = 0.04, .relocation = marching(PDESC_RELOCATION_PAPER, GetParam()), .max_jumps = 0});
+  if (GetParam() != device_backend()) {
     EXPECT_EQ(count(results, PDESC_MASK_LOW_COVERAGE), 0) << "it needs no UV map";
     EXPECT_EQ(results.report.coverage_mean, 1);
     return;
@@ -91,7 +92,7 @@ TEST_P(Masks, a_vertex_without_a_place_in_the_map_is_undefined_where_samples_mar
   EXPECT_EQ(compute(mesh, {.radius = 0.04}).report.undefined_vertices, 0);
   const Results marched = compute(mesh, {.radius = 0.04, .relocation = marching(PDESC_RELOCATION_AFFINE, GetParam())});
   for (size_t v = 0; v < placed.size(); ++v)
-    ASSERT_EQ((marched.mask[v] & PDESC_MASK_NO_TEXEL) != 0, GetParam() == PDESC_BACKEND_SOFTWARE && !placed[v]) << "vertex " << v;
+    ASSERT_EQ((marched.mask[v] & PDESC_MASK_NO_TEXEL) != 0, GetParam() == device_backend() && !placed[v]) << "vertex " << v;
 }
 
 TEST_P(Masks, a_vertex_without_a_face_is_undefined_and_has_no_other_bit) {

@@ -20,7 +20,7 @@ class NearSheets : public ::testing::Test {
 protected:
   void SetUp() override {
     std::string why_not;
-    context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+    context = open_context(device_backend(), why_not);
     if (!context) GTEST_SKIP() << why_not;
   }
 

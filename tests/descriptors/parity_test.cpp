@@ -283,7 +283,7 @@ TEST_P(Parity, a_descriptor_alone_has_the_values_it_has_among_the_others) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, Parity, ::testing::Values(int32_t{PDESC_BACKEND_SOFTWARE}, int32_t{PDESC_BACKEND_CPU}), backend_name);
+INSTANTIATE_TEST_SUITE_P(, Parity, ::testing::Values(device_backend(), int32_t{PDESC_BACKEND_CPU}), backend_name);
 
 } // namespace
 } // namespace paradesc::test

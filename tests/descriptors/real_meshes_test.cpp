@@ -57,7 +57,7 @@ class RealMeshes : public ::testing::TestWithParam<Case> {
 protected:
   void SetUp() override {
     std::string why_not;
-    software = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+    software = open_context(device_backend(), why_not);
     if (!software) GTEST_SKIP() << why_not;
     names = registered_descriptors();
     std::erase_if(names, [](const std::string &name) { return components_of(name) != 1 || map_degree_of(name) > 0; });

@@ -25,7 +25,7 @@ protected:
     std::string why_not;
     reference = open_context(PDESC_BACKEND_REFERENCE, why_not);
     ASSERT_TRUE(reference);
-    software = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+    software = open_context(device_backend(), why_not);
     if (!software) GTEST_SKIP() << why_not;
   }
 

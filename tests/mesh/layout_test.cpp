@@ -255,7 +255,7 @@ TEST(Layout, pieces_of_a_chart_that_lay_on_itself_keep_their_triangles_shapes) {
   EXPECT_FALSE(cut_charts(after.half_edges, after.charts).overlapping);
 }
 
-class PrivateLayout : public OnSoftwareDevice {};
+class PrivateLayout : public OnDevice {};
 
 TEST_F(PrivateLayout, no_texel_has_two_owners) {
   for (const TestMesh &mesh : {wrapped(torus(1.0, 0.4, {.vertices = 3000})), wrapped(sphere(1.0, {.vertices = 3000}), 1.6)}) {
@@ -269,7 +269,7 @@ class LaidOutAfresh : public ::testing::Test {
 protected:
   void SetUp() override {
     std::string why_not;
-    context = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+    context = open_context(device_backend(), why_not);
     if (!context) GTEST_SKIP() << why_not;
   }
   Context context;

@@ -48,7 +48,7 @@ std::vector<int32_t> charts_of(const Cells &cells, const Buffers &buffers) {
   return chart;
 }
 
-using CellsOfTexels = OnSoftwareDevice;
+using CellsOfTexels = OnDevice;
 
 TEST_F(CellsOfTexels, every_texel_of_a_triangle_has_a_cell_within_its_chart_and_block) {
   for (const int charts : {1, 15, 60}) {

@@ -8,7 +8,7 @@
 #include "mesh/normals.h"
 #include "sample/cells.h"
 #include "support/layout.h"
-#include "support/software_device.h"
+#include "support/on_device.h"
 #include "support/surfaces.h"
 
 namespace paradesc::test {
@@ -58,7 +58,7 @@ struct Baked {
   }
 };
 
-using Surface = OnSoftwareDevice;
+using Surface = OnDevice;
 
 TestMesh torus_of_charts(int charts) {
   TestMesh mesh = torus(1, 0.4, {.vertices = 4000});

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "paradesc/paradesc.h"
+#include "support/device.h"
 #include "support/surfaces.h"
 
 namespace paradesc::test {
@@ -98,8 +99,7 @@ std::string backend_name(const ::testing::TestParamInfo<int32_t> &info);
 
 #define PDESC_ON_EACH_BACKEND(suite)                                                                                             \
   INSTANTIATE_TEST_SUITE_P(                                                                                                      \
-      , suite, ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, int32_t{PDESC_BACKEND_SOFTWARE}, int32_t{PDESC_BACKEND_CPU}), \
-      backend_name)
+      , suite, ::testing::Values(int32_t{PDESC_BACKEND_REFERENCE}, device_backend(), int32_t{PDESC_BACKEND_CPU}), backend_name)
 
 // Every value where subset is 1 (empty: everywhere) within tolerance of the expected one. Reports the worst vertex only.
 void expect_near(std::span<const float> values, std::span<const double> expected, double tolerance,

@@ -12,7 +12,7 @@ class TexelParity : public ::testing::Test {
 protected:
   void SetUp() override {
     std::string why_not;
-    software = open_context(PDESC_BACKEND_SOFTWARE, why_not);
+    software = open_context(device_backend(), why_not);
     if (!software) GTEST_SKIP() << why_not;
     cpu = open_context(PDESC_BACKEND_CPU, why_not);
     reference = open_context(PDESC_BACKEND_REFERENCE, why_not);

@@ -8,7 +8,7 @@
 #include "engine/opengl/buffer.h"
 #include "engine/opengl/compose.h"
 #include "support/likeness.h"
-#include "support/software_device.h"
+#include "support/on_device.h"
 
 namespace paradesc::test {
 namespace {
@@ -42,7 +42,7 @@ struct Variant {
   bool integral, extrapolated, geodesic_ball, faces;
 };
 
-class KernelsOnDevice : public OnSoftwareDevice {
+class KernelsOnDevice : public OnDevice {
 protected:
   // [neighborhood][value]
   std::vector<std::vector<float>> compute(const std::vector<Recorded> &all, const Variant &variant) const {

@@ -10,7 +10,7 @@
 #include "engine/opengl/gl_thread.h"
 #include "mesh/normals.h"
 #include "sample/cells.h"
-#include "support/software_device.h"
+#include "support/on_device.h"
 
 namespace paradesc::test {
 

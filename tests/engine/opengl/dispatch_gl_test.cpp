@@ -16,7 +16,7 @@
 #include "engine/opengl/gl_thread.h"
 #include "shared.h"
 #include "support/error.h"
-#include "support/software_device.h"
+#include "support/on_device.h"
 
 namespace paradesc {
 namespace {
@@ -49,15 +49,15 @@ void APIENTRY slow_finish() {
   if (dispatched.size() <= 2) std::this_thread::sleep_for(std::chrono::milliseconds(70));
 }
 
-class SlowDevice : public test::OnSoftwareDevice {
+class SlowDevice : public test::OnDevice {
 protected:
   void SetUp() override {
-    OnSoftwareDevice::SetUp();
+    OnDevice::SetUp();
     if (!thread) return;
     dispatched.clear();
     const test::FailingDriver driver =
         test::FailingDriver().put("glDispatchCompute", noted_dispatch).put("glFinish", slow_finish);
-    thread = std::make_unique<GlThread>(true, -1, [put = DriverSubstitute(driver)](const char *name, void *found) {
+    thread = std::make_unique<GlThread>(!test::on_card(), -1, [put = DriverSubstitute(driver)](const char *name, void *found) {
       if (std::string(name) == "glDispatchCompute") real_dispatch = reinterpret_cast<PFNGLDISPATCHCOMPUTEPROC>(found);
       return put(name, found);
     });

@@ -8,6 +8,7 @@
 
 #include "context.h"
 #include "engine/opengl/gl_context.h"
+#include "support/device.h"
 #include "support/sentence.h"
 
 namespace paradesc::test {
@@ -44,11 +45,14 @@ private:
 // As eglQueryDeviceStringEXT, which tells what a device of EGL is before there is a context; WGL has only the name.
 using DeviceString = const char *(*)(void *device, int32_t name);
 
+// What the sentence says where no device of the tests' kind is left.
+inline const char *no_device() { return on_card() ? "No hardware OpenGL 4.5 device" : "No software OpenGL 4.5 device"; }
+
 // Refused by name with this word in the sentence; under AUTO the processor computes instead, and the context says why.
 inline void expect_refused(const DriverSubstitute &failing, const char *word) {
   pdesc_context_options requested;
   pdesc_context_options_init(&requested);
-  requested.backend = PDESC_BACKEND_SOFTWARE;
+  requested.backend = device_backend();
   try {
     make_context(requested, failing);
     ADD_FAILURE() << "the device was taken: " << word;

@@ -25,7 +25,7 @@ double depth_inside(const Built &built, int triangle, dvec2 position) {
 // Rasterizers round corners to 1/256 of a texel; closer to an edge than two such steps either side may have a texel.
 constexpr double snap = 2.0 / 256;
 
-using GeometryBuffers = OnSoftwareDevice;
+using GeometryBuffers = OnDevice;
 
 TEST_F(GeometryBuffers, hold_the_surface_point_at_each_texels_center) {
   const Built built = plane_of_twelve_charts();

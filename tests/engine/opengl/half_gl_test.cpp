@@ -14,7 +14,7 @@ namespace {
 
 constexpr float rounding = 1.0f / 2048; // half of a half's last place, of a number from 1 to 2
 
-using HalfBuffers = OnSoftwareDevice;
+using HalfBuffers = OnDevice;
 
 TEST_F(HalfBuffers, hold_positions_normals_and_ids_of_the_full_ones) {
   TestMesh mesh = torus(1.0, 0.4, {.vertices = 800});

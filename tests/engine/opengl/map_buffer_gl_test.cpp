@@ -8,7 +8,7 @@
 namespace paradesc::test {
 namespace {
 
-using MapBuffers = OnSoftwareDevice;
+using MapBuffers = OnDevice;
 
 // A map of the positions themselves has to give the geometry buffer's positions back, at chart edges too.
 TEST_F(MapBuffers, hold_the_map_at_the_point_of_each_texel) {

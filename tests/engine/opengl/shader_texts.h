@@ -22,6 +22,7 @@
 #include "engine/opengl/neighborhood_search.h"
 #include "engine/opengl/recorder.h"
 #include "shared.h"
+#include "support/device.h"
 #include "support/error.h"
 #include "support/layout.h"
 #include "support/run.h"
@@ -31,7 +32,7 @@ namespace paradesc::test {
 inline std::shared_ptr<paradesc::Context> open_recording(bool pretended) {
   pdesc_context_options requested;
   pdesc_context_options_init(&requested);
-  requested.backend = pretended ? PDESC_BACKEND_GPU : PDESC_BACKEND_SOFTWARE;
+  requested.backend = pretended ? PDESC_BACKEND_GPU : device_backend();
   return make_context(requested, recording_driver(pretended));
 }
 
@@ -50,7 +51,7 @@ class ShaderTexts : public ::testing::Test {
 protected:
   void SetUp() override {
     std::string why_not;
-    if (!open_context(PDESC_BACKEND_SOFTWARE, why_not)) GTEST_SKIP() << why_not;
+    if (!open_context(device_backend(), why_not)) GTEST_SKIP() << why_not;
     begin_recording();
     mesh = saddle(1, {.vertices = 200});
     lay_out(mesh, {.charts = 9});
@@ -225,7 +226,7 @@ inline std::vector<SearchVariant> search_variants(const std::vector<int> &all_wo
 inline std::set<Program> record(std::vector<Variant> variants, const std::vector<SearchVariant> &searches, bool pretended) {
   const std::set<Program> before = std::exchange(recording.programs, {});
   recording.compiles = false;
-  GlThread(!pretended, -1, recording_driver(pretended)).run([&](const Gl &gl, ProgramCache &programs) {
+  GlThread(!pretended && !on_card(), -1, recording_driver(pretended)).run([&](const Gl &gl, ProgramCache &programs) {
     const MapBuffer map(gl, 1);
     const BufferTexture points;
     for (Variant &variant : variants) {

@@ -57,10 +57,10 @@ std::vector<dvec3> positions_of(const Built &built, int triangle, bool line, dve
   return found;
 }
 
-class DisplacedTexels : public OnSoftwareDevice {
+class DisplacedTexels : public OnDevice {
 protected:
   void SetUp() override {
-    OnSoftwareDevice::SetUp();
+    OnDevice::SetUp();
     mesh = torus(1, 0.4, {.vertices = 500});
     lay_out(mesh, {.charts = 15});
     built = build(mesh);

@@ -42,7 +42,7 @@ class WglContext : public ::testing::Test {
 protected:
   void SetUp() override {
     std::string why_not;
-    if (!open_context(PDESC_BACKEND_SOFTWARE, why_not)) GTEST_SKIP() << why_not;
+    if (!open_context(device_backend(), why_not)) GTEST_SKIP() << why_not;
     requested.clear();
     shared.clear();
     robust_fails = false;
@@ -82,10 +82,10 @@ TEST_F(WglContext, is_refused_where_a_function_is_missing) {
 }
 
 TEST_F(WglContext, is_refused_where_nothing_can_be_made_current) {
-  expect_refused(FailingDriver().put("CreateWindowExW", no_window), "No software OpenGL 4.5 device");
-  expect_refused(FailingDriver().put("ChoosePixelFormat", no_format), "No software OpenGL 4.5 device");
-  expect_refused(FailingDriver().put("wglCreateContext", no_context), "No software OpenGL 4.5 device");
-  expect_refused(FailingDriver().put("wglMakeCurrent", not_current), "No software OpenGL 4.5 device");
+  expect_refused(FailingDriver().put("CreateWindowExW", no_window), no_device());
+  expect_refused(FailingDriver().put("ChoosePixelFormat", no_format), no_device());
+  expect_refused(FailingDriver().put("wglCreateContext", no_context), no_device());
+  expect_refused(FailingDriver().put("wglMakeCurrent", not_current), no_device());
 }
 
 TEST_F(WglContext, of_no_driver_or_over_direct3d_counts_as_none) {
@@ -101,9 +101,9 @@ TEST_F(WglContext, of_no_driver_or_over_direct3d_counts_as_none) {
 }
 
 TEST_F(WglContext, has_one_device_of_number_0) {
-  EXPECT_NE(GlContext(true, 0).device(), "");
+  EXPECT_NE(GlContext(!on_card(), 0).device(), "");
   try {
-    const GlContext context(true, 1);
+    const GlContext context(!on_card(), 1);
     ADD_FAILURE() << "there is a second device";
   } catch (const Error &error) {
     EXPECT_NE(std::string(error.what()).find("there is only 1"), std::string::npos) << error.what();
@@ -112,14 +112,14 @@ TEST_F(WglContext, has_one_device_of_number_0) {
 }
 
 TEST_F(WglContext, is_robust_where_that_is_offered) {
-  { const GlContext context(true, -1, remembering(with_robustness)); }
+  { const GlContext context(!on_card(), -1, remembering(with_robustness)); }
   ASSERT_EQ(requested.size(), 1u);
   EXPECT_TRUE(is_robust(requested[0]));
-  { const GlContext context(true, -1, remembering(without_robustness)); }
+  { const GlContext context(!on_card(), -1, remembering(without_robustness)); }
   ASSERT_EQ(requested.size(), 2u);
   EXPECT_FALSE(is_robust(requested[1]));
   robust_fails = true;
-  { const GlContext context(true, -1, remembering(with_robustness)); }
+  { const GlContext context(!on_card(), -1, remembering(with_robustness)); }
   ASSERT_EQ(requested.size(), 4u) << "what is offered and fails is not insisted on";
   EXPECT_FALSE(is_robust(requested[3]));
   EXPECT_EQ(shared, std::vector<HGLRC>(4, nullptr)) << "nothing is shared between contexts";
@@ -128,7 +128,7 @@ TEST_F(WglContext, is_robust_where_that_is_offered) {
 TEST_F(WglContext, has_a_window_that_answers_while_the_device_waits_and_goes_with_it) {
   ASSERT_EQ(hidden_window(), nullptr);
   {
-    const GlThread thread(true, -1);
+    const GlThread thread(!on_card(), -1);
     const HWND window = hidden_window();
     ASSERT_NE(window, nullptr);
     EXPECT_FALSE(IsWindowVisible(window));

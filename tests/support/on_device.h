@@ -1,4 +1,4 @@
-// A private GL thread on the software rasterizer, for tests below the C interface; skips where there is none.
+// A private GL thread on the device, for tests below the C interface; skips where there is none.
 #pragma once
 
 #include <memory>
@@ -6,15 +6,16 @@
 #include <gtest/gtest.h>
 
 #include "engine/opengl/gl_thread.h"
+#include "support/device.h"
 #include "support/error.h"
 
 namespace paradesc::test {
 
-class OnSoftwareDevice : public ::testing::Test {
+class OnDevice : public ::testing::Test {
 protected:
   void SetUp() override {
     try {
-      thread = std::make_unique<GlThread>(true, -1);
+      thread = std::make_unique<GlThread>(!on_card(), -1);
     } catch (const Error &error) {
       GTEST_SKIP() << error.what();
     }

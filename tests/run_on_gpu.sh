@@ -1,0 +1,76 @@
+#!/usr/bin/env bash
+# Runs the tests of devices and the benchmarks on this machine's graphics card, and writes the figures into bench/REPORT.md.
+# Usage: bash tests/run_on_gpu.sh [--built]
+# It builds the library, the tests and the programs of the benchmarks, after it has installed what they need by apt where that is
+# there; Blender is not needed. With --built it installs and builds nothing, and takes what lies in build and in
+# addon/paradesc/lib: for a machine without a network or a compiler.
+# It ends with 1 where no card is offered, where a test failed on it, or where the figures could not be measured.
+set -uo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/../blend_samples/setup.sh"
+
+built=''
+
+usage() { sed -n '2,7s/^# //p' "${BASH_SOURCE[0]}"; }
+
+while [ $# -gt 0 ]; do
+  case $1 in
+    --built) built=yes; shift ;;
+    -h | --help) usage; exit 0 ;;
+    *) fail "There is no option $1; --built is the only one." ;;
+  esac
+done
+
+# find_numpy: a Python that has it; the environment need not be there.
+find_numpy() {
+  local candidate
+  for candidate in "$python" python3 /usr/bin/python3; do
+    if "$candidate" -c 'import sys, numpy; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then
+      echo "$candidate"
+      return 0
+    fi
+  done
+  return 1
+}
+
+# card: its name, or why OpenGL offers none, with the status 1.
+card() {
+  PYTHONPATH=$root/addon "$python" - <<'PYTHON'
+import sys
+from paradesc.bridge import Context, ParadescError
+try:
+    print(Context("gpu").device)
+except (OSError, ParadescError) as error:
+    print(error)
+    sys.exit(1)
+PYTHON
+}
+
+# why_hidden: where NVIDIA's own tool lists cards, what stands between them and OpenGL.
+why_hidden() {
+  command -v nvidia-smi >/dev/null && nvidia-smi -L 2>/dev/null | grep -q '^GPU' || return 0
+  echo " nvidia-smi lists one, so NVIDIA's OpenGL is missing: a container needs NVIDIA_DRIVER_CAPABILITIES=all, and" \
+    "__EGL_VENDOR_LIBRARY_FILENAMES must name 10_nvidia.json where that lies in no usual folder."
+}
+
+if [ -n "$built" ]; then
+  [ -x "$root/build/paradesc_tests" ] || fail "There is no build/paradesc_tests; leave --built out, or build it first."
+  export LD_LIBRARY_PATH=$root/addon/paradesc/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} # OpenMesh lies there
+else
+  install_packages "${BUILD_PACKAGES[@]}" libegl1 libgl1-mesa-dri libbenchmark-dev python3-numpy # Mesa drives AMD's and Intel's
+fi
+python=$(find_numpy) || fail "Python 3.10 or later with numpy is missing; please install it, then run this again."
+[ -n "$built" ] || build_library paradesc
+name=$(card) || fail "No graphics card is offered here: $name$(why_hidden)"
+echo "Graphics card: $name"
+
+if [ -z "$built" ]; then
+  cmake -S "$root" -B "$root/build" -DPARADESC_BENCHMARKS=ON >/dev/null || fail "CMake could not add the benchmarks to the build."
+  build_library paradesc_tests paradesc_object_space paradesc_frame_host
+fi
+failed=()
+"$python" "$root/tests/drivers.py" card || failed+=("tests of devices (their log is build/drivers/card.log)")
+"$python" "$root/tests/bench/run.py" --quick --no-peers --backend gpu --page || failed+=("the benchmarks")
+if [ ${#failed[@]} -gt 0 ]; then
+  fail "On $name these failed: $(printf '%s; ' "${failed[@]}" | sed 's/; $//')."
+fi
+echo "On $name all tests of devices passed, and the figures are in tests/bench/REPORT.md."
