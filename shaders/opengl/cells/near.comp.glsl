@@ -22,8 +22,9 @@ void main() {
   CellData cell = cells[near.x];
   vec3 normal = texelFetch(near_normals, near.y).xyz;
   float cosine = dot(normal, cell.cone.xyz), own = clamp(cell.cone.w, -1.0, 1.0);
-  float sine = sqrt(max(0.0, (1.0 - cosine * cosine) * (1.0 - own * own)));
-  bool faces = min(min(own, cosine), cosine * own - sine) > least_cosine;
+  // The cosine of both angles together is cosine * own minus the root of `square`; AMD's LLVM crashes over a root that is compared.
+  float rest = max(cosine * own - least_cosine, 0.0), square = (1.0 - cosine * cosine) * (1.0 - own * own);
+  bool faces = min(own, cosine) > least_cosine && rest * rest > square;
   ivec2 neighbors = texelFetch(cell_lists, 2 * near.x).zw;
   float projected = cell.area.x * max(cosine, 0.0);
   spheres[entry] = cell.sphere;
