@@ -1,6 +1,7 @@
 // From a center's start cells over links in its ball → which of the cells taken are connected to it there.
 //
 // Cells are numbered as in the list of those near the center.
+#include "opengl/cells/near_list.glsl"
 layout(binding = UNIT_NEAR_NEIGHBORS) uniform isamplerBuffer near_neighbors;
 layout(binding = UNIT_LINK_POINTS) uniform samplerBuffer link_points;
 layout(binding = UNIT_LINK_SPHERES) uniform samplerBuffer link_spheres;
@@ -9,6 +10,8 @@ layout(binding = UNIT_LINK_SPHERES) uniform samplerBuffer link_spheres;
 uint reached[NEAR_WORDS], pending[NEAR_WORDS];
 int missing; // cells that are taken and not reached
 
+bool is_taken(int k) { return (taken[k >> 5] >> (k & 31) & 1u) != 0u; }
+bool leads_on(int k) { return (leading[k >> 5] >> (k & 31) & 1u) != 0u; }
 bool was_reached(int k) { return (reached[k >> 5] >> (k & 31) & 1u) != 0u; }
 
 void reach(int k) {
@@ -17,18 +20,6 @@ void reach(int k) {
   reached[k >> 5] |= bit;
   pending[k >> 5] |= bit;
   if (is_taken(k)) --missing;
-}
-
-// The place of a cell in the list, or -1.
-int place_of(int cell, ivec2 near_cells) {
-  int low = near_cells.x, high = near_cells.y;
-  while (low < high) {
-    int middle = (low + high) / 2;
-    bool below = texelFetch(near_traits, NEAR_TRAITS * middle).x < cell;
-    low = below ? middle + 1 : low;
-    high = below ? high : middle;
-  }
-  return low < near_cells.y && texelFetch(near_traits, NEAR_TRAITS * low).x == cell ? low - near_cells.x : -1;
 }
 
 // Whether an edge on the mesh's boundary that a taken cell touches meets the ball.

@@ -66,15 +66,15 @@ float part_in_ball(NearSphere near) {
   return clamp((radius * (radius + 2.0 * across) - near.square) / max(4.0 * radius * across, 1e-30), 0.0, 1.0);
 }
 
-// A bit for each cell near the center, in the order of their list: it lies in the ball, and belongs to the neighborhood; an edge on the
-// mesh's boundary runs through it; it has no texels, but may lead on.
-uint taken[NEAR_WORDS], at_boundary[NEAR_WORDS], leading[NEAR_WORDS];
-
-bool is_taken(int k) { return (taken[k >> 5] >> (k & 31) & 1u) != 0u; }
-bool leads_on(int k) { return (leading[k >> 5] >> (k & 31) & 1u) != 0u; }
+// A bit for each cell near the center, in the order of their list: it lies in the ball, and belongs to the neighborhood; for those that go
+// over links, an edge on the mesh's boundary runs through it; it has no texels, but may lead on.
+uint taken[NEAR_WORDS];
+#if OVER_LINKS
+uint at_boundary[NEAR_WORDS], leading[NEAR_WORDS];
+#endif
 
 // Takes what lies in the ball. Returns whether all of it faces the center's way and covers its tangent plane once: then it is
-// connected. Where that is known not to be so, nobody has to ask.
+// connected. That is known not to be so where links are gone over.
 bool take_near_cells(vec3 center, ivec2 near_cells) {
   float flat_area = 0.0;
   bool single = OVER_LINKS == 0 && near_cells.x < near_cells.y;
@@ -84,23 +84,25 @@ bool take_near_cells(vec3 center, ivec2 near_cells) {
     for (int end = min(32 * word + 32, count); k < end; ++k) {
       NearSphere near = near_sphere(near_cells.x + k, center);
       uint bit = 1u << (k & 31);
-#if OVER_LINKS
       if (near.sphere.w < 0.0) without_points |= bit;
-#endif
       if (in_ball(near)) {
         NearTraits cell = near_traits_of(near_cells.x + k);
         bits |= bit;
-        if ((cell.bits & CELL_AT_BOUNDARY) != 0) boundary |= bit;
-#if !OVER_LINKS
+        bool has_boundary = (cell.bits & CELL_AT_BOUNDARY) != 0;
+#if OVER_LINKS
+        if (has_boundary) boundary |= bit;
+#else
         flat_area += cell.projected * part_in_ball(near);
         single = single && (cell.bits & CELL_FACES_CENTERS) != 0;
-        if (single && (cell.bits & CELL_AT_BOUNDARY) != 0) single = !meets_boundary(cell.number, center);
+        if (single && has_boundary) single = !meets_boundary(cell.number, center);
 #endif
       }
     }
     taken[word] = bits;
+#if OVER_LINKS
     at_boundary[word] = boundary;
     leading[word] = without_points;
+#endif
   }
   return single && flat_area < 1.25 * 3.14159265 * params.radius * params.radius;
 }

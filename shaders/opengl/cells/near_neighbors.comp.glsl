@@ -2,25 +2,13 @@
 // One work group, one list of near cells → the neighbors of each of its cells among them, for the centers that go over links there.
 #include "device.glsl"
 #include "shared.h"
+#include "opengl/cells/near_list.glsl"
 #include "opengl/cells/walks.glsl"
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_NEAR_NEIGHBORS) writeonly restrict buffer Neighbors { ivec4 near_neighbors[]; };
-layout(binding = UNIT_NEAR_CELLS) uniform isamplerBuffer near_list;
 layout(binding = UNIT_CELL_LISTS) uniform isamplerBuffer cell_lists;
 layout(binding = UNIT_ADJACENCY) uniform isamplerBuffer adjacency;
 layout(binding = UNIT_CELL_LINKS) uniform isamplerBuffer cell_links;
-
-// The place of a cell in the sorted list, or -1.
-int place_of(int cell, ivec2 range) {
-  int low = range.x, high = range.y;
-  while (low < high) {
-    int middle = (low + high) / 2;
-    bool below = texelFetch(near_list, middle).x < cell;
-    low = below ? middle + 1 : low;
-    high = below ? high : middle;
-  }
-  return low < range.y && texelFetch(near_list, low).x == cell ? low - range.x : -1;
-}
 
 void main() {
   for (int i = int(gl_WorkGroupID.x); i < walks[WALKS_LISTS]; i += int(gl_NumWorkGroups.x)) {
