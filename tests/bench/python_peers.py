@@ -27,6 +27,7 @@ sys.path[:0] = [str(HERE.parents[1] / "addon"), str(HERE.parent / "accuracy"), s
 
 import meshes  # noqa: E402
 import parts  # noqa: E402
+import peer_parts  # noqa: E402
 import peers  # noqa: E402
 import run  # noqa: E402
 import speed_page  # noqa: E402
@@ -150,14 +151,14 @@ def versions(jobs: dict[str, Job]) -> dict[str, str]:
 def content(arguments: argparse.Namespace, command: str) -> dict[str, object]:
     """Measures everything: the content of the JSON file."""
     stamp = {"device": "CPU alone", **run.where_and_when(command), "versions": versions(JOBS)}
-    makers = {"torus": partial(torus, parts.PEER_MESH)} | ({} if arguments.quick else {"bunny": bunny})
+    makers = {"torus": partial(torus, peer_parts.PEER_MESH)} | ({} if arguments.quick else {"bunny": bunny})
     cases, lacking = {}, {}
     for name, maker in makers.items():
         try:
             cases[name] = maker()
         except MissingError as error:
             lacking[name] = str(error)
-    rows, reasons = measure(cases, JOBS, 1 if arguments.quick else parts.TURNS)
+    rows, reasons = measure(cases, JOBS, 1 if arguments.quick else peer_parts.TURNS)
     sizes = {
         name: {"vertices": len(case.vertices), "triangles": len(case.faces), "radius": case.radius}
         for name, case in cases.items()

@@ -26,6 +26,7 @@ import bench as accuracy_bench  # noqa: E402
 import figures  # noqa: E402
 import page  # noqa: E402
 import parts  # noqa: E402
+import peer_parts  # noqa: E402
 import report  # noqa: E402
 import speed_page  # noqa: E402
 import sweeps  # noqa: E402
@@ -101,7 +102,7 @@ def quick(run: parts.Run, with_peers: bool) -> None:
     parts.first_bake(run)
     parts.blender(run, arrays)
     if with_peers:
-        parts.others(run, arrays)
+        peer_parts.others(run, arrays)
     if "models" not in run.measured:
         run.reasons["models"] = "--sweep models measures it."
 
