@@ -47,16 +47,22 @@ install_packages() {
     </dev/null >/dev/null || fail "apt-get could not install ${missing[*]}."
 }
 
-# Blender 4.2's Python module exists for Python 3.11 alone.
-find_python() {
-  local candidate
-  for candidate in python3 python3.11 /usr/bin/python3.11; do
-    if "$candidate" -c 'import ensurepip, sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null; then
+# python_that CODE CANDIDATE...: the first of these interpreters in which the code ends well.
+python_that() {
+  local code=$1 candidate
+  shift
+  for candidate in "$@"; do
+    if "$candidate" -c "$code" 2>/dev/null; then
       echo "$candidate"
       return 0
     fi
   done
   return 1
+}
+
+# Blender 4.2's Python module exists for Python 3.11 alone.
+find_python() {
+  python_that 'import ensurepip, sys; sys.exit(sys.version_info[:2] != (3, 11))' python3 python3.11 /usr/bin/python3.11
 }
 
 # make_environment REQUIREMENT...: .venv with these packages and with addon/ on its path.

@@ -20,18 +20,6 @@ while [ $# -gt 0 ]; do
   esac
 done
 
-# find_numpy: a Python that has it; the environment need not be there.
-find_numpy() {
-  local candidate
-  for candidate in "$python" python3 /usr/bin/python3; do
-    if "$candidate" -c 'import sys, numpy; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then
-      echo "$candidate"
-      return 0
-    fi
-  done
-  return 1
-}
-
 # card: its name, or why OpenGL offers none, with the status 1.
 card() {
   PYTHONPATH=$root/addon "$python" - <<'PYTHON'
@@ -58,7 +46,8 @@ if [ -n "$built" ]; then
 else
   install_packages "${BUILD_PACKAGES[@]}" libegl1 libgl1-mesa-dri libbenchmark-dev python3-numpy # Mesa drives AMD's and Intel's
 fi
-python=$(find_numpy) || fail "Python 3.10 or later with numpy is missing; please install it, then run this again."
+python=$(python_that 'import sys, numpy; sys.exit(sys.version_info < (3, 10))' "$python" python3 /usr/bin/python3) ||
+  fail "Python 3.10 or later with numpy is missing; please install it, then run this again."
 [ -n "$built" ] || build_library paradesc
 name=$(card) || fail "No graphics card is offered here: $name$(why_hidden)"
 echo "Graphics card: $name"
