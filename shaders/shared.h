@@ -29,7 +29,7 @@
 #define UNIT_VERTICES 12   // buffer texture, RGBA32F, two a bake vertex: position; normal
 #define UNIT_VALUES 13     // buffer texture, RGBA32F: a map's value at each bake vertex
 // Of what neighborhoods are sampled from.
-#define UNIT_FACES 14   // list, RGBA32F: unit normal of each triangle
+#define UNIT_FACES 14   // buffer texture, RGBA32F: unit normal of each triangle; 0 without area
 #define UNIT_MAP 15     // buffer, RGBA32F: gradient of a map, its value
 #define UNIT_SAMPLES 16 // buffer texture, RG32I: texel (x + 65536 y); the bits of the area in (u, v) that it stands for, a float
 #define UNIT_RANGES 17  // buffer texture, RG32I: first and end in UNIT_SAMPLES, or of the samples of BINDING_TEXELLESS
@@ -56,7 +56,16 @@
 #define UNIT_BOUNDARY 36      // buffer texture, RGBA32F: both ends of edges on the mesh's boundary
 #define UNIT_STARTS 37        // buffer texture, one a center: first and end in UNIT_START_CELLS
 #define UNIT_START_CELLS 38   // buffer texture: a cell that a center starts from; the first one is that of UNIT_NEAR_CELLS
-#define UNIT_COUNT 39
+// Of the mesh as it lies now, and of what its normals are fitted to.
+#define UNIT_MESH_POSITIONS 39  // buffer texture, R32F, three a vertex: as they were given
+#define UNIT_TRIANGLES 40       // buffer texture, R32I, three a triangle: its vertices
+#define UNIT_MESH_NORMALS 41    // buffer texture, R32F, three a normal
+#define UNIT_SOURCES 42         // buffer texture: vertex, normal
+#define UNIT_RINGS 43           // buffer texture, RGBA32I, one a fan and one more: first in UNIT_FAN_VERTICES, in UNIT_RING_VERTICES, in UNIT_RING_FACES
+#define UNIT_FAN_VERTICES 44    // buffer texture, R32I, likewise the next two: as NormalRings has them
+#define UNIT_RING_VERTICES 45
+#define UNIT_RING_FACES 46
+#define UNIT_COUNT 47
 
 // Uniforms of programs that take few. Programs over centers take EvaluateParams.
 #define LOCATION_BUFFER_SIZE 0
@@ -69,6 +78,8 @@
 #define LOCATION_BLOCK_SIZE 8
 #define LOCATION_RANGES 9 // that the neighborhood of a center has at most
 #define LOCATION_CELLS 10 // how many there are
+#define LOCATION_STRIDE 11 // from place to place, in floats
+#define LOCATION_FITTED 12 // 1: normals are fitted, 0: Max's
 #define LOCATION_AREA_UNIT 30   // of every program that writes or reads the area element
 #define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
 
@@ -79,6 +90,7 @@
 
 // Uniform blocks.
 #define BLOCK_EVALUATE 0
+#define BLOCK_SPACE 1
 
 // Storage buffers, each number once: drivers often have 16.
 #define BINDING_CENTERS 0
@@ -103,6 +115,10 @@
 #define BINDING_NEAR_SPHERES 10
 #define BINDING_NEAR_TRAITS 11
 #define BINDING_NEAR_NEIGHBORS 12
+// Of those that find where the mesh lies.
+#define BINDING_PLACES 0  // position and normal, LOCATION_STRIDE floats from place to place
+#define BINDING_FACES 1   // where UNIT_FACES is written
+#define BINDING_NORMALS 2 // where UNIT_MESH_NORMALS is written
 #define STRETCH_DIRECTIONS 16  // of the directional ellipse
 #define MAX_VISITS 64          // charts, by way of a seam each, that one center's pattern is repeated on
 

@@ -46,12 +46,11 @@ struct Made {
 
 std::vector<int32_t> bake_ids(const Made &made) {
   GlThread thread(true, -1);
-  const Normals normals = compute_normals(made.triangles, made.half_edges, made.rings, PDESC_NORMALS_MAX, 0);
   const BakeVertices vertices = build_bake_vertices(made.triangles, made.charts, *made.rings.corner_fan);
   std::vector<int32_t> ids;
   thread.run([&](const Gl &gl, ProgramCache &programs) {
     GeometryBuffer buffer(gl, buffer_size);
-    buffer.begin_layout(made.charts, vertices);
+    buffer.begin_layout(made.triangles, made.charts, vertices);
     buffer.draw_triangles(programs, 0, buffer.triangle_count());
     buffer.draw_borders(programs);
     buffer.end_layout(programs);

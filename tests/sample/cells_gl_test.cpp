@@ -50,6 +50,11 @@ std::vector<int32_t> charts_of(const Cells &cells, const Buffers &buffers) {
 
 using CellsOfTexels = OnDevice;
 
+TexellessSamples texelless_samples(const Cells &cells, const Built &built, const Buffers &buffers, float radius) {
+  return sample_texelless_triangles(
+      cells, built.triangles, [&](size_t corner) { return buffers.normals.corner(corner); }, buffers.bake_space, radius);
+}
+
 TEST_F(CellsOfTexels, every_texel_of_a_triangle_has_a_cell_within_its_chart_and_block) {
   for (const int charts : {1, 15, 60}) {
     const Built built = build(torus_of_charts(charts));
@@ -228,8 +233,7 @@ TEST_F(CellsOfTexels, a_triangle_without_uv_area_is_carried_by_samples_of_its_ow
   ASSERT_GE(cells.triangle_cell[at(lost)], 0);
   EXPECT_EQ(cells.texelless_begin[at(cells.triangle_cell[at(lost)]) + 1], 1) << "at the cell that leads to it";
   for (const float radius : {0.05f, 0.3f, 10.0f}) {
-    const TexellessSamples samples =
-        sample_texelless_triangles(cells, built.triangles, buffers.normals, buffers.bake_space, radius);
+    const TexellessSamples samples = texelless_samples(cells, built, buffers, radius);
     ASSERT_EQ(samples.begin.size(), at(cells.count) + 1);
     ASSERT_EQ(samples.samples.size(), at(samples.begin.back()));
     double area = 0;
@@ -255,8 +259,7 @@ TEST_F(CellsOfTexels, a_radius_as_small_as_floats_are_divides_a_triangle_without
   const Cells cells = cells_of(built, buffers, block);
   const auto samples_of = [&](float radius) {
     std::vector<vec4> numbers;
-    for (const TexellessSample &sample :
-         sample_texelless_triangles(cells, built.triangles, buffers.normals, buffers.bake_space, radius).samples) {
+    for (const TexellessSample &sample : texelless_samples(cells, built, buffers, radius).samples) {
       numbers.emplace_back(sample.position, sample.area);
       numbers.emplace_back(sample.normal, static_cast<float>(sample.triangle));
     }

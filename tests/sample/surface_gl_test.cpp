@@ -37,9 +37,9 @@ struct Baked {
     const BakeVertices vertices = build_bake_vertices(triangles, charts, *rings.corner_fan);
     thread.run([&](const Gl &gl, ProgramCache &programs) {
       GeometryBuffer buffer(gl, size);
-      const BakeInput input{triangles, charts, vertices, normals, bake_space};
+      const BakeInput input{triangles, charts, vertices, bake_space};
       counts = draw_layout(buffer, programs, input);
-      draw_frame(buffer, programs, input);
+      draw_frame(gl, buffer, programs, input, normals);
       positions = buffer.read_position();
       normal_texels = buffer.read_normal();
       distortion = buffer.read_distortion(programs);

@@ -30,7 +30,10 @@ BakeVertices build_bake_vertices(const Triangles &triangles, const Charts &chart
     const auto first = static_cast<size_t>(begin[wedge]), last = static_cast<size_t>(begin[wedge + 1]);
     std::sort(keys.begin() + static_cast<ptrdiff_t>(first), keys.begin() + static_cast<ptrdiff_t>(last));
     for (size_t i = first; i < last; ++i) {
-      if (i == first || keys[i].group != keys[i - 1].group) vertices.corner.push_back(keys[i].corner);
+      if (i == first || keys[i].group != keys[i - 1].group) {
+        vertices.corner.push_back(keys[i].corner);
+        vertices.group.push_back(keys[i].group);
+      }
       vertices.index[keys[i].corner] = static_cast<uint32_t>(vertices.corner.size() - 1);
     }
   }

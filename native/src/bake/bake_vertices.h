@@ -13,6 +13,7 @@ namespace paradesc {
 // A vertex of the bake stands for the corners of one wedge that share a normal.
 struct BakeVertices {
   std::vector<int32_t> corner; // (bake vertices) one corner that stands for it
+  std::vector<int32_t> group;  // (bake vertices) as Normals::group
   std::vector<uint32_t> index; // (3 * triangle_count) bake vertex of each corner; of triangles on no chart all the same
 };
 

@@ -57,10 +57,9 @@ static void warn(const Mesh &mesh, const pdesc_options &options, Field &field) {
 }
 
 static Surface surface_of(Mesh &mesh, const pdesc_options &options) {
-  const Normals &normals = normals_of(mesh, options);
   return {mesh.triangles,
           mesh.half_edges,
-          normals,
+          normals_of(mesh, options),
           options.creases == PDESC_CREASES_NONE ? nullptr : &creases_of(mesh, options),
           mesh.maps,
           mesh.extent,

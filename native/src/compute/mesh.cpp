@@ -93,23 +93,33 @@ const Creases &creases_of(Mesh &mesh, const pdesc_options &options) {
                                    [&] { return creases_that_count(mesh.triangles, mesh.half_edges, all, radius, threads); });
 }
 
-const Normals &normals_of(Mesh &mesh, const pdesc_options &options) {
+// Their rings are kept once the mesh has moved: before, another frame may never come.
+static Normals make_normals(Mesh &mesh, const Creases &creases, int32_t kind) {
   const int threads = mesh.context->threads;
+  return mesh.rings ? compute_normals(mesh.triangles, mesh.half_edges, *mesh.rings, kind, threads)
+                    : compute_normals_once(mesh.triangles, mesh.half_edges, creases, kind, threads);
+}
+
+NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options) {
   const Creases &creases = creases_of(mesh, options);
   if (mesh.normals_end_at != creases.half_edge) {
     mesh.normals_end_at = creases.half_edge;
     ++mesh.rings_version;
     mesh.rings.reset();
   }
-  return mesh.normals.get({mesh.positions_version, static_cast<uint64_t>(options.normals), mesh.rings_version}, [&] {
-    const bool moves = mesh.positions_version > 0; // else another frame may never come
-    if (moves && !mesh.rings) mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges, creases, threads);
-    Normals normals = moves ? compute_normals(mesh.triangles, mesh.half_edges, *mesh.rings, options.normals, threads)
-                            : compute_normals_once(mesh.triangles, mesh.half_edges, creases, options.normals, threads);
-    normals.version = ++mesh.normals_version;
-    normals.fans_version = mesh.rings_version;
-    return normals;
-  });
+  const int32_t kind = options.normals;
+  const bool of_fans = kind != PDESC_NORMALS_MESH;
+  if (of_fans && mesh.positions_version > 0 && !mesh.rings)
+    mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges, creases, mesh.context->threads);
+  NormalsOnDemand normals;
+  normals.key = {mesh.positions_version, static_cast<uint64_t>(kind), mesh.rings_version};
+  normals.make = [&mesh, &creases, kind, key = normals.key]() -> const Normals & {
+    return mesh.normals.get(key, [&] { return make_normals(mesh, creases, kind); });
+  };
+  normals.fans_version = of_fans ? mesh.rings_version : 0;
+  normals.kind = kind;
+  normals.rings = of_fans && mesh.rings ? &*mesh.rings : nullptr;
+  return normals;
 }
 
 const Patches &patches_of(Mesh &mesh) {

@@ -34,15 +34,15 @@ struct Mesh {
   Keyed<std::tuple<uint64_t, int32_t, double>, Creases> counting_creases; // and by the radius
   std::optional<Patches> patches;
   Keyed<std::array<uint64_t, 3>, Normals> normals; // by the positions' version, pdesc_normals and the rings' version
-  uint64_t rings_version = 0, normals_version = 0;
+  uint64_t rings_version = 0;
   std::vector<uint8_t> normals_end_at; // Creases::half_edge that the rings' version is of
   std::optional<NormalRings> rings;    // if they are kept
 
   // For engines that do not follow the maps.
   Keyed<DivisionKey, DivisionPlan> division_plan;
   Keyed<DivisionPlan, Division> division; // which may stay where positions have changed
-  Keyed<std::tuple<uint64_t, uint64_t, int>, RefinedSurface>
-      refined;            // by the number of divisions, the normals' and the maps' version
+  Keyed<std::tuple<uint64_t, std::array<uint64_t, 3>, int>, RefinedSurface>
+      refined;            // by the number of divisions, the normals' key and the maps' version
   uint64_t divisions = 0; // that were made so far
 
   std::shared_ptr<Engine> engine; // that the session is of: the context may have gone on to another since
@@ -58,7 +58,7 @@ void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count);
 pdesc_mesh_report report_of(const Mesh &mesh);
 double requested_radius(const Mesh &mesh, const pdesc_options &options); // in units of the positions
 const Creases &creases_of(Mesh &mesh, const pdesc_options &options);     // at which normals end
-const Normals &normals_of(Mesh &mesh, const pdesc_options &options);
+NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options);
 const Patches &patches_of(Mesh &mesh);
 
 // As Session::read_buffer and buffer_size.

@@ -38,15 +38,16 @@ static const Division &division_of(Mesh &mesh, const pdesc_options &options) {
 
 Surface refined_surface_of(Mesh &mesh, const pdesc_options &options) {
   const int threads = mesh.context->threads;
-  const Normals &normals = normals_of(mesh, options);
+  const NormalsOnDemand normals = normals_of(mesh, options);
   const Division &division = division_of(mesh, options);
-  const RefinedSurface &refined = mesh.refined.get({mesh.divisions, normals.version, mesh.maps.version}, [&] {
-    return refine_surface(mesh.maps, mesh.triangles, mesh.half_edges, normals, bake_space_of(mesh.extent.box), division, threads);
+  const RefinedSurface &refined = mesh.refined.get({mesh.divisions, normals.key, mesh.maps.version}, [&] {
+    return refine_surface(mesh.maps, mesh.triangles, mesh.half_edges, normals(), bake_space_of(mesh.extent.box), division,
+                          threads);
   });
   static const SurfaceMaps none;
   return {refined.triangles,
           division.half_edges,
-          refined.normals,
+          {.make = [&refined]() -> const Normals & { return refined.normals; }},
           nullptr,
           none,
           refined.extent,

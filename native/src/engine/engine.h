@@ -51,7 +51,7 @@ struct DividedMesh {
 struct Surface {
   const Triangles &triangles;
   const HalfEdges &half_edges;
-  const Normals &normals;
+  NormalsOnDemand normals;
   const Creases *creases; // beside which curvature is that of the solid; or null
   const SurfaceMaps &maps;
   const Extent &extent;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -39,13 +40,15 @@ dvec3 unit_or(dvec3 v, dvec3 otherwise) {
   return length > 0 && std::isfinite(length) ? v / length : otherwise;
 }
 
+vec3 face_normal(const Triangles &triangles, int face) {
+  const auto [a, b] = corner_edges(triangles, 3 * face);
+  return vec3(unit_or(glm::cross(a, b), dvec3(0)));
+}
+
 std::vector<vec3> face_normals(const Triangles &triangles, int threads) {
   std::vector<vec3> normals(static_cast<size_t>(triangles.triangle_count));
   parallel_blocks(triangles.triangle_count, threads, 4 * block_size, [&](int begin, int end) {
-    for (int t = begin; t < end; ++t) {
-      const auto [a, b] = corner_edges(triangles, 3 * t);
-      normals[t] = vec3(unit_or(glm::cross(a, b), dvec3(0)));
-    }
+    for (int t = begin; t < end; ++t) normals[t] = face_normal(triangles, t);
   });
   return normals;
 }
@@ -58,7 +61,9 @@ std::span<const int32_t> slice(const std::vector<int32_t> &begins, const std::ve
 struct Sources {
   const Triangles &triangles;
   const NormalRings &rings;
-  const std::vector<vec3> &faces;
+  std::span<const vec3> faces; // normals of all, or none: they are measured one by one
+
+  vec3 face(int index) const { return faces.empty() ? face_normal(triangles, index) : faces[index]; }
 };
 
 // N. Max's, from edges to the vertices around.
@@ -91,29 +96,29 @@ double smooth_step(double none, double full, double value) {
 // Fits fans in lanes, as many at a time as there are.
 class Fitter {
 public:
-  Fitter(const Sources &from, std::vector<vec3> &normals) : from_(from), normals_(normals) {}
+  Fitter(const Sources &from, std::span<vec3> normals) : from_(from), normals_(normals) {}
   ~Fitter() { fit(); }
   Fitter(const Fitter &) = delete;
   Fitter &operator=(const Fitter &) = delete;
 
-  // ring, faces: as NormalRings has them.
-  void add(int fan, std::span<const int32_t> ring, std::span<const int32_t> faces) {
+  // ring, faces: as NormalRings has them. place: of the normal.
+  void add(int fan, std::span<const int32_t> ring, std::span<const int32_t> faces, int place) {
     const dvec3 n = max_normal(from_, fan);
     double spread = 1;
-    for (const int face : faces) spread = std::min(spread, glm::dot(dvec3(from_.faces[face]), n));
+    for (const int face : faces) spread = std::min(spread, glm::dot(dvec3(from_.face(face)), n));
     if (spread <= spread_none) {
-      normals_[fan] = vec3(n);
+      normals_[place] = vec3(n);
       return;
     }
     const dvec3 e1 = tangent_of(n);
-    members_[used_] = {fan, spread, n, e1, glm::cross(n, e1)};
+    members_[used_] = {fan, place, spread, n, e1, glm::cross(n, e1)};
     take_heights(members_[used_], ring);
     if (++used_ == fan_lanes) fit();
   }
 
 private:
   struct Member {
-    int fan;
+    int fan, place;
     double spread;
     dvec3 n, e1, e2;
   };
@@ -137,7 +142,7 @@ private:
     Gradients gradients;
     fit_gradients_(heights_, gradients);
     for (int lane = 0; lane < used_; ++lane)
-      normals_[members_[lane].fan] =
+      normals_[members_[lane].place] =
           vec3(gradients.exists[lane] ? turned(members_[lane], gradients.u[lane], gradients.v[lane]) : members_[lane].n);
     used_ = 0;
     heights_.max_count = 0;
@@ -153,28 +158,31 @@ private:
   }
 
   const Sources &from_;
-  std::vector<vec3> &normals_;
+  std::span<vec3> normals_;
   Heights heights_;
   std::array<Member, fan_lanes> members_;
   int used_ = 0;
   FitGradients fit_gradients_ = fit_gradients();
 };
 
-std::vector<vec3> max_normals(const Sources &from, int threads) {
-  std::vector<vec3> normals(static_cast<size_t>(from.rings.fan_count));
-  parallel_blocks(from.rings.fan_count, threads, block_size, [&](int begin, int end) {
-    for (int fan = begin; fan < end; ++fan) normals[fan] = vec3(max_normal(from, fan));
+// fan_of(i): the fan of each normal.
+std::vector<vec3> max_normals(const Sources &from, int count, int threads, const auto &fan_of) {
+  std::vector<vec3> normals(static_cast<size_t>(count));
+  parallel_blocks(count, threads, block_size, [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) normals[i] = vec3(max_normal(from, fan_of(i)));
   });
   return normals;
 }
 
-std::vector<vec3> fitted_normals(const Sources &from, int threads) {
+std::vector<vec3> fitted_normals(const Sources &from, int count, int threads, const auto &fan_of) {
   const NormalRings &rings = from.rings;
-  std::vector<vec3> normals(static_cast<size_t>(rings.fan_count));
-  parallel_blocks(rings.fan_count, threads, block_size, [&](int begin, int end) {
+  std::vector<vec3> normals(static_cast<size_t>(count));
+  parallel_blocks(count, threads, block_size, [&](int begin, int end) {
     Fitter fitter(from, normals);
-    for (int fan = begin; fan < end; ++fan)
-      fitter.add(fan, slice(rings.ring_begin, rings.ring_vertex, fan), slice(rings.face_begin, rings.face, fan));
+    for (int i = begin; i < end; ++i) {
+      const int fan = fan_of(i);
+      fitter.add(fan, slice(rings.ring_begin, rings.ring_vertex, fan), slice(rings.face_begin, rings.face, fan), i);
+    }
   });
   return normals;
 }
@@ -187,7 +195,8 @@ std::vector<vec3> fitted_normals_once(const Sources &from, const HalfEdges &half
     std::span<const int32_t> vertices = run.vertices, faces = run.faces;
     for (size_t i = 0; i < run.ring_size.size(); ++i) {
       const auto ring_size = static_cast<size_t>(run.ring_size[i]), face_size = static_cast<size_t>(run.face_size[i]);
-      fitter.add(run.first_fan + static_cast<int>(i), vertices.first(ring_size), faces.first(face_size));
+      const int fan = run.first_fan + static_cast<int>(i);
+      fitter.add(fan, vertices.first(ring_size), faces.first(face_size), fan);
       vertices = vertices.subspan(ring_size);
       faces = faces.subspan(face_size);
     }
@@ -264,14 +273,15 @@ static Normals fan_normals(const Triangles &triangles, const HalfEdges &half_edg
   const bool fitted = kind == PDESC_NORMALS_FITTED;
   const std::vector<vec3> faces = fitted ? face_normals(triangles, threads) : std::vector<vec3>();
   const Sources from{triangles, rings, faces};
-  return with_points(triangles, half_edges, fitted ? fit(from) : max_normals(from, threads), &rings, threads);
+  return with_points(triangles, half_edges, fitted ? fit(from) : max_normals(from, rings.fan_count, threads, std::identity()),
+                     &rings, threads);
 }
 
 Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
                         int threads) {
   if (kind == PDESC_NORMALS_MESH) return given_normals(triangles, half_edges, threads);
   return fan_normals(triangles, half_edges, rings, kind, threads,
-                     [&](const Sources &from) { return fitted_normals(from, threads); });
+                     [&](const Sources &from) { return fitted_normals(from, rings.fan_count, threads, std::identity()); });
 }
 
 Normals compute_normals_once(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, int32_t kind,
@@ -282,6 +292,14 @@ Normals compute_normals_once(const Triangles &triangles, const HalfEdges &half_e
   checkpoint();
   return fan_normals(triangles, half_edges, rings, kind, threads,
                      [&](const Sources &from) { return fitted_normals_once(from, half_edges, fans, threads); });
+}
+
+std::vector<vec3> compute_fan_normals(const Triangles &triangles, const NormalRings &rings, int32_t kind,
+                                      std::span<const int32_t> fans, int threads) {
+  const Sources from{triangles, rings, {}};
+  const auto count = static_cast<int>(fans.size());
+  const auto fan_of = [&](int i) { return fans[i]; };
+  return kind == PDESC_NORMALS_FITTED ? fitted_normals(from, count, threads, fan_of) : max_normals(from, count, threads, fan_of);
 }
 
 } // namespace paradesc

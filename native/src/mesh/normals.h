@@ -1,8 +1,11 @@
 // Positions → unit normals at corners and at points. "Normals decide" the error of everything else, see native/README.md.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "mesh/normal_rings.h"
@@ -13,8 +16,6 @@ struct Normals {
   std::vector<vec3> group; // unit: of each fan, or of each corner where corners have normals of their own
   std::shared_ptr<const std::vector<int32_t>> corner_fan; // of the rings; none where corners have normals of their own
   std::vector<vec3> point; // (point_count) unit: of the evaluation at that point, common to all its fans
-  // Of one mesh: differ whenever normals do, and whenever corner_fan does. Whoever keeps normals sets them.
-  uint64_t version = 0, fans_version = 0;
   // Unit; zero for triangles left out.
   vec3 corner(size_t corner) const {
     if (!corner_fan) return group[corner];
@@ -23,10 +24,24 @@ struct Normals {
   }
 };
 
+// The normals of a surface at one moment, made when first asked for; or what an engine makes them of by itself.
+struct NormalsOnDemand {
+  std::function<const Normals &()> make;
+  std::array<uint64_t, 3> key{};       // of one mesh: differs whenever they do
+  uint64_t fans_version = 0;           // differs whenever corners come to share a normal, or no longer do
+  int32_t kind = PDESC_NORMALS_FITTED; // pdesc_normals
+  const NormalRings *rings = nullptr;  // that fans are fitted from, where they are kept and corners have no normals of their own
+
+  const Normals &operator()() const { return make(); }
+};
+
 // kind as pdesc_normals; threads as in pdesc_context_options. Throws Error(INVALID_OPERATION) for MESH where no corner normals
 // were given.
 Normals compute_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
                         int threads);
+// (fans) of these alone; kind: fitted or Max's.
+std::vector<vec3> compute_fan_normals(const Triangles &triangles, const NormalRings &rings, int32_t kind,
+                                      std::span<const int32_t> fans, int threads);
 // Without rings, which take more memory than the mesh: the same bits, and the time of making the rings.
 Normals compute_normals_once(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, int32_t kind,
                              int threads);

@@ -19,7 +19,6 @@ template <class Value> static void reorder(const std::vector<int32_t> &order, st
 }
 
 void Centers::permute(const std::vector<int32_t> &order_now) {
-  reorder(order_now, data);
   reorder(order_now, wedges);
   reorder(order_now, points);
   reorder(order_now, order);
@@ -50,38 +49,49 @@ static vec2 march_start(const Wedge &wedge, int buffer_size) {
   return wedge.uv + way * std::min(0.2f, 0.02f / std::max(texels, 1e-6f));
 }
 
-Centers list_centers(const CenterSpace &space, const CenterOptions &options, const std::vector<vec4> &ellipses) {
-  const std::vector<Wedge> &wedges = space.charts.wedges;
-  auto position_of = [&](size_t point) {
-    if (space.displaced) return space.displaced->position[point];
-    return space.bake_space.to_buffer(space.triangles.positions[space.half_edges.point_vertex[point]]);
-  };
-  const std::vector<vec3> &normals = space.displaced ? space.displaced->normal : space.normals.point;
+Centers list_centers(const Charts &charts, const CenterOptions &options) {
   Centers centers;
-  centers.data.reserve(wedges.size());
-  centers.wedges.reserve(wedges.size());
-  centers.points.reserve(wedges.size());
-  for (size_t i = 0; i < wedges.size(); ++i) {
+  for (size_t i = 0; i < charts.wedges.size(); ++i) {
     if (i % 4096 == 0) checkpoint();
-    if (!is_center(space.charts, options, i)) continue;
-    const Wedge &wedge = wedges[i];
-    centers.data.push_back({position_of(wedge.point), wedge.chart, normals[wedge.point],
-                            pattern_rotation(static_cast<uint32_t>(wedge.point), options.seed),
-                            vec4(wedge.uv, march_start(wedge, options.buffer_size)),
-                            options.connected ? vec4(0.0f) : ellipses[i] * options.ellipse_size});
+    if (!is_center(charts, options, i)) continue;
     centers.wedges.push_back(static_cast<int32_t>(i));
-    centers.points.push_back(wedge.point);
+    centers.points.push_back(charts.wedges[i].point);
   }
   // Points that the UV map leaves out count as well: cells lead there, samples carried by the map do not.
-  for (size_t point = 0; options.connected && point < space.charts.point_wedge.size(); ++point) {
-    if (space.charts.point_wedge[point] >= 0) continue;
-    centers.data.push_back({position_of(point), -1, normals[point], 0.0f, vec4(0.0f), vec4(0.0f)});
+  for (size_t point = 0; options.connected && point < charts.point_wedge.size(); ++point) {
+    if (charts.point_wedge[point] >= 0) continue;
     centers.wedges.push_back(-1);
     centers.points.push_back(static_cast<int32_t>(point));
   }
-  centers.order.resize(centers.data.size());
+  centers.order.resize(centers.points.size());
   std::iota(centers.order.begin(), centers.order.end(), 0);
   return centers;
+}
+
+std::vector<CenterData> describe_centers(const Charts &charts, const CenterOptions &options, const Centers &centers,
+                                         const std::vector<vec4> &ellipses) {
+  std::vector<CenterData> data(centers.points.size());
+  for (size_t i = 0; i < data.size(); ++i) {
+    if (i % 4096 == 0) checkpoint();
+    data[i].chart = -1;
+    if (centers.wedges[i] < 0) continue;
+    const Wedge &wedge = charts.wedges[centers.wedges[i]];
+    data[i].chart = wedge.chart;
+    data[i].phase = pattern_rotation(static_cast<uint32_t>(wedge.point), options.seed);
+    data[i].uv = vec4(wedge.uv, march_start(wedge, options.buffer_size));
+    data[i].ellipse = options.connected ? vec4(0.0f) : ellipses[centers.wedges[i]] * options.ellipse_size;
+  }
+  return data;
+}
+
+void place_centers(const CenterSpace &space, const Centers &centers, std::vector<CenterData> &data) {
+  const DisplacedPoints *displaced = space.displaced;
+  for (size_t i = 0; i < data.size(); ++i) {
+    const int32_t point = centers.points[i];
+    const vec3 given = space.triangles.positions[space.half_edges.point_vertex[point]];
+    data[i].position = displaced ? displaced->position[point] : space.bake_space.to_buffer(given);
+    data[i].normal = displaced ? displaced->normal[point] : space.normals.point[point];
+  }
 }
 
 } // namespace paradesc

@@ -20,14 +20,12 @@ inline constexpr float ellipse_enlargement = 1.25f;
 struct CenterSpace {
   const Triangles &triangles;
   const HalfEdges &half_edges;
-  const Charts &charts;
   const Normals &normals;
   const BakeSpace &bake_space;
   const DisplacedPoints *displaced; // where maps displace the surface, else null
 };
 
 struct Centers {
-  std::vector<CenterData> data;
   std::vector<int32_t> wedges; // -1: the point has no wedge
   std::vector<int32_t> points;
   std::vector<int32_t> order; // the number that each center had when the list was made
@@ -45,8 +43,12 @@ struct CenterOptions {
   float ellipse_size; // the radius in buffer units, times the enlargement
 };
 
-// ellipses: (wedges) for radius 1; not read in the connected relocation.
-Centers list_centers(const CenterSpace &space, const CenterOptions &options, const std::vector<vec4> &ellipses);
+Centers list_centers(const Charts &charts, const CenterOptions &options);
+// Without position and normal. ellipses: (wedges) for radius 1; not read in the connected relocation.
+std::vector<CenterData> describe_centers(const Charts &charts, const CenterOptions &options, const Centers &centers,
+                                         const std::vector<vec4> &ellipses);
+// Gives them position and normal.
+void place_centers(const CenterSpace &space, const Centers &centers, std::vector<CenterData> &data);
 
 // The median over the centers' wedges of the radius (in buffer units) in texels. ellipses: of every step-th wedge, for radius 1.
 double median_radius_in_texels(const Charts &charts, const CenterOptions &options, float radius,

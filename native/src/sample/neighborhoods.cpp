@@ -13,15 +13,19 @@
 namespace paradesc {
 
 // Triangles are divided until pieces are small against the radius; the middle of each piece is a sample.
-TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
-                                            const BakeSpace &bake_space, float radius, const DisplacedSurface *displaced) {
+TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles &triangles,
+                                            const std::function<vec3(size_t corner)> &normal_of, const BakeSpace &bake_space,
+                                            float radius, const DisplacedSurface *displaced) {
   TexellessSamples samples;
   samples.begin.push_back(0);
   for (size_t cell = 0; cell + 1 < cells.texelless_begin.size(); ++cell) {
     for (int32_t k = cells.texelless_begin[cell]; k < cells.texelless_begin[cell + 1]; ++k) {
       const auto corner = 3 * static_cast<size_t>(cells.texelless[k]);
-      vec3 p[3];
-      for (size_t i = 0; i < 3; ++i) p[i] = bake_space.to_buffer(triangles.positions[triangles.corner_vertex[corner + i]]);
+      vec3 p[3], normal[3];
+      for (size_t i = 0; i < 3; ++i) {
+        p[i] = bake_space.to_buffer(triangles.positions[triangles.corner_vertex[corner + i]]);
+        normal[i] = normal_of(corner + i);
+      }
       const float longest = std::max({length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])});
       // Limited before it becomes an integer: radii may be as small as floats are.
       const int side = static_cast<int>(std::fmax(1.0f, std::fmin(std::ceil(4.0f * longest / radius), 16.0f)));
@@ -32,10 +36,10 @@ TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles 
           samples.samples.push_back({point.position, area * point.area_ratio, point.normal, 0});
           return;
         }
-        const vec3 n = normals.corner(corner) * (1.0f - a - b) + normals.corner(corner + 1) * a + normals.corner(corner + 2) * b;
+        const vec3 n = normal[0] * (1.0f - a - b) + normal[1] * a + normal[2] * b;
         const float span = length(n);
-        samples.samples.push_back({p[0] + (p[1] - p[0]) * a + (p[2] - p[0]) * b, area,
-                                   span > 0.0f ? n / span : normals.corner(corner), static_cast<int32_t>(corner / 3)});
+        samples.samples.push_back({p[0] + (p[1] - p[0]) * a + (p[2] - p[0]) * b, area, span > 0.0f ? n / span : normal[0],
+                                   static_cast<int32_t>(corner / 3)});
         samples.weights.emplace_back(a, b);
       };
       for (int i = 0; i < side; ++i)
@@ -100,10 +104,11 @@ namespace {
 // A ball around some centers.
 struct Spread {
   vec3 low{std::numeric_limits<float>::max()}, high{-std::numeric_limits<float>::max()};
-  void add(std::span<const CenterData> centers, std::span<const int32_t> members) {
+  void add(const CenterPosition &position_of, std::span<const int32_t> members) {
     for (const int32_t i : members) {
-      low = glm::min(low, centers[i].position);
-      high = glm::max(high, centers[i].position);
+      const vec3 position = position_of(static_cast<size_t>(i));
+      low = glm::min(low, position);
+      high = glm::max(high, position);
     }
   }
   vec3 middle() const { return 0.5f * (low + high); }
@@ -222,15 +227,15 @@ struct Part {
 class SquareSearch {
 public:
   SquareSearch(const Cells &cells, std::span<const CellData> measured, std::span<const int32_t> bits, const Starts &starts,
-               std::span<const CenterData> centers, float radius)
-      : bits_(bits), starts_(starts), centers_(centers), radius_(radius), flood_(cells, measured, radius) {}
+               const CenterPosition &position_of, float radius)
+      : bits_(bits), starts_(starts), position_of_(position_of), radius_(radius), flood_(cells, measured, radius) {}
 
   void run(std::span<const int32_t> square, NearCells &near, Part &part) {
     constexpr float most = 0.6f; // of the radius: the map may stretch a square to any length
     std::vector<int32_t> left(square.begin(), square.end());
     while (!left.empty()) {
       Spread spread;
-      for (const int32_t cell : left) spread.add(centers_, members_of(cell));
+      for (const int32_t cell : left) spread.add(position_of_, members_of(cell));
       const bool together = spread.radius() <= most * radius_;
       list(left, together ? spread : spread_of(left[0]), together, near, part);
     }
@@ -244,7 +249,7 @@ private:
 
   Spread spread_of(int32_t cell) const {
     Spread spread;
-    spread.add(centers_, members_of(cell));
+    spread.add(position_of_, members_of(cell));
     return spread;
   }
 
@@ -268,7 +273,7 @@ private:
 
   std::span<const int32_t> bits_;
   const Starts &starts_;
-  std::span<const CenterData> centers_;
+  const CenterPosition &position_of_;
   float radius_;
   Flood flood_;
 };
@@ -293,7 +298,7 @@ static void join(const Cells &cells, std::vector<Part> &parts, NearCells &near) 
 }
 
 NearCells find_near_cells(const Cells &cells, const CellStrides &strides, std::span<const CellData> measured,
-                          const Starts &starts, std::span<const CenterData> centers, float radius, int threads) {
+                          const Starts &starts, const CenterPosition &position_of, float radius, int threads) {
   constexpr int block = 32;
   const std::vector<int32_t> bits = bits_of_cells(cells, strides, measured);
   const Squares squares = squares_of(cells, measured, starts, radius);
@@ -306,7 +311,7 @@ NearCells find_near_cells(const Cells &cells, const CellStrides &strides, std::s
   Pool<SquareSearch> searches;
   parallel_blocks(count, threads, block, [&](int first, int last) {
     Part part; // of its own: neighboring vectors share cache lines
-    searches.with_one([&] { return SquareSearch(cells, measured, bits, starts, centers, radius); },
+    searches.with_one([&] { return SquareSearch(cells, measured, bits, starts, position_of, radius); },
                       [&](SquareSearch &search) {
                         for (int i = first; i < last; ++i) {
                           const auto begin = static_cast<size_t>(squares.begin[i]),

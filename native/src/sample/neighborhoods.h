@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -26,9 +27,9 @@ struct TexellessSamples {
 };
 
 // displaced: the surface as maps displace it, else NULL. radius in buffer units.
-TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles &triangles, const Normals &normals,
-                                            const BakeSpace &bake_space, float radius,
-                                            const DisplacedSurface *displaced = nullptr);
+TexellessSamples sample_texelless_triangles(const Cells &cells, const Triangles &triangles,
+                                            const std::function<vec3(size_t corner)> &normal_of, const BakeSpace &bake_space,
+                                            float radius, const DisplacedSurface *displaced = nullptr);
 
 // The cells, with spheres and cones that enclose these samples as well.
 std::vector<CellData> with_texelless_samples(std::span<const CellData> measured, const TexellessSamples &texelless);
@@ -57,8 +58,11 @@ struct NearCells {
   bool any_fine = false;    // whether a cell has fine samples
 };
 
+// Of a center, in buffer units.
+using CenterPosition = std::function<vec3(size_t center)>;
+
 // radius in buffer units; threads as in pdesc_context_options.
 NearCells find_near_cells(const Cells &cells, const CellStrides &strides, std::span<const CellData> measured,
-                          const Starts &starts, std::span<const CenterData> centers, float radius, int threads);
+                          const Starts &starts, const CenterPosition &position_of, float radius, int threads);
 
 } // namespace paradesc

@@ -31,8 +31,8 @@ layout(std430, binding = BINDING_MAP_TEXELLESS) readonly restrict buffer MapTexe
 #define MAP_OF_TEXELLESS(i) vec4(0.0)
 #endif
 #if FACES
-layout(binding = UNIT_FACES) uniform sampler2D faces;
-vec3 face_of(int triangle) { return texelFetch(faces, list_texel(triangle), 0).xyz; }
+layout(binding = UNIT_FACES) uniform samplerBuffer faces;
+vec3 face_of(int triangle) { return texelFetch(faces, triangle).xyz; }
 #else
 vec3 face_of(int triangle) { return vec3(0.0); }
 #endif

@@ -26,9 +26,9 @@ TEST_F(MapBuffers, hold_the_map_at_the_point_of_each_texel) {
   std::vector<vec4> map;
   thread->run([&](const Gl &gl, ProgramCache &programs) {
     GeometryBuffer buffer(gl, 256);
-    const BakeInput input{built.triangles, built.charts, vertices, normals, buffers.bake_space};
+    const BakeInput input{built.triangles, built.charts, vertices, buffers.bake_space};
     draw_layout(buffer, programs, input);
-    draw_frame(buffer, programs, input);
+    draw_frame(gl, buffer, programs, input, normals);
     MapBuffer maps(gl, 256);
     maps.bake(programs, buffer, {built.half_edges, vertices, values});
     map = maps.read();

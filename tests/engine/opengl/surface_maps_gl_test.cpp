@@ -92,10 +92,10 @@ protected:
     thread->run([&](const Gl &gl, ProgramCache &programs) {
       GeometryBuffer buffer(gl, size);
       SurfaceMapper mapper;
-      const BakeInput input{built.triangles, built.charts, vertices, buffers.normals, buffers.bake_space};
+      const BakeInput input{built.triangles, built.charts, vertices, buffers.bake_space};
       draw_layout(buffer, programs, input);
-      draw_frame(buffer, programs, input);
-      mapper.run(gl, programs, buffer, input, maps);
+      draw_frame(gl, buffer, programs, input, buffers.normals);
+      mapper.run(gl, programs, buffer, input, buffers.normals, maps);
       buffers.position = buffer.read_position();
       buffers.normal = buffer.read_normal();
       buffers.ids = buffer.read_ids();

@@ -11,9 +11,10 @@ static constexpr int block = 4096; // of centers
 
 TreeCenters centers_at_points(const Surface &surface, const BakeSpace &space, int32_t count, int threads) {
   TreeCenters centers(static_cast<size_t>(count));
+  const Normals &normals = surface.normals();
   parallel_blocks(count, threads, block, [&](int begin, int end) {
     for (int i = begin; i < end; ++i)
-      centers[i] = {space.to_buffer(surface.triangles.positions[surface.half_edges.point_vertex[i]]), surface.normals.point[i],
+      centers[i] = {space.to_buffer(surface.triangles.positions[surface.half_edges.point_vertex[i]]), normals.point[i],
                     surface.half_edges.point_half_edge[i] / 3};
   });
   return centers;
@@ -34,26 +35,27 @@ TexelMap lay_out_texels(const Surface &surface, int size, int threads) {
 static vec3 weights_of(const TrianglePlace &place) { return vec3(1.0f - place.weights.x - place.weights.y, place.weights); }
 
 // Position and normal are interpolated in 32 bits.
-static TreeCenter center_at(const Surface &surface, const BakeSpace &space, const TrianglePlace &place) {
+static TreeCenter center_at(const Surface &surface, const Normals &normals, const BakeSpace &space, const TrianglePlace &place) {
   const vec3 weights = weights_of(place);
   dvec3 position(0.0);
   vec3 sum(0.0f);
   for (int k = 0; k < 3; ++k) {
     position += dvec3(surface.triangles.position(3 * place.triangle + k)) * static_cast<double>(weights[k]);
-    sum += surface.normals.corner(static_cast<size_t>(3 * place.triangle + k)) * weights[k];
+    sum += normals.corner(static_cast<size_t>(3 * place.triangle + k)) * weights[k];
   }
   const float span = length(sum);
   return {vec3((position - space.center) * space.scale),
-          span > 0.0f ? sum / span : surface.normals.corner(static_cast<size_t>(3 * place.triangle)), place.triangle};
+          span > 0.0f ? sum / span : normals.corner(static_cast<size_t>(3 * place.triangle)), place.triangle};
 }
 
 TreeCenters centers_at_texels(const Surface &surface, const BakeSpace &space, const TexelMap &texels, size_t first, size_t last,
                               int threads) {
   TreeCenters centers(last - first);
+  const Normals &normals = surface.normals();
   parallel_blocks(static_cast<int>(centers.size()), threads, block, [&](int begin, int end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       const TexelCenter &texel = texels.centers[first + i];
-      centers[i] = center_at(surface, space, surface.place({texel.triangle, texel.weights}));
+      centers[i] = center_at(surface, normals, space, surface.place({texel.triangle, texel.weights}));
     }
   });
   return centers;

@@ -210,7 +210,7 @@ public:
         radius_(static_cast<float>(radius_of(pass, request.options, request.radius) * space.scale)),
         space_(space), source_{surface.triangles,
                                surface.half_edges,
-                               surface.normals,
+                               surface.normals(),
                                tree,
                                positions_in(space, surface.triangles, resources.threads),
                                map,

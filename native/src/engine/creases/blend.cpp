@@ -88,8 +88,8 @@ static void mix(float *value, const Value &solid, size_t components, float share
 CreaseBlend::CreaseBlend(const Surface &surface, double radius, int threads)
     : surface_(surface), radius_(radius), threads_(threads) {
   if (!surface.creases || surface.creases->edges == 0 || surface.maps.any()) return;
-  facets_ = find_facets(surface.triangles, surface.half_edges, surface.normals, *surface.creases);
-  creased_.emplace(CreasedSurface{surface.triangles, surface.half_edges, surface.normals, *surface.creases, facets_});
+  facets_ = find_facets(surface.triangles, surface.half_edges, surface.normals(), *surface.creases);
+  creased_.emplace(CreasedSurface{surface.triangles, surface.half_edges, surface.normals(), *surface.creases, facets_});
   near_.emplace(*creased_, radius);
 }
 
@@ -138,9 +138,10 @@ void CreaseBlend::blend(std::span<const int> rows, size_t count, const FindPlace
 
 void CreaseBlend::at_points(std::span<const int> rows, CenterResults &results) const {
   if (!near_ || std::ranges::none_of(rows, is_of_solid)) return;
+  const Normals &normals = surface_.normals();
   const auto find_place = [&](size_t i) {
     const int32_t point = results.point[i];
-    return SolidPlace{dvec3(surface_.triangles.positions[surface_.half_edges.point_vertex[point]]), surface_.normals.point[point],
+    return SolidPlace{dvec3(surface_.triangles.positions[surface_.half_edges.point_vertex[point]]), normals.point[point],
                       surface_.half_edges.point_half_edge[point] / 3, point};
   };
   blend(rows, results.point.size(), find_place, results);
@@ -148,6 +149,7 @@ void CreaseBlend::at_points(std::span<const int> rows, CenterResults &results) c
 
 void CreaseBlend::at_texels(std::span<const int> rows, const TexelMap &texels, size_t first, CenterResults &results) const {
   if (!near_ || std::ranges::none_of(rows, is_of_solid)) return;
+  const Normals &normals = surface_.normals();
   const auto find_place = [&](size_t i) {
     const TexelCenter &center = texels.centers[first + i];
     constexpr double inside = 1e-4; // on an edge it would be on neither of two triangles
@@ -158,7 +160,7 @@ void CreaseBlend::at_texels(std::span<const int> rows, const TexelMap &texels, s
     vec3 normal(0.0f);
     for (int k = 0; k < 3; ++k) {
       position += weights[k] * dvec3(surface_.triangles.position(3 * center.triangle + k));
-      normal += static_cast<float>(weights[k]) * surface_.normals.corner(static_cast<size_t>(3 * center.triangle + k));
+      normal += static_cast<float>(weights[k]) * normals.corner(static_cast<size_t>(3 * center.triangle + k));
     }
     const float size = length(normal);
     return SolidPlace{position, size > 0.0f ? normal / size : vec3(0.0f, 0.0f, 1.0f), center.triangle, -1};

@@ -26,11 +26,12 @@ static int count_texelless_triangles(const Charts &charts, const std::vector<int
 void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
   constexpr int drawn_at_once = 1 << 17; // triangles
   const Charts &charts = job.charts();
-  const Normals &normals = job.surface.normals;
+  const NormalsOnDemand &normals = job.surface.normals;
   const int size = key.atlas.size;
   const BorderGrid &grid = grid_.get(key.atlas, [&] { return build_border_grid(charts, size); });
   const BakeVertices &vertices = vertices_.get({key.atlas.atlas, key.fans}, [&] {
-    return build_bake_vertices(job.surface.triangles, charts, key.fans == 0 ? std::vector<int32_t>() : *normals.corner_fan);
+    const auto fans = key.fans == 0 ? nullptr : normals.rings ? normals.rings->corner_fan : normals().corner_fan;
+    return build_bake_vertices(job.surface.triangles, charts, fans ? *fans : std::vector<int32_t>());
   });
   layout_.get(key, [&] {
     BakedLayout layout;
@@ -40,7 +41,7 @@ void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
       if (!device_->buffer || device_->buffer->size() != size || device_->buffer->half() != key.half)
         device_->buffer = std::make_unique<GeometryBuffer>(gl, size, key.half);
       device_->evaluator.set_borders(gl, grid);
-      device_->buffer->begin_layout(charts, vertices);
+      device_->buffer->begin_layout(job.surface.triangles, charts, vertices);
     });
     const int count = device_->buffer->triangle_count();
     for (int first = 0; first < count; first += drawn_at_once)
@@ -57,24 +58,41 @@ void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
   });
 }
 
+// Where nothing on the processor asks for normals, the device fits them by itself.
+static bool fits_normals(const Job &job) {
+  const Surface &surface = job.surface;
+  const bool asked_for = !job.connected() || job.options().evaluate != PDESC_EVALUATE_VERTEX || surface.maps.any() ||
+                         (surface.creases && surface.creases->edges > 0);
+  return !asked_for && surface.normals.rings && surface.normals.rings->one_fan_a_point;
+}
+
 void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
   constexpr int drawn_at_once = 1 << 20; // texels
-  const BakeInput input{job.surface.triangles, job.charts(), vertices_.value(),
-                        job.surface.normals,   frame.space,  job.resources.threads};
+  const Surface &surface = job.surface;
+  const NormalsOnDemand &normals = surface.normals;
+  const Normals *const made = frame.key.surface.fits_normals ? nullptr : &normals();
+  const BakeInput input{surface.triangles, job.charts(), vertices_.value(), frame.space};
   GeometryBuffer &buffer = *device_->buffer;
   const int size = buffer.size(), rows = std::max(1, drawn_at_once / size);
   for (const auto &set : device_->cells) {
     set->measured.clear();
     set->listed_links.clear();
   }
-  step([&](const Gl &, ProgramCache &) { buffer.upload(input); });
+  step([&](const Gl &gl, ProgramCache &programs) {
+    device_->surface.set_positions(gl, surface.triangles, frame.space, surface.positions_version);
+    if (made)
+      device_->surface.set_normals(gl, *made);
+    else
+      device_->surface.fit_normals(gl, programs, *normals.rings, normals.fans_version, normals.kind == PDESC_NORMALS_FITTED);
+    buffer.place_vertices(programs, input, device_->surface);
+  });
   for (int first = 0; first < size; first += rows)
     step([&](const Gl &gl, ProgramCache &programs) {
       buffer.draw_surface(programs, first, std::min(first + rows, size));
       gl.Flush();
     });
   if (frame.displaced)
-    step([&](const Gl &gl, ProgramCache &programs) { device_->mapper.run(gl, programs, buffer, input, job.surface.maps); });
+    step([&](const Gl &gl, ProgramCache &programs) { device_->mapper.run(gl, programs, buffer, input, *made, surface.maps); });
 }
 
 Frame TextureSpace::bake(const Job &job) {
@@ -84,12 +102,12 @@ Frame TextureSpace::bake(const Job &job) {
   // Maps are applied to buffers of full precision.
   frame.key.layout = {{surface.atlases.current().version, options.buffer_size},
                       options.precision == PDESC_PRECISION_HALF && !surface.maps.any(),
-                      surface.normals.corner_fan ? surface.normals.fans_version : 0};
-  frame.key.surface = {surface.positions_version, surface.maps.version, surface.normals.version};
+                      surface.normals.fans_version};
+  frame.key.surface = {surface.positions_version, surface.maps.version, surface.normals.key, fits_normals(job)};
   frame.space = bake_space_of(surface.extent.box);
   if (surface.maps.any()) {
     frame.displaced = &*displaced_.get(frame.key.surface, [&] {
-      return displace_points(surface.maps, surface.triangles, surface.half_edges, surface.normals, frame.space,
+      return displace_points(surface.maps, surface.triangles, surface.half_edges, surface.normals(), frame.space,
                              job.resources.threads);
     });
     frame.enlargement = ellipse_enlargement * frame.displaced->shrinkage;
@@ -114,20 +132,28 @@ std::vector<vec4> TextureSpace::ellipses(const Job &job, const BakeSpace &space,
   return sampling_ellipses(job.surface.triangles, charts, space, corners, step);
 }
 
-// The list is empty where texels are the centers. Sets the frame's radius in texels, too.
-Centers TextureSpace::centers(const Job &job, Frame &frame, double radius) {
+CenterOptions TextureSpace::center_options(const Job &job, const Frame &frame, double radius) {
   const pdesc_options &options = job.options();
+  return {options.seam_error != 0, job.connected(), options.seed, options.buffer_size,
+          static_cast<float>(radius * frame.space.scale) * frame.enlargement};
+}
+
+// Sets the frame's radius in texels.
+void TextureSpace::measure_radius(const Job &job, Frame &frame, double radius) {
   const Charts &charts = job.charts();
-  // Samples that march need all ellipses; the median of their sizes does with some.
-  const size_t step = job.connected() ? std::max<size_t>(1, charts.wedges.size() / 4096) : 1;
+  const size_t step = std::max<size_t>(1, charts.wedges.size() / 4096); // the median does with some
   const std::vector<vec4> sizes = ellipses(job, frame.space, static_cast<int>(step));
-  const auto own_radius = static_cast<float>(radius * frame.space.scale);
-  const CenterOptions where{options.seam_error != 0, job.connected(), options.seed, options.buffer_size,
-                            own_radius * frame.enlargement};
-  frame.radius_in_texels = median_radius_in_texels(charts, where, own_radius, sizes, step);
-  if (options.evaluate == PDESC_EVALUATE_TEXEL) return {};
-  return list_centers({job.surface.triangles, job.surface.half_edges, charts, job.surface.normals, frame.space, frame.displaced},
-                      where, sizes);
+  frame.radius_in_texels = median_radius_in_texels(charts, center_options(job, frame, radius),
+                                                   static_cast<float>(radius * frame.space.scale), sizes, step);
+}
+
+// Centers that samples march from, or that maps displace.
+std::vector<CenterData> TextureSpace::describe(const Job &job, const Frame &frame, const Centers &centers, double radius) {
+  const Surface &surface = job.surface;
+  const std::vector<vec4> sizes = job.connected() ? std::vector<vec4>() : ellipses(job, frame.space, 1);
+  std::vector<CenterData> data = describe_centers(job.charts(), center_options(job, frame, radius), centers, sizes);
+  place_centers({surface.triangles, surface.half_edges, surface.normals(), frame.space, frame.displaced}, centers, data);
+  return data;
 }
 
 } // namespace paradesc

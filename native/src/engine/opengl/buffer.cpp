@@ -35,7 +35,9 @@ void Buffer::fill(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
   if (data && bytes && bytes < size) gl.NamedBufferSubData(id(), 0, static_cast<GLsizeiptr>(bytes), data);
 }
 
-static size_t bytes_of(GLenum format) { return format == GL_RG32I ? sizeof(ivec2) : sizeof(vec4); }
+static size_t bytes_of(GLenum format) {
+  return format == GL_R32I || format == GL_R32F ? sizeof(float) : format == GL_RG32I ? sizeof(ivec2) : sizeof(vec4);
+}
 
 void BufferTexture::reserve(const Gl &gl, GLenum format, size_t texels) {
   if (texels <= reserved_ && reserved_ / 4 <= texels) return;

@@ -82,27 +82,15 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
   }
 }
 
-// (triangle_count) unit normals; 0 for a triangle without area.
-static std::vector<vec4> face_normals(const Triangles &triangles) {
-  std::vector<vec4> normals(triangles.triangle_count);
-  for (int32_t t = 0; t < triangles.triangle_count; ++t) {
-    const dvec3 first(triangles.position(3 * t));
-    const dvec3 normal = cross(dvec3(triangles.position(3 * t + 1)) - first, dvec3(triangles.position(3 * t + 2)) - first);
-    const double size = length(normal);
-    normals[t] = size > 0.0 ? vec4(vec3(normal / size), 0.0f) : vec4(0.0f);
-  }
-  return normals;
-}
-
-// Evaluates these centers; progress goes from one fraction of the whole to another.
-void TextureSpace::evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
-                            const std::vector<CenterData> &centers, const Progress &progress, double from, double to) {
-  gl_->run([&](const Gl &gl, ProgramCache &) {
+// Evaluates `count` centers; progress goes from one fraction of the whole to another.
+void TextureSpace::evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame, int count,
+                            const Work &set_centers, const Progress &progress, double from, double to) {
+  gl_->run([&](const Gl &gl, ProgramCache &programs) {
     device_->evaluator.set_links(gl, frame.links, frame.seams);
-    device_->evaluator.set_centers(gl, centers, settings);
-    if (settings.faces()) device_->evaluator.set_faces(gl, face_normals(job.surface.triangles));
+    set_centers(gl, programs);
+    if (settings.faces()) device_->evaluator.use_faces(device_->surface.faces(gl, programs));
   });
-  evaluate_tiles(job, settings, static_cast<int>(centers.size()), progress, from, to);
+  evaluate_tiles(job, settings, count, progress, from, to);
 }
 
 std::vector<float> TextureSpace::read_rows(const EvaluateSettings &settings) {
@@ -145,7 +133,7 @@ CenterResults TextureSpace::results_of(const EvaluateSettings &settings, const F
 // whether there are any, so that `rows` are no longer what the device has.
 bool TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame,
                                      const Centers &centers, const std::vector<float> &rows, const Progress &progress) {
-  const size_t count = centers.data.size();
+  const size_t count = centers.points.size();
   const double unit = frame.space.scale * frame.space.scale;
   AmbiguousCenters ambiguous;
   for (size_t i = 0; i < count; ++i)
@@ -177,11 +165,11 @@ template <class Value> static void put_back(const std::vector<int32_t> &order, s
 
 // Results are in the order in which the centers were listed: passes are read together, and each may have an order of its own.
 CenterResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
-                                             const Centers &centers, const Progress &progress) {
-  evaluate(job, settings, frame, centers.data, progress, 0.3, 0.8);
+                                             const Centers &centers, const Work &set_centers, const Progress &progress) {
+  evaluate(job, settings, frame, static_cast<int>(centers.points.size()), set_centers, progress, 0.3, 0.8);
   std::vector<float> rows = read_rows(settings);
   if (job.connected() && recheck_ambiguous(job, settings, radius, frame, centers, rows, progress)) rows = read_rows(settings);
-  CenterResults results = results_of(settings, frame, rows, centers.data.size());
+  CenterResults results = results_of(settings, frame, rows, centers.points.size());
   results.point = centers.points;
   for (size_t i = 0; i < centers.points.size(); ++i)
     results.primary.push_back(job.charts().point_wedge[centers.points[i]] == centers.wedges[i]);

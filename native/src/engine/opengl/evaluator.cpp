@@ -33,11 +33,6 @@ void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const st
   seams_.upload(gl, seams);
 }
 
-void Evaluator::set_faces(const Gl &gl, const std::vector<vec4> &normals) {
-  faces_.upload(gl, GL_RGBA32F, normals.data(), normals.size());
-  check_gl(gl, "face upload");
-}
-
 void Evaluator::set_connected_triangles(const Gl &gl, std::span<const int32_t> centers, const ConnectedTriangles &connected) {
   std::vector<int32_t> all(centers.begin(), centers.end());
   connected_count_ = static_cast<int>(all.size());
@@ -56,7 +51,12 @@ void Evaluator::set_map(const Gl &gl, const std::vector<vec4> &centers, const st
 
 void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings) {
   centers_.upload(gl, centers, GL_STREAM_DRAW);
-  count_ = static_cast<int>(centers.size());
+  use_centers(gl, centers_.id(), static_cast<int>(centers.size()), settings);
+}
+
+void Evaluator::use_centers(const Gl &gl, GLuint centers, int count, const EvaluateSettings &settings) {
+  used_centers_ = centers;
+  count_ = count;
   pattern_.upload(gl, settings.pattern == PDESC_PATTERN_STRATIFIED ? stratified_pattern(settings.samples, settings.seed)
                                                                    : golden_angle_pattern(settings.samples));
   const auto tile =
@@ -103,7 +103,7 @@ void Evaluator::bind_march(const Gl &gl) const {
   gl.BindTextureUnit(UNIT_BORDER_LIST, border_list_.id());
   gl.BindTextureUnit(UNIT_BORDER_UV, border_uv_.id());
   gl.BindTextureUnit(UNIT_LINKS, links_.id());
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, used_centers_);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PATTERN, pattern_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_VISITS, visits_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_SEAMS, seams_.id());
@@ -171,7 +171,7 @@ EvaluateParams Evaluator::params_of(const EvaluateSettings &settings, int first,
 
 // Binds what one program reads beside the geometry buffer.
 void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
-  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, used_centers_);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
   if (settings.exact) gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CONNECTED, connected_.id());
   if (settings.relocation != PDESC_RELOCATION_CONNECTED) {
@@ -186,7 +186,7 @@ void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_CENTERS, map_centers_.id());
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MAP_TEXELLESS, map_texelless_.id());
   }
-  if (settings.faces()) gl.BindTextureUnit(UNIT_FACES, faces_.id());
+  if (settings.faces()) gl.BindTextureUnit(UNIT_FACES, faces_);
 }
 
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,

@@ -72,8 +72,10 @@ public:
   // Upload what depends on a frame.
   void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
   void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
-  // (triangle_count) unit normals, for settings that ask for faces.
-  void set_faces(const Gl &gl, const std::vector<vec4> &normals);
+  // Takes centers from a buffer that is there already, (count) CenterData.
+  void use_centers(const Gl &gl, GLuint centers, int count, const EvaluateSettings &settings);
+  // As UNIT_FACES says, for settings that ask for faces.
+  void use_faces(GLuint texture) { faces_ = texture; }
   // The map where it is not read from texels: at the centers, and at the samples of TexellessSamples.
   void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &texelless);
   void set_connected_triangles(const Gl &gl, std::span<const int32_t> centers, const ConnectedTriangles &connected);
@@ -92,9 +94,10 @@ private:
   void find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateParams &params) const;
 
   Texture border_;
-  ListTexture border_list_, border_uv_, links_, faces_;
+  ListTexture border_list_, border_uv_, links_;
   Buffer params_, centers_, pattern_, connected_, results_, seams_, visits_, stretches_, progress_, map_centers_, map_texelless_;
   size_t progress_bytes_ = 0;
+  GLuint used_centers_ = 0, faces_ = 0;
   int count_ = 0, connected_count_ = 0;
 };
 

@@ -11,7 +11,6 @@
 #include "engine/opengl/half.h"
 #include "shared.h"
 #include "support/error.h"
-#include "support/parallel.h"
 
 namespace paradesc {
 
@@ -61,7 +60,7 @@ static std::vector<EdgeData> edge_data(const Charts &charts) {
   return edges;
 }
 
-void GeometryBuffer::begin_layout(const Charts &charts, const BakeVertices &vertices) {
+void GeometryBuffer::begin_layout(const Triangles &triangles, const Charts &charts, const BakeVertices &vertices) {
   const auto count = charts.triangle_chart.size();
   std::vector<vec4> corner_uvs(2 * count, vec4(0.0f)); // of triangles on no chart: one point, which is not drawn
   std::vector<ivec4> corners(count, ivec4(0));
@@ -77,6 +76,10 @@ void GeometryBuffer::begin_layout(const Charts &charts, const BakeVertices &vert
     area_in_map_ += area;
   }
   triangle_count_ = vertices.corner.empty() ? 0 : static_cast<int>(count);
+  std::vector<ivec2> sources;
+  for (size_t i = 0; i < vertices.corner.size(); ++i)
+    sources.emplace_back(triangles.corner_vertex[vertices.corner[i]], vertices.group[i]);
+  places_.emplace(gl_, sources);
   corner_uvs_.upload(gl_, GL_RGBA32F, corner_uvs.data(), corner_uvs.size(), GL_STATIC_DRAW);
   corners_.upload(gl_, GL_RGBA32I, corners.data(), corners.size(), GL_STATIC_DRAW);
   const std::vector<EdgeData> edges = edge_data(charts);
@@ -160,19 +163,10 @@ TexelCounts GeometryBuffer::count_owners(ProgramCache &programs) const {
 
 // ---- A frame
 
-void GeometryBuffer::upload(const BakeInput &input) {
-  std::vector<vec4> points(2 * input.vertices.corner.size());
-  parallel_blocks(static_cast<int>(input.vertices.corner.size()), input.threads, 8192, [&](int begin, int end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      const auto c = static_cast<size_t>(input.vertices.corner[i]);
-      const vec3 position = input.triangles.positions[input.triangles.corner_vertex[c]];
-      points[2 * i] = vec4(input.bake_space.to_buffer(position), 0.0f);
-      points[2 * i + 1] = vec4(input.normals.corner(c), 0.0f);
-    }
-  });
-  vertices_.upload(gl_, GL_RGBA32F, points.data(), points.size(), GL_STREAM_DRAW);
+void GeometryBuffer::place_vertices(ProgramCache &programs, const BakeInput &input, const DeviceSurface &surface) {
+  vertices_.reserve(gl_, GL_RGBA32F, 2 * static_cast<size_t>(places_->count()));
+  surface.place(gl_, programs, *places_, vertices_.buffer_id(), 2 * sizeof(vec4) / sizeof(float));
   set_area_unit(input);
-  check_gl(gl_, "upload");
 }
 
 // About the mean of the area element over the UV map: what exceeds 65504 times the mean has less than a 65504th of the map. A

@@ -76,23 +76,46 @@ static std::vector<vec4> ends_of_boundary(const Cells &cells, const Triangles &t
   return ends;
 }
 
+// Where the device fits normals, the processor has them at the corners of these triangles alone.
+static TexellessSamples texelless_samples(const Job &job, const Frame &frame, const Cells &cells, float radius) {
+  if (cells.texelless.empty()) return {};
+  const Surface &surface = job.surface;
+  if (!frame.key.surface.fits_normals) {
+    const Normals &normals = surface.normals();
+    const DisplacedSurface displaced(surface.maps, surface.triangles, normals, frame.space);
+    return sample_texelless_triangles(
+        cells, surface.triangles, [&](size_t corner) { return normals.corner(corner); }, frame.space, radius,
+        frame.displaced ? &displaced : nullptr);
+  }
+  const NormalRings &rings = *surface.normals.rings;
+  std::vector<int32_t> fans;
+  for (const int32_t triangle : cells.texelless)
+    for (int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) fans.push_back((*rings.corner_fan)[corner]);
+  std::ranges::sort(fans);
+  const auto repeated = std::ranges::unique(fans);
+  fans.erase(repeated.begin(), repeated.end());
+  const std::vector<vec3> normals =
+      compute_fan_normals(surface.triangles, rings, surface.normals.kind, fans, job.resources.threads);
+  return sample_texelless_triangles(
+      cells, surface.triangles,
+      [&](size_t corner) { return normals[std::ranges::lower_bound(fans, (*rings.corner_fan)[corner]) - fans.begin()]; },
+      frame.space, radius);
+}
+
 // Uploads what neighborhoods of these centers are found in. Returns the samples of triangles without texels.
 TexellessSamples TextureSpace::prepare_search(const Job &job, const Frame &frame, double radius, int samples,
-                                              const Starts &starts, std::span<const CenterData> centers) {
+                                              const Starts &starts, const CenterPosition &position_of) {
   const auto buffer_radius = static_cast<float>(radius * frame.space.scale);
   checkpoint();
   list_samples_for(job, frame, buffer_radius, samples);
   CellSet &set = cells();
-  const Surface &surface = job.surface;
-  const DisplacedSurface displaced(surface.maps, surface.triangles, surface.normals, frame.space);
-  TexellessSamples texelless = sample_texelless_triangles(set.cells, surface.triangles, surface.normals, frame.space,
-                                                          buffer_radius, frame.displaced ? &displaced : nullptr);
+  TexellessSamples texelless = texelless_samples(job, frame, set.cells, buffer_radius);
   std::span<const CellData> measured = measured_cells(frame);
   const std::vector<CellData> extended =
       texelless.samples.empty() ? std::vector<CellData>() : with_texelless_samples(measured, texelless);
   if (!extended.empty()) measured = extended;
   const NearCells near =
-      find_near_cells(set.cells, set.samples.strides, measured, starts, centers, buffer_radius, job.resources.threads);
+      find_near_cells(set.cells, set.samples.strides, measured, starts, position_of, buffer_radius, job.resources.threads);
   const std::vector<vec4> boundary = ends_of_boundary(set.cells, job.triangles(frame), frame.space);
   checkpoint();
   gl_->run([&](const Gl &gl, ProgramCache &programs) {
@@ -103,7 +126,7 @@ TexellessSamples TextureSpace::prepare_search(const Job &job, const Frame &frame
     device_->search.set(gl, programs, *set.buffers,
                         {set.cells, near, starts, texelless, extended, boundary, job.options().adaptive > 0.0});
   });
-  list_points(frame, samples, centers.size());
+  list_points(frame, samples, starts.order.size());
   checkpoint();
   return texelless;
 }
@@ -144,7 +167,7 @@ static Starts starts_of(const Job &job, const Cells &cells, const Centers &cente
   std::vector<int32_t> begin;
   const std::vector<int32_t> wedges = wedges_by_point(job.charts(), half_edges.point_count, begin);
   std::vector<int32_t> first, list;
-  for (size_t i = 0; i < centers.data.size(); ++i) {
+  for (size_t i = 0; i < centers.points.size(); ++i) {
     const int32_t point = centers.points[i];
     const bool alone = job.options().seam_error && centers.wedges[i] >= 0;
     const std::span<const int32_t> from = alone ? std::span<const int32_t>(centers.wedges).subspan(i, 1)
@@ -160,16 +183,42 @@ static Starts starts_of(const Job &job, const Cells &cells, const Centers &cente
   return list_starts(first, list, cells.count);
 }
 
-// Puts centers as they were listed into the order in which they are evaluated: invocations side by side then have much the same
-// samples, and as many.
-void TextureSpace::put_in_order(const Job &job, Centers &centers) {
+// In the order in which they are evaluated: invocations side by side then have much the same samples, and as many.
+const OrderedCenters &TextureSpace::ordered_centers(const Job &job) {
   CellSet &set = cells();
-  const OrderedStarts &ordered = set.starts.get({job.options().seam_error != 0, centers.wedges}, [&] {
-    OrderedStarts made{starts_of(job, set.cells, centers), {}};
-    made.order = paradesc::put_in_order(made.starts);
+  const pdesc_options &options = job.options();
+  const Charts &charts = job.charts();
+  return set.centers.get({options.seam_error != 0, options.seed, charts.point_wedge}, [&] {
+    OrderedCenters made;
+    made.centers = list_centers(charts, {options.seam_error != 0, true, options.seed, options.buffer_size, 0.0f});
+    made.starts = starts_of(job, set.cells, made.centers);
+    made.centers.permute(paradesc::put_in_order(made.starts));
+    ++set.centers_version;
     return made;
   });
-  centers.permute(ordered.order);
+}
+
+// A center's normal is its point's, or, if the device fits them, its fan's.
+const PlacedCenters &TextureSpace::placed_centers(const Job &job, const Frame &frame) {
+  CellSet &set = cells();
+  const Centers &centers = ordered_centers(job).centers;
+  const bool fits = frame.key.surface.fits_normals;
+  const auto &kept = set.placed.get({set.centers_version, fits}, [&] {
+    const HalfEdges &half_edges = job.surface.half_edges;
+    const auto groups = fits ? 0 : static_cast<int32_t>(job.surface.normals().group.size());
+    std::vector<ivec2> sources;
+    for (const int32_t point : centers.points)
+      sources.emplace_back(half_edges.point_vertex[point], fits ? job.surface.normals.rings->point_fan[point] : groups + point);
+    const std::vector<CenterData> data = describe_centers(job.charts(), center_options(job, frame, 0.0), centers, {});
+    std::unique_ptr<PlacedCenters> placed;
+    gl_->run([&](const Gl &gl, ProgramCache &) {
+      placed.reset(new PlacedCenters{{}, Places(gl, sources)});
+      placed->data.upload(gl, data, GL_DYNAMIC_COPY);
+      check_gl(gl, "center upload");
+    });
+    return placed;
+  });
+  return *kept;
 }
 
 } // namespace paradesc

@@ -29,7 +29,7 @@ void SurfaceMapper::upload_images(const Gl &gl, const SurfaceMaps &maps) {
   version_ = maps.version;
 }
 
-void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const SurfaceMaps &maps) {
+void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const Normals &normals, const SurfaceMaps &maps) {
   const Triangles &triangles = input.triangles;
   const SharedArray<vec2> &uvs = triangles.input_uv;
   std::vector<vec2> input_uvs;
@@ -42,16 +42,16 @@ void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const S
     tangents.reserve(2 * own.size());
     for (size_t corner = 0; corner < own.size(); ++corner) {
       tangents.push_back(own[corner]);
-      tangents.emplace_back(frame_normal(triangles, input.normals, corner), 0.0f);
+      tangents.emplace_back(frame_normal(triangles, normals, corner), 0.0f);
     }
   }
   tangents_.upload(gl, GL_RGBA32F, tangents.data(), tangents.size());
 }
 
 void SurfaceMapper::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const BakeInput &input,
-                        const SurfaceMaps &maps) {
+                        const Normals &normals, const SurfaceMaps &maps) {
   upload_images(gl, maps);
-  upload_corners(gl, input, maps);
+  upload_corners(gl, input, normals, maps);
   gl.UseProgram(programs.get(gl, "displace", {{GL_COMPUTE_SHADER, "opengl/bake/displace.comp.glsl"}}));
   buffer.bind_to_rewrite();
   gl.BindTextureUnit(UNIT_HEIGHTS, heights_.id());

@@ -35,23 +35,28 @@ static int pattern_samples(const Job &job, const Frame &frame, int samples) {
 }
 
 // Evaluates the vertices pass by pass: operators on a map come after what the map is made of.
-void TextureSpace::at_vertices(const Job &job, Frame &frame, Centers centers, Computed &computed) {
+void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed) {
   const pdesc_options &options = job.options();
   const double radius = job.request.radius;
   EvaluateSettings settings = settings_of(job, frame);
-  std::pair<double, int> prepared{radius, 0}; // for which radius centers are there, and for how many samples their search
+  const Centers centers =
+      job.connected() ? ordered_centers(job).centers : list_centers(job.charts(), center_options(job, frame, radius));
+  const PlacedCenters *const placed = job.connected() && !frame.displaced ? &placed_centers(job, frame) : nullptr;
+  std::vector<CenterData> data; // where the device does not place them
+  const auto position_of = [&](size_t i) {
+    const Surface &surface = job.surface;
+    return placed ? frame.space.to_buffer(surface.triangles.positions[surface.half_edges.point_vertex[centers.points[i]]])
+                  : data[i].position;
+  };
+  std::pair<double, int> prepared{0.0, 0}; // for which radius centers are there, and for how many samples their search
   TexellessSamples texelless;
-  if (job.connected()) put_in_order(job, centers);
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
     const double pass_radius = radius_of(pass, options, radius);
     const int samples = pattern_samples(job, frame, samples_of(pass, options));
     const auto before = std::exchange(prepared, {pass_radius, samples});
-    if (before.first != pass_radius) {
-      centers = this->centers(job, frame, pass_radius);
-      if (job.connected()) put_in_order(job, centers);
-    }
+    if (!placed && before.first != pass_radius) data = describe(job, frame, centers, pass_radius);
     if (job.connected() && before != prepared)
-      texelless = prepare_search(job, frame, pass_radius, samples, cells().starts.value().starts, centers.data);
+      texelless = prepare_search(job, frame, pass_radius, samples, ordered_centers(job).starts, position_of);
     settings.radius = static_cast<float>(pass_radius * frame.space.scale);
     settings.samples = samples;
     if (map) bake_map(job, centers, texelless, *map);
@@ -61,13 +66,18 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Centers centers, Co
     const Progress part = [&](const char *stage, double fraction) {
       return job.progress(stage, 0.3 + 0.7 * (number + (fraction - 0.3) / 0.7) / count);
     };
-    CenterResults results = evaluate_centers(job, settings, pass_radius, frame, centers, part);
+    const Work set_centers = [&](const Gl &gl, ProgramCache &programs) {
+      if (!placed) return device_->evaluator.set_centers(gl, data, settings);
+      device_->surface.place(gl, programs, placed->places, placed->data.id(), sizeof(CenterData) / sizeof(float));
+      device_->evaluator.use_centers(gl, placed->data.id(), placed->places.count(), settings);
+    };
+    CenterResults results = evaluate_centers(job, settings, pass_radius, frame, centers, set_centers, part);
     CreaseBlend(job.surface, pass_radius, job.resources.threads).at_points(pass.rows, results);
     return results;
   };
   computed.results =
       run_passes(job.surface.half_edges.point_count, job.request.descriptors, find_map(options.map_descriptor), run);
-  computed.report.places = static_cast<int32_t>(centers.data.size());
+  computed.report.places = static_cast<int32_t>(centers.points.size());
 }
 
 // The texels of a map, and the cells that they start from if these lead to neighborhoods: both depend on the layout alone.
@@ -120,17 +130,18 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
   const size_t count = map.centers.size();
   for (size_t first = 0; first < count; first += batch) {
     const size_t last = std::min(first + batch, count);
-    const std::vector<CenterData> centers = texel_centers(map, surface.triangles, charts, surface.normals, frame.space, sizes,
+    const std::vector<CenterData> centers = texel_centers(map, surface.triangles, charts, surface.normals(), frame.space, sizes,
                                                           settings.radius * ellipse_enlargement, job.options().seed, first, last);
     if (job.connected()) {
       const Starts starts = starts_of_texels(std::span(cells().texel_cells.value()).subspan(first, last - first), cells().cells);
       const double own_radius = static_cast<double>(settings.radius) / frame.space.scale;
-      prepare_search(job, frame, own_radius, settings.samples, starts, centers);
+      prepare_search(job, frame, own_radius, settings.samples, starts, [&](size_t i) { return centers[i].position; });
       settings.points = listed_points(job, frame);
     }
     const double share = 0.7 / static_cast<double>(count);
-    evaluate(job, settings, frame, centers, job.progress, 0.3 + share * static_cast<double>(first),
-             0.3 + share * static_cast<double>(last));
+    const Work set_centers = [&](const Gl &gl, ProgramCache &) { device_->evaluator.set_centers(gl, centers, settings); };
+    evaluate(job, settings, frame, static_cast<int>(centers.size()), set_centers, job.progress,
+             0.3 + share * static_cast<double>(first), 0.3 + share * static_cast<double>(last));
     CenterResults results = results_of(settings, frame, read_rows(settings), centers.size());
     creases.at_texels(settings.descriptors, map, first, results);
     append(all, std::move(results));
@@ -153,13 +164,13 @@ Computed TextureSpace::compute(const Surface &surface, const Request &request, c
   check_cancel(progress, "bake", 0.1);
 
   Frame frame = bake(job);
-  Centers centers = this->centers(job, frame, request.radius);
+  measure_radius(job, frame, request.radius);
   if (surface.atlases.repack_if_needed(surface.triangles, surface.half_edges, layout_.value().counts, options.buffer_size,
                                        frame.radius_in_texels, resources.threads)) {
     frame = bake(job);
-    centers = this->centers(job, frame, request.radius);
+    measure_radius(job, frame, request.radius);
   }
-  report.radius_in_texels = frame.radius_in_texels; // passes with windows of their own change it
+  report.radius_in_texels = frame.radius_in_texels;
   report.seconds_bake = clock.lap();
   check_cancel(progress, "prepare", 0.2);
 
@@ -170,7 +181,7 @@ Computed TextureSpace::compute(const Surface &surface, const Request &request, c
   if (options.evaluate == PDESC_EVALUATE_TEXEL)
     at_texels(job, frame, computed);
   else
-    at_vertices(job, frame, std::move(centers), computed);
+    at_vertices(job, frame, computed);
   const Atlas &atlas = surface.atlases.current();
   report.private_layout = atlas.layout;
   report.cut_charts = atlas.cut_charts;

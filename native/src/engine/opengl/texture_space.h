@@ -3,8 +3,11 @@
 // Each stage is made by one function from inputs that it does not change, and is kept under its key (support/keyed.h).
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "bake/bake_vertices.h"
@@ -13,6 +16,7 @@
 #include "descriptor/passes.h"
 #include "engine/engine.h"
 #include "engine/opengl/cell_buffers.h"
+#include "engine/opengl/device_surface.h"
 #include "engine/opengl/evaluator.h"
 #include "engine/opengl/geometry_buffer.h"
 #include "engine/opengl/gl_thread.h"
@@ -37,14 +41,15 @@ struct AtlasSize {
 struct LayoutKey {
   AtlasSize atlas;
   bool half;     // the buffers hold 16-bit floats
-  uint64_t fans; // Normals::fans_version; 0 where each corner has a normal of its own
+  uint64_t fans; // NormalsOnDemand::fans_version
   bool operator==(const LayoutKey &) const = default;
 };
 
 struct SurfaceKey {
-  uint64_t positions; // their version
-  int maps;           // likewise
-  uint64_t normals;   // likewise
+  uint64_t positions;              // their version
+  int maps;                        // likewise
+  std::array<uint64_t, 3> normals; // NormalsOnDemand::key
+  bool fits_normals;               // the device does
   bool operator==(const SurfaceKey &) const = default;
 };
 
@@ -67,13 +72,22 @@ struct BakedLayout {
   int texelless_triangles = 0; // on charts, but without a texel
 };
 
-// Whether each wedge starts alone, and the centers' wedges as they were listed.
-using StartsKey = std::pair<bool, std::vector<int32_t>>;
+// Whether each wedge starts alone, the seed, and Charts::point_wedge.
+using CentersKey = std::tuple<bool, uint32_t, std::vector<int32_t>>;
 
-// Starts of centers in this order.
-struct OrderedStarts {
+// Centers at vertices that start in cells, in the order in which they are evaluated.
+struct OrderedCenters {
   Starts starts;
-  std::vector<int32_t> order;
+  Centers centers;
+};
+
+// What of them depends on which normals they take: OrderedCenters' own number, and SurfaceKey::fits_normals.
+using PlacedKey = std::pair<uint64_t, bool>;
+
+// The same on the device, which gives them positions and normals.
+struct PlacedCenters {
+  Buffer data; // CenterData
+  Places places;
 };
 
 // The cells of one block size: each radius has its own.
@@ -85,7 +99,9 @@ struct CellSet {
   Keyed<BakeKey, std::vector<CellData>> measured; // (cells)
   Keyed<BakeKey, bool> listed_links;              // what the buffers' points of links are of
   Keyed<int, std::vector<int32_t>> texel_cells;   // by the map's size: (texel centers) where their searches start
-  Keyed<StartsKey, OrderedStarts> starts;         // of centers at vertices
+  Keyed<CentersKey, OrderedCenters> centers;      // at vertices
+  uint64_t centers_version = 0;                   // differs whenever these do
+  Keyed<PlacedKey, std::unique_ptr<PlacedCenters>> placed;
 };
 
 // The surface of one computation.
@@ -128,6 +144,7 @@ private:
 
   // These objects live on the device: they are made, used and destroyed on its thread.
   struct OnDevice {
+    DeviceSurface surface;
     std::unique_ptr<GeometryBuffer> buffer;
     Evaluator evaluator;
     std::unique_ptr<MapBuffer> map;              // if an operator was asked for
@@ -143,7 +160,9 @@ private:
   void bake_surface(const Job &job, const Frame &frame);
   void step(const Work &work);
   std::vector<vec4> ellipses(const Job &job, const BakeSpace &space, int step);
-  Centers centers(const Job &job, Frame &frame, double radius);
+  void measure_radius(const Job &job, Frame &frame, double radius);
+  static CenterOptions center_options(const Job &job, const Frame &frame, double radius);
+  std::vector<CenterData> describe(const Job &job, const Frame &frame, const Centers &centers, double radius);
 
   // neighborhood_stage.cpp
   void use_cells(const Job &job, const Frame &frame);
@@ -151,15 +170,16 @@ private:
   const std::vector<CellData> &measured_cells(const Frame &frame);
   void list_samples_for(const Job &job, const Frame &frame, float radius, int samples);
   TexellessSamples prepare_search(const Job &job, const Frame &frame, double radius, int samples, const Starts &starts,
-                                  std::span<const CenterData> centers);
+                                  const CenterPosition &position_of);
   PointsKey points_key(const Frame &frame) { return {frame.key, cells().samples_version}; }
   const BufferTexture *listed_points(const Job &job, const Frame &frame);
   void list_points(const Frame &frame, int samples, size_t centers);
-  void put_in_order(const Job &job, Centers &centers);
+  const OrderedCenters &ordered_centers(const Job &job);
+  const PlacedCenters &placed_centers(const Job &job, const Frame &frame);
 
   // evaluate_stage.cpp
   EvaluateSettings settings_of(const Job &job, const Frame &frame);
-  void evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame, const std::vector<CenterData> &centers,
+  void evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame, int count, const Work &set_centers,
                 const Progress &progress, double from, double to);
   void evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                       double to);
@@ -168,11 +188,11 @@ private:
   bool recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame, const Centers &centers,
                          const std::vector<float> &rows, const Progress &progress);
   CenterResults evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
-                                 const Centers &centers, const Progress &progress);
+                                 const Centers &centers, const Work &set_centers, const Progress &progress);
   void bake_map(const Job &job, const Centers &centers, const TexellessSamples &texelless, const MapValues &values);
 
   // texture_space.cpp
-  void at_vertices(const Job &job, Frame &frame, Centers centers, Computed &computed);
+  void at_vertices(const Job &job, Frame &frame, Computed &computed);
   void at_texels(const Job &job, Frame &frame, Computed &computed);
   const TexelMap &texel_map(const Job &job, const Frame &frame);
 

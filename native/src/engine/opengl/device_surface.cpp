@@ -1,0 +1,103 @@
+// Arrays as the mesh has them, in buffer textures; one dispatch for faces, one for fans, one for places.
+#include "engine/opengl/device_surface.h"
+
+#include "engine/opengl/dispatch.h"
+
+#include "shared.h"
+
+namespace paradesc {
+
+constexpr int64_t first_tile = int64_t{1} << 18; // of invocations that each fit a jet
+
+Places::Places(const Gl &gl, const std::vector<ivec2> &sources) : count_(static_cast<int>(sources.size())) {
+  sources_.upload(gl, sources);
+}
+
+template <class Element>
+static void upload_list(const Gl &gl, BufferTexture &texture, GLenum format, const std::vector<Element> &list, GLenum usage) {
+  texture.upload(gl, format, list.data(), list.size() * sizeof(Element) / sizeof(float), usage);
+}
+
+void DeviceSurface::set_positions(const Gl &gl, const Triangles &triangles, const BakeSpace &space, uint64_t version) {
+  if (positions_version_ == version) return;
+  if (triangle_count_ != triangles.triangle_count) upload_list(gl, triangles_, GL_R32I, triangles.corner_vertex, GL_STATIC_DRAW);
+  triangle_count_ = triangles.triangle_count;
+  upload_list(gl, positions_, GL_R32F, triangles.positions, GL_STREAM_DRAW);
+  const dvec4 center_and_scale(space.center, space.scale);
+  space_.fill(gl, &center_and_scale, sizeof center_and_scale, GL_STREAM_DRAW);
+  has_faces_ = false;
+  check_gl(gl, "upload");
+  positions_version_ = version;
+}
+
+void DeviceSurface::set_normals(const Gl &gl, const Normals &normals) {
+  std::vector<vec3> all = normals.group;
+  all.insert(all.end(), normals.point.begin(), normals.point.end());
+  upload_list(gl, normals_, GL_R32F, all, GL_STREAM_DRAW);
+  check_gl(gl, "upload of normals");
+}
+
+void DeviceSurface::upload_rings(const Gl &gl, const NormalRings &rings) {
+  std::vector<ivec4> begins;
+  for (size_t fan = 0; fan <= static_cast<size_t>(rings.fan_count); ++fan)
+    begins.emplace_back(rings.fan_begin[fan], rings.ring_begin[fan], rings.face_begin[fan], 0);
+  rings_.upload(gl, GL_RGBA32I, begins.data(), begins.size(), GL_STATIC_DRAW);
+  upload_list(gl, fan_vertices_, GL_R32I, rings.fan_vertex, GL_STATIC_DRAW);
+  upload_list(gl, ring_vertices_, GL_R32I, rings.ring_vertex, GL_STATIC_DRAW);
+  upload_list(gl, ring_faces_, GL_R32I, rings.face, GL_STATIC_DRAW);
+  fan_count_ = rings.fan_count;
+}
+
+void DeviceSurface::bind_mesh(const Gl &gl) const {
+  gl.BindTextureUnit(UNIT_MESH_POSITIONS, positions_.id());
+  gl.BindTextureUnit(UNIT_TRIANGLES, triangles_.id());
+}
+
+GLuint DeviceSurface::faces(const Gl &gl, ProgramCache &programs) {
+  if (!has_faces_) {
+    faces_.reserve(gl, GL_RGBA32F, static_cast<size_t>(triangle_count_));
+    gl.UseProgram(programs.get(gl, "faces", {{GL_COMPUTE_SHADER, "opengl/surface/faces.comp.glsl"}}));
+    bind_mesh(gl);
+    gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_FACES, faces_.buffer_id());
+    dispatch_invocations(gl, triangle_count_, first_tile);
+    gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    check_gl(gl, "faces");
+    has_faces_ = true;
+  }
+  return faces_.id();
+}
+
+void DeviceSurface::fit_normals(const Gl &gl, ProgramCache &programs, const NormalRings &rings, uint64_t rings_version,
+                                bool fitted) {
+  if (rings_version_ != rings_version) upload_rings(gl, rings);
+  rings_version_ = rings_version;
+  const GLuint measured_faces = fitted ? faces(gl, programs) : 0;
+  normals_.reserve(gl, GL_R32F, 3 * static_cast<size_t>(fan_count_));
+  gl.UseProgram(programs.get(gl, "normals", {{GL_COMPUTE_SHADER, "opengl/surface/normals.comp.glsl"}}));
+  bind_mesh(gl);
+  gl.BindTextureUnit(UNIT_FACES, measured_faces);
+  gl.BindTextureUnit(UNIT_RINGS, rings_.id());
+  gl.BindTextureUnit(UNIT_FAN_VERTICES, fan_vertices_.id());
+  gl.BindTextureUnit(UNIT_RING_VERTICES, ring_vertices_.id());
+  gl.BindTextureUnit(UNIT_RING_FACES, ring_faces_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NORMALS, normals_.buffer_id());
+  gl.Uniform1i(LOCATION_FITTED, fitted);
+  dispatch_invocations(gl, fan_count_, first_tile);
+  gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+  check_gl(gl, "normals");
+}
+
+void DeviceSurface::place(const Gl &gl, ProgramCache &programs, const Places &places, GLuint buffer, int stride) const {
+  gl.UseProgram(programs.get(gl, "places", {{GL_COMPUTE_SHADER, "opengl/surface/places.comp.glsl"}}));
+  bind_mesh(gl);
+  gl.BindTextureUnit(UNIT_MESH_NORMALS, normals_.id());
+  gl.BindTextureUnit(UNIT_SOURCES, places.sources());
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_SPACE, space_.id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PLACES, buffer);
+  gl.Uniform1i(LOCATION_STRIDE, stride);
+  dispatch_invocations(gl, places.count(), int64_t{1} << 20);
+  gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+  check_gl(gl, "places");
+}
+
+} // namespace paradesc

@@ -1,0 +1,81 @@
+#version 450 core
+// One invocation, one fan → its unit normal, as mesh/normals.cpp has it: Max's, or turned by the gradient of a jet through the vertices
+// around.
+#include "device.glsl"
+#include "shared.h"
+#include "opengl/surface/mesh.glsl"
+#include "opengl/surface/jet.glsl"
+layout(local_size_x = GROUP_SIZE) in;
+layout(std430, binding = BINDING_NORMALS) writeonly restrict buffer Normals { float normals[]; };
+layout(binding = UNIT_FACES) uniform samplerBuffer faces;
+layout(binding = UNIT_RINGS) uniform isamplerBuffer rings;
+layout(binding = UNIT_FAN_VERTICES) uniform isamplerBuffer fan_vertices;
+layout(binding = UNIT_RING_VERTICES) uniform isamplerBuffer ring_vertices;
+layout(binding = UNIT_RING_FACES) uniform isamplerBuffer ring_faces;
+layout(location = LOCATION_FITTED) uniform int fitted;
+layout(location = LOCATION_FIRST) uniform int first;
+layout(location = LOCATION_LAST) uniform int last;
+
+// In cosines: 30 and 45 degrees of spread, 8 and 12 of turn.
+const double spread_full = 0.8660254037844387LF, spread_none = 0.7071067811865476LF;
+const double turn_full = 0.9902680687415704LF, turn_none = 0.9781476007338057LF;
+
+dvec3 fan_position(int entry) { return mesh_position(texelFetch(fan_vertices, entry).x); }
+
+// N. Max's, from edges to the vertices around.
+dvec3 max_normal(int begin, int end) {
+  dvec3 p = fan_position(begin), sum = dvec3(0.0LF), a = fan_position(begin + 1) - p;
+  double square = dot(a, a);
+  for (int i = begin + 2; i < end; ++i) {
+    dvec3 b = fan_position(i) - p;
+    double next_square = dot(b, b), squares = square * next_square;
+    if (squares > 0.0LF) sum += cross(a, b) / squares;
+    a = b;
+    square = next_square;
+  }
+  dvec3 normal = unit_or_zero(sum);
+  for (int i = end - 1; i > begin + 1 && normal == dvec3(0.0LF); --i) // faces that cancel out: the last one's, which has one
+    normal = unit_or_zero(cross(fan_position(i - 1) - p, fan_position(i) - p));
+  return normal == dvec3(0.0LF) ? dvec3(0.0LF, 0.0LF, 1.0LF) : normal;
+}
+
+// The least cosine between the normal and the faces of the rings.
+double spread_of(dvec3 normal, int begin, int end) {
+  double spread = 1.0LF;
+  for (int i = begin; i < end && spread > spread_none; ++i)
+    spread = min(spread, dot(dvec3(texelFetch(faces, texelFetch(ring_faces, i).x).xyz), normal));
+  return spread;
+}
+
+double smooth_between(double none, double full, double value) {
+  double t = clamp((value - none) / (full - none), 0.0LF, 1.0LF);
+  return t * t * (3.0LF - 2.0LF * t);
+}
+
+dvec3 unit(dvec3 v) { return v * (1.0LF / sqrt(dot(v, v))); }
+
+dvec3 turned(dvec3 n, dvec3 p, double spread, int begin, int end) {
+  dvec3 e1 = unit(cross(n, abs(n.x) < 0.6LF ? dvec3(1.0LF, 0.0LF, 0.0LF) : dvec3(0.0LF, 1.0LF, 0.0LF))), e2 = cross(n, e1);
+  begin_moments();
+  for (int i = begin; i < end; ++i) {
+    dvec3 d = mesh_position(texelFetch(ring_vertices, i).x) - p;
+    add_height(dot(d, e1), dot(d, e2), dot(d, n));
+  }
+  dvec2 gradient;
+  if (!fit_gradient(end - begin, gradient)) return n;
+  dvec3 fit = unit(n - gradient.x * e1 - gradient.y * e2);
+  double weight = smooth_between(spread_none, spread_full, spread) * smooth_between(turn_none, turn_full, dot(n, fit));
+  return unit(n + weight * (fit - n));
+}
+
+void main() {
+  int fan = first + int(gl_GlobalInvocationID.x);
+  if (fan >= last) return;
+  ivec3 begin = texelFetch(rings, fan).xyz, end = texelFetch(rings, fan + 1).xyz;
+  dvec3 normal = max_normal(begin.x, end.x);
+  if (fitted != 0) {
+    double spread = spread_of(normal, begin.z, end.z);
+    if (spread > spread_none) normal = turned(normal, fan_position(begin.x), spread, begin.y, end.y);
+  }
+  for (int i = 0; i < 3; ++i) normals[3 * fan + i] = float(normal[i]);
+}
