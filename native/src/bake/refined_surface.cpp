@@ -151,7 +151,7 @@ RefinedSurface refine_surface(const SurfaceMaps &maps, const Triangles &triangle
   refined.normals.group = std::move(fans.normal);
   refined.normals.corner_fan = division.corner_fan;
   refined.normals.point = std::move(points.normal);
-  refined.extent = measure_extent(refined.triangles, division.half_edges, threads);
+  refined.box = bounding_box(refined.triangles, division.half_edges, threads);
   return refined;
 }
 

@@ -25,7 +25,7 @@ MeasureTriangle measure_of_maps(const SurfaceMaps &maps, const Triangles &triang
 struct RefinedSurface {
   Triangles triangles;
   Normals normals;
-  Extent extent;
+  Box box;
 };
 
 // The mesh, as its maps displace it. Throws Error(INVALID_OPERATION) where that is out of all bounds.

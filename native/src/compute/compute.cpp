@@ -62,8 +62,9 @@ static Surface surface_of(Mesh &mesh, const pdesc_options &options) {
           normals_of(mesh, options),
           options.creases == PDESC_CREASES_NONE ? nullptr : &creases_of(mesh, options),
           mesh.maps,
-          mesh.extent,
+          mesh.extent.box,
           mesh.atlases,
+          [&mesh] { return mean_edge_of(mesh); },
           [&mesh]() -> const Patches & { return patches_of(mesh); },
           mesh.positions_version};
 }

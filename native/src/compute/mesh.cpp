@@ -35,7 +35,7 @@ static pdesc_mesh_report describe(const Triangles &triangles, const HalfEdges &h
 pdesc_mesh_report report_of(const Mesh &mesh) {
   pdesc_mesh_report report = mesh.found;
   report.diagonal = static_cast<float>(mesh.extent.diagonal);
-  report.mean_edge = static_cast<float>(mesh.extent.mean_edge);
+  report.mean_edge = static_cast<float>(mean_edge(mesh.triangles, mesh.half_edges, mesh.context->threads));
   return report;
 }
 
@@ -73,9 +73,14 @@ void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   mesh.extent = measure_extent(mesh.triangles, mesh.half_edges, mesh.context->threads);
 }
 
+double mean_edge_of(const Mesh &mesh) {
+  return mesh.mean_edge.get(mesh.positions_version,
+                            [&] { return mean_edge(mesh.triangles, mesh.half_edges, mesh.context->threads); });
+}
+
 double requested_radius(const Mesh &mesh, const pdesc_options &options) {
   const double unit = options.radius_unit == PDESC_RADIUS_DIAGONAL    ? mesh.extent.diagonal
-                      : options.radius_unit == PDESC_RADIUS_MEAN_EDGE ? mesh.extent.mean_edge
+                      : options.radius_unit == PDESC_RADIUS_MEAN_EDGE ? mean_edge_of(mesh)
                                                                       : 1.0;
   return options.radius * unit;
 }

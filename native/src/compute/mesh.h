@@ -30,6 +30,7 @@ struct Mesh {
   pdesc_mesh_report found{}; // in the mesh and its UV map as they were given
 
   // Stages that every engine reads, made when first asked for.
+  mutable Keyed<uint64_t, double> mean_edge;                              // by the positions' version
   Keyed<std::pair<uint64_t, int32_t>, Creases> creases;                   // by the positions' version and pdesc_creases
   Keyed<std::tuple<uint64_t, int32_t, double>, Creases> counting_creases; // and by the radius
   std::optional<Patches> patches;
@@ -56,6 +57,7 @@ struct Mesh {
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input);
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count);
 pdesc_mesh_report report_of(const Mesh &mesh);
+double mean_edge_of(const Mesh &mesh);
 double requested_radius(const Mesh &mesh, const pdesc_options &options); // in units of the positions
 const Creases &creases_of(Mesh &mesh, const pdesc_options &options);     // at which normals end
 NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options);

@@ -18,7 +18,6 @@
 #include "mesh/atlas.h"
 #include "mesh/creases.h"
 #include "mesh/division.h"
-#include "mesh/extent.h"
 #include "mesh/normals.h"
 #include "mesh/patches.h"
 #include "support/progress.h"
@@ -54,8 +53,9 @@ struct Surface {
   NormalsOnDemand normals;
   const Creases *creases; // beside which curvature is that of the solid; or null
   const SurfaceMaps &maps;
-  const Extent &extent;
+  const Box &box;                           // of the positions
   Atlases &atlases;                         // an engine in texture space may ask for a better one
+  std::function<double()> mean_edge;        // measured when first asked for
   std::function<const Patches &()> patches; // made when first asked for
   uint64_t positions_version;               // differs whenever positions do
   uint64_t topology_version = 0;            // differs whenever triangles do

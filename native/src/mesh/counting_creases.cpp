@@ -82,6 +82,7 @@ std::vector<int32_t> spread_out(const Triangles &triangles, const HalfEdges &hal
 
 Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, double radius,
                            int threads) {
+  if (creases.edges == 0) return creases;
   const Creases marked = marked_creases(triangles, half_edges);
   if (creases.edges == marked.edges) return creases;
   const std::vector<int32_t> line = line_of_points(half_edges, creases);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -25,24 +26,31 @@ constexpr int block_size = 1024;
 
 dvec3 corner_position(const Triangles &triangles, int corner) { return dvec3(triangles.position(corner)); }
 
-dvec3 face_product(const Triangles &triangles, int face) {
-  const dvec3 a = corner_position(triangles, 3 * face);
-  return glm::cross(corner_position(triangles, 3 * face + 1) - a, corner_position(triangles, 3 * face + 2) - a);
+// The corners of a face, read once.
+struct Face {
+  dvec3 a, b, c;
+
+  Face(const Triangles &triangles, int face)
+      : a(corner_position(triangles, 3 * face)), b(corner_position(triangles, 3 * face + 1)),
+        c(corner_position(triangles, 3 * face + 2)) {}
+  dvec3 product() const { return glm::cross(b - a, c - a); }
+  // Lower than what rounds positions, by far: its normal says nothing.
+  bool is_needle(dvec3 product) const {
+    const auto square = [](dvec3 v) { return glm::dot(v, v); };
+    const double longest2 = std::max({square(b - a), square(c - b), square(a - c)});
+    const dvec3 most = glm::max(glm::max(glm::abs(a), glm::abs(b)), glm::abs(c));
+    const double largest = std::max({most.x, most.y, most.z});
+    return square(product) < ROUNDING * ROUNDING * largest * largest * longest2;
+  }
+};
+
+bool is_needle(const Triangles &triangles, int index) {
+  const Face face(triangles, index);
+  return face.is_needle(face.product());
 }
 
 dvec3 along(const Triangles &triangles, int half_edge) {
   return corner_position(triangles, next_corner(half_edge)) - corner_position(triangles, half_edge);
-}
-
-// Lower than what rounds positions, by far: its normal says nothing.
-bool is_needle(const Triangles &triangles, int face, dvec3 product) {
-  double longest2 = 0, largest = 0;
-  for (int corner = 3 * face; corner < 3 * face + 3; ++corner) {
-    const dvec3 p = corner_position(triangles, corner), edge = corner_position(triangles, next_corner(corner)) - p;
-    longest2 = std::max(longest2, glm::dot(edge, edge));
-    largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  }
-  return glm::dot(product, product) < ROUNDING * ROUNDING * largest * largest * longest2;
 }
 
 // Other than this one.
@@ -70,14 +78,13 @@ public:
     const double bend = bend_of(half_edge), distance = reach * std::min(width(half_edge), width(twin));
     if (!(bend >= least_bend) || !(distance > 0)) return false;
     // Beside a needle the same bend may come twice, there and back.
-    if (is_needle_itself(half_edge / 3) || is_needle_itself(twin / 3)) return true;
+    if (is_needle(triangles_, half_edge / 3) || is_needle(triangles_, twin / 3)) return true;
     const double left = most_bent(half_edge, distance), right = most_bent(twin, distance);
     if (bend >= both_sides * std::max(left, right) || bend >= one_side * std::min(left, right)) return true;
     return bend >= least_hard_bend && bend >= own_triangles * std::max(most_bent(half_edge, -1), most_bent(twin, -1));
   }
 
 private:
-  bool is_needle_itself(int face) const { return is_needle(triangles_, face, face_product(triangles_, face)); }
   double bend_of(int half_edge) const {
     return std::abs(bend_between(dvec3(normals_[half_edge / 3]), dvec3(normals_[half_edges_.twin[half_edge] / 3]),
                                  along(triangles_, half_edge)));
@@ -183,7 +190,7 @@ int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int fac
   constexpr int most_steps = 8; // needles lie beside needles
   int steady = face, entered = -1;
   for (int step = 0; step < most_steps; ++step) {
-    if (!is_needle(triangles, steady, face_product(triangles, steady))) return steady;
+    if (!is_needle(triangles, steady)) return steady;
     entered = half_edges.twin[longest_edge(triangles, steady, entered)];
     if (entered < 0) break;
     steady = entered / 3;
@@ -192,8 +199,9 @@ int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int fac
 }
 
 dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face) {
-  dvec3 product = face_product(triangles, face);
-  if (is_needle(triangles, face, product)) product = face_product(triangles, steady_face(triangles, half_edges, face));
+  const Face given(triangles, face);
+  dvec3 product = given.product();
+  if (given.is_needle(product)) product = Face(triangles, steady_face(triangles, half_edges, face)).product();
   const double length = glm::length(product);
   return length > 0 ? product / length : dvec3(0);
 }
@@ -249,13 +257,16 @@ Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, in
   const std::vector<vec3> normals = steady_normals(triangles, half_edges, threads);
   constexpr float least_cosine = 0.93969262f + 1e-3f; // of the least bend
   const Surroundings surroundings(triangles, half_edges, normals);
-  parallel_blocks(3 * triangles.triangle_count, threads, block_size, [&](int begin, int end) {
-    for (int h = begin; h < end; ++h) {
+  std::atomic<bool> found = false;
+  parallel_blocks(triangles.triangle_count, threads, block_size, [&](int begin, int end) {
+    for (int h = 3 * begin; h < 3 * end; ++h) {
       const int twin = half_edges.twin[h];
-      if (twin > h && glm::dot(normals[h / 3], normals[twin / 3]) < least_cosine && surroundings.stands_out(h))
-        creases.half_edge[h] = creases.half_edge[twin] = 1;
+      if (twin <= h || glm::dot(normals[h / 3], normals[twin / 3]) >= least_cosine || !surroundings.stands_out(h)) continue;
+      creases.half_edge[h] = creases.half_edge[twin] = 1;
+      found = true;
     }
   });
+  if (!found) return marked;
   remove_short_lines(half_edges, marked, creases);
   creases.edges = count_edges(creases);
   return creases;

@@ -8,7 +8,7 @@
 
 namespace paradesc {
 
-static double mean_edge(const Triangles &triangles, const HalfEdges &mesh, int threads) {
+double mean_edge(const Triangles &triangles, const HalfEdges &mesh, int threads) {
   constexpr int block = 65536;
   const int half_edges = 3 * triangles.triangle_count;
   std::vector<std::pair<double, int>> parts((half_edges + block - 1) / block); // sum and count
@@ -35,7 +35,6 @@ Extent measure_extent(const Triangles &triangles, const HalfEdges &half_edges, i
   Extent extent;
   extent.box = bounding_box(triangles, half_edges, threads);
   extent.diagonal = length(extent.box.high - extent.box.low);
-  extent.mean_edge = mean_edge(triangles, half_edges, threads);
   return extent;
 }
 

@@ -9,9 +9,9 @@ namespace paradesc {
 struct Extent {
   Box box;
   double diagonal = 0.0; // of the box
-  double mean_edge = 0.0;
 };
 
 Extent measure_extent(const Triangles &triangles, const HalfEdges &half_edges, int threads);
+double mean_edge(const Triangles &triangles, const HalfEdges &half_edges, int threads);
 
 } // namespace paradesc

@@ -44,7 +44,9 @@ static double area_tolerance(int samples) {
 // Patches are worth it if floods over triangles would look at each triangle several times. They are exact enough from 300
 // vertices in a ball on: those that its rim cuts off by chance make 1 % of its area.
 static bool floods_are_long(const RecheckSpace &space, size_t points) {
-  const double triangles = pi * space.radius * space.radius / (0.43 * space.mean_edge * space.mean_edge); // in a ball
+  if (points == 0) return false;
+  const double mean_edge = space.mean_edge();
+  const double triangles = pi * space.radius * space.radius / (0.43 * mean_edge * mean_edge); // in a ball
   return triangles > 600.0 && static_cast<double>(points) * std::min(triangles, static_cast<double>(MAX_CONNECTED_TRIANGLES)) >
                                   16.0 * static_cast<double>(space.triangles.triangle_count);
 }

@@ -2,9 +2,11 @@
 #include "sample/neighborhoods.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "support/parallel.h"
@@ -104,72 +106,113 @@ namespace {
 // A ball around some centers.
 struct Spread {
   vec3 low{std::numeric_limits<float>::max()}, high{-std::numeric_limits<float>::max()};
-  void add(const CenterPosition &position_of, std::span<const int32_t> members) {
-    for (const int32_t i : members) {
-      const vec3 position = position_of(static_cast<size_t>(i));
-      low = glm::min(low, position);
-      high = glm::max(high, position);
-    }
+  void add(vec3 from, vec3 to) {
+    low = glm::min(low, from);
+    high = glm::max(high, to);
   }
   vec3 middle() const { return 0.5f * (low + high); }
   float radius() const { return 0.5f * length(high - low); }
 };
 
+// What floods read of the cells, close together.
+struct FloodCells {
+  std::vector<vec4> sphere;
+  std::vector<vec3> facing; // normal times area
+
+  explicit FloodCells(std::span<const CellData> measured) {
+    sphere.reserve(measured.size());
+    facing.reserve(measured.size());
+    for (const CellData &cell : measured) {
+      sphere.push_back(cell.sphere);
+      facing.push_back(cell.sphere.w >= 0.0f ? vec3(cell.cone) * cell.area.x : vec3(0.0f));
+    }
+  }
+};
+
+// Some cells, a bit each, which come in order; and a bit for each word that has some.
+class SomeCells {
+public:
+  explicit SomeCells(int cells) : words_(static_cast<size_t>(cells) / 64 + 1, 0), used_(words_.size() / 64 + 1, 0) {}
+
+  bool has(int32_t cell) const { return words_[word_of(cell)] >> (cell & 63) & 1; }
+  void add(int32_t cell) {
+    words_[word_of(cell)] |= uint64_t{1} << (cell & 63);
+    used_[word_of(cell) >> 6] |= uint64_t{1} << (word_of(cell) & 63);
+  }
+  // Replaces the list by all that are there.
+  void list(std::vector<int32_t> &cells) const {
+    cells.clear();
+    for_each_word([&](size_t word) {
+      for (uint64_t bits = words_[word]; bits; bits &= bits - 1)
+        cells.push_back(static_cast<int32_t>(64 * word) + std::countr_zero(bits));
+    });
+  }
+  void clear() {
+    for_each_word([&](size_t word) { words_[word] = 0; });
+    std::ranges::fill(used_, 0);
+  }
+
+private:
+  static size_t word_of(int32_t cell) { return static_cast<size_t>(cell) >> 6; }
+  void for_each_word(const auto &visit) const {
+    for (size_t i = 0; i < used_.size(); ++i)
+      for (uint64_t bits = used_[i]; bits; bits &= bits - 1) visit(64 * i + static_cast<size_t>(std::countr_zero(bits)));
+  }
+
+  std::vector<uint64_t> words_, used_;
+};
+
 // The floods that one thread makes.
 class Flood {
 public:
-  Flood(const Cells &cells, std::span<const CellData> measured, float radius)
-      : cells_(cells), measured_(measured), radius_(radius), visited_(static_cast<size_t>(cells.count), 0) {}
+  Flood(const Cells &cells, const FloodCells &measured, float radius)
+      : cells_(cells), measured_(measured), radius_(radius), reached_(cells.count), seen_(cells.count) {}
 
   // All cells that are connected to `cell` within the ball of any center nearer than spread.radius to its middle; and others,
-  // too.
+  // too. Sorted: one order of summation, wherever the search began.
   const std::vector<int32_t> &run(int32_t cell, const Spread &spread) {
     constexpr float around = 1.25f; // a link may lie a texel beyond the points of a cell
     const vec3 middle = spread.middle();
     const float reach = radius_ + spread.radius();
-    ++mark_;
-    found_.clear();
-    add(cell);
+    reached_.clear();
+    seen_.clear();
+    found_.assign(1, cell);
+    reached_.add(cell);
+    seen_.add(cell);
     for (size_t i = 0; i < found_.size(); ++i) {
       const auto from = static_cast<size_t>(found_[i]);
       for (int32_t k = cells_.adjacency_begin[from]; k < cells_.adjacency_begin[from + 1]; ++k) {
         const int32_t other = cells_.adjacency[k].x;
-        if (visited_[other] == mark_) continue;
-        const vec4 sphere = measured_[other].sphere;
+        if (seen_.has(other)) continue; // four times of five
+        seen_.add(other);
+        const vec4 sphere = measured_.sphere[other];
         const vec3 gap = vec3(sphere) - middle;
         const float limit = reach + around * sphere.w;
-        if (sphere.w < 0.0f || dot(gap, gap) < limit * limit) add(other); // one without a sphere may lead on
+        if (sphere.w >= 0.0f && dot(gap, gap) >= limit * limit) continue; // one without a sphere may lead on
+        reached_.add(other);
+        found_.push_back(other);
       }
     }
-    std::sort(found_.begin(), found_.end()); // one order of summation, wherever the search began
+    reached_.list(found_);
     return found_;
   }
 
-  bool was_found(int32_t cell) const { return visited_[cell] == mark_; } // by the last one
+  bool was_found(int32_t cell) const { return reached_.has(cell); } // by the last one
 
   // Of what was found last.
   vec4 mean_normal() const {
     vec3 sum(0.0f);
-    for (const int32_t cell : found_) {
-      const CellData &data = measured_[cell];
-      if (data.sphere.w >= 0.0f) sum += vec3(data.cone) * data.area.x;
-    }
+    for (const int32_t cell : found_) sum += measured_.facing[cell];
     const float size = length(sum);
     return vec4(size > 0.0f ? sum / size : vec3(0.0f), 0.0f);
   }
 
 private:
-  void add(int32_t cell) {
-    visited_[cell] = mark_;
-    found_.push_back(cell);
-  }
-
   const Cells &cells_;
-  std::span<const CellData> measured_;
+  const FloodCells &measured_;
   float radius_;
-  std::vector<uint32_t> visited_;
+  SomeCells reached_, seen_; // those seen may lie too far away
   std::vector<int32_t> found_;
-  uint32_t mark_ = 0;
 };
 
 } // namespace
@@ -203,13 +246,18 @@ static Squares squares_of(const Cells &cells, std::span<const CellData> measured
   for (const CellData &cell : measured) spheres += static_cast<double>(std::max(cell.sphere.w, 0.0f));
   const double radii = static_cast<double>(radius) * static_cast<double>(measured.size()) / std::max(spheres, 1e-30);
   const int width = (radii > 4.4 ? 4 : radii > 2.6 ? 2 : 1) * cells.block_size; // at most about the radius
-  const auto square_of = [&](int32_t cell) { return std::pair(cells.box[cell].y / width, cells.box[cell].x / width); };
-  Squares squares;
+  std::vector<std::tuple<int, int, int32_t>> list;                              // row and column of the square, cell
   for (int32_t cell = 0; cell < cells.count; ++cell)
-    if (starts.begin[cell] < starts.begin[cell + 1]) squares.cell.push_back(cell);
-  std::ranges::stable_sort(squares.cell, {}, square_of);
-  for (size_t i = 0; i < squares.cell.size(); ++i)
-    if (i == 0 || square_of(squares.cell[i - 1]) != square_of(squares.cell[i])) squares.begin.push_back(static_cast<int32_t>(i));
+    if (starts.begin[cell] < starts.begin[cell + 1])
+      list.emplace_back(cells.box[cell].y / width, cells.box[cell].x / width, cell);
+  std::ranges::sort(list);
+  Squares squares;
+  for (size_t i = 0; i < list.size(); ++i) {
+    const auto [row, column, cell] = list[i];
+    if (i == 0 || std::pair(row, column) != std::pair(std::get<0>(list[i - 1]), std::get<1>(list[i - 1])))
+      squares.begin.push_back(static_cast<int32_t>(i));
+    squares.cell.push_back(cell);
+  }
   squares.begin.push_back(static_cast<int32_t>(squares.cell.size()));
   return squares;
 }
@@ -226,46 +274,51 @@ struct Part {
 // Lists what is near the cells of a square: those that the flood from the first one finds, then from the first of the others…
 class SquareSearch {
 public:
-  SquareSearch(const Cells &cells, std::span<const CellData> measured, std::span<const int32_t> bits, const Starts &starts,
+  SquareSearch(const Cells &cells, const FloodCells &measured, std::span<const int32_t> bits, const Starts &starts,
                const CenterPosition &position_of, float radius)
       : bits_(bits), starts_(starts), position_of_(position_of), radius_(radius), flood_(cells, measured, radius) {}
 
   void run(std::span<const int32_t> square, NearCells &near, Part &part) {
     constexpr float most = 0.6f; // of the radius: the map may stretch a square to any length
-    std::vector<int32_t> left(square.begin(), square.end());
+    std::vector<Start> left;
+    for (const int32_t cell : square) left.push_back({cell, spread_of(cell)});
     while (!left.empty()) {
       Spread spread;
-      for (const int32_t cell : left) spread.add(position_of_, members_of(cell));
+      for (const Start &start : left) spread.add(start.spread.low, start.spread.high);
       const bool together = spread.radius() <= most * radius_;
-      list(left, together ? spread : spread_of(left[0]), together, near, part);
+      list(left, together ? spread : Spread(left[0].spread), together, near, part);
     }
   }
 
 private:
-  std::span<const int32_t> members_of(int32_t cell) const {
-    const auto begin = static_cast<size_t>(starts_.begin[cell]), end = static_cast<size_t>(starts_.begin[cell + 1]);
-    return std::span(starts_.order).subspan(begin, end - begin);
-  }
+  // A cell in which centers start.
+  struct Start {
+    int32_t cell;
+    Spread spread; // of these centers
+  };
 
   Spread spread_of(int32_t cell) const {
     Spread spread;
-    spread.add(position_of_, members_of(cell));
+    for (int32_t i = starts_.begin[cell]; i < starts_.begin[cell + 1]; ++i) {
+      const vec3 position = position_of_(static_cast<size_t>(starts_.order[i]));
+      spread.add(position, position);
+    }
     return spread;
   }
 
   // Takes the first cell out of `left`, and those that its flood finds if they share it.
-  void list(std::vector<int32_t> &left, const Spread &spread, bool together, NearCells &near, Part &part) {
-    const int32_t first = left[0];
+  void list(std::vector<Start> &left, const Spread &spread, bool together, NearCells &near, Part &part) {
+    const int32_t first = left[0].cell;
     const auto begin = static_cast<int32_t>(part.near.size());
     for (const int32_t found : flood_.run(first, spread)) part.near.emplace_back(found, first, 0, bits_[found]);
     near.normal[first] = flood_.mean_normal();
-    std::vector<int32_t> others;
-    for (const int32_t cell : left) {
-      if (cell != first && !(together && flood_.was_found(cell))) {
-        others.push_back(cell);
+    std::vector<Start> others;
+    for (const Start &start : left) {
+      if (start.cell != first && !(together && flood_.was_found(start.cell))) {
+        others.push_back(start);
         continue;
       }
-      part.joined.push_back(cell);
+      part.joined.push_back(start.cell);
       part.range.emplace_back(begin, static_cast<int32_t>(part.near.size()));
     }
     left.swap(others);
@@ -302,6 +355,7 @@ NearCells find_near_cells(const Cells &cells, const CellStrides &strides, std::s
   constexpr int block = 32;
   const std::vector<int32_t> bits = bits_of_cells(cells, strides, measured);
   const Squares squares = squares_of(cells, measured, starts, radius);
+  const FloodCells flood_cells(measured);
   NearCells near;
   near.any_fine = std::ranges::any_of(bits, [](int32_t of_cell) { return of_cell >= CELL_FINE_LEAF; });
   near.range.assign(measured.size(), ivec2(0));
@@ -311,7 +365,7 @@ NearCells find_near_cells(const Cells &cells, const CellStrides &strides, std::s
   Pool<SquareSearch> searches;
   parallel_blocks(count, threads, block, [&](int first, int last) {
     Part part; // of its own: neighboring vectors share cache lines
-    searches.with_one([&] { return SquareSearch(cells, measured, bits, starts, position_of, radius); },
+    searches.with_one([&] { return SquareSearch(cells, flood_cells, bits, starts, position_of, radius); },
                       [&](SquareSearch &search) {
                         for (int i = first; i < last; ++i) {
                           const auto begin = static_cast<size_t>(squares.begin[i]),

@@ -340,7 +340,7 @@ Computed CpuSession::compute(const Surface &surface, const Request &request, con
   const pdesc_options &options = request.options;
   Clock clock;
   const ClusterTree &tree = tree_.get(surface.topology_version, [&] { return build_cluster_tree(surface.half_edges); });
-  const BakeSpace space = bake_space_of(surface.extent.box);
+  const BakeSpace space = bake_space_of(surface.box);
   const TexelMap *map_texels = nullptr;
   CenterResults at_texels;
   if (options.evaluate == PDESC_EVALUATE_TEXEL) {

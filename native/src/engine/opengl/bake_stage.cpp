@@ -104,7 +104,7 @@ Frame TextureSpace::bake(const Job &job) {
                       options.precision == PDESC_PRECISION_HALF && !surface.maps.any(),
                       surface.normals.fans_version};
   frame.key.surface = {surface.positions_version, surface.maps.version, surface.normals.key, fits_normals(job)};
-  frame.space = bake_space_of(surface.extent.box);
+  frame.space = bake_space_of(surface.box);
   if (surface.maps.any()) {
     frame.displaced = &*displaced_.get(frame.key.surface, [&] {
       return displace_points(surface.maps, surface.triangles, surface.half_edges, surface.normals(), frame.space,
