@@ -98,11 +98,17 @@ const Creases &creases_of(Mesh &mesh, const pdesc_options &options) {
                                    [&] { return creases_that_count(mesh.triangles, mesh.half_edges, all, radius, threads); });
 }
 
-// Their rings are kept once the mesh has moved: before, another frame may never come.
+static const NormalRings &rings_of(Mesh &mesh, const Creases &creases) {
+  if (!mesh.rings) mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges, creases, mesh.context->threads);
+  return *mesh.rings;
+}
+
+// Before a mesh has moved, rings would be made for this once.
 static Normals make_normals(Mesh &mesh, const Creases &creases, int32_t kind) {
   const int threads = mesh.context->threads;
-  return mesh.rings ? compute_normals(mesh.triangles, mesh.half_edges, *mesh.rings, kind, threads)
-                    : compute_normals_once(mesh.triangles, mesh.half_edges, creases, kind, threads);
+  const bool once = kind == PDESC_NORMALS_MESH || (mesh.positions_version == 0 && !mesh.rings);
+  return once ? compute_normals_once(mesh.triangles, mesh.half_edges, creases, kind, threads)
+              : compute_normals(mesh.triangles, mesh.half_edges, rings_of(mesh, creases), kind, threads);
 }
 
 NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options) {
@@ -113,17 +119,15 @@ NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options) {
     mesh.rings.reset();
   }
   const int32_t kind = options.normals;
-  const bool of_fans = kind != PDESC_NORMALS_MESH;
-  if (of_fans && mesh.positions_version > 0 && !mesh.rings)
-    mesh.rings = build_normal_rings(mesh.triangles, mesh.half_edges, creases, mesh.context->threads);
   NormalsOnDemand normals;
   normals.key = {mesh.positions_version, static_cast<uint64_t>(kind), mesh.rings_version};
+  normals.kind = kind;
   normals.make = [&mesh, &creases, kind, key = normals.key]() -> const Normals & {
     return mesh.normals.get(key, [&] { return make_normals(mesh, creases, kind); });
   };
-  normals.fans_version = of_fans ? mesh.rings_version : 0;
-  normals.kind = kind;
-  normals.rings = of_fans && mesh.rings ? &*mesh.rings : nullptr;
+  if (kind == PDESC_NORMALS_MESH) return normals;
+  normals.rings = [&mesh, &creases]() -> const NormalRings & { return rings_of(mesh, creases); };
+  normals.fans_version = mesh.rings_version;
   return normals;
 }
 

@@ -24,13 +24,13 @@ struct Normals {
   }
 };
 
-// The normals of a surface at one moment, made when first asked for; or what an engine makes them of by itself.
+// The normals of a surface at one moment, or what an engine fits them to by itself; either is made when first asked for.
 struct NormalsOnDemand {
   std::function<const Normals &()> make;
-  std::array<uint64_t, 3> key{};       // of one mesh: differs whenever they do
-  uint64_t fans_version = 0;           // differs whenever corners come to share a normal, or no longer do
-  int32_t kind = PDESC_NORMALS_FITTED; // pdesc_normals
-  const NormalRings *rings = nullptr;  // that fans are fitted from, where they are kept and corners have no normals of their own
+  std::function<const NormalRings &()> rings = nullptr; // none where corners have normals of their own
+  std::array<uint64_t, 3> key{};                        // of one mesh: differs whenever they do
+  uint64_t fans_version = 0;                            // differs whenever corners come to share a normal, or no longer do
+  int32_t kind = PDESC_NORMALS_FITTED;                  // pdesc_normals
 
   const Normals &operator()() const { return make(); }
 };

@@ -23,6 +23,14 @@ static int count_texelless_triangles(const Charts &charts, const std::vector<int
   return texelless;
 }
 
+// Where nothing on the processor asks for normals, the device fits them by itself.
+static bool fits_normals(const Job &job) {
+  const Surface &surface = job.surface;
+  const bool asked_for = !job.connected() || job.options().evaluate != PDESC_EVALUATE_VERTEX || surface.maps.any() ||
+                         (surface.creases && surface.creases->edges > 0);
+  return !asked_for && surface.normals.rings && surface.normals.rings().one_fan_a_point;
+}
+
 void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
   constexpr int drawn_at_once = 1 << 17; // triangles
   const Charts &charts = job.charts();
@@ -30,7 +38,7 @@ void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
   const int size = key.atlas.size;
   const BorderGrid &grid = grid_.get(key.atlas, [&] { return build_border_grid(charts, size); });
   const BakeVertices &vertices = vertices_.get({key.atlas.atlas, key.fans}, [&] {
-    const auto fans = key.fans == 0 ? nullptr : normals.rings ? normals.rings->corner_fan : normals().corner_fan;
+    const auto fans = key.fans == 0 ? nullptr : fits_normals(job) ? normals.rings().corner_fan : normals().corner_fan;
     return build_bake_vertices(job.surface.triangles, charts, fans ? *fans : std::vector<int32_t>());
   });
   layout_.get(key, [&] {
@@ -58,14 +66,6 @@ void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
   });
 }
 
-// Where nothing on the processor asks for normals, the device fits them by itself.
-static bool fits_normals(const Job &job) {
-  const Surface &surface = job.surface;
-  const bool asked_for = !job.connected() || job.options().evaluate != PDESC_EVALUATE_VERTEX || surface.maps.any() ||
-                         (surface.creases && surface.creases->edges > 0);
-  return !asked_for && surface.normals.rings && surface.normals.rings->one_fan_a_point;
-}
-
 void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
   constexpr int drawn_at_once = 1 << 20; // texels
   const Surface &surface = job.surface;
@@ -83,7 +83,7 @@ void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
     if (made)
       device_->surface.set_normals(gl, *made);
     else
-      device_->surface.fit_normals(gl, programs, *normals.rings, normals.fans_version, normals.kind == PDESC_NORMALS_FITTED);
+      device_->surface.fit_normals(gl, programs, normals.rings(), normals.fans_version, normals.kind == PDESC_NORMALS_FITTED);
     buffer.place_vertices(programs, input, device_->surface);
   });
   for (int first = 0; first < size; first += rows)

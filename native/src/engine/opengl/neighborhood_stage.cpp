@@ -87,7 +87,7 @@ static TexellessSamples texelless_samples(const Job &job, const Frame &frame, co
         cells, surface.triangles, [&](size_t corner) { return normals.corner(corner); }, frame.space, radius,
         frame.displaced ? &displaced : nullptr);
   }
-  const NormalRings &rings = *surface.normals.rings;
+  const NormalRings &rings = surface.normals.rings();
   std::vector<int32_t> fans;
   for (const int32_t triangle : cells.texelless)
     for (int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) fans.push_back((*rings.corner_fan)[corner]);
@@ -208,7 +208,7 @@ const PlacedCenters &TextureSpace::placed_centers(const Job &job, const Frame &f
     const auto groups = fits ? 0 : static_cast<int32_t>(job.surface.normals().group.size());
     std::vector<ivec2> sources;
     for (const int32_t point : centers.points)
-      sources.emplace_back(half_edges.point_vertex[point], fits ? job.surface.normals.rings->point_fan[point] : groups + point);
+      sources.emplace_back(half_edges.point_vertex[point], fits ? job.surface.normals.rings().point_fan[point] : groups + point);
     const std::vector<CenterData> data = describe_centers(job.charts(), center_options(job, frame, 0.0), centers, {});
     std::unique_ptr<PlacedCenters> placed;
     gl_->run([&](const Gl &gl, ProgramCache &) {

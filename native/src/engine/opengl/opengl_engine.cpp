@@ -42,6 +42,14 @@ static bool reads_map(std::span<const int> descriptors) {
   return std::ranges::any_of(descriptors, [](int row) { return descriptor_row(row).needs != MapNeeds::nothing; });
 }
 
+// Of the rings that a device fits normals to, which the mesh keeps as well.
+static int64_t bytes_of_rings(const ComputationSize &size) {
+  const pdesc_options &options = size.options;
+  const bool fits = options.relocation == PDESC_RELOCATION_CONNECTED && options.evaluate == PDESC_EVALUATE_VERTEX &&
+                    options.normals != PDESC_NORMALS_MESH && !size.surface_maps;
+  return fits ? size.points * 250 : 0;
+}
+
 static int64_t bytes_of_device(const ComputationSize &size) {
   const pdesc_options &options = size.options;
   const int64_t texels = int64_t{options.buffer_size} * options.buffer_size;
@@ -49,8 +57,8 @@ static int64_t bytes_of_device(const ComputationSize &size) {
                           8 // borders, cells, depth and owners of a layout
                           + (reads_map(size.descriptors) ? 16 : 0);
   const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? 32768 : size.wedges;
-  int64_t bytes = texels * a_texel + size.triangles * 48 + size.wedges * 32 + size.borders * 100 +
-                  centers * (200 + 4 * rows_of(size.descriptors));
+  int64_t bytes = texels * a_texel + bytes_of_rings(size) + size.triangles * 76 + size.points * 24 + size.wedges * 32 +
+                  size.borders * 100 + centers * (200 + 4 * rows_of(size.descriptors));
   if (options.relocation == PDESC_RELOCATION_CONNECTED)
     bytes += std::min<int64_t>(texels * 5 / 4, max_listed_points) * 32 // samples
              + std::min<int64_t>(texels * 64, 1 << 27)                 // cells near centers
@@ -67,8 +75,8 @@ MemoryForecast forecast_opengl_memory(bool software, const ComputationSize &size
   MemoryForecast memory;
   memory.device = bytes_of_device(size);
   memory.device_on_host = software ? memory.device + rasterizer : 0;
-  memory.host = bytes_of_results(size) + int64_t{options.buffer_size} * options.buffer_size * 32 + size.triangles * 100 +
-                size.wedges * 160 + size.borders * 300;
+  memory.host = bytes_of_results(size) + bytes_of_rings(size) + int64_t{options.buffer_size} * options.buffer_size * 32 +
+                size.triangles * 100 + size.wedges * 160 + size.borders * 300;
   if (options.relocation == PDESC_RELOCATION_CONNECTED && options.evaluate == PDESC_EVALUATE_VERTEX)
     memory.host += size.triangles * (size.patches ? 20 : 45); // patches, and what floods over them keep of each point
   if (options.evaluate == PDESC_EVALUATE_TEXEL)
