@@ -275,8 +275,8 @@ struct Part {
 class SquareSearch {
 public:
   SquareSearch(const Cells &cells, const FloodCells &measured, std::span<const int32_t> bits, const Starts &starts,
-               const CenterPosition &position_of, float radius)
-      : bits_(bits), starts_(starts), position_of_(position_of), radius_(radius), flood_(cells, measured, radius) {}
+               const CenterPositions &positions, float radius)
+      : bits_(bits), starts_(starts), positions_(positions), radius_(radius), flood_(cells, measured, radius) {}
 
   void run(std::span<const int32_t> square, NearCells &near, Part &part) {
     constexpr float most = 0.6f; // of the radius: the map may stretch a square to any length
@@ -300,10 +300,10 @@ private:
   Spread spread_of(int32_t cell) const {
     Spread spread;
     for (int32_t i = starts_.begin[cell]; i < starts_.begin[cell + 1]; ++i) {
-      const vec3 position = position_of_(static_cast<size_t>(starts_.order[i]));
+      const vec3 position = positions_.all[positions_.index[starts_.order[i]]];
       spread.add(position, position);
     }
-    return spread;
+    return {positions_.space.to_buffer(spread.low), positions_.space.to_buffer(spread.high)}; // which keeps their order
   }
 
   // Takes the first cell out of `left`, and those that its flood finds if they share it.
@@ -326,7 +326,7 @@ private:
 
   std::span<const int32_t> bits_;
   const Starts &starts_;
-  const CenterPosition &position_of_;
+  const CenterPositions &positions_;
   float radius_;
   Flood flood_;
 };
@@ -351,7 +351,7 @@ static void join(const Cells &cells, std::vector<Part> &parts, NearCells &near) 
 }
 
 NearCells find_near_cells(const Cells &cells, const CellStrides &strides, std::span<const CellData> measured,
-                          const Starts &starts, const CenterPosition &position_of, float radius, int threads) {
+                          const Starts &starts, const CenterPositions &positions, float radius, int threads) {
   constexpr int block = 32;
   const std::vector<int32_t> bits = bits_of_cells(cells, strides, measured);
   const Squares squares = squares_of(cells, measured, starts, radius);
@@ -365,7 +365,7 @@ NearCells find_near_cells(const Cells &cells, const CellStrides &strides, std::s
   Pool<SquareSearch> searches;
   parallel_blocks(count, threads, block, [&](int first, int last) {
     Part part; // of its own: neighboring vectors share cache lines
-    searches.with_one([&] { return SquareSearch(cells, flood_cells, bits, starts, position_of, radius); },
+    searches.with_one([&] { return SquareSearch(cells, flood_cells, bits, starts, positions, radius); },
                       [&](SquareSearch &search) {
                         for (int i = first; i < last; ++i) {
                           const auto begin = static_cast<size_t>(squares.begin[i]),

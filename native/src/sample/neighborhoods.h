@@ -58,11 +58,15 @@ struct NearCells {
   bool any_fine = false;    // whether a cell has fine samples
 };
 
-// Of a center, in buffer units.
-using CenterPosition = std::function<vec3(size_t center)>;
+// Where centers lie: some of these positions, which a space takes to buffer units.
+struct CenterPositions {
+  std::span<const vec3> all;
+  std::span<const int32_t> index; // (centers) into all
+  BakeSpace space;
+};
 
 // radius in buffer units; threads as in pdesc_context_options.
 NearCells find_near_cells(const Cells &cells, const CellStrides &strides, std::span<const CellData> measured,
-                          const Starts &starts, const CenterPosition &position_of, float radius, int threads);
+                          const Starts &starts, const CenterPositions &positions, float radius, int threads);
 
 } // namespace paradesc

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,7 +11,6 @@
 #include "mesh/extent.h"
 #include "mesh/halfedge.h"
 #include "support/on_device.h"
-#include "support/solids.h"
 #include "support/surfaces.h"
 
 namespace paradesc::test {
@@ -19,8 +19,8 @@ namespace {
 class DeviceSurfaces : public OnDevice {
 protected:
   // A place for each fan: its own vertex, its own normal. (fans, 2) position, normal.
-  std::vector<vec4> places_of(const TestMesh &mesh, int32_t kind, bool made_by_processor = false) {
-    triangles = read_triangles(input_of(mesh));
+  std::vector<vec4> places_of(Triangles list, int32_t kind, bool made_by_processor = false) {
+    triangles = std::move(list);
     half_edges = build_half_edges(triangles);
     rings = build_normal_rings(triangles, half_edges);
     expected = compute_normals(triangles, half_edges, rings, kind, 0);
@@ -47,8 +47,9 @@ protected:
   }
 
   // Both are in doubles and round once; sums may be put together in another way.
-  void expect_the_processors(const TestMesh &mesh, int32_t kind) {
-    const std::vector<vec4> places = places_of(mesh, kind);
+  void expect_the_processors(const TestMesh &mesh, int32_t kind) { expect_the_processors(read_triangles(input_of(mesh)), kind); }
+  void expect_the_processors(Triangles list, int32_t kind) {
+    const std::vector<vec4> places = places_of(std::move(list), kind);
     ASSERT_GT(rings.fan_count, 0);
     for (size_t fan = 0; fan < static_cast<size_t>(rings.fan_count); ++fan)
       ASSERT_LT(length(vec3(places[2 * fan + 1]) - expected.group[fan]), 2e-7f) << "fan " << fan << " of " << rings.fan_count;
@@ -78,10 +79,37 @@ TEST_F(DeviceSurfaces, have_them_on_hard_and_coarse_surfaces) {
   }
 }
 
+Triangles shape(std::vector<vec3> positions, std::vector<int32_t> corners) {
+  Triangles list;
+  list.vertex_count = static_cast<int>(positions.size());
+  list.triangle_count = static_cast<int>(corners.size() / 3);
+  list.positions = std::move(positions);
+  list.corner_vertex = std::move(corners);
+  list.half_edge_sharp.assign(list.corner_vertex.size(), 0);
+  return list;
+}
+
+// Faces that cancel out, one without area, and a fan of thousands of faces, of whose rings only some are taken.
+TEST_F(DeviceSurfaces, have_them_on_shapes_that_are_no_surface) {
+  std::vector<vec3> positions{{0, 0, 1}};
+  std::vector<int32_t> corners;
+  constexpr int count = 5000;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * pi * i / count;
+    positions.emplace_back(std::cos(angle), std::sin(angle), 0);
+    corners.insert(corners.end(), {0, 1 + i, 1 + (i + 1) % count});
+  }
+  for (const int32_t kind : {PDESC_NORMALS_FITTED, PDESC_NORMALS_MAX}) {
+    expect_the_processors(shape({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 1, 2, 0, 2, 1}), kind);
+    expect_the_processors(shape({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}}, {0, 1, 3, 1, 2, 3, 0, 2, 1}), kind);
+    expect_the_processors(shape(positions, corners), kind);
+  }
+}
+
 TEST_F(DeviceSurfaces, put_places_where_the_mesh_is_and_leave_what_lies_beside_them) {
   TestMesh mesh = torus(1.0, 0.4, {.vertices = 300});
   for (float &coordinate : mesh.positions) coordinate = 1000.0f + 3.0f * coordinate;
-  const std::vector<vec4> places = places_of(mesh, PDESC_NORMALS_FITTED, true);
+  const std::vector<vec4> places = places_of(read_triangles(input_of(mesh)), PDESC_NORMALS_FITTED, true);
   for (size_t fan = 0; fan < static_cast<size_t>(rings.fan_count); ++fan) {
     const auto vertex = static_cast<size_t>(half_edges.point_vertex[static_cast<size_t>(rings.fan_point[fan])]);
     EXPECT_EQ(vec3(places[2 * fan]), space.to_buffer(triangles.positions[vertex])) << fan;

@@ -104,7 +104,7 @@ static TexellessSamples texelless_samples(const Job &job, const Frame &frame, co
 
 // Uploads what neighborhoods of these centers are found in. Returns the samples of triangles without texels.
 TexellessSamples TextureSpace::prepare_search(const Job &job, const Frame &frame, double radius, int samples,
-                                              const Starts &starts, const CenterPosition &position_of) {
+                                              const Starts &starts, const CenterPositions &positions) {
   const auto buffer_radius = static_cast<float>(radius * frame.space.scale);
   checkpoint();
   list_samples_for(job, frame, buffer_radius, samples);
@@ -115,7 +115,7 @@ TexellessSamples TextureSpace::prepare_search(const Job &job, const Frame &frame
       texelless.samples.empty() ? std::vector<CellData>() : with_texelless_samples(measured, texelless);
   if (!extended.empty()) measured = extended;
   const NearCells near =
-      find_near_cells(set.cells, set.samples.strides, measured, starts, position_of, buffer_radius, job.resources.threads);
+      find_near_cells(set.cells, set.samples.strides, measured, starts, positions, buffer_radius, job.resources.threads);
   const std::vector<vec4> boundary = ends_of_boundary(set.cells, job.triangles(frame), frame.space);
   checkpoint();
   gl_->run([&](const Gl &gl, ProgramCache &programs) {
@@ -193,22 +193,26 @@ const OrderedCenters &TextureSpace::ordered_centers(const Job &job) {
     made.centers = list_centers(charts, {options.seam_error != 0, true, options.seed, options.buffer_size, 0.0f});
     made.starts = starts_of(job, set.cells, made.centers);
     made.centers.permute(paradesc::put_in_order(made.starts));
+    for (const int32_t point : made.centers.points) made.vertices.push_back(job.surface.half_edges.point_vertex[point]);
     ++set.centers_version;
     return made;
   });
 }
 
 // A center's normal is its point's, or, if the device fits them, its fan's.
-const PlacedCenters &TextureSpace::placed_centers(const Job &job, const Frame &frame) {
+const PlacedCenters &TextureSpace::placed_centers(const Job &job, const Frame &frame, const OrderedCenters &ordered) {
   CellSet &set = cells();
-  const Centers &centers = ordered_centers(job).centers;
+  const Centers &centers = ordered.centers;
   const bool fits = frame.key.surface.fits_normals;
-  const auto &kept = set.placed.get({set.centers_version, fits}, [&] {
-    const HalfEdges &half_edges = job.surface.half_edges;
+  const PlacedKey key{set.centers_version, fits};
+  if (!set.placed.find(key)) gl_->run([&](const Gl &, ProgramCache &) { set.placed.clear(); }); // it lives on the device
+  const auto &kept = set.placed.get(key, [&] {
     const auto groups = fits ? 0 : static_cast<int32_t>(job.surface.normals().group.size());
     std::vector<ivec2> sources;
-    for (const int32_t point : centers.points)
-      sources.emplace_back(half_edges.point_vertex[point], fits ? job.surface.normals.rings().point_fan[point] : groups + point);
+    for (size_t i = 0; i < centers.points.size(); ++i) {
+      const int32_t point = centers.points[i];
+      sources.emplace_back(ordered.vertices[i], fits ? job.surface.normals.rings().point_fan[point] : groups + point);
+    }
     const std::vector<CenterData> data = describe_centers(job.charts(), center_options(job, frame, 0.0), centers, {});
     std::unique_ptr<PlacedCenters> placed;
     gl_->run([&](const Gl &gl, ProgramCache &) {

@@ -34,20 +34,21 @@ static int pattern_samples(const Job &job, const Frame &frame, int samples) {
   return std::min(4096, static_cast<int>(std::ceil(samples * shrinkage * shrinkage)));
 }
 
+static CenterPositions positions_of(const Job &job, const Frame &frame, const OrderedCenters &ordered) {
+  return frame.displaced ? CenterPositions{frame.displaced->position, ordered.centers.points, {}}
+                         : CenterPositions{job.surface.triangles.positions, ordered.vertices, frame.space};
+}
+
 // Evaluates the vertices pass by pass: operators on a map come after what the map is made of.
 void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed) {
   const pdesc_options &options = job.options();
   const double radius = job.request.radius;
   EvaluateSettings settings = settings_of(job, frame);
-  const Centers centers =
-      job.connected() ? ordered_centers(job).centers : list_centers(job.charts(), center_options(job, frame, radius));
-  const PlacedCenters *const placed = job.connected() && !frame.displaced ? &placed_centers(job, frame) : nullptr;
-  std::vector<CenterData> data; // where the device does not place them
-  const auto position_of = [&](size_t i) {
-    const Surface &surface = job.surface;
-    return placed ? frame.space.to_buffer(surface.triangles.positions[surface.half_edges.point_vertex[centers.points[i]]])
-                  : data[i].position;
-  };
+  const OrderedCenters *const ordered = job.connected() ? &ordered_centers(job) : nullptr;
+  const Centers listed = ordered ? Centers() : list_centers(job.charts(), center_options(job, frame, radius));
+  const Centers &centers = ordered ? ordered->centers : listed;
+  const PlacedCenters *const placed = ordered && !frame.displaced ? &placed_centers(job, frame, *ordered) : nullptr;
+  std::vector<CenterData> data;            // where the device does not place them
   std::pair<double, int> prepared{0.0, 0}; // for which radius centers are there, and for how many samples their search
   TexellessSamples texelless;
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
@@ -55,8 +56,8 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed)
     const int samples = pattern_samples(job, frame, samples_of(pass, options));
     const auto before = std::exchange(prepared, {pass_radius, samples});
     if (!placed && before.first != pass_radius) data = describe(job, frame, centers, pass_radius);
-    if (job.connected() && before != prepared)
-      texelless = prepare_search(job, frame, pass_radius, samples, ordered_centers(job).starts, position_of);
+    if (ordered && before != prepared)
+      texelless = prepare_search(job, frame, pass_radius, samples, ordered->starts, positions_of(job, frame, *ordered));
     settings.radius = static_cast<float>(pass_radius * frame.space.scale);
     settings.samples = samples;
     if (map) bake_map(job, centers, texelless, *map);
@@ -135,7 +136,13 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
     if (job.connected()) {
       const Starts starts = starts_of_texels(std::span(cells().texel_cells.value()).subspan(first, last - first), cells().cells);
       const double own_radius = static_cast<double>(settings.radius) / frame.space.scale;
-      prepare_search(job, frame, own_radius, settings.samples, starts, [&](size_t i) { return centers[i].position; });
+      std::vector<vec3> positions;
+      std::vector<int32_t> index;
+      for (const CenterData &center : centers) {
+        index.push_back(static_cast<int32_t>(positions.size()));
+        positions.push_back(center.position);
+      }
+      prepare_search(job, frame, own_radius, settings.samples, starts, {positions, index, {}});
       settings.points = listed_points(job, frame);
     }
     const double share = 0.7 / static_cast<double>(count);

@@ -79,6 +79,7 @@ using CentersKey = std::tuple<bool, uint32_t, std::vector<int32_t>>;
 struct OrderedCenters {
   Starts starts;
   Centers centers;
+  std::vector<int32_t> vertices; // of the centers
 };
 
 // What of them depends on which normals they take: OrderedCenters' own number, and SurfaceKey::fits_normals.
@@ -170,12 +171,12 @@ private:
   const std::vector<CellData> &measured_cells(const Frame &frame);
   void list_samples_for(const Job &job, const Frame &frame, float radius, int samples);
   TexellessSamples prepare_search(const Job &job, const Frame &frame, double radius, int samples, const Starts &starts,
-                                  const CenterPosition &position_of);
+                                  const CenterPositions &positions);
   PointsKey points_key(const Frame &frame) { return {frame.key, cells().samples_version}; }
   const BufferTexture *listed_points(const Job &job, const Frame &frame);
   void list_points(const Frame &frame, int samples, size_t centers);
   const OrderedCenters &ordered_centers(const Job &job);
-  const PlacedCenters &placed_centers(const Job &job, const Frame &frame);
+  const PlacedCenters &placed_centers(const Job &job, const Frame &frame, const OrderedCenters &ordered);
 
   // evaluate_stage.cpp
   EvaluateSettings settings_of(const Job &job, const Frame &frame);
