@@ -1,6 +1,7 @@
 // What the device makes of a mesh against what the processor makes of it: normals, faces and places.
 #include "engine/opengl/device_surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -32,10 +33,13 @@ protected:
     thread->run([&](const Gl &gl, ProgramCache &programs) {
       DeviceSurface surface;
       surface.set_positions(gl, triangles, space, 0);
-      if (made_by_processor)
+      if (made_by_processor) {
         surface.set_normals(gl, expected);
-      else
-        surface.fit_normals(gl, programs, rings, 1, kind == PDESC_NORMALS_FITTED);
+      } else {
+        surface.begin_normals(gl, programs, rings, 1);
+        for (int first = 0; first < surface.fan_count(); first += 1000)
+          surface.fit_normals(gl, programs, kind == PDESC_NORMALS_FITTED, first, std::min(first + 1000, surface.fan_count()));
+      }
       Buffer buffer;
       buffer.upload(gl, places);
       surface.place(gl, programs, Places(gl, sources), buffer.id(), 8);

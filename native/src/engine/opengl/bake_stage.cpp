@@ -67,7 +67,7 @@ void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
 }
 
 void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
-  constexpr int drawn_at_once = 1 << 20; // texels
+  constexpr int drawn_at_once = 1 << 20, fitted_at_once = 1 << 17; // texels, fans
   const Surface &surface = job.surface;
   const NormalsOnDemand &normals = surface.normals;
   const Normals *const made = frame.key.surface.fits_normals ? nullptr : &normals();
@@ -83,9 +83,16 @@ void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
     if (made)
       device_->surface.set_normals(gl, *made);
     else
-      device_->surface.fit_normals(gl, programs, normals.rings(), normals.fans_version, normals.kind == PDESC_NORMALS_FITTED);
-    buffer.place_vertices(programs, input, device_->surface);
+      device_->surface.begin_normals(gl, programs, normals.rings(), normals.fans_version);
   });
+  const int fans = made ? 0 : device_->surface.fan_count();
+  for (int first = 0; first < fans; first += fitted_at_once)
+    step([&](const Gl &gl, ProgramCache &programs) {
+      device_->surface.fit_normals(gl, programs, normals.kind == PDESC_NORMALS_FITTED, first,
+                                   std::min(first + fitted_at_once, fans));
+      gl.Flush();
+    });
+  step([&](const Gl &, ProgramCache &programs) { buffer.place_vertices(programs, input, device_->surface); });
   for (int first = 0; first < size; first += rows)
     step([&](const Gl &gl, ProgramCache &programs) {
       buffer.draw_surface(programs, first, std::min(first + rows, size));

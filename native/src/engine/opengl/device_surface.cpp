@@ -7,8 +7,6 @@
 
 namespace paradesc {
 
-constexpr int64_t first_tile = int64_t{1} << 18; // of invocations that each fit a jet
-
 Places::Places(const Gl &gl, const std::vector<ivec2> &sources) : count_(static_cast<int>(sources.size())) {
   sources_.upload(gl, sources);
 }
@@ -59,7 +57,7 @@ GLuint DeviceSurface::faces(const Gl &gl, ProgramCache &programs) {
     gl.UseProgram(programs.get(gl, "faces", {{GL_COMPUTE_SHADER, "opengl/surface/faces.comp.glsl"}}));
     bind_mesh(gl);
     gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_FACES, faces_.buffer_id());
-    dispatch_invocations(gl, triangle_count_, first_tile);
+    dispatch_invocations(gl, triangle_count_, int64_t{1} << 20);
     gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     check_gl(gl, "faces");
     has_faces_ = true;
@@ -67,22 +65,27 @@ GLuint DeviceSurface::faces(const Gl &gl, ProgramCache &programs) {
   return faces_.id();
 }
 
-void DeviceSurface::fit_normals(const Gl &gl, ProgramCache &programs, const NormalRings &rings, uint64_t rings_version,
-                                bool fitted) {
+void DeviceSurface::begin_normals(const Gl &gl, ProgramCache &programs, const NormalRings &rings, uint64_t rings_version) {
   if (rings_version_ != rings_version) upload_rings(gl, rings);
   rings_version_ = rings_version;
-  const GLuint measured_faces = fitted ? faces(gl, programs) : 0;
+  faces(gl, programs);
   normals_.reserve(gl, GL_R32F, 3 * static_cast<size_t>(fan_count_));
+  check_gl(gl, "upload of rings");
+}
+
+void DeviceSurface::fit_normals(const Gl &gl, ProgramCache &programs, bool fitted, int first, int last) const {
   gl.UseProgram(programs.get(gl, "normals", {{GL_COMPUTE_SHADER, "opengl/surface/normals.comp.glsl"}}));
   bind_mesh(gl);
-  gl.BindTextureUnit(UNIT_FACES, measured_faces);
+  gl.BindTextureUnit(UNIT_FACES, faces_.id());
   gl.BindTextureUnit(UNIT_RINGS, rings_.id());
   gl.BindTextureUnit(UNIT_FAN_VERTICES, fan_vertices_.id());
   gl.BindTextureUnit(UNIT_RING_VERTICES, ring_vertices_.id());
   gl.BindTextureUnit(UNIT_RING_FACES, ring_faces_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NORMALS, normals_.buffer_id());
   gl.Uniform1i(LOCATION_FITTED, fitted);
-  dispatch_invocations(gl, fan_count_, first_tile);
+  gl.Uniform1i(LOCATION_FIRST, first);
+  gl.Uniform1i(LOCATION_LAST, last);
+  gl.DispatchCompute(group_count(gl, last - first), 1, 1);
   gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
   check_gl(gl, "normals");
 }

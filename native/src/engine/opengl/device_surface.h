@@ -32,8 +32,11 @@ public:
   void set_positions(const Gl &gl, const Triangles &triangles, const BakeSpace &space, uint64_t version);
   // Normals as the processor has them: of groups, then of points.
   void set_normals(const Gl &gl, const Normals &normals);
-  // Fits the normals of all fans, or takes Max's. rings_version: they are uploaded where it has changed.
-  void fit_normals(const Gl &gl, ProgramCache &programs, const NormalRings &rings, uint64_t rings_version, bool fitted);
+  // Fit normals, or take Max's, in steps between which a run may be cancelled: uploads, some fans at a time. rings_version: they
+  // are uploaded where it has changed.
+  void begin_normals(const Gl &gl, ProgramCache &programs, const NormalRings &rings, uint64_t rings_version);
+  int fan_count() const { return fan_count_; }
+  void fit_normals(const Gl &gl, ProgramCache &programs, bool fitted, int first, int last) const;
   // Writes positions and normals in buffer units: three floats each, the normal's four after the position's, stride floats from
   // place to place.
   void place(const Gl &gl, ProgramCache &programs, const Places &places, GLuint buffer, int stride) const;
