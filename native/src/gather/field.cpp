@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "descriptor/registry.h"
 #include "support/parallel.h"
@@ -96,14 +97,16 @@ static void count(const HalfEdges &half_edges, int threads, Field &field) {
   };
   const size_t vertices = field.mask.size();
   std::vector<Counts> parts((vertices + block - 1) / block);
+  std::vector<std::pair<const float *, size_t>> rows; // without coverage: values, and how many a vertex has
+  for (size_t row = 0; vertices > 0 && row + 1 < field.values.size(); ++row)
+    rows.emplace_back(field.values[row].data(), field.values[row].size() / vertices);
   parallel_blocks(static_cast<int>(vertices), threads, block, [&](int begin, int end) {
     Counts &part = parts[begin / block];
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       part.boundary += (field.mask[i] & PDESC_MASK_BOUNDARY) != 0;
       part.low += (field.mask[i] & PDESC_MASK_LOW_COVERAGE) != 0;
       bool undefined = false;
-      for (size_t row = 0; row + 1 < field.values.size(); ++row)
-        undefined |= std::isnan(field.values[row][i * (field.values[row].size() / vertices)]);
+      for (const auto &[values, width] : rows) undefined |= std::isnan(values[i * width]);
       part.undefined += undefined;
       if (half_edges.vertex_point[i] < 0) continue;
       ++part.with_face;

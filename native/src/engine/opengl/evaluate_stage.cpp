@@ -99,17 +99,20 @@ std::vector<float> TextureSpace::read_rows(const EvaluateSettings &settings) {
   return rows;
 }
 
-// rows: as read_rows.
+// rows: as read_rows. order: the place of each center among the results.
 CenterResults TextureSpace::results_of(const EvaluateSettings &settings, const Frame &frame, const std::vector<float> &rows,
-                                       size_t count) {
+                                       std::span<const int32_t> order) {
+  const size_t count = order.size();
   CenterResults results;
   results.values.resize(settings.descriptors.size());
+  results.coverage.resize(count);
+  results.boundary.resize(count);
   size_t refined = 0, unwritten = 0;
   for (size_t i = 0; i < count; ++i) {
     const uint32_t flags = flags_of(rows[ROW_FLAGS * count + i]);
     unwritten += std::isnan(rows[ROW_FLAGS * count + i]);
-    results.coverage.push_back(rows[ROW_COVERAGE * count + i]);
-    results.boundary.push_back((flags & FLAG_HITS_BOUNDARY) != 0);
+    results.coverage[order[i]] = rows[ROW_COVERAGE * count + i];
+    results.boundary[order[i]] = (flags & FLAG_HITS_BOUNDARY) != 0;
     refined += (flags & FLAG_ALL_SAMPLES) != 0;
   }
   if (unwritten > 0)
@@ -124,7 +127,8 @@ CenterResults TextureSpace::results_of(const EvaluateSettings &settings, const F
     const auto width = static_cast<size_t>(descriptor.components);
     results.values[k].resize(count * width);
     for (size_t component = 0; component < width; ++component, ++row)
-      for (size_t i = 0; i < count; ++i) results.values[k][i * width + component] = rows[row * count + i] * unit;
+      for (size_t i = 0; i < count; ++i)
+        results.values[k][static_cast<size_t>(order[i]) * width + component] = rows[row * count + i] * unit;
   }
   return results;
 }
@@ -155,29 +159,19 @@ bool TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, 
   return any;
 }
 
-// Puts values (centers, width) back into the order in which the centers were listed.
-template <class Value> static void put_back(const std::vector<int32_t> &order, std::vector<Value> &values) {
-  std::vector<Value> ordered(values.size());
-  const size_t width = order.empty() ? 1 : values.size() / order.size();
-  for (size_t i = 0; i < values.size(); ++i) ordered[order[i / width] * width + i % width] = values[i];
-  values.swap(ordered);
-}
-
 // Results are in the order in which the centers were listed: passes are read together, and each may have an order of its own.
 CenterResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
                                              const Centers &centers, const Work &set_centers, const Progress &progress) {
   evaluate(job, settings, frame, static_cast<int>(centers.points.size()), set_centers, progress, 0.3, 0.8);
   std::vector<float> rows = read_rows(settings);
   if (job.connected() && recheck_ambiguous(job, settings, radius, frame, centers, rows, progress)) rows = read_rows(settings);
-  CenterResults results = results_of(settings, frame, rows, centers.points.size());
-  results.point = centers.points;
-  for (size_t i = 0; i < centers.points.size(); ++i)
-    results.primary.push_back(job.charts().point_wedge[centers.points[i]] == centers.wedges[i]);
-  for (std::vector<float> &values : results.values) put_back(centers.order, values);
-  put_back(centers.order, results.coverage);
-  put_back(centers.order, results.boundary);
-  put_back(centers.order, results.point);
-  put_back(centers.order, results.primary);
+  CenterResults results = results_of(settings, frame, rows, centers.order);
+  results.point.resize(centers.order.size());
+  results.primary.resize(centers.order.size());
+  for (size_t i = 0; i < centers.order.size(); ++i) {
+    results.point[centers.order[i]] = centers.points[i];
+    results.primary[centers.order[i]] = job.charts().point_wedge[centers.points[i]] == centers.wedges[i];
+  }
   return results;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "descriptor/registry.h"
@@ -133,23 +134,21 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
     const size_t last = std::min(first + batch, count);
     const std::vector<CenterData> centers = texel_centers(map, surface.triangles, charts, surface.normals(), frame.space, sizes,
                                                           settings.radius * ellipse_enlargement, job.options().seed, first, last);
+    std::vector<int32_t> order(centers.size());
+    std::iota(order.begin(), order.end(), 0);
     if (job.connected()) {
       const Starts starts = starts_of_texels(std::span(cells().texel_cells.value()).subspan(first, last - first), cells().cells);
       const double own_radius = static_cast<double>(settings.radius) / frame.space.scale;
       std::vector<vec3> positions;
-      std::vector<int32_t> index;
-      for (const CenterData &center : centers) {
-        index.push_back(static_cast<int32_t>(positions.size()));
-        positions.push_back(center.position);
-      }
-      prepare_search(job, frame, own_radius, settings.samples, starts, {positions, index, {}});
+      for (const CenterData &center : centers) positions.push_back(center.position);
+      prepare_search(job, frame, own_radius, settings.samples, starts, {positions, order, {}});
       settings.points = listed_points(job, frame);
     }
     const double share = 0.7 / static_cast<double>(count);
     const Work set_centers = [&](const Gl &gl, ProgramCache &) { device_->evaluator.set_centers(gl, centers, settings); };
     evaluate(job, settings, frame, static_cast<int>(centers.size()), set_centers, job.progress,
              0.3 + share * static_cast<double>(first), 0.3 + share * static_cast<double>(last));
-    CenterResults results = results_of(settings, frame, read_rows(settings), centers.size());
+    CenterResults results = results_of(settings, frame, read_rows(settings), order);
     creases.at_texels(settings.descriptors, map, first, results);
     append(all, std::move(results));
   }

@@ -6,6 +6,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -185,7 +186,8 @@ private:
   void evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                       double to);
   std::vector<float> read_rows(const EvaluateSettings &settings);
-  CenterResults results_of(const EvaluateSettings &settings, const Frame &frame, const std::vector<float> &rows, size_t count);
+  CenterResults results_of(const EvaluateSettings &settings, const Frame &frame, const std::vector<float> &rows,
+                           std::span<const int32_t> order);
   bool recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame, const Centers &centers,
                          const std::vector<float> &rows, const Progress &progress);
   CenterResults evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
