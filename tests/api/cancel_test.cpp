@@ -14,6 +14,7 @@
 #include "support/checkpoints.h"
 #include "support/error.h"
 #include "support/parallel.h"
+#include "support/solids.h"
 
 namespace paradesc::test {
 namespace {
@@ -94,8 +95,12 @@ TEST(Checkpoint, comes_once_in_so_many_steps_of_every_stage_of_a_large_mesh) {
   EXPECT_GE(checkpoints_of([&] { half_edges = build_half_edges(triangles, 1); }), 10 * corners);
   EXPECT_GE(checkpoints_of([&] { build_charts(triangles, half_edges, {}, 1); }), 20 * corners);
   EXPECT_GE(checkpoints_of([&] { build_cluster_tree(half_edges); }), 8 * corners);
-  const int of_edges = 3 * input.triangle_count / 1024; // where bends are looked at
-  EXPECT_GE(checkpoints_of([&] { creases = find_creases(triangles, half_edges, 1); }), of_edges + 12 * corners);
+  const int of_faces = input.triangle_count / 1024; // whose normals and bends are looked at
+  EXPECT_GE(checkpoints_of([&] { creases = find_creases(triangles, half_edges, 1); }), 2 * of_faces);
+  const Triangles hard = box(110); // whose creases hang together in lines
+  const HalfEdges of_hard = build_half_edges(hard, 1);
+  const int hard_faces = hard.triangle_count / 1024, hard_corners = 3 * hard.triangle_count / 32768;
+  EXPECT_GE(checkpoints_of([&] { find_creases(hard, of_hard, 1); }), 2 * hard_faces + 4 * hard_corners);
   NormalRings rings;
   EXPECT_GE(checkpoints_of([&] { find_fans(triangles, half_edges, creases, rings); }), 2 * corners);
 }
