@@ -151,6 +151,19 @@ TEST_P(Stale, what_is_displaced_follows_the_positions_the_normals_the_radius_and
   step("another size");
 }
 
+TEST_P(Stale, other_normals_count_where_nothing_else_changes) {
+  if (GetParam() == PDESC_BACKEND_REFERENCE) names.pop_back(); // whose windows take it seconds each time
+  Settings settings{.radius = 0.1, .samples = 64, .buffer_size = 256};
+  std::vector<float> last = run(kept.get(), settings)["mean_curvature"];
+  for (const int32_t kind : {PDESC_NORMALS_MAX, PDESC_NORMALS_MESH, PDESC_NORMALS_FITTED}) {
+    settings.normals = kind;
+    const Results now = run(kept.get(), settings), fresh = run(make_mesh(context.get(), mesh).get(), settings);
+    for (const std::string &name : names) expect_same_bits(now[name], fresh[name]);
+    EXPECT_NE(now["mean_curvature"], last) << "normals of kind " << kind << " are to change something";
+    last = now["mean_curvature"];
+  }
+}
+
 TEST_P(Stale, a_displacement_set_after_a_computation_counts) {
   if (GetParam() == PDESC_BACKEND_REFERENCE) names.pop_back(); // whose windows take it seconds each time
   const Settings settings{.radius = 0.1, .samples = 64, .buffer_size = 256};
