@@ -92,8 +92,7 @@ static TexellessSamples texelless_samples(const Job &job, const Frame &frame, co
   for (const int32_t triangle : cells.texelless)
     for (int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) fans.push_back((*rings.corner_fan)[corner]);
   std::ranges::sort(fans);
-  const auto repeated = std::ranges::unique(fans);
-  fans.erase(repeated.begin(), repeated.end());
+  fans.erase(std::unique(fans.begin(), fans.end()), fans.end());
   const std::vector<vec3> normals =
       compute_fan_normals(surface.triangles, rings, surface.normals.kind, fans, job.resources.threads);
   return sample_texelless_triangles(
