@@ -23,12 +23,15 @@ static int count_texelless_triangles(const Charts &charts, const std::vector<int
   return texelless;
 }
 
-// Where nothing on the processor asks for normals, the device fits them by itself.
-static bool fits_normals(const Job &job) {
+// Where nothing on the processor asks for normals, the device fits them by itself, if it can list the rings.
+bool TextureSpace::fits_normals(const Job &job) const {
   const Surface &surface = job.surface;
   const bool asked_for = !job.connected() || job.options().evaluate != PDESC_EVALUATE_VERTEX || surface.maps.any() ||
                          (surface.creases && surface.creases->edges > 0);
-  return !asked_for && surface.normals.rings && surface.normals.rings().one_fan_a_point;
+  if (asked_for || !surface.normals.rings) return false;
+  const NormalRings &rings = surface.normals.rings();
+  const auto longest = std::max(rings.face.size(), rings.ring_vertex.size());
+  return rings.one_fan_a_point && longest <= static_cast<size_t>(gl_->list_texels());
 }
 
 void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {

@@ -26,6 +26,7 @@ public:
   const std::string &device() const { return device_; }
   int largest_dispatch() const { return largest_dispatch_; } // invocations of a list that one call may start
   int group_size() const { return group_size_; }             // invocations that a device runs together
+  int list_texels() const { return list_texels_; }           // of a buffer texture, at most
   bool lost() const { return lost_; } // some work ended with DEVICE_LOST: nothing more can be computed here
 
 private:
@@ -40,7 +41,7 @@ private:
   std::atomic<bool> lost_ = false;
   std::exception_ptr error_;
   std::string device_;
-  int largest_dispatch_ = 0, group_size_ = 1;
+  int largest_dispatch_ = 0, group_size_ = 1, list_texels_ = 0;
   std::thread thread_;
 };
 

@@ -158,6 +158,7 @@ private:
 
   // bake_stage.cpp
   Frame bake(const Job &job);
+  bool fits_normals(const Job &job) const;
   void bake_layout(const Job &job, const LayoutKey &key);
   void bake_surface(const Job &job, const Frame &frame);
   void step(const Work &work);
