@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "support/error.h"
+#include "support/solids.h"
 #include "support/surfaces.h"
 
 namespace paradesc::test {
@@ -45,16 +46,6 @@ AngleError angle_error(const TestMesh &mesh, const Subject &subject, int32_t kin
 }
 
 AngleError angle_error(const TestMesh &mesh, int32_t kind) { return angle_error(mesh, Subject(mesh), kind); }
-
-Triangles shape(std::vector<vec3> positions, std::vector<int32_t> corners) {
-  Triangles triangles;
-  triangles.vertex_count = static_cast<int>(positions.size());
-  triangles.triangle_count = static_cast<int>(corners.size() / 3);
-  triangles.positions = std::move(positions);
-  triangles.corner_vertex = std::move(corners);
-  triangles.half_edge_sharp.assign(triangles.corner_vertex.size(), 0);
-  return triangles;
-}
 
 // Each side of [-1, 1]³ as a grid of cells by cells, welded by position; outward.
 Triangles cube(int cells) {
@@ -252,14 +243,7 @@ TEST(Normals, rings_hold_each_point_once_and_start_with_the_nearest) {
 
 TEST(Normals, a_fan_of_thousands_of_faces_costs_no_more_than_its_faces) {
   constexpr int count = 20000; // a cone: its apex neighbors everything, and everything has the apex' fan in its rings
-  std::vector<vec3> positions{{0, 0, 1}};
-  std::vector<int32_t> corners;
-  for (int i = 0; i < count; ++i) {
-    const double angle = 2 * pi * i / count;
-    positions.push_back(vec3(std::cos(angle), std::sin(angle), 0));
-    corners.insert(corners.end(), {0, 1 + i, 1 + (i + 1) % count});
-  }
-  const Subject subject(shape(positions, corners));
+  const Subject subject(cone(count));
   EXPECT_LT(subject.rings.ring_vertex.size(), size_t{count} * 100); // its square would be 4e8
   const Normals normals = subject.normals(PDESC_NORMALS_FITTED);
   const auto apex = static_cast<size_t>(subject.half_edges.vertex_point[0]);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <utility>
 
 namespace paradesc::test {
 
@@ -30,12 +31,7 @@ public:
     }
   }
 
-  Triangles finish() {
-    triangles_.vertex_count = static_cast<int>(triangles_.positions.size());
-    triangles_.triangle_count = static_cast<int>(triangles_.corner_vertex.size() / 3);
-    triangles_.half_edge_sharp.assign(triangles_.corner_vertex.size(), 0);
-    return std::move(triangles_);
-  }
+  Triangles finish() { return shape(std::move(triangles_.positions), std::move(triangles_.corner_vertex)); }
 
 private:
   Triangles triangles_;
@@ -43,6 +39,27 @@ private:
 };
 
 } // namespace
+
+Triangles shape(std::vector<vec3> positions, std::vector<int32_t> corners) {
+  Triangles triangles;
+  triangles.vertex_count = static_cast<int>(positions.size());
+  triangles.triangle_count = static_cast<int>(corners.size() / 3);
+  triangles.positions = std::move(positions);
+  triangles.corner_vertex = std::move(corners);
+  triangles.half_edge_sharp.assign(triangles.corner_vertex.size(), 0);
+  return triangles;
+}
+
+Triangles cone(int sides) {
+  std::vector<vec3> positions{{0, 0, 1}};
+  std::vector<int32_t> corners;
+  for (int i = 0; i < sides; ++i) {
+    const double angle = 2 * pi * i / sides;
+    positions.emplace_back(std::cos(angle), std::sin(angle), 0);
+    corners.insert(corners.end(), {0, 1 + i, 1 + (i + 1) % sides});
+  }
+  return shape(std::move(positions), std::move(corners));
+}
 
 Triangles box(int cells) {
   Builder builder;

@@ -1,11 +1,18 @@
 // Solids with flat faces and sharp edges, as triangles with outward winding.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "mesh/triangles.h"
 
 namespace paradesc::test {
+
+// These triangles, no edge of which is sharp.
+Triangles shape(std::vector<vec3> positions, std::vector<int32_t> corners);
+
+// From an apex at (0, 0, 1) to a regular polygon in the unit circle; no base.
+Triangles cone(int sides);
 
 // [-1, 1]³, each side as a grid of cells by cells.
 Triangles box(int cells);

@@ -210,10 +210,7 @@ Triangles box_with_needles(double share, std::vector<dvec3> &places) {
     const Vec3 turned = turn({p.x, p.y, p.z});
     result.positions.emplace_back(turned.x, turned.y, turned.z);
   }
-  result.vertex_count = static_cast<int>(places.size());
-  result.triangle_count = static_cast<int>(result.corner_vertex.size() / 3);
-  result.half_edge_sharp.assign(result.corner_vertex.size(), 0);
-  return result;
+  return shape(std::move(result.positions), std::move(result.corner_vertex));
 }
 
 TEST(Solid, needles_change_nothing) {

@@ -15,6 +15,7 @@
 #include "descriptor/registry.h"
 #include "support/error.h"
 #include "support/percent_ae.h"
+#include "support/solids.h"
 #include "support/surfaces.h"
 
 namespace paradesc::test {
@@ -65,16 +66,6 @@ void expect_each_near(std::span<const float> values, double expected, double tol
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   EXPECT_NEAR(*low, expected, tolerance);
   EXPECT_NEAR(*high, expected, tolerance);
-}
-
-Triangles shape(std::vector<vec3> positions, std::vector<int32_t> corners) {
-  Triangles triangles;
-  triangles.vertex_count = static_cast<int>(positions.size());
-  triangles.triangle_count = static_cast<int>(corners.size() / 3);
-  triangles.positions = std::move(positions);
-  triangles.corner_vertex = std::move(corners);
-  triangles.half_edge_sharp.assign(triangles.corner_vertex.size(), 0);
-  return triangles;
 }
 
 Triangles square(vec3 origin = vec3(0)) {
