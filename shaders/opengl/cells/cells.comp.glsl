@@ -2,14 +2,11 @@
 // One invocation, one cell → where it and its leaves lie, which way they face, and the area element by which a leaf is sampled: its largest,
 // four times that where a border cuts it. A square there lies on the chart or not by its one sample, so squares are half as wide.
 #include "variant.glsl"
-#include "device.glsl"
 #include "opengl/evaluate/buffers.glsl"
-layout(local_size_x = GROUP_SIZE) in;
+#include "opengl/elements.glsl"
 layout(std430, binding = BINDING_CELLS) writeonly restrict buffer CellList { CellData cells[]; };
 layout(binding = UNIT_LABELS) uniform isampler2D labels;
 layout(binding = UNIT_BOXES) uniform isampler2D boxes;
-layout(location = LOCATION_FIRST) uniform int first;
-layout(location = LOCATION_LAST) uniform int last;
 layout(location = LOCATION_BLOCK_SIZE) uniform int block_size;
 
 vec4 sphere_around(vec3 low, vec3 high) {
@@ -27,7 +24,7 @@ int code_of(vec4 leaf, vec4 cell) {
 }
 
 void main() {
-  int cell = first + int(gl_GlobalInvocationID.x);
+  int cell = own_element();
   if (cell >= last) return;
   ivec4 box = texelFetch(boxes, list_texel(cell), 0);
   int side = block_size / 2;

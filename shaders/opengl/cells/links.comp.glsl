@@ -1,16 +1,13 @@
 #version 450 core
 // One invocation, one link between cells → a sphere around the points where the surface goes over.
-#include "device.glsl"
 #include "shared.h"
-layout(local_size_x = GROUP_SIZE) in;
+#include "opengl/elements.glsl"
 layout(std430, binding = BINDING_POINTS) writeonly restrict buffer LinkSpheres { vec4 spheres[]; };
 layout(binding = UNIT_CELL_LINKS) uniform isamplerBuffer cell_links;
 layout(binding = UNIT_LINK_POINTS) uniform samplerBuffer link_points;
-layout(location = LOCATION_FIRST) uniform int first;
-layout(location = LOCATION_LAST) uniform int last;
 
 void main() {
-  int link = first + int(gl_GlobalInvocationID.x);
+  int link = own_element();
   if (link >= last) return;
   ivec2 points = texelFetch(cell_links, link).xy;
   vec3 low = vec3(1e30), high = vec3(-1e30);

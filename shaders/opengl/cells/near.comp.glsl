@@ -1,22 +1,19 @@
 #version 450 core
 // One invocation, one of the cells near a cell in which centers start → all that those centers look at, side by side: where it lies, how
 // they see it, its leaves, and its neighbors among the cells of the same list.
-#include "device.glsl"
 #include "shared.h"
-layout(local_size_x = GROUP_SIZE) in;
+#include "opengl/elements.glsl"
 layout(std430, binding = BINDING_CELLS) readonly restrict buffer CellList { CellData cells[]; };
 layout(std430, binding = BINDING_NEAR_SPHERES) writeonly restrict buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = BINDING_NEAR_TRAITS) writeonly restrict buffer Traits { ivec4 traits[]; };
 layout(binding = UNIT_NEAR_CELLS) uniform isamplerBuffer near_list;
 layout(binding = UNIT_NEAR_NORMALS) uniform samplerBuffer near_normals;
 layout(binding = UNIT_CELL_LISTS) uniform isamplerBuffer cell_lists;
-layout(location = LOCATION_FIRST) uniform int first;
-layout(location = LOCATION_LAST) uniform int last;
 
 const float least_cosine = 0.25; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
 
 void main() {
-  int entry = first + int(gl_GlobalInvocationID.x);
+  int entry = own_element();
   if (entry >= last) return;
   ivec4 near = texelFetch(near_list, entry); // cell, the one that centers start in, where its neighbors go, CELL_ bits
   CellData cell = cells[near.x];

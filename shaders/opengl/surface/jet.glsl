@@ -49,8 +49,16 @@ dmat4x3 block_cq, block_cl;
 dmat3 block_qq, block_ql, block_ll;
 bool determined; // the neighbors determine what was eliminated
 
-dvec3 inverse_roots(dvec3 v) { // 0 where a column vanishes, which gives no pivot
-  return dvec3(v.x > 0.0LF ? 1.0LF / sqrt(v.x) : 0.0LF, v.y > 0.0LF ? 1.0LF / sqrt(v.y) : 0.0LF, v.z > 0.0LF ? 1.0LF / sqrt(v.z) : 0.0LF);
+// Columns are scaled to unit length; one that vanishes to 0, which gives no pivot.
+dvec4 scale_c;
+dvec3 scale_q, scale_l;
+
+double inverse_root(double v) { return v > 0.0LF ? 1.0LF / sqrt(v) : 0.0LF; }
+
+void scale_columns() {
+  scale_c = dvec4(inverse_root(sum6.x), inverse_root(sum6.z), inverse_root(more6.x), inverse_root(more6.z));
+  scale_q = dvec3(inverse_root(sum4.x), inverse_root(sum4.z), inverse_root(more4));
+  scale_l = dvec3(inverse_root(sum2.x), inverse_root(sum2.z), 1.0LF);
 }
 
 void eliminate_row(dvec3 q, dvec3 l, double inverse) {
@@ -87,7 +95,7 @@ struct JetGradient {
 
 // Of what is left of the blocks. Higher orders go first, so that the last two pivots show how well the neighbors determine the gradient
 // alone.
-JetGradient solve_gradient(dvec2 scale) {
+JetGradient solve_gradient() {
   eliminate_quadratic(0);
   eliminate_quadratic(1);
   eliminate_quadratic(2);
@@ -96,12 +104,10 @@ JetGradient solve_gradient(dvec2 scale) {
   block_ll -= outerProduct(u, u) * inverse_u;
   dvec3 v = block_ll[1];
   double inverse_v = inverse_of(v.y), slope = v.z * inverse_v;
-  return JetGradient(dvec2((u.z - u.y * slope) * inverse_u, slope) * scale, max(block_ll[2].z - v.z * slope, 0.0LF), determined);
+  return JetGradient(dvec2((u.z - u.y * slope) * inverse_u, slope) * scale_l.xy, max(block_ll[2].z - v.z * slope, 0.0LF), determined);
 }
 
-// Columns are scaled to unit length.
-dvec2 begin_quadratic() {
-  dvec3 scale_q = inverse_roots(dvec3(sum4.x, sum4.z, more4)), scale_l = inverse_roots(dvec3(sum2.x, sum2.z, 1.0LF));
+void begin_quadratic() {
   dmat3 qq = dmat3(sum4.xyz, sum4.yzw, dvec3(sum4.zw, more4));
   dmat3 ql = dmat3(dvec3(sum3.xy, sum_w2.x), dvec3(sum3.yz, sum_w2.y), dvec3(sum3.zw, sum_w2.z));
   dmat3 ll = dmat3(dvec3(sum2.xy, sum_w1.x), dvec3(sum2.yz, sum_w1.y), dvec3(sum_w1, sum_ww));
@@ -109,12 +115,9 @@ dvec2 begin_quadratic() {
   block_ql = matrixCompMult(ql, outerProduct(scale_l, scale_q));
   block_ll = matrixCompMult(ll, outerProduct(scale_l, scale_l));
   determined = true;
-  return scale_l.xy;
 }
 
 void begin_cubic() {
-  dvec3 scale_q = inverse_roots(dvec3(sum4.x, sum4.z, more4)), scale_l = inverse_roots(dvec3(sum2.x, sum2.z, 1.0LF));
-  dvec4 scale_c = dvec4(inverse_roots(dvec3(sum6.x, sum6.z, more6.x)), inverse_roots(more6.zzz).x);
   dmat4 cc = dmat4(sum6, dvec4(sum6.yzw, more6.x), dvec4(sum6.zw, more6.xy), dvec4(sum6.w, more6));
   dmat4x3 cq = dmat4x3(sum5.xyz, sum5.yzw, dvec3(sum5.zw, more5.x), dvec3(sum5.w, more5));
   dmat4x3 cl = dmat4x3(dvec3(sum4.xy, sum_w3.x), dvec3(sum4.yz, sum_w3.y), dvec3(sum4.zw, sum_w3.z), dvec3(sum4.w, more4, sum_w3.w));
@@ -124,20 +127,22 @@ void begin_cubic() {
 }
 
 JetGradient solve_cubic() {
-  dvec2 scale = begin_quadratic();
+  begin_quadratic();
   begin_cubic();
   eliminate_cubic(0);
   eliminate_cubic(1);
   eliminate_cubic(2);
   eliminate_cubic(3);
-  return solve_gradient(scale);
+  return solve_gradient();
 }
 
 // Of the jet through `count` neighbors; false where these do not determine it. Cubic terms take part as far as they explain more than noise.
 bool fit_gradient(int count, out dvec2 gradient) {
   const double least_gain = 3.0LF;
   const int cubic_terms = 4, quadratic_columns = 5, spare_neighbors = 2, columns = quadratic_columns + cubic_terms;
-  JetGradient quadratic = solve_gradient(begin_quadratic());
+  scale_columns();
+  begin_quadratic();
+  JetGradient quadratic = solve_gradient();
   gradient = quadratic.slope;
   if (count < quadratic_columns + spare_neighbors || !quadratic.exists) return false;
   if (count < columns + spare_neighbors) return true;

@@ -1,11 +1,10 @@
 #version 450 core
 // One invocation, one fan → its unit normal, as mesh/normals.cpp has it: Max's, or turned by the gradient of a jet through the vertices
 // around.
-#include "device.glsl"
 #include "shared.h"
+#include "opengl/elements.glsl"
 #include "opengl/surface/mesh.glsl"
 #include "opengl/surface/jet.glsl"
-layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_NORMALS) writeonly restrict buffer Normals { float normals[]; };
 layout(binding = UNIT_FACES) uniform samplerBuffer faces;
 layout(binding = UNIT_RINGS) uniform isamplerBuffer rings;
@@ -13,8 +12,6 @@ layout(binding = UNIT_FAN_VERTICES) uniform isamplerBuffer fan_vertices;
 layout(binding = UNIT_RING_VERTICES) uniform isamplerBuffer ring_vertices;
 layout(binding = UNIT_RING_FACES) uniform isamplerBuffer ring_faces;
 layout(location = LOCATION_FITTED) uniform int fitted;
-layout(location = LOCATION_FIRST) uniform int first;
-layout(location = LOCATION_LAST) uniform int last;
 
 // In cosines: 30 and 45 degrees of spread, 8 and 12 of turn.
 const double spread_full = 0.8660254037844387LF, spread_none = 0.7071067811865476LF;
@@ -69,7 +66,7 @@ dvec3 turned(dvec3 n, dvec3 p, double spread, int begin, int end) {
 }
 
 void main() {
-  int fan = first + int(gl_GlobalInvocationID.x);
+  int fan = own_element();
   if (fan >= last) return;
   ivec3 begin = texelFetch(rings, fan).xyz, end = texelFetch(rings, fan + 1).xyz;
   dvec3 normal = max_normal(begin.x, end.x);

@@ -1,19 +1,16 @@
 #version 450 core
 // One invocation, one vertex of the bake or one center → where it lies in buffer units, and its normal.
-#include "device.glsl"
 #include "shared.h"
+#include "opengl/elements.glsl"
 #include "opengl/surface/mesh.glsl"
-layout(local_size_x = GROUP_SIZE) in;
 layout(std140, binding = BLOCK_SPACE) uniform Space { dvec4 center_and_scale; };
 layout(std430, binding = BINDING_PLACES) writeonly restrict buffer Places { float places[]; };
 layout(binding = UNIT_MESH_NORMALS) uniform samplerBuffer mesh_normals;
 layout(binding = UNIT_SOURCES) uniform isamplerBuffer sources;
 layout(location = LOCATION_STRIDE) uniform int stride;
-layout(location = LOCATION_FIRST) uniform int first;
-layout(location = LOCATION_LAST) uniform int last;
 
 void main() {
-  int place = first + int(gl_GlobalInvocationID.x);
+  int place = own_element();
   if (place >= last) return;
   ivec2 source = texelFetch(sources, place).xy;
   vec3 position = vec3((mesh_position(source.x) - center_and_scale.xyz) * center_and_scale.w);

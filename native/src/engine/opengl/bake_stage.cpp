@@ -23,25 +23,28 @@ static int count_texelless_triangles(const Charts &charts, const std::vector<int
   return texelless;
 }
 
-// Where nothing on the processor asks for normals, the device fits them by itself, if it can list the rings.
+bool device_may_fit_normals(const pdesc_options &options, bool surface_maps) {
+  return options.relocation == PDESC_RELOCATION_CONNECTED && options.evaluate == PDESC_EVALUATE_VERTEX &&
+         options.normals != PDESC_NORMALS_MESH && !surface_maps;
+}
+
 bool TextureSpace::fits_normals(const Job &job) const {
   const Surface &surface = job.surface;
-  const bool asked_for = !job.connected() || job.options().evaluate != PDESC_EVALUATE_VERTEX || surface.maps.any() ||
-                         (surface.creases && surface.creases->edges > 0);
-  if (asked_for || !surface.normals.rings) return false;
+  if (!device_may_fit_normals(job.options(), surface.maps.any()) || (surface.creases && surface.creases->edges > 0)) return false;
   const NormalRings &rings = surface.normals.rings();
   const auto longest = std::max(rings.face.size(), rings.ring_vertex.size());
   return rings.one_fan_a_point && longest <= static_cast<size_t>(gl_->list_texels());
 }
 
-void TextureSpace::bake_layout(const Job &job, const LayoutKey &key) {
+void TextureSpace::bake_layout(const Job &job, const BakeKey &baked) {
+  const LayoutKey &key = baked.layout;
   constexpr int drawn_at_once = 1 << 17; // triangles
   const Charts &charts = job.charts();
   const NormalsOnDemand &normals = job.surface.normals;
   const int size = key.atlas.size;
   const BorderGrid &grid = grid_.get(key.atlas, [&] { return build_border_grid(charts, size); });
   const BakeVertices &vertices = vertices_.get({key.atlas.atlas, key.fans}, [&] {
-    const auto fans = key.fans == 0 ? nullptr : fits_normals(job) ? normals.rings().corner_fan : normals().corner_fan;
+    const auto fans = key.fans == 0 ? nullptr : baked.surface.fits_normals ? normals.rings().corner_fan : normals().corner_fan;
     return build_bake_vertices(job.surface.triangles, charts, fans ? *fans : std::vector<int32_t>());
   });
   layout_.get(key, [&] {
@@ -81,12 +84,12 @@ void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
     set->measured.clear();
     set->listed_links.clear();
   }
-  step([&](const Gl &gl, ProgramCache &programs) {
+  step([&](const Gl &gl, ProgramCache &) {
     device_->surface.set_positions(gl, surface.triangles, frame.space, surface.positions_version);
     if (made)
       device_->surface.set_normals(gl, *made);
     else
-      device_->surface.begin_normals(gl, programs, normals.rings(), normals.fans_version);
+      device_->surface.begin_normals(gl, normals.rings(), normals.fans_version);
   });
   const int fans = made ? 0 : device_->surface.fan_count();
   for (int first = 0; first < fans; first += fitted_at_once)
@@ -124,7 +127,7 @@ Frame TextureSpace::bake(const Job &job) {
   } else {
     displaced_.clear();
   }
-  bake_layout(job, frame.key.layout);
+  bake_layout(job, frame.key);
   baked_.get(frame.key, [&] {
     bake_surface(job, frame);
     return frame.space;

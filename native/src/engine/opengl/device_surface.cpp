@@ -65,15 +65,15 @@ GLuint DeviceSurface::faces(const Gl &gl, ProgramCache &programs) {
   return faces_.id();
 }
 
-void DeviceSurface::begin_normals(const Gl &gl, ProgramCache &programs, const NormalRings &rings, uint64_t rings_version) {
+void DeviceSurface::begin_normals(const Gl &gl, const NormalRings &rings, uint64_t rings_version) {
   if (rings_version_ != rings_version) upload_rings(gl, rings);
   rings_version_ = rings_version;
-  faces(gl, programs);
   normals_.reserve(gl, GL_R32F, 3 * static_cast<size_t>(fan_count_));
   check_gl(gl, "upload of rings");
 }
 
-void DeviceSurface::fit_normals(const Gl &gl, ProgramCache &programs, bool fitted, int first, int last) const {
+void DeviceSurface::fit_normals(const Gl &gl, ProgramCache &programs, bool fitted, int first, int last) {
+  if (fitted) faces(gl, programs);
   gl.UseProgram(programs.get(gl, "normals", {{GL_COMPUTE_SHADER, "opengl/surface/normals.comp.glsl"}}));
   bind_mesh(gl);
   gl.BindTextureUnit(UNIT_FACES, faces_.id());
@@ -83,9 +83,7 @@ void DeviceSurface::fit_normals(const Gl &gl, ProgramCache &programs, bool fitte
   gl.BindTextureUnit(UNIT_RING_FACES, ring_faces_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NORMALS, normals_.buffer_id());
   gl.Uniform1i(LOCATION_FITTED, fitted);
-  gl.Uniform1i(LOCATION_FIRST, first);
-  gl.Uniform1i(LOCATION_LAST, last);
-  gl.DispatchCompute(group_count(gl, last - first), 1, 1);
+  dispatch_once(gl, first, last);
   gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
   check_gl(gl, "normals");
 }

@@ -34,9 +34,9 @@ public:
   void set_normals(const Gl &gl, const Normals &normals);
   // Fit normals, or take Max's, in steps between which a run may be cancelled: uploads, some fans at a time. rings_version: they
   // are uploaded where it has changed.
-  void begin_normals(const Gl &gl, ProgramCache &programs, const NormalRings &rings, uint64_t rings_version);
+  void begin_normals(const Gl &gl, const NormalRings &rings, uint64_t rings_version);
   int fan_count() const { return fan_count_; }
-  void fit_normals(const Gl &gl, ProgramCache &programs, bool fitted, int first, int last) const;
+  void fit_normals(const Gl &gl, ProgramCache &programs, bool fitted, int first, int last);
   // Writes positions and normals in buffer units: three floats each, the normal's four after the position's, stride floats from
   // place to place.
   void place(const Gl &gl, ProgramCache &programs, const Places &places, GLuint buffer, int stride) const;

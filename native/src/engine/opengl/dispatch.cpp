@@ -27,14 +27,16 @@ static void in_tiles(const Gl &gl, int count, int tile, int smallest, int larges
   }
 }
 
+void dispatch_once(const Gl &gl, int first, int last) {
+  gl.Uniform1i(LOCATION_FIRST, first);
+  gl.Uniform1i(LOCATION_LAST, last);
+  gl.DispatchCompute(group_count(gl, last - first), 1, 1);
+}
+
 void dispatch_invocations(const Gl &gl, int count, int64_t first_tile) {
   const int group = gl.limits.group_size, largest = 65535 * group;
   const auto tile = static_cast<int>(std::clamp<int64_t>(first_tile / group * group, group, largest));
-  in_tiles(gl, count, tile, group, largest, [&](int first, int last) {
-    gl.Uniform1i(LOCATION_FIRST, first);
-    gl.Uniform1i(LOCATION_LAST, last);
-    gl.DispatchCompute(group_count(gl, last - first), 1, 1);
-  });
+  in_tiles(gl, count, tile, group, largest, [&](int first, int last) { dispatch_once(gl, first, last); });
 }
 
 void dispatch_texels(const Gl &gl, int size) {

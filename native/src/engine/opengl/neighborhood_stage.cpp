@@ -183,13 +183,13 @@ static Starts starts_of(const Job &job, const Cells &cells, const Centers &cente
 }
 
 // In the order in which they are evaluated: invocations side by side then have much the same samples, and as many.
-const OrderedCenters &TextureSpace::ordered_centers(const Job &job) {
+const OrderedCenters &TextureSpace::ordered_centers(const Job &job, const Frame &frame) {
   CellSet &set = cells();
   const pdesc_options &options = job.options();
   const Charts &charts = job.charts();
   return set.centers.get({options.seam_error != 0, options.seed, charts.point_wedge}, [&] {
     OrderedCenters made;
-    made.centers = list_centers(charts, {options.seam_error != 0, true, options.seed, options.buffer_size, 0.0f});
+    made.centers = list_centers(charts, center_options(job, frame, 0.0));
     made.starts = starts_of(job, set.cells, made.centers);
     made.centers.permute(paradesc::put_in_order(made.starts));
     for (const int32_t point : made.centers.points) made.vertices.push_back(job.surface.half_edges.point_vertex[point]);

@@ -44,10 +44,7 @@ static bool reads_map(std::span<const int> descriptors) {
 
 // Of the rings that a device fits normals to, which the mesh keeps as well.
 static int64_t bytes_of_rings(const ComputationSize &size) {
-  const pdesc_options &options = size.options;
-  const bool fits = options.relocation == PDESC_RELOCATION_CONNECTED && options.evaluate == PDESC_EVALUATE_VERTEX &&
-                    options.normals != PDESC_NORMALS_MESH && !size.surface_maps;
-  return fits ? size.points * 250 : 0;
+  return device_may_fit_normals(size.options, size.surface_maps) ? size.points * 250 : 0;
 }
 
 static int64_t bytes_of_device(const ComputationSize &size) {

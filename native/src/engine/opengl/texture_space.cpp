@@ -45,7 +45,7 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed)
   const pdesc_options &options = job.options();
   const double radius = job.request.radius;
   EvaluateSettings settings = settings_of(job, frame);
-  const OrderedCenters *const ordered = job.connected() ? &ordered_centers(job) : nullptr;
+  const OrderedCenters *const ordered = job.connected() ? &ordered_centers(job, frame) : nullptr;
   const Centers listed = ordered ? Centers() : list_centers(job.charts(), center_options(job, frame, radius));
   const Centers &centers = ordered ? ordered->centers : listed;
   const PlacedCenters *const placed = ordered && !frame.displaced ? &placed_centers(job, frame, *ordered) : nullptr;

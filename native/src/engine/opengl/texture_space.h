@@ -159,7 +159,7 @@ private:
   // bake_stage.cpp
   Frame bake(const Job &job);
   bool fits_normals(const Job &job) const;
-  void bake_layout(const Job &job, const LayoutKey &key);
+  void bake_layout(const Job &job, const BakeKey &baked);
   void bake_surface(const Job &job, const Frame &frame);
   void step(const Work &work);
   std::vector<vec4> ellipses(const Job &job, const BakeSpace &space, int step);
@@ -177,7 +177,7 @@ private:
   PointsKey points_key(const Frame &frame) { return {frame.key, cells().samples_version}; }
   const BufferTexture *listed_points(const Job &job, const Frame &frame);
   void list_points(const Frame &frame, int samples, size_t centers);
-  const OrderedCenters &ordered_centers(const Job &job);
+  const OrderedCenters &ordered_centers(const Job &job, const Frame &frame);
   const PlacedCenters &placed_centers(const Job &job, const Frame &frame, const OrderedCenters &ordered);
 
   // evaluate_stage.cpp
@@ -214,6 +214,10 @@ private:
   uint64_t last_samples_version_ = 0;
   Keyed<PointsKey, bool> listed_points_; // what device_->points holds
 };
+
+// Whether nothing on the processor asks for the normals that these options want, unless there are creases: the device then fits
+// them by itself, if it can list their rings.
+bool device_may_fit_normals(const pdesc_options &options, bool surface_maps);
 
 std::unique_ptr<Session> open_texture_space(std::shared_ptr<GlThread> thread, bool software);
 

@@ -1,0 +1,7 @@
+// A list, of whose elements [first, last) each invocation of a dispatch has one.
+#include "device.glsl"
+layout(local_size_x = GROUP_SIZE) in;
+layout(location = LOCATION_FIRST) uniform int first;
+layout(location = LOCATION_LAST) uniform int last;
+
+int own_element() { return first + int(gl_GlobalInvocationID.x); }
