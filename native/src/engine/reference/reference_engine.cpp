@@ -60,9 +60,10 @@ Computed ReferenceSession::compute(const Surface &surface, const Request &reques
                    settings.radius = radius_of(pass, options, request.radius);
                    settings.map_sigma = pass.stage == Stage::windows ? options.map_sigma * request.radius : 0.0;
                    const auto part = [&](double fraction) { return progress("evaluate", (number + fraction) / count); };
-                   CenterResults results = at_all_points(compute_reference(surface.triangles, surface.half_edges, surface.normals(),
-                                                                           settings, pass.rows, resources.threads, part),
-                                                         points);
+                   CenterResults results =
+                       at_all_points(compute_reference(surface.triangles, surface.half_edges, surface.normals(), settings,
+                                                       pass.rows, resources.threads, part),
+                                     points);
                    CreaseBlend(surface, settings.radius, resources.threads).at_points(pass.rows, results);
                    return results;
                  });
