@@ -79,15 +79,24 @@ public:
     if (!(bend >= least_bend) || !(distance > 0)) return false;
     // Beside a needle the same bend may come twice, there and back.
     if (is_needle(triangles_, half_edge / 3) || is_needle(triangles_, twin / 3)) return true;
-    const double left = most_bent(half_edge, distance), right = most_bent(twin, distance);
+    const auto beside = [&](int edge) { return most_bent(edge, bend, distance, both_sides); };
+    const double left = beside(half_edge), right = beside(twin);
     if (bend >= both_sides * std::max(left, right) || bend >= one_side * std::min(left, right)) return true;
-    return bend >= least_hard_bend && bend >= own_triangles * std::max(most_bent(half_edge, -1), most_bent(twin, -1));
+    const auto own = [&](int edge) { return most_bent(edge, bend, -1, own_triangles); };
+    return bend >= least_hard_bend && bend >= own_triangles * std::max(own(half_edge), own(twin));
   }
 
 private:
   double bend_of(int half_edge) const {
     return std::abs(bend_between(dvec3(normals_[half_edge / 3]), dvec3(normals_[half_edges_.twin[half_edge] / 3]),
                                  along(triangles_, half_edge)));
+  }
+
+  // It bends no more than that, which is told without the angle.
+  bool bends_at_most(int half_edge, double angle) const {
+    const vec3 left = normals_[half_edge / 3], right = normals_[half_edges_.twin[half_edge] / 3];
+    constexpr double over_chord = 1.12; // more than an angle below a quarter of a turn is over its chord
+    return glm::dot(left, right) > 0.01f && over_chord * static_cast<double>(length(left - right)) <= angle;
   }
 
   // Of the triangle, across the edge.
@@ -115,14 +124,14 @@ private:
     return std::min(glm::length(p - from * line.direction), glm::length(q - to * line.direction)) <= distance;
   }
 
-  // The most that an edge beside this one bends along it, on the side of this half-edge; below 0: of its own triangle's edges.
-  double most_bent(int half_edge, double distance) const {
+  // The most that an edge beside this one, which bends by own_bend, bends along it, on the side of this half-edge; distance below
+  // 0: of its own triangle's edges. Of what is above own_bend, so many times, any will do.
+  double most_bent(int half_edge, double own_bend, double distance, double times) const {
     const dvec3 begin = corner_position(triangles_, half_edge),
                 along = corner_position(triangles_, next_corner(half_edge)) - begin;
     const double span = glm::length(along);
     const Line line{begin, along / span, span};
     const int other_side = half_edges_.twin[half_edge] / 3;
-    const double own_bend = bend_of(half_edge);
     std::array<int, max_searched> faces{half_edge / 3};
     size_t count = 1;
     double most = 0;
@@ -132,9 +141,13 @@ private:
         if (edge == half_edge || twin < 0 || twin / 3 == other_side) continue;
         const dvec3 p = corner_position(triangles_, edge) - begin, q = corner_position(triangles_, next_corner(edge)) - begin;
         if (k > 0 && !is_beside(line, p, q, distance)) continue;
-        const double length = glm::length(q - p), bend = bend_of(edge);
-        if (length > 0) most = std::max(most, bend * std::abs(glm::dot(q - p, line.direction)) / length);
-        const bool goes_on = distance > 0 && count < max_searched && bend < flat * own_bend;
+        bool goes_on = distance > 0 && count < max_searched;
+        if (!bends_at_most(edge, std::min(most, flat * own_bend))) {
+          const double length = glm::length(q - p), bend = bend_of(edge);
+          if (length > 0) most = std::max(most, bend * std::abs(glm::dot(q - p, line.direction)) / length);
+          if (times * most > own_bend) return most;
+          goes_on = goes_on && bend < flat * own_bend;
+        }
         if (goes_on && std::find(faces.begin(), faces.begin() + count, twin / 3) == faces.begin() + count)
           faces[count++] = twin / 3;
       }
