@@ -73,17 +73,6 @@ public:
     for (; lanes; lanes &= lanes - 1) visit(static_cast<size_t>(std::countr_zero(lanes)));
   }
 
-  // How many of `count` positions, from the first on, lie nearer to it than this part of the radius, up to a lane for each.
-  template <class Position> size_t leading(size_t count, float near, const Position &position) const {
-    const vec3 first = position(size_t{0});
-    size_t found = 1;
-    for (; found < std::min(count, max_lanes); ++found) {
-      const vec3 gap = (position(found) - first) * scale_;
-      if (!(dot(gap, gap) < near * near)) break;
-    }
-    return found;
-  }
-
 private:
   float scale_;
   Floats centers_[max_lanes / width][3]; // by axis

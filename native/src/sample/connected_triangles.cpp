@@ -12,8 +12,6 @@
 namespace paradesc {
 
 // Offsets from the center are in units of the radius: meshes have any size.
-static bool in_ball(vec3 offset) { return dot(offset, offset) < 1.0f; }
-
 // Whether the segment between two positions outside the ball meets it. Most do not, and need no division.
 static bool passes(vec3 a, vec3 b) {
   const vec3 way = b - a;
@@ -21,21 +19,28 @@ static bool passes(vec3 a, vec3 b) {
   return along > 0.0f && along < length && (dot(a, a) - 1.0f) * length < along * along;
 }
 
-// The share of the triangle in the ball, by the middles of 16 pieces, or of four where the triangle is small.
-static float part_in_ball(vec3 corner, vec3 first_side, vec3 second_side) {
-  const bool small = dot(first_side, first_side) + dot(second_side, second_side) < 0.125f;
-  const int pieces = small ? 2 : 4;
-  const auto step = 1.0f / static_cast<float>(3 * pieces);
-  const vec3 first = first_side * step, second = second_side * step;
-  int inside = 0;
-  for (int i = 0; i < pieces; ++i)
-    for (int j = 0; i + j < pieces; ++j) {
-      const vec3 lower = corner + first * (3.0f * static_cast<float>(i) + 1.0f) + second * (3.0f * static_cast<float>(j) + 1.0f);
-      inside += in_ball(lower);
-      inside += i + j + 1 < pieces && in_ball(lower + first + second);
-    }
-  return static_cast<float>(inside) / static_cast<float>(pieces * pieces);
-}
+namespace {
+
+// The middles of 16 equal parts of a triangle, or of four.
+struct PartMiddles {
+  vec3 middle[16];
+  size_t count = 0;
+
+  PartMiddles(vec3 corner, vec3 first_side, vec3 second_side, bool four) {
+    const int side = four ? 2 : 4;
+    const auto step = 1.0f / static_cast<float>(3 * side);
+    const vec3 first = first_side * step, second = second_side * step;
+    for (int i = 0; i < side; ++i)
+      for (int j = 0; i + j < side; ++j) {
+        const vec3 lower =
+            corner + first * (3.0f * static_cast<float>(i) + 1.0f) + second * (3.0f * static_cast<float>(j) + 1.0f);
+        middle[count++] = lower;
+        if (i + j + 1 < side) middle[count++] = lower + first + second;
+      }
+  }
+};
+
+} // namespace
 
 // Each point is a lane: one bit of each vertex's and each triangle's state. In dense meshes neighboring points are connected to
 // nearly the same triangles, and the flood comes to most of these in one step for all points.
@@ -51,8 +56,7 @@ public:
     begin(points);
     const int32_t seed = points[0];
     const vec3 start = position(seed);
-    uint32_t lanes = 0; // with the seed within their ball
-    for (size_t lane = 0; lane < points.size(); ++lane) lanes |= uint32_t{in_ball(balls_.offset(start, lane))} << lane;
+    const uint32_t lanes = balls_.holding(start); // with the seed within their ball
     for_each_triangle(seed, [&](int32_t triangle) { add(triangle, lanes); });
     for (size_t i = 0; i < queue_.size() && common_count_ <= limit_; ++i) {
       if (i % 1024 == 1023) leave_out_many();
@@ -70,9 +74,11 @@ public:
     for (const int32_t vertex : known_) inside_[vertex] = 0;
   }
 
-  // The number of points, from the first on, that lie so near to it that one flood serves them all.
-  size_t together(std::span<const int32_t> points) const {
-    return balls_.leading(points.size(), 0.4f, [&](size_t i) { return position(points[i]); });
+  // Whether two points lie so near each other that one flood serves both.
+  bool together(int32_t point, int32_t other) const {
+    constexpr float near = 0.4f; // of the radius
+    const vec3 gap = (position(point) - position(other)) * balls_.scale();
+    return dot(gap, gap) < near * near;
   }
 
   // Appends the triangles of a point that measure() knows the area of, sorted.
@@ -161,9 +167,10 @@ private:
   }
 
   void add_area(const vec3 (&corner)[3], const uint32_t (&within)[3], uint32_t lanes) {
-    constexpr float small = 0.02f; // squares of two sides
-    const vec3 first_side = (corner[1] - corner[0]) * balls_.scale(), second_side = (corner[2] - corner[0]) * balls_.scale();
-    const float area = 0.5f * length(cross(first_side, second_side));
+    constexpr float smallest = 0.02f, small = 0.125f; // squares of two sides, in radii
+    const vec3 first_side = corner[1] - corner[0], second_side = corner[2] - corner[0];
+    const float unit = balls_.scale() * balls_.scale(), area = 0.5f * length(cross(first_side, second_side)) * unit;
+    const float squares = (dot(first_side, first_side) + dot(second_side, second_side)) * unit;
     const uint32_t whole = within[0] & within[1] & within[2];
     if (whole == balls_.all()) {
       common_area_ += static_cast<double>(area);
@@ -171,7 +178,7 @@ private:
       return;
     }
     for (size_t i = 0; i < balls_.vectors(); ++i) counts_[i] -= BallLanes::are_in(lanes, i);
-    if (dot(first_side, first_side) + dot(second_side, second_side) < small) {
+    if (squares < smallest) {
       for (size_t i = 0; i < balls_.vectors(); ++i) // a third for each corner
         areas_[i] -=
             __builtin_convertvector(
@@ -179,11 +186,13 @@ private:
             (area / 3.0f);
       return;
     }
-    BallLanes::for_each(lanes, [&](size_t lane) {
-      const bool inside = whole >> lane & 1;
-      areas_[lane / width][lane % width] +=
-          inside ? area : area * part_in_ball(balls_.offset(corner[0], lane), first_side, second_side);
-    });
+    const PartMiddles parts(corner[0], first_side, second_side, squares < small);
+    for (size_t i = 0; i < balls_.vectors(); ++i) {
+      Bits inside{};
+      for (size_t k = 0; k < parts.count; ++k) inside += balls_.squares(parts.middle[k], i) < 1.0f;
+      areas_[i] -=
+          __builtin_convertvector(inside & BallLanes::are_in(lanes, i), Lanes) * (area / static_cast<float>(parts.count));
+    }
   }
 
   // Lanes with too many triangles go no further.
@@ -225,11 +234,16 @@ ConnectedTriangles ConnectedTriangleSearch::run(std::span<const int32_t> points,
   ConnectedTriangles connected;
   connected.begin.assign(count + 1, 0);
   connected.area.assign(count, 0.0);
-  const auto measure = [&](SharedFlood &flood, size_t first, size_t lanes, std::vector<int32_t> &list) {
-    flood.measure(points.subspan(first, lanes), std::span(connected.area).subspan(first, lanes));
-    for (size_t lane = 0; lane < lanes; ++lane) {
-      const size_t i = first + lane;
-      if (!(connected.area[i] > 0.0)) continue;
+  // Of these points.
+  const auto measure = [&](SharedFlood &flood, std::span<const size_t> some, std::vector<int32_t> &list) {
+    int32_t point[BallLanes::max_lanes];
+    double area[BallLanes::max_lanes];
+    for (size_t lane = 0; lane < some.size(); ++lane) point[lane] = points[some[lane]];
+    flood.measure({point, some.size()}, {area, some.size()});
+    for (size_t lane = 0; lane < some.size(); ++lane) {
+      const size_t i = some[lane];
+      connected.area[i] = area[lane];
+      if (!(area[lane] > 0.0)) continue;
       if (!expected.areas.empty() && std::abs(connected.area[i] - expected.areas[i]) < expected.tolerance) continue;
       first_of[i] = list.size();
       flood.list(lane, list);
@@ -239,15 +253,21 @@ ConnectedTriangles ConnectedTriangleSearch::run(std::span<const int32_t> points,
   parallel_blocks(static_cast<int>(count), threads_, static_cast<int>(block), [&](int from, int to) {
     const auto begin = static_cast<size_t>(from), end = static_cast<size_t>(to);
     std::vector<int32_t> list; // of its own: neighboring vectors share cache lines
-    floods_.with_one([&] { return SharedFlood(triangles_, half_edges_, radius_, limit_); },
-                     [&](SharedFlood &flood) {
-                       for (size_t first = begin, lanes = 0; first < end; first += lanes) {
-                         lanes = flood.together(points.subspan(first, end - first));
-                         measure(flood, first, lanes, list);
-                       }
-                       for (size_t i = begin; i < end; ++i)
-                         if (connected.area[i] < 0.0) measure(flood, i, 1, list);
-                     });
+    floods_.with_one(
+        [&] { return SharedFlood(triangles_, half_edges_, radius_, limit_); },
+        [&](SharedFlood &flood) {
+          std::vector<size_t> left(end - begin), others, some;
+          std::iota(left.begin(), left.end(), begin);
+          for (; !left.empty(); left.swap(others)) {
+            some.clear();
+            others.clear();
+            for (const size_t i : left)
+              (some.size() < BallLanes::max_lanes && flood.together(points[left[0]], points[i]) ? some : others).push_back(i);
+            measure(flood, some, list);
+          }
+          for (size_t i = begin; i < end; ++i)
+            if (connected.area[i] < 0.0) measure(flood, std::span(&i, 1), list);
+        });
     found[begin / block] = std::move(list);
   });
   std::partial_sum(connected.begin.begin(), connected.begin.end(), connected.begin.begin());
