@@ -5,8 +5,11 @@
 #define LIST_ROW 4096 // elements per row of a list texture
 #define CELL_LEAVES 4 // of a cell: its parts in the quarters of its block
 #define LEAF_LISTS 4  // of a cell: its leaves' coarse samples, one half of these, its fine samples, one half of these
+#define LINK_REACH 1.25 // in radii of a cell: where links to it may lie, a texel beyond its points
 #define LEAF_RADII 250.0 // steps to the radius of the cell, in the codes of its leaves
+#define CELL_TRAITS 3 // of four numbers, of a cell at a radius
 #define NEAR_TRAITS 3 // of four numbers, of a cell near centers
+#define TREE_BITS 2   // of the number of nodes in a node of the tree of cells
 #define CELL_VECTORS (4 + 2 * CELL_LEAVES) // of four floats in CellData
 #define MAX_MARCH_STEPS                                                                                                          \
   4096 // guard of the march; a straight line crosses at most 2 x 8192 texels between seams, far less in practice
@@ -42,12 +45,12 @@
 #define UNIT_EDGES 23    // buffer texture, RGBA32I, two a chart-edge line: the bits of EdgeData
 // Of what centers find their neighborhoods in; pairs of numbers unless it says otherwise.
 #define UNIT_CELLS 24         // buffer texture, RGBA32F: CellData
-#define UNIT_CELL_LISTS 25    // buffer texture, RGBA32I, two a cell: first and end in UNIT_NEAR_CELLS, in UNIT_ADJACENCY; in UNIT_BOUNDARY, of the samples of BINDING_TEXELLESS
-#define UNIT_NEAR_CELLS 26    // buffer texture, RGBA32I: a cell near the centers that start in another, sorted; that other; its first in UNIT_NEAR_NEIGHBORS; CELL_ bits
-#define UNIT_NEAR_NORMALS 27  // buffer texture, RGBA32F, one a cell: the mean normal of those near it
+#define UNIT_CELL_LISTS 25    // buffer texture, RGBA32I: first and end of a cell in UNIT_ADJACENCY, in UNIT_BOUNDARY
+#define UNIT_NEAR_CELLS 26    // buffer texture, RGBA32I: a cell near the centers of a list, sorted; the list; where its neighbors begin among those of the list
+#define UNIT_NEAR_NORMALS 27  // buffer texture, RGBA32F, one a list: the mean normal of its cells
 #define UNIT_ADJACENCY 28     // buffer texture: neighboring cell, link
 #define UNIT_NEAR_SPHERES 29  // buffer texture, RGBA32F, one of UNIT_NEAR_CELLS: its sphere
-#define UNIT_NEAR_TRAITS 30   // buffer texture, RGBA32I, NEAR_TRAITS each: cell, CELL_ bits, projected area, unit of leaf codes; these codes; first and end in UNIT_NEAR_NEIGHBORS, the cell in which centers start
+#define UNIT_NEAR_TRAITS 30   // buffer texture, RGBA32I, NEAR_TRAITS each: cell, CELL_ bits, projected area, unit of leaf codes; these codes; first and end in UNIT_NEAR_NEIGHBORS, the list
 #define UNIT_NEAR_NEIGHBORS 31 // buffer texture, RGBA32I: place of the neighboring cell among those near the same one, or -1; link; first and end in UNIT_LINK_POINTS
 #define UNIT_CELL_LINKS 32    // buffer texture: first and end of a link in UNIT_LINK_POINTS
 #define UNIT_LINK_POINTS 33   // buffer texture, as UNIT_POINTS: where the surface goes over from cell to cell
@@ -55,7 +58,7 @@
 #define UNIT_LEAF_LISTS 35    // buffer texture, RGBA32I, LEAF_LISTS a cell: first in UNIT_SAMPLES, how many samples each leaf has (16 bits)
 #define UNIT_BOUNDARY 36      // buffer texture, RGBA32F: both ends of edges on the mesh's boundary
 #define UNIT_STARTS 37        // buffer texture, one a center: first and end in UNIT_START_CELLS
-#define UNIT_START_CELLS 38   // buffer texture: a cell that a center starts from; the first one is that of UNIT_NEAR_CELLS
+#define UNIT_START_CELLS 38   // buffer texture: a cell that a center starts from, the list of the centers in it; a center is on that of its first one
 // Of the mesh as it lies now, and of what its normals are fitted to.
 #define UNIT_MESH_POSITIONS 39  // buffer texture, R32F, three a vertex: as they were given
 #define UNIT_TRIANGLES 40       // buffer texture, R32I, three a triangle: its vertices
@@ -65,7 +68,15 @@
 #define UNIT_FAN_VERTICES 44    // buffer texture, R32I, likewise the next two: as NormalRings has them
 #define UNIT_RING_VERTICES 45
 #define UNIT_RING_FACES 46
-#define UNIT_COUNT 47
+// Of the lists of cells and samples at a radius.
+#define UNIT_CELL_TRAITS 47      // buffer texture, RGBA32I, CELL_TRAITS each, the bits of floats: sphere; cone, both with the samples of BINDING_TEXELLESS; area, radius as it was measured, CELL_ bits
+#define UNIT_CELL_NODES 48       // buffer texture, RGBA32I, two a node of the tree of cells, as tree.glsl orders them: the bits of a box's low, the node after all that are in this one; those of its high, its cell, or -1
+#define UNIT_NEAR_RANGES 49      // buffer texture, RGBA32I, one a list: first and end in UNIT_NEAR_CELLS; first in UNIT_NEAR_NEIGHBORS; how many of its cells have no neighbor on it that lies closer
+#define UNIT_START_LISTS 50      // buffer texture, one a list: first and end of its centers
+#define UNIT_TEXELLESS_RANGES 51 // buffer texture, one a cell: first and end among the samples of BINDING_TEXELLESS
+#define UNIT_STRIDES 52          // buffer texture, one a cell: how often a texel is doubled for a coarse sample of each leaf, for a fine one; 8 bits each
+#define UNIT_NEAR_BALLS 53       // buffer texture, RGBA32F, one a list: the ball around those of its centers
+#define UNIT_COUNT 54
 
 // Uniforms of programs that take few. Programs over centers take EvaluateParams.
 #define LOCATION_BUFFER_SIZE 0
@@ -77,8 +88,10 @@
 #define LOCATION_LAST 3
 #define LOCATION_BLOCK_SIZE 8
 #define LOCATION_RANGES 9 // that the neighborhood of a center has at most
-#define LOCATION_CELLS 10 // how many there are
+#define LOCATION_LISTS 10 // of near cells: how many there are
 #define LOCATION_STRIDE 11 // from place to place, in floats
+#define LOCATION_LEVEL 13 // of the tree of cells
+#define LOCATION_NODES 14 // that it has
 #define LOCATION_FITTED 12 // 1: normals are fitted, 0: Max's
 #define LOCATION_AREA_UNIT 30   // of every program that writes or reads the area element
 #define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
@@ -91,6 +104,7 @@
 // Uniform blocks.
 #define BLOCK_EVALUATE 0
 #define BLOCK_SPACE 1
+#define BLOCK_SEARCH 2
 
 // Storage buffers, each number once: drivers often have 16.
 #define BINDING_CENTERS 0
@@ -115,6 +129,18 @@
 #define BINDING_NEAR_SPHERES 10
 #define BINDING_NEAR_TRAITS 11
 #define BINDING_NEAR_NEIGHBORS 12
+#define BINDING_COUNTS 13
+// Of those that list cells and samples: where the textures of these names are written.
+#define BINDING_CELL_TRAITS 8
+#define BINDING_CELL_NODES 9
+#define BINDING_STRIDES 10
+#define BINDING_LEAF_LISTS 11
+#define BINDING_SAMPLES 12
+#define BINDING_NEAR_CELLS 8
+#define BINDING_NEAR_RANGES 9
+#define BINDING_NEAR_NORMALS 10
+#define BINDING_NEAR_BALLS 11
+#define BINDING_FOUND_CELLS 12 // (lists, SearchParams::room.longest) cells of each list
 // Of those that find where the mesh lies.
 #define BINDING_PLACES 0  // position and normal, LOCATION_STRIDE floats from place to place
 #define BINDING_FACES 1   // where UNIT_FACES is written
@@ -182,6 +208,28 @@ struct EvaluateParams {
   int begin_sample; // those of this dispatch
   int end_sample;
   int marks_only;   // paper: the dispatches that find the charts to visit come before the others
+};
+// How long the lists of a search are, or how long they may be.
+struct SearchCounts {
+  int samples;
+  int fine;      // 1: some leaves have fine samples
+  int cells;     // near those that centers start in
+  int neighbors; // of these cells
+  int longest;   // cells of one list
+#ifdef __cplusplus
+  bool operator==(const SearchCounts &) const = default;
+#endif
+};
+// What these lists are made with.
+struct SearchParams {
+  float radius;
+  float share; // of a disk of that radius, for one sample, in texels
+  int seed;
+  int block_size;
+  int cell_count;
+  int top_level; // of the tree of cells, which has no more nodes than a node has
+  int unused_0, unused_1;
+  SearchCounts room;
 };
 BLOCK_OF_VECTORS CenterData {
   vec3 position; // in buffer units

@@ -1,5 +1,6 @@
 // A list, of whose elements [first, last) each invocation of a dispatch has one.
 #include "device.glsl"
+#include "shared.h"
 layout(local_size_x = GROUP_SIZE) in;
 layout(location = LOCATION_FIRST) uniform int first;
 layout(location = LOCATION_LAST) uniform int last;

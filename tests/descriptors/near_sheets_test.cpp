@@ -52,10 +52,8 @@ protected:
   Context context;
 };
 
-// A ramp around a pole that is outside of the balls: the floors above and below face the same way, and are connected around the
-// pole.
-TEST_F(NearSheets, floors_of_a_ramp_that_face_alike_do_not_see_each_other) {
-  constexpr double inner = 0.06, outer = 1, height = 0.12, turns = 4, radius = 0.3;
+// A ramp around a pole; floors lie `height` above each other.
+TestMesh ramp_around_pole(double inner, double outer, double height, double turns) {
   TestMesh ramp = plane(1, 1, {.vertices = 16000, .irregular = false});
   for (size_t v = 0; v < ramp.points.size(); ++v) {
     const double angle = 2 * pi * turns * ramp.parameters[v].y, away = inner + (outer - inner) * ramp.parameters[v].x;
@@ -65,9 +63,27 @@ TEST_F(NearSheets, floors_of_a_ramp_that_face_alike_do_not_see_each_other) {
   ramp.lengths = {outer - inner, pi * (outer + inner) * turns, 1};
   round_to_float(ramp);
   lay_out(ramp, {.charts = 8});
+  return ramp;
+}
+
+// The pole is outside of the balls: the floors above and below face the same way, and are connected around the pole.
+TEST_F(NearSheets, floors_of_a_ramp_that_face_alike_do_not_see_each_other) {
+  constexpr double radius = 0.3;
+  const TestMesh ramp = ramp_around_pole(0.06, 1, 0.12, 4);
   expect_the_oracles_areas(ramp, radius, [&](size_t v) {
     const double away = std::hypot(ramp.points[v].x, ramp.points[v].y);
     return away > 1.02 * radius && away < 1.6 * radius;
+  });
+}
+
+// The floors above and below have a tenth of a disk each in the ball: all there face one way, and have hardly more area than
+// one sheet may have.
+TEST_F(NearSheets, floors_that_only_just_reach_into_a_ball_are_not_seen_in_it) {
+  constexpr double radius = 0.2;
+  const TestMesh ramp = ramp_around_pole(0.06, 1, 0.95 * radius, 3);
+  expect_the_oracles_areas(ramp, radius, [&](size_t v) {
+    const double away = std::hypot(ramp.points[v].x, ramp.points[v].y);
+    return away > 2 * radius && away < 3.5 * radius;
   });
 }
 

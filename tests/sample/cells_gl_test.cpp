@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/opengl/baked.h"
-#include "sample/neighborhoods.h"
+#include "sample/texelless.h"
 #include "support/layout.h"
 
 namespace paradesc::test {

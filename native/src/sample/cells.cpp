@@ -5,8 +5,11 @@
 #include <cmath>
 #include <numeric>
 #include <queue>
+#include <tuple>
 
+#include "mesh/cluster_tree.h"
 #include "sample/chart_map.h"
+#include "support/curve.h"
 #include "support/parallel.h"
 
 namespace paradesc {
@@ -91,6 +94,11 @@ public:
   }
 
 private:
+  template <class Visit> void each_texel(const Visit &visit) const {
+    for (int y = 0; y < size_; ++y)
+      for (int x = 0; x < size_; ++x) visit(x, y, static_cast<int32_t>(map_.index(x, y)));
+  }
+
   // Calls visit(texel, other) for texels side by side or at a corner that are joined.
   template <class Visit> void each_joined_pair(const Visit &visit) const {
     for (int y = 0; y < size_; ++y) {
@@ -119,18 +127,18 @@ private:
       else
         between.emplace_back(a, b);
     });
+    const std::vector<int32_t> rank = build_cluster_tree(half_edges_).rank;
+    std::vector<std::tuple<int32_t, int32_t, int32_t>> roots; // where its triangle is in their tree, its block, first texel
+    each_texel([&](int x, int y, int32_t texel) {
+      if (map_.chart(x, y) >= 0 && unions.root(texel) == texel)
+        roots.emplace_back(rank[map_.triangle(x, y)], on_curve(x / block, y / block), texel);
+    });
+    std::sort(roots.begin(), roots.end());
     cells_.label.assign(texels, -1);
-    for (int y = 0; y < size_; ++y)
-      for (int x = 0; x < size_; ++x) {
-        if (map_.chart(x, y) < 0) continue;
-        const auto texel = static_cast<int32_t>(map_.index(x, y));
-        const int32_t root = unions.root(texel);
-        if (root == texel) {
-          cells_.label[texel] = cells_.count++;
-        } else {
-          cells_.label[texel] = cells_.label[root];
-        }
-      }
+    for (const auto &[of_triangle, of_block, texel] : roots) cells_.label[texel] = cells_.count++;
+    each_texel([&](int x, int y, int32_t texel) {
+      if (map_.chart(x, y) >= 0) cells_.label[texel] = cells_.label[unions.root(texel)];
+    });
     for (const auto &[a, b] : between) link(a, b, crossings_);
   }
 
@@ -196,13 +204,12 @@ private:
     });
     cells_.label = std::move(covered);
     std::vector<ivec4> bounds(static_cast<size_t>(cells_.count), ivec4(size_, size_, 0, 0)); // low, past the end
-    for (int y = 0; y < size_; ++y)
-      for (int x = 0; x < size_; ++x) {
-        const int32_t cell = cells_.label[2 * map_.index(x, y)];
-        if (cell < 0) continue;
-        ivec4 &box = bounds[cell];
-        box = ivec4(std::min(box.x, x), std::min(box.y, y), std::max(box.z, x + 1), std::max(box.w, y + 1));
-      }
+    each_texel([&](int x, int y, int32_t texel) {
+      const int32_t cell = cells_.label[2 * static_cast<size_t>(texel)];
+      if (cell < 0) return;
+      ivec4 &box = bounds[cell];
+      box = ivec4(std::min(box.x, x), std::min(box.y, y), std::max(box.z, x + 1), std::max(box.w, y + 1));
+    });
     for (const ivec4 box : bounds) cells_.box.push_back(box.z > 0 ? ivec4(box.x, box.y, box.z - box.x, box.w - box.y) : ivec4(0));
   }
 

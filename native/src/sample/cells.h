@@ -16,6 +16,7 @@
 
 namespace paradesc {
 
+// In an order in which cells that lie close together follow each other, on the surface and then in the buffer.
 struct Cells {
   int count = 0;
   int block_size = 0;         // texels, a power of two

@@ -29,6 +29,8 @@ public:
   // The chart of a texel whose center lies on one, else -1.
   int32_t chart(int x, int y) const { return ids_[2 * index(x, y) + 1] >= 0 ? ids_[2 * index(x, y)] : -1; }
 
+  int32_t triangle(int x, int y) const { return ids_[2 * index(x, y) + 1]; } // where its center lies on a chart
+
   // A texel's center; beside a border, a little towards the middle of its triangle: rasterizers round, and what they call inside
   // may be outside by a hair.
   dvec2 middle(int x, int y) const {

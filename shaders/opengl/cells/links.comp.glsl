@@ -1,6 +1,5 @@
 #version 450 core
 // One invocation, one link between cells → a sphere around the points where the surface goes over.
-#include "shared.h"
 #include "opengl/elements.glsl"
 layout(std430, binding = BINDING_POINTS) writeonly restrict buffer LinkSpheres { vec4 spheres[]; };
 layout(binding = UNIT_CELL_LINKS) uniform isamplerBuffer cell_links;

@@ -1,32 +1,58 @@
 #version 450 core
-// One invocation, one of the cells near a cell in which centers start → all that those centers look at, side by side: where it lies, how
-// they see it, its leaves, and its neighbors among the cells of the same list.
-#include "shared.h"
+// One invocation, one of the cells near the centers of a list → all that those centers look at, side by side: where it lies, how they see it,
+// its leaves, and its neighbors among the cells of the same list.
 #include "opengl/elements.glsl"
+#include "opengl/cells/search.glsl"
 layout(std430, binding = BINDING_CELLS) readonly restrict buffer CellList { CellData cells[]; };
 layout(std430, binding = BINDING_NEAR_SPHERES) writeonly restrict buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = BINDING_NEAR_TRAITS) writeonly restrict buffer Traits { ivec4 traits[]; };
 layout(binding = UNIT_NEAR_CELLS) uniform isamplerBuffer near_list;
+layout(std430, binding = BINDING_NEAR_RANGES) restrict buffer NearRanges { ivec4 near_ranges[]; };
+layout(binding = UNIT_NEAR_BALLS) uniform samplerBuffer near_balls;
+layout(binding = UNIT_ADJACENCY) uniform isamplerBuffer adjacency;
 layout(binding = UNIT_NEAR_NORMALS) uniform samplerBuffer near_normals;
 layout(binding = UNIT_CELL_LISTS) uniform isamplerBuffer cell_lists;
+layout(binding = UNIT_CELL_TRAITS) uniform isamplerBuffer cell_traits;
 
 const float least_cosine = 0.25; // within 75 degrees hardly a valley is so deep that it leaves the ball of both its sides
 
+vec4 sphere_of(int cell) { return intBitsToFloat(texelFetch(cell_traits, CELL_TRAITS * cell)); }
+
+// How far a cell lies from a point: between its middle and what of it is nearest, which misleads least where cells differ in size.
+float away(vec4 sphere, vec3 point) { return length(sphere.xyz - point) - 0.5 * sphere.w; }
+
+// Whether some neighbor of a cell lies closer to the middle of a ball, and is on the ball's list with it. From neighbor to neighbor all cells
+// lead to one that has none: where a list has but one of these, all of it is connected.
+bool has_closer_neighbor(vec4 sphere, ivec2 neighbors, vec4 ball) {
+  float own = away(sphere, ball.xyz);
+  bool closer = false;
+  for (int i = neighbors.x; i < neighbors.y && !closer; ++i) {
+    vec4 other = sphere_of(texelFetch(adjacency, i).x);
+    float distance = away(other, ball.xyz);
+    closer = other.w >= 0.0 && distance < own && distance < ball.w + (LINK_REACH - 0.5) * other.w;
+  }
+  return closer;
+}
+
 void main() {
   int entry = own_element();
-  if (entry >= last) return;
-  ivec4 near = texelFetch(near_list, entry); // cell, the one that centers start in, where its neighbors go, CELL_ bits
-  CellData cell = cells[near.x];
+  if (entry >= min(last, counts.cells) || !lists_fit()) return;
+  ivec4 near = texelFetch(near_list, entry); // cell, list, where its neighbors go there
+  vec4 sphere = sphere_of(near.x);
+  vec4 cone = intBitsToFloat(texelFetch(cell_traits, CELL_TRAITS * near.x + 1));
+  ivec4 measured = texelFetch(cell_traits, CELL_TRAITS * near.x + 2); // area, radius, CELL_ bits
   vec3 normal = texelFetch(near_normals, near.y).xyz;
-  float cosine = dot(normal, cell.cone.xyz), own = clamp(cell.cone.w, -1.0, 1.0);
+  float cosine = dot(normal, cone.xyz), own = clamp(cone.w, -1.0, 1.0);
   // The cosine of both angles together is cosine * own minus the root of `square`; AMD's LLVM crashes over a root that is compared.
   float rest = max(cosine * own - least_cosine, 0.0), square = (1.0 - cosine * cosine) * (1.0 - own * own);
   bool faces = min(own, cosine) > least_cosine && rest * rest > square;
-  ivec2 neighbors = texelFetch(cell_lists, 2 * near.x).zw;
-  float projected = cell.area.x * max(cosine, 0.0);
-  spheres[entry] = cell.sphere;
+  ivec2 neighbors = texelFetch(cell_lists, near.x).xy;
+  if (!has_closer_neighbor(sphere, neighbors, texelFetch(near_balls, near.y))) atomicAdd(near_ranges[near.y].w, 1);
+  int first = near_ranges[near.y].z + near.z;
+  float projected = intBitsToFloat(measured.x) * max(cosine, 0.0);
+  spheres[entry] = sphere;
   traits[NEAR_TRAITS * entry] =
-      ivec4(near.x, near.w | (faces ? CELL_FACES_CENTERS : 0), floatBitsToInt(projected), floatBitsToInt(cell.area.y));
-  traits[NEAR_TRAITS * entry + 1] = cell.leaf_codes;
-  traits[NEAR_TRAITS * entry + 2] = ivec4(near.z, near.z + neighbors.y - neighbors.x, near.y, 0);
+      ivec4(near.x, measured.z | (faces ? CELL_FACES_CENTERS : 0), floatBitsToInt(projected), measured.y);
+  traits[NEAR_TRAITS * entry + 1] = cells[near.x].leaf_codes;
+  traits[NEAR_TRAITS * entry + 2] = ivec4(first, first + neighbors.y - neighbors.x, near.y, 0);
 }

@@ -54,7 +54,7 @@ bool edge_in_ball(int edge, vec3 center) {
 }
 
 bool meets_boundary(int cell, vec3 center) {
-  ivec2 edges = texelFetch(cell_lists, 2 * cell + 1).xy;
+  ivec2 edges = texelFetch(cell_lists, cell).zw;
   bool meets = false;
   for (int i = edges.x; i < edges.y && !meets; ++i) meets = edge_in_ball(i, center);
   return meets;
@@ -73,11 +73,11 @@ uint taken[NEAR_WORDS];
 uint at_boundary[NEAR_WORDS], leading[NEAR_WORDS];
 #endif
 
-// Takes what lies in the ball. Returns whether all of it faces the center's way and covers its tangent plane once: then it is
+// Takes what lies in the ball. all_connected: the cells near the center are. Returns whether all that lies in the ball faces the center's way and covers its tangent plane once: then it is
 // connected. That is known not to be so where links are gone over.
-bool take_near_cells(vec3 center, ivec2 near_cells) {
+bool take_near_cells(vec3 center, ivec2 near_cells, bool all_connected) {
   float flat_area = 0.0;
-  bool single = OVER_LINKS == 0 && near_cells.x < near_cells.y;
+  bool single = OVER_LINKS == 0 && all_connected && near_cells.x < near_cells.y;
   int k = 0, count = near_cells.y - near_cells.x;
   for (int word = 0; word < NEAR_WORDS; ++word) {
     uint bits = 0u, boundary = 0u, without_points = 0u;

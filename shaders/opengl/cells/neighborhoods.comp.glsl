@@ -7,6 +7,7 @@
 #include "variant.glsl"
 #include "device.glsl"
 #include "opengl/evaluate/params.glsl"
+#include "opengl/cells/search.glsl"
 #include "opengl/cells/near_cells.glsl"
 #include "opengl/cells/walks.glsl"
 #if OVER_LINKS
@@ -21,6 +22,10 @@ layout(std430, binding = BINDING_NEIGHBORHOODS) writeonly restrict buffer Neighb
 layout(std430, binding = BINDING_RANGES) writeonly restrict buffer Ranges { ivec2 ranges[]; };
 layout(binding = UNIT_CELLS) uniform samplerBuffer cells;
 layout(binding = UNIT_LEAF_LISTS) uniform isamplerBuffer leaf_lists;
+layout(binding = UNIT_NEAR_RANGES) uniform isamplerBuffer near_ranges;
+#if TEXELLESS
+layout(binding = UNIT_TEXELLESS_RANGES) uniform isamplerBuffer texelless_ranges;
+#endif
 
 // The leaves of a cell that a center takes.
 struct Taken {
@@ -136,7 +141,7 @@ float list_samples(inout List list, vec3 center, ivec2 near_cells, int turn) {
     if (some.fine != 0) total += fine.size;
 #endif
 #if TEXELLESS
-    ivec2 texelless = texelFetch(cell_lists, 2 * cell.number + 1).zw;
+    ivec2 texelless = texelFetch(texelless_ranges, cell.number).xy;
     total += texelless.y - texelless.x;
 #endif
     if (total > MAX_ITERATIONS) {
@@ -151,24 +156,26 @@ float list_samples(inout List list, vec3 center, ivec2 near_cells, int turn) {
 
 // Appends those of triangles that no texel carries.
 void list_texelless_samples(inout List list, ivec2 near_cells) {
+#if TEXELLESS
   int word = -1;
   uint left = 0u;
   for (;;) {
     int k = next_taken(word, left);
     if (word == NEAR_WORDS) break;
     int cell = texelFetch(near_traits, NEAR_TRAITS * (near_cells.x + k)).x;
-    append(list, texelFetch(cell_lists, 2 * cell + 1).zw);
+    append(list, texelFetch(texelless_ranges, cell).xy);
   }
+#endif
 }
 
 // Puts a center on the list of those that go over links, and the list of what is near it on that of the lists that they need.
-void ask_for_links(int slot, int start_cell) {
+void ask_for_links(int slot, int list) {
   int i = atomicAdd(walks[WALKS_CENTERS], 1);
   walks[walks_center(i)] = slot;
   atomicMax(walks[WALKS_CENTERS_GROUPS], i / GROUP_SIZE + 1);
-  if (atomicExchange(walks[walks_of_cell(start_cell)], 1) != 0) return;
+  if (atomicExchange(walks[walks_of_list(list)], 1) != 0) return;
   i = atomicAdd(walks[WALKS_LISTS], 1);
-  walks[walks_list(i)] = start_cell;
+  walks[walks_list(i)] = list;
   atomicMax(walks[WALKS_LISTS_GROUPS], min(i + 1, 65535));
 }
 
@@ -185,9 +192,7 @@ void list_neighborhood(int slot, vec3 center, ivec2 near_cells, bool single, boo
   found.missing_area = list_samples(list, center, near_cells, ALL_SQUARES);
   found.middle = found.last = end_of(list);
 #endif
-#if TEXELLESS
   list_texelless_samples(list, near_cells);
-#endif
   found.end = end_of(list);
   found.hits_boundary = boundary ? 1.0 : 0.0;
   found.single_sheet = single ? 1 : 0;
@@ -206,9 +211,11 @@ void main() {
   index = connected[index];
 #endif
   vec3 center = centers[index].position;
-  ivec2 starts = texelFetch(start_ranges, index).xy, near_cells = ivec2(0);
-  if (starts.x < starts.y) near_cells = texelFetch(cell_lists, 2 * texelFetch(start_cells, starts.x).x).xy;
-  bool single = take_near_cells(center, near_cells), boundary = false;
+  ivec2 starts = texelFetch(start_ranges, index).xy;
+  ivec4 list = ivec4(0);
+  if (starts.x < starts.y && lists_fit()) list = texelFetch(near_ranges, texelFetch(start_cells, starts.x).y);
+  ivec2 near_cells = list.xy;
+  bool single = take_near_cells(center, near_cells, list.w <= 1), boundary = false;
 #if OVER_LINKS
   keep_connected(center, starts, near_cells);
   boundary = boundary_meets(center, near_cells);

@@ -11,7 +11,8 @@ void main() {
   if (index >= last) return;
   ivec2 entry = texelFetch(sample_list, index).xy;
   vec3 normal;
-  vec4 point = surface_at(ivec2(entry.x & 0xffff, entry.x >> 16), normal);
+  ivec2 texel = min(ivec2(entry.x & 0xffff, entry.x >> 16), buffer_size - 1); // where the list ends before its room, there may be anything
+  vec4 point = surface_at(texel, normal);
   points[2 * index] = vec4(point.xyz, point.w * intBitsToFloat(entry.y));
   points[2 * index + 1] = vec4(normal, extent_of_texel(point.w));
 }

@@ -1,7 +1,6 @@
 #version 450 core
 // One invocation, one fan → its unit normal, as mesh/normals.cpp has it: Max's, or turned by the gradient of a jet through the vertices
 // around.
-#include "shared.h"
 #include "opengl/elements.glsl"
 #include "opengl/surface/mesh.glsl"
 #include "opengl/surface/jet.glsl"

@@ -1,6 +1,5 @@
 #version 450 core
 // One invocation, one vertex of the bake or one center → where it lies in buffer units, and its normal.
-#include "shared.h"
 #include "opengl/elements.glsl"
 #include "opengl/surface/mesh.glsl"
 layout(std140, binding = BLOCK_SPACE) uniform Space { dvec4 center_and_scale; };

@@ -82,7 +82,7 @@ void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
   const int size = buffer.size(), rows = std::max(1, drawn_at_once / size);
   for (const auto &set : device_->cells) {
     set->measured.clear();
-    set->listed_links.clear();
+    set->samples.clear();
   }
   step([&](const Gl &gl, ProgramCache &) {
     device_->surface.set_positions(gl, surface.triangles, frame.space, surface.positions_version);

@@ -82,21 +82,27 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
   }
 }
 
-// Evaluates `count` centers; progress goes from one fraction of the whole to another.
-void TextureSpace::evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame, int count,
-                            const Work &set_centers, const Progress &progress, double from, double to) {
-  gl_->run([&](const Gl &gl, ProgramCache &programs) {
-    device_->evaluator.set_links(gl, frame.links, frame.seams);
-    set_centers(gl, programs);
-    if (settings.faces()) device_->evaluator.use_faces(device_->surface.faces(gl, programs));
-  });
-  evaluate_tiles(job, settings, count, progress, from, to);
-}
-
-std::vector<float> TextureSpace::read_rows(const EvaluateSettings &settings) {
-  std::vector<float> rows;
+TextureSpace::Rows TextureSpace::read_rows(const EvaluateSettings &settings) {
+  Rows rows;
   gl_->run([&](const Gl &gl, ProgramCache &) { rows = device_->evaluator.read(gl, settings); });
   return rows;
+}
+
+// Evaluates the evaluator's centers; progress goes from one fraction of the whole to another. search: finds their neighborhoods
+// once more, as it did before, where a list of the search was longer than its room.
+std::vector<float> TextureSpace::evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
+                                          const std::function<void()> &search, const Progress &progress, double from, double to) {
+  for (;;) {
+    gl_->run([&](const Gl &gl, ProgramCache &programs) {
+      device_->evaluator.set_links(gl, frame.links, frame.seams);
+      device_->evaluator.begin(gl, settings);
+      if (settings.faces()) device_->evaluator.use_faces(device_->surface.faces(gl, programs));
+    });
+    evaluate_tiles(job, settings, device_->evaluator.center_count(), progress, from, to);
+    auto [rows, counts] = read_rows(settings);
+    if (!job.connected() || had_room(counts)) return std::move(rows);
+    search();
+  }
 }
 
 // rows: as read_rows. order: the place of each center among the results.
@@ -161,10 +167,11 @@ bool TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, 
 
 // Results are in the order in which the centers were listed: passes are read together, and each may have an order of its own.
 CenterResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
-                                             const Centers &centers, const Work &set_centers, const Progress &progress) {
-  evaluate(job, settings, frame, static_cast<int>(centers.points.size()), set_centers, progress, 0.3, 0.8);
-  std::vector<float> rows = read_rows(settings);
-  if (job.connected() && recheck_ambiguous(job, settings, radius, frame, centers, rows, progress)) rows = read_rows(settings);
+                                             const Centers &centers, const std::function<void()> &search,
+                                             const Progress &progress) {
+  std::vector<float> rows = evaluate(job, settings, frame, search, progress, 0.3, 0.8);
+  if (job.connected() && recheck_ambiguous(job, settings, radius, frame, centers, rows, progress))
+    rows = read_rows(settings).first;
   CenterResults results = results_of(settings, frame, rows, centers.order);
   results.point.resize(centers.order.size());
   results.primary.resize(centers.order.size());

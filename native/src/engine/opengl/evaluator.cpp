@@ -2,6 +2,7 @@
 #include "engine/opengl/evaluator.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "descriptor/registry.h"
 #include "engine/opengl/compose.h"
@@ -49,14 +50,23 @@ void Evaluator::set_map(const Gl &gl, const std::vector<vec4> &centers, const st
   check_gl(gl, "map upload");
 }
 
-void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings) {
+void Evaluator::set_centers(const Gl &gl, const std::vector<CenterData> &centers) {
   centers_.upload(gl, centers, GL_STREAM_DRAW);
-  use_centers(gl, centers_.id(), static_cast<int>(centers.size()), settings);
+  use_centers(centers_.id(), static_cast<int>(centers.size()));
+  check_gl(gl, "center upload");
 }
 
-void Evaluator::use_centers(const Gl &gl, GLuint centers, int count, const EvaluateSettings &settings) {
+void Evaluator::use_centers(GLuint centers, int count) {
   used_centers_ = centers;
   count_ = count;
+}
+
+// Numbers among the results: values, and behind them SearchCounts.
+static size_t result_values(const EvaluateSettings &settings, int count) {
+  return (ROW_DESCRIPTORS + settings.value_rows()) * static_cast<size_t>(count);
+}
+
+void Evaluator::begin(const Gl &gl, const EvaluateSettings &settings) {
   pattern_.upload(gl, settings.pattern == PDESC_PATTERN_STRATIFIED ? stratified_pattern(settings.samples, settings.seed)
                                                                    : golden_angle_pattern(settings.samples));
   const auto tile =
@@ -66,10 +76,10 @@ void Evaluator::use_centers(const Gl &gl, GLuint centers, int count, const Evalu
   stretches_.upload(gl, nullptr, directional ? static_cast<size_t>(count_) * STRETCH_DIRECTIONS * sizeof(float) : 0,
                     GL_STREAM_COPY);
   // NaN everywhere first: a center that a driver forgets must not look like a result.
-  const std::vector<float> nothing((ROW_DESCRIPTORS + settings.value_rows()) * static_cast<size_t>(count_),
+  const std::vector<float> nothing(result_values(settings, count_) + sizeof(SearchCounts) / sizeof(float),
                                    std::numeric_limits<float>::quiet_NaN());
   results_.upload(gl, nothing, GL_STREAM_READ);
-  check_gl(gl, "center upload");
+  check_gl(gl, "room for results");
 }
 
 // These choices are made while compiling: one that is not taken costs nothing.
@@ -198,7 +208,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   if (marches && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
   bind(gl, settings);
   if (settings.search) settings.search->run(gl, programs, *settings.cells, settings.exact, first, last);
-  const bool texelless = settings.search && settings.search->has_texelless();
+  const bool texelless = settings.search && settings.cells->has_texelless();
   const GLuint program = evaluate_program(gl, programs, settings, buffer.variant(), texelless);
   gl.UseProgram(program);
   buffer.bind();
@@ -213,12 +223,19 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
   check_gl(gl, "evaluate");
 }
 
-std::vector<float> Evaluator::read(const Gl &gl, const EvaluateSettings &settings) const {
-  std::vector<float> results((ROW_DESCRIPTORS + settings.value_rows()) * static_cast<size_t>(count_));
-  if (!results.empty())
-    gl.GetNamedBufferSubData(results_.id(), 0, static_cast<GLsizeiptr>(results.size() * sizeof(float)), results.data());
+// Together: a device is waited for once.
+std::pair<std::vector<float>, SearchCounts> Evaluator::read(const Gl &gl, const EvaluateSettings &settings) const {
+  const size_t values = result_values(settings, count_);
+  std::vector<float> results(values + sizeof(SearchCounts) / sizeof(float));
+  if (settings.search)
+    gl.CopyNamedBufferSubData(settings.cells->counts(), results_.id(), 0, static_cast<GLintptr>(values * sizeof(float)),
+                              sizeof(SearchCounts));
+  gl.GetNamedBufferSubData(results_.id(), 0, static_cast<GLsizeiptr>(results.size() * sizeof(float)), results.data());
   check_gl(gl, "read-back");
-  return results;
+  SearchCounts counts{};
+  if (settings.search) std::memcpy(&counts, results.data() + values, sizeof counts);
+  results.resize(values);
+  return {std::move(results), counts};
 }
 
 } // namespace paradesc

@@ -4,6 +4,7 @@
 #include <bit>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/opengl/cell_buffers.h"
@@ -70,10 +71,14 @@ public:
   // Uploads what depends on the layout.
   void set_borders(const Gl &gl, const BorderGrid &grid);
   // Upload what depends on a frame.
-  void set_centers(const Gl &gl, const std::vector<CenterData> &centers, const EvaluateSettings &settings);
+  void set_centers(const Gl &gl, const std::vector<CenterData> &centers);
   void set_links(const Gl &gl, const std::vector<vec4> &links, const std::vector<int32_t> &seams);
   // Takes centers from a buffer that is there already, (count) CenterData.
-  void use_centers(const Gl &gl, GLuint centers, int count, const EvaluateSettings &settings);
+  void use_centers(GLuint centers, int count);
+  GLuint centers() const { return used_centers_; }
+  int center_count() const { return count_; }
+  // Makes room for their results.
+  void begin(const Gl &gl, const EvaluateSettings &settings);
   // As UNIT_FACES says, for settings that ask for faces.
   void use_faces(GLuint texture) { faces_ = texture; }
   // The map where it is not read from texels: at the centers, and at the samples of TexellessSamples.
@@ -83,8 +88,9 @@ public:
   // finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
            int last);
-  // (ROW_DESCRIPTORS + value_rows, centers), in buffer units.
-  std::vector<float> read(const Gl &gl, const EvaluateSettings &settings) const;
+  // (ROW_DESCRIPTORS + value_rows, centers), in buffer units; how long the lists were that neighborhoods were found in, if they
+  // were.
+  std::pair<std::vector<float>, SearchCounts> read(const Gl &gl, const EvaluateSettings &settings) const;
 
 private:
   EvaluateParams params_of(const EvaluateSettings &settings, int first, int last) const;

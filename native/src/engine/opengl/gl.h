@@ -28,6 +28,7 @@
   F(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                                       \
   F(PFNGLNAMEDBUFFERDATAPROC, NamedBufferData)                                                                                   \
   F(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                                                                             \
+  F(PFNGLCOPYNAMEDBUFFERSUBDATAPROC, CopyNamedBufferSubData)                                                                     \
   F(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)                                                                       \
   F(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                                     \
   F(PFNGLCREATETEXTURESPROC, CreateTextures)                                                                                     \

@@ -46,27 +46,6 @@ void TextureSpace::use_cells(const Job &job, const Frame &frame) {
   });
 }
 
-const std::vector<CellData> &TextureSpace::measured_cells(const Frame &frame) {
-  return cells().measured.get(frame.key, [&] {
-    std::vector<CellData> measured;
-    gl_->run([&](const Gl &gl, ProgramCache &programs) { measured = cells().buffers->measure(gl, programs, *device_->buffer); });
-    return measured;
-  });
-}
-
-// The samples of the cells for a radius in buffer units. Lists are kept from frame to frame while they stay the same.
-void TextureSpace::list_samples_for(const Job &job, const Frame &frame, float radius, int samples) {
-  CellSet &set = cells();
-  const int size = device_->buffer->size(), threads = job.resources.threads;
-  CellStrides strides = choose_strides(set.cells, measured_cells(frame), size, radius, samples, job.options().seed, threads);
-  if (strides == set.samples.strides) return;
-  set.samples = {};
-  CellSamples listed = list_samples(set.cells, std::move(strides), size, threads);
-  gl_->run([&](const Gl &gl, ProgramCache &) { set.buffers->set_samples(gl, listed); });
-  set.samples = std::move(listed);
-  set.samples_version = ++last_samples_version_;
-}
-
 // (cells.boundary, 2) the ends of half-edges, in buffer units.
 static std::vector<vec4> ends_of_boundary(const Cells &cells, const Triangles &triangles, const BakeSpace &space) {
   std::vector<vec4> ends;
@@ -101,47 +80,66 @@ static TexellessSamples texelless_samples(const Job &job, const Frame &frame, co
       frame.space, radius);
 }
 
-// Uploads what neighborhoods of these centers are found in. Returns the samples of triangles without texels.
-TexellessSamples TextureSpace::prepare_search(const Job &job, const Frame &frame, double radius, int samples,
-                                              const Starts &starts, const CenterPositions &positions) {
-  const auto buffer_radius = static_cast<float>(radius * frame.space.scale);
-  checkpoint();
-  list_samples_for(job, frame, buffer_radius, samples);
+// The samples of triangles without texels.
+const TexellessSamples &TextureSpace::list_samples(const Job &job, const Frame &frame, const CellSampling &sampling) {
   CellSet &set = cells();
-  TexellessSamples texelless = texelless_samples(job, frame, set.cells, buffer_radius);
-  std::span<const CellData> measured = measured_cells(frame);
-  const std::vector<CellData> extended =
-      texelless.samples.empty() ? std::vector<CellData>() : with_texelless_samples(measured, texelless);
-  if (!extended.empty()) measured = extended;
-  const NearCells near =
-      find_near_cells(set.cells, set.samples.strides, measured, starts, positions, buffer_radius, job.resources.threads);
-  const std::vector<vec4> boundary = ends_of_boundary(set.cells, job.triangles(frame), frame.space);
-  checkpoint();
-  gl_->run([&](const Gl &gl, ProgramCache &programs) {
-    set.listed_links.get(frame.key, [&] {
-      set.buffers->list_link_points(gl, programs, *device_->buffer);
-      return true;
-    });
-    device_->search.set(gl, programs, *set.buffers,
-                        {set.cells, near, starts, texelless, extended, boundary, job.options().adaptive > 0.0});
+  set.measured.get(frame.key, [&] {
+    gl_->run([&](const Gl &gl, ProgramCache &programs) { set.buffers->measure(gl, programs, *device_->buffer); });
+    return true;
   });
-  list_points(frame, samples, starts.order.size());
+  return set.samples.get({frame.key, sampling}, [&] {
+    listed_points_.clear();
+    TexellessSamples texelless = texelless_samples(job, frame, set.cells, sampling.radius);
+    gl_->run([&](const Gl &gl, ProgramCache &programs) { set.buffers->list_samples(gl, programs, sampling, texelless); });
+    return texelless;
+  });
+}
+
+// Makes what neighborhoods of the evaluator's centers are found in. version: of the starts.
+void TextureSpace::prepare_search(const Job &job, const Frame &frame, const CellSampling &sampling, const Starts &starts,
+                                  uint64_t version) {
+  CellSet &set = cells();
+  const std::vector<vec4> boundary = ends_of_boundary(set.cells, job.triangles(frame), frame.space);
+  for (bool enough = false; !enough;) {
+    checkpoint();
+    list_samples(job, frame, sampling);
+    enough = set.room == sampling;
+    gl_->run([&](const Gl &gl, ProgramCache &programs) {
+      device_->search.set_starts(gl, starts, version);
+      device_->search.set(gl, programs, *set.buffers, {device_->evaluator.centers(), boundary, job.options().adaptive > 0.0});
+    });
+    if (!enough) {
+      SearchCounts counts;
+      gl_->run([&](const Gl &gl, ProgramCache &) { counts = set.buffers->read_counts(gl); });
+      enough = had_room(counts, true);
+    }
+  }
+  set.room = sampling;
+  list_points(starts.order.size());
   checkpoint();
-  return texelless;
+}
+
+// As CellBuffers::make_room, for the search that was prepared last.
+bool TextureSpace::had_room(const SearchCounts &counts, bool anew) {
+  CellSet &set = cells();
+  if (set.buffers->make_room(counts, anew, gl_->list_texels())) return true;
+  set.room = {};
+  set.samples.clear();
+  return false;
 }
 
 // The points of the samples, if they are listed; null: samples fetch texels.
-const BufferTexture *TextureSpace::listed_points(const Job &job, const Frame &frame) {
-  return job.connected() && listed_points_.find(points_key(frame)) ? &device_->points : nullptr;
+const BufferTexture *TextureSpace::listed_points(const Job &job) {
+  return job.connected() && listed_points_.find(*cells().samples.key()) ? &device_->points : nullptr;
 }
 
 // Lists the points of the samples if centers fetch them often: listing a point costs a few fetches of it.
-void TextureSpace::list_points(const Frame &frame, int samples, size_t centers) {
+void TextureSpace::list_points(size_t centers) {
   constexpr size_t worth = 4;
-  const size_t fetches = centers * static_cast<size_t>(samples) * 3 / 2; // a neighborhood has once to twice as many as asked for
   const CellSet &set = cells();
-  const PointsKey key = points_key(frame);
-  if (listed_points_.find(key) || fetches <= worth * set.samples.list.size()) return;
+  const SamplesKey &key = *set.samples.key();
+  const size_t fetches = centers * static_cast<size_t>(key.sampling.samples) * 3 / 2; // a neighborhood has up to twice as many
+  if (listed_points_.find(key) || fetches <= worth * static_cast<size_t>(set.buffers->room().samples)) return;
   bool listed = false;
   listed_points_.clear();
   gl_->run([&](const Gl &gl, ProgramCache &programs) {
@@ -191,9 +189,9 @@ const OrderedCenters &TextureSpace::ordered_centers(const Job &job, const Frame 
     OrderedCenters made;
     made.centers = list_centers(charts, center_options(job, frame, 0.0));
     made.starts = starts_of(job, set.cells, made.centers);
-    made.centers.permute(paradesc::put_in_order(made.starts));
+    made.centers.permute(made.starts.order);
     for (const int32_t point : made.centers.points) made.vertices.push_back(job.surface.half_edges.point_vertex[point]);
-    ++set.centers_version;
+    made.version = ++last_version_;
     return made;
   });
 }
@@ -203,7 +201,7 @@ const PlacedCenters &TextureSpace::placed_centers(const Job &job, const Frame &f
   CellSet &set = cells();
   const Centers &centers = ordered.centers;
   const bool fits = frame.key.surface.fits_normals;
-  const PlacedKey key{set.centers_version, fits};
+  const PlacedKey key{ordered.version, fits};
   if (!set.placed.find(key)) gl_->run([&](const Gl &, ProgramCache &) { set.placed.clear(); }); // it lives on the device
   const auto &kept = set.placed.get(key, [&] {
     const auto groups = fits ? 0 : static_cast<int32_t>(job.surface.normals().group.size());

@@ -23,7 +23,7 @@ int64_t TextureSpace::bytes_kept_for_others() const {
   int64_t all = 0;
   for (size_t i = 1; i < device_->cells.size(); ++i) {
     const CellSet &set = *device_->cells[i];
-    all += 2 * (bytes(set.cells.label) + bytes(set.samples.list)) + bytes(set.measured.value()); // here and on the device
+    all += 2 * bytes(set.cells.label) + set.buffers->bytes_of_lists(); // labels here and on the device
   }
   return all;
 }
@@ -35,11 +35,6 @@ static int pattern_samples(const Job &job, const Frame &frame, int samples) {
   return std::min(4096, static_cast<int>(std::ceil(samples * shrinkage * shrinkage)));
 }
 
-static CenterPositions positions_of(const Job &job, const Frame &frame, const OrderedCenters &ordered) {
-  return frame.displaced ? CenterPositions{frame.displaced->position, ordered.centers.points, {}}
-                         : CenterPositions{job.surface.triangles.positions, ordered.vertices, frame.space};
-}
-
 // Evaluates the vertices pass by pass: operators on a map come after what the map is made of.
 void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed) {
   const pdesc_options &options = job.options();
@@ -49,31 +44,35 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed)
   const Centers listed = ordered ? Centers() : list_centers(job.charts(), center_options(job, frame, radius));
   const Centers &centers = ordered ? ordered->centers : listed;
   const PlacedCenters *const placed = ordered && !frame.displaced ? &placed_centers(job, frame, *ordered) : nullptr;
-  std::vector<CenterData> data;            // where the device does not place them
   std::pair<double, int> prepared{0.0, 0}; // for which radius centers are there, and for how many samples their search
-  TexellessSamples texelless;
+  const auto place_centers = [&](double pass_radius) {
+    const std::vector<CenterData> data = placed ? std::vector<CenterData>() : describe(job, frame, centers, pass_radius);
+    gl_->run([&](const Gl &gl, ProgramCache &programs) {
+      if (!placed) return device_->evaluator.set_centers(gl, data);
+      device_->surface.place(gl, programs, placed->places, placed->data.id(), sizeof(CenterData) / sizeof(float));
+      device_->evaluator.use_centers(placed->data.id(), placed->places.count());
+    });
+  };
   const auto run = [&](const Pass &pass, const MapValues *map, int number, int count) {
     const double pass_radius = radius_of(pass, options, radius);
     const int samples = pattern_samples(job, frame, samples_of(pass, options));
     const auto before = std::exchange(prepared, {pass_radius, samples});
-    if (!placed && before.first != pass_radius) data = describe(job, frame, centers, pass_radius);
-    if (ordered && before != prepared)
-      texelless = prepare_search(job, frame, pass_radius, samples, ordered->starts, positions_of(job, frame, *ordered));
     settings.radius = static_cast<float>(pass_radius * frame.space.scale);
     settings.samples = samples;
-    if (map) bake_map(job, centers, texelless, *map);
-    settings.map = map ? device_->map.get() : nullptr;
-    settings.points = listed_points(job, frame);
     settings.descriptors = pass.rows;
+    if (before.first != pass_radius) place_centers(pass_radius);
+    const auto search = [&] {
+      if (!ordered) return;
+      prepare_search(job, frame, {settings.radius, samples, options.seed}, ordered->starts, ordered->version);
+      settings.points = listed_points(job);
+    };
+    if (before != prepared) search();
+    if (map) bake_map(job, centers, ordered ? cells().samples.value() : TexellessSamples(), *map);
+    settings.map = map ? device_->map.get() : nullptr;
     const Progress part = [&](const char *stage, double fraction) {
       return job.progress(stage, 0.3 + 0.7 * (number + (fraction - 0.3) / 0.7) / count);
     };
-    const Work set_centers = [&](const Gl &gl, ProgramCache &programs) {
-      if (!placed) return device_->evaluator.set_centers(gl, data, settings);
-      device_->surface.place(gl, programs, placed->places, placed->data.id(), sizeof(CenterData) / sizeof(float));
-      device_->evaluator.use_centers(gl, placed->data.id(), placed->places.count(), settings);
-    };
-    CenterResults results = evaluate_centers(job, settings, pass_radius, frame, centers, set_centers, part);
+    CenterResults results = evaluate_centers(job, settings, pass_radius, frame, centers, search, part);
     CreaseBlend(job.surface, pass_radius, job.resources.threads).at_points(pass.rows, results);
     return results;
   };
@@ -132,23 +131,30 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
   const size_t count = map.centers.size();
   for (size_t first = 0; first < count; first += batch) {
     const size_t last = std::min(first + batch, count);
-    const std::vector<CenterData> centers = texel_centers(map, surface.triangles, charts, surface.normals(), frame.space, sizes,
-                                                          settings.radius * ellipse_enlargement, job.options().seed, first, last);
+    std::vector<CenterData> centers = texel_centers(map, surface.triangles, charts, surface.normals(), frame.space, sizes,
+                                                    settings.radius * ellipse_enlargement, job.options().seed, first, last);
     std::vector<int32_t> order(centers.size());
     std::iota(order.begin(), order.end(), 0);
+    Starts starts;
     if (job.connected()) {
-      const Starts starts = starts_of_texels(std::span(cells().texel_cells.value()).subspan(first, last - first), cells().cells);
-      const double own_radius = static_cast<double>(settings.radius) / frame.space.scale;
-      std::vector<vec3> positions;
-      for (const CenterData &center : centers) positions.push_back(center.position);
-      prepare_search(job, frame, own_radius, settings.samples, starts, {positions, order, {}});
-      settings.points = listed_points(job, frame);
+      starts = starts_of_texels(std::span(cells().texel_cells.value()).subspan(first, last - first), cells().cells);
+      order = starts.order;
+      std::vector<CenterData> ordered;
+      for (const int32_t i : order) ordered.push_back(centers[i]);
+      centers = std::move(ordered);
     }
+    gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_centers(gl, centers); });
+    const uint64_t version = ++last_version_;
+    const auto search = [&] {
+      if (!job.connected()) return;
+      prepare_search(job, frame, {settings.radius, settings.samples, settings.seed}, starts, version);
+      settings.points = listed_points(job);
+    };
+    search();
     const double share = 0.7 / static_cast<double>(count);
-    const Work set_centers = [&](const Gl &gl, ProgramCache &) { device_->evaluator.set_centers(gl, centers, settings); };
-    evaluate(job, settings, frame, static_cast<int>(centers.size()), set_centers, job.progress,
-             0.3 + share * static_cast<double>(first), 0.3 + share * static_cast<double>(last));
-    CenterResults results = results_of(settings, frame, read_rows(settings), order);
+    const std::vector<float> rows = evaluate(job, settings, frame, search, job.progress, 0.3 + share * static_cast<double>(first),
+                                             0.3 + share * static_cast<double>(last));
+    CenterResults results = results_of(settings, frame, rows, order);
     creases.at_texels(settings.descriptors, map, first, results);
     append(all, std::move(results));
   }

@@ -25,7 +25,7 @@
 #include "engine/opengl/neighborhood_search.h"
 #include "engine/opengl/surface_mapper.h"
 #include "sample/centers.h"
-#include "sample/neighborhoods.h"
+#include "sample/starts.h"
 #include "sample/texels.h"
 #include "support/keyed.h"
 
@@ -60,10 +60,10 @@ struct BakeKey {
   bool operator==(const BakeKey &) const = default;
 };
 
-struct PointsKey {
+struct SamplesKey {
   BakeKey bake;
-  uint64_t samples_version; // of the cells
-  bool operator==(const PointsKey &) const = default;
+  CellSampling sampling;
+  bool operator==(const SamplesKey &) const = default;
 };
 
 // ---- Values
@@ -81,9 +81,10 @@ struct OrderedCenters {
   Starts starts;
   Centers centers;
   std::vector<int32_t> vertices; // of the centers
+  uint64_t version = 0;          // differs from that of any other starts of the session
 };
 
-// What of them depends on which normals they take: OrderedCenters' own number, and SurfaceKey::fits_normals.
+// What of them depends on which normals they take: OrderedCenters' version, and SurfaceKey::fits_normals.
 using PlacedKey = std::pair<uint64_t, bool>;
 
 // The same on the device, which gives them positions and normals.
@@ -96,13 +97,11 @@ struct PlacedCenters {
 struct CellSet {
   Cells cells;
   std::unique_ptr<CellBuffers> buffers;
-  CellSamples samples;                            // for CellSamples::strides
-  uint64_t samples_version = 0;                   // differs from that of any other list of the session
-  Keyed<BakeKey, std::vector<CellData>> measured; // (cells)
-  Keyed<BakeKey, bool> listed_links;              // what the buffers' points of links are of
-  Keyed<int, std::vector<int32_t>> texel_cells;   // by the map's size: (texel centers) where their searches start
-  Keyed<CentersKey, OrderedCenters> centers;      // at vertices
-  uint64_t centers_version = 0;                   // differs whenever these do
+  Keyed<BakeKey, bool> measured;                // what the buffers' cells and links are of
+  Keyed<SamplesKey, TexellessSamples> samples;  // and their samples; those of triangles without texels
+  CellSampling room;                            // for which the buffers' lists have had room
+  Keyed<int, std::vector<int32_t>> texel_cells; // by the map's size: (texel centers) where their searches start
+  Keyed<CentersKey, OrderedCenters> centers;    // at vertices
   Keyed<PlacedKey, std::unique_ptr<PlacedCenters>> placed;
 };
 
@@ -170,29 +169,28 @@ private:
   // neighborhood_stage.cpp
   void use_cells(const Job &job, const Frame &frame);
   CellSet &cells() { return *device_->cells.front(); }
-  const std::vector<CellData> &measured_cells(const Frame &frame);
-  void list_samples_for(const Job &job, const Frame &frame, float radius, int samples);
-  TexellessSamples prepare_search(const Job &job, const Frame &frame, double radius, int samples, const Starts &starts,
-                                  const CenterPositions &positions);
-  PointsKey points_key(const Frame &frame) { return {frame.key, cells().samples_version}; }
-  const BufferTexture *listed_points(const Job &job, const Frame &frame);
-  void list_points(const Frame &frame, int samples, size_t centers);
+  const TexellessSamples &list_samples(const Job &job, const Frame &frame, const CellSampling &sampling);
+  void prepare_search(const Job &job, const Frame &frame, const CellSampling &sampling, const Starts &starts, uint64_t version);
+  bool had_room(const SearchCounts &counts, bool anew = false);
+  const BufferTexture *listed_points(const Job &job);
+  void list_points(size_t centers);
   const OrderedCenters &ordered_centers(const Job &job, const Frame &frame);
   const PlacedCenters &placed_centers(const Job &job, const Frame &frame, const OrderedCenters &ordered);
 
   // evaluate_stage.cpp
   EvaluateSettings settings_of(const Job &job, const Frame &frame);
-  void evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame, int count, const Work &set_centers,
-                const Progress &progress, double from, double to);
+  using Rows = std::pair<std::vector<float>, SearchCounts>; // as Evaluator::read
+  std::vector<float> evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
+                              const std::function<void()> &search, const Progress &progress, double from, double to);
   void evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                       double to);
-  std::vector<float> read_rows(const EvaluateSettings &settings);
+  Rows read_rows(const EvaluateSettings &settings);
   CenterResults results_of(const EvaluateSettings &settings, const Frame &frame, const std::vector<float> &rows,
                            std::span<const int32_t> order);
   bool recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame, const Centers &centers,
                          const std::vector<float> &rows, const Progress &progress);
   CenterResults evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
-                                 const Centers &centers, const Work &set_centers, const Progress &progress);
+                                 const Centers &centers, const std::function<void()> &search, const Progress &progress);
   void bake_map(const Job &job, const Centers &centers, const TexellessSamples &texelless, const MapValues &values);
 
   // texture_space.cpp
@@ -211,8 +209,8 @@ private:
   Keyed<BakeKey, BakeSpace> baked_;                                  // what the buffers hold
   Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas's version and the step
   Keyed<AtlasSize, TexelMap> texels_;
-  uint64_t last_samples_version_ = 0;
-  Keyed<PointsKey, bool> listed_points_; // what device_->points holds
+  uint64_t last_version_ = 0;             // of starts
+  Keyed<SamplesKey, bool> listed_points_; // what device_->points holds
 };
 
 // Whether nothing on the processor asks for the normals that these options want, unless there are creases: the device then fits

@@ -1,0 +1,29 @@
+#version 450 core
+// One invocation, one list of near cells → its cells among those of all lists, where their neighbors go, and their mean normal.
+#include "opengl/elements.glsl"
+#include "opengl/cells/search.glsl"
+layout(std430, binding = BINDING_FOUND_CELLS) readonly restrict buffer FoundCells { int found_cells[]; };
+layout(std430, binding = BINDING_NEAR_CELLS) writeonly restrict buffer NearCells { ivec4 near_cells[]; };
+layout(std430, binding = BINDING_NEAR_RANGES) restrict buffer NearRanges { ivec4 near_ranges[]; };
+layout(std430, binding = BINDING_NEAR_NORMALS) writeonly restrict buffer NearNormals { vec4 near_normals[]; };
+layout(binding = UNIT_CELL_LISTS) uniform isamplerBuffer cell_lists;
+layout(binding = UNIT_CELL_TRAITS) uniform isamplerBuffer cell_traits;
+
+void main() {
+  int list = own_element();
+  if (list >= last || !lists_fit()) return;
+  ivec4 range = near_ranges[list];
+  int neighbors = 0;
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < range.y - range.x; ++i) {
+    int cell = found_cells[list * search.room.longest + i];
+    near_cells[range.x + i] = ivec4(cell, list, neighbors, 0);
+    ivec2 adjacent = texelFetch(cell_lists, cell).xy;
+    neighbors += adjacent.y - adjacent.x;
+    float area = intBitsToFloat(texelFetch(cell_traits, CELL_TRAITS * cell + 2).x);
+    sum += intBitsToFloat(texelFetch(cell_traits, CELL_TRAITS * cell + 1).xyz) * area;
+  }
+  near_ranges[list].z = atomicAdd(counts.neighbors, neighbors);
+  float size = length(sum);
+  near_normals[list] = vec4(size > 0.0 ? sum / size : vec3(0.0), 0.0);
+}
