@@ -103,6 +103,9 @@ TEST(ConnectedTriangles, an_edge_that_passes_through_the_ball_is_crossed) {
   EXPECT_EQ(ConnectedTriangleSearch(triangles, half_edges, 1.0, 100, 1).run(points).triangle, (std::vector<int32_t>{0, 1}));
 }
 
+// One over it is no number: a point is not even near itself.
+TEST(ConnectedTriangles, a_radius_below_all_floats_reaches_nothing) { EXPECT_TRUE(Hairpin().reached(10, 1e-45).empty()); }
+
 TEST(ConnectedTriangles, triangles_are_sorted_and_come_once) {
   const Hairpin hairpin;
   const std::vector<int32_t> found = hairpin.reached(Hairpin::length, 6.0);

@@ -253,21 +253,23 @@ ConnectedTriangles ConnectedTriangleSearch::run(std::span<const int32_t> points,
   parallel_blocks(static_cast<int>(count), threads_, static_cast<int>(block), [&](int from, int to) {
     const auto begin = static_cast<size_t>(from), end = static_cast<size_t>(to);
     std::vector<int32_t> list; // of its own: neighboring vectors share cache lines
-    floods_.with_one(
-        [&] { return SharedFlood(triangles_, half_edges_, radius_, limit_); },
-        [&](SharedFlood &flood) {
-          std::vector<size_t> left(end - begin), others, some;
-          std::iota(left.begin(), left.end(), begin);
-          for (; !left.empty(); left.swap(others)) {
-            some.clear();
-            others.clear();
-            for (const size_t i : left)
-              (some.size() < BallLanes::max_lanes && flood.together(points[left[0]], points[i]) ? some : others).push_back(i);
-            measure(flood, some, list);
-          }
-          for (size_t i = begin; i < end; ++i)
-            if (connected.area[i] < 0.0) measure(flood, std::span(&i, 1), list);
-        });
+    floods_.with_one([&] { return SharedFlood(triangles_, half_edges_, radius_, limit_); },
+                     [&](SharedFlood &flood) {
+                       std::vector<size_t> left(end - begin), others, some;
+                       std::iota(left.begin(), left.end(), begin);
+                       for (; !left.empty(); left.swap(others)) {
+                         some.clear();
+                         others.clear();
+                         for (const size_t i : left) { // the first one whatever its position is: it may be no number
+                           const bool joins =
+                               some.empty() || (some.size() < BallLanes::max_lanes && flood.together(points[left[0]], points[i]));
+                           (joins ? some : others).push_back(i);
+                         }
+                         measure(flood, some, list);
+                       }
+                       for (size_t i = begin; i < end; ++i)
+                         if (connected.area[i] < 0.0) measure(flood, std::span(&i, 1), list);
+                     });
     found[begin / block] = std::move(list);
   });
   std::partial_sum(connected.begin.begin(), connected.begin.end(), connected.begin.begin());
