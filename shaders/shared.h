@@ -46,7 +46,7 @@
 // Of what centers find their neighborhoods in; pairs of numbers unless it says otherwise.
 #define UNIT_CELLS 24         // buffer texture, RGBA32F: CellData
 #define UNIT_CELL_LISTS 25    // buffer texture, RGBA32I: first and end of a cell in UNIT_ADJACENCY, in UNIT_BOUNDARY
-#define UNIT_NEAR_CELLS 26    // buffer texture, RGBA32I: a cell near the centers of a list, sorted; the list; where its neighbors begin among those of the list
+#define UNIT_NEAR_CELLS 26    // buffer texture, R32I: the cells near the centers of each list, sorted
 #define UNIT_NEAR_NORMALS 27  // buffer texture, RGBA32F, one a list: the mean normal of its cells
 #define UNIT_ADJACENCY 28     // buffer texture: neighboring cell, link
 #define UNIT_NEAR_SPHERES 29  // buffer texture, RGBA32F, one of UNIT_NEAR_CELLS: its sphere
@@ -76,7 +76,8 @@
 #define UNIT_TEXELLESS_RANGES 51 // buffer texture, one a cell: first and end among the samples of BINDING_TEXELLESS
 #define UNIT_STRIDES 52          // buffer texture, one a cell: how often a texel is doubled for a coarse sample of each leaf, for a fine one; 8 bits each
 #define UNIT_NEAR_BALLS 53       // buffer texture, RGBA32F, one a list: the ball around those of its centers
-#define UNIT_COUNT 54
+#define UNIT_NEAR_LISTS 54       // buffer texture, one of UNIT_NEAR_CELLS: its list; where its neighbors begin among those of the list
+#define UNIT_COUNT 55
 
 // Uniforms of programs that take few. Programs over centers take EvaluateParams.
 #define LOCATION_BUFFER_SIZE 0
@@ -140,6 +141,7 @@
 #define BINDING_NEAR_RANGES 9
 #define BINDING_NEAR_NORMALS 10
 #define BINDING_NEAR_BALLS 11
+#define BINDING_NEAR_LISTS 14
 #define BINDING_FOUND_CELLS 12 // (lists, SearchParams::room.longest) cells of each list
 // Of those that find where the mesh lies.
 #define BINDING_PLACES 0  // position and normal, LOCATION_STRIDE floats from place to place

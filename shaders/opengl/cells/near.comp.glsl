@@ -7,6 +7,7 @@ layout(std430, binding = BINDING_CELLS) readonly restrict buffer CellList { Cell
 layout(std430, binding = BINDING_NEAR_SPHERES) writeonly restrict buffer Spheres { vec4 spheres[]; };
 layout(std430, binding = BINDING_NEAR_TRAITS) writeonly restrict buffer Traits { ivec4 traits[]; };
 layout(binding = UNIT_NEAR_CELLS) uniform isamplerBuffer near_list;
+layout(binding = UNIT_NEAR_LISTS) uniform isamplerBuffer near_lists;
 layout(std430, binding = BINDING_NEAR_RANGES) restrict buffer NearRanges { ivec4 near_ranges[]; };
 layout(binding = UNIT_NEAR_BALLS) uniform samplerBuffer near_balls;
 layout(binding = UNIT_ADJACENCY) uniform isamplerBuffer adjacency;
@@ -37,22 +38,23 @@ bool has_closer_neighbor(vec4 sphere, ivec2 neighbors, vec4 ball) {
 void main() {
   int entry = own_element();
   if (entry >= min(last, counts.cells) || !lists_fit()) return;
-  ivec4 near = texelFetch(near_list, entry); // cell, list, where its neighbors go there
-  vec4 sphere = sphere_of(near.x);
-  vec4 cone = intBitsToFloat(texelFetch(cell_traits, CELL_TRAITS * near.x + 1));
-  ivec4 measured = texelFetch(cell_traits, CELL_TRAITS * near.x + 2); // area, radius, CELL_ bits
-  vec3 normal = texelFetch(near_normals, near.y).xyz;
+  int cell = texelFetch(near_list, entry).x;
+  ivec2 list = texelFetch(near_lists, entry).xy; // and where its neighbors go there
+  vec4 sphere = sphere_of(cell);
+  vec4 cone = intBitsToFloat(texelFetch(cell_traits, CELL_TRAITS * cell + 1));
+  ivec4 measured = texelFetch(cell_traits, CELL_TRAITS * cell + 2); // area, radius, CELL_ bits
+  vec3 normal = texelFetch(near_normals, list.x).xyz;
   float cosine = dot(normal, cone.xyz), own = clamp(cone.w, -1.0, 1.0);
   // The cosine of both angles together is cosine * own minus the root of `square`; AMD's LLVM crashes over a root that is compared.
   float rest = max(cosine * own - least_cosine, 0.0), square = (1.0 - cosine * cosine) * (1.0 - own * own);
   bool faces = min(own, cosine) > least_cosine && rest * rest > square;
-  ivec2 neighbors = texelFetch(cell_lists, near.x).xy;
-  if (!has_closer_neighbor(sphere, neighbors, texelFetch(near_balls, near.y))) atomicAdd(near_ranges[near.y].w, 1);
-  int first = near_ranges[near.y].z + near.z;
+  ivec2 neighbors = texelFetch(cell_lists, cell).xy;
+  if (!has_closer_neighbor(sphere, neighbors, texelFetch(near_balls, list.x))) atomicAdd(near_ranges[list.x].w, 1);
+  int first = near_ranges[list.x].z + list.y;
   float projected = intBitsToFloat(measured.x) * max(cosine, 0.0);
   spheres[entry] = sphere;
   traits[NEAR_TRAITS * entry] =
-      ivec4(near.x, measured.z | (faces ? CELL_FACES_CENTERS : 0), floatBitsToInt(projected), measured.y);
-  traits[NEAR_TRAITS * entry + 1] = cells[near.x].leaf_codes;
-  traits[NEAR_TRAITS * entry + 2] = ivec4(first, first + neighbors.y - neighbors.x, near.y, 0);
+      ivec4(cell, measured.z | (faces ? CELL_FACES_CENTERS : 0), floatBitsToInt(projected), measured.y);
+  traits[NEAR_TRAITS * entry + 1] = cells[cell].leaf_codes;
+  traits[NEAR_TRAITS * entry + 2] = ivec4(first, first + neighbors.y - neighbors.x, list.x, 0);
 }

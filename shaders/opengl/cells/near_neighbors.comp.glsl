@@ -7,6 +7,7 @@
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_NEAR_NEIGHBORS) writeonly restrict buffer Neighbors { ivec4 near_neighbors[]; };
 layout(binding = UNIT_CELL_LISTS) uniform isamplerBuffer cell_lists;
+layout(binding = UNIT_NEAR_LISTS) uniform isamplerBuffer near_lists;
 layout(binding = UNIT_NEAR_RANGES) uniform isamplerBuffer near_ranges;
 layout(binding = UNIT_ADJACENCY) uniform isamplerBuffer adjacency;
 layout(binding = UNIT_CELL_LINKS) uniform isamplerBuffer cell_links;
@@ -16,11 +17,11 @@ void main() {
     ivec4 list = texelFetch(near_ranges, walks[walks_list(i)]);
     ivec2 range = list.xy;
     for (int entry = range.x + int(gl_LocalInvocationID.x); entry < range.y; entry += GROUP_SIZE) {
-      ivec4 near = texelFetch(near_list, entry); // cell, list, where its neighbors go there
-      ivec2 neighbors = texelFetch(cell_lists, near.x).xy;
+      int cell = texelFetch(near_list, entry).x, first = list.z + texelFetch(near_lists, entry).y;
+      ivec2 neighbors = texelFetch(cell_lists, cell).xy;
       for (int k = neighbors.x; k < neighbors.y; ++k) {
         ivec2 neighbor = texelFetch(adjacency, k).xy;
-        near_neighbors[list.z + near.z + k - neighbors.x] =
+        near_neighbors[first + k - neighbors.x] =
             ivec4(place_of(neighbor.x, range), neighbor.y, texelFetch(cell_links, neighbor.y).xy);
       }
     }

@@ -48,7 +48,8 @@ void NeighborhoodSearch::list_near_cells(const Gl &gl, ProgramCache &programs, c
   near_ranges_.reserve(gl, GL_RGBA32I, lists);
   near_normals_.reserve(gl, GL_RGBA32F, lists);
   near_balls_.reserve(gl, GL_RGBA32F, lists);
-  near_cells_.reserve(gl, GL_RGBA32I, room);
+  near_cells_.reserve(gl, GL_R32I, room);
+  near_lists_.reserve(gl, GL_RG32I, room);
   found_cells_.upload(gl, nullptr, lists * static_cast<size_t>(cells.room().longest) * sizeof(int32_t), GL_STREAM_COPY);
   near_spheres_.reserve(gl, GL_RGBA32F, room);
   near_traits_.reserve(gl, GL_RGBA32I, NEAR_TRAITS * room);
@@ -57,6 +58,7 @@ void NeighborhoodSearch::list_near_cells(const Gl &gl, ProgramCache &programs, c
   gl.BindTextureUnit(UNIT_START_LISTS, start_lists_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, centers);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEAR_CELLS, near_cells_.buffer_id());
+  gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEAR_LISTS, near_lists_.buffer_id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEAR_RANGES, near_ranges_.buffer_id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEAR_NORMALS, near_normals_.buffer_id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEAR_BALLS, near_balls_.buffer_id());
@@ -70,6 +72,7 @@ void NeighborhoodSearch::list_near_cells(const Gl &gl, ProgramCache &programs, c
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
   gl.UseProgram(programs.get(gl, "near", {{GL_COMPUTE_SHADER, "opengl/cells/near.comp.glsl"}}));
   gl.BindTextureUnit(UNIT_NEAR_CELLS, near_cells_.id());
+  gl.BindTextureUnit(UNIT_NEAR_LISTS, near_lists_.id());
   gl.BindTextureUnit(UNIT_NEAR_NORMALS, near_normals_.id());
   gl.BindTextureUnit(UNIT_NEAR_BALLS, near_balls_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NEAR_RANGES, near_ranges_.buffer_id());
@@ -108,6 +111,7 @@ void NeighborhoodSearch::run(const Gl &gl, ProgramCache &programs, const CellBuf
   cells.bind_to_search(gl);
   gl.BindTextureUnit(UNIT_NEAR_RANGES, near_ranges_.id());
   gl.BindTextureUnit(UNIT_NEAR_CELLS, near_cells_.id());
+  gl.BindTextureUnit(UNIT_NEAR_LISTS, near_lists_.id());
   gl.BindTextureUnit(UNIT_NEAR_SPHERES, near_spheres_.id());
   gl.BindTextureUnit(UNIT_NEAR_TRAITS, near_traits_.id());
   gl.BindTextureUnit(UNIT_NEAR_NEIGHBORS, near_neighbors_.id());

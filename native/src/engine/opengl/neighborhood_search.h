@@ -45,7 +45,7 @@ private:
   void make_room(const Gl &gl, const CellBuffers &cells);
   void use(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, bool over_links, bool exact) const;
 
-  BufferTexture near_ranges_, near_cells_, near_normals_, near_balls_, near_spheres_, near_traits_, near_neighbors_, boundary_,
+  BufferTexture near_ranges_, near_cells_, near_lists_, near_normals_, near_balls_, near_spheres_, near_traits_, near_neighbors_, boundary_,
       starts_, start_cells_, start_lists_, ranges_;
   Buffer found_cells_, neighborhoods_, walks_;
   bool halves_ = false;
