@@ -21,15 +21,15 @@ static bool passes(vec3 a, vec3 b) {
 
 namespace {
 
-// The middles of 16 equal parts of a triangle, or of four.
+// The middles of 16 equal parts of a triangle.
 struct PartMiddles {
-  vec3 middle[16];
-  size_t count = 0;
+  static constexpr int side = 4;
+  vec3 middle[side * side];
 
-  PartMiddles(vec3 corner, vec3 first_side, vec3 second_side, bool four) {
-    const int side = four ? 2 : 4;
-    const auto step = 1.0f / static_cast<float>(3 * side);
+  PartMiddles(vec3 corner, vec3 first_side, vec3 second_side) {
+    constexpr float step = 1.0f / static_cast<float>(3 * side);
     const vec3 first = first_side * step, second = second_side * step;
+    size_t count = 0;
     for (int i = 0; i < side; ++i)
       for (int j = 0; i + j < side; ++j) {
         const vec3 lower =
@@ -76,7 +76,7 @@ public:
 
   // Whether two points lie so near each other that one flood serves both.
   bool together(int32_t point, int32_t other) const {
-    constexpr float near = 0.4f; // of the radius
+    constexpr float near = 0.7f; // of the radius
     const vec3 gap = (position(point) - position(other)) * balls_.scale();
     return dot(gap, gap) < near * near;
   }
@@ -167,10 +167,9 @@ private:
   }
 
   void add_area(const vec3 (&corner)[3], const uint32_t (&within)[3], uint32_t lanes) {
-    constexpr float smallest = 0.02f, small = 0.125f; // squares of two sides, in radii
+    constexpr float smallest = 0.08f, small = 1.5f; // squares of its sides, in radii
     const vec3 first_side = corner[1] - corner[0], second_side = corner[2] - corner[0];
     const float unit = balls_.scale() * balls_.scale(), area = 0.5f * length(cross(first_side, second_side)) * unit;
-    const float squares = (dot(first_side, first_side) + dot(second_side, second_side)) * unit;
     const uint32_t whole = within[0] & within[1] & within[2];
     if (whole == balls_.all()) {
       common_area_ += static_cast<double>(area);
@@ -178,6 +177,8 @@ private:
       return;
     }
     for (size_t i = 0; i < balls_.vectors(); ++i) counts_[i] -= BallLanes::are_in(lanes, i);
+    const vec3 third_side = corner[2] - corner[1];
+    const float squares = (dot(first_side, first_side) + dot(second_side, second_side) + dot(third_side, third_side)) * unit;
     if (squares < smallest) {
       for (size_t i = 0; i < balls_.vectors(); ++i) // a third for each corner
         areas_[i] -=
@@ -186,13 +187,40 @@ private:
             (area / 3.0f);
       return;
     }
-    const PartMiddles parts(corner[0], first_side, second_side, squares < small);
+    if (squares < small) {
+      for (size_t i = 0; i < balls_.vectors(); ++i) {
+        const Lanes part =
+            part_below_zero(depth(corner[0], squares, i), depth(corner[1], squares, i), depth(corner[2], squares, i));
+        areas_[i] += BallLanes::are_in(lanes, i) ? part * area : Lanes{};
+      }
+      return;
+    }
+    const PartMiddles parts(corner[0], first_side, second_side);
     for (size_t i = 0; i < balls_.vectors(); ++i) {
       Bits inside{};
-      for (size_t k = 0; k < parts.count; ++k) inside += balls_.squares(parts.middle[k], i) < 1.0f;
-      areas_[i] -=
-          __builtin_convertvector(inside & BallLanes::are_in(lanes, i), Lanes) * (area / static_cast<float>(parts.count));
+      for (const vec3 middle : parts.middle) inside += balls_.squares(middle, i) < 1.0f;
+      areas_[i] -= __builtin_convertvector(inside & BallLanes::are_in(lanes, i), Lanes) * (area / std::size(parts.middle));
     }
+  }
+
+  // How far a corner lies outside the ball, as the square of its distance tells it. Between corners, squares are lower than what
+  // is linear between theirs; in the mean over a triangle, by a twelfth of its sides' squares.
+  Lanes depth(vec3 corner, float sides, size_t vector) const { return balls_.squares(corner, vector) - (1.0f + sides / 12.0f); }
+
+  // Of a triangle, the part where what is linear between these values at its corners is below 0.
+  static Lanes part_below_zero(Lanes a, Lanes b, Lanes c) {
+    const Bits first = a < 0.0f, second = b < 0.0f, third = c < 0.0f;
+    const Bits first_alone = (first ^ second) & (first ^ third), second_alone = (second ^ first) & (second ^ third);
+    // The one whose sign is another than the other two's cuts off a corner: as long as its part of both sides is.
+    const auto pick = [&](Lanes if_first, Lanes if_second, Lanes if_third) {
+      const Lanes others = second_alone ? if_second : if_third;
+      return first_alone ? if_first : others;
+    };
+    const Lanes one = pick(a, b, c), next = pick(b, c, a), last = pick(c, a, b);
+    const Bits alone = first_alone | second_alone | ((third ^ first) & (third ^ second));
+    const Lanes cut_off = one * one / ((one - next) * (one - last));
+    const Lanes whole = third ? Lanes{} + 1.0f : Lanes{};
+    return alone ? (one < 0.0f ? cut_off : 1.0f - cut_off) : whole;
   }
 
   // Lanes with too many triangles go no further.
