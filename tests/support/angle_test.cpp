@@ -31,6 +31,7 @@ TEST(Angle, along_an_axis_is_exact) {
 TEST(Angle, of_what_is_not_a_number_is_none) {
   EXPECT_TRUE(std::isnan(angle_of(NAN, 1.0)));
   EXPECT_TRUE(std::isnan(angle_of(1.0, NAN)));
+  EXPECT_TRUE(std::isnan(angle_of(-INFINITY, INFINITY)));
 }
 
 } // namespace

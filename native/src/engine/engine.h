@@ -55,7 +55,6 @@ struct Surface {
   const SurfaceMaps &maps;
   const Box &box;                           // of the positions
   Atlases &atlases;                         // an engine in texture space may ask for a better one
-  std::function<double()> mean_edge;        // measured when first asked for
   std::function<const Patches &()> patches; // made when first asked for
   uint64_t positions_version;               // differs whenever positions do
   uint64_t topology_version = 0;            // differs whenever triangles do

@@ -35,23 +35,26 @@ dvec3 middle_of(const Triangles &triangles, int32_t edge) {
 }
 
 // Within this distance of the middle of a crease; its bends are about the angles.
-Bends bends_around(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases,
-                   const std::vector<vec3> &normals, double reach, int32_t edge, BallFlood &flood) {
+Bends bends_around(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, double reach, int32_t edge,
+                   BallFlood &flood) {
+  const auto normal = [&](int32_t triangle) { return vec3(steady_normal(triangles, half_edges, triangle)); };
   const dvec3 center = middle_of(triangles, edge);
   flood.start_in_triangle(center, edge / 3);
   flood.grow(reach);
   Bends bends;
-  for (const int32_t triangle : flood.triangles())
+  for (const int32_t triangle : flood.triangles()) {
+    const vec3 own = normal(triangle);
     for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
       const int32_t twin = half_edges.twin[h];
       if (twin < 0) continue;
-      const vec3 turn = normals[triangle] - normals[twin / 3];
+      const vec3 turn = own - normal(twin / 3);
       const float turn2 = dot(turn, turn);
       if (!(turn2 > 0)) continue;
       const dvec3 begin = dvec3(triangles.position(h)) - center, end = dvec3(triangles.position(next_corner(h))) - center;
       (creases.half_edge[h] ? bends.creases : bends.others) +=
           0.5 * std::sqrt(static_cast<double>(turn2)) * bowl_on_segment(begin, end, reach); // the twin has the other half
     }
+  }
   return bends;
 }
 
@@ -88,14 +91,13 @@ Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edg
   const std::vector<int32_t> line = line_of_points(half_edges, creases);
   constexpr double close = 0.5; // of the radius
   const std::vector<int32_t> chosen = spread_out(triangles, half_edges, creases, line, close * radius);
-  const std::vector<vec3> normals = steady_normals(triangles, half_edges, threads);
   std::vector<Bends> bends(chosen.size());
   Pool<BallFlood> floods;
   parallel_blocks(static_cast<int>(chosen.size()), threads, 4, [&](int begin, int end) {
     floods.with_one([&] { return BallFlood(triangles, half_edges); },
                     [&](BallFlood &flood) {
                       for (int i = begin; i < end; ++i)
-                        bends[i] = bends_around(triangles, half_edges, creases, normals, CREASE_REACH * radius, chosen[i], flood);
+                        bends[i] = bends_around(triangles, half_edges, creases, CREASE_REACH * radius, chosen[i], flood);
                     });
   });
   std::vector<Bends> of_line(line.size());

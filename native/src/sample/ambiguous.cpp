@@ -41,14 +41,27 @@ static double area_tolerance(int samples) {
   return std::max(0.06, 1.1 * std::pow(samples / static_cast<double>(ellipse_enlargement * ellipse_enlargement), -0.75));
 }
 
+// How many triangles a disk holds of which some points have one each.
+static double triangles_in_disk(const RecheckSpace &space, const std::vector<int32_t> &points) {
+  const size_t step = points.size() / 1024 + 1;
+  double twice_area = 0.0, count = 0.0;
+  for (size_t i = 0; i < points.size(); i += step) {
+    const int corner = 3 * (space.half_edges.point_half_edge[points[i]] / 3);
+    const vec3 at = space.triangles.position(corner);
+    twice_area +=
+        static_cast<double>(length(cross(space.triangles.position(corner + 1) - at, space.triangles.position(corner + 2) - at)));
+    ++count;
+  }
+  return count > 0.0 ? 2.0 * pi * space.radius * space.radius * count / twice_area : 0.0;
+}
+
 // Patches are worth it if floods over triangles would look at each triangle several times. They are exact enough from 300
 // vertices in a ball on: those that its rim cuts off by chance make 1 % of its area.
-static bool floods_are_long(const RecheckSpace &space, size_t points) {
-  if (points == 0) return false;
-  const double mean_edge = space.mean_edge();
-  const double triangles = pi * space.radius * space.radius / (0.43 * mean_edge * mean_edge); // in a ball
-  return triangles > 600.0 && static_cast<double>(points) * std::min(triangles, static_cast<double>(MAX_CONNECTED_TRIANGLES)) >
-                                  16.0 * static_cast<double>(space.triangles.triangle_count);
+static bool floods_are_long(const RecheckSpace &space, const std::vector<int32_t> &points) {
+  const double triangles = triangles_in_disk(space, points);
+  return triangles > 600.0 &&
+         static_cast<double>(points.size()) * std::min(triangles, static_cast<double>(MAX_CONNECTED_TRIANGLES)) >
+             16.0 * static_cast<double>(space.triangles.triangle_count);
 }
 
 // Drops centers that have nearly the area that patches find.
@@ -61,7 +74,7 @@ static void drop_by_patches(const RecheckSpace &space, double tolerance, Ambiguo
 void recheck(AmbiguousCenters centers, const RecheckSpace &space, const Recheck &again) {
   constexpr size_t batch = 2048;
   const double tolerance = area_tolerance(space.samples) * pi * space.radius * space.radius;
-  if (floods_are_long(space, centers.points.size())) drop_by_patches(space, tolerance, centers);
+  if (floods_are_long(space, centers.points)) drop_by_patches(space, tolerance, centers);
   ConnectedTriangleSearch search(space.triangles, space.half_edges, space.radius, MAX_CONNECTED_TRIANGLES, space.threads);
   for (size_t first = 0; first < centers.centers.size(); first += batch) {
     again.before_batch(static_cast<double>(first) / static_cast<double>(centers.centers.size()));

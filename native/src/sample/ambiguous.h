@@ -28,9 +28,8 @@ struct AmbiguousCenters {
 struct RecheckSpace {
   const Triangles &triangles; // displaced if maps displace the surface
   const HalfEdges &half_edges;
-  double radius;                     // in units of the positions
-  std::function<double()> mean_edge; // of the mesh; measured when first asked for
-  int samples;                       // that a neighborhood was computed from: few of them say less about its area
+  double radius; // in units of the positions
+  int samples;   // that a neighborhood was computed from: few of them say less about its area
   int threads;
   std::function<const Patches &()> patches; // of half_edges; made when first asked for
 };

@@ -150,7 +150,7 @@ bool TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, 
     if (flags_of(rows[ROW_FLAGS * count + i]) & FLAG_AMBIGUOUS)
       ambiguous.push_back(static_cast<int32_t>(i), centers.points[i], static_cast<double>(rows[ROW_AREA * count + i]) / unit);
   const Surface &surface = job.surface;
-  const RecheckSpace space{job.triangles(frame), surface.half_edges,    radius,         surface.mean_edge,
+  const RecheckSpace space{job.triangles(frame), surface.half_edges,    radius,
                            settings.samples,     job.resources.threads, surface.patches};
   settings.exact = true;
   double from = 0.8;
