@@ -219,10 +219,27 @@ dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int
   return length > 0 ? product / length : dvec3(0);
 }
 
+// The normal of a face in floats, if its corners leave no doubt: it is not sharp at the first, nor small against where it is.
+// Else 0.
+static vec3 plain_normal(const Triangles &triangles, int face) {
+  constexpr float least_sine = 0.1f, least_square = 1e-30f; // floats below have fewer digits
+  constexpr auto rounding = static_cast<float>(4 * ROUNDING);
+  const auto at = [&](int corner) -> const vec3 & { return triangles.positions[triangles.corner_vertex[3 * face + corner]]; };
+  const vec3 &a = at(0), &b = at(1), &c = at(2); // copies would be made through memory
+  const vec3 product = glm::cross(b - a, c - a);
+  const float left = glm::dot(b - a, b - a), right = glm::dot(c - a, c - a), square = glm::dot(product, product);
+  const float farthest = rounding * rounding * std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(c, c)});
+  const bool plain = square > std::max({least_sine * least_sine * left * right, farthest * (left + right), least_square});
+  return plain ? product / std::sqrt(square) : vec3(0.0f);
+}
+
 std::vector<vec3> steady_normals(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
   std::vector<vec3> normals(static_cast<size_t>(triangles.triangle_count));
   parallel_blocks(triangles.triangle_count, threads, block_size, [&](int begin, int end) {
-    for (int t = begin; t < end; ++t) normals[t] = vec3(steady_normal(triangles, half_edges, t));
+    for (int t = begin; t < end; ++t) {
+      normals[t] = plain_normal(triangles, t);
+      if (normals[t] == vec3(0.0f)) normals[t] = vec3(steady_normal(triangles, half_edges, t));
+    }
   });
   return normals;
 }

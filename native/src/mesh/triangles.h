@@ -23,7 +23,7 @@ struct Triangles {
   std::vector<uint8_t> half_edge_sharp; // (3 * triangle_count) 1: the edge is marked sharp and this face is smooth
   bool uv_remapped = false;
 
-  vec3 position(int32_t corner) const { return positions[corner_vertex[corner]]; }
+  const vec3 &position(int32_t corner) const { return positions[corner_vertex[corner]]; }
 };
 
 // Throws Error(INVALID_ARGUMENT) with the first offender.

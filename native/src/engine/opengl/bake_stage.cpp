@@ -154,7 +154,7 @@ CenterOptions TextureSpace::center_options(const Job &job, const Frame &frame, d
 // Sets the frame's radius in texels.
 void TextureSpace::measure_radius(const Job &job, Frame &frame, double radius) {
   const Charts &charts = job.charts();
-  const size_t step = std::max<size_t>(1, charts.wedges.size() / 4096); // the median does with some
+  const size_t step = std::max<size_t>(1, charts.wedges.size() / 1024); // the median does with some
   const std::vector<vec4> sizes = ellipses(job, frame.space, static_cast<int>(step));
   frame.radius_in_texels = median_radius_in_texels(charts, center_options(job, frame, radius),
                                                    static_cast<float>(radius * frame.space.scale), sizes, step);
