@@ -130,6 +130,8 @@ private:
     if (!fresh) return;
     reached |= fresh;
     queue_.push_back({triangle, fresh});
+    __builtin_prefetch(&triangles_.corner_vertex[3 * static_cast<size_t>(triangle)]); // looked at soon
+    __builtin_prefetch(&half_edges_.twin[3 * static_cast<size_t>(triangle)]);
   }
 
   // The lanes whose ball holds a vertex.
