@@ -79,9 +79,10 @@ public:
     if (!(bend >= least_bend) || !(distance > 0)) return false;
     // Beside a needle the same bend may come twice, there and back.
     if (is_needle(triangles_, half_edge / 3) || is_needle(triangles_, twin / 3)) return true;
-    const auto beside = [&](int edge) { return most_bent(edge, bend, distance, both_sides); };
-    const double left = beside(half_edge), right = beside(twin);
-    if (bend >= both_sides * std::max(left, right) || bend >= one_side * std::min(left, right)) return true;
+    const double left = most_bent(half_edge, bend, distance, both_sides);
+    if (bend >= one_side * left) return true;
+    const double least = bend >= both_sides * left ? both_sides : one_side;
+    if (bend >= least * most_bent(twin, bend, distance, least)) return true;
     const auto own = [&](int edge) { return most_bent(edge, bend, -1, own_triangles); };
     return bend >= least_hard_bend && bend >= own_triangles * std::max(own(half_edge), own(twin));
   }
