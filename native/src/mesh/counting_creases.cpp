@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "kernel/limits.h"
@@ -34,10 +35,27 @@ dvec3 middle_of(const Triangles &triangles, int32_t edge) {
   return 0.5 * (dvec3(triangles.position(edge)) + dvec3(triangles.position(next_corner(edge))));
 }
 
+// What one thread keeps: most meshes have creases in some places only.
+struct Seen {
+  Seen(const Triangles &triangles, const HalfEdges &half_edges)
+      : flood(triangles, half_edges), normals(static_cast<size_t>(triangles.triangle_count), vec3(unknown)) {}
+
+  vec3 normal(const Triangles &triangles, const HalfEdges &half_edges, int32_t triangle) {
+    vec3 &found = normals[triangle];
+    if (std::isnan(found.x)) found = rounded_steady_normal(triangles, half_edges, triangle);
+    return found;
+  }
+
+  static constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+  BallFlood flood;
+  std::vector<vec3> normals;
+};
+
 // Within this distance of the middle of a crease; its bends are about the angles.
 Bends bends_around(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, double reach, int32_t edge,
-                   BallFlood &flood) {
-  const auto normal = [&](int32_t triangle) { return vec3(steady_normal(triangles, half_edges, triangle)); };
+                   Seen &seen) {
+  const auto normal = [&](int32_t triangle) { return seen.normal(triangles, half_edges, triangle); };
+  BallFlood &flood = seen.flood;
   const dvec3 center = middle_of(triangles, edge);
   flood.start_in_triangle(center, edge / 3);
   flood.grow(reach);
@@ -92,13 +110,13 @@ Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edg
   constexpr double close = 0.5; // of the radius
   const std::vector<int32_t> chosen = spread_out(triangles, half_edges, creases, line, close * radius);
   std::vector<Bends> bends(chosen.size());
-  Pool<BallFlood> floods;
+  Pool<Seen> pool;
   parallel_blocks(static_cast<int>(chosen.size()), threads, 4, [&](int begin, int end) {
-    floods.with_one([&] { return BallFlood(triangles, half_edges); },
-                    [&](BallFlood &flood) {
-                      for (int i = begin; i < end; ++i)
-                        bends[i] = bends_around(triangles, half_edges, creases, CREASE_REACH * radius, chosen[i], flood);
-                    });
+    pool.with_one([&] { return Seen(triangles, half_edges); },
+                  [&](Seen &seen) {
+                    for (int i = begin; i < end; ++i)
+                      bends[i] = bends_around(triangles, half_edges, creases, CREASE_REACH * radius, chosen[i], seen);
+                  });
   });
   std::vector<Bends> of_line(line.size());
   for (size_t i = 0; i < chosen.size(); ++i) {

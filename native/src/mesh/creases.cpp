@@ -234,15 +234,9 @@ static vec3 plain_normal(const Triangles &triangles, int face) {
   return plain ? product / std::sqrt(square) : vec3(0.0f);
 }
 
-std::vector<vec3> steady_normals(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
-  std::vector<vec3> normals(static_cast<size_t>(triangles.triangle_count));
-  parallel_blocks(triangles.triangle_count, threads, block_size, [&](int begin, int end) {
-    for (int t = begin; t < end; ++t) {
-      normals[t] = plain_normal(triangles, t);
-      if (normals[t] == vec3(0.0f)) normals[t] = vec3(steady_normal(triangles, half_edges, t));
-    }
-  });
-  return normals;
+vec3 rounded_steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face) {
+  const vec3 plain = plain_normal(triangles, face);
+  return plain != vec3(0.0f) ? plain : vec3(steady_normal(triangles, half_edges, face));
 }
 
 double bend_between(dvec3 left, dvec3 right, dvec3 along) {
@@ -285,7 +279,10 @@ Creases marked_creases(const Triangles &triangles, const HalfEdges &half_edges) 
 Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
   const Creases marked = marked_creases(triangles, half_edges);
   Creases creases = marked;
-  const std::vector<vec3> normals = steady_normals(triangles, half_edges, threads);
+  std::vector<vec3> normals(static_cast<size_t>(triangles.triangle_count));
+  parallel_blocks(triangles.triangle_count, threads, block_size, [&](int begin, int end) {
+    for (int t = begin; t < end; ++t) normals[t] = rounded_steady_normal(triangles, half_edges, t);
+  });
   constexpr float least_cosine = 0.93969262f + 1e-3f; // of the least bend
   const Surroundings surroundings(triangles, half_edges, normals);
   std::atomic<bool> found = false;

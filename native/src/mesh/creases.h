@@ -40,7 +40,7 @@ constexpr double ROUNDING = 1.0 / (1 << 17);
 // The face itself; of a needle, lower than what rounds positions, the first face behind longest edges that is none.
 int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int face);
 dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face); // 0 if there is none
-std::vector<vec3> steady_normals(const Triangles &triangles, const HalfEdges &half_edges, int threads);
+vec3 rounded_steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face); // to floats; faster
 
 // By how much unit normals turn around the edge between them, which runs with the left face: in (-pi, pi], positive where the
 // surface is convex.
