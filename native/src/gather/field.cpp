@@ -101,7 +101,7 @@ static void count(const HalfEdges &half_edges, int threads, Field &field) {
   for (size_t row = 0; vertices > 0 && row + 1 < field.values.size(); ++row)
     rows.emplace_back(field.values[row].data(), field.values[row].size() / vertices);
   parallel_blocks(static_cast<int>(vertices), threads, block, [&](int begin, int end) {
-    Counts &part = parts[begin / block];
+    Counts part; // of its own: neighbors in parts share cache lines
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       part.boundary += (field.mask[i] & PDESC_MASK_BOUNDARY) != 0;
       part.low += (field.mask[i] & PDESC_MASK_LOW_COVERAGE) != 0;
@@ -113,6 +113,7 @@ static void count(const HalfEdges &half_edges, int threads, Field &field) {
       const float coverage = field.values.back()[i];
       part.coverage += std::isnan(coverage) ? 0.0 : static_cast<double>(coverage);
     }
+    parts[begin / block] = part;
   });
   Counts all;
   for (const Counts &part : parts) {

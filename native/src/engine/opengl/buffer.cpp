@@ -23,6 +23,11 @@ void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) 
   fill(gl, data, bytes, usage);
 }
 
+void Buffer::repeat(const Gl &gl, uint32_t word, size_t count, GLenum usage) {
+  upload(gl, nullptr, count * sizeof word, usage);
+  gl.ClearNamedBufferData(id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &word);
+}
+
 void Buffer::fill(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
   if (!id()) {
     GLuint made = 0;

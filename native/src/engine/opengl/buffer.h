@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -39,7 +40,9 @@ public:
   template <class T> void upload(const Gl &gl, const std::vector<T> &data, GLenum usage = GL_STATIC_DRAW) {
     upload(gl, data.data(), data.size() * sizeof(T), usage);
   }
-  // The same where it is not read as storage.
+  // Replaces the content by so many 32-bit words, all alike.
+  void repeat(const Gl &gl, uint32_t word, size_t count, GLenum usage);
+  // As upload, where it is not read as storage.
   void fill(const Gl &gl, const void *data, size_t bytes, GLenum usage);
   GLuint id() const { return name_.id(); }
 

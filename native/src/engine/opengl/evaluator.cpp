@@ -76,9 +76,8 @@ void Evaluator::begin(const Gl &gl, const EvaluateSettings &settings) {
   stretches_.upload(gl, nullptr, directional ? static_cast<size_t>(count_) * STRETCH_DIRECTIONS * sizeof(float) : 0,
                     GL_STREAM_COPY);
   // NaN everywhere first: a center that a driver forgets must not look like a result.
-  const std::vector<float> nothing(result_values(settings, count_) + sizeof(SearchCounts) / sizeof(float),
-                                   std::numeric_limits<float>::quiet_NaN());
-  results_.upload(gl, nothing, GL_STREAM_READ);
+  results_.repeat(gl, std::bit_cast<uint32_t>(std::numeric_limits<float>::quiet_NaN()),
+                  result_values(settings, count_) + sizeof(SearchCounts) / sizeof(float), GL_STREAM_READ);
   check_gl(gl, "room for results");
 }
 

@@ -46,6 +46,7 @@
   F(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)                                                                   \
   F(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERSPROC, NamedFramebufferDrawBuffers)                                                           \
   F(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                                                           \
+  F(PFNGLCLEARNAMEDBUFFERDATAPROC, ClearNamedBufferData)                                                                         \
   F(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)                                                                   \
   F(PFNGLCLEARNAMEDFRAMEBUFFERIVPROC, ClearNamedFramebufferiv)                                                                   \
   F(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                                                             \

@@ -36,7 +36,7 @@ void NeighborhoodSearch::make_room(const Gl &gl, const CellBuffers &cells) {
   ranges_of_center_ = static_cast<int>(of_center);
   largest_tile_ = static_cast<int>(tile);
   ranges_.reserve(gl, GL_RG32I, tile * of_center);
-  walks_.upload(gl, std::vector<int32_t>(WALKS_HEADER + 2 * static_cast<size_t>(list_count_) + tile, 0), GL_DYNAMIC_COPY);
+  walks_.repeat(gl, 0, WALKS_HEADER + 2 * static_cast<size_t>(list_count_) + tile, GL_DYNAMIC_COPY);
   neighborhoods_.upload(gl, nullptr, tile * sizeof(NeighborhoodRanges), GL_STREAM_COPY);
 }
 
