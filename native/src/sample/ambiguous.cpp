@@ -56,7 +56,7 @@ static double triangles_in_disk(const RecheckSpace &space, const std::vector<int
 }
 
 // Patches are worth it if floods over triangles would look at each triangle several times. They are exact enough from 150
-// vertices in a ball on: those that its rim cuts off by chance make 1 % of its area, and 3 % for one in a thousand.
+// vertices in a ball on: those that its rim cuts off by chance make 1 % of its area, and 3 % for two in a thousand.
 static bool floods_are_long(const RecheckSpace &space, const std::vector<int32_t> &points) {
   const double triangles = triangles_in_disk(space, points);
   return triangles > 300.0 &&
