@@ -93,7 +93,6 @@
 #define LOCATION_STRIDE 11 // from place to place, in floats
 #define LOCATION_LEVEL 13 // of the tree of cells
 #define LOCATION_NODES 14 // that it has
-#define LOCATION_FITTED 12 // 1: normals are fitted, 0: Max's
 #define LOCATION_AREA_UNIT 30   // of every program that writes or reads the area element
 #define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
 

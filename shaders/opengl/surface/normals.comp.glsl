@@ -1,6 +1,7 @@
 #version 450 core
 // One invocation, one fan → its unit normal, as mesh/normals.cpp has it: Max's, or turned by the gradient of a jet through the vertices
 // around.
+#include "variant.glsl"
 #include "opengl/elements.glsl"
 #include "opengl/surface/mesh.glsl"
 #include "opengl/surface/jet.glsl"
@@ -10,7 +11,6 @@ layout(binding = UNIT_RINGS) uniform isamplerBuffer rings;
 layout(binding = UNIT_FAN_VERTICES) uniform isamplerBuffer fan_vertices;
 layout(binding = UNIT_RING_VERTICES) uniform isamplerBuffer ring_vertices;
 layout(binding = UNIT_RING_FACES) uniform isamplerBuffer ring_faces;
-layout(location = LOCATION_FITTED) uniform int fitted;
 
 // In cosines: 30 and 45 degrees of spread, 8 and 12 of turn.
 const double spread_full = 0.8660254037844387LF, spread_none = 0.7071067811865476LF;
@@ -69,9 +69,9 @@ void main() {
   if (fan >= last) return;
   ivec3 begin = texelFetch(rings, fan).xyz, end = texelFetch(rings, fan + 1).xyz;
   dvec3 normal = max_normal(begin.x, end.x);
-  if (fitted != 0) {
-    double spread = spread_of(normal, begin.z, end.z);
-    if (spread > spread_none) normal = turned(normal, fan_position(begin.x), spread, begin.y, end.y);
-  }
+#if FITTED
+  double spread = spread_of(normal, begin.z, end.z);
+  if (spread > spread_none) normal = turned(normal, fan_position(begin.x), spread, begin.y, end.y);
+#endif
   for (int i = 0; i < 3; ++i) normals[3 * fan + i] = float(normal[i]);
 }

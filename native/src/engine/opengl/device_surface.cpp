@@ -72,9 +72,15 @@ void DeviceSurface::begin_normals(const Gl &gl, const NormalRings &rings, uint64
   check_gl(gl, "upload of rings");
 }
 
+// Two programs, no uniform: zink of Mesa 25 puts uniforms into programs, and kept an earlier one.
+static GLuint normals_program(const Gl &gl, ProgramCache &programs, bool fitted) {
+  return programs.get(gl, fitted ? "fitted normals" : "normals", {{GL_COMPUTE_SHADER, "opengl/surface/normals.comp.glsl"}},
+                      {{"variant.glsl", fitted ? "#define FITTED 1\n" : "#define FITTED 0\n"}});
+}
+
 void DeviceSurface::fit_normals(const Gl &gl, ProgramCache &programs, bool fitted, int first, int last) {
   if (fitted) faces(gl, programs);
-  gl.UseProgram(programs.get(gl, "normals", {{GL_COMPUTE_SHADER, "opengl/surface/normals.comp.glsl"}}));
+  gl.UseProgram(normals_program(gl, programs, fitted));
   bind_mesh(gl);
   gl.BindTextureUnit(UNIT_FACES, faces_.id());
   gl.BindTextureUnit(UNIT_RINGS, rings_.id());
@@ -82,7 +88,6 @@ void DeviceSurface::fit_normals(const Gl &gl, ProgramCache &programs, bool fitte
   gl.BindTextureUnit(UNIT_RING_VERTICES, ring_vertices_.id());
   gl.BindTextureUnit(UNIT_RING_FACES, ring_faces_.id());
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_NORMALS, normals_.buffer_id());
-  gl.Uniform1i(LOCATION_FITTED, fitted);
   dispatch_once(gl, first, last);
   gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
   check_gl(gl, "normals");
