@@ -202,8 +202,8 @@ TEST(ConnectedTriangles, areas_on_a_plane_are_those_of_disks_whatever_the_size_o
   const UnevenPlane plane;
   const std::vector<int32_t> points = plane.points_inside();
   struct Case {
-    double radius, largest,
-        mean; // and errors, of the disk's area: next to nothing where the rim is taken for straight within each triangle
+    double radius;
+    double largest, mean; // errors, of the disk's area; least where the rim is taken for straight within each triangle
   };
   for (const Case &expected :
        {Case{14, 0.02, 0.002}, {8, 0.02, 0.002}, {5, 0.005, 0.001}, {3, 0.008, 0.002}, {2, 0.025, 0.002}, {1, 0.08, 0.003}}) {
