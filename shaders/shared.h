@@ -60,9 +60,9 @@
 #define UNIT_STARTS 37        // buffer texture, one a center: first and end in UNIT_START_CELLS
 #define UNIT_START_CELLS 38   // buffer texture: a cell that a center starts from, the list of the centers in it; a center is on that of its first one
 // Of the mesh as it lies now, and of what its normals are fitted to.
-#define UNIT_MESH_POSITIONS 39  // buffer texture, R32F, three a vertex: as they were given
-#define UNIT_TRIANGLES 40       // buffer texture, R32I, three a triangle: its vertices
-#define UNIT_MESH_NORMALS 41    // buffer texture, R32F, three a normal
+#define UNIT_MESH_POSITIONS 39  // buffer texture, RGB32F, one a vertex: as they were given
+#define UNIT_TRIANGLES 40       // buffer texture, RGB32I: the vertices of each triangle
+#define UNIT_MESH_NORMALS 41    // buffer texture, RGB32F
 #define UNIT_SOURCES 42         // buffer texture: vertex, normal
 #define UNIT_RINGS 43           // buffer texture, RGBA32I, one a fan and one more: first in UNIT_FAN_VERTICES, in UNIT_RING_VERTICES, in UNIT_RING_FACES
 #define UNIT_FAN_VERTICES 44    // buffer texture, R32I, likewise the next two: as NormalRings has them
@@ -77,7 +77,14 @@
 #define UNIT_STRIDES 52          // buffer texture, one a cell: how often a texel is doubled for a coarse sample of each leaf, for a fine one; 8 bits each
 #define UNIT_NEAR_BALLS 53       // buffer texture, RGBA32F, one a list: the ball around those of its centers
 #define UNIT_NEAR_LISTS 54       // buffer texture, one of UNIT_NEAR_CELLS: its list; where its neighbors begin among those of the list
-#define UNIT_COUNT 55
+// Of what is looked for the triangles that are connected to a center.
+#define UNIT_PATCH_TRIANGLES 55 // buffer texture, RGBA32I, two a code of Patches: the vertices of its triangle (-1: none), the codes across its edges (-1: none)
+#define UNIT_TRIANGLE_CODES 56  // buffer texture, R32I: of each triangle
+#define UNIT_PATCH_RANGES 57    // buffer texture, one a patch: first and end in UNIT_PATCH_NEIGHBORS
+#define UNIT_PATCH_NEIGHBORS 58 // buffer texture: patch, the bits of its triangles that share an edge with this one
+#define UNIT_PATCH_SPHERES 59   // buffer texture, RGBA32F, two a patch: middle in the mesh's units, radius; area
+#define UNIT_START_CODES 60     // buffer texture, R32I, one a center: the code of a triangle that it lies on
+#define UNIT_COUNT 61
 
 // Uniforms of programs that take few. Programs over centers take EvaluateParams.
 #define LOCATION_BUFFER_SIZE 0
@@ -111,7 +118,7 @@
 #define BINDING_RESULTS 1
 #define BINDING_NEIGHBORHOODS 2 // (centers of one dispatch) the ranges of samples of each center's neighborhood
 #define BINDING_TEXELLESS 3     // samples of triangles that no texel carries
-#define BINDING_CONNECTED 4     // of centers computed again: their numbers, where their triangles begin (one more), the triangles
+#define BINDING_CONNECTED 4     // as floods.glsl has it
 #define BINDING_MAP_CENTERS 5   // gradient and value of the map at each center
 #define BINDING_MAP_TEXELLESS 6 // the same at the samples of BINDING_TEXELLESS
 #define BINDING_CELLS 7         // what was measured of each cell
@@ -146,6 +153,7 @@
 #define BINDING_PLACES 0  // position and normal, LOCATION_STRIDE floats from place to place
 #define BINDING_FACES 1   // where UNIT_FACES is written
 #define BINDING_NORMALS 2 // where UNIT_MESH_NORMALS is written
+#define BINDING_PATCH_SPHERES 8 // where UNIT_PATCH_SPHERES is written
 #define STRETCH_DIRECTIONS 16  // of the directional ellipse
 #define MAX_VISITS 64          // charts, by way of a seam each, that one center's pattern is repeated on
 
@@ -153,10 +161,18 @@
 // would go beyond this many counts as missing area instead.
 #define MAX_ITERATIONS 60000
 
-// Where the second moments of a neighborhood deviate from a flat disk's by more than this part, its triangles are looked through.
+// Where the second moments of a neighborhood deviate from a flat disk's by more than this part, it is ambiguous: samples may have come in that
+// are not connected within the ball.
 #define DISK_DEVIATION 0.1
-// Triangles that are looked through at most: 2^13, the rounds of the shader's search.
-#define MAX_CONNECTED_TRIANGLES 8191
+#define PATCH_TRIANGLES 32 // of a patch at most: a bit each of one word
+#define MOST_FEW_PATCHES 32 // that a flood looks through one after the other
+// Integers of BINDING_CONNECTED: how many centers are ambiguous, how many patches a flood came to at most, and how many centers of a round are
+// computed again, with the dispatch of these as OpenGL takes it from a buffer.
+#define CONNECTED_AMBIGUOUS 0
+#define CONNECTED_PATCHES 1
+#define CONNECTED_AGAIN_GROUPS 2
+#define CONNECTED_AGAIN 5
+#define CONNECTED_HEADER 6
 
 // Rows of the results that come before the descriptors'.
 #define ROW_COVERAGE 0
@@ -167,7 +183,6 @@
 // Bits of a center's flags, a whole number among the results' floats.
 #define FLAG_HITS_BOUNDARY 1u // the mesh's boundary lies in the neighborhood
 #define FLAG_ALL_SAMPLES 2u   // adaptive sampling took all samples
-#define FLAG_AMBIGUOUS 4u     // the moments are no disk's: samples may have come in that are not connected within the ball
 
 // Integers of BINDING_WALKS: two dispatches, as OpenGL takes them from a buffer, each with how much it has to do; then the lists.
 #define WALKS_LISTS_GROUPS 0
@@ -202,13 +217,16 @@ struct EvaluateParams {
   float map_radius;    // at which the map was computed
   float map_sigma;     // of Gaussian windows on it
   float harris_k;
-  int connected_count; // centers in BINDING_CONNECTED
+  int slots;       // for centers that are computed again side by side
+  int flood_table; // places for the patches of each: a power of two, twice as many as there are
+  float area_tolerance; // in squares of the radius
   // For samples that march.
   float enlargement;   // of the ellipse that they start in over the radius
   int max_jumps;
   int begin_sample; // those of this dispatch
   int end_sample;
   int marks_only;   // paper: the dispatches that find the charts to visit come before the others
+  int unused_0, unused_1;
 };
 // How long the lists of a search are, or how long they may be.
 struct SearchCounts {

@@ -64,7 +64,6 @@ static Surface surface_of(Mesh &mesh, const pdesc_options &options) {
           mesh.maps,
           mesh.extent.box,
           mesh.atlases,
-          [&mesh]() -> const Patches & { return patches_of(mesh); },
           mesh.positions_version};
 }
 

@@ -26,10 +26,6 @@ template <class... Lists> static int64_t bytes(const Lists &...lists) {
   return static_cast<int64_t>(((lists.capacity() * sizeof(lists[0])) + ...));
 }
 
-static int64_t bytes_of(const Patches &p) {
-  return bytes(p.triangle_patch, p.begin, p.triangle, p.corner, p.point_begin, p.point, p.link_begin, p.link);
-}
-
 // Given, in the unit square, and in the layout; most are the same array.
 static int64_t bytes_of_uvs(const Triangles &t, const Charts &c) {
   const int64_t one = static_cast<int64_t>(t.input_uv.size() * sizeof(vec2));
@@ -44,8 +40,7 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
   return bytes(t.positions, t.corner_vertex, t.input_corner, t.corner_normal, t.half_edge_sharp) + bytes_of_uvs(t, c) +
          bytes(h.corner_point, h.twin, h.triangle_piece, h.point_vertex, h.point_half_edge, h.vertex_point, h.point_boundary) +
          bytes(c.triangle_chart, c.corner_wedge, c.half_edge_border, c.wedges, c.point_wedge, c.shared_wedges, c.shared_corners,
-               c.borders) +
-         (mesh.patches ? bytes_of(*mesh.patches) : 0);
+               c.borders);
 }
 
 // About how many disks of the radius have the surface's area, if that is a sphere's of the same extent; 0 for a radius that no
@@ -62,7 +57,7 @@ MemoryForecast forecast_memory_of(Mesh &mesh, int backend, const pdesc_options &
   MemoryForecast memory = forecast_memory(
       backend, {triangles, points, static_cast<int64_t>(charts.wedges.size()), static_cast<int64_t>(charts.borders.size()),
                 plan ? plan->pieces() : triangles, plan ? points + plan->new_points() : points, mesh.maps.any(),
-                mesh.patches.has_value(), disks_of(mesh, options), thread_count(mesh.context->threads), options, descriptors});
+                disks_of(mesh, options), thread_count(mesh.context->threads), options, descriptors});
   if (plan) memory.host += bytes_of_refined_surface(mesh, *plan);
   memory.mesh = bytes_of_mesh(mesh);
   return memory;

@@ -131,11 +131,6 @@ NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options) {
   return normals;
 }
 
-const Patches &patches_of(Mesh &mesh) {
-  if (!mesh.patches) mesh.patches = build_patches(mesh.half_edges);
-  return *mesh.patches;
-}
-
 ReadBuffer read_buffer(Mesh &mesh, const std::string &name) {
   if (!mesh.session) refuse_to_read_buffers();
   return mesh.session->read_buffer(name, mesh.atlases.current());

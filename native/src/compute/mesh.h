@@ -33,7 +33,6 @@ struct Mesh {
   mutable Keyed<uint64_t, double> mean_edge;                              // by the positions' version
   Keyed<std::pair<uint64_t, int32_t>, Creases> creases;                   // by the positions' version and pdesc_creases
   Keyed<std::tuple<uint64_t, int32_t, double>, Creases> counting_creases; // and by the radius
-  std::optional<Patches> patches;
   Keyed<std::array<uint64_t, 3>, Normals> normals; // by the positions' version, pdesc_normals and the rings' version
   uint64_t rings_version = 0;
   std::vector<uint8_t> normals_end_at; // Creases::half_edge that the rings' version is of
@@ -61,7 +60,6 @@ double mean_edge_of(const Mesh &mesh);
 double requested_radius(const Mesh &mesh, const pdesc_options &options); // in units of the positions
 const Creases &creases_of(Mesh &mesh, const pdesc_options &options);     // at which normals end
 NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options);
-const Patches &patches_of(Mesh &mesh);
 
 // As Session::read_buffer and buffer_size.
 ReadBuffer read_buffer(Mesh &mesh, const std::string &name);

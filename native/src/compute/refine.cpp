@@ -52,7 +52,6 @@ Surface refined_surface_of(Mesh &mesh, const pdesc_options &options) {
           none,
           refined.box,
           mesh.atlases,
-          {},
           mesh.positions_version,
           mesh.divisions,
           DividedMesh{mesh.triangles, mesh.half_edges, division}};

@@ -19,7 +19,6 @@
 #include "mesh/creases.h"
 #include "mesh/division.h"
 #include "mesh/normals.h"
-#include "mesh/patches.h"
 #include "support/progress.h"
 
 namespace paradesc {
@@ -53,12 +52,11 @@ struct Surface {
   NormalsOnDemand normals;
   const Creases *creases; // beside which curvature is that of the solid; or null
   const SurfaceMaps &maps;
-  const Box &box;                           // of the positions
-  Atlases &atlases;                         // an engine in texture space may ask for a better one
-  std::function<const Patches &()> patches; // made when first asked for
-  uint64_t positions_version;               // differs whenever positions do
-  uint64_t topology_version = 0;            // differs whenever triangles do
-  std::optional<DividedMesh> divided = {};  // whose points are the surface's first ones, and whose layout is the atlas
+  const Box &box;                          // of the positions
+  Atlases &atlases;                        // an engine in texture space may ask for a better one
+  uint64_t positions_version;              // differs whenever positions do
+  uint64_t topology_version = 0;           // differs whenever triangles do
+  std::optional<DividedMesh> divided = {}; // whose points are the surface's first ones, and whose layout is the atlas
 
   // Points at which results are wanted: the mesh's.
   int32_t wanted_points() const { return divided ? divided->half_edges.point_count : half_edges.point_count; }
@@ -119,7 +117,6 @@ struct ComputationSize {
   int64_t triangles, points, wedges, borders;
   int64_t pieces, piece_points; // of the surface that is summed over: the mesh's, unless it is divided for its maps
   bool surface_maps;            // the mesh has some
-  bool patches;                 // they are made already
   double disks;                 // of the radius that the surface has the area of, about
   int threads;                  // that compute on the processor
   const pdesc_options &options;

@@ -5,23 +5,26 @@
 #include <vector>
 
 #include "mesh/halfedge.h"
+#include "support/math.h"
 
 namespace paradesc {
 
-// Depends on how the mesh hangs together alone, not on positions.
+// Depends on how the mesh hangs together alone, not on positions. A triangle's code is its patch times max_triangles, and its
+// place there: a bit of one word.
 struct Patches {
-  static constexpr size_t max_triangles = 28;
+  static constexpr int32_t max_triangles = 32;
 
-  std::vector<int32_t> triangle_patch; // (triangle_count) -1: left out
-  std::vector<int32_t> begin;          // (patches + 1) into triangle
-  std::vector<int32_t> triangle;       // of each patch, connected
-  std::vector<uint8_t> corner;         // (3 * triangles) the index of each corner in the patch's list of points
-  std::vector<int32_t> point_begin;    // (patches + 1) into point
-  std::vector<int32_t> point;          // of each patch
-  std::vector<int32_t> link_begin;     // (patches' points + 1) into link
-  std::vector<int32_t> link;           // the other patches that have the point too
+  std::vector<int32_t> code;           // (triangle_count) -1: left out
+  std::vector<int32_t> triangle;       // (patches, max_triangles) by code; -1: none
+  std::vector<int32_t> neighbor_begin; // (patches + 1) into neighbor
+  std::vector<ivec2> neighbor;         // another patch, and the bits of its triangles that share an edge with this one
 
-  size_t count() const { return begin.empty() ? 0 : begin.size() - 1; }
+  int32_t count() const { return static_cast<int32_t>(triangle.size()) / max_triangles; }
+  // The code of the triangle across a half-edge, or -1.
+  int32_t across(const HalfEdges &half_edges, int32_t half_edge) const {
+    const int32_t twin = half_edges.twin[half_edge];
+    return twin < 0 ? -1 : code[twin / 3];
+  }
 };
 
 Patches build_patches(const HalfEdges &half_edges);

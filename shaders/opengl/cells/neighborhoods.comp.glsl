@@ -16,7 +16,7 @@
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
 #if EXACT
-layout(std430, binding = BINDING_CONNECTED) readonly restrict buffer Connected { int connected[]; };
+#include "opengl/connected/floods.glsl"
 #endif
 layout(std430, binding = BINDING_NEIGHBORHOODS) writeonly restrict buffer Neighborhoods { NeighborhoodRanges neighborhoods[]; };
 layout(std430, binding = BINDING_RANGES) writeonly restrict buffer Ranges { ivec2 ranges[]; };
@@ -208,7 +208,8 @@ void main() {
   int index = params.first + slot;
   if (index >= params.last) return;
 #if EXACT
-  index = connected[index];
+  if (slot >= connected[CONNECTED_AGAIN]) return;
+  index = connected[center_again(slot)];
 #endif
   vec3 center = centers[index].position;
   ivec2 starts = texelFetch(start_ranges, index).xy;

@@ -9,16 +9,14 @@
 layout(local_size_x = GROUP_SIZE) in;
 layout(std430, binding = BINDING_CENTERS) readonly restrict buffer Centers { CenterData centers[]; };
 layout(std430, binding = BINDING_RESULTS) writeonly restrict buffer Results { uint results[]; }; // bits of floats, which keep NaN
+#if !AFFINE && !PAPER
+#include "opengl/connected/floods.glsl"
+#endif
 #if EXACT
-layout(std430, binding = BINDING_CONNECTED) readonly restrict buffer Connected { int connected[]; };
-ivec2 connected_range;
-// Whether the triangle is connected to the center within the ball. There is no loop: its rounds would count with those of the samples.
-bool is_connected(int triangle) {
-  int low = connected_range.x, high = connected_range.y;
-#define HALVE { int middle = (low + high) / 2; bool below = low < high && connected[middle] < triangle; low = below ? middle + 1 : low; high = below ? high : middle; }
-  HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE HALVE
-  return low < connected_range.y && connected[low] == triangle;
-}
+layout(binding = UNIT_TRIANGLE_CODES) uniform isamplerBuffer triangle_codes;
+int number_again;
+// Whether the triangle is connected to the center within the ball.
+bool is_connected(int triangle) { return was_reached(number_again, texelFetch(triangle_codes, triangle).x); }
 #else
 bool is_connected(int triangle) { return true; }
 #endif
@@ -74,7 +72,6 @@ void add_texel(inout Sums sums, ivec2 texel, float cell, float geodesic) {
 #endif
 
 #if AFFINE || PAPER
-float ambiguous_from(int slot, float tolerance) { return tolerance; }
 // False if samples are left to later dispatches.
 bool take_samples(inout Sums sums, CenterData data, int index, int slot, out float scale) {
   bool refined = true;
@@ -128,8 +125,9 @@ void main() {
   int slot = group * GROUP_SIZE + int(gl_LocalInvocationID.x), index = params.first + slot;
   if (index >= params.last) return;
 #if EXACT
-  connected_range = ivec2(connected[params.connected_count + index], connected[params.connected_count + index + 1]);
-  index = connected[index];
+  if (slot >= connected[CONNECTED_AGAIN]) return;
+  index = connected[center_again(slot)];
+  number_again = slot;
 #endif
   CenterData data = centers[index];
   Sums sums;
@@ -144,8 +142,11 @@ void main() {
   Moments m = sums.moments;
   Neighborhood neighborhood = finish_neighborhood(sums, scale);
   float coverage = m.area > 0.0 ? m.area / (m.area + m.missing_area) : 0.0;
-  uint flags = (m.hits_boundary > 0.0 ? FLAG_HITS_BOUNDARY : 0u) | (scale == 1.0 ? FLAG_ALL_SAMPLES : 0u) |
-               (neighborhood.deviation > ambiguous_from(slot, neighborhood.tolerance) ? FLAG_AMBIGUOUS : 0u);
+  uint flags = (m.hits_boundary > 0.0 ? FLAG_HITS_BOUNDARY : 0u) | (scale == 1.0 ? FLAG_ALL_SAMPLES : 0u);
+#if !AFFINE && !PAPER && !EXACT
+  if (neighborhood.deviation > ambiguous_from(slot, neighborhood.tolerance))
+    connected[ambiguous_center(atomicAdd(connected[CONNECTED_AMBIGUOUS], 1))] = index;
+#endif
   results[ROW_COVERAGE * params.total + index] = floatBitsToUint(coverage);
   results[ROW_FLAGS * params.total + index] = flags;
   results[ROW_AREA * params.total + index] = floatBitsToUint(neighborhood.area);

@@ -16,7 +16,7 @@ layout(binding = UNIT_RING_FACES) uniform isamplerBuffer ring_faces;
 const double spread_full = 0.8660254037844387LF, spread_none = 0.7071067811865476LF;
 const double turn_full = 0.9902680687415704LF, turn_none = 0.9781476007338057LF;
 
-dvec3 fan_position(int entry) { return mesh_position(texelFetch(fan_vertices, entry).x); }
+dvec3 fan_position(int entry) { return dvec3(mesh_position(texelFetch(fan_vertices, entry).x)); }
 
 // N. Max's, from edges to the vertices around.
 dvec3 max_normal(int begin, int end) {
@@ -54,7 +54,7 @@ dvec3 turned(dvec3 n, dvec3 p, double spread, int begin, int end) {
   dvec3 e1 = unit(cross(n, abs(n.x) < 0.6LF ? dvec3(1.0LF, 0.0LF, 0.0LF) : dvec3(0.0LF, 1.0LF, 0.0LF))), e2 = cross(n, e1);
   begin_moments();
   for (int i = begin; i < end; ++i) {
-    dvec3 d = mesh_position(texelFetch(ring_vertices, i).x) - p;
+    dvec3 d = dvec3(mesh_position(texelFetch(ring_vertices, i).x)) - p;
     add_height(dot(d, e1), dot(d, e2), dot(d, n));
   }
   dvec2 gradient;

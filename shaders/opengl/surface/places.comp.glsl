@@ -2,7 +2,7 @@
 // One invocation, one vertex of the bake or one center → where it lies in buffer units, and its normal.
 #include "opengl/elements.glsl"
 #include "opengl/surface/mesh.glsl"
-layout(std140, binding = BLOCK_SPACE) uniform Space { dvec4 center_and_scale; };
+#include "opengl/surface/space.glsl"
 layout(std430, binding = BINDING_PLACES) writeonly restrict buffer Places { float places[]; };
 layout(binding = UNIT_MESH_NORMALS) uniform samplerBuffer mesh_normals;
 layout(binding = UNIT_SOURCES) uniform isamplerBuffer sources;
@@ -12,9 +12,10 @@ void main() {
   int place = own_element();
   if (place >= last) return;
   ivec2 source = texelFetch(sources, place).xy;
-  vec3 position = vec3((mesh_position(source.x) - center_and_scale.xyz) * center_and_scale.w);
+  vec3 position = vec3((dvec3(mesh_position(source.x)) - center_and_scale.xyz) * center_and_scale.w);
+  vec3 normal = texelFetch(mesh_normals, source.y).xyz;
   for (int i = 0; i < 3; ++i) {
     places[stride * place + i] = position[i];
-    places[stride * place + 4 + i] = texelFetch(mesh_normals, 3 * source.y + i).x;
+    places[stride * place + 4 + i] = normal[i];
   }
 }

@@ -237,6 +237,7 @@ inline std::set<Program> record(std::vector<Variant> variants, const std::vector
       evaluate_program(gl, programs, variant, variant.half ? "#define HALF_FLOATS\n" : "", variant.texelless);
     }
     for (const SearchVariant &variant : searches) neighborhoods_program(gl, programs, variant);
+    for (const int patches : flood_rooms()) flood_program(gl, programs, patches);
   });
   recording.compiles = true;
   return std::exchange(recording.programs, before);

@@ -86,6 +86,7 @@ void TextureSpace::bake_surface(const Job &job, const Frame &frame) {
   }
   step([&](const Gl &gl, ProgramCache &) {
     device_->surface.set_positions(gl, surface.triangles, frame.space, surface.positions_version);
+    device_->surface.set_displaced(gl, frame.displaced ? &frame.displaced->triangles : nullptr);
     if (made)
       device_->surface.set_normals(gl, *made);
     else

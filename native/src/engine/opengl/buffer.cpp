@@ -41,7 +41,18 @@ void Buffer::fill(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
 }
 
 static size_t bytes_of(GLenum format) {
-  return format == GL_R32I || format == GL_R32F ? sizeof(float) : format == GL_RG32I ? sizeof(ivec2) : sizeof(vec4);
+  switch (format) {
+  case GL_R32I:
+  case GL_R32F:
+    return sizeof(float);
+  case GL_RG32I:
+    return sizeof(ivec2);
+  case GL_RGB32I:
+  case GL_RGB32F:
+    return sizeof(vec3);
+  default:
+    return sizeof(vec4);
+  }
 }
 
 void BufferTexture::reserve(const Gl &gl, GLenum format, size_t texels) {

@@ -58,8 +58,8 @@ public:
   void upload(const Gl &gl, const std::vector<ivec2> &pairs, GLenum usage = GL_STATIC_DRAW) {
     upload(gl, GL_RG32I, pairs.data(), pairs.size(), usage);
   }
-  // texels of format GL_R32I, GL_R32F, GL_RG32I, GL_RGBA32F or GL_RGBA32I, always the same; data may be NULL, for shaders to
-  // write into buffer_id.
+  // texels of format GL_R32I, GL_R32F, GL_RG32I, GL_RGB32I, GL_RGB32F, GL_RGBA32F or GL_RGBA32I, always the same; data may be
+  // NULL, for shaders to write into buffer_id.
   void upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage);
   // Room for texels that shaders write, which is kept while it is not far too large. Throws Error(OUT_OF_MEMORY) where they could
   // not reach all of it.

@@ -13,14 +13,16 @@ Places::Places(const Gl &gl, const std::vector<ivec2> &sources) : count_(static_
 
 template <class Element>
 static void upload_list(const Gl &gl, BufferTexture &texture, GLenum format, const std::vector<Element> &list, GLenum usage) {
-  texture.upload(gl, format, list.data(), list.size() * sizeof(Element) / sizeof(float), usage);
+  const size_t channels = format == GL_RGB32I || format == GL_RGB32F ? 3 : 1;
+  texture.upload(gl, format, list.data(), list.size() * sizeof(Element) / (channels * sizeof(float)), usage);
 }
 
 void DeviceSurface::set_positions(const Gl &gl, const Triangles &triangles, const BakeSpace &space, uint64_t version) {
   if (positions_version_ == version) return;
-  if (triangle_count_ != triangles.triangle_count) upload_list(gl, triangles_, GL_R32I, triangles.corner_vertex, GL_STATIC_DRAW);
+  if (triangle_count_ != triangles.triangle_count)
+    upload_list(gl, triangles_, GL_RGB32I, triangles.corner_vertex, GL_STATIC_DRAW);
   triangle_count_ = triangles.triangle_count;
-  upload_list(gl, positions_, GL_R32F, triangles.positions, GL_STREAM_DRAW);
+  upload_list(gl, positions_, GL_RGB32F, triangles.positions, GL_STREAM_DRAW);
   const dvec4 center_and_scale(space.center, space.scale);
   space_.fill(gl, &center_and_scale, sizeof center_and_scale, GL_STREAM_DRAW);
   has_faces_ = false;
@@ -28,10 +30,15 @@ void DeviceSurface::set_positions(const Gl &gl, const Triangles &triangles, cons
   positions_version_ = version;
 }
 
+void DeviceSurface::set_displaced(const Gl &gl, const Triangles *displaced) {
+  is_displaced_ = displaced != nullptr;
+  if (displaced) upload_list(gl, displaced_, GL_RGB32F, displaced->positions, GL_STREAM_DRAW);
+}
+
 void DeviceSurface::set_normals(const Gl &gl, const Normals &normals) {
   std::vector<vec3> all = normals.group;
   all.insert(all.end(), normals.point.begin(), normals.point.end());
-  upload_list(gl, normals_, GL_R32F, all, GL_STREAM_DRAW);
+  upload_list(gl, normals_, GL_RGB32F, all, GL_STREAM_DRAW);
   check_gl(gl, "upload of normals");
 }
 
@@ -51,6 +58,11 @@ void DeviceSurface::bind_mesh(const Gl &gl) const {
   gl.BindTextureUnit(UNIT_TRIANGLES, triangles_.id());
 }
 
+void DeviceSurface::bind_measured(const Gl &gl) const {
+  gl.BindTextureUnit(UNIT_MESH_POSITIONS, (is_displaced_ ? displaced_ : positions_).id());
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_SPACE, space_.id());
+}
+
 GLuint DeviceSurface::faces(const Gl &gl, ProgramCache &programs) {
   if (!has_faces_) {
     faces_.reserve(gl, GL_RGBA32F, static_cast<size_t>(triangle_count_));
@@ -68,7 +80,7 @@ GLuint DeviceSurface::faces(const Gl &gl, ProgramCache &programs) {
 void DeviceSurface::begin_normals(const Gl &gl, const NormalRings &rings, uint64_t rings_version) {
   if (rings_version_ != rings_version) upload_rings(gl, rings);
   rings_version_ = rings_version;
-  normals_.reserve(gl, GL_R32F, 3 * static_cast<size_t>(fan_count_));
+  normals_.reserve(gl, GL_RGB32F, static_cast<size_t>(fan_count_));
   check_gl(gl, "upload of rings");
 }
 

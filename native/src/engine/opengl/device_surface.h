@@ -30,6 +30,8 @@ class DeviceSurface {
 public:
   // version: of the positions. Does nothing if they are there already.
   void set_positions(const Gl &gl, const Triangles &triangles, const BakeSpace &space, uint64_t version);
+  // Where maps displace the same vertices, or null.
+  void set_displaced(const Gl &gl, const Triangles *displaced);
   // Normals as the processor has them: of groups, then of points.
   void set_normals(const Gl &gl, const Normals &normals);
   // Fit normals, or take Max's, in steps between which a run may be cancelled: uploads, some fans at a time. rings_version: they
@@ -43,15 +45,19 @@ public:
   // Unit normals of all triangles, as UNIT_FACES says; measured unless they are there.
   GLuint faces(const Gl &gl, ProgramCache &programs);
 
+  // Binds positions of vertices on the surface that is measured, displaced if maps displace it, and what brings them to the
+  // buffers' units.
+  void bind_measured(const Gl &gl) const;
+
 private:
   void bind_mesh(const Gl &gl) const;
   void upload_rings(const Gl &gl, const NormalRings &rings);
 
-  BufferTexture triangles_, positions_, faces_, normals_, rings_, fan_vertices_, ring_vertices_, ring_faces_;
+  BufferTexture triangles_, positions_, displaced_, faces_, normals_, rings_, fan_vertices_, ring_vertices_, ring_faces_;
   Buffer space_;
   int triangle_count_ = 0, fan_count_ = 0;
   uint64_t positions_version_ = ~uint64_t{0}, rings_version_ = 0; // of what is there
-  bool has_faces_ = false;
+  bool has_faces_ = false, is_displaced_ = false;
 };
 
 } // namespace paradesc

@@ -5,7 +5,6 @@
 #include "descriptor/registry.h"
 #include "engine/opengl/dispatch.h"
 #include "engine/opengl/texture_space.h"
-#include "sample/ambiguous.h"
 
 namespace paradesc {
 
@@ -33,6 +32,7 @@ EvaluateSettings TextureSpace::settings_of(const Job &job, const Frame &frame) {
   if (job.connected()) {
     settings.cells = cells().buffers.get();
     settings.search = &device_->search;
+    settings.connected = &device_->connected;
   }
   settings.estimator = options.estimator;
   settings.use_control_variate = options.variance_reduction != PDESC_VARIANCE_REDUCTION_NONE;
@@ -82,30 +82,42 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
   }
 }
 
-TextureSpace::Rows TextureSpace::read_rows(const EvaluateSettings &settings) {
-  Rows rows;
-  gl_->run([&](const Gl &gl, ProgramCache &) { rows = device_->evaluator.read(gl, settings); });
-  return rows;
+// Checks ambiguous centers, so many at a time as floods are kept side by side: how many there are, the device alone knows.
+void TextureSpace::check_connected(const EvaluateSettings &settings, int count, const Progress &progress, double from,
+                                   double to) {
+  for (int first = 0; first < count; first += device_->connected.slots()) {
+    gl_->run([&](const Gl &gl, ProgramCache &programs) {
+      device_->evaluator.check(gl, programs, *device_->buffer, device_->surface, settings, first);
+    });
+    check_cancel(progress, "evaluate", from + (to - from) * first / count);
+  }
 }
 
 // Evaluates the evaluator's centers; progress goes from one fraction of the whole to another. search: finds their neighborhoods
-// once more, as it did before, where a list of the search was longer than its room.
+// once more, as it did before, where a list of the search was longer than its room. Returns rows of results as the device has
+// them.
 std::vector<float> TextureSpace::evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
                                           const std::function<void()> &search, const Progress &progress, double from, double to) {
+  const double checked_from = job.connected() ? from + 0.8 * (to - from) : to;
+  const int count = device_->evaluator.center_count();
   for (;;) {
     gl_->run([&](const Gl &gl, ProgramCache &programs) {
       device_->evaluator.set_links(gl, frame.links, frame.seams);
       device_->evaluator.begin(gl, settings);
       if (settings.faces()) device_->evaluator.use_faces(device_->surface.faces(gl, programs));
     });
-    evaluate_tiles(job, settings, device_->evaluator.center_count(), progress, from, to);
-    auto [rows, counts] = read_rows(settings);
-    if (!job.connected() || had_room(counts)) return std::move(rows);
-    search();
+    evaluate_tiles(job, settings, count, progress, from, checked_from);
+    if (job.connected()) check_connected(settings, count, progress, checked_from, to);
+    Evaluated read;
+    gl_->run([&](const Gl &gl, ProgramCache &) { read = device_->evaluator.read(gl, settings); });
+    if (!job.connected()) return std::move(read.rows);
+    const bool floods_fit = device_->connected.make_room(read.patches), lists_fit = had_room(read.counts);
+    if (floods_fit && lists_fit) return std::move(read.rows);
+    if (!lists_fit) search();
   }
 }
 
-// rows: as read_rows. order: the place of each center among the results.
+// rows: as evaluate() returns them. order: the place of each center among the results.
 CenterResults TextureSpace::results_of(const EvaluateSettings &settings, const Frame &frame, const std::vector<float> &rows,
                                        std::span<const int32_t> order) {
   const size_t count = order.size();
@@ -139,39 +151,11 @@ CenterResults TextureSpace::results_of(const EvaluateSettings &settings, const F
   return results;
 }
 
-// Computes the ambiguous centers again whose samples are not those connected to them within the ball, on exactly these. Returns
-// whether there are any, so that `rows` are no longer what the device has.
-bool TextureSpace::recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame,
-                                     const Centers &centers, const std::vector<float> &rows, const Progress &progress) {
-  const size_t count = centers.points.size();
-  const double unit = frame.space.scale * frame.space.scale;
-  AmbiguousCenters ambiguous;
-  for (size_t i = 0; i < count; ++i)
-    if (flags_of(rows[ROW_FLAGS * count + i]) & FLAG_AMBIGUOUS)
-      ambiguous.push_back(static_cast<int32_t>(i), centers.points[i], static_cast<double>(rows[ROW_AREA * count + i]) / unit);
-  const Surface &surface = job.surface;
-  const RecheckSpace space{job.triangles(frame), surface.half_edges,    radius,
-                           settings.samples,     job.resources.threads, surface.patches};
-  settings.exact = true;
-  double from = 0.8;
-  bool any = false;
-  recheck(std::move(ambiguous), space,
-          {[&](double done) { check_cancel(progress, "evaluate", from = 0.8 + 0.2 * done); },
-           [&](std::span<const int32_t> again, const ConnectedTriangles &triangles) {
-             gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_connected_triangles(gl, again, triangles); });
-             evaluate_tiles(job, settings, static_cast<int>(again.size()), progress, from, from);
-             any = true;
-           }});
-  return any;
-}
-
 // Results are in the order in which the centers were listed: passes are read together, and each may have an order of its own.
-CenterResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
+CenterResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, const Frame &frame,
                                              const Centers &centers, const std::function<void()> &search,
                                              const Progress &progress) {
-  std::vector<float> rows = evaluate(job, settings, frame, search, progress, 0.3, 0.8);
-  if (job.connected() && recheck_ambiguous(job, settings, radius, frame, centers, rows, progress))
-    rows = read_rows(settings).first;
+  const std::vector<float> rows = evaluate(job, settings, frame, search, progress, 0.3, 1.0);
   CenterResults results = results_of(settings, frame, rows, centers.order);
   results.point.resize(centers.order.size());
   results.primary.resize(centers.order.size());

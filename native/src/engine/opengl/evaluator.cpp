@@ -2,10 +2,14 @@
 #include "engine/opengl/evaluator.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "descriptor/registry.h"
 #include "engine/opengl/compose.h"
+#include "sample/centers.h"
 #include "sample/pattern.h"
 
 namespace paradesc {
@@ -34,16 +38,6 @@ void Evaluator::set_links(const Gl &gl, const std::vector<vec4> &links, const st
   seams_.upload(gl, seams);
 }
 
-void Evaluator::set_connected_triangles(const Gl &gl, std::span<const int32_t> centers, const ConnectedTriangles &connected) {
-  std::vector<int32_t> all(centers.begin(), centers.end());
-  connected_count_ = static_cast<int>(all.size());
-  const auto offset = static_cast<int32_t>(centers.size() + connected.begin.size());
-  for (const int32_t begin : connected.begin) all.push_back(begin + offset);
-  all.insert(all.end(), connected.triangle.begin(), connected.triangle.end());
-  connected_.upload(gl, all, GL_STREAM_DRAW);
-  check_gl(gl, "connected triangles upload");
-}
-
 void Evaluator::set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &texelless) {
   map_centers_.upload(gl, centers, GL_STREAM_DRAW);
   map_texelless_.upload(gl, texelless, GL_STREAM_DRAW);
@@ -61,7 +55,9 @@ void Evaluator::use_centers(GLuint centers, int count) {
   count_ = count;
 }
 
-// Numbers among the results: values, and behind them SearchCounts.
+// Numbers behind the results: SearchCounts, and the patches of ConnectedTriangles.
+static constexpr size_t counts_read = sizeof(SearchCounts) / sizeof(float) + 1;
+
 static size_t result_values(const EvaluateSettings &settings, int count) {
   return (ROW_DESCRIPTORS + settings.value_rows()) * static_cast<size_t>(count);
 }
@@ -77,7 +73,8 @@ void Evaluator::begin(const Gl &gl, const EvaluateSettings &settings) {
                     GL_STREAM_COPY);
   // NaN everywhere first: a center that a driver forgets must not look like a result.
   results_.repeat(gl, std::bit_cast<uint32_t>(std::numeric_limits<float>::quiet_NaN()),
-                  result_values(settings, count_) + sizeof(SearchCounts) / sizeof(float), GL_STREAM_READ);
+                  result_values(settings, count_) + counts_read, GL_STREAM_READ);
+  if (settings.connected) settings.connected->begin(gl, count_, settings.largest_tile());
   check_gl(gl, "room for results");
 }
 
@@ -159,6 +156,12 @@ void Evaluator::dispatch_marches(const Gl &gl, GLuint program, const EvaluateSet
   }
 }
 
+// In squares of the radius: samples of a folded surface miss some per cent of a disk's area, and few samples miss more.
+static float area_tolerance(int samples) {
+  const double within = samples / static_cast<double>(ellipse_enlargement * ellipse_enlargement);
+  return static_cast<float>(pi * std::max(0.06, 1.1 * std::pow(within, -0.75)));
+}
+
 EvaluateParams Evaluator::params_of(const EvaluateSettings &settings, int first, int last) const {
   return {.first = first,
           .last = last,
@@ -170,24 +173,28 @@ EvaluateParams Evaluator::params_of(const EvaluateSettings &settings, int first,
           .map_radius = settings.map_radius,
           .map_sigma = settings.map_sigma,
           .harris_k = settings.harris_k,
-          .connected_count = connected_count_,
+          .slots = settings.connected ? settings.connected->slots() : 0,
+          .flood_table = settings.connected ? settings.connected->flood_table() : 0,
+          .area_tolerance = area_tolerance(settings.samples),
           .enlargement = settings.enlargement,
           .max_jumps = settings.max_jumps,
           .begin_sample = 0,
           .end_sample = settings.samples,
-          .marks_only = 0};
+          .marks_only = 0,
+          .unused_0 = 0,
+          .unused_1 = 0};
 }
 
 // Binds what one program reads beside the geometry buffer.
 void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, used_centers_);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, results_.id());
-  if (settings.exact) gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CONNECTED, connected_.id());
   if (settings.relocation != PDESC_RELOCATION_CONNECTED) {
     bind_march(gl);
   } else {
     settings.search->bind(gl);
     settings.cells->bind(gl);
+    settings.connected->bind(gl);
     if (settings.points) gl.BindTextureUnit(UNIT_POINTS, settings.points->id());
   }
   if (settings.map) {
@@ -198,43 +205,73 @@ void Evaluator::bind(const Gl &gl, const EvaluateSettings &settings) const {
   if (settings.faces()) gl.BindTextureUnit(UNIT_FACES, faces_);
 }
 
-void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
-                    int first, int last) {
-  const bool marches = settings.relocation != PDESC_RELOCATION_CONNECTED;
-  const EvaluateParams params = params_of(settings, first, last);
+void Evaluator::use_params(const Gl &gl, const EvaluateParams &params) {
   params_.fill(gl, &params, sizeof params, GL_STREAM_DRAW);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, params_.id());
-  if (marches && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
-  bind(gl, settings);
-  if (settings.search) settings.search->run(gl, programs, *settings.cells, settings.exact, first, last);
+}
+
+GLuint Evaluator::use_program(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer,
+                              const EvaluateSettings &settings) const {
   const bool texelless = settings.search && settings.cells->has_texelless();
   const GLuint program = evaluate_program(gl, programs, settings, buffer.variant(), texelless);
   gl.UseProgram(program);
   buffer.bind();
   gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
   gl.Uniform1f(LOCATION_AREA_UNIT, buffer.area_unit());
+  return program;
+}
+
+void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
+                    int first, int last) {
+  const bool marches = settings.relocation != PDESC_RELOCATION_CONNECTED;
+  const EvaluateParams params = params_of(settings, first, last);
+  use_params(gl, params);
+  if (marches && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
+  bind(gl, settings);
+  if (settings.search) settings.search->run(gl, programs, *settings.cells, false, last - first);
+  const GLuint program = use_program(gl, programs, buffer, settings);
   if (marches)
     dispatch_marches(gl, program, settings, params);
   else
     gl.DispatchCompute(group_count(gl, last - first), 1, 1);
-  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
   gl.Finish();
   check_gl(gl, "evaluate");
 }
 
+void Evaluator::check(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const DeviceSurface &surface,
+                      EvaluateSettings settings, int first) {
+  const ConnectedTriangles &connected = *settings.connected;
+  settings.exact = true;
+  use_params(gl, params_of(settings, first, std::min(first + connected.slots(), count_)));
+  bind(gl, settings);
+  connected.flood(gl, programs, surface);
+  use_params(gl, params_of(settings, 0, connected.slots()));
+  settings.search->run(gl, programs, *settings.cells, true, connected.slots());
+  use_program(gl, programs, buffer, settings);
+  gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, connected.list());
+  gl.DispatchComputeIndirect(CONNECTED_AGAIN_GROUPS * sizeof(int32_t));
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+  gl.Finish();
+  check_gl(gl, "connected triangles");
+}
+
 // Together: a device is waited for once.
-std::pair<std::vector<float>, SearchCounts> Evaluator::read(const Gl &gl, const EvaluateSettings &settings) const {
+Evaluated Evaluator::read(const Gl &gl, const EvaluateSettings &settings) const {
+  Evaluated read;
   const size_t values = result_values(settings, count_);
-  std::vector<float> results(values + sizeof(SearchCounts) / sizeof(float));
-  if (settings.search)
-    gl.CopyNamedBufferSubData(settings.cells->counts(), results_.id(), 0, static_cast<GLintptr>(values * sizeof(float)),
-                              sizeof(SearchCounts));
-  gl.GetNamedBufferSubData(results_.id(), 0, static_cast<GLsizeiptr>(results.size() * sizeof(float)), results.data());
+  read.rows.resize(values + counts_read);
+  const auto behind = static_cast<GLintptr>(values * sizeof(float));
+  if (settings.search) gl.CopyNamedBufferSubData(settings.cells->counts(), results_.id(), 0, behind, sizeof(SearchCounts));
+  if (settings.connected)
+    gl.CopyNamedBufferSubData(settings.connected->list(), results_.id(), CONNECTED_PATCHES * sizeof(int32_t),
+                              behind + static_cast<GLintptr>(sizeof(SearchCounts)), sizeof(int32_t));
+  gl.GetNamedBufferSubData(results_.id(), 0, static_cast<GLsizeiptr>(read.rows.size() * sizeof(float)), read.rows.data());
   check_gl(gl, "read-back");
-  SearchCounts counts{};
-  if (settings.search) std::memcpy(&counts, results.data() + values, sizeof counts);
-  results.resize(values);
-  return {std::move(results), counts};
+  if (settings.search) std::memcpy(&read.counts, read.rows.data() + values, sizeof read.counts);
+  if (settings.connected) read.patches = std::bit_cast<int32_t>(read.rows.back());
+  read.rows.resize(values);
+  return read;
 }
 
 } // namespace paradesc

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "engine/opengl/cell_buffers.h"
+#include "engine/opengl/connected_triangles.h"
 #include "engine/opengl/geometry_buffer.h"
 #include "engine/opengl/map_buffer.h"
 #include "engine/opengl/neighborhood_search.h"
 #include "engine/opengl/program.h"
 #include "sample/border_grid.h"
-#include "sample/connected_triangles.h"
 
 #include "shared.h"
 
@@ -36,9 +36,10 @@ struct EvaluateSettings {
   bool geodesic_ball;                         // the neighborhood ends where the distance along the surface exceeds the radius
   float adaptive;                             // 0: all samples everywhere
   bool displaced = false;                     // the surface is displaced: its faces are not the mesh's
-  bool exact = false;                         // only the centers of set_connected_triangles, on their triangles
+  bool exact = false;                         // only centers that are computed again, on the triangles connected to them
   const CellBuffers *cells = nullptr;         // what samples of the connected relocation read
   const NeighborhoodSearch *search = nullptr; // and what finds their neighborhoods
+  ConnectedTriangles *connected = nullptr;    // and what checks them
   const BufferTexture *points = nullptr;      // the points of these samples, if they are listed
   const MapBuffer *map = nullptr;             // what operators read
   float map_radius = 0;                       // at which it was computed, in buffer units
@@ -65,6 +66,13 @@ inline uint32_t flags_of(float number) { return std::bit_cast<uint32_t>(number);
 GLuint evaluate_program(const Gl &gl, ProgramCache &programs, const EvaluateSettings &settings, const char *buffer_variant,
                         bool texelless);
 
+// What is read back of a device.
+struct Evaluated {
+  std::vector<float> rows; // (ROW_DESCRIPTORS + value_rows, centers), in buffer units
+  SearchCounts counts{};   // how long the lists were that neighborhoods were found in, if they were
+  int patches = 0;         // that a flood came to, at most
+};
+
 // The part of the device's state that samples read beside the geometry buffer.
 class Evaluator {
 public:
@@ -83,16 +91,17 @@ public:
   void use_faces(GLuint texture) { faces_ = texture; }
   // The map where it is not read from texels: at the centers, and at the samples of TexellessSamples.
   void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &texelless);
-  void set_connected_triangles(const Gl &gl, std::span<const int32_t> centers, const ConnectedTriangles &connected);
-  // Computes centers [first, last), or those of set_connected_triangles where settings say exact; returns when the device has
-  // finished.
+  // Computes centers [first, last); returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
            int last);
-  // (ROW_DESCRIPTORS + value_rows, centers), in buffer units; how long the lists were that neighborhoods were found in, if they
-  // were.
-  std::pair<std::vector<float>, SearchCounts> read(const Gl &gl, const EvaluateSettings &settings) const;
+  // Looks at some of the ambiguous centers that run() found, as ConnectedTriangles::flood, and computes again what has to be.
+  void check(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const DeviceSurface &surface,
+             EvaluateSettings settings, int first);
+  Evaluated read(const Gl &gl, const EvaluateSettings &settings) const;
 
 private:
+  void use_params(const Gl &gl, const EvaluateParams &params);
+  GLuint use_program(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings) const;
   EvaluateParams params_of(const EvaluateSettings &settings, int first, int last) const;
   void bind(const Gl &gl, const EvaluateSettings &settings) const;
   void bind_march(const Gl &gl) const;
@@ -101,10 +110,10 @@ private:
 
   Texture border_;
   ListTexture border_list_, border_uv_, links_;
-  Buffer params_, centers_, pattern_, connected_, results_, seams_, visits_, stretches_, progress_, map_centers_, map_texelless_;
+  Buffer params_, centers_, pattern_, results_, seams_, visits_, stretches_, progress_, map_centers_, map_texelless_;
   size_t progress_bytes_ = 0;
   GLuint used_centers_ = 0, faces_ = 0;
-  int count_ = 0, connected_count_ = 0;
+  int count_ = 0;
 };
 
 } // namespace paradesc

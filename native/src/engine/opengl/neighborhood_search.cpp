@@ -106,8 +106,7 @@ void NeighborhoodSearch::use(const Gl &gl, ProgramCache &programs, const CellBuf
   gl.Uniform1i(LOCATION_LISTS, list_count_);
 }
 
-void NeighborhoodSearch::run(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, bool exact, int first,
-                             int last) const {
+void NeighborhoodSearch::run(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, bool exact, int count) const {
   cells.bind_to_search(gl);
   gl.BindTextureUnit(UNIT_NEAR_RANGES, near_ranges_.id());
   gl.BindTextureUnit(UNIT_NEAR_CELLS, near_cells_.id());
@@ -126,7 +125,7 @@ void NeighborhoodSearch::run(const Gl &gl, ProgramCache &programs, const CellBuf
   constexpr int32_t nothing[WALKS_HEADER] = {0, 1, 1, 0, 0, 1, 1, 0};
   gl.NamedBufferSubData(walks_.id(), 0, sizeof nothing, nothing);
   use(gl, programs, cells, false, exact);
-  gl.DispatchCompute(group_count(gl, last - first), 1, 1);
+  gl.DispatchCompute(group_count(gl, count), 1, 1);
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
   gl.UseProgram(programs.get(gl, "near neighbors", {{GL_COMPUTE_SHADER, "opengl/cells/near_neighbors.comp.glsl"}}));
   gl.Uniform1i(LOCATION_LISTS, list_count_);

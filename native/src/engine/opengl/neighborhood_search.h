@@ -33,9 +33,9 @@ public:
   // Lists what is near the cells that centers start in. Throws Error where a neighborhood may have more ranges than the device
   // lists.
   void set(const Gl &gl, ProgramCache &programs, CellBuffers &cells, const SearchSpace &space);
-  // Finds the neighborhoods of centers [first, last), or of those that are computed again where exact is true. Their
+  // Finds the neighborhoods of so many centers at most, or of those that are computed again where exact is true. Their
   // parameters and lists are bound. These neighborhoods replace those of the last call.
-  void run(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, bool exact, int first, int last) const;
+  void run(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, bool exact, int count) const;
   // Binds what samples read.
   void bind(const Gl &gl) const;
   int largest_tile() const { return largest_tile_; } // of centers
@@ -45,8 +45,8 @@ private:
   void make_room(const Gl &gl, const CellBuffers &cells);
   void use(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, bool over_links, bool exact) const;
 
-  BufferTexture near_ranges_, near_cells_, near_lists_, near_normals_, near_balls_, near_spheres_, near_traits_, near_neighbors_, boundary_,
-      starts_, start_cells_, start_lists_, ranges_;
+  BufferTexture near_ranges_, near_cells_, near_lists_, near_normals_, near_balls_, near_spheres_, near_traits_, near_neighbors_,
+      boundary_, starts_, start_cells_, start_lists_, ranges_;
   Buffer found_cells_, neighborhoods_, walks_;
   bool halves_ = false;
   uint64_t starts_version_ = 0; // of what is there

@@ -95,17 +95,53 @@ const TexellessSamples &TextureSpace::list_samples(const Job &job, const Frame &
   });
 }
 
-// Makes what neighborhoods of the evaluator's centers are found in. version: of the starts.
-void TextureSpace::prepare_search(const Job &job, const Frame &frame, const CellSampling &sampling, const Starts &starts,
-                                  uint64_t version) {
+// How many triangles a disk holds on which some centers lie.
+static double triangles_in_disk(const Job &job, std::span<const int32_t> triangles, double radius) {
+  const Triangles &surface = job.surface.triangles;
+  const size_t step = triangles.size() / 1024 + 1;
+  double area = 0.0, count = 0.0;
+  for (size_t i = 0; i < triangles.size(); i += step, ++count) {
+    const int32_t corner = 3 * triangles[i];
+    const dvec3 at(surface.position(corner)), first(surface.position(corner + 1)), second(surface.position(corner + 2));
+    area += 0.5 * glm::length(glm::cross(first - at, second - at));
+  }
+  return area > 0.0 ? pi * radius * radius * count / area : 0.0;
+}
+
+// Makes what ambiguous centers are checked with.
+void TextureSpace::prepare_check(const Job &job, const Frame &frame, const SearchStarts &starts) {
+  const Surface &surface = job.surface;
+  if (patch_codes_.empty()) {
+    Patches patches = build_patches(surface.half_edges);
+    gl_->run(
+        [&](const Gl &gl, ProgramCache &) { device_->connected.set_mesh(gl, surface.triangles, surface.half_edges, patches); });
+    patch_codes_ = std::move(patches.code);
+  }
+  patches_.get(frame.key.surface, [&] {
+    gl_->run([&](const Gl &gl, ProgramCache &programs) { device_->connected.measure(gl, programs, device_->surface); });
+    return true;
+  });
+  if (checked_starts_ == starts.version) return;
+  std::vector<int32_t> codes;
+  codes.reserve(starts.triangles.size());
+  for (const int32_t triangle : starts.triangles) codes.push_back(patch_codes_[triangle]);
+  gl_->run([&](const Gl &gl, ProgramCache &) { device_->connected.set_starts(gl, codes); });
+  checked_starts_ = starts.version;
+}
+
+// Makes what neighborhoods of the evaluator's centers are found in.
+void TextureSpace::prepare_search(const Job &job, const Frame &frame, const CellSampling &sampling, const SearchStarts &starts) {
   CellSet &set = cells();
+  prepare_check(job, frame, starts);
+  if (set.room != sampling)
+    device_->connected.expect(expected_patches(triangles_in_disk(job, starts.triangles, sampling.radius / frame.space.scale)));
   const std::vector<vec4> boundary = ends_of_boundary(set.cells, job.triangles(frame), frame.space);
   for (bool enough = false; !enough;) {
     checkpoint();
     list_samples(job, frame, sampling);
     enough = set.room == sampling;
     gl_->run([&](const Gl &gl, ProgramCache &programs) {
-      device_->search.set_starts(gl, starts, version);
+      device_->search.set_starts(gl, starts.starts, starts.version);
       device_->search.set(gl, programs, *set.buffers, {device_->evaluator.centers(), boundary, job.options().adaptive > 0.0});
     });
     if (!enough) {
@@ -115,7 +151,7 @@ void TextureSpace::prepare_search(const Job &job, const Frame &frame, const Cell
     }
   }
   set.room = sampling;
-  list_points(starts.order.size());
+  list_points(starts.triangles.size());
   checkpoint();
 }
 
@@ -190,7 +226,10 @@ const OrderedCenters &TextureSpace::ordered_centers(const Job &job, const Frame 
     made.centers = list_centers(charts, center_options(job, frame, 0.0));
     made.starts = starts_of(job, set.cells, made.centers);
     made.centers.permute(made.starts.order);
-    for (const int32_t point : made.centers.points) made.vertices.push_back(job.surface.half_edges.point_vertex[point]);
+    for (const int32_t point : made.centers.points) {
+      made.vertices.push_back(job.surface.half_edges.point_vertex[point]);
+      made.triangles.push_back(job.surface.half_edges.point_half_edge[point] / 3);
+    }
     made.version = ++last_version_;
     return made;
   });

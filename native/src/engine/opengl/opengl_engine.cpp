@@ -5,6 +5,7 @@
 
 #include "descriptor/registry.h"
 #include "engine/memory.h"
+#include "engine/opengl/connected_triangles.h"
 #include "engine/opengl/gl_thread.h"
 #include "engine/opengl/texture_space.h"
 
@@ -59,7 +60,9 @@ static int64_t bytes_of_device(const ComputationSize &size) {
   if (options.relocation == PDESC_RELOCATION_CONNECTED)
     bytes += std::min<int64_t>(texels * 5 / 4, max_listed_points) * 32 // samples
              + std::min<int64_t>(texels * 64, 1 << 27)                 // cells near centers
-             + std::min<int64_t>(centers * 2048, 1 << 26);             // ranges of a tile
+             + std::min<int64_t>(centers * 2048, 1 << 26)              // ranges of a tile
+             + size.triangles * 56                                     // patches
+             + bytes_of_floods(centers, expected_patches(static_cast<double>(size.triangles) / std::max(size.disks, 1e-6)));
   if (reads_map(size.descriptors)) bytes += size.wedges * 32;
   if (options.relocation == PDESC_RELOCATION_PAPER) bytes += int64_t{16384} * MAX_VISITS * 64 + 16384 * 2048;
   if (options.relocation == PDESC_RELOCATION_AFFINE) bytes += int64_t{65536} * 2048;
@@ -74,8 +77,7 @@ MemoryForecast forecast_opengl_memory(bool software, const ComputationSize &size
   memory.device_on_host = software ? memory.device + rasterizer : 0;
   memory.host = bytes_of_results(size) + bytes_of_rings(size) + int64_t{options.buffer_size} * options.buffer_size * 32 +
                 size.triangles * 100 + size.wedges * 160 + size.borders * 300;
-  if (options.relocation == PDESC_RELOCATION_CONNECTED && options.evaluate == PDESC_EVALUATE_VERTEX)
-    memory.host += size.triangles * (size.patches ? 20 : 45); // patches, and what floods over them keep of each point
+  if (options.relocation == PDESC_RELOCATION_CONNECTED) memory.host += size.triangles * 16; // patches
   if (options.evaluate == PDESC_EVALUATE_TEXEL)
     memory.host += int64_t{options.texels} * options.texels * (60 + 16 * rows_of(size.descriptors));
   return memory;

@@ -63,7 +63,8 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed)
     if (before.first != pass_radius) place_centers(pass_radius);
     const auto search = [&] {
       if (!ordered) return;
-      prepare_search(job, frame, {settings.radius, samples, options.seed}, ordered->starts, ordered->version);
+      prepare_search(job, frame, {settings.radius, samples, options.seed},
+                     {ordered->starts, ordered->triangles, ordered->version});
       settings.points = listed_points(job);
     };
     if (before != prepared) search();
@@ -72,7 +73,7 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed)
     const Progress part = [&](const char *stage, double fraction) {
       return job.progress(stage, 0.3 + 0.7 * (number + (fraction - 0.3) / 0.7) / count);
     };
-    CenterResults results = evaluate_centers(job, settings, pass_radius, frame, centers, search, part);
+    CenterResults results = evaluate_centers(job, settings, frame, centers, search, part);
     CreaseBlend(job.surface, pass_radius, job.resources.threads).at_points(pass.rows, results);
     return results;
   };
@@ -136,18 +137,22 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
     std::vector<int32_t> order(centers.size());
     std::iota(order.begin(), order.end(), 0);
     Starts starts;
+    std::vector<int32_t> triangles;
     if (job.connected()) {
       starts = starts_of_texels(std::span(cells().texel_cells.value()).subspan(first, last - first), cells().cells);
       order = starts.order;
       std::vector<CenterData> ordered;
-      for (const int32_t i : order) ordered.push_back(centers[i]);
+      for (const int32_t i : order) {
+        ordered.push_back(centers[i]);
+        triangles.push_back(map.centers[first + static_cast<size_t>(i)].triangle);
+      }
       centers = std::move(ordered);
     }
     gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.set_centers(gl, centers); });
     const uint64_t version = ++last_version_;
     const auto search = [&] {
       if (!job.connected()) return;
-      prepare_search(job, frame, {settings.radius, settings.samples, settings.seed}, starts, version);
+      prepare_search(job, frame, {settings.radius, settings.samples, settings.seed}, {starts, triangles, version});
       settings.points = listed_points(job);
     };
     search();

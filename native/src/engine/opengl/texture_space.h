@@ -17,6 +17,7 @@
 #include "descriptor/passes.h"
 #include "engine/engine.h"
 #include "engine/opengl/cell_buffers.h"
+#include "engine/opengl/connected_triangles.h"
 #include "engine/opengl/device_surface.h"
 #include "engine/opengl/evaluator.h"
 #include "engine/opengl/geometry_buffer.h"
@@ -80,8 +81,9 @@ using CentersKey = std::tuple<bool, uint32_t, std::vector<int32_t>>;
 struct OrderedCenters {
   Starts starts;
   Centers centers;
-  std::vector<int32_t> vertices; // of the centers
-  uint64_t version = 0;          // differs from that of any other starts of the session
+  std::vector<int32_t> vertices;  // of the centers
+  std::vector<int32_t> triangles; // one of each center
+  uint64_t version = 0;           // differs from that of any other starts of the session
 };
 
 // What of them depends on which normals they take: OrderedCenters' version, and SurfaceKey::fits_normals.
@@ -91,6 +93,13 @@ using PlacedKey = std::pair<uint64_t, bool>;
 struct PlacedCenters {
   Buffer data; // CenterData
   Places places;
+};
+
+// Where centers start to look for their neighborhoods.
+struct SearchStarts {
+  const Starts &starts;
+  std::span<const int32_t> triangles; // one of each center
+  uint64_t version;                   // of both
 };
 
 // The cells of one block size: each radius has its own.
@@ -152,6 +161,7 @@ private:
     std::vector<std::unique_ptr<CellSet>> cells; // of the last radii, that of the last one first
     BufferTexture points;                        // of samples, if centers fetch them often
     NeighborhoodSearch search;
+    ConnectedTriangles connected;
     SurfaceMapper mapper;
   };
 
@@ -170,7 +180,8 @@ private:
   void use_cells(const Job &job, const Frame &frame);
   CellSet &cells() { return *device_->cells.front(); }
   const TexellessSamples &list_samples(const Job &job, const Frame &frame, const CellSampling &sampling);
-  void prepare_search(const Job &job, const Frame &frame, const CellSampling &sampling, const Starts &starts, uint64_t version);
+  void prepare_search(const Job &job, const Frame &frame, const CellSampling &sampling, const SearchStarts &starts);
+  void prepare_check(const Job &job, const Frame &frame, const SearchStarts &starts);
   bool had_room(const SearchCounts &counts, bool anew = false);
   const BufferTexture *listed_points(const Job &job);
   void list_points(size_t centers);
@@ -179,18 +190,15 @@ private:
 
   // evaluate_stage.cpp
   EvaluateSettings settings_of(const Job &job, const Frame &frame);
-  using Rows = std::pair<std::vector<float>, SearchCounts>; // as Evaluator::read
   std::vector<float> evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
                               const std::function<void()> &search, const Progress &progress, double from, double to);
   void evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                       double to);
-  Rows read_rows(const EvaluateSettings &settings);
+  void check_connected(const EvaluateSettings &settings, int count, const Progress &progress, double from, double to);
   CenterResults results_of(const EvaluateSettings &settings, const Frame &frame, const std::vector<float> &rows,
                            std::span<const int32_t> order);
-  bool recheck_ambiguous(const Job &job, EvaluateSettings settings, double radius, const Frame &frame, const Centers &centers,
-                         const std::vector<float> &rows, const Progress &progress);
-  CenterResults evaluate_centers(const Job &job, const EvaluateSettings &settings, double radius, const Frame &frame,
-                                 const Centers &centers, const std::function<void()> &search, const Progress &progress);
+  CenterResults evaluate_centers(const Job &job, const EvaluateSettings &settings, const Frame &frame, const Centers &centers,
+                                 const std::function<void()> &search, const Progress &progress);
   void bake_map(const Job &job, const Centers &centers, const TexellessSamples &texelless, const MapValues &values);
 
   // texture_space.cpp
@@ -210,6 +218,9 @@ private:
   Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas's version and the step
   Keyed<AtlasSize, TexelMap> texels_;
   uint64_t last_version_ = 0;             // of starts
+  std::vector<int32_t> patch_codes_;      // Patches::code, if they are on the device
+  uint64_t checked_starts_ = 0;           // version of the starts that device_->connected has
+  Keyed<SurfaceKey, bool> patches_;       // where they were measured
   Keyed<SamplesKey, bool> listed_points_; // what device_->points holds
 };
 
