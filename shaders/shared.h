@@ -88,9 +88,7 @@
 
 // Uniforms of programs that take few. Programs over centers take EvaluateParams.
 #define LOCATION_BUFFER_SIZE 0
-#define LOCATION_DISPLACED 4 // of the pass that displaces baked texels: whether heights are given, and a normal map
-#define LOCATION_NORMAL_MAPPED 5
-#define LOCATION_MIDLEVEL 6
+#define LOCATION_MIDLEVEL 6 // of the pass that displaces baked texels
 #define LOCATION_HEIGHT_SCALE 7 // in buffer units
 #define LOCATION_FIRST 2 // invocation, and the one after the last
 #define LOCATION_LAST 3
@@ -101,7 +99,6 @@
 #define LOCATION_LEVEL 13 // of the tree of cells
 #define LOCATION_NODES 14 // that it has
 #define LOCATION_AREA_UNIT 30   // of every program that writes or reads the area element
-#define LOCATION_HALF_FLOATS 31 // of what writes it: 1 where the buffers are in 16 bits
 
 // Images that are written.
 #define IMAGE_POSITION 0

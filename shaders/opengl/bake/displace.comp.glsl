@@ -1,5 +1,6 @@
 #version 450 core
 // One invocation, one baked texel → the same texel of the displaced surface: p + n h, its normal and its area element.
+#include "variant.glsl"
 #include "opengl/bake/owner.glsl"
 #include "kernel/displace.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -11,8 +12,6 @@ layout(binding = IMAGE_POSITION) writeonly restrict uniform image2D positions;
 layout(binding = IMAGE_NORMAL) writeonly restrict uniform image2D normals;
 layout(location = LOCATION_BUFFER_SIZE) uniform int buffer_size;
 layout(location = LOCATION_FIRST) uniform int first_row;
-layout(location = LOCATION_DISPLACED) uniform int displaced;
-layout(location = LOCATION_NORMAL_MAPPED) uniform int normal_mapped;
 layout(location = LOCATION_MIDLEVEL) uniform float midlevel;
 layout(location = LOCATION_HEIGHT_SCALE) uniform float scale;
 
@@ -77,14 +76,16 @@ void main() {
   vec3 n = raw / span;
   vec3 normal = n;
   float ratio = 1.0;
-  if (displaced != 0) {
-    vec3 height = look_up_height(uv);
-    Displaced moved = displace(edge1, edge2, change_of_edge(turn1, way1, n, span, height), change_of_edge(turn2, way2, n, span, height), n);
-    normal = moved.normal;
-    ratio = moved.area_ratio;
-    position += n * height.x;
-  }
-  if (normal_mapped != 0) normal = normal_of_map(3 * triangle, part, uv, normal);
+#if DISPLACED
+  vec3 height = look_up_height(uv);
+  Displaced moved = displace(edge1, edge2, change_of_edge(turn1, way1, n, span, height), change_of_edge(turn2, way2, n, span, height), n);
+  normal = moved.normal;
+  ratio = moved.area_ratio;
+  position += n * height.x;
+#endif
+#if NORMAL_MAPPED
+  normal = normal_of_map(3 * triangle, part, uv, normal);
+#endif
   imageStore(positions, texel, vec4(position, area_element(vertex, edge1, edge2) * ratio));
   imageStore(normals, texel, vec4(normal, 0.0));
 }

@@ -1,5 +1,6 @@
 #version 450 core
 // A texel of a layout → the surface point that it holds: interpolated, as are normals (paper 3.3).
+#include "variant.glsl"
 #include "opengl/bake/owner.glsl"
 #include "opengl/bake/texel.glsl"
 

@@ -1,20 +1,22 @@
 // A point of the surface → one texel of the geometry buffer, in 32 or 16 bits.
 #include "opengl/bake/half.glsl"
 layout(location = LOCATION_AREA_UNIT) uniform float area_unit;
-layout(location = LOCATION_HALF_FLOATS) uniform int half_floats;
 
 layout(location = 0) out vec4 position_area;
 layout(location = 1) out vec4 normal;
 
 // In 16 bits the normal is a position on the octahedron; the numbers left over hold what rounding took from it and from the position.
 void store_texel(vec3 position, vec3 direction, float area_element) {
-  position_area = vec4(position, area_element / area_unit);
-  normal = vec4(direction, 0.0);
-  if (half_floats == 0) return;
-  position_area = vec4(nearest_half(position), nearest_half(min(position_area.w, 65504.0)));
+  float area = area_element / area_unit;
+#ifdef HALF_FLOATS
+  position_area = vec4(nearest_half(position), nearest_half(min(area, 65504.0)));
   vec2 octahedral = to_octahedron(direction);
   vec2 rounded = nearest_half(octahedral);
   normal = vec4(rounded, code_of_two(octahedral - rounded), code_of_three(position - position_area.xyz));
+#else
+  position_area = vec4(position, area);
+  normal = vec4(direction, 0.0);
+#endif
 }
 
 // No surface.

@@ -202,10 +202,10 @@ void GeometryBuffer::draw_screen(GLuint framebuffer, int first_row, int last_row
 
 void GeometryBuffer::draw_surface(ProgramCache &programs, int first_row, int last_row) {
   gl_.UseProgram(
-      programs.get(gl_, "surface",
-                   {{GL_VERTEX_SHADER, "opengl/bake/screen.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/surface.frag.glsl"}}));
+      programs.get(gl_, std::string("surface ") + variant(),
+                   {{GL_VERTEX_SHADER, "opengl/bake/screen.vert.glsl"}, {GL_FRAGMENT_SHADER, "opengl/bake/surface.frag.glsl"}},
+                   {{"variant.glsl", variant()}}));
   gl_.Uniform1f(LOCATION_AREA_UNIT, area_unit_);
-  gl_.Uniform1i(LOCATION_HALF_FLOATS, half_);
   draw_screen(surface_framebuffer_.id(), first_row, last_row);
   check_gl(gl_, "bake");
 }

@@ -1,6 +1,8 @@
 // Images and corners as textures, one dispatch over all texels.
 #include "engine/opengl/surface_mapper.h"
 
+#include <string>
+
 #include "engine/opengl/dispatch.h"
 #include "shared.h"
 #include "support/error.h"
@@ -48,19 +50,24 @@ void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const N
   tangents_.upload(gl, GL_RGBA32F, tangents.data(), tangents.size());
 }
 
+// Programs of their own, no uniforms: see normals_program in device_surface.cpp.
+static GLuint displace_program(const Gl &gl, ProgramCache &programs, bool displaced, bool normal_mapped) {
+  const std::string text = std::string("#define DISPLACED ") + (displaced ? "1" : "0") + "\n#define NORMAL_MAPPED " +
+                           (normal_mapped ? "1" : "0") + "\n";
+  return programs.get(gl, "displace " + text, {{GL_COMPUTE_SHADER, "opengl/bake/displace.comp.glsl"}}, {{"variant.glsl", text}});
+}
+
 void SurfaceMapper::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const BakeInput &input,
                         const Normals &normals, const SurfaceMaps &maps) {
   upload_images(gl, maps);
   upload_corners(gl, input, normals, maps);
-  gl.UseProgram(programs.get(gl, "displace", {{GL_COMPUTE_SHADER, "opengl/bake/displace.comp.glsl"}}));
+  gl.UseProgram(displace_program(gl, programs, maps.displacement.has_value(), maps.normal_map.has_value()));
   buffer.bind_to_rewrite();
   gl.BindTextureUnit(UNIT_HEIGHTS, heights_.id());
   gl.BindTextureUnit(UNIT_COLORS, colors_.id());
   gl.BindTextureUnit(UNIT_INPUT_UV, input_uvs_.id());
   gl.BindTextureUnit(UNIT_TANGENTS, tangents_.id());
   gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());
-  gl.Uniform1i(LOCATION_DISPLACED, maps.displacement ? 1 : 0);
-  gl.Uniform1i(LOCATION_NORMAL_MAPPED, maps.normal_map ? 1 : 0);
   gl.Uniform1f(LOCATION_MIDLEVEL, maps.displacement ? maps.displacement->midlevel : 0.0f);
   gl.Uniform1f(LOCATION_HEIGHT_SCALE,
                maps.displacement ? maps.displacement->scale * static_cast<float>(input.bake_space.scale) : 0.0f);
