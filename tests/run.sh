@@ -37,11 +37,23 @@ summary() {
   [ ${#failed[@]} -eq 0 ]
 }
 
-# half_of_native NUMBER: becomes every other one of the fast native tests, in one process, which makes each program once.
-half_of_native() {
-  local slow
-  slow=$(sed '/^#/d' "$root/tests/slow_native.txt" | paste -sd:)
-  GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=$1 exec "$root/build/paradesc_tests" --gtest_brief=1 --gtest_filter="-$slow"
+# start_native FILTER: starts the native tests in two processes, every other test in each: a process makes each program once, and
+# knows what its earlier tests expected.
+halves=() half_logs=("$root/build/suites/first.log" "$root/build/suites/second.log")
+start_native() {
+  local i
+  mkdir -p "$root/build/suites"
+  for i in 0 1; do
+    GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=$i "$root/build/paradesc_tests" --gtest_brief=1 --gtest_filter="$1" \
+      >"${half_logs[i]}" 2>&1 </dev/null &
+    halves+=($!)
+  done
+  trap 'kill $(jobs -p) 2>/dev/null' EXIT # of what an interrupt leaves behind
+}
+
+end_native() {
+  step "native tests, one half" ended "${halves[0]}" "${half_logs[0]}"
+  step "native tests, the other half" ended "${halves[1]}" "${half_logs[1]}"
 }
 
 # ended PROCESS LOG: waits for native tests, and shows their last words, or all of them if they failed or there were none.
@@ -63,17 +75,10 @@ shown() {
 
 # quick: the fast tests, all side by side. The longest are waited for last.
 quick() {
-  local logs=$root/build/quick first second
-  mkdir -p "$logs"
-  half_of_native 0 >"$logs/first.log" 2>&1 </dev/null &
-  first=$!
-  half_of_native 1 >"$logs/second.log" 2>&1 </dev/null &
-  second=$!
-  trap 'kill $(jobs -p) 2>/dev/null' EXIT # of what an interrupt leaves behind
+  start_native "-$(sed '/^#/d' "$root/tests/slow_native.txt" | paste -sd:)"
   step "structure" "$python" -m pytest -q --rootdir "$root" "$root/tests/structure"
   step "add-on in the Python module" "$python" -m pytest -q -m "not slow" --rootdir "$root" "$root/tests/addon"
-  step "native tests, one half" ended $first "$logs/first.log"
-  step "native tests, the other half" ended $second "$logs/second.log"
+  end_native
   skipped+=("slow tests, fuzzing, Blender itself: bash tests/run.sh has them")
 }
 
@@ -83,14 +88,13 @@ if [ "${1:-}" = --quick ]; then
   exit
 fi
 
-step "native tests" ctest --test-dir "$root/build" --output-on-failure --no-tests=error -j "$(nproc)"
+start_native "*"
+end_native
 step "structure" "$python" -m pytest -q --rootdir "$root" "$root/tests/structure"
 step "fuzzing" bash "$root/tests/fuzz.sh"
 # Either of these keeps about one core busy.
-mkdir -p "$root/build/suites"
 "$python" -m pytest -q --rootdir "$root" "$root/tests/addon" >"$root/build/suites/module.log" 2>&1 </dev/null &
 module=$!
-trap 'kill $(jobs -p) 2>/dev/null' EXIT # of what an interrupt leaves behind
 if command -v blender >/dev/null; then
   step "add-on in $(blender --version 2>/dev/null | head -n 1), beside the Python module" \
     blender -b --factory-startup --python-exit-code 1 -P "$root/tests/addon/run_in_blender.py" -- "$site_packages" -q
