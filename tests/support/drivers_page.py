@@ -14,6 +14,7 @@ def lines_of_file(path):
     file = re.findall(r"^// 0: (.*)", text, re.MULTILINE)[-1]
     variants = set(re.findall(r"^#define (\w+) 1$", text, re.MULTILINE))
     variants |= {"HALF_FLOATS"} & set(re.findall(r"^#define (\w+)$", text, re.MULTILINE))
+    variants |= {f"{patches} patches" for patches in re.findall(r"^#define FLOOD_PATCHES (\d+)$", text, re.MULTILINE)}
     stored = tuple(re.findall(r"(\w+)\(sums\.terms, sums\.center, neighborhood\)", text))
     group = next(iter(re.findall(r"^#define GROUP_SIZE (\d+)", text, re.MULTILINE)), "")
     return file, frozenset(variants), stored, group
@@ -22,8 +23,8 @@ def lines_of_file(path):
 def name_of(file, variants, stored):
     """What a program is called in the table, or nothing if it has no row there."""
     if file != EVALUATE:
-        own = {"HALF_FLOATS"} & variants
-        return file.removeprefix("opengl/") + (", 16 bits" if own else "")
+        own = ["16 bits" for _ in {"HALF_FLOATS"} & variants] + [word for word in variants if word.endswith(" patches")]
+        return ", ".join([file.removeprefix("opengl/"), *own])
     if variants & {"INTEGRAL", "GEODESIC_BALL", "ADAPTIVE", "HALF_FLOATS", "CHORDS", "DIRECTIONAL"}:
         return ""
     if len(stored) > 1:
