@@ -124,6 +124,13 @@ int next_taken(inout int word, inout uint left) {
   return k;
 }
 
+// That one center takes: what is computed again looks each sample's triangle up, in rounds that count as well.
+#if EXACT
+#define MOST_SAMPLES (MAX_ITERATIONS / 4)
+#else
+#define MOST_SAMPLES MAX_ITERATIONS
+#endif
+
 // Appends samples on texels. Leaves out what exceeds the iterations of a device, and returns its area.
 float list_samples(inout List list, vec3 center, ivec2 near_cells, int turn) {
   float missing_area = 0.0;
@@ -144,7 +151,7 @@ float list_samples(inout List list, vec3 center, ivec2 near_cells, int turn) {
     ivec2 texelless = texelFetch(texelless_ranges, cell.number).xy;
     total += texelless.y - texelless.x;
 #endif
-    if (total > MAX_ITERATIONS) {
+    if (total > MOST_SAMPLES) {
       taken[word] &= ~(1u << (k & 31));
       missing_area += texelFetch(cells, CELL_VECTORS * cell.number + 2).x;
     } else {

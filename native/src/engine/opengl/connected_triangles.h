@@ -40,6 +40,7 @@ public:
   bool make_room(int patches);
 
   int slots() const { return slots_; } // for centers that are computed again side by side
+  int room() const { return room_; }   // in patches
   int flood_table() const;             // as EvaluateParams has it
   GLuint list() const { return list_.id(); }
   // Binds what programs read that compute centers again.

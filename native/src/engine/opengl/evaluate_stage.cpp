@@ -111,8 +111,8 @@ std::vector<float> TextureSpace::evaluate(const Job &job, const EvaluateSettings
     Evaluated read;
     gl_->run([&](const Gl &gl, ProgramCache &) { read = device_->evaluator.read(gl, settings); });
     if (!job.connected()) return std::move(read.rows);
-    const bool floods_fit = device_->connected.make_room(read.patches), lists_fit = had_room(read.counts);
-    if (floods_fit && lists_fit) return std::move(read.rows);
+    const bool lists_fit = had_room(read.counts);
+    if (lists_fit && floods_had_room(read.patches)) return std::move(read.rows);
     if (!lists_fit) search();
   }
 }

@@ -134,7 +134,8 @@ void TextureSpace::prepare_search(const Job &job, const Frame &frame, const Cell
   CellSet &set = cells();
   prepare_check(job, frame, starts);
   if (set.room != sampling)
-    device_->connected.expect(expected_patches(triangles_in_disk(job, starts.triangles, sampling.radius / frame.space.scale)));
+    set.flood_room = expected_patches(triangles_in_disk(job, starts.triangles, sampling.radius / frame.space.scale));
+  device_->connected.expect(set.flood_room);
   const std::vector<vec4> boundary = ends_of_boundary(set.cells, job.triangles(frame), frame.space);
   for (bool enough = false; !enough;) {
     checkpoint();
@@ -162,6 +163,13 @@ bool TextureSpace::had_room(const SearchCounts &counts, bool anew) {
   set.room = {};
   set.samples.clear();
   return false;
+}
+
+// As ConnectedTriangles::make_room. Each radius has its own, since several may take turns.
+bool TextureSpace::floods_had_room(int patches) {
+  const bool fits = device_->connected.make_room(patches);
+  cells().flood_room = device_->connected.room();
+  return fits;
 }
 
 // The points of the samples, if they are listed; null: samples fetch texels.

@@ -109,6 +109,7 @@ struct CellSet {
   Keyed<BakeKey, bool> measured;                // what the buffers' cells and links are of
   Keyed<SamplesKey, TexellessSamples> samples;  // and their samples; those of triangles without texels
   CellSampling room;                            // for which the buffers' lists have had room
+  int flood_room = 0;                           // that floods had then, as ConnectedTriangles has it
   Keyed<int, std::vector<int32_t>> texel_cells; // by the map's size: (texel centers) where their searches start
   Keyed<CentersKey, OrderedCenters> centers;    // at vertices
   Keyed<PlacedKey, std::unique_ptr<PlacedCenters>> placed;
@@ -183,6 +184,7 @@ private:
   void prepare_search(const Job &job, const Frame &frame, const CellSampling &sampling, const SearchStarts &starts);
   void prepare_check(const Job &job, const Frame &frame, const SearchStarts &starts);
   bool had_room(const SearchCounts &counts, bool anew = false);
+  bool floods_had_room(int patches);
   const BufferTexture *listed_points(const Job &job);
   void list_points(size_t centers);
   const OrderedCenters &ordered_centers(const Job &job, const Frame &frame);
