@@ -77,7 +77,7 @@
 #define UNIT_STRIDES 52          // buffer texture, one a cell: how often a texel is doubled for a coarse sample of each leaf, for a fine one; 8 bits each
 #define UNIT_NEAR_BALLS 53       // buffer texture, RGBA32F, one a list: the ball around those of its centers
 #define UNIT_NEAR_LISTS 54       // buffer texture, one of UNIT_NEAR_CELLS: its list; where its neighbors begin among those of the list
-// Of what is looked for the triangles that are connected to a center.
+// Of what the triangles that are connected to a center are found in.
 #define UNIT_PATCH_TRIANGLES 55 // buffer texture, RGBA32I, two a code of Patches: the vertices of its triangle (-1: none), the codes across its edges (-1: none)
 #define UNIT_TRIANGLE_CODES 56  // buffer texture, R32I: of each triangle
 #define UNIT_PATCH_RANGES 57    // buffer texture, one a patch: first and end in UNIT_PATCH_NEIGHBORS

@@ -67,7 +67,7 @@ private:
   }
 
   void list_neighbors(int32_t patch) {
-    const auto begin = patches_.neighbor.end() - patches_.neighbor.begin();
+    const int32_t begin = patches_.neighbor_begin.back();
     for (int32_t code = patch * Patches::max_triangles; code < (patch + 1) * Patches::max_triangles; ++code) {
       if (patches_.triangle[code] < 0) break;
       for (int32_t side = 0; side < 3; ++side) {

@@ -40,7 +40,7 @@ void Buffer::fill(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
   if (data && bytes && bytes < size) gl.NamedBufferSubData(id(), 0, static_cast<GLsizeiptr>(bytes), data);
 }
 
-static size_t bytes_of(GLenum format) {
+size_t BufferTexture::texel_bytes(GLenum format) {
   switch (format) {
   case GL_R32I:
   case GL_R32F:
@@ -57,7 +57,7 @@ static size_t bytes_of(GLenum format) {
 
 void BufferTexture::reserve(const Gl &gl, GLenum format, size_t texels) {
   if (texels <= reserved_ && reserved_ / 4 <= texels) return;
-  check_storage(gl, texels * bytes_of(format));
+  check_storage(gl, texels * texel_bytes(format));
   upload(gl, format, nullptr, texels, GL_STREAM_COPY);
   reserved_ = texels;
 }
@@ -68,7 +68,7 @@ void BufferTexture::upload(const Gl &gl, GLenum format, const void *data, size_t
                                              std::to_string(texels) +
                                              " list elements); use smaller buffers or fewer samples, or the reference backend.");
   reserved_ = 0;
-  buffer_.fill(gl, data, texels * bytes_of(format), usage);
+  buffer_.fill(gl, data, texels * texel_bytes(format), usage);
   if (id()) return;
   GLuint made = 0;
   gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &made);

@@ -61,6 +61,10 @@ public:
   // texels of format GL_R32I, GL_R32F, GL_RG32I, GL_RGB32I, GL_RGB32F, GL_RGBA32F or GL_RGBA32I, always the same; data may be
   // NULL, for shaders to write into buffer_id.
   void upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage);
+  // The same of a list of whole texels, or of their numbers.
+  template <class Element> void upload(const Gl &gl, GLenum format, const std::vector<Element> &list, GLenum usage) {
+    upload(gl, format, list.data(), list.size() * sizeof(Element) / texel_bytes(format), usage);
+  }
   // Room for texels that shaders write, which is kept while it is not far too large. Throws Error(OUT_OF_MEMORY) where they could
   // not reach all of it.
   void reserve(const Gl &gl, GLenum format, size_t texels);
@@ -68,6 +72,8 @@ public:
   GLuint buffer_id() const { return buffer_.id(); }
 
 private:
+  static size_t texel_bytes(GLenum format);
+
   Buffer buffer_;
   GlName<&Gl::DeleteTextures> name_;
   size_t reserved_ = 0;

@@ -27,7 +27,7 @@ CellBuffers::CellBuffers(const Gl &gl, const Cells &cells, int buffer_size)
   for (size_t i = 0; i < static_cast<size_t>(cells.count); ++i)
     lists.emplace_back(cells.adjacency_begin[i], cells.adjacency_begin[i + 1], cells.boundary_begin[i],
                        cells.boundary_begin[i + 1]);
-  cell_lists_.upload(gl, GL_RGBA32I, lists.data(), lists.size(), GL_STATIC_DRAW);
+  cell_lists_.upload(gl, GL_RGBA32I, lists, GL_STATIC_DRAW);
   params_.block_size = cells.block_size;
   params_.cell_count = cells.count;
   for (node_count_ = cells.count; nodes_of_level(cells.count, params_.top_level) > 1 << TREE_BITS;)
@@ -119,7 +119,7 @@ void CellBuffers::list_samples(const Gl &gl, ProgramCache &programs, const CellS
   samples_.reserve(gl, GL_RG32I, static_cast<size_t>(std::max(room_.samples, 1)));
 
   const int64_t first_tile = (int64_t{1} << 22) / (int64_t{params_.block_size} * params_.block_size);
-  const std::string variant = has_texelless_ ? "#define TEXELLESS 1\n" : "#define TEXELLESS 0\n";
+  const std::string variant = define("TEXELLESS", has_texelless_);
   gl.UseProgram(programs.get(gl, "strides " + variant, {{GL_COMPUTE_SHADER, "opengl/cells/strides.comp.glsl"}},
                              {{"variant.glsl", variant}}));
   gl.BindTextureUnit(UNIT_LABELS, labels_.id());

@@ -53,7 +53,7 @@ bool ConnectedTriangles::make_room(int patches) {
 }
 
 GLuint flood_program(const Gl &gl, ProgramCache &programs, int patches) {
-  const std::string text = "#define FLOOD_PATCHES " + std::to_string(patches) + "\n";
+  const std::string text = define("FLOOD_PATCHES", patches);
   return programs.get(gl, "flood " + text, {{GL_COMPUTE_SHADER, "opengl/connected/flood.comp.glsl"}}, {{"variant.glsl", text}});
 }
 
@@ -71,8 +71,8 @@ void ConnectedTriangles::set_mesh(const Gl &gl, const Triangles &triangles, cons
   std::vector<ivec2> ranges;
   for (int32_t i = 0; i < patches.count(); ++i) ranges.emplace_back(patches.neighbor_begin[i], patches.neighbor_begin[i + 1]);
   patch_count_ = patches.count();
-  triangles_.upload(gl, GL_RGBA32I, rows.data(), rows.size(), GL_STATIC_DRAW);
-  codes_.upload(gl, GL_R32I, patches.code.data(), patches.code.size(), GL_STATIC_DRAW);
+  triangles_.upload(gl, GL_RGBA32I, rows, GL_STATIC_DRAW);
+  codes_.upload(gl, GL_R32I, patches.code, GL_STATIC_DRAW);
   ranges_.upload(gl, ranges);
   neighbors_.upload(gl, patches.neighbor);
   check_gl(gl, "upload of patches");
@@ -104,7 +104,7 @@ void ConnectedTriangles::begin(const Gl &gl, int centers, int largest_tile) {
   slots_ = static_cast<int>(slots);
   if (bytes != bytes_) list_.upload(gl, nullptr, bytes, GL_STREAM_COPY);
   bytes_ = bytes;
-  constexpr int32_t nothing[CONNECTED_HEADER] = {0, 0, 0, 1, 1, 0};
+  constexpr int32_t nothing[CONNECTED_AGAIN_GROUPS] = {}; // ambiguous, or come to
   gl.NamedBufferSubData(list_.id(), 0, sizeof nothing, nothing);
 }
 

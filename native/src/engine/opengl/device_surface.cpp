@@ -11,18 +11,11 @@ Places::Places(const Gl &gl, const std::vector<ivec2> &sources) : count_(static_
   sources_.upload(gl, sources);
 }
 
-template <class Element>
-static void upload_list(const Gl &gl, BufferTexture &texture, GLenum format, const std::vector<Element> &list, GLenum usage) {
-  const size_t channels = format == GL_RGB32I || format == GL_RGB32F ? 3 : 1;
-  texture.upload(gl, format, list.data(), list.size() * sizeof(Element) / (channels * sizeof(float)), usage);
-}
-
 void DeviceSurface::set_positions(const Gl &gl, const Triangles &triangles, const BakeSpace &space, uint64_t version) {
   if (positions_version_ == version) return;
-  if (triangle_count_ != triangles.triangle_count)
-    upload_list(gl, triangles_, GL_RGB32I, triangles.corner_vertex, GL_STATIC_DRAW);
+  if (triangle_count_ != triangles.triangle_count) triangles_.upload(gl, GL_RGB32I, triangles.corner_vertex, GL_STATIC_DRAW);
   triangle_count_ = triangles.triangle_count;
-  upload_list(gl, positions_, GL_RGB32F, triangles.positions, GL_STREAM_DRAW);
+  positions_.upload(gl, GL_RGB32F, triangles.positions, GL_STREAM_DRAW);
   const dvec4 center_and_scale(space.center, space.scale);
   space_.fill(gl, &center_and_scale, sizeof center_and_scale, GL_STREAM_DRAW);
   has_faces_ = false;
@@ -32,13 +25,13 @@ void DeviceSurface::set_positions(const Gl &gl, const Triangles &triangles, cons
 
 void DeviceSurface::set_displaced(const Gl &gl, const Triangles *displaced) {
   is_displaced_ = displaced != nullptr;
-  if (displaced) upload_list(gl, displaced_, GL_RGB32F, displaced->positions, GL_STREAM_DRAW);
+  if (displaced) displaced_.upload(gl, GL_RGB32F, displaced->positions, GL_STREAM_DRAW);
 }
 
 void DeviceSurface::set_normals(const Gl &gl, const Normals &normals) {
   std::vector<vec3> all = normals.group;
   all.insert(all.end(), normals.point.begin(), normals.point.end());
-  upload_list(gl, normals_, GL_RGB32F, all, GL_STREAM_DRAW);
+  normals_.upload(gl, GL_RGB32F, all, GL_STREAM_DRAW);
   check_gl(gl, "upload of normals");
 }
 
@@ -46,10 +39,10 @@ void DeviceSurface::upload_rings(const Gl &gl, const NormalRings &rings) {
   std::vector<ivec4> begins;
   for (size_t fan = 0; fan <= static_cast<size_t>(rings.fan_count); ++fan)
     begins.emplace_back(rings.fan_begin[fan], rings.ring_begin[fan], rings.face_begin[fan], 0);
-  rings_.upload(gl, GL_RGBA32I, begins.data(), begins.size(), GL_STATIC_DRAW);
-  upload_list(gl, fan_vertices_, GL_R32I, rings.fan_vertex, GL_STATIC_DRAW);
-  upload_list(gl, ring_vertices_, GL_R32I, rings.ring_vertex, GL_STATIC_DRAW);
-  upload_list(gl, ring_faces_, GL_R32I, rings.face, GL_STATIC_DRAW);
+  rings_.upload(gl, GL_RGBA32I, begins, GL_STATIC_DRAW);
+  fan_vertices_.upload(gl, GL_R32I, rings.fan_vertex, GL_STATIC_DRAW);
+  ring_vertices_.upload(gl, GL_R32I, rings.ring_vertex, GL_STATIC_DRAW);
+  ring_faces_.upload(gl, GL_R32I, rings.face, GL_STATIC_DRAW);
   fan_count_ = rings.fan_count;
 }
 
@@ -87,7 +80,7 @@ void DeviceSurface::begin_normals(const Gl &gl, const NormalRings &rings, uint64
 // Two programs, no uniform: zink of Mesa 25 puts uniforms into programs, and kept an earlier one.
 static GLuint normals_program(const Gl &gl, ProgramCache &programs, bool fitted) {
   return programs.get(gl, fitted ? "fitted normals" : "normals", {{GL_COMPUTE_SHADER, "opengl/surface/normals.comp.glsl"}},
-                      {{"variant.glsl", fitted ? "#define FITTED 1\n" : "#define FITTED 0\n"}});
+                      {{"variant.glsl", define("FITTED", fitted)}});
 }
 
 void DeviceSurface::fit_normals(const Gl &gl, ProgramCache &programs, bool fitted, int first, int last) {

@@ -58,6 +58,7 @@ void Evaluator::use_centers(GLuint centers, int count) {
 // Numbers behind the results: SearchCounts, and the patches of ConnectedTriangles.
 static constexpr size_t counts_read = sizeof(SearchCounts) / sizeof(float) + 1;
 
+// Numbers of the results themselves.
 static size_t result_values(const EvaluateSettings &settings, int count) {
   return (ROW_DESCRIPTORS + settings.value_rows()) * static_cast<size_t>(count);
 }
@@ -80,7 +81,6 @@ void Evaluator::begin(const Gl &gl, const EvaluateSettings &settings) {
 
 // These choices are made while compiling: one that is not taken costs nothing.
 static std::string variant_of(const EvaluateSettings &settings, const char *buffer_variant, bool texelless) {
-  auto define = [](const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); };
   return define("AFFINE", settings.relocation == PDESC_RELOCATION_AFFINE) +
          define("PAPER", settings.relocation == PDESC_RELOCATION_PAPER) +
          define("DIRECTIONAL", settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) + define("CHORDS", settings.chords) +
@@ -119,7 +119,7 @@ void Evaluator::bind_march(const Gl &gl) const {
 void Evaluator::find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer,
                                const EvaluateParams &params) const {
   gl.UseProgram(programs.get(gl, "stretch", {{GL_COMPUTE_SHADER, "opengl/march/stretch.comp.glsl"}},
-                             {{"variant.glsl", "#define PAPER 0\n"}}));
+                             {{"variant.glsl", define("PAPER", 0)}}));
   buffer.bind();
   buffer.bind_owners();
   gl.Uniform1i(LOCATION_BUFFER_SIZE, buffer.size());

@@ -9,8 +9,6 @@
 
 namespace paradesc {
 
-static std::string define(const char *name, bool value) { return std::string("#define ") + name + (value ? " 1\n" : " 0\n"); }
-
 void NeighborhoodSearch::set_starts(const Gl &gl, const Starts &starts, uint64_t version) {
   if (starts_version_ == version) return;
   starts_.upload(gl, starts.range);
@@ -94,7 +92,7 @@ void NeighborhoodSearch::set(const Gl &gl, ProgramCache &programs, CellBuffers &
 GLuint neighborhoods_program(const Gl &gl, ProgramCache &programs, const SearchVariant &variant) {
   const std::string text = define("OVER_LINKS", variant.over_links) + define("EXACT", variant.exact) +
                            define("ADAPTIVE", variant.halves) + define("TEXELLESS", variant.texelless) +
-                           define("FINE", variant.fine) + "#define NEAR_WORDS " + std::to_string(variant.words) + "\n";
+                           define("FINE", variant.fine) + define("NEAR_WORDS", variant.words);
   return programs.get(gl, "neighborhoods " + text, {{GL_COMPUTE_SHADER, "opengl/cells/neighborhoods.comp.glsl"}},
                       {{"variant.glsl", text}});
 }

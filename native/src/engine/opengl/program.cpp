@@ -37,6 +37,8 @@ static void append_source(const std::string &path, const std::map<std::string, s
   }
 }
 
+std::string define(const char *name, int value) { return std::string("#define ") + name + " " + std::to_string(value) + "\n"; }
+
 std::string shader_source(const std::string &path, const std::map<std::string, std::string> &generated) {
   std::vector<std::string> files;
   std::string source;

@@ -21,6 +21,9 @@ const std::vector<EmbeddedShader> &embedded_shaders();
 // made at run time, by name.
 std::string shader_source(const std::string &path, const std::map<std::string, std::string> &generated);
 
+// A line of a text that is made at run time: what is chosen while compiling, 1 or 0, or a number.
+std::string define(const char *name, int value);
+
 struct ShaderStage {
   GLenum type;
   std::string path;

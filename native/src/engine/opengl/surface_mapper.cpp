@@ -52,8 +52,7 @@ void SurfaceMapper::upload_corners(const Gl &gl, const BakeInput &input, const N
 
 // Programs of their own, no uniforms: see normals_program in device_surface.cpp.
 static GLuint displace_program(const Gl &gl, ProgramCache &programs, bool displaced, bool normal_mapped) {
-  const std::string text = std::string("#define DISPLACED ") + (displaced ? "1" : "0") + "\n#define NORMAL_MAPPED " +
-                           (normal_mapped ? "1" : "0") + "\n";
+  const std::string text = define("DISPLACED", displaced) + define("NORMAL_MAPPED", normal_mapped);
   return programs.get(gl, "displace " + text, {{GL_COMPUTE_SHADER, "opengl/bake/displace.comp.glsl"}}, {{"variant.glsl", text}});
 }
 
