@@ -4,7 +4,8 @@
 //
 // RADIUS is a part of the diagonal. A frame is what a mesh costs that has moved: from new positions to mean curvature at every
 // vertex, with default options. Host time is the processor time of the library's threads outside OpenGL's calls: a software
-// device works within them, and in threads of its own. A device is waited for where results are read back, or where a call
+// device works within them, and in threads of its own. What it takes to look at the clock around each call, which is measured
+// first, is not counted. A device is waited for where results are read back, or where a call
 // returns when it has finished. The median of all frames counts.
 #include <algorithm>
 #include <array>
@@ -73,21 +74,35 @@ struct Calls {
 };
 std::map<std::string, Calls> calls; // by the entry point's name
 
+// Adds a call, and what it takes until the end of the scope.
+struct Stopwatch {
+  Calls &calls;
+  double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+  ~Stopwatch() {
+    calls.seconds += seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
+    ++calls.count;
+  }
+};
+
+// What a stopwatch takes besides what it counts.
+double seconds_of_stopwatch() {
+  static const double once = [] {
+    Calls none;
+    const double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+    for (int i = 0; i < 100000; ++i) const Stopwatch stopwatch{none};
+    return (seconds_of(CLOCK_THREAD_CPUTIME_ID) - start - none.seconds) / none.count;
+  }();
+  return once;
+}
+
 // Entry points are functions of C, and have no state of their own: each has a type.
 template <class Function, class Name> struct Entry;
 template <class Result, class... Arguments, class Name> struct Entry<Result(APIENTRY *)(Arguments...), Name> {
   static inline Result(APIENTRY *real)(Arguments...) = nullptr;
   static inline Calls *found = nullptr;
-  struct Stopwatch {
-    double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
-    ~Stopwatch() {
-      found->seconds += seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
-      ++found->count;
-    }
-  };
   static Result APIENTRY call(Arguments... arguments) {
     if (calling_thread == 0) calling_thread = gettid();
-    const Stopwatch stopwatch;
+    const Stopwatch stopwatch{*found};
     return real(arguments...);
   }
   static void *timed(const std::string &name, void *driver) {
@@ -121,14 +136,19 @@ bool waits(const std::string &name) {
 
 // Seconds at a moment between frames, or from one to another.
 struct Taken {
-  double wall, processor, driver_threads, in_calls;
-  double host() const { return processor - driver_threads - in_calls; }
+  double wall, processor, driver_threads, in_calls, watching;
+  double host() const { return processor - driver_threads - in_calls - watching; }
 };
 
 Taken now() {
   double in_calls = 0.0;
-  for (const auto &[name, made] : calls) in_calls += made.seconds;
-  return {seconds_of(CLOCK_MONOTONIC), seconds_of(CLOCK_PROCESS_CPUTIME_ID), seconds_of_driver_threads(), in_calls};
+  int stopped = 0;
+  for (const auto &[name, made] : calls) {
+    in_calls += made.seconds;
+    stopped += made.count;
+  }
+  return {seconds_of(CLOCK_MONOTONIC), seconds_of(CLOCK_PROCESS_CPUTIME_ID), seconds_of_driver_threads(), in_calls,
+          stopped * seconds_of_stopwatch()};
 }
 
 struct Frame {
@@ -169,7 +189,7 @@ public:
     const Field field = compute(*native_, options_, rows, [](const char *, double) { return true; });
     const Taken after = now();
     Frame frame{{after.wall - before.wall, after.processor - before.processor, after.driver_threads - before.driver_threads,
-                 after.in_calls - before.in_calls},
+                 after.in_calls - before.in_calls, after.watching - before.watching},
                 {}};
     for (const auto &[name, made] : calls)
       if (const Calls &old = calls_before_[name]; made.count > old.count)

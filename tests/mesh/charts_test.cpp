@@ -149,7 +149,7 @@ TEST(Charts, wedges_of_a_point_within_a_flat_surface_share_its_full_turn) {
   for (const Wedge &wedge : built.charts.wedges) turn[wedge.point] += wedge.angle;
   EXPECT_NEAR(turn[built.half_edges.vertex_point[4]], 2 * pi, 1e-6); // positions are floats
   EXPECT_NEAR(turn[built.half_edges.vertex_point[7]], pi, 1e-6);
-  EXPECT_EQ(turn[built.half_edges.vertex_point[0]], 0) << "has one wedge only, and nothing to choose";
+  EXPECT_NEAR(turn[built.half_edges.vertex_point[0]], 0.5 * pi, 1e-6);
   EXPECT_EQ(built.charts.wedges[at(built.charts.point_wedge[at(built.half_edges.vertex_point[0])])].uv, shape.uvs[0]);
 }
 
@@ -200,7 +200,7 @@ TEST(Charts, a_corner_of_a_cube_has_a_wedge_on_each_of_its_three_charts) {
   ASSERT_EQ(built.charts.wedges.size(), 24u);
   std::map<int32_t, std::set<int32_t>> charts_at;
   for (const Wedge &wedge : built.charts.wedges) {
-    EXPECT_NEAR(wedge.angle, pi / 2, 1e-12);
+    EXPECT_NEAR(wedge.angle, pi / 2, 1e-6); // (u, v) are floats
     charts_at[wedge.point].insert(wedge.chart);
   }
   ASSERT_EQ(charts_at.size(), 8u);
@@ -367,20 +367,13 @@ TEST(Charts, the_widest_wedge_of_a_point_is_chosen) {
   EXPECT_EQ(built.charts.seam_edges, 2);
 }
 
-TEST(Charts, new_positions_may_choose_another_wedge) {
-  Shape shape = grid(2, 2); // as above; then the middle moves close to the one quad's far corner
+TEST(Charts, the_chosen_wedge_does_not_depend_on_positions) {
+  Shape shape = grid(2, 2); // as above; but the middle lies close to the one quad's far corner
   for (size_t corner = 18; corner < 24; ++corner) shape.uvs[corner] = shape.uvs[corner] * 0.5f - vec2(0.25f);
-  Built moved = build(shape);
-  const size_t middle = at(moved.half_edges.vertex_point[4]);
-  EXPECT_EQ(moved.charts.wedges[at(moved.charts.point_wedge[middle])].chart, 0);
-  moved.triangles.positions[4] = vec3(0.95f, 0.95f, 0.0f);
-  choose_primary_wedges(moved.triangles, 1, moved.charts);
-  shape.positions = moved.triangles.positions;
-  const Built fresh = build(shape);
-  EXPECT_EQ(moved.charts.point_wedge, fresh.charts.point_wedge);
-  for (size_t i = 0; i < fresh.charts.wedges.size(); ++i)
-    EXPECT_EQ(moved.charts.wedges[i].angle, fresh.charts.wedges[i].angle) << "wedge " << i;
-  expect_sound(moved);
+  const Built flat = build(shape);
+  shape.positions[4] = vec3(0.95f, 0.95f, 0.0f);
+  const Built moved = build(shape);
+  EXPECT_EQ(moved.charts.point_wedge, flat.charts.point_wedge);
 }
 
 TEST(Charts, a_slit_within_a_chart_is_a_seam_of_the_chart_with_itself) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "mesh/counting_creases.h"
+#include "mesh/steady_faces.h"
 #include "support/real_mesh.h"
 #include "support/solids.h"
 #include "support/surfaces.h"
@@ -23,11 +24,11 @@ struct Found {
 Found find(const Triangles &triangles, int threads = 0) {
   const HalfEdges half_edges = build_half_edges(triangles);
   const Creases creases = find_creases(triangles, half_edges, threads);
-  Found found{creases.edges};
+  Found found{static_cast<int32_t>(creases.edges.size())};
   for (int h = 0; h < 3 * triangles.triangle_count; ++h) {
     const double bend = std::abs(bend_at(triangles, half_edges, h));
     if (half_edges.twin[static_cast<size_t>(h)] > h && bend > degree) ++found.bent;
-    if (!creases.half_edge[static_cast<size_t>(h)]) continue;
+    if (!creases.contains(h)) continue;
     found.least = std::min(found.least, bend);
     found.most = std::max(found.most, bend);
   }
@@ -86,9 +87,9 @@ TEST(Creases, a_marked_edge_is_one_by_itself) {
   Triangles triangles = read_triangles(input_of(sphere(1, {.vertices = 500})));
   const HalfEdges half_edges = build_half_edges(triangles);
   triangles.half_edge_sharp[30] = 1;
-  EXPECT_EQ(find_creases(triangles, half_edges).edges, 0); // the face behind it is flat
+  EXPECT_EQ(find_creases(triangles, half_edges).edges.size(), 0); // the face behind it is flat
   triangles.half_edge_sharp[static_cast<size_t>(half_edges.twin[30])] = 1;
-  EXPECT_EQ(find_creases(triangles, half_edges).edges, 1);
+  EXPECT_EQ(find_creases(triangles, half_edges).edges.size(), 1);
   EXPECT_EQ(marked_creases(triangles, half_edges), find_creases(triangles, half_edges));
 }
 
@@ -137,15 +138,14 @@ TEST(CountingCreases, count_where_they_bend_as_much_as_what_lies_around) {
 TEST(CountingCreases, do_not_count_on_a_smooth_surface_unless_they_are_marked) {
   Triangles ball = read_triangles(input_of(sphere(1, {.vertices = 3000})));
   const HalfEdges half_edges = build_half_edges(ball);
-  Creases creases = marked_creases(ball, half_edges);
-  for (const size_t h : {size_t{300}, size_t{600}}) creases.half_edge[h] = creases.half_edge[half_edges.twin[h]] = 1;
-  creases.edges = 2;
-  EXPECT_EQ(creases_that_count(ball, half_edges, creases, 0.2).edges, 0);
+  const auto first = [&](int32_t half_edge) { return std::min(half_edge, half_edges.twin[half_edge]); };
+  const Creases creases = creases_along(half_edges, {first(300), first(600)});
+  EXPECT_EQ(creases_that_count(ball, half_edges, creases, 0.2).edges.size(), 0);
   ball.half_edge_sharp[300] = ball.half_edge_sharp[half_edges.twin[300]] = 1;
   const Creases one = creases_that_count(ball, half_edges, creases, 0.2);
-  EXPECT_EQ(one.edges, 1);
-  EXPECT_EQ(one.half_edge[300], 1);
-  EXPECT_EQ(one.half_edge[600], 0);
+  EXPECT_EQ(one.edges, std::vector{first(300)});
+  EXPECT_TRUE(one.contains(300));
+  EXPECT_FALSE(one.contains(600));
 }
 
 } // namespace

@@ -93,7 +93,8 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   const bool with_seam_error = options.seam_error != 0 && mesh.engine->abilities().texture_space;
   gather(mesh.half_edges, computed.results, with_seam_error, mesh.context->threads, field);
   field.report.radius = request.radius;
-  if (options.creases != PDESC_CREASES_NONE) field.report.crease_edges = creases_of(mesh, options).edges;
+  if (options.creases != PDESC_CREASES_NONE)
+    field.report.crease_edges = static_cast<int32_t>(creases_of(mesh, options).edges.size());
   field.report.backend = mesh.engine->backend();
   field.device = mesh.engine->device();
   field.report.memory_megabytes =

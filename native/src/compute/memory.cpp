@@ -39,8 +39,7 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
   const Charts &c = mesh.atlases.current().charts;
   return bytes(t.positions, t.corner_vertex, t.input_corner, t.corner_normal, t.half_edge_sharp) + bytes_of_uvs(t, c) +
          bytes(h.corner_point, h.twin, h.triangle_piece, h.point_vertex, h.point_half_edge, h.vertex_point, h.point_boundary) +
-         bytes(c.triangle_chart, c.corner_wedge, c.half_edge_border, c.wedges, c.point_wedge, c.shared_wedges, c.shared_corners,
-               c.borders);
+         bytes(c.triangle_chart, c.corner_wedge, c.half_edge_border, c.wedges, c.point_wedge, c.borders);
 }
 
 // About how many disks of the radius have the surface's area, if that is a sphere's of the same extent; 0 for a radius that no

@@ -69,7 +69,6 @@ std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_me
 void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   set_positions(mesh.triangles, positions, vertex_count);
   ++mesh.positions_version;
-  mesh.atlases.choose_primary_wedges(mesh.triangles, mesh.context->threads);
   mesh.extent = measure_extent(mesh.triangles, mesh.half_edges, mesh.context->threads);
 }
 
@@ -113,8 +112,8 @@ static Normals make_normals(Mesh &mesh, const Creases &creases, int32_t kind) {
 
 NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options) {
   const Creases &creases = creases_of(mesh, options);
-  if (mesh.normals_end_at != creases.half_edge) {
-    mesh.normals_end_at = creases.half_edge;
+  if (mesh.normals_end_at != creases.edges) {
+    mesh.normals_end_at = creases.edges;
     ++mesh.rings_version;
     mesh.rings.reset();
   }

@@ -34,8 +34,8 @@ struct Mesh {
   Keyed<std::pair<uint64_t, int32_t>, Creases> creases;                   // by the positions' version and pdesc_creases
   Keyed<std::tuple<uint64_t, int32_t, double>, Creases> counting_creases; // and by the radius
   Keyed<std::array<uint64_t, 3>, Normals> normals; // by the positions' version, pdesc_normals and the rings' version
-  uint64_t rings_version = 0;
-  std::vector<uint8_t> normals_end_at; // Creases::half_edge that the rings' version is of
+  uint64_t rings_version = 1;          // 0: normals that have none
+  std::vector<int32_t> normals_end_at; // Creases::edges that the rings' version is of
   std::optional<NormalRings> rings;    // if they are kept
 
   // For engines that do not follow the maps.

@@ -30,10 +30,6 @@ public:
   explicit Atlases(Charts charts) { atlas_.charts = std::move(charts); }
 
   const Atlas &current() const { return atlas_; }
-  // To be called when the positions have changed.
-  void choose_primary_wedges(const Triangles &triangles, int threads) {
-    paradesc::choose_primary_wedges(triangles, threads, atlas_.charts);
-  }
   // Separates what overlaps if the map has more area than its square has: it would take as many times longer to draw. Costs
   // nothing after the first time.
   void repack_if_overfull(const Triangles &triangles, const HalfEdges &half_edges, int threads);

@@ -133,23 +133,16 @@ void make_wedges(const Triangles &triangles, const HalfEdges &half_edges, const 
     Wedge &wedge = charts.wedges[index];
     if (widest[index] < 0)
       wedge = {half_edges.corner_point[corner], charts.triangle_chart[corner / 3], triangles.corner_uv[corner], {}, 0.0};
+    wedge.angle += angle;
     if (angle <= widest[index]) return;
     widest[index] = angle;
     wedge.inside = uv_centroid(triangles, corner / 3);
   });
-  std::vector<int32_t> wedges_of(half_edges.point_count, 0);
-  for (const Wedge &wedge : charts.wedges) ++wedges_of[wedge.point];
-  const auto shared = [&](int32_t wedge) { return wedge >= 0 && wedges_of[charts.wedges[wedge].point] > 1; };
-  for (int32_t wedge = 0; wedge < fans.count; ++wedge) {
-    checkpoint_at(wedge);
-    charts.point_wedge[charts.wedges[wedge].point] = wedge;
-    if (shared(wedge)) charts.shared_wedges.push_back(wedge);
+  for (int32_t index = 0; index < fans.count; ++index) {
+    checkpoint_at(index);
+    int32_t &chosen = charts.point_wedge[charts.wedges[index].point];
+    if (chosen < 0 || charts.wedges[index].angle > charts.wedges[chosen].angle) chosen = index;
   }
-  for (size_t corner = 0; corner < charts.corner_wedge.size(); ++corner) {
-    checkpoint_at(corner);
-    if (shared(charts.corner_wedge[corner])) charts.shared_corners.push_back(static_cast<int32_t>(corner));
-  }
-  choose_primary_wedges(triangles, threads, charts);
 }
 
 void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link, Charts &charts) {
@@ -176,22 +169,6 @@ void find_borders(const HalfEdges &half_edges, const std::vector<int32_t> &link,
 }
 
 } // namespace
-
-void choose_primary_wedges(const Triangles &triangles, int threads, Charts &charts) {
-  std::vector<double> angles(charts.shared_corners.size());
-  parallel_blocks(static_cast<int>(angles.size()), threads, block, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) angles[i] = surface_angle(triangles, charts.shared_corners[i]);
-  });
-  for (const int32_t index : charts.shared_wedges) {
-    charts.wedges[index].angle = 0.0;
-    charts.point_wedge[charts.wedges[index].point] = -1;
-  }
-  for (size_t i = 0; i < angles.size(); ++i) charts.wedges[charts.corner_wedge[charts.shared_corners[i]]].angle += angles[i];
-  for (const int32_t index : charts.shared_wedges) {
-    int32_t &chosen = charts.point_wedge[charts.wedges[index].point];
-    if (chosen < 0 || charts.wedges[index].angle > charts.wedges[chosen].angle) chosen = index;
-  }
-}
 
 Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece,
                     int threads) {

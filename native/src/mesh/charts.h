@@ -30,7 +30,7 @@ struct Wedge {
   int32_t chart;
   vec2 uv;
   vec2 inside;  // (u, v) of the centroid of the incident triangle that is widest there: a direction into the chart
-  double angle; // of the wedge on the surface, in radians; 0 where it is the point's only one
+  double angle; // of the wedge in the layout, in radians
 };
 
 struct Charts {
@@ -40,9 +40,8 @@ struct Charts {
   std::vector<int32_t> corner_wedge;     // (3 * triangle_count) -1 where triangle_chart is -1
   std::vector<int32_t> half_edge_border; // (3 * triangle_count) index into borders, or -1
   std::vector<Wedge> wedges;
-  std::vector<int32_t> point_wedge;    // (point_count) the primary wedge, of the largest angle; -1: the point has no wedge
-  std::vector<int32_t> shared_wedges;  // that share a point with another, in order: their angles decide
-  std::vector<int32_t> shared_corners; // of those wedges
+  std::vector<int32_t> point_wedge; // (point_count) the primary wedge, of the largest angle: it stays while the surface moves.
+                                    // -1: the point has no wedge
   std::vector<Border> borders;
 
   int zero_uv_area_triangles = 0;
@@ -56,8 +55,5 @@ struct Charts {
 // pdesc_context_options.
 Charts build_charts(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> triangle_piece = {},
                     int threads = 0);
-
-// Recomputes what depends on positions: the wedges' angles, and the primary wedge of each point.
-void choose_primary_wedges(const Triangles &triangles, int threads, Charts &charts);
 
 } // namespace paradesc

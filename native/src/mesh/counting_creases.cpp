@@ -5,9 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "kernel/limits.h"
 #include "mesh/ball_flood.h"
+#include "mesh/steady_faces.h"
 #include "support/parallel.h"
 #include "support/pool.h"
 
@@ -41,8 +43,8 @@ struct Seen {
       : flood(triangles, half_edges), normals(static_cast<size_t>(triangles.triangle_count), vec3(unknown)) {}
 
   vec3 normal(const Triangles &triangles, const HalfEdges &half_edges, int32_t triangle) {
-    vec3 &found = normals[triangle];
-    if (std::isnan(found.x)) found = rounded_steady_normal(triangles, half_edges, triangle);
+    const vec3 &found = normals[triangle];
+    if (std::isnan(found.x)) round_steady_normals(triangles, half_edges, triangle, triangle + 1, normals);
     return found;
   }
 
@@ -69,33 +71,27 @@ Bends bends_around(const Triangles &triangles, const HalfEdges &half_edges, cons
       const float turn2 = dot(turn, turn);
       if (!(turn2 > 0)) continue;
       const dvec3 begin = dvec3(triangles.position(h)) - center, end = dvec3(triangles.position(next_corner(h))) - center;
-      (creases.half_edge[h] ? bends.creases : bends.others) +=
+      (creases.contains(h) ? bends.creases : bends.others) +=
           0.5 * std::sqrt(static_cast<double>(turn2)) * bowl_on_segment(begin, end, reach); // the twin has the other half
     }
   }
   return bends;
 }
 
-// One crease of each line in each cell: those that lie close together see the same.
-std::vector<int32_t> spread_out(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases,
-                                const std::vector<int32_t> &line, double size) {
-  using Place = std::tuple<int32_t, double, double, double, int32_t>;
-  std::vector<Place> places;
-  for (size_t h = 0; h < creases.half_edge.size(); ++h) {
-    checkpoint_at(h);
-    if (!creases.half_edge[h] || half_edges.twin[h] < static_cast<int32_t>(h)) continue;
-    const auto edge = static_cast<int32_t>(h);
-    const dvec3 cell = glm::floor(middle_of(triangles, edge) / size);
-    places.emplace_back(line[half_edges.corner_point[h]], cell.x, cell.y, cell.z, edge);
+// One crease of each line in each cell, by their numbers: those that lie close together see the same.
+std::vector<int32_t> spread_out(const Triangles &triangles, const Creases &creases, const std::vector<int32_t> &line,
+                                double size) {
+  using Cell = std::tuple<int32_t, double, double, double>;
+  std::vector<std::pair<Cell, int32_t>> places;
+  for (size_t i = 0; i < creases.edges.size(); ++i) {
+    checkpoint_at(i);
+    const dvec3 cell = glm::floor(middle_of(triangles, creases.edges[i]) / size);
+    places.emplace_back(Cell(line[i], cell.x, cell.y, cell.z), static_cast<int32_t>(i));
   }
   std::sort(places.begin(), places.end());
   std::vector<int32_t> chosen;
-  for (size_t i = 0; i < places.size(); ++i) {
-    const auto cell = [&](size_t k) {
-      return std::tuple(std::get<0>(places[k]), std::get<1>(places[k]), std::get<2>(places[k]), std::get<3>(places[k]));
-    };
-    if (i == 0 || cell(i) != cell(i - 1)) chosen.push_back(std::get<4>(places[i]));
-  }
+  for (size_t i = 0; i < places.size(); ++i)
+    if (i == 0 || places[i].first != places[i - 1].first) chosen.push_back(places[i].second);
   return chosen;
 }
 
@@ -103,36 +99,34 @@ std::vector<int32_t> spread_out(const Triangles &triangles, const HalfEdges &hal
 
 Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, double radius,
                            int threads) {
-  if (creases.edges == 0) return creases;
+  if (creases.edges.empty()) return {};
   const Creases marked = marked_creases(triangles, half_edges);
-  if (creases.edges == marked.edges) return creases;
-  const std::vector<int32_t> line = line_of_points(half_edges, creases);
+  if (creases == marked) return creases;
+  const std::vector<int32_t> line = lines_of(half_edges, creases.edges);
   constexpr double close = 0.5; // of the radius
-  const std::vector<int32_t> chosen = spread_out(triangles, half_edges, creases, line, close * radius);
+  const std::vector<int32_t> chosen = spread_out(triangles, creases, line, close * radius);
   std::vector<Bends> bends(chosen.size());
   Pool<Seen> pool;
   parallel_blocks(static_cast<int>(chosen.size()), threads, 4, [&](int begin, int end) {
     pool.with_one([&] { return Seen(triangles, half_edges); },
                   [&](Seen &seen) {
                     for (int i = begin; i < end; ++i)
-                      bends[i] = bends_around(triangles, half_edges, creases, CREASE_REACH * radius, chosen[i], seen);
+                      bends[i] =
+                          bends_around(triangles, half_edges, creases, CREASE_REACH * radius, creases.edges[chosen[i]], seen);
                   });
   });
-  std::vector<Bends> of_line(line.size());
+  std::vector<Bends> of_line(static_cast<size_t>(half_edges.point_count));
   for (size_t i = 0; i < chosen.size(); ++i) {
-    Bends &all = of_line[line[half_edges.corner_point[chosen[i]]]];
+    Bends &all = of_line[line[chosen[i]]];
     all.creases += bends[i].creases;
     all.others += bends[i].others;
   }
-  Creases counting = creases;
-  for (size_t h = 0; h < counting.half_edge.size(); ++h) {
-    checkpoint_at(h);
-    if (!counting.half_edge[h] || marked.half_edge[h]) continue;
-    const Bends &all = of_line[line[half_edges.corner_point[h]]];
-    if (all.creases < CREASE_LEAST_SHARE * all.others) counting.half_edge[h] = 0;
+  std::vector<int32_t> counting;
+  for (size_t i = 0; i < creases.edges.size(); ++i) {
+    const Bends &all = of_line[line[i]];
+    if (marked.contains(creases.edges[i]) || all.creases >= CREASE_LEAST_SHARE * all.others) counting.push_back(creases.edges[i]);
   }
-  counting.edges = count_edges(counting);
-  return counting;
+  return creases_along(half_edges, std::move(counting));
 }
 
 } // namespace paradesc

@@ -11,11 +11,15 @@
 namespace paradesc {
 
 struct Creases {
-  std::vector<uint8_t> half_edge; // (3 * triangle_count) 1: on a crease; both sides alike
-  int32_t edges = 0;
+  std::vector<int32_t> edges;     // of each crease, its first half-edge; ascending
+  std::vector<uint8_t> half_edge; // (3 * triangle_count) 1: on a crease; both sides alike. Empty where there are none
 
-  bool operator==(const Creases &) const = default;
+  bool contains(int32_t index) const { return !half_edge.empty() && half_edge[index] != 0; }
+  bool operator==(const Creases &other) const { return edges == other.edges; }
 };
+
+// edges: as in Creases.
+Creases creases_along(const HalfEdges &half_edges, std::vector<int32_t> edges);
 
 // Depends on positions: an edge that bends may become a crease. It is one if it is marked and both of its faces are smooth, or if
 // - it bends by 20 degrees, and three times as much as any edge that runs along with it beside it on either side, or eight times
@@ -26,26 +30,10 @@ struct Creases {
 // surface comes and goes. Edges of noise are as bent as their neighbors, and those of a flat-shaded smooth surface are, too.
 Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, int threads = 0);
 
-// (point_count) creases that hang together share a number, that of one of their points.
-std::vector<int32_t> line_of_points(const HalfEdges &half_edges, const Creases &creases);
-
-int32_t count_edges(const Creases &creases);
+// (edges) those that hang together share a number, that of one of their points.
+std::vector<int32_t> lines_of(const HalfEdges &half_edges, const std::vector<int32_t> &edges);
 
 // The marked ones alone.
 Creases marked_creases(const Triangles &triangles, const HalfEdges &half_edges);
-
-// Of the largest coordinate: below that, heights say nothing. 64 roundings of a float.
-constexpr double ROUNDING = 1.0 / (1 << 17);
-
-// The face itself; of a needle, lower than what rounds positions, the first face behind longest edges that is none.
-int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int face);
-dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face); // 0 if there is none
-vec3 rounded_steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face); // to floats; faster
-
-// By how much unit normals turn around the edge between them, which runs with the left face: in (-pi, pi], positive where the
-// surface is convex.
-double bend_between(dvec3 left, dvec3 right, dvec3 along);
-// The angle by which the surface turns at a half-edge, in (-pi, pi]: positive where it is convex; 0 at boundaries.
-double bend_at(const Triangles &triangles, const HalfEdges &half_edges, int half_edge);
 
 } // namespace paradesc

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "mesh/steady_faces.h"
 #include "support/angle.h"
 #include "support/cancel.h"
 
@@ -144,7 +145,7 @@ public:
 private:
   int32_t behind(int32_t half_edge) const; // a facet; ~ a triangle that is in none; or ~ too many
   bool is_outline(int32_t half_edge, int32_t facet) const {
-    return mesh_.creases.half_edge[half_edge] != 0 || behind(half_edge) != facet;
+    return mesh_.creases.contains(half_edge) || behind(half_edge) != facet;
   }
   void trace(int32_t facet);
   void add_loop(int32_t facet, int32_t half_edge);
@@ -169,7 +170,7 @@ void Building::grow(int32_t seed) {
   for (size_t looked = first; looked < member_.size(); ++looked)
     for (int32_t edge = 3 * member_[looked], end = edge + 3; edge < end; ++edge) {
       const int32_t twin = mesh_.half_edges.twin[edge];
-      if (twin < 0 || mesh_.creases.half_edge[edge] != 0 || facets_.of_triangle[twin / 3] >= 0) continue;
+      if (twin < 0 || mesh_.creases.contains(edge) || facets_.of_triangle[twin / 3] >= 0) continue;
       if (!common.lies_in_plane(previous_corner(twin)) || !common.takes(twin / 3)) continue;
       common.add(twin / 3);
       facets_.of_triangle[twin / 3] = index;
@@ -223,7 +224,7 @@ void Building::add_loop(int32_t facet, int32_t half_edge) {
   const Facet &of = facets_.facet[facet];
   const auto place = [&](int32_t corner) { return of.axes.of(mesh_.place(corner) - of.middle); };
   const auto goes_on = [&](Sleeve &sleeve, int32_t before, int32_t edge) {
-    return behind(edge) == behind(before) && mesh_.creases.half_edge[edge] == mesh_.creases.half_edge[before] &&
+    return behind(edge) == behind(before) && mesh_.creases.contains(edge) == mesh_.creases.contains(before) &&
            sleeve.takes(place(next_corner(edge)));
   };
   for (size_t i = 0; i < loop.size(); ++i) { // so that it starts where a side does
@@ -253,7 +254,7 @@ void Building::add_side(int32_t facet, std::span<const int32_t> half_edges) {
   }
   side.half_edge = static_cast<int32_t>(facets_.outline.size());
   side.half_edges = static_cast<int32_t>(half_edges.size());
-  side.is_crease = mesh_.creases.half_edge[first] != 0;
+  side.is_crease = mesh_.creases.contains(first);
   for (const int32_t edge : half_edges) facets_.side_of[edge] = static_cast<int32_t>(facets_.side.size());
   facets_.outline.insert(facets_.outline.end(), half_edges.begin(), half_edges.end());
   facets_.side.push_back(side);

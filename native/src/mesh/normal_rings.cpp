@@ -127,7 +127,7 @@ FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, co
   for (size_t h = 0; h < link.size(); ++h) {
     checkpoint_at(h);
     if (half_edges.corner_point[h] < 0) left_out[h / 3] = 1;
-    if (creases.half_edge[h]) link[h] = -1;
+    if (creases.contains(static_cast<int32_t>(h))) link[h] = -1;
   }
   Fans traced = trace_fans(link, left_out);
   FanCorners fans;

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mesh/steady_faces.h"
 #include "support/solids.h"
 #include "support/surfaces.h"
 

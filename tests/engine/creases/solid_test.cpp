@@ -11,6 +11,7 @@
 
 #include "descriptor/registry.h"
 #include "engine/reference/reference.h"
+#include "mesh/steady_faces.h"
 #include "support/solids.h"
 #include "support/surfaces.h"
 
@@ -240,7 +241,7 @@ TEST(Solid, noise_leaves_edges_where_they_are) {
          vec3(static_cast<float>(random.normal()), static_cast<float>(random.normal()), static_cast<float>(random.normal()));
   const std::vector<vec3> exact = box(16).positions;
   const Subject subject(std::move(noisy));
-  EXPECT_EQ(subject.creases.edges, 12 * 16);
+  EXPECT_EQ(subject.creases.edges.size(), 12 * 16);
   const double r = 0.4;
   const std::vector<double> mean = subject.values("mean_curvature", r);
   for (size_t v = 0; v < mean.size(); ++v) {
@@ -275,10 +276,10 @@ TEST(Solid, marked_edges_of_a_smooth_surface_change_little) {
   const HalfEdges half_edges = build_half_edges(ball);
   for (const int32_t h : {300, 600, 900}) ball.half_edge_sharp[h] = ball.half_edge_sharp[half_edges.twin[h]] = 1;
   const Subject subject(std::move(ball));
-  EXPECT_EQ(subject.creases.edges, 3);
+  EXPECT_EQ(subject.creases.edges.size(), 3);
   double most = 0; // that the facets bend at one
   for (int32_t h = 0; h < 3 * subject.triangles.triangle_count; ++h)
-    if (subject.creases.half_edge[static_cast<size_t>(h)])
+    if (subject.creases.contains(h))
       most = std::max(most, bend_at(subject.triangles, subject.half_edges, h));
   const double r = 0.2, line = 4 / (3 * pi * r) * most; // H of an edge that bends by this and ends at the point
   EXPECT_LT(line, 0.2);

@@ -87,7 +87,7 @@ static void mix(float *value, const Value &solid, size_t components, float share
 
 CreaseBlend::CreaseBlend(const Surface &surface, double radius, int threads)
     : surface_(surface), radius_(radius), threads_(threads) {
-  if (!surface.creases || surface.creases->edges == 0 || surface.maps.any()) return;
+  if (!surface.creases || surface.creases->edges.empty() || surface.maps.any()) return;
   facets_ = find_facets(surface.triangles, surface.half_edges, surface.normals(), *surface.creases);
   creased_.emplace(CreasedSurface{surface.triangles, surface.half_edges, surface.normals(), *surface.creases, facets_});
   near_.emplace(*creased_, radius);

@@ -14,10 +14,7 @@ constexpr double last_cell = (1 << 21) - 1; // along a side
 
 NearCreases::NearCreases(const CreasedSurface &surface, double radius)
     : surface_(surface), radius_(radius), cell_(CREASE_REACH * radius) {
-  const std::vector<int32_t> &twin = surface.half_edges.twin;
-  std::vector<int32_t> edges;
-  for (size_t h = 0; h < twin.size(); ++h)
-    if (surface.creases.half_edge[h] && twin[h] > static_cast<int32_t>(h)) edges.push_back(static_cast<int32_t>(h));
+  const std::vector<int32_t> &edges = surface.creases.edges;
   dvec3 low(std::numeric_limits<double>::max()), high(-low);
   for (const int32_t edge : edges)
     for (const int32_t corner : {edge, next_corner(edge)}) {

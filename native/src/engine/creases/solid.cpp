@@ -9,6 +9,7 @@
 #include "engine/creases/closed_forms.h"
 #include "kernel/limits.h"
 #include "mesh/ball_flood.h"
+#include "mesh/steady_faces.h"
 #include "support/cancel.h"
 
 namespace paradesc {
@@ -89,7 +90,7 @@ const SolidMeasure::Face &SolidMeasure::face(int32_t triangle) {
   }
   for (int32_t k = 0; k < 3; ++k) {
     face.bend[k] = bend_of(3 * triangle + k);
-    face.is_crease[k] = surface_.creases.half_edge[3 * triangle + k] != 0;
+    face.is_crease[k] = surface_.creases.contains(3 * triangle + k);
     const dvec3 along =
         dvec3(surface_.triangles.position(3 * triangle + next_corner(k))) - dvec3(surface_.triangles.position(3 * triangle + k));
     const double length = glm::length(along), amount = 0.5 * face.bend[k] * length;
@@ -185,7 +186,7 @@ double SolidMeasure::nearest_crease() const {
   };
   for (const int32_t triangle : flood_.triangles())
     for (int32_t edge = 3 * triangle; edge < 3 * triangle + 3; ++edge)
-      if (surface_.creases.half_edge[edge])
+      if (surface_.creases.contains(edge))
         look(dvec3(surface_.triangles.position(edge)), dvec3(surface_.triangles.position(next_corner(edge))));
   for (const FacetPart &part : flood_.parts())
     for (const int32_t index : flood_.sides(part))

@@ -229,7 +229,7 @@ const OrderedCenters &TextureSpace::ordered_centers(const Job &job, const Frame 
   CellSet &set = cells();
   const pdesc_options &options = job.options();
   const Charts &charts = job.charts();
-  return set.centers.get({options.seam_error != 0, options.seed, charts.point_wedge}, [&] {
+  return set.centers.get({options.seam_error != 0, options.seed}, [&] {
     OrderedCenters made;
     made.centers = list_centers(charts, center_options(job, frame, 0.0));
     made.starts = starts_of(job, set.cells, made.centers);

@@ -74,8 +74,8 @@ struct BakedLayout {
   int texelless_triangles = 0; // on charts, but without a texel
 };
 
-// Whether each wedge starts alone, the seed, and Charts::point_wedge.
-using CentersKey = std::tuple<bool, uint32_t, std::vector<int32_t>>;
+// Whether each wedge starts alone, and the seed.
+using CentersKey = std::pair<bool, uint32_t>;
 
 // Centers at vertices that start in cells, in the order in which they are evaluated.
 struct OrderedCenters {

@@ -1,0 +1,118 @@
+// Corners that leave no doubt about a normal do with floats, four faces at a time; the others take doubles.
+#include "mesh/steady_faces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/angle.h"
+
+namespace paradesc {
+
+namespace {
+
+constexpr int lanes = 4;
+using Floats [[gnu::vector_size(lanes * sizeof(float))]] = float;
+struct Vectors {
+  Floats x, y, z;
+};
+
+Vectors operator-(const Vectors &a, const Vectors &b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Vectors cross(const Vectors &a, const Vectors &b) {
+  return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
+}
+Floats square(const Vectors &a) { return a.x * a.x + a.y * a.y + a.z * a.z; }
+Floats larger(const Floats &a, const Floats &b) { return a < b ? b : a; }
+
+bool is_needle(const Triangles &triangles, int index) {
+  const Face face(triangles, index);
+  return face.is_needle(face.product());
+}
+
+// Other than this one.
+int longest_edge(const Triangles &triangles, int face, int other) {
+  int longest = -1;
+  double most = -1;
+  for (int corner = 3 * face; corner < 3 * face + 3; ++corner) {
+    const dvec3 edge = along(triangles, corner);
+    if (corner != other && glm::dot(edge, edge) > most) {
+      most = glm::dot(edge, edge);
+      longest = corner;
+    }
+  }
+  return longest;
+}
+
+} // namespace
+
+Face::Face(const Triangles &triangles, int face)
+    : a(triangles.position(3 * face)), b(triangles.position(3 * face + 1)), c(triangles.position(3 * face + 2)) {}
+
+bool Face::is_needle(dvec3 product) const {
+  const auto square = [](dvec3 v) { return glm::dot(v, v); };
+  const double longest2 = std::max({square(b - a), square(c - b), square(a - c)});
+  const dvec3 most = glm::max(glm::max(glm::abs(a), glm::abs(b)), glm::abs(c));
+  const double largest = std::max({most.x, most.y, most.z});
+  return glm::dot(product, product) < ROUNDING * ROUNDING * largest * largest * longest2;
+}
+
+int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int face) {
+  constexpr int most_steps = 8; // needles lie beside needles
+  int steady = face, entered = -1;
+  for (int step = 0; step < most_steps; ++step) {
+    if (!is_needle(triangles, steady)) return steady;
+    entered = half_edges.twin[longest_edge(triangles, steady, entered)];
+    if (entered < 0) break;
+    steady = entered / 3;
+  }
+  return face;
+}
+
+dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face) {
+  const Face given(triangles, face);
+  dvec3 product = given.product();
+  if (given.is_needle(product)) product = Face(triangles, steady_face(triangles, half_edges, face)).product();
+  const double length = glm::length(product);
+  return length > 0 ? product / length : dvec3(0);
+}
+
+void round_steady_normals(const Triangles &triangles, const HalfEdges &half_edges, int begin, int end, std::span<vec3> normals) {
+  constexpr float least_sine = 0.1f, least_square = 1e-30f; // floats below have fewer digits
+  constexpr auto rounding = static_cast<float>(4 * ROUNDING);
+  for (int first = begin; first < end; first += lanes) {
+    const auto corner = [&](int k) {
+      Vectors corners;
+      for (int i = 0; i < lanes; ++i) {
+        const vec3 &position = triangles.position(3 * std::min(first + i, end - 1) + k);
+        corners.x[i] = position.x;
+        corners.y[i] = position.y;
+        corners.z[i] = position.z;
+      }
+      return corners;
+    };
+    const Vectors a = corner(0), b = corner(1), c = corner(2), product = cross(b - a, c - a);
+    const Floats left = square(b - a), right = square(c - a), area = square(product);
+    const Floats farthest = rounding * rounding * larger(larger(square(a), square(b)), square(c));
+    const Floats doubtful =
+        larger(larger(least_sine * least_sine * left * right, farthest * (left + right)), Floats{} + least_square);
+    Floats length;
+    for (int i = 0; i < lanes; ++i) length[i] = std::sqrt(area[i]);
+    const Vectors unit{product.x / length, product.y / length, product.z / length};
+    for (int i = 0; i < lanes && first + i < end; ++i)
+      normals[first + i] =
+          area[i] > doubtful[i] ? vec3(unit.x[i], unit.y[i], unit.z[i]) : vec3(steady_normal(triangles, half_edges, first + i));
+  }
+}
+
+double bend_between(dvec3 left, dvec3 right, dvec3 along) {
+  const double span = glm::length(along);
+  return span > 0 ? angle_of(glm::dot(glm::cross(left, right), along) / span, glm::dot(left, right)) : 0.0;
+}
+
+double bend_at(const Triangles &triangles, const HalfEdges &half_edges, int half_edge) {
+  const int twin = half_edges.twin[half_edge];
+  if (twin < 0) return 0;
+  return bend_between(steady_normal(triangles, half_edges, half_edge / 3), steady_normal(triangles, half_edges, twin / 3),
+                      along(triangles, half_edge));
+}
+
+} // namespace paradesc

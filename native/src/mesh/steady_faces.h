@@ -1,0 +1,39 @@
+// Triangles → normals that rounding of the positions leaves in no doubt, and the angles between them.
+#pragma once
+
+#include <span>
+
+#include "mesh/halfedge.h"
+#include "mesh/triangles.h"
+
+namespace paradesc {
+
+// Of the largest coordinate: below that, heights say nothing. 64 roundings of a float.
+constexpr double ROUNDING = 1.0 / (1 << 17);
+
+// The face itself; of a needle, lower than what rounds positions, the first face behind longest edges that is none.
+int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int face);
+dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face); // 0 if there is none
+// Those of faces from begin to end, to floats, which is faster. normals: (triangle_count).
+void round_steady_normals(const Triangles &triangles, const HalfEdges &half_edges, int begin, int end, std::span<vec3> normals);
+
+// By how much unit normals turn around the edge between them, which runs with the left face: in (-pi, pi], positive where the
+// surface is convex.
+double bend_between(dvec3 left, dvec3 right, dvec3 along);
+// The angle by which the surface turns at a half-edge, in (-pi, pi]: positive where it is convex; 0 at boundaries.
+double bend_at(const Triangles &triangles, const HalfEdges &half_edges, int half_edge);
+
+// The corners of a face, read once.
+struct Face {
+  dvec3 a, b, c;
+
+  Face(const Triangles &triangles, int face);
+  dvec3 product() const { return glm::cross(b - a, c - a); }
+  bool is_needle(dvec3 product) const; // lower than what rounds positions, by far: its normal says nothing
+};
+
+inline dvec3 along(const Triangles &triangles, int half_edge) {
+  return dvec3(triangles.position(next_corner(half_edge))) - dvec3(triangles.position(half_edge));
+}
+
+} // namespace paradesc
