@@ -12,6 +12,7 @@
 #include "support/api_fixture.h"
 #include "support/cancel.h"
 #include "support/checkpoints.h"
+#include "support/creases.h"
 #include "support/error.h"
 #include "support/parallel.h"
 #include "support/solids.h"
@@ -96,11 +97,11 @@ TEST(Checkpoint, comes_once_in_so_many_steps_of_every_stage_of_a_large_mesh) {
   EXPECT_GE(checkpoints_of([&] { build_charts(triangles, half_edges, {}, 1); }), 20 * corners);
   EXPECT_GE(checkpoints_of([&] { build_cluster_tree(half_edges); }), 8 * corners);
   const int of_faces = input.triangle_count / 1024; // whose normals and bends are looked at
-  EXPECT_GE(checkpoints_of([&] { creases = find_creases(triangles, half_edges, 1); }), 2 * of_faces);
+  EXPECT_GE(checkpoints_of([&] { creases = creases_of(triangles, half_edges, 1); }), 2 * of_faces);
   const Triangles hard = box(110); // whose creases hang together in lines
   const HalfEdges of_hard = build_half_edges(hard, 1);
   const int hard_faces = hard.triangle_count / 1024;
-  EXPECT_GE(checkpoints_of([&] { find_creases(hard, of_hard, 1); }), 2 * hard_faces);
+  EXPECT_GE(checkpoints_of([&] { creases_of(hard, of_hard, 1); }), 2 * hard_faces);
   NormalRings rings;
   EXPECT_GE(checkpoints_of([&] { find_fans(triangles, half_edges, creases, rings); }), 2 * corners);
 }

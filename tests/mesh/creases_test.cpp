@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "mesh/counting_creases.h"
-#include "mesh/steady_faces.h"
+#include "support/creases.h"
 #include "support/real_mesh.h"
 #include "support/solids.h"
 #include "support/surfaces.h"
@@ -23,7 +23,7 @@ struct Found {
 
 Found find(const Triangles &triangles, int threads = 0) {
   const HalfEdges half_edges = build_half_edges(triangles);
-  const Creases creases = find_creases(triangles, half_edges, threads);
+  const Creases creases = creases_of(triangles, half_edges, threads);
   Found found{static_cast<int32_t>(creases.edges.size())};
   for (int h = 0; h < 3 * triangles.triangle_count; ++h) {
     const double bend = std::abs(bend_at(triangles, half_edges, h));
@@ -87,19 +87,19 @@ TEST(Creases, a_marked_edge_is_one_by_itself) {
   Triangles triangles = read_triangles(input_of(sphere(1, {.vertices = 500})));
   const HalfEdges half_edges = build_half_edges(triangles);
   triangles.half_edge_sharp[30] = 1;
-  EXPECT_EQ(find_creases(triangles, half_edges).edges.size(), 0); // the face behind it is flat
+  EXPECT_EQ(creases_of(triangles, half_edges).edges.size(), 0); // the face behind it is flat
   triangles.half_edge_sharp[static_cast<size_t>(half_edges.twin[30])] = 1;
-  EXPECT_EQ(find_creases(triangles, half_edges).edges.size(), 1);
-  EXPECT_EQ(marked_creases(triangles, half_edges), find_creases(triangles, half_edges));
+  EXPECT_EQ(creases_of(triangles, half_edges).edges.size(), 1);
+  EXPECT_EQ(marked_creases(triangles, half_edges), creases_of(triangles, half_edges));
 }
 
 TEST(Creases, do_not_depend_on_threads_size_or_place) {
   Triangles triangles = prism(7, 4, 3);
   const HalfEdges half_edges = build_half_edges(triangles);
-  const Creases creases = find_creases(triangles, half_edges, 1);
-  EXPECT_EQ(creases, find_creases(triangles, half_edges, 3));
+  const Creases creases = creases_of(triangles, half_edges, 1);
+  EXPECT_EQ(creases, creases_of(triangles, half_edges, 3));
   for (vec3 &p : triangles.positions) p = 1024.0f * vec3(p.y, p.z, p.x); // exact in floats, and turned
-  EXPECT_EQ(creases, find_creases(triangles, half_edges));
+  EXPECT_EQ(creases, creases_of(triangles, half_edges));
 }
 
 struct RealCount {
@@ -131,8 +131,9 @@ TEST(Creases, machine_parts_and_buildings_have_many) {
 TEST(CountingCreases, count_where_they_bend_as_much_as_what_lies_around) {
   const Triangles solid = box(8);
   const HalfEdges half_edges = build_half_edges(solid);
-  const Creases found = find_creases(solid, half_edges);
-  for (const double radius : {0.01, 0.1, 1.0}) EXPECT_EQ(creases_that_count(solid, half_edges, found, radius), found);
+  const Creases found = creases_of(solid, half_edges);
+  for (const double radius : {0.01, 0.1, 1.0})
+    EXPECT_EQ(creases_that_count(solid, half_edges, found, rounded_normals(solid, half_edges), radius), found);
 }
 
 TEST(CountingCreases, do_not_count_on_a_smooth_surface_unless_they_are_marked) {
@@ -140,9 +141,10 @@ TEST(CountingCreases, do_not_count_on_a_smooth_surface_unless_they_are_marked) {
   const HalfEdges half_edges = build_half_edges(ball);
   const auto first = [&](int32_t half_edge) { return std::min(half_edge, half_edges.twin[half_edge]); };
   const Creases creases = creases_along(half_edges, {first(300), first(600)});
-  EXPECT_EQ(creases_that_count(ball, half_edges, creases, 0.2).edges.size(), 0);
+  const std::vector<vec3> normals = rounded_normals(ball, half_edges);
+  EXPECT_EQ(creases_that_count(ball, half_edges, creases, normals, 0.2).edges.size(), 0);
   ball.half_edge_sharp[300] = ball.half_edge_sharp[half_edges.twin[300]] = 1;
-  const Creases one = creases_that_count(ball, half_edges, creases, 0.2);
+  const Creases one = creases_that_count(ball, half_edges, creases, normals, 0.2);
   EXPECT_EQ(one.edges, std::vector{first(300)});
   EXPECT_TRUE(one.contains(300));
   EXPECT_FALSE(one.contains(600));

@@ -39,7 +39,7 @@ static int64_t bytes_of_mesh(const Mesh &mesh) {
   const Charts &c = mesh.atlases.current().charts;
   return bytes(t.positions, t.corner_vertex, t.input_corner, t.corner_normal, t.half_edge_sharp) + bytes_of_uvs(t, c) +
          bytes(h.corner_point, h.twin, h.triangle_piece, h.point_vertex, h.point_half_edge, h.vertex_point, h.point_boundary) +
-         bytes(c.triangle_chart, c.corner_wedge, c.half_edge_border, c.wedges, c.point_wedge, c.borders);
+         bytes(mesh.steady_normals, c.triangle_chart, c.corner_wedge, c.half_edge_border, c.wedges, c.point_wedge, c.borders);
 }
 
 // About how many disks of the radius have the surface's area, if that is a sphere's of the same extent; 0 for a radius that no
@@ -75,6 +75,10 @@ void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span
   const bool divided = is_divided(mesh, backend);
   const bool buffers = backend == PDESC_BACKEND_GPU || backend == PDESC_BACKEND_SOFTWARE;
   const int64_t kept_for_others = mesh.session ? mesh.session->bytes_kept_for_others() : 0;
+  const int64_t needed = memory.total() - memory.mesh, held = memory.mesh + kept_for_others;
+  // The session holds already what a computation before took.
+  if (!mesh.session) mesh.memory_granted = 0;
+  if (needed + held <= mesh.memory_granted) return;
   check_memory(mesh.context->memory_limit,
                "A computation on " + std::to_string(mesh.triangles.triangle_count) + " triangles" +
                    (divided ? ", divided into " + std::to_string(division_plan_of(mesh, options).pieces()) + " for surface maps,"
@@ -83,7 +87,8 @@ void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span
                divided   ? "use smaller images or a larger radius"
                : buffers ? "use smaller buffers or fewer triangles"
                          : "use fewer triangles",
-               memory.total() - memory.mesh, memory.mesh + kept_for_others);
+               needed, held);
+  mesh.memory_granted = needed + held;
 }
 
 } // namespace paradesc

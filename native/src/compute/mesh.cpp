@@ -5,6 +5,7 @@
 
 #include "compute/memory.h"
 #include "mesh/counting_creases.h"
+#include "mesh/steady_faces.h"
 #include "support/cancel.h"
 #include "support/error.h"
 
@@ -84,17 +85,28 @@ double requested_radius(const Mesh &mesh, const pdesc_options &options) {
   return options.radius * unit;
 }
 
+// In the array of the frame before: a new one would take as long to get.
+static std::span<const vec3> steady_normals_of(Mesh &mesh) {
+  if (mesh.steady_version != mesh.positions_version) {
+    mesh.steady_normals.resize(static_cast<size_t>(mesh.triangles.triangle_count));
+    round_steady_normals(mesh.triangles, mesh.half_edges, mesh.steady_normals, mesh.context->threads);
+    mesh.steady_version = mesh.positions_version;
+  }
+  return mesh.steady_normals;
+}
+
 const Creases &creases_of(Mesh &mesh, const pdesc_options &options) {
   const int threads = mesh.context->threads;
   const int32_t kind = options.creases;
   const Creases &all = mesh.creases.get({mesh.positions_version, kind}, [&] {
-    return kind == PDESC_CREASES_AUTO ? find_creases(mesh.triangles, mesh.half_edges, threads)
+    return kind == PDESC_CREASES_AUTO ? find_creases(mesh.triangles, mesh.half_edges, steady_normals_of(mesh), threads)
                                       : marked_creases(mesh.triangles, mesh.half_edges);
   });
   if (kind != PDESC_CREASES_AUTO) return all;
   const double radius = requested_radius(mesh, options);
-  return mesh.counting_creases.get({mesh.positions_version, kind, radius},
-                                   [&] { return creases_that_count(mesh.triangles, mesh.half_edges, all, radius, threads); });
+  return mesh.counting_creases.get({mesh.positions_version, kind, radius}, [&] {
+    return creases_that_count(mesh.triangles, mesh.half_edges, all, steady_normals_of(mesh), radius, threads);
+  });
 }
 
 static const NormalRings &rings_of(Mesh &mesh, const Creases &creases) {

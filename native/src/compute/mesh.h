@@ -31,12 +31,14 @@ struct Mesh {
 
   // Stages that every engine reads, made when first asked for.
   mutable Keyed<uint64_t, double> mean_edge;                              // by the positions' version
+  std::vector<vec3> steady_normals;                                       // of faces
+  uint64_t steady_version = ~uint64_t{0};                                 // of the positions that they are of
   Keyed<std::pair<uint64_t, int32_t>, Creases> creases;                   // by the positions' version and pdesc_creases
   Keyed<std::tuple<uint64_t, int32_t, double>, Creases> counting_creases; // and by the radius
   Keyed<std::array<uint64_t, 3>, Normals> normals; // by the positions' version, pdesc_normals and the rings' version
-  uint64_t rings_version = 1;          // 0: normals that have none
-  std::vector<int32_t> normals_end_at; // Creases::edges that the rings' version is of
-  std::optional<NormalRings> rings;    // if they are kept
+  uint64_t rings_version = 1;                      // 0: normals that have none
+  std::vector<int32_t> normals_end_at;             // Creases::edges that the rings' version is of
+  std::optional<NormalRings> rings;                // if they are kept
 
   // For engines that do not follow the maps.
   Keyed<DivisionKey, DivisionPlan> division_plan;
@@ -47,6 +49,7 @@ struct Mesh {
 
   std::shared_ptr<Engine> engine; // that the session is of: the context may have gone on to another since
   std::unique_ptr<Session> session;
+  int64_t memory_granted = 0; // bytes, at most, that a computation of this session was checked for
 
   Mesh() = default;
   Mesh(const Mesh &) = delete;

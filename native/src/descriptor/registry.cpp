@@ -46,9 +46,11 @@ std::vector<std::string> all_terms() {
 }
 
 bool uses_terms(int row, std::string_view terms) {
-  std::istringstream list(descriptor_row(row).terms);
-  for (std::string name; list >> name;)
-    if (name == terms) return true;
+  const std::string_view list = descriptor_row(row).terms;
+  for (size_t at = list.find(terms); at != list.npos; at = list.find(terms, at + 1)) {
+    const size_t end = at + terms.size();
+    if ((at == 0 || list[at - 1] == ' ') && (end == list.size() || list[end] == ' ')) return true;
+  }
   return false;
 }
 

@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 #include <utility>
 
 #include "kernel/limits.h"
 #include "mesh/ball_flood.h"
-#include "mesh/steady_faces.h"
 #include "support/parallel.h"
 #include "support/pool.h"
 
@@ -37,37 +35,19 @@ dvec3 middle_of(const Triangles &triangles, int32_t edge) {
   return 0.5 * (dvec3(triangles.position(edge)) + dvec3(triangles.position(next_corner(edge))));
 }
 
-// What one thread keeps: most meshes have creases in some places only.
-struct Seen {
-  Seen(const Triangles &triangles, const HalfEdges &half_edges)
-      : flood(triangles, half_edges), normals(static_cast<size_t>(triangles.triangle_count), vec3(unknown)) {}
-
-  vec3 normal(const Triangles &triangles, const HalfEdges &half_edges, int32_t triangle) {
-    const vec3 &found = normals[triangle];
-    if (std::isnan(found.x)) round_steady_normals(triangles, half_edges, triangle, triangle + 1, normals);
-    return found;
-  }
-
-  static constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
-  BallFlood flood;
-  std::vector<vec3> normals;
-};
-
 // Within this distance of the middle of a crease; its bends are about the angles.
-Bends bends_around(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, double reach, int32_t edge,
-                   Seen &seen) {
-  const auto normal = [&](int32_t triangle) { return seen.normal(triangles, half_edges, triangle); };
-  BallFlood &flood = seen.flood;
+Bends bends_around(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, std::span<const vec3> normals,
+                   double reach, int32_t edge, BallFlood &flood) {
   const dvec3 center = middle_of(triangles, edge);
   flood.start_in_triangle(center, edge / 3);
   flood.grow(reach);
   Bends bends;
   for (const int32_t triangle : flood.triangles()) {
-    const vec3 own = normal(triangle);
+    const vec3 own = normals[triangle];
     for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
       const int32_t twin = half_edges.twin[h];
       if (twin < 0) continue;
-      const vec3 turn = own - normal(twin / 3);
+      const vec3 turn = own - normals[twin / 3];
       const float turn2 = dot(turn, turn);
       if (!(turn2 > 0)) continue;
       const dvec3 begin = dvec3(triangles.position(h)) - center, end = dvec3(triangles.position(next_corner(h))) - center;
@@ -97,8 +77,8 @@ std::vector<int32_t> spread_out(const Triangles &triangles, const Creases &creas
 
 } // namespace
 
-Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, double radius,
-                           int threads) {
+Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases,
+                           std::span<const vec3> normals, double radius, int threads) {
   if (creases.edges.empty()) return {};
   const Creases marked = marked_creases(triangles, half_edges);
   if (creases == marked) return creases;
@@ -106,13 +86,13 @@ Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edg
   constexpr double close = 0.5; // of the radius
   const std::vector<int32_t> chosen = spread_out(triangles, creases, line, close * radius);
   std::vector<Bends> bends(chosen.size());
-  Pool<Seen> pool;
-  parallel_blocks(static_cast<int>(chosen.size()), threads, 4, [&](int begin, int end) {
-    pool.with_one([&] { return Seen(triangles, half_edges); },
-                  [&](Seen &seen) {
+  Pool<BallFlood> pool;
+  parallel_blocks(static_cast<int>(chosen.size()), threads, 16, [&](int begin, int end) {
+    pool.with_one([&] { return BallFlood(triangles, half_edges); },
+                  [&](BallFlood &flood) {
                     for (int i = begin; i < end; ++i)
-                      bends[i] =
-                          bends_around(triangles, half_edges, creases, CREASE_REACH * radius, creases.edges[chosen[i]], seen);
+                      bends[i] = bends_around(triangles, half_edges, creases, normals, CREASE_REACH * radius,
+                                              creases.edges[chosen[i]], flood);
                   });
   });
   std::vector<Bends> of_line(static_cast<size_t>(half_edges.point_count));

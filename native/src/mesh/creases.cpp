@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
-#include <memory>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -231,13 +230,8 @@ static std::vector<int32_t> bent_edges(const HalfEdges &half_edges, std::span<co
   return bent;
 }
 
-Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, int threads) {
+Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, int threads) {
   const Creases marked = marked_creases(triangles, half_edges);
-  const auto faces = static_cast<size_t>(triangles.triangle_count);
-  const auto written = std::make_unique_for_overwrite<vec3[]>(faces);
-  const std::span normals(written.get(), faces);
-  parallel_blocks(triangles.triangle_count, threads, block_size,
-                  [&](int begin, int end) { round_steady_normals(triangles, half_edges, begin, end, normals); });
   const Surroundings surroundings(triangles, half_edges, normals);
   std::vector<std::vector<int32_t>> found(static_cast<size_t>(triangles.triangle_count / block_size + 1)); // block by block
   parallel_blocks(triangles.triangle_count, threads, block_size, [&](int begin, int end) {

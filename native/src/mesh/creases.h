@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mesh/halfedge.h"
@@ -28,7 +29,8 @@ Creases creases_along(const HalfEdges &half_edges, std::vector<int32_t> edges);
 // - it bends by 50 degrees, and 2.5 times as much as the other edges of its two triangles do along it (a box of one quad a side).
 // Unmarked edges that hang together count only if they end nowhere within the surface, or are 16 at least: a fold of an organic
 // surface comes and goes. Edges of noise are as bent as their neighbors, and those of a flat-shaded smooth surface are, too.
-Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, int threads = 0);
+// normals: (triangle_count) round_steady_normals.
+Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, int threads = 0);
 
 // (edges) those that hang together share a number, that of one of their points.
 std::vector<int32_t> lines_of(const HalfEdges &half_edges, const std::vector<int32_t> &edges);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "support/angle.h"
+#include "support/parallel.h"
 
 namespace paradesc {
 
@@ -75,7 +76,7 @@ dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int
   return length > 0 ? product / length : dvec3(0);
 }
 
-void round_steady_normals(const Triangles &triangles, const HalfEdges &half_edges, int begin, int end, std::span<vec3> normals) {
+static void round_some(const Triangles &triangles, const HalfEdges &half_edges, int begin, int end, std::span<vec3> normals) {
   constexpr float least_sine = 0.1f, least_square = 1e-30f; // floats below have fewer digits
   constexpr auto rounding = static_cast<float>(4 * ROUNDING);
   for (int first = begin; first < end; first += lanes) {
@@ -101,6 +102,12 @@ void round_steady_normals(const Triangles &triangles, const HalfEdges &half_edge
       normals[first + i] =
           area[i] > doubtful[i] ? vec3(unit.x[i], unit.y[i], unit.z[i]) : vec3(steady_normal(triangles, half_edges, first + i));
   }
+}
+
+void round_steady_normals(const Triangles &triangles, const HalfEdges &half_edges, std::span<vec3> normals, int threads) {
+  constexpr int block = 1024;
+  parallel_blocks(triangles.triangle_count, threads, block,
+                  [&](int begin, int end) { round_some(triangles, half_edges, begin, end, normals); });
 }
 
 double bend_between(dvec3 left, dvec3 right, dvec3 along) {

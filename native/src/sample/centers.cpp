@@ -65,6 +65,9 @@ Centers list_centers(const Charts &charts, const CenterOptions &options) {
   }
   centers.order.resize(centers.points.size());
   std::iota(centers.order.begin(), centers.order.end(), 0);
+  centers.listed_point = centers.points;
+  for (size_t i = 0; i < centers.points.size(); ++i)
+    centers.listed_primary.push_back(charts.point_wedge[centers.points[i]] == centers.wedges[i]);
   return centers;
 }
 

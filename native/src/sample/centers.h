@@ -29,6 +29,9 @@ struct Centers {
   std::vector<int32_t> wedges; // -1: the point has no wedge
   std::vector<int32_t> points;
   std::vector<int32_t> order; // the number that each center had when the list was made
+  // In the order in which the list was made: the point, and whether the center is its point's primary one.
+  std::vector<int32_t> listed_point;
+  std::vector<uint8_t> listed_primary;
 
   // Center i becomes the one that was center order_now[i].
   void permute(const std::vector<int32_t> &order_now);

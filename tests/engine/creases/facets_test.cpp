@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/steady_faces.h"
+#include "support/creases.h"
 #include "support/solids.h"
 #include "support/surfaces.h"
 
@@ -22,7 +22,7 @@ struct Subject {
   Facets facets, none;
 
   explicit Subject(Triangles list)
-      : triangles(std::move(list)), half_edges(build_half_edges(triangles)), creases(find_creases(triangles, half_edges)) {
+      : triangles(std::move(list)), half_edges(build_half_edges(triangles)), creases(creases_of(triangles, half_edges)) {
     normals = compute_normals(triangles, half_edges, build_normal_rings(triangles, half_edges, creases), PDESC_NORMALS_FITTED, 0);
     facets = find_facets(triangles, half_edges, normals, creases);
     none = no_facets(triangles);

@@ -11,7 +11,7 @@
 
 #include "descriptor/registry.h"
 #include "engine/reference/reference.h"
-#include "mesh/steady_faces.h"
+#include "support/creases.h"
 #include "support/solids.h"
 #include "support/surfaces.h"
 
@@ -25,7 +25,7 @@ struct Subject {
   Normals normals;
 
   explicit Subject(Triangles list)
-      : triangles(std::move(list)), half_edges(build_half_edges(triangles)), creases(find_creases(triangles, half_edges)) {
+      : triangles(std::move(list)), half_edges(build_half_edges(triangles)), creases(creases_of(triangles, half_edges)) {
     normals = compute_normals(triangles, half_edges, build_normal_rings(triangles, half_edges, creases), PDESC_NORMALS_FITTED, 0);
   }
 
@@ -279,8 +279,7 @@ TEST(Solid, marked_edges_of_a_smooth_surface_change_little) {
   EXPECT_EQ(subject.creases.edges.size(), 3);
   double most = 0; // that the facets bend at one
   for (int32_t h = 0; h < 3 * subject.triangles.triangle_count; ++h)
-    if (subject.creases.contains(h))
-      most = std::max(most, bend_at(subject.triangles, subject.half_edges, h));
+    if (subject.creases.contains(h)) most = std::max(most, bend_at(subject.triangles, subject.half_edges, h));
   const double r = 0.2, line = 4 / (3 * pi * r) * most; // H of an edge that bends by this and ends at the point
   EXPECT_LT(line, 0.2);
   for (const double mean : subject.values("mean_curvature", r)) EXPECT_NEAR(mean, 1, line);

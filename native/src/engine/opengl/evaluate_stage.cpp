@@ -157,12 +157,8 @@ CenterResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSetti
                                              const Progress &progress) {
   const std::vector<float> rows = evaluate(job, settings, frame, search, progress, 0.3, 1.0);
   CenterResults results = results_of(settings, frame, rows, centers.order);
-  results.point.resize(centers.order.size());
-  results.primary.resize(centers.order.size());
-  for (size_t i = 0; i < centers.order.size(); ++i) {
-    results.point[centers.order[i]] = centers.points[i];
-    results.primary[centers.order[i]] = job.charts().point_wedge[centers.points[i]] == centers.wedges[i];
-  }
+  results.point = centers.listed_point;
+  results.primary = centers.listed_primary;
   return results;
 }
 

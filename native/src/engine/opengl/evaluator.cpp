@@ -96,6 +96,7 @@ GLuint evaluate_program(const Gl &gl, ProgramCache &programs, const EvaluateSett
   const std::string variant = variant_of(settings, buffer_variant, texelless);
   std::string name = "evaluate " + variant;
   for (const int descriptor : settings.descriptors) name += " " + std::to_string(descriptor);
+  if (const GLuint kept = programs.find(name)) return kept; // its texts are long
   const bool integral = settings.estimator != PDESC_ESTIMATOR_SHAPE_OPERATOR;
   return programs.get(gl, name, {{GL_COMPUTE_SHADER, "opengl/evaluate/evaluate.comp.glsl"}},
                       {{"variant.glsl", variant},

@@ -35,7 +35,9 @@ void GlThread::run(const std::function<void(const Gl &, ProgramCache &)> &work) 
   std::unique_lock lock(mutex_);
   work_ = &work;
   error_ = nullptr;
+  lock.unlock(); // or the thread would wake up only to wait for it
   changed_.notify_all();
+  lock.lock();
   changed_.wait(lock, [&] { return work_ == nullptr; });
   if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
 }
@@ -74,7 +76,9 @@ void GlThread::loop(bool software, int device_index, const DriverSubstitute &sub
     lock.lock();
     error_ = error;
     work_ = nullptr;
+    lock.unlock();
     changed_.notify_all();
+    lock.lock();
   }
   programs.clear();
 }

@@ -88,13 +88,16 @@ static GLuint compile(const Gl &gl, const ShaderStage &stage, std::map<std::stri
                                            "): " + one_line(log.c_str()));
 }
 
+GLuint ProgramCache::find(const std::string &name) {
+  const auto found = programs_.find(name);
+  if (found == programs_.end()) return 0;
+  found->second.last_call = ++calls_;
+  return found->second.id;
+}
+
 GLuint ProgramCache::get(const Gl &gl, const std::string &name, const std::vector<ShaderStage> &stages,
                          const std::map<std::string, std::string> &generated) {
-  ++calls_;
-  if (const auto found = programs_.find(name); found != programs_.end()) {
-    found->second.last_call = calls_;
-    return found->second.id;
-  }
+  if (const GLuint kept = find(name)) return kept;
   std::vector<GLuint> shaders;
   try {
     for (const ShaderStage &stage : stages) shaders.push_back(compile(gl, stage, generated));
@@ -120,7 +123,7 @@ GLuint ProgramCache::get(const Gl &gl, const std::string &name, const std::vecto
     gl.DeleteProgram(oldest->second.id);
     programs_.erase(oldest);
   }
-  programs_[name] = {program, calls_};
+  programs_[name] = {program, ++calls_};
   return program;
 }
 

@@ -35,13 +35,14 @@ public:
   // takes half a megabyte, and a context may live as long as its host. Throws Error(UNSUPPORTED) with the driver's log.
   GLuint get(const Gl &gl, const std::string &name, const std::vector<ShaderStage> &stages,
              const std::map<std::string, std::string> &generated = {});
-  void clear() { programs_.clear(); } // the context is about to go, and takes the programs with it
+  GLuint find(const std::string &name); // 0: it is not kept
+  void clear() { programs_.clear(); }   // the context is about to go, and takes the programs with it
 
 private:
   static constexpr size_t max_programs_ = 32;
   struct Program {
     GLuint id;
-    uint64_t last_call; // the number of the get() that returned it last
+    uint64_t last_call; // the number of the call that returned it last
   };
   std::map<std::string, Program> programs_;
   uint64_t calls_ = 0;
