@@ -43,6 +43,7 @@ double seconds_of(clockid_t clock) {
 
 // The library's threads: those that are there before a device is opened, and the one that calls it. All others are the driver's.
 std::set<int> own_threads;
+std::vector<int> driver_threads; // once a frame has been computed
 std::atomic<int> calling_thread = 0;
 
 std::set<int> threads_now() {
@@ -58,11 +59,16 @@ void start_workers() {
   own_threads = threads_now();
 }
 
+void find_driver_threads() {
+  driver_threads.clear();
+  for (const int number : threads_now())
+    if (!own_threads.contains(number) && number != calling_thread) driver_threads.push_back(number);
+}
+
 double seconds_of_driver_threads() {
   constexpr clockid_t of_thread = 6; // as pthread_getcpuclockid makes it, of a thread's number
   double seconds = 0.0;
-  for (const int number : threads_now())
-    if (!own_threads.contains(number) && number != calling_thread) seconds += seconds_of(~number * 8 | of_thread);
+  for (const int number : driver_threads) seconds += seconds_of(~number * 8 | of_thread);
   return seconds;
 }
 
@@ -238,6 +244,7 @@ void run(int count, char **words) {
   const int wanted = count > 4 ? std::max(1, std::stoi(words[4])) : 5;
   Moving moving(words[1], std::stod(words[2]), gpu ? PDESC_BACKEND_GPU : PDESC_BACKEND_SOFTWARE);
   for (const int turn : {0, 1}) moving.run(turn); // what is made once, and what only a mesh that moves keeps
+  find_driver_threads();
   std::vector<Frame> frames;
   for (int turn = 0; turn < wanted; ++turn) frames.push_back(moving.run(turn));
   std::ranges::sort(frames, {}, [](const Frame &frame) { return frame.taken.host(); });

@@ -30,7 +30,8 @@ bool device_may_fit_normals(const pdesc_options &options, bool surface_maps) {
 
 bool TextureSpace::fits_normals(const Job &job) const {
   const Surface &surface = job.surface;
-  if (!device_may_fit_normals(job.options(), surface.maps.any()) || (surface.creases && !surface.creases->edges.empty())) return false;
+  if (!device_may_fit_normals(job.options(), surface.maps.any()) || (surface.creases && !surface.creases->edges.empty()))
+    return false;
   const NormalRings &rings = surface.normals.rings();
   const auto longest = std::max(rings.face.size(), rings.ring_vertex.size());
   return rings.one_fan_a_point && longest <= static_cast<size_t>(gl_->list_texels());
@@ -155,7 +156,7 @@ CenterOptions TextureSpace::center_options(const Job &job, const Frame &frame, d
 // Sets the frame's radius in texels.
 void TextureSpace::measure_radius(const Job &job, Frame &frame, double radius) {
   const Charts &charts = job.charts();
-  const size_t step = std::max<size_t>(1, charts.wedges.size() / 256); // the median does with some
+  const size_t step = std::max<size_t>(1, charts.wedges.size() / 128); // the median does with some
   const std::vector<vec4> sizes = ellipses(job, frame.space, static_cast<int>(step));
   frame.radius_in_texels = median_radius_in_texels(charts, center_options(job, frame, radius),
                                                    static_cast<float>(radius * frame.space.scale), sizes, step);

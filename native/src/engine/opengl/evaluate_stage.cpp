@@ -82,22 +82,29 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
   }
 }
 
-// Checks ambiguous centers, so many at a time as floods are kept side by side: how many there are, the device alone knows.
+// Checks ambiguous centers, in rounds of as many as floods are kept side by side. How many there are, the device alone knows:
+// beyond their end rounds take next to no time, and more and more go together.
 void TextureSpace::check_connected(const EvaluateSettings &settings, int count, const Progress &progress, double from,
                                    double to) {
-  for (int first = 0; first < count; first += device_->connected.slots()) {
+  const int round = device_->connected.slots();
+  int tile = round;
+  for (int first = 0, last = 0; first < count; first = last) {
+    last = first + std::min(tile, count - first);
+    Clock clock;
     gl_->run([&](const Gl &gl, ProgramCache &programs) {
-      device_->evaluator.check(gl, programs, *device_->buffer, device_->surface, settings, first);
+      device_->evaluator.check(gl, programs, *device_->buffer, device_->surface, settings, first, last);
     });
-    check_cancel(progress, "evaluate", from + (to - from) * first / count);
+    tile = next_tile(tile, clock.lap(), round, round);
+    check_cancel(progress, "evaluate", from + (to - from) * last / count);
   }
 }
 
 // Evaluates the evaluator's centers; progress goes from one fraction of the whole to another. search: finds their neighborhoods
 // once more, as it did before, where a list of the search was longer than its room. Returns rows of results as the device has
-// them.
-std::vector<float> TextureSpace::evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
-                                          const std::function<void()> &search, const Progress &progress, double from, double to) {
+// them, until the next ones.
+const std::vector<float> &TextureSpace::evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
+                                                 const std::function<void()> &search, const Progress &progress, double from,
+                                                 double to) {
   const double checked_from = job.connected() ? from + 0.8 * (to - from) : to;
   const int count = device_->evaluator.center_count();
   for (;;) {
@@ -108,11 +115,10 @@ std::vector<float> TextureSpace::evaluate(const Job &job, const EvaluateSettings
     });
     evaluate_tiles(job, settings, count, progress, from, checked_from);
     if (job.connected()) check_connected(settings, count, progress, checked_from, to);
-    Evaluated read;
-    gl_->run([&](const Gl &gl, ProgramCache &) { read = device_->evaluator.read(gl, settings); });
-    if (!job.connected()) return std::move(read.rows);
-    const bool lists_fit = had_room(read.counts);
-    if (lists_fit && floods_had_room(read.patches)) return std::move(read.rows);
+    gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.read(gl, settings, evaluated_); });
+    if (!job.connected()) return evaluated_.rows;
+    const bool lists_fit = had_room(evaluated_.counts);
+    if (lists_fit && floods_had_room(evaluated_.patches)) return evaluated_.rows;
     if (!lists_fit) search();
   }
 }
@@ -155,7 +161,7 @@ CenterResults TextureSpace::results_of(const EvaluateSettings &settings, const F
 CenterResults TextureSpace::evaluate_centers(const Job &job, const EvaluateSettings &settings, const Frame &frame,
                                              const Centers &centers, const std::function<void()> &search,
                                              const Progress &progress) {
-  const std::vector<float> rows = evaluate(job, settings, frame, search, progress, 0.3, 1.0);
+  const std::vector<float> &rows = evaluate(job, settings, frame, search, progress, 0.3, 1.0);
   CenterResults results = results_of(settings, frame, rows, centers.order);
   results.point = centers.listed_point;
   results.primary = centers.listed_primary;

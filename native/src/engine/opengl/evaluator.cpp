@@ -241,25 +241,27 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
 }
 
 void Evaluator::check(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const DeviceSurface &surface,
-                      EvaluateSettings settings, int first) {
+                      EvaluateSettings settings, int first, int last) {
   const ConnectedTriangles &connected = *settings.connected;
   settings.exact = true;
-  use_params(gl, params_of(settings, first, std::min(first + connected.slots(), count_)));
-  bind(gl, settings);
-  connected.flood(gl, programs, surface);
-  use_params(gl, params_of(settings, 0, connected.slots()));
-  settings.search->run(gl, programs, *settings.cells, true, connected.slots());
-  use_program(gl, programs, buffer, settings);
-  gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, connected.list());
-  gl.DispatchComputeIndirect(CONNECTED_AGAIN_GROUPS * sizeof(int32_t));
-  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+  for (int end = first; first < last; first = end) {
+    end = std::min(first + connected.slots(), last);
+    use_params(gl, params_of(settings, first, end));
+    bind(gl, settings);
+    connected.flood(gl, programs, surface);
+    use_params(gl, params_of(settings, 0, connected.slots()));
+    settings.search->run(gl, programs, *settings.cells, true, connected.slots());
+    use_program(gl, programs, buffer, settings);
+    gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, connected.list());
+    gl.DispatchComputeIndirect(CONNECTED_AGAIN_GROUPS * sizeof(int32_t));
+    gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+  }
   gl.Finish();
   check_gl(gl, "connected triangles");
 }
 
 // Together: a device is waited for once.
-Evaluated Evaluator::read(const Gl &gl, const EvaluateSettings &settings) const {
-  Evaluated read;
+void Evaluator::read(const Gl &gl, const EvaluateSettings &settings, Evaluated &read) const {
   const size_t values = result_values(settings, count_);
   read.rows.resize(values + counts_read);
   const auto behind = static_cast<GLintptr>(values * sizeof(float));
@@ -272,7 +274,6 @@ Evaluated Evaluator::read(const Gl &gl, const EvaluateSettings &settings) const 
   if (settings.search) std::memcpy(&read.counts, read.rows.data() + values, sizeof read.counts);
   if (settings.connected) read.patches = std::bit_cast<int32_t>(read.rows.back());
   read.rows.resize(values);
-  return read;
 }
 
 } // namespace paradesc

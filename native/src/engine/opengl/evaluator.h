@@ -94,10 +94,11 @@ public:
   // Computes centers [first, last); returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
            int last);
-  // Looks at some of the ambiguous centers that run() found, as ConnectedTriangles::flood, and computes again what has to be.
+  // Looks at the ambiguous centers [first, last) that run() found, as ConnectedTriangles::flood, and computes again what has to
+  // be; returns as run() does.
   void check(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const DeviceSurface &surface,
-             EvaluateSettings settings, int first);
-  Evaluated read(const Gl &gl, const EvaluateSettings &settings) const;
+             EvaluateSettings settings, int first, int last);
+  void read(const Gl &gl, const EvaluateSettings &settings, Evaluated &read) const;
 
 private:
   void use_params(const Gl &gl, const EvaluateParams &params);

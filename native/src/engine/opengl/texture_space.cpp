@@ -157,8 +157,8 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
     };
     search();
     const double share = 0.7 / static_cast<double>(count);
-    const std::vector<float> rows = evaluate(job, settings, frame, search, job.progress, 0.3 + share * static_cast<double>(first),
-                                             0.3 + share * static_cast<double>(last));
+    const std::vector<float> &rows = evaluate(job, settings, frame, search, job.progress,
+                                              0.3 + share * static_cast<double>(first), 0.3 + share * static_cast<double>(last));
     CenterResults results = results_of(settings, frame, rows, order);
     creases.at_texels(settings.descriptors, map, first, results);
     append(all, std::move(results));

@@ -192,8 +192,8 @@ private:
 
   // evaluate_stage.cpp
   EvaluateSettings settings_of(const Job &job, const Frame &frame);
-  std::vector<float> evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
-                              const std::function<void()> &search, const Progress &progress, double from, double to);
+  const std::vector<float> &evaluate(const Job &job, const EvaluateSettings &settings, const Frame &frame,
+                                     const std::function<void()> &search, const Progress &progress, double from, double to);
   void evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                       double to);
   void check_connected(const EvaluateSettings &settings, int count, const Progress &progress, double from, double to);
@@ -219,6 +219,7 @@ private:
   Keyed<BakeKey, BakeSpace> baked_;                                  // what the buffers hold
   Keyed<std::pair<int, int>, std::vector<int32_t>> ellipse_corners_; // by the atlas's version and the step
   Keyed<AtlasSize, TexelMap> texels_;
+  Evaluated evaluated_;                   // of the last passes: a new list would take as long to get
   uint64_t last_version_ = 0;             // of starts
   std::vector<int32_t> patch_codes_;      // Patches::code, if they are on the device
   uint64_t checked_starts_ = 0;           // version of the starts that device_->connected has
