@@ -12,7 +12,7 @@ layout(binding = UNIT_CELL_TRAITS) uniform isamplerBuffer cell_traits;
 
 void main() {
   int list = own_element();
-  if (list >= last || !lists_fit()) return;
+  if (list >= last || !cells_fit()) return; // all neighbors are counted, whether they have room or not
   ivec4 range = near_ranges[list];
   int neighbors = 0;
   vec3 sum = vec3(0.0);

@@ -9,9 +9,9 @@
 
 namespace paradesc {
 
-// About half the radius: a neighborhood then meets a few dozen cells, at every radius; more where samples lie farther apart than
-// that. One invocation measures a cell, and software devices limit its loops (shared.h).
-static int block_size(double radius_in_texels, int samples, int buffer_size) {
+// More where samples lie farther apart than that. One invocation measures a cell, and software devices limit its loops
+// (shared.h).
+int block_size(double radius_in_texels, int samples, int buffer_size) {
   constexpr int largest = 128;
   static_assert(largest * (largest + 1) < MAX_ITERATIONS);
   const double apart = radius_in_texels * std::sqrt(pi / samples), least = std::max(radius_in_texels / 3.0, 1.5 * apart);

@@ -2,6 +2,7 @@
 #include "engine/opengl/opengl_engine.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "descriptor/registry.h"
 #include "engine/memory.h"
@@ -48,6 +49,29 @@ static int64_t bytes_of_rings(const ComputationSize &size) {
   return device_may_fit_normals(size.options, size.surface_maps) ? size.points * 250 : 0;
 }
 
+// Cells near the centers that start in one cell are listed once for them, with their neighbors. How many there are follows from
+// how much of the buffers the map fills, which is not known yet: what takes the most is expected.
+static int64_t bytes_of_near_cells(const ComputationSize &size, int64_t centers) {
+  constexpr double of_cell = 84, of_neighbor = 16, neighbors = 7, spare = 1.125; // CellBuffers::make_room
+  constexpr double beyond = 1.7;                                                 // blocks, that a list reaches beyond the radius
+  constexpr double cut_by_border = 4;  // of the blocks along a chart's border, one makes a cell more
+  constexpr double of_triangle = 2.31; // the square of a side, in areas of a regular triangle
+  const pdesc_options &options = size.options;
+  const double texels = static_cast<double>(options.buffer_size) * options.buffer_size;
+  const double all_texels = static_cast<double>(options.texels) * options.texels;
+  const double share = options.evaluate == PDESC_EVALUATE_TEXEL ? std::min(1.0, static_cast<double>(centers) / all_texels) : 1.0;
+  double most = 0.0;
+  for (const double filled : {1.0, 0.9, 0.8, 0.7, 0.6, 0.5}) {
+    const double covered = filled * texels, radius = std::sqrt(covered / (pi * std::max(size.disks, 1.0)));
+    const double block = block_size(radius, options.samples, options.buffer_size), across = (radius + beyond * block) / block;
+    const double side = std::sqrt(of_triangle * covered / static_cast<double>(std::max<int64_t>(size.triangles, 1)));
+    const double cells = covered / (block * block) + static_cast<double>(size.borders) * side / (cut_by_border * block);
+    const double near_one = std::min(cells, pi * across * across * cells * block * block / covered);
+    most = std::max(most, share * std::min(cells, static_cast<double>(centers)) * near_one);
+  }
+  return static_cast<int64_t>(spare * most * (of_cell + neighbors * of_neighbor));
+}
+
 static int64_t bytes_of_device(const ComputationSize &size) {
   const pdesc_options &options = size.options;
   const int64_t texels = int64_t{options.buffer_size} * options.buffer_size;
@@ -58,10 +82,9 @@ static int64_t bytes_of_device(const ComputationSize &size) {
   int64_t bytes = texels * a_texel + bytes_of_rings(size) + size.triangles * 76 + size.points * 24 + size.wedges * 32 +
                   size.borders * 100 + centers * (200 + 4 * rows_of(size.descriptors));
   if (options.relocation == PDESC_RELOCATION_CONNECTED)
-    bytes += std::min<int64_t>(texels * 5 / 4, max_listed_points) * 32 // samples
-             + std::min<int64_t>(texels * 64, 1 << 27)                 // cells near centers
-             + std::min<int64_t>(centers * 2048, 1 << 26)              // ranges of a tile
-             + size.triangles * 56                                     // patches
+    bytes += std::min<int64_t>(texels * 5 / 4, max_listed_points) * 32                         // samples
+             + bytes_of_near_cells(size, centers) + std::min<int64_t>(centers * 2048, 1 << 26) // ranges of a tile
+             + size.triangles * 56                                                             // patches
              + bytes_of_floods(centers, expected_patches(static_cast<double>(size.triangles) / std::max(size.disks, 1e-6)));
   if (reads_map(size.descriptors)) bytes += size.wedges * 32;
   if (options.relocation == PDESC_RELOCATION_PAPER) bytes += int64_t{16384} * MAX_VISITS * 64 + 16384 * 2048;

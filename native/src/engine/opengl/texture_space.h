@@ -227,6 +227,10 @@ private:
   Keyed<SamplesKey, bool> listed_points_; // what device_->points holds
 };
 
+// Texels along a side of the blocks that cells are cut by, about half the radius: a neighborhood then meets a few dozen cells, at
+// every radius.
+int block_size(double radius_in_texels, int samples, int buffer_size);
+
 // Whether nothing on the processor asks for the normals that these options want, unless there are creases: the device then fits
 // them by itself, if it can list their rings.
 bool device_may_fit_normals(const pdesc_options &options, bool surface_maps);
