@@ -1,6 +1,8 @@
 // What a mesh keeps from one computation to the next, after what it was made of has changed: every result is that of a new mesh,
 // bit for bit.
 #include <cmath>
+#include <iterator>
+#include <set>
 
 #include "support/api_fixture.h"
 
@@ -95,8 +97,8 @@ TEST_P(Stale, a_bent_mesh_is_computed_as_a_new_one) {
                      }),
                      "at texels");
   if (!on_device) return; // the rest is of texture space
-  bend_and_compare(with([](Settings &s) { s.precision = PDESC_PRECISION_HALF; }), "half floats");
   bend_and_compare(with([](Settings &s) { s.seam_error = 1; }), "every place of a vertex");
+  bend_and_compare(with([](Settings &s) { s.precision = PDESC_PRECISION_HALF; }), "half floats");
   bend_and_compare(with([](Settings &s) { s.relocation = PDESC_RELOCATION_AFFINE; }), "samples that walk");
   names.pop_back(); // operators work at vertices, and the paper's way is slow
   bend_and_compare(with([](Settings &s) { s.relocation = PDESC_RELOCATION_PAPER; }), "the paper's way");
@@ -128,6 +130,29 @@ TEST_P(Stale, a_folded_sheet_is_computed_as_a_new_one) {
     const Results now = run(kept.get(), settings), fresh = run(make_mesh(context.get(), mesh).get(), settings);
     EXPECT_NE(now["euclidean_area"], flat) << "the folds are to change something";
     for (const std::string &name : names) expect_same_bits(now[name], fresh[name]);
+  }
+}
+
+// A sheet of squares that is bent along one of their lines, then along another: as many creases, elsewhere.
+TEST_P(Stale, creases_that_have_wandered_are_those_of_a_new_mesh) {
+  TestMesh sheet = plane(1, 1, {.vertices = 441, .irregular = false});
+  lay_out(sheet, {.charts = 1});
+  std::set<double> columns;
+  for (const Vec3 &point : sheet.points) columns.insert(point.x);
+  ASSERT_GT(columns.size(), 15u);
+  mesh = sheet;
+  kept = make_mesh(context.get(), mesh);
+  names = {"mean_curvature"};
+  const Settings settings{.radius = 0.1, .radius_unit = PDESC_RADIUS_ABSOLUTE, .samples = 64, .buffer_size = 256};
+  for (const int column : {5, 14}) {
+    const double line = *std::next(columns.begin(), column);
+    for (size_t i = 0; i < mesh.points.size(); ++i) mesh.points[i].z = std::max(0.0, sheet.points[i].x - line);
+    round_to_float(mesh);
+    ASSERT_EQ(pdesc_mesh_set_positions(kept.get(), mesh.positions.data(), mesh.vertex_count), PDESC_OK) << pdesc_last_error();
+    const Results now = run(kept.get(), settings), fresh = run(make_mesh(context.get(), mesh).get(), settings);
+    EXPECT_GT(now.report.crease_edges, 15);
+    EXPECT_EQ(now.report.crease_edges, fresh.report.crease_edges);
+    expect_same_bits(now["mean_curvature"], fresh["mean_curvature"]);
   }
 }
 

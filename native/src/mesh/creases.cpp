@@ -58,15 +58,16 @@ private:
                                  along(triangles_, half_edge)));
   }
 
-  // Between what an edge bends, without the angle: it is over its chord, below a quarter of a turn by less than a ninth.
+  // Between what an edge bends, without the angle: below a quarter of a turn, that is over its chord by less than a ninth.
   struct Bounds {
     double low, high;
   };
   Bounds bounds_of(int half_edge) const {
     const vec3 left = normals_[half_edge / 3], right = normals_[half_edges_.twin[half_edge] / 3];
     constexpr double over_chord = 0.055; // of the chord's cube: a 24th for small angles
+    if (!(glm::dot(left, right) > 0.01f)) return {0, pi}; // as much as that, or one of them has no normal
     const auto chord = static_cast<double>(length(left - right));
-    return {chord, glm::dot(left, right) > 0.01f ? chord + over_chord * chord * chord * chord : pi};
+    return {chord, chord + over_chord * chord * chord * chord};
   }
 
   // The triangle beside a half-edge; a needle is as wide as what lies behind it.

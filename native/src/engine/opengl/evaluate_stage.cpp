@@ -82,20 +82,20 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
   }
 }
 
-// Checks ambiguous centers, in rounds of as many as floods are kept side by side. How many there are, the device alone knows:
-// beyond their end rounds take next to no time, and more and more go together.
-void TextureSpace::check_connected(const EvaluateSettings &settings, int count, const Progress &progress, double from,
+// Checks the ambiguous centers [first, end), in rounds of as many as floods are kept side by side. Beyond the last one, rounds
+// take next to no time, and more and more go together.
+void TextureSpace::check_connected(const EvaluateSettings &settings, int first, int end, const Progress &progress, double from,
                                    double to) {
   const int round = device_->connected.slots();
   int tile = round;
-  for (int first = 0, last = 0; first < count; first = last) {
-    last = first + std::min(tile, count - first);
+  for (int begin = first, last = first; begin < end; begin = last) {
+    last = begin + std::min(tile, end - begin);
     Clock clock;
     gl_->run([&](const Gl &gl, ProgramCache &programs) {
-      device_->evaluator.check(gl, programs, *device_->buffer, device_->surface, settings, first, last);
+      device_->evaluator.check(gl, programs, *device_->buffer, device_->surface, settings, begin, last);
     });
     tile = next_tile(tile, clock.lap(), round, round);
-    check_cancel(progress, "evaluate", from + (to - from) * last / count);
+    check_cancel(progress, "evaluate", from + (to - from) * last / device_->evaluator.center_count());
   }
 }
 
@@ -114,9 +114,18 @@ const std::vector<float> &TextureSpace::evaluate(const Job &job, const EvaluateS
       if (settings.faces()) device_->evaluator.use_faces(device_->surface.faces(gl, programs));
     });
     evaluate_tiles(job, settings, count, progress, from, checked_from);
-    if (job.connected()) check_connected(settings, count, progress, checked_from, to);
-    gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.read(gl, settings, evaluated_); });
+    int checked = 0, ambiguous = job.connected() ? cells().ambiguous : 0; // how many there are, the device alone knows
+    do {
+      if (job.connected()) {
+        const int end = std::min(count, std::max(ambiguous, checked + device_->connected.slots()));
+        check_connected(settings, checked, end, progress, checked_from, to);
+        checked = end;
+      }
+      gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.read(gl, settings, evaluated_); });
+      ambiguous = evaluated_.ambiguous;
+    } while (ambiguous > checked);
     if (!job.connected()) return evaluated_.rows;
+    cells().ambiguous = ambiguous + ambiguous / 8;
     const bool lists_fit = had_room(evaluated_.counts);
     if (lists_fit && floods_had_room(evaluated_.patches)) return evaluated_.rows;
     if (!lists_fit) search();

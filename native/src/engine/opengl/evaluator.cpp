@@ -55,8 +55,9 @@ void Evaluator::use_centers(GLuint centers, int count) {
   count_ = count;
 }
 
-// Numbers behind the results: SearchCounts, and the patches of ConnectedTriangles.
-static constexpr size_t counts_read = sizeof(SearchCounts) / sizeof(float) + 1;
+// Numbers behind the results: SearchCounts, then what ConnectedTriangles counts.
+static constexpr size_t counts_read = sizeof(SearchCounts) / sizeof(float) + 2;
+static_assert(CONNECTED_PATCHES == CONNECTED_AMBIGUOUS + 1);
 
 // Numbers of the results themselves.
 static size_t result_values(const EvaluateSettings &settings, int count) {
@@ -267,12 +268,16 @@ void Evaluator::read(const Gl &gl, const EvaluateSettings &settings, Evaluated &
   const auto behind = static_cast<GLintptr>(values * sizeof(float));
   if (settings.search) gl.CopyNamedBufferSubData(settings.cells->counts(), results_.id(), 0, behind, sizeof(SearchCounts));
   if (settings.connected)
-    gl.CopyNamedBufferSubData(settings.connected->list(), results_.id(), CONNECTED_PATCHES * sizeof(int32_t),
-                              behind + static_cast<GLintptr>(sizeof(SearchCounts)), sizeof(int32_t));
+    gl.CopyNamedBufferSubData(settings.connected->list(), results_.id(), CONNECTED_AMBIGUOUS * sizeof(int32_t),
+                              behind + static_cast<GLintptr>(sizeof(SearchCounts)), 2 * sizeof(int32_t));
   gl.GetNamedBufferSubData(results_.id(), 0, static_cast<GLsizeiptr>(read.rows.size() * sizeof(float)), read.rows.data());
   check_gl(gl, "read-back");
   if (settings.search) std::memcpy(&read.counts, read.rows.data() + values, sizeof read.counts);
-  if (settings.connected) read.patches = std::bit_cast<int32_t>(read.rows.back());
+  read.ambiguous = read.patches = 0;
+  if (settings.connected) {
+    read.ambiguous = std::bit_cast<int32_t>(read.rows[values + counts_read - 2]);
+    read.patches = std::bit_cast<int32_t>(read.rows.back());
+  }
   read.rows.resize(values);
 }
 

@@ -70,6 +70,7 @@ GLuint evaluate_program(const Gl &gl, ProgramCache &programs, const EvaluateSett
 struct Evaluated {
   std::vector<float> rows; // (ROW_DESCRIPTORS + value_rows, centers), in buffer units
   SearchCounts counts{};   // how long the lists were that neighborhoods were found in, if they were
+  int ambiguous = 0;       // centers
   int patches = 0;         // that a flood came to, at most
 };
 

@@ -110,6 +110,7 @@ struct CellSet {
   Keyed<SamplesKey, TexellessSamples> samples;  // and their samples; those of triangles without texels
   CellSampling room;                            // for which the buffers' lists have had room
   int flood_room = 0;                           // that floods had then, as ConnectedTriangles has it
+  int ambiguous = 0;                            // centers that may be ambiguous: there were fewer before
   Keyed<int, std::vector<int32_t>> texel_cells; // by the map's size: (texel centers) where their searches start
   Keyed<CentersKey, OrderedCenters> centers;    // at vertices
   Keyed<PlacedKey, std::unique_ptr<PlacedCenters>> placed;
@@ -196,7 +197,7 @@ private:
                                      const std::function<void()> &search, const Progress &progress, double from, double to);
   void evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress, double from,
                       double to);
-  void check_connected(const EvaluateSettings &settings, int count, const Progress &progress, double from, double to);
+  void check_connected(const EvaluateSettings &settings, int first, int end, const Progress &progress, double from, double to);
   CenterResults results_of(const EvaluateSettings &settings, const Frame &frame, const std::vector<float> &rows,
                            std::span<const int32_t> order);
   CenterResults evaluate_centers(const Job &job, const EvaluateSettings &settings, const Frame &frame, const Centers &centers,
