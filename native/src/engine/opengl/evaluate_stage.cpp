@@ -122,7 +122,7 @@ const std::vector<float> &TextureSpace::evaluate(const Job &job, const EvaluateS
         checked = end;
       }
       gl_->run([&](const Gl &gl, ProgramCache &) { device_->evaluator.read(gl, settings, evaluated_); });
-      ambiguous = evaluated_.ambiguous;
+      ambiguous = std::min(evaluated_.ambiguous, count);
     } while (ambiguous > checked);
     if (!job.connected()) return evaluated_.rows;
     cells().ambiguous = ambiguous + ambiguous / 8;

@@ -9,8 +9,7 @@
 
 namespace paradesc {
 
-// More where samples lie farther apart than that. One invocation measures a cell, and software devices limit its loops
-// (shared.h).
+// Wider where samples lie farther apart. One invocation measures a cell, and software devices limit its loops (shared.h).
 int block_size(double radius_in_texels, int samples, int buffer_size) {
   constexpr int largest = 128;
   static_assert(largest * (largest + 1) < MAX_ITERATIONS);
