@@ -64,7 +64,7 @@ private:
   };
   Bounds bounds_of(int half_edge) const {
     const vec3 left = normals_[half_edge / 3], right = normals_[half_edges_.twin[half_edge] / 3];
-    constexpr double over_chord = 0.055; // of the chord's cube: a 24th for small angles
+    constexpr double over_chord = 0.055;                  // of the chord's cube: a 24th for small angles
     if (!(glm::dot(left, right) > 0.01f)) return {0, pi}; // as much as that, or one of them has no normal
     const auto chord = static_cast<double>(length(left - right));
     return {chord, chord + over_chord * chord * chord * chord};
