@@ -98,10 +98,12 @@ TEST(Checkpoint, comes_once_in_so_many_steps_of_every_stage_of_a_large_mesh) {
   EXPECT_GE(checkpoints_of([&] { build_cluster_tree(half_edges); }), 8 * corners);
   const int of_faces = input.triangle_count / 1024; // whose normals and bends are looked at
   EXPECT_GE(checkpoints_of([&] { creases = creases_of(triangles, half_edges, 1); }), 2 * of_faces);
-  const Triangles hard = box(110); // whose creases hang together in lines
+  Triangles hard = box(110); // with creases that stand out, and all edges marked
+  std::ranges::fill(hard.half_edge_sharp, uint8_t{1});
   const HalfEdges of_hard = build_half_edges(hard, 1);
-  const int hard_faces = hard.triangle_count / 1024;
-  EXPECT_GE(checkpoints_of([&] { creases_of(hard, of_hard, 1); }), 2 * hard_faces);
+  const int hard_faces = hard.triangle_count / 1024, hard_edges = 3 * hard.triangle_count / 2 / 32768;
+  ASSERT_GE(hard_edges, 6);
+  EXPECT_GE(checkpoints_of([&] { creases_of(hard, of_hard, 1); }), 2 * hard_faces + 9 * hard_edges);
   NormalRings rings;
   EXPECT_GE(checkpoints_of([&] { find_fans(triangles, half_edges, creases, rings); }), 2 * corners);
 }

@@ -100,6 +100,10 @@ TEST(Creases, do_not_depend_on_threads_size_or_place) {
   EXPECT_EQ(creases, creases_of(triangles, half_edges, 3));
   for (vec3 &p : triangles.positions) p = 1024.0f * vec3(p.y, p.z, p.x); // exact in floats, and turned
   EXPECT_EQ(creases, creases_of(triangles, half_edges));
+  for (int power = 10; power < 57; ++power) { // up to where squares of squares, then squares are more than floats hold
+    for (vec3 &p : triangles.positions) p *= 2.0f;
+    ASSERT_EQ(creases, creases_of(triangles, half_edges)) << "times 2^" << power + 1;
+  }
 }
 
 struct RealCount {

@@ -47,6 +47,7 @@ void take_engine(Mesh &mesh, const pdesc_options &options) {
   const std::shared_ptr<Engine> engine = open_for(mesh, options, backend_for(mesh, options));
   if (mesh.session && mesh.engine == engine) return;
   mesh.session.reset();
+  mesh.memory_held = 0;
   mesh.engine = engine;
   mesh.session = engine->open_session();
 }

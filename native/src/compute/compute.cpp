@@ -97,8 +97,9 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
     field.report.crease_edges = static_cast<int32_t>(creases_of(mesh, options).edges.size());
   field.report.backend = mesh.engine->backend();
   field.device = mesh.engine->device();
-  field.report.memory_megabytes =
-      1e-6 * static_cast<double>(forecast_memory_of(mesh, field.report.backend, options, descriptors).total());
+  const MemoryForecast memory = forecast_memory_of(mesh, field.report.backend, options, descriptors);
+  field.report.memory_megabytes = 1e-6 * static_cast<double>(memory.total());
+  mesh.memory_held = mesh.engine->abilities().texture_space ? memory.total() : 0; // other engines keep next to nothing
   field.report.seconds_prepare += seconds_surface;
   field.report.seconds_total = clock.lap();
   warn(mesh, options, field);
@@ -118,6 +119,7 @@ Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> des
     } catch (const Error &error) {
       if (!is_of_device(error)) throw;
       mesh.session.reset(); // half of it may be missing
+      mesh.memory_held = 0;
       if (backend_for(mesh, options) != mesh.context->backend || !fall_back(*mesh.context, error)) throw;
     }
   }

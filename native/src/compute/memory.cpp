@@ -76,9 +76,7 @@ void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span
   const bool buffers = backend == PDESC_BACKEND_GPU || backend == PDESC_BACKEND_SOFTWARE;
   const int64_t kept_for_others = mesh.session ? mesh.session->bytes_kept_for_others() : 0;
   const int64_t needed = memory.total() - memory.mesh, held = memory.mesh + kept_for_others;
-  // The session holds already what a computation before took.
-  if (!mesh.session) mesh.memory_granted = 0;
-  if (needed + held <= mesh.memory_granted) return;
+  if (mesh.session && needed + held <= mesh.memory_held) return;
   check_memory(mesh.context->memory_limit,
                "A computation on " + std::to_string(mesh.triangles.triangle_count) + " triangles" +
                    (divided ? ", divided into " + std::to_string(division_plan_of(mesh, options).pieces()) + " for surface maps,"
@@ -88,7 +86,6 @@ void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span
                : buffers ? "use smaller buffers or fewer triangles"
                          : "use fewer triangles",
                needed, held);
-  mesh.memory_granted = needed + held;
 }
 
 } // namespace paradesc

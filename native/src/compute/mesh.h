@@ -49,7 +49,7 @@ struct Mesh {
 
   std::shared_ptr<Engine> engine; // that the session is of: the context may have gone on to another since
   std::unique_ptr<Session> session;
-  int64_t memory_granted = 0; // bytes, at most, that a computation of this session was checked for
+  int64_t memory_held = 0; // bytes, about, that the mesh and its session keep for the next computation
 
   Mesh() = default;
   Mesh(const Mesh &) = delete;

@@ -103,6 +103,7 @@ Creases creases_that_count(const Triangles &triangles, const HalfEdges &half_edg
   }
   std::vector<int32_t> counting;
   for (size_t i = 0; i < creases.edges.size(); ++i) {
+    checkpoint_at(i);
     const Bends &all = of_line[line[i]];
     if (marked.contains(creases.edges[i]) || all.creases >= CREASE_LEAST_SHARE * all.others) counting.push_back(creases.edges[i]);
   }

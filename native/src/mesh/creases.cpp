@@ -58,16 +58,14 @@ private:
                                  along(triangles_, half_edge)));
   }
 
-  // Between what an edge bends, without the angle: below a quarter of a turn, that is over its chord by less than a ninth.
-  struct Bounds {
-    double low, high;
-  };
-  Bounds bounds_of(int half_edge) const {
+  // It bends no more than that, which is told without the angle: below a quarter of a turn, that is over its chord by less than a
+  // ninth. Beside a needle, whose normal is another face's, it may bend less by far.
+  double most_of_bend(int half_edge) const {
     const vec3 left = normals_[half_edge / 3], right = normals_[half_edges_.twin[half_edge] / 3];
-    constexpr double over_chord = 0.055;                  // of the chord's cube: a 24th for small angles
-    if (!(glm::dot(left, right) > 0.01f)) return {0, pi}; // as much as that, or one of them has no normal
+    constexpr double over_chord = 0.056; // of the chord's cube: a 24th for small angles
+    if (!(glm::dot(left, right) > 0.01f)) return pi;
     const auto chord = static_cast<double>(length(left - right));
-    return {chord, chord + over_chord * chord * chord * chord};
+    return chord + over_chord * chord * chord * chord;
   }
 
   // The triangle beside a half-edge; a needle is as wide as what lies behind it.
@@ -119,17 +117,18 @@ private:
         if (edge == half_edge || twin < 0 || twin / 3 == other_side) continue;
         const dvec3 p = corner_position(triangles_, edge) - begin, q = corner_position(triangles_, next_corner(edge)) - begin;
         if (k > 0 && !is_beside(line, p, q, distance)) continue;
-        const Bounds bounds = bounds_of(edge);
-        if (const double counts = std::max(most, own_bend / one_side); bounds.high > counts) {
+        const double high = most_of_bend(edge), counts = std::max(most, own_bend / one_side);
+        bool is_flat = high < flat * own_bend;
+        if (high > counts || !is_flat) {
           const double length = glm::length(q - p), cosine = length > 0 ? std::abs(glm::dot(q - p, line.direction)) / length : 0;
-          if (times * bounds.low * cosine > own_bend) return own_bend;
-          if (bounds.high * cosine > counts) most = std::max(most, bend_of(edge) * cosine);
-          if (times * most > own_bend) return most;
+          if (high * cosine > counts || !is_flat) {
+            const double bend = bend_of(edge);
+            is_flat = bend < flat * own_bend;
+            most = std::max(most, bend * cosine);
+            if (times * most > own_bend) return most;
+          }
         }
-        const auto is_flat = [&] {
-          return bounds.high < flat * own_bend || (bounds.low < flat * own_bend && bend_of(edge) < flat * own_bend);
-        };
-        if (distance > 0 && count < max_searched && is_flat() &&
+        if (distance > 0 && count < max_searched && is_flat &&
             std::find(faces.begin(), faces.begin() + count, twin / 3) == faces.begin() + count)
           faces[count++] = twin / 3;
       }
@@ -158,8 +157,10 @@ void remove_short_lines(const HalfEdges &half_edges, const Creases &marked, std:
   const auto points = static_cast<size_t>(half_edges.point_count);
   const std::vector<int32_t> line_of = lines_of(half_edges, edges);
   std::vector<int32_t> degree_of(points, 0);
-  for (const int32_t edge : edges)
-    for (const int32_t point : ends_of(half_edges, edge)) ++degree_of[point];
+  for (size_t i = 0; i < edges.size(); ++i) {
+    checkpoint_at(i);
+    for (const int32_t point : ends_of(half_edges, edges[i])) ++degree_of[point];
+  }
   std::vector<Line> lines(points);
   for (size_t i = 0; i < edges.size(); ++i) {
     checkpoint_at(i);
@@ -170,6 +171,7 @@ void remove_short_lines(const HalfEdges &half_edges, const Creases &marked, std:
   }
   size_t kept = 0;
   for (size_t i = 0; i < edges.size(); ++i) {
+    checkpoint_at(i);
     const Line &line = lines[line_of[i]];
     if (marked.contains(edges[i]) || line.ends == 0 || line.edges >= least_open_line) edges[kept++] = edges[i];
   }
@@ -182,7 +184,10 @@ Creases creases_along(const HalfEdges &half_edges, std::vector<int32_t> edges) {
   Creases creases;
   if (edges.empty()) return creases;
   creases.half_edge.assign(half_edges.twin.size(), 0);
-  for (const int32_t edge : edges) creases.half_edge[edge] = creases.half_edge[half_edges.twin[edge]] = 1;
+  for (size_t i = 0; i < edges.size(); ++i) {
+    checkpoint_at(i);
+    creases.half_edge[edges[i]] = creases.half_edge[half_edges.twin[edges[i]]] = 1;
+  }
   creases.edges = std::move(edges);
   return creases;
 }
@@ -196,7 +201,10 @@ std::vector<int32_t> lines_of(const HalfEdges &half_edges, const std::vector<int
     parent[root_of(parent, begin)] = root_of(parent, end);
   }
   lines.reserve(edges.size());
-  for (const int32_t edge : edges) lines.push_back(root_of(parent, half_edges.corner_point[edge]));
+  for (size_t i = 0; i < edges.size(); ++i) {
+    checkpoint_at(i);
+    lines.push_back(root_of(parent, half_edges.corner_point[edges[i]]));
+  }
   return lines;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "support/angle.h"
 #include "support/parallel.h"
@@ -98,9 +99,10 @@ static void round_some(const Triangles &triangles, const HalfEdges &half_edges, 
     Floats length;
     for (int i = 0; i < lanes; ++i) length[i] = std::sqrt(area[i]);
     const Vectors unit{product.x / length, product.y / length, product.z / length};
-    for (int i = 0; i < lanes && first + i < end; ++i)
-      normals[first + i] =
-          area[i] > doubtful[i] ? vec3(unit.x[i], unit.y[i], unit.z[i]) : vec3(steady_normal(triangles, half_edges, first + i));
+    for (int i = 0; i < lanes && first + i < end; ++i) {
+      const bool plain = area[i] > doubtful[i] && area[i] <= std::numeric_limits<float>::max();
+      normals[first + i] = plain ? vec3(unit.x[i], unit.y[i], unit.z[i]) : vec3(steady_normal(triangles, half_edges, first + i));
+    }
   }
 }
 

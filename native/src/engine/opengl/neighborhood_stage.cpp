@@ -5,7 +5,6 @@
 
 #include "engine/opengl/texture_space.h"
 #include "support/cancel.h"
-#include "support/free_memory.h"
 
 namespace paradesc {
 
