@@ -119,7 +119,6 @@ Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> des
     } catch (const Error &error) {
       if (!is_of_device(error)) throw;
       mesh.session.reset(); // half of it may be missing
-      mesh.memory_held = 0;
       if (backend_for(mesh, options) != mesh.context->backend || !fall_back(*mesh.context, error)) throw;
     }
   }

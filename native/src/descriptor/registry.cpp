@@ -46,12 +46,8 @@ std::vector<std::string> all_terms() {
 }
 
 bool uses_terms(int row, std::string_view terms) {
-  const std::string_view list = descriptor_row(row).terms;
-  for (size_t at = list.find(terms); at != list.npos; at = list.find(terms, at + 1)) {
-    const size_t end = at + terms.size();
-    if ((at == 0 || list[at - 1] == ' ') && (end == list.size() || list[end] == ' ')) return true;
-  }
-  return false;
+  const std::string list = std::string(" ") + descriptor_row(row).terms + " ";
+  return list.find(" " + std::string(terms) + " ") != list.npos;
 }
 
 int gradient_row() { return static_cast<int>(all_rows().size()) - 1; }

@@ -14,6 +14,7 @@
 #include "compute/compute.h"
 #include "context.h"
 #include "descriptor/registry.h"
+#include "engine/opengl/faults.h"
 #include "mesh/halfedge.h"
 #include "support/layout.h"
 #include "support/on_device.h"
@@ -111,31 +112,18 @@ TEST_F(DeviceSurfaces, put_places_where_the_mesh_is_and_leave_what_lies_beside_t
   }
 }
 
-// As short as OpenGL 4.5 allows; the function that it goes on to stands here, as functions of C have no state of their own.
-PFNGLGETINTEGERVPROC real_integer = nullptr;
-void APIENTRY short_lists(GLenum name, GLint *value) {
-  real_integer(name, value);
-  if (name == GL_MAX_TEXTURE_BUFFER_SIZE) *value = 65536;
-}
-
 TEST_F(DeviceSurfaces, leave_normals_to_the_processor_where_rings_are_longer_than_a_device_lists) {
   TestMesh mesh = sphere(1, {.vertices = 3000}); // whose rings have 71,690 faces
   lay_out(mesh, {.charts = 6});
   const auto values_on = [&](const DriverSubstitute &driver) {
-    pdesc_context_options requested;
-    pdesc_context_options_init(&requested);
-    requested.backend = device_backend();
-    const auto native = paradesc::make_mesh(make_context(requested, driver), input_of(mesh));
+    const auto native = paradesc::make_mesh(open_device(driver), input_of(mesh));
     const int row = find_descriptor("mean_curvature");
     return compute(*native, options_of({.radius = 0.1, .samples = 16, .buffer_size = 64}), std::span(&row, 1),
                    [](const char *, double) { return true; })
         .values[0];
   };
-  const std::vector<float> fitted = values_on({}), found = values_on([](const char *name, void *driver) {
-                                                     if (std::string(name) != "glGetIntegerv") return driver;
-                                                     real_integer = reinterpret_cast<PFNGLGETINTEGERVPROC>(driver);
-                                                     return reinterpret_cast<void *>(&short_lists);
-                                                   });
+  constexpr GLint shortest = 65536; // that OpenGL 4.5 allows
+  const std::vector<float> fitted = values_on({}), found = values_on(with_short_lists(shortest));
   for (size_t i = 0; i < fitted.size(); ++i) ASSERT_NEAR(found[i], fitted[i], 1e-4f) << i; // normals differ by 2e-7
 }
 

@@ -29,25 +29,12 @@ void APIENTRY noted_read(GLuint buffer, GLintptr offset, GLsizeiptr size, void *
   real_read(buffer, offset, size, data);
 }
 
-// Not far above what OpenGL 4.5 demands.
-PFNGLGETINTEGERVPROC real_integer = nullptr;
-void APIENTRY short_lists(GLenum name, GLint *value) {
-  real_integer(name, value);
-  if (name == GL_MAX_TEXTURE_BUFFER_SIZE) *value = 1 << 19;
-}
-
-std::shared_ptr<paradesc::Context> open_device(bool with_short_lists) {
-  pdesc_context_options requested;
-  pdesc_context_options_init(&requested);
-  requested.backend = device_backend();
-  return make_context(requested, [with_short_lists](const char *name, void *driver) {
-    if (std::string(name) == "glGetNamedBufferSubData") {
-      real_read = reinterpret_cast<PFNGLGETNAMEDBUFFERSUBDATAPROC>(driver);
-      return reinterpret_cast<void *>(&noted_read);
-    }
-    if (std::string(name) != "glGetIntegerv" || !with_short_lists) return driver;
-    real_integer = reinterpret_cast<PFNGLGETINTEGERVPROC>(driver);
-    return reinterpret_cast<void *>(&short_lists);
+// A device whose read-backs are counted; driver: what else of it is another.
+std::shared_ptr<paradesc::Context> open_counted(const DriverSubstitute &driver = {}) {
+  return open_device([driver](const char *name, void *found) {
+    if (std::string(name) != "glGetNamedBufferSubData") return driver ? driver(name, found) : found;
+    real_read = reinterpret_cast<PFNGLGETNAMEDBUFFERSUBDATAPROC>(found);
+    return reinterpret_cast<void *>(&noted_read);
   });
 }
 
@@ -55,7 +42,7 @@ class ReadBacks : public OnDevice {
 protected:
   void SetUp() override {
     OnDevice::SetUp();
-    if (thread) context_ = open_device(false);
+    if (thread) context_ = open_counted();
   }
 
   static std::vector<float> values_of(paradesc::Mesh &mesh, double radius) {
@@ -111,7 +98,7 @@ TEST_F(ReadBacks, go_on_until_all_ambiguous_centers_are_checked) {
   }
   round_to_float(mesh);
   const auto all_at_once = paradesc::make_mesh(context_, input_of(mesh)),
-             in_rounds = paradesc::make_mesh(open_device(true), input_of(mesh));
+             in_rounds = paradesc::make_mesh(open_counted(with_short_lists(1 << 19)), input_of(mesh));
   const std::vector<float> expected = values_of(*all_at_once, 0.1);
   for (const bool again : {false, true}) {
     const std::vector<float> found = values_of(*in_rounds, 0.1);

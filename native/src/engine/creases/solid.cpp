@@ -91,11 +91,10 @@ const SolidMeasure::Face &SolidMeasure::face(int32_t triangle) {
   for (int32_t k = 0; k < 3; ++k) {
     face.bend[k] = bend_of(3 * triangle + k);
     face.is_crease[k] = surface_.creases.contains(3 * triangle + k);
-    const dvec3 along =
-        dvec3(surface_.triangles.position(3 * triangle + next_corner(k))) - dvec3(surface_.triangles.position(3 * triangle + k));
-    const double length = glm::length(along), amount = 0.5 * face.bend[k] * length;
+    const dvec3 way = along(surface_.triangles, 3 * triangle + k);
+    const double length = glm::length(way), amount = 0.5 * face.bend[k] * length;
     if (face.is_crease[k] || !(length > 0)) continue;
-    const dvec2 in_plane = face.axes.of(along), across = dvec2(-in_plane.y, in_plane.x) / length;
+    const dvec2 in_plane = face.axes.of(way), across = dvec2(-in_plane.y, in_plane.x) / length;
     face.excess.xx -= amount * across.x * across.x;
     face.excess.xy -= amount * across.x * across.y;
     face.excess.yy -= amount * across.y * across.y;
