@@ -33,9 +33,10 @@ constexpr bool on_device = PARADESC_FUZZ_BACKEND == PDESC_BACKEND_SOFTWARE;
 constexpr bool on_reference = PARADESC_FUZZ_BACKEND == PDESC_BACKEND_REFERENCE;
 constexpr int32_t most_samples = on_reference ? 4096 : on_device ? 64 : 256, most_texels = on_reference ? 8192 : 64;
 constexpr bool mostly_stopped = PARADESC_FUZZ_STOPPED;
-// Without a limit every mesh and computation asks the system what is free, for longer than many an input takes. Where surfaces are
-// divided for their maps, it keeps the pieces from becoming millions.
-constexpr int64_t usual_limit = int64_t{1} << (on_device ? 31 : on_reference ? 24 : 26);
+// Without a limit every mesh and computation asks the system what is free, for longer than many an input takes. Where surfaces
+// are divided for their maps, it keeps the pieces from becoming millions; on the reference thousands, all of which it sums over
+// at each point of the pieces where operators work on a map.
+constexpr int64_t usual_limit = int64_t{1} << (on_device ? 31 : on_reference ? 22 : 26);
 
 const char *any_descriptor(Bytes &bytes, bool rarely_wrong = true) {
   constexpr const char *wrong[] = {nullptr,    "",       "coverage", "mean",     "mean_curvature ", "%s%n",
