@@ -1,9 +1,12 @@
 // Work over many invocations → dispatches that each take a device a fraction of a second, however fast it is.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "engine/opengl/gl.h"
+#include "support/math.h"
+#include "support/progress.h"
 
 namespace paradesc {
 
@@ -11,6 +14,26 @@ namespace paradesc {
 // driver starts a device again that is busy for two seconds, and computations are cancelled between dispatches. At least
 // `smallest`, in whole groups.
 int next_tile(int tile, double seconds, int smallest, int group);
+
+// Of a computation's tiles: the first one, before it is known how long it takes; what all of them lie between; and what they are
+// multiples of.
+struct TileSizes {
+  int first, smallest, largest, group;
+};
+
+// Calls compute(begin, end), which returns when the device has finished, for one tile of [begin, end) after the other, and
+// then(end of the tile), whose time does not count.
+template <class Compute, class Then>
+void in_tiles(int begin, int end, const TileSizes &sizes, const Compute &compute, const Then &then) {
+  for (int tile = sizes.first, last = begin; begin < end; begin = last) {
+    tile = std::min(tile, sizes.largest);
+    last = begin + std::min(tile, end - begin);
+    Clock clock;
+    compute(begin, last);
+    tile = next_tile(tile, clock.lap(), sizes.smallest, sizes.group);
+    then(last);
+  }
+}
 
 // Runs the program in use over invocations [first, last) in one dispatch, which knows them by LOCATION_FIRST and LOCATION_LAST.
 void dispatch_once(const Gl &gl, int first, int last);

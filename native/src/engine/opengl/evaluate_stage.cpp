@@ -1,6 +1,7 @@
 // Centers and their neighborhoods → descriptors, in tiles between which a computation can be cancelled.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "descriptor/registry.h"
 #include "engine/opengl/dispatch.h"
@@ -64,22 +65,18 @@ void TextureSpace::bake_map(const Job &job, const Centers &centers, const Texell
   });
 }
 
-// A computation is cancelled between tiles.
+// A computation is cancelled between tiles. The smallest of them are enough for every core of a software device.
 void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress,
                                   double from, double to) {
-  const int smallest_tile = job.resources.smallest_tile; // enough for every core of a software device
-  const int group = gl_->group_size();
-  int tile = smallest_tile;
-  for (int first = 0; first < count;) {
-    const int last = first + std::min({tile, count - first, settings.largest_tile(), gl_->largest_dispatch()});
-    Clock clock;
-    gl_->run([&](const Gl &gl, ProgramCache &programs) {
-      device_->evaluator.run(gl, programs, *device_->buffer, settings, first, last);
-    });
-    tile = next_tile(tile, clock.lap(), smallest_tile, group);
-    first = last;
-    check_cancel(progress, "evaluate", from + (to - from) * first / count);
-  }
+  const int smallest = job.resources.smallest_tile, largest = std::min(settings.largest_tile(), gl_->largest_dispatch());
+  in_tiles(
+      0, count, {smallest, smallest, largest, gl_->group_size()},
+      [&](int first, int last) {
+        gl_->run([&](const Gl &gl, ProgramCache &programs) {
+          device_->evaluator.run(gl, programs, *device_->buffer, settings, first, last);
+        });
+      },
+      [&](int last) { check_cancel(progress, "evaluate", from + (to - from) * last / count); });
 }
 
 // Checks the ambiguous centers [first, end), in rounds of as many as floods are kept side by side. Beyond the last one, rounds
@@ -87,16 +84,14 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
 void TextureSpace::check_connected(const EvaluateSettings &settings, int first, int end, const Progress &progress, double from,
                                    double to) {
   const int round = device_->connected.slots();
-  int tile = round;
-  for (int begin = first, last = first; begin < end; begin = last) {
-    last = begin + std::min(tile, end - begin);
-    Clock clock;
-    gl_->run([&](const Gl &gl, ProgramCache &programs) {
-      device_->evaluator.check(gl, programs, *device_->buffer, device_->surface, settings, begin, last);
-    });
-    tile = next_tile(tile, clock.lap(), round, round);
-    check_cancel(progress, "evaluate", from + (to - from) * last / device_->evaluator.center_count());
-  }
+  in_tiles(
+      first, end, {round, round, std::numeric_limits<int>::max(), round},
+      [&](int begin, int last) {
+        gl_->run([&](const Gl &gl, ProgramCache &programs) {
+          device_->evaluator.check(gl, programs, *device_->buffer, device_->surface, settings, begin, last);
+        });
+      },
+      [&](int last) { check_cancel(progress, "evaluate", from + (to - from) * last / device_->evaluator.center_count()); });
 }
 
 // Evaluates the evaluator's centers; progress goes from one fraction of the whole to another. search: finds their neighborhoods
