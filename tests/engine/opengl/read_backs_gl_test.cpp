@@ -1,5 +1,5 @@
-// How often a computation waits to read what the device has: lists find their lengths in a few turns, and a frame reads its
-// results.
+// How often a computation waits for the device: lists find their lengths in a few turns, a frame reads its results, and what it
+// computes at once is as much as the frame before has found right.
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -29,9 +29,20 @@ void APIENTRY noted_read(GLuint buffer, GLintptr offset, GLsizeiptr size, void *
   real_read(buffer, offset, size, data);
 }
 
-// A device whose read-backs are counted; driver: what else of it is another.
+int finished = 0;
+PFNGLFINISHPROC real_finish = nullptr;
+void APIENTRY noted_finish() {
+  ++finished;
+  real_finish();
+}
+
+// A device whose read-backs and ends are counted; driver: what else of it is another.
 std::shared_ptr<paradesc::Context> open_counted(const DriverSubstitute &driver = {}) {
   return open_device([driver](const char *name, void *found) {
+    if (std::string(name) == "glFinish") {
+      real_finish = reinterpret_cast<PFNGLFINISHPROC>(found);
+      return reinterpret_cast<void *>(&noted_finish);
+    }
     if (std::string(name) != "glGetNamedBufferSubData") return driver ? driver(name, found) : found;
     real_read = reinterpret_cast<PFNGLGETNAMEDBUFFERSUBDATAPROC>(found);
     return reinterpret_cast<void *>(&noted_read);
@@ -84,6 +95,19 @@ TEST_F(ReadBacks, of_a_frame_that_has_moved_is_one) {
     const int found = read_backs_of_compute(*native, 0.1);
     EXPECT_TRUE(first || found == 1) << found;
   }
+}
+
+// The first tile of a first frame has 128 centers, and the next ones four times as many at most: three tiles for these.
+TEST_F(ReadBacks, come_after_a_single_tile_where_the_frame_before_was_fast) {
+  TestMesh mesh = torus(1.0, 0.4, {.vertices = 900});
+  lay_out(mesh, {.charts = 1});
+  const auto native = paradesc::make_mesh(context_, input_of(mesh));
+  for (int frame = 0; frame < 4; ++frame) {
+    move_mesh(*native, mesh.positions.data(), mesh.vertex_count);
+    finished = 0;
+    values_of(*native, 0.2);
+  }
+  EXPECT_EQ(finished, 2) << "the tile, and the check of what is connected";
 }
 
 // A sheet in folds, where nearly every ball holds several pieces: with shorter lists a round has room for half of the centers,

@@ -22,17 +22,20 @@ struct TileSizes {
 };
 
 // Calls compute(begin, end), which returns when the device has finished, for one tile of [begin, end) after the other, and
-// then(end of the tile), whose time does not count.
-template <class Compute, class Then>
-void in_tiles(int begin, int end, const TileSizes &sizes, const Compute &compute, const Then &then) {
-  for (int tile = sizes.first, last = begin; begin < end; begin = last) {
-    tile = std::min(tile, sizes.largest);
+// then(end of the tile), whose time does not count. Returns what the first tile may be when the same is computed again: what is
+// left for the last one may be so little that its time tells nothing but that it is not too much.
+template <class Stopwatch = Clock, class Compute, class Then>
+int in_tiles(int begin, int end, const TileSizes &sizes, const Compute &compute, const Then &then) {
+  int tile = std::min(sizes.first, sizes.largest);
+  for (int last = begin; begin < end; begin = last) {
     last = begin + std::min(tile, end - begin);
-    Clock clock;
+    Stopwatch clock;
     compute(begin, last);
-    tile = next_tile(tile, clock.lap(), sizes.smallest, sizes.group);
+    const int next = std::min(next_tile(tile, clock.lap(), sizes.smallest, sizes.group), sizes.largest);
+    if (last - begin == tile || next < tile) tile = next;
     then(last);
   }
+  return tile;
 }
 
 // Runs the program in use over invocations [first, last) in one dispatch, which knows them by LOCATION_FIRST and LOCATION_LAST.

@@ -65,18 +65,22 @@ void TextureSpace::bake_map(const Job &job, const Centers &centers, const Texell
   });
 }
 
-// A computation is cancelled between tiles. The smallest of them are enough for every core of a software device.
+// A computation is cancelled between tiles. The smallest of them are enough for every core of a software device; a frame begins
+// with tiles as large as the one before found right, since a card does little with small ones.
 void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settings, int count, const Progress &progress,
                                   double from, double to) {
-  const int smallest = job.resources.smallest_tile, largest = std::min(settings.largest_tile(), gl_->largest_dispatch());
-  in_tiles(
-      0, count, {smallest, smallest, largest, gl_->group_size()},
+  const int smallest = job.resources.smallest_tile;
+  const TileSizes sizes{job.connected() ? std::max(cells().tile, smallest) : smallest, smallest, gl_->largest_dispatch(),
+                        gl_->group_size()};
+  const int next = in_tiles(
+      0, count, sizes,
       [&](int first, int last) {
         gl_->run([&](const Gl &gl, ProgramCache &programs) {
           device_->evaluator.run(gl, programs, *device_->buffer, settings, first, last);
         });
       },
       [&](int last) { check_cancel(progress, "evaluate", from + (to - from) * last / count); });
+  if (job.connected()) cells().tile = next;
 }
 
 // Checks the ambiguous centers [first, end), in rounds of as many as floods are kept side by side. Beyond the last one, rounds

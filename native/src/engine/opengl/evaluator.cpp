@@ -226,17 +226,20 @@ GLuint Evaluator::use_program(const Gl &gl, ProgramCache &programs, const Geomet
 void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings,
                     int first, int last) {
   const bool marches = settings.relocation != PDESC_RELOCATION_CONNECTED;
-  const EvaluateParams params = params_of(settings, first, last);
-  use_params(gl, params);
-  if (marches && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
-  bind(gl, settings);
-  if (settings.search) settings.search->run(gl, programs, *settings.cells, false, last - first);
-  const GLuint program = use_program(gl, programs, buffer, settings);
-  if (marches)
-    dispatch_marches(gl, program, settings, params);
-  else
-    gl.DispatchCompute(group_count(gl, last - first), 1, 1);
-  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+  for (int end = first; first < last; first = end) {
+    end = std::min(first + settings.largest_tile(), last);
+    const EvaluateParams params = params_of(settings, first, end);
+    use_params(gl, params);
+    if (marches && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
+    bind(gl, settings);
+    if (settings.search) settings.search->run(gl, programs, *settings.cells, false, end - first);
+    const GLuint program = use_program(gl, programs, buffer, settings);
+    if (marches)
+      dispatch_marches(gl, program, settings, params);
+    else
+      gl.DispatchCompute(group_count(gl, end - first), 1, 1);
+    gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+  }
   gl.Finish();
   check_gl(gl, "evaluate");
 }

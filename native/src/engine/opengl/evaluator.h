@@ -46,7 +46,7 @@ struct EvaluateSettings {
   float map_sigma = 0;                        // of their Gaussian windows, in buffer units
   float harris_k = 0;
 
-  // Centers that one dispatch may hold: neighborhoods of all of them lie side by side, and those that march leave a kilobyte or
+  // Centers that a dispatch may hold: neighborhoods of all of them lie side by side, and those that march leave a kilobyte or
   // two each between dispatches.
   int largest_tile() const {
     if (search) return search->largest_tile();
@@ -92,7 +92,7 @@ public:
   void use_faces(GLuint texture) { faces_ = texture; }
   // The map where it is not read from texels: at the centers, and at the samples of TexellessSamples.
   void set_map(const Gl &gl, const std::vector<vec4> &centers, const std::vector<vec4> &texelless);
-  // Computes centers [first, last); returns when the device has finished.
+  // Computes centers [first, last), in as many dispatches as have room for them; returns when the device has finished.
   void run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateSettings &settings, int first,
            int last);
   // Looks at the ambiguous centers [first, last) that run() found, as ConnectedTriangles::flood, and computes again what has to

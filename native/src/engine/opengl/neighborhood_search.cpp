@@ -22,12 +22,11 @@ void NeighborhoodSearch::set_starts(const Gl &gl, const Starts &starts, uint64_t
 
 // A tile's lists of ranges have room for as many as there may be: none has to be counted before.
 void NeighborhoodSearch::make_room(const Gl &gl, const CellBuffers &cells) {
-  constexpr size_t most_texels = size_t{1} << 23;
   const size_t of_cell = (halves_ ? 2 * CELL_LEAVES : CELL_LEAVES) + (cells.has_texelless() ? 1 : 0);
   const auto group = static_cast<size_t>(gl.limits.group_size), longest = static_cast<size_t>(cells.room().longest);
   const size_t centers = (static_cast<size_t>(center_count_) + group - 1) / group * group;
   const size_t of_center = std::max<size_t>(1, longest * of_cell);
-  const size_t fit = std::min(most_texels, static_cast<size_t>(gl.limits.list_texels)) / of_center;
+  const size_t fit = static_cast<size_t>(gl.limits.tile_ranges) / of_center;
   const size_t tile = std::clamp(fit / group * group, group, std::max(centers, group));
   const size_t words = std::max<size_t>(1, longest / 32);
   near_words_ = static_cast<int>(words > 8 ? std::bit_ceil(words) : words); // each number of words is a program

@@ -72,7 +72,7 @@ static int64_t bytes_of_near_cells(const ComputationSize &size, int64_t centers)
   return static_cast<int64_t>(spare * most * (of_cell + neighbors * of_neighbor));
 }
 
-static int64_t bytes_of_device(const ComputationSize &size) {
+static int64_t bytes_of_device(bool software, const ComputationSize &size) {
   const pdesc_options &options = size.options;
   const int64_t texels = int64_t{options.buffer_size} * options.buffer_size;
   const int64_t a_texel = (options.precision == PDESC_PRECISION_HALF && !size.surface_maps ? 32 : 48) + 8 + 8 +
@@ -82,9 +82,10 @@ static int64_t bytes_of_device(const ComputationSize &size) {
   int64_t bytes = texels * a_texel + bytes_of_rings(size) + size.triangles * 76 + size.points * 24 + size.wedges * 32 +
                   size.borders * 100 + centers * (200 + 4 * rows_of(size.descriptors));
   if (options.relocation == PDESC_RELOCATION_CONNECTED)
-    bytes += std::min<int64_t>(texels * 5 / 4, max_listed_points) * 32                         // samples
-             + bytes_of_near_cells(size, centers) + std::min<int64_t>(centers * 2048, 1 << 26) // ranges of a tile
-             + size.triangles * 56                                                             // patches
+    bytes += std::min<int64_t>(texels * 5 / 4, max_listed_points) * 32 // samples
+             + bytes_of_near_cells(size, centers) +
+             std::min<int64_t>(centers * 2048, most_tile_ranges(software) * int64_t{8}) // ranges of a tile
+             + size.triangles * 56                                                      // patches
              + bytes_of_floods(centers, expected_patches(static_cast<double>(size.triangles) / std::max(size.disks, 1e-6)));
   if (reads_map(size.descriptors)) bytes += size.wedges * 32;
   if (options.relocation == PDESC_RELOCATION_PAPER) bytes += int64_t{16384} * MAX_VISITS * 64 + 16384 * 2048;
@@ -96,7 +97,7 @@ MemoryForecast forecast_opengl_memory(bool software, const ComputationSize &size
   constexpr int64_t rasterizer = 45'000'000; // llvmpipe's lists of what to draw where
   const pdesc_options &options = size.options;
   MemoryForecast memory;
-  memory.device = bytes_of_device(size);
+  memory.device = bytes_of_device(software, size);
   memory.device_on_host = software ? memory.device + rasterizer : 0;
   memory.host = bytes_of_results(size) + bytes_of_rings(size) + int64_t{options.buffer_size} * options.buffer_size * 32 +
                 size.triangles * 100 + size.wedges * 160 + size.borders * 300;
