@@ -23,8 +23,14 @@ void Buffer::upload(const Gl &gl, const void *data, size_t bytes, GLenum usage) 
   fill(gl, data, bytes, usage);
 }
 
+void Buffer::reserve(const Gl &gl, size_t bytes, GLenum usage) {
+  if (id() && bytes <= reserved_ && reserved_ / 4 <= bytes) return;
+  upload(gl, nullptr, bytes, usage);
+  reserved_ = bytes;
+}
+
 void Buffer::repeat(const Gl &gl, uint32_t word, size_t count, GLenum usage) {
-  upload(gl, nullptr, count * sizeof word, usage);
+  reserve(gl, count * sizeof word, usage);
   gl.ClearNamedBufferData(id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &word);
 }
 
@@ -34,6 +40,7 @@ void Buffer::fill(const Gl &gl, const void *data, size_t bytes, GLenum usage) {
     gl.CreateBuffers(1, &made);
     name_ = {gl, made};
   }
+  reserved_ = 0;
   // An empty buffer cannot be bound for storage; one element keeps every binding valid.
   const size_t size = std::max<size_t>(bytes, 16);
   gl.NamedBufferData(id(), static_cast<GLsizeiptr>(size), bytes >= size ? data : nullptr, usage);
@@ -56,19 +63,25 @@ size_t BufferTexture::texel_bytes(GLenum format) {
 }
 
 void BufferTexture::reserve(const Gl &gl, GLenum format, size_t texels) {
-  if (texels <= reserved_ && reserved_ / 4 <= texels) return;
-  check_storage(gl, texels * texel_bytes(format));
-  upload(gl, format, nullptr, texels, GL_STREAM_COPY);
-  reserved_ = texels;
+  check_texels(gl, texels);
+  buffer_.reserve(gl, texels * texel_bytes(format));
+  make_texture(gl, format);
 }
 
 void BufferTexture::upload(const Gl &gl, GLenum format, const void *data, size_t texels, GLenum usage) {
+  check_texels(gl, texels);
+  buffer_.fill(gl, data, texels * texel_bytes(format), usage);
+  make_texture(gl, format);
+}
+
+void BufferTexture::check_texels(const Gl &gl, size_t texels) {
   if (texels > static_cast<size_t>(gl.limits.list_texels))
     throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh or its neighborhoods are too large for this device (" +
                                              std::to_string(texels) +
                                              " list elements); use smaller buffers or fewer samples, or the reference backend.");
-  reserved_ = 0;
-  buffer_.fill(gl, data, texels * texel_bytes(format), usage);
+}
+
+void BufferTexture::make_texture(const Gl &gl, GLenum format) {
   if (id()) return;
   GLuint made = 0;
   gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &made);

@@ -40,7 +40,9 @@ public:
   template <class T> void upload(const Gl &gl, const std::vector<T> &data, GLenum usage = GL_STATIC_DRAW) {
     upload(gl, data.data(), data.size() * sizeof(T), usage);
   }
-  // Replaces the content by so many 32-bit words, all alike.
+  // Room for bytes that shaders write, which is kept while it is not far too large; throws as upload does.
+  void reserve(const Gl &gl, size_t bytes, GLenum usage = GL_STREAM_COPY);
+  // The same, with so many 32-bit words in it, all alike.
   void repeat(const Gl &gl, uint32_t word, size_t count, GLenum usage);
   // As upload, where it is not read as storage.
   void fill(const Gl &gl, const void *data, size_t bytes, GLenum usage);
@@ -48,6 +50,7 @@ public:
 
 private:
   GlName<&Gl::DeleteBuffers> name_;
+  size_t reserved_ = 0; // bytes; 0: its content was uploaded
 };
 
 // A long list that shaders fetch from as a texture: software devices gather that by vectors, and loads from storage buffers one
@@ -65,18 +68,18 @@ public:
   template <class Element> void upload(const Gl &gl, GLenum format, const std::vector<Element> &list, GLenum usage) {
     upload(gl, format, list.data(), list.size() * sizeof(Element) / texel_bytes(format), usage);
   }
-  // Room for texels that shaders write, which is kept while it is not far too large. Throws Error(OUT_OF_MEMORY) where they could
-  // not reach all of it.
+  // Room for texels that shaders write, as Buffer::reserve.
   void reserve(const Gl &gl, GLenum format, size_t texels);
   GLuint id() const { return name_.id(); }
   GLuint buffer_id() const { return buffer_.id(); }
 
 private:
   static size_t texel_bytes(GLenum format);
+  static void check_texels(const Gl &gl, size_t texels);
+  void make_texture(const Gl &gl, GLenum format);
 
   Buffer buffer_;
   GlName<&Gl::DeleteTextures> name_;
-  size_t reserved_ = 0;
 };
 
 // A 2-D texture without mipmaps, fetched nearest.

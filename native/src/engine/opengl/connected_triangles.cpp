@@ -102,8 +102,7 @@ void ConnectedTriangles::begin(const Gl &gl, int centers, int largest_tile) {
   const size_t slots = std::clamp(fit, group, std::max(all, group));
   const size_t bytes = (CONNECTED_HEADER + static_cast<size_t>(centers) + slots * one) * sizeof(int32_t);
   slots_ = static_cast<int>(slots);
-  if (bytes != bytes_) list_.upload(gl, nullptr, bytes, GL_STREAM_COPY);
-  bytes_ = bytes;
+  list_.reserve(gl, bytes);
   constexpr int32_t nothing[CONNECTED_AGAIN_GROUPS] = {}; // ambiguous, or come to
   gl.NamedBufferSubData(list_.id(), 0, sizeof nothing, nothing);
 }

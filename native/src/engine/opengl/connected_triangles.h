@@ -52,7 +52,6 @@ public:
 private:
   BufferTexture triangles_, codes_, ranges_, neighbors_, spheres_, starts_;
   Buffer list_;
-  size_t bytes_ = 0; // of the list
   int patch_count_ = 0, slots_ = 1, room_ = 0;
 };
 

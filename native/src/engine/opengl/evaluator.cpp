@@ -70,9 +70,8 @@ void Evaluator::begin(const Gl &gl, const EvaluateSettings &settings) {
   const auto tile =
       static_cast<size_t>(std::min(static_cast<int>(group_count(gl, count_)) * gl.limits.group_size, settings.largest_tile()));
   const bool paper = settings.relocation == PDESC_RELOCATION_PAPER, directional = settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL;
-  visits_.upload(gl, nullptr, paper ? tile * MAX_VISITS * sizeof(VisitData) : 0, GL_STREAM_COPY);
-  stretches_.upload(gl, nullptr, directional ? static_cast<size_t>(count_) * STRETCH_DIRECTIONS * sizeof(float) : 0,
-                    GL_STREAM_COPY);
+  visits_.reserve(gl, paper ? tile * MAX_VISITS * sizeof(VisitData) : 0);
+  stretches_.reserve(gl, directional ? static_cast<size_t>(count_) * STRETCH_DIRECTIONS * sizeof(float) : 0);
   // NaN everywhere first: a center that a driver forgets must not look like a result.
   results_.repeat(gl, std::bit_cast<uint32_t>(std::numeric_limits<float>::quiet_NaN()),
                   result_values(settings, count_) + counts_read, GL_STREAM_READ);
@@ -140,7 +139,7 @@ void Evaluator::dispatch_marches(const Gl &gl, GLuint program, const EvaluateSet
   gl.GetProgramResourceiv(program, GL_SHADER_STORAGE_BLOCK, block, 1, &property, 1, nullptr, &stride);
   const GLuint groups = group_count(gl, params.last - params.first);
   const size_t bytes = static_cast<size_t>(groups) * static_cast<size_t>(gl.limits.group_size) * static_cast<size_t>(stride);
-  if (bytes > progress_bytes_) progress_.upload(gl, nullptr, progress_bytes_ = bytes, GL_STREAM_COPY);
+  progress_.reserve(gl, bytes);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PROGRESS, progress_.id());
   const bool adaptive = settings.adaptive > 0.0f;
   for (int marks = settings.relocation == PDESC_RELOCATION_PAPER ? 1 : 0; marks >= 0; --marks) {

@@ -113,7 +113,6 @@ private:
   Texture border_;
   ListTexture border_list_, border_uv_, links_;
   Buffer params_, centers_, pattern_, results_, seams_, visits_, stretches_, progress_, map_centers_, map_texelless_;
-  size_t progress_bytes_ = 0;
   GLuint used_centers_ = 0, faces_ = 0;
   int count_ = 0;
 };

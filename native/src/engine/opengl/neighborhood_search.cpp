@@ -34,7 +34,7 @@ void NeighborhoodSearch::make_room(const Gl &gl, const CellBuffers &cells) {
   largest_tile_ = static_cast<int>(tile);
   ranges_.reserve(gl, GL_RG32I, tile * of_center);
   walks_.repeat(gl, 0, WALKS_HEADER + 2 * static_cast<size_t>(list_count_) + tile, GL_DYNAMIC_COPY);
-  neighborhoods_.upload(gl, nullptr, tile * sizeof(NeighborhoodRanges), GL_STREAM_COPY);
+  neighborhoods_.reserve(gl, tile * sizeof(NeighborhoodRanges));
 }
 
 // First how long they are, then what is in them; then what centers look at, made once for all that start in a cell.
@@ -47,7 +47,7 @@ void NeighborhoodSearch::list_near_cells(const Gl &gl, ProgramCache &programs, c
   near_balls_.reserve(gl, GL_RGBA32F, lists);
   near_cells_.reserve(gl, GL_R32I, room);
   near_lists_.reserve(gl, GL_RG32I, room);
-  found_cells_.upload(gl, nullptr, lists * static_cast<size_t>(cells.room().longest) * sizeof(int32_t), GL_STREAM_COPY);
+  found_cells_.reserve(gl, lists * static_cast<size_t>(cells.room().longest) * sizeof(int32_t));
   near_spheres_.reserve(gl, GL_RGBA32F, room);
   near_traits_.reserve(gl, GL_RGBA32I, NEAR_TRAITS * room);
   near_neighbors_.reserve(gl, GL_RGBA32I, neighbors);
