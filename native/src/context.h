@@ -28,7 +28,7 @@ struct Context {
   std::atomic<const char *> fallback = "";
   bool given_up = false;        // a device that worked at first failed later, as fallback says
   std::list<std::string> texts; // what those two point to, and have pointed to: callers may hold them still
-  int smallest_tile = 128;      // centers of the first dispatch, which no result may depend on
+  int smallest_tile = 128;      // centers of the smallest tile, which no result may depend on
   DriverSubstitute substitute;
   Workers workers;                     // of the call
   std::mutex mutex;                    // one call at a time

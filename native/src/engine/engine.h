@@ -34,7 +34,7 @@ struct Abilities {
 struct Resources {
   int threads = 0;          // as in pdesc_context_options
   int64_t memory_limit = 0; // likewise
-  int smallest_tile = 128;  // centers of the first dispatch, which no result may depend on
+  int smallest_tile = 128;  // centers of the smallest tile, which no result may depend on
 };
 
 // The mesh that a surface was divided from.

@@ -127,7 +127,7 @@ protected:
           gl.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_EVALUATE, params_buffer.id());
           gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_CENTERS, center_buffer.id());
           gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RESULTS, result_buffer.id());
-          connected.flood(gl, programs, surface);
+          connected.flood(gl, programs, surface, params.last - params.first);
           const int table = connected.flood_table(), slots = connected.slots();
           list.resize(static_cast<size_t>(CONNECTED_HEADER + count + slots * (1 + 2 * table)));
           gl.GetNamedBufferSubData(connected.list(), 0, static_cast<GLsizeiptr>(list.size() * sizeof(int32_t)), list.data());

@@ -202,7 +202,8 @@ protected:
   pdesc_options options;
 };
 
-// Faces, normals, vertices of the bake, centers, cells, links, samples, and some of the tree and the lists of cells that come then.
+// Faces, normals, vertices of the bake, centers, cells, links, samples, and some of the tree and the lists of cells that come
+// then.
 constexpr int first_dispatches[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 13, 15, 17, 19, 21, 23};
 
 TEST_F(DriverFailures, a_machine_without_the_systems_library_is_told_so) {
@@ -365,53 +366,6 @@ TEST_F(DriverFailures, a_wrong_input_or_a_cancel_is_not_the_devices_fault) {
   options.radius = 17;
   EXPECT_THROW(compute_on(*mesh), Error);
   EXPECT_FALSE(context->given_up);
-}
-
-TEST_F(DriverFailures, a_buffer_beyond_what_shaders_reach_is_refused) {
-  if (!has_device()) GTEST_SKIP() << "no device";
-  GlThread thread(!test::on_card(), -1);
-  thread.run([](const Gl &gl, ProgramCache &) {
-    Gl small = gl;
-    small.limits.storage_bytes = 1 << 20;
-    Buffer buffer;
-    buffer.upload(small, nullptr, 1 << 20);
-    try {
-      buffer.upload(small, nullptr, (1 << 20) + 4);
-      FAIL() << "nothing was thrown";
-    } catch (const Error &error) {
-      EXPECT_EQ(error.status(), PDESC_ERROR_OUT_OF_MEMORY);
-      expect_one_sentence(error.what(), "1 MiB");
-    }
-    check_gl(gl, "test");
-  });
-}
-
-TEST_F(DriverFailures, a_list_beyond_the_devices_textures_is_refused_with_its_length) {
-  if (!has_device()) GTEST_SKIP() << "no device";
-  GlThread thread(!test::on_card(), -1);
-  thread.run([](const Gl &gl, ProgramCache &) {
-    Gl small = gl;
-    small.limits.list_texels = 16;
-    small.limits.texture_size = 2;
-    const std::vector<vec4> elements(2 * LIST_ROW + 1, vec4(0.0f));
-    const auto expect_refused = [&](size_t max_bytes, int32_t status, const auto &upload) {
-      upload(max_bytes);
-      try {
-        upload(max_bytes + 1);
-        FAIL() << "nothing was thrown";
-      } catch (const Error &error) {
-        EXPECT_EQ(error.status(), status);
-        expect_one_sentence(error.what(), std::to_string(max_bytes + 1).c_str());
-      }
-    };
-    BufferTexture buffer;
-    expect_refused(16, PDESC_ERROR_UNSUPPORTED,
-                   [&](size_t count) { buffer.upload(small, GL_RGBA32F, elements.data(), count, GL_STATIC_DRAW); });
-    ListTexture texture;
-    expect_refused(2 * LIST_ROW, PDESC_ERROR_OUT_OF_MEMORY,
-                   [&](size_t count) { texture.upload(small, GL_RGBA32F, elements.data(), count); });
-    check_gl(gl, "test");
-  });
 }
 
 // Why llvmpipe's own limit of 2^27 bytes is not believed.

@@ -94,11 +94,11 @@ void ConnectedTriangles::set_starts(const Gl &gl, std::span<const int32_t> codes
   check_gl(gl, "upload of starts");
 }
 
-void ConnectedTriangles::begin(const Gl &gl, int centers, int largest_tile) {
+void ConnectedTriangles::begin(const Gl &gl, int centers, int most_centers) {
   const auto group = static_cast<size_t>(gl.limits.group_size), one = size_of_slot(room_);
   const size_t all = (static_cast<size_t>(centers) + group - 1) / group * group;
   const size_t fit =
-      std::min(static_cast<size_t>(most_bytes) / sizeof(int32_t) / one, static_cast<size_t>(largest_tile)) / group * group;
+      std::min(static_cast<size_t>(most_bytes) / sizeof(int32_t) / one, static_cast<size_t>(most_centers)) / group * group;
   const size_t slots = std::clamp(fit, group, std::max(all, group));
   const size_t bytes = (CONNECTED_HEADER + static_cast<size_t>(centers) + slots * one) * sizeof(int32_t);
   slots_ = static_cast<int>(slots);
@@ -112,7 +112,7 @@ void ConnectedTriangles::bind(const Gl &gl) const {
   gl.BindTextureUnit(UNIT_TRIANGLE_CODES, codes_.id());
 }
 
-void ConnectedTriangles::flood(const Gl &gl, ProgramCache &programs, const DeviceSurface &surface) const {
+void ConnectedTriangles::flood(const Gl &gl, ProgramCache &programs, const DeviceSurface &surface, int count) const {
   constexpr int32_t nothing[] = {0, 1, 1, 0};
   gl.NamedBufferSubData(list_.id(), CONNECTED_AGAIN_GROUPS * sizeof(int32_t), sizeof nothing, nothing);
   gl.UseProgram(flood_program(gl, programs, room_));
@@ -123,7 +123,7 @@ void ConnectedTriangles::flood(const Gl &gl, ProgramCache &programs, const Devic
   gl.BindTextureUnit(UNIT_PATCH_RANGES, ranges_.id());
   gl.BindTextureUnit(UNIT_PATCH_NEIGHBORS, neighbors_.id());
   gl.BindTextureUnit(UNIT_PATCH_SPHERES, spheres_.id());
-  gl.DispatchCompute(group_count(gl, slots_), 1, 1);
+  gl.DispatchCompute(group_count(gl, count), 1, 1);
   gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
   check_gl(gl, "floods");
 }

@@ -34,8 +34,8 @@ public:
   void set_starts(const Gl &gl, std::span<const int32_t> codes);
   // Floods have room for so many patches, until they ask for more or less.
   void expect(int patches);
-  // From here on no center is ambiguous. largest_tile: centers that are computed again side by side.
-  void begin(const Gl &gl, int centers, int largest_tile);
+  // From here on no center is ambiguous. most_centers: centers that are computed again side by side.
+  void begin(const Gl &gl, int centers, int most_centers);
   // Whether floods that came to so many patches had room; makes as much of it as they need from here on.
   bool make_room(int patches);
 
@@ -45,9 +45,9 @@ public:
   GLuint list() const { return list_.id(); }
   // Binds what programs read that compute centers again.
   void bind(const Gl &gl) const;
-  // Looks at the ambiguous centers [first, first + slots()), whose parameters, centers and results are bound. Those to be
-  // computed again are the next ones.
-  void flood(const Gl &gl, ProgramCache &programs, const DeviceSurface &surface) const;
+  // Looks at so many ambiguous centers, slots() at most, whose parameters, centers and results are bound. Those to be computed
+  // again are the next ones.
+  void flood(const Gl &gl, ProgramCache &programs, const DeviceSurface &surface, int count) const;
 
 private:
   BufferTexture triangles_, codes_, ranges_, neighbors_, spheres_, starts_;

@@ -83,13 +83,14 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
   if (job.connected()) cells().tile = next;
 }
 
-// Checks the ambiguous centers [first, end), in rounds of as many as floods are kept side by side. Beyond the last one, rounds
-// take next to no time, and more and more go together.
+// Checks the ambiguous centers [first, end), in rounds of as many as floods are kept side by side, or fewer where they are slow.
+// Beyond the last one, rounds take next to no time, and more and more go together.
 void TextureSpace::check_connected(const EvaluateSettings &settings, int first, int end, const Progress &progress, double from,
                                    double to) {
-  const int round = device_->connected.slots();
+  constexpr int first_round = 4096;
+  const int smallest = gl_->group_size() * 16;
   in_tiles(
-      first, end, {round, round, std::numeric_limits<int>::max(), round},
+      first, end, {first_round, smallest, std::numeric_limits<int>::max(), gl_->group_size()},
       [&](int begin, int last) {
         gl_->run([&](const Gl &gl, ProgramCache &programs) {
           device_->evaluator.check(gl, programs, *device_->buffer, device_->surface, settings, begin, last);

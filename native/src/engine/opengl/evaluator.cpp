@@ -64,18 +64,21 @@ static size_t result_values(const EvaluateSettings &settings, int count) {
   return (ROW_DESCRIPTORS + settings.value_rows()) * static_cast<size_t>(count);
 }
 
+// Of whole groups, at most.
+size_t Evaluator::centers_side_by_side(const Gl &gl, const EvaluateSettings &settings) const {
+  return static_cast<size_t>(std::min(static_cast<int>(group_count(gl, count_)) * gl.limits.group_size, settings.most_centers()));
+}
+
 void Evaluator::begin(const Gl &gl, const EvaluateSettings &settings) {
   pattern_.upload(gl, settings.pattern == PDESC_PATTERN_STRATIFIED ? stratified_pattern(settings.samples, settings.seed)
                                                                    : golden_angle_pattern(settings.samples));
-  const auto tile =
-      static_cast<size_t>(std::min(static_cast<int>(group_count(gl, count_)) * gl.limits.group_size, settings.largest_tile()));
   const bool paper = settings.relocation == PDESC_RELOCATION_PAPER, directional = settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL;
-  visits_.reserve(gl, paper ? tile * MAX_VISITS * sizeof(VisitData) : 0);
+  visits_.reserve(gl, paper ? centers_side_by_side(gl, settings) * MAX_VISITS * sizeof(VisitData) : 0);
   stretches_.reserve(gl, directional ? static_cast<size_t>(count_) * STRETCH_DIRECTIONS * sizeof(float) : 0);
   // NaN everywhere first: a center that a driver forgets must not look like a result.
   results_.repeat(gl, std::bit_cast<uint32_t>(std::numeric_limits<float>::quiet_NaN()),
                   result_values(settings, count_) + counts_read, GL_STREAM_READ);
-  if (settings.connected) settings.connected->begin(gl, count_, settings.largest_tile());
+  if (settings.connected) settings.connected->begin(gl, count_, settings.most_centers());
   check_gl(gl, "room for results");
 }
 
@@ -138,8 +141,7 @@ void Evaluator::dispatch_marches(const Gl &gl, GLuint program, const EvaluateSet
   GLint stride = 0;
   gl.GetProgramResourceiv(program, GL_SHADER_STORAGE_BLOCK, block, 1, &property, 1, nullptr, &stride);
   const GLuint groups = group_count(gl, params.last - params.first);
-  const size_t bytes = static_cast<size_t>(groups) * static_cast<size_t>(gl.limits.group_size) * static_cast<size_t>(stride);
-  progress_.reserve(gl, bytes);
+  progress_.reserve(gl, centers_side_by_side(gl, settings) * static_cast<size_t>(stride));
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PROGRESS, progress_.id());
   const bool adaptive = settings.adaptive > 0.0f;
   for (int marks = settings.relocation == PDESC_RELOCATION_PAPER ? 1 : 0; marks >= 0; --marks) {
@@ -226,7 +228,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
                     int first, int last) {
   const bool marches = settings.relocation != PDESC_RELOCATION_CONNECTED;
   for (int end = first; first < last; first = end) {
-    end = std::min(first + settings.largest_tile(), last);
+    end = std::min(first + settings.most_centers(), last);
     const EvaluateParams params = params_of(settings, first, end);
     use_params(gl, params);
     if (marches && settings.ellipse == PDESC_ELLIPSE_DIRECTIONAL) find_stretches(gl, programs, buffer, params);
@@ -238,6 +240,7 @@ void Evaluator::run(const Gl &gl, ProgramCache &programs, const GeometryBuffer &
     else
       gl.DispatchCompute(group_count(gl, end - first), 1, 1);
     gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+    if (end < last) gl.Flush();
   }
   gl.Finish();
   check_gl(gl, "evaluate");
@@ -251,9 +254,9 @@ void Evaluator::check(const Gl &gl, ProgramCache &programs, const GeometryBuffer
     end = std::min(first + connected.slots(), last);
     use_params(gl, params_of(settings, first, end));
     bind(gl, settings);
-    connected.flood(gl, programs, surface);
-    use_params(gl, params_of(settings, 0, connected.slots()));
-    settings.search->run(gl, programs, *settings.cells, true, connected.slots());
+    connected.flood(gl, programs, surface, end - first);
+    use_params(gl, params_of(settings, 0, end - first));
+    settings.search->run(gl, programs, *settings.cells, true, end - first);
     use_program(gl, programs, buffer, settings);
     gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, connected.list());
     gl.DispatchComputeIndirect(CONNECTED_AGAIN_GROUPS * sizeof(int32_t));

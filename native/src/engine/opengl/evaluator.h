@@ -48,8 +48,8 @@ struct EvaluateSettings {
 
   // Centers that a dispatch may hold: neighborhoods of all of them lie side by side, and those that march leave a kilobyte or
   // two each between dispatches.
-  int largest_tile() const {
-    if (search) return search->largest_tile();
+  int most_centers() const {
+    if (search) return search->most_centers();
     return relocation == PDESC_RELOCATION_PAPER ? 16384 : 65536;
   }
   // Whether areas are measured, which the normals of faces make exact.
@@ -107,6 +107,7 @@ private:
   EvaluateParams params_of(const EvaluateSettings &settings, int first, int last) const;
   void bind(const Gl &gl, const EvaluateSettings &settings) const;
   void bind_march(const Gl &gl) const;
+  size_t centers_side_by_side(const Gl &gl, const EvaluateSettings &settings) const;
   void dispatch_marches(const Gl &gl, GLuint program, const EvaluateSettings &settings, EvaluateParams params);
   void find_stretches(const Gl &gl, ProgramCache &programs, const GeometryBuffer &buffer, const EvaluateParams &params) const;
 

@@ -81,12 +81,13 @@ struct GlLimits {
   // Invocations of a work group. Cards run 32 or 64 side by side, and idle where a group has fewer; software devices give each
   // core a row of groups, which small ones make even.
   int group_size = 64;
-  int tile_ranges = 1 << 23; // of lists of samples, that the centers of one dispatch have side by side
+  int ranges = 65536; // of lists of samples, that the centers of one dispatch have side by side
 };
 
 // Where balls hold many cells, a dispatch has room for some 20,000 centers: many for the cores of a software device, and too few
 // for a card, which runs more than that at once.
-constexpr int most_tile_ranges(bool software) { return 1 << (software ? 23 : 25); }
+constexpr int most_ranges(bool software) { return 1 << (software ? 23 : 25); }
+constexpr int64_t bytes_of_range = 8;
 
 struct Gl {
 #define PARADESC_MEMBER(type, name) type name = nullptr;

@@ -69,9 +69,10 @@ std::string GlContext::look_at_context(bool software) {
   if (!missing.empty()) return "its driver has no " + missing;
   const std::string flaw = read_limits(gl_);
   gl_.limits.group_size = software ? 16 : 64;
-  gl_.limits.tile_ranges = std::min(most_tile_ranges(software), gl_.limits.list_texels);
   // llvmpipe says 2^27 bytes and takes more; a test has it reach the end of a longer one.
   if (software) gl_.limits.storage_bytes = std::numeric_limits<GLint64>::max();
+  const GLint64 of_buffer = std::min<GLint64>(gl_.limits.list_texels, gl_.limits.storage_bytes / bytes_of_range);
+  gl_.limits.ranges = static_cast<int>(std::min<GLint64>(most_ranges(software), of_buffer));
   return flaw;
 }
 

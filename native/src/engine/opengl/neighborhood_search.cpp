@@ -1,4 +1,4 @@
-// Lists of cells in buffer textures, which one dispatch a tile looks through.
+// Lists of cells in buffer textures, which dispatches look through.
 #include "engine/opengl/neighborhood_search.h"
 
 #include <algorithm>
@@ -20,21 +20,21 @@ void NeighborhoodSearch::set_starts(const Gl &gl, const Starts &starts, uint64_t
   starts_version_ = version;
 }
 
-// A tile's lists of ranges have room for as many as there may be: none has to be counted before.
+// A dispatch's lists of ranges have room for as many as there may be: none has to be counted before.
 void NeighborhoodSearch::make_room(const Gl &gl, const CellBuffers &cells) {
   const size_t of_cell = (halves_ ? 2 * CELL_LEAVES : CELL_LEAVES) + (cells.has_texelless() ? 1 : 0);
   const auto group = static_cast<size_t>(gl.limits.group_size), longest = static_cast<size_t>(cells.room().longest);
   const size_t centers = (static_cast<size_t>(center_count_) + group - 1) / group * group;
   const size_t of_center = std::max<size_t>(1, longest * of_cell);
-  const size_t fit = static_cast<size_t>(gl.limits.tile_ranges) / of_center;
-  const size_t tile = std::clamp(fit / group * group, group, std::max(centers, group));
+  const size_t fit = static_cast<size_t>(gl.limits.ranges) / of_center;
+  const size_t most = std::clamp(fit / group * group, group, std::max(centers, group));
   const size_t words = std::max<size_t>(1, longest / 32);
   near_words_ = static_cast<int>(words > 8 ? std::bit_ceil(words) : words); // each number of words is a program
   ranges_of_center_ = static_cast<int>(of_center);
-  largest_tile_ = static_cast<int>(tile);
-  ranges_.reserve(gl, GL_RG32I, tile * of_center);
-  walks_.repeat(gl, 0, WALKS_HEADER + 2 * static_cast<size_t>(list_count_) + tile, GL_DYNAMIC_COPY);
-  neighborhoods_.reserve(gl, tile * sizeof(NeighborhoodRanges));
+  most_centers_ = static_cast<int>(most);
+  ranges_.reserve(gl, GL_RG32I, most * of_center);
+  walks_.repeat(gl, 0, WALKS_HEADER + 2 * static_cast<size_t>(list_count_) + most, GL_DYNAMIC_COPY);
+  neighborhoods_.reserve(gl, most * sizeof(NeighborhoodRanges));
 }
 
 // First how long they are, then what is in them; then what centers look at, made once for all that start in a cell.

@@ -1,4 +1,4 @@
-// Centers → the neighborhood of each, found on the device in the tile that is computed next.
+// Centers → the neighborhood of each, found on the device just before it is computed.
 #pragma once
 
 #include <span>
@@ -38,7 +38,7 @@ public:
   void run(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, bool exact, int count) const;
   // Binds what samples read.
   void bind(const Gl &gl) const;
-  int largest_tile() const { return largest_tile_; } // of centers
+  int most_centers() const { return most_centers_; } // of one dispatch
 
 private:
   void list_near_cells(const Gl &gl, ProgramCache &programs, const CellBuffers &cells, GLuint centers);
@@ -50,7 +50,7 @@ private:
   Buffer found_cells_, neighborhoods_, walks_;
   bool halves_ = false;
   uint64_t starts_version_ = 0; // of what is there
-  int center_count_ = 0, list_count_ = 0, near_words_ = 1, ranges_of_center_ = 1, largest_tile_ = 1;
+  int center_count_ = 0, list_count_ = 0, near_words_ = 1, ranges_of_center_ = 1, most_centers_ = 1;
 };
 
 } // namespace paradesc

@@ -131,8 +131,10 @@ void TextureSpace::prepare_check(const Job &job, const Frame &frame, const Searc
 void TextureSpace::prepare_search(const Job &job, const Frame &frame, const CellSampling &sampling, const SearchStarts &starts) {
   CellSet &set = cells();
   prepare_check(job, frame, starts);
-  if (set.room != sampling)
+  if (set.room != sampling) {
     set.flood_room = expected_patches(triangles_in_disk(job, starts.triangles, sampling.radius / frame.space.scale));
+    set.tile = 0; // a frame whose lists had no room found nothing, in no time
+  }
   device_->connected.expect(set.flood_room);
   const std::vector<vec4> boundary = ends_of_boundary(set.cells, job.triangles(frame), frame.space);
   for (bool enough = false; !enough;) {

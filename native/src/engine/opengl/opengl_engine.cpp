@@ -81,12 +81,15 @@ static int64_t bytes_of_device(bool software, const ComputationSize &size) {
   const int64_t centers = options.evaluate == PDESC_EVALUATE_TEXEL ? 32768 : size.wedges;
   int64_t bytes = texels * a_texel + bytes_of_rings(size) + size.triangles * 76 + size.points * 24 + size.wedges * 32 +
                   size.borders * 100 + centers * (200 + 4 * rows_of(size.descriptors));
-  if (options.relocation == PDESC_RELOCATION_CONNECTED)
+  if (options.relocation == PDESC_RELOCATION_CONNECTED) {
+    const int64_t ranges_of_center =
+        options.adaptive > 0.0 ? 1024 : 512; // of some 120 cells near it, each of which may have as many as leaves
     bytes += std::min<int64_t>(texels * 5 / 4, max_listed_points) * 32 // samples
              + bytes_of_near_cells(size, centers) +
-             std::min<int64_t>(centers * 2048, most_tile_ranges(software) * int64_t{8}) // ranges of a tile
-             + size.triangles * 56                                                      // patches
+             std::min(centers * ranges_of_center, int64_t{most_ranges(software)}) * bytes_of_range +
+             size.triangles * 56 // patches
              + bytes_of_floods(centers, expected_patches(static_cast<double>(size.triangles) / std::max(size.disks, 1e-6)));
+  }
   if (reads_map(size.descriptors)) bytes += size.wedges * 32;
   if (options.relocation == PDESC_RELOCATION_PAPER) bytes += int64_t{16384} * MAX_VISITS * 64 + 16384 * 2048;
   if (options.relocation == PDESC_RELOCATION_AFFINE) bytes += int64_t{65536} * 2048;

@@ -110,7 +110,7 @@ struct CellSet {
   CellSampling room;                            // for which the buffers' lists have had room
   int flood_room = 0;                           // that floods had then, as ConnectedTriangles has it
   int ambiguous = 0;                            // centers that may be ambiguous: there were fewer before
-  int tile = 0;                                 // centers that may be computed at once: it took as long as it should before
+  int tile = 0;                                 // centers that were computed at once in about the time that they should take
   Keyed<int, std::vector<int32_t>> texel_cells; // by the map's size: (texel centers) where their searches start
   Keyed<CentersKey, OrderedCenters> centers;    // at vertices
   Keyed<PlacedKey, std::unique_ptr<PlacedCenters>> placed;
