@@ -129,16 +129,18 @@ TEST_F(ReadBacks, come_after_a_single_tile_where_the_frame_before_was_fast) {
   EXPECT_EQ(read_backs, 3) << "of results, twice, and of how long lists are";
 }
 
-// A sheet in folds, where nearly every ball holds several pieces: with shorter lists a round has room for half of the centers,
-// and what is read first tells that more of them are ambiguous.
+// A sheet in folds, where nearly every ball holds several pieces: a first frame checks 4096 ambiguous centers, of which it then
+// reads that there are more, and the next frame checks all of them. With shorter lists, a tile and a round are several
+// dispatches.
 TEST_F(ReadBacks, go_on_until_all_ambiguous_centers_are_checked) {
-  TestMesh mesh = plane(1, 1, {.vertices = 3000});
+  TestMesh mesh = plane(1, 1, {.vertices = 6000});
   lay_out(mesh, {.charts = 1});
   fold(mesh, 0.05, 3);
   const auto short_of_room = open_counted(with_short_lists(1 << 19));
   short_of_room->smallest_tile = 1 << 20; // of several dispatches
   const auto all_at_once = paradesc::make_mesh(context_, input_of(mesh)),
              in_rounds = paradesc::make_mesh(short_of_room, input_of(mesh));
+  values_of(*all_at_once, 0.1);
   const std::vector<float> expected = values_of(*all_at_once, 0.1);
   for (const bool again : {false, true}) {
     const std::vector<float> found = values_of(*in_rounds, 0.1);

@@ -83,11 +83,13 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
   if (job.connected()) cells().tile = next;
 }
 
-// Checks the ambiguous centers [first, end), in rounds of as many as floods are kept side by side, or fewer where they are slow.
-// Beyond the last one, rounds take next to no time, and more and more go together.
+// Ambiguous centers that are checked before it is known how long that takes, and how many there are.
+static constexpr int first_round = 4096;
+
+// Checks the ambiguous centers [first, end), in rounds that take as long as tiles. Beyond the last one, rounds take next to no
+// time, and more and more go together.
 void TextureSpace::check_connected(const EvaluateSettings &settings, int first, int end, const Progress &progress, double from,
                                    double to) {
-  constexpr int first_round = 4096;
   const int smallest = gl_->group_size() * 16;
   in_tiles(
       first, end, {first_round, smallest, std::numeric_limits<int>::max(), gl_->group_size()},
@@ -117,7 +119,7 @@ const std::vector<float> &TextureSpace::evaluate(const Job &job, const EvaluateS
     int checked = 0, ambiguous = job.connected() ? cells().ambiguous : 0; // how many there are, the device alone knows
     do {
       if (job.connected()) {
-        const int end = std::min(count, std::max(ambiguous, checked + device_->connected.slots()));
+        const int end = std::min(count, std::max(ambiguous, checked + first_round));
         check_connected(settings, checked, end, progress, checked_from, to);
         checked = end;
       }
