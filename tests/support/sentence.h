@@ -16,4 +16,10 @@ inline void expect_one_sentence(const std::string &text) {
     EXPECT_FALSE(dot + 2 < text.size() && std::isupper(static_cast<unsigned char>(text[dot + 2]))) << "two sentences: " << text;
 }
 
+// And it says this.
+inline void expect_one_sentence(const std::string &text, const std::string &word) {
+  EXPECT_NE(text.find(word), std::string::npos) << "no \"" << word << "\" in: " << text;
+  expect_one_sentence(text);
+}
+
 } // namespace paradesc::test

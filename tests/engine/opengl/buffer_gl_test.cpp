@@ -17,11 +17,6 @@ namespace {
 
 class Buffers : public test::OnDevice {};
 
-void expect_one_sentence(const std::string &text, const std::string &number) {
-  test::expect_one_sentence(text);
-  EXPECT_NE(text.find(number), std::string::npos) << text;
-}
-
 TEST_F(Buffers, a_buffer_beyond_what_shaders_reach_is_refused) {
   thread->run([](const Gl &gl, ProgramCache &) {
     Gl small = gl;
@@ -33,7 +28,7 @@ TEST_F(Buffers, a_buffer_beyond_what_shaders_reach_is_refused) {
       FAIL() << "nothing was thrown";
     } catch (const Error &error) {
       EXPECT_EQ(error.status(), PDESC_ERROR_OUT_OF_MEMORY);
-      expect_one_sentence(error.what(), "1 MiB");
+      test::expect_one_sentence(error.what(), "1 MiB");
     }
     check_gl(gl, "test");
   });
@@ -76,7 +71,7 @@ TEST_F(Buffers, a_list_beyond_the_devices_textures_is_refused_with_its_length) {
         FAIL() << "nothing was thrown";
       } catch (const Error &error) {
         EXPECT_EQ(error.status(), status);
-        expect_one_sentence(error.what(), std::to_string(max_bytes + 1));
+        test::expect_one_sentence(error.what(), std::to_string(max_bytes + 1));
       }
     };
     BufferTexture buffer;

@@ -140,11 +140,6 @@ protected:
   }
   std::unique_ptr<Mesh> mesh_on(const std::shared_ptr<Context> &context) const { return make_mesh(context, input_of(ball)); }
 
-  static void expect_one_sentence(const std::string &text, const char *word) {
-    EXPECT_NE(text.find(word), std::string::npos) << "no \"" << word << "\" in: " << text;
-    test::expect_one_sentence(text);
-  }
-
   // So is what needs it under AUTO, which computes all else by the processor.
   void expect_refused_at_once(const FailingDriver &failing, const char *word) const {
     test::expect_refused(scripted(failing), word);
@@ -157,8 +152,8 @@ protected:
       ADD_FAILURE() << "half floats were computed: " << word;
     } catch (const Error &error) {
       EXPECT_EQ(error.status(), PDESC_ERROR_UNSUPPORTED);
-      expect_one_sentence(error.what(), test::on_card() ? "no device has it" : word); // beside a card there may be no other
-      expect_one_sentence(error.what(), "half floats");
+      test::expect_one_sentence(error.what(), test::on_card() ? "no device has it" : word); // beside a card there may be no other
+      test::expect_one_sentence(error.what(), "half floats");
     }
     EXPECT_EQ(compute_on(*mesh).report.backend, PDESC_BACKEND_CPU) << "the mesh stays usable";
   }
@@ -178,7 +173,7 @@ protected:
         ADD_FAILURE() << "nothing was thrown: " << word;
       } catch (const Error &error) {
         EXPECT_EQ(error.status(), status) << error.what();
-        expect_one_sentence(error.what(), word);
+        test::expect_one_sentence(error.what(), word);
       }
     }
     const int lose_at = script.lose_at, fail_at = script.fail_at;
@@ -191,11 +186,12 @@ protected:
     const auto mesh = mesh_on(context);
     const Field field = compute_on(*mesh);
     EXPECT_EQ(field.report.backend, PDESC_BACKEND_CPU);
-    expect_one_sentence(field.warnings.substr(0, field.warnings.find('\n')), word); // the other is about the size of the buffers
+    test::expect_one_sentence(field.warnings.substr(0, field.warnings.find('\n')),
+                              word); // the other is about the size of the buffers
     EXPECT_EQ(context->backend, PDESC_BACKEND_CPU);
     const auto processor = mesh_on(open(PDESC_BACKEND_CPU, {}));
     test::expect_same_bits(field.values[0], compute_on(*processor).values[0]);
-    expect_one_sentence(compute_on(*mesh).warnings, word); // who comes later must learn it too
+    test::expect_one_sentence(compute_on(*mesh).warnings, word); // who comes later must learn it too
   }
 
   test::TestMesh ball;
@@ -276,7 +272,7 @@ TEST_F(DriverFailures, a_graphics_card_that_is_lost_leaves_texture_space_to_the_
   script.lose_at = 2;
   const Field field = compute_on(*mesh);
   EXPECT_EQ(field.report.backend, PDESC_BACKEND_SOFTWARE);
-  expect_one_sentence(field.warnings.substr(0, field.warnings.find('\n')), "lost"); // others are about the layout
+  test::expect_one_sentence(field.warnings.substr(0, field.warnings.find('\n')), "lost"); // others are about the layout
   EXPECT_NE(field.warnings.find("llvmpipe"), std::string::npos) << field.warnings << "\nsays what computed";
   EXPECT_EQ(context->backend, PDESC_BACKEND_CPU) << "for all else";
   EXPECT_STREQ(card, "Pretended card") << "callers may hold the name";
@@ -321,7 +317,7 @@ TEST_F(DriverFailures, a_device_that_does_not_come_back_says_so_each_time) {
       FAIL() << "nothing was thrown";
     } catch (const Error &error) {
       EXPECT_EQ(error.status(), PDESC_ERROR_DEVICE_LOST);
-      expect_one_sentence(error.what(), "does not come back");
+      test::expect_one_sentence(error.what(), "does not come back");
     }
   }
 }

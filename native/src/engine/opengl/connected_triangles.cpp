@@ -96,7 +96,7 @@ void ConnectedTriangles::set_starts(const Gl &gl, std::span<const int32_t> codes
 
 void ConnectedTriangles::begin(const Gl &gl, int centers, int most_centers) {
   const auto group = static_cast<size_t>(gl.limits.group_size), one = size_of_slot(room_);
-  const size_t all = (static_cast<size_t>(centers) + group - 1) / group * group;
+  const size_t all = in_whole_groups(gl, static_cast<size_t>(centers));
   const size_t fit =
       std::min(static_cast<size_t>(most_bytes) / sizeof(int32_t) / one, static_cast<size_t>(most_centers)) / group * group;
   const size_t slots = std::clamp(fit, group, std::max(all, group));

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "support/math.h"
+
 #include "shared.h"
 
 namespace paradesc {

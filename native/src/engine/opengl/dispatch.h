@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "engine/opengl/gl.h"
-#include "support/math.h"
 #include "support/progress.h"
 
 namespace paradesc {

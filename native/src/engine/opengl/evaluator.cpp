@@ -66,7 +66,7 @@ static size_t result_values(const EvaluateSettings &settings, int count) {
 
 // Of whole groups, at most.
 size_t Evaluator::centers_side_by_side(const Gl &gl, const EvaluateSettings &settings) const {
-  return static_cast<size_t>(std::min(static_cast<int>(group_count(gl, count_)) * gl.limits.group_size, settings.most_centers()));
+  return std::min(in_whole_groups(gl, static_cast<size_t>(count_)), static_cast<size_t>(settings.most_centers()));
 }
 
 void Evaluator::begin(const Gl &gl, const EvaluateSettings &settings) {

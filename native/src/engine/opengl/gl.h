@@ -101,6 +101,12 @@ inline GLuint group_count(const Gl &gl, int invocations) {
   return static_cast<GLuint>((invocations + gl.limits.group_size - 1) / gl.limits.group_size);
 }
 
+// The least number of invocations from this one on that fills whole work groups.
+inline size_t in_whole_groups(const Gl &gl, size_t invocations) {
+  const auto group = static_cast<size_t>(gl.limits.group_size);
+  return (invocations + group - 1) / group * group;
+}
+
 // Throws Error with the stage's name where OpenGL has recorded an error: DEVICE_LOST, OUT_OF_MEMORY, else UNKNOWN. None is left
 // for the next call.
 void check_gl(const Gl &gl, const char *stage);

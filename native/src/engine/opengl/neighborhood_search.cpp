@@ -24,7 +24,7 @@ void NeighborhoodSearch::set_starts(const Gl &gl, const Starts &starts, uint64_t
 void NeighborhoodSearch::make_room(const Gl &gl, const CellBuffers &cells) {
   const size_t of_cell = (halves_ ? 2 * CELL_LEAVES : CELL_LEAVES) + (cells.has_texelless() ? 1 : 0);
   const auto group = static_cast<size_t>(gl.limits.group_size), longest = static_cast<size_t>(cells.room().longest);
-  const size_t centers = (static_cast<size_t>(center_count_) + group - 1) / group * group;
+  const size_t centers = in_whole_groups(gl, static_cast<size_t>(center_count_));
   const size_t of_center = std::max<size_t>(1, longest * of_cell);
   const size_t fit = static_cast<size_t>(gl.limits.ranges) / of_center;
   const size_t most = std::clamp(fit / group * group, group, std::max(centers, group));
