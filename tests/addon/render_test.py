@@ -152,6 +152,7 @@ def render_baked(target, path):
     for name in record.attributes_of(target.data):
         shape.attributes.remove(shape.attributes[name])
     still = bpy.data.objects.new("still", shape)
+    still.matrix_world = target.matrix_world
     bpy.context.collection.objects.link(still)
     bpy.ops.object.select_all(action="DESELECT")
     bpy.context.view_layer.objects.active = still

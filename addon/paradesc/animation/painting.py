@@ -98,13 +98,19 @@ def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRa
 def tag_written(mesh: bpy.types.Mesh, rendering: bool) -> None:
     """Makes Blender evaluate the mesh again with its new attributes.
 
-    A render's copies of the mesh and its shape keys are then made afresh from the originals, whose animated values are
-    those of the window's frame, and Blender does not animate a frame twice: touching the animation makes it.
+    A render's copies of the mesh and of what belongs to it are then made afresh from the originals, whose animated
+    values are those of the window's frame, and Blender does not animate a frame twice: touching the animation makes it.
     """
     mesh.update()
-    for datablock in (mesh, mesh.shape_keys) if rendering else ():
-        if datablock is not None and datablock.animation_data is not None:
+    for datablock in copied_with(mesh) if rendering else ():
+        if datablock.animation_data is not None:
             datablock.animation_data.action_influence = datablock.animation_data.action_influence
+
+
+def copied_with(mesh: bpy.types.Mesh) -> list[bpy.types.ID]:
+    """The mesh, and what Blender copies from the originals whenever it copies the mesh: shape keys, and its objects."""
+    keys = [] if mesh.shape_keys is None else [mesh.shape_keys]
+    return [mesh, *keys, *(item for item in bpy.data.objects if item.data == mesh)]
 
 
 # ---- Colors
