@@ -1,4 +1,4 @@
-"""Renders of an animation show every frame's pose with the values of that pose, whatever moves the mesh.
+"""Renders and exports of an animation have every frame's pose with the values of that pose, whatever moves the mesh.
 
 The silhouettes are those of a render without live values, and the pictures those of meshes baked in that pose.
 """
@@ -123,3 +123,42 @@ def test_however_it_is_rendered_an_animation_shows_each_frames_pose(render, mode
         bake_frames(tmp_path)
     switch_all(mode)
     check_silhouettes(rendered(tmp_path, "shown"), expected)
+
+
+# ---- Exporters, and what somebody has changed without a key
+
+
+def exported_positions(path, evaluation):
+    """(frame_count, 3 * vertex_count) positions in a file of the animation, as Blender reads them again."""
+    scene = bpy.context.scene
+    scene.frame_set(FIRST + 1)
+    if path.suffix == ".abc":
+        bpy.ops.wm.alembic_export(filepath=str(path), as_background_job=False, evaluation_mode=evaluation)
+    else:
+        bpy.ops.wm.usd_export(filepath=str(path), export_animation=True, evaluation_mode=evaluation)
+    before, found = set(bpy.data.objects), []
+    (bpy.ops.wm.alembic_import if path.suffix == ".abc" else bpy.ops.wm.usd_import)(filepath=str(path))
+    made = set(bpy.data.objects) - before
+    read = next(item for item in made if item.type == "MESH")
+    for frame in FRAMES:
+        scene.frame_set(frame)
+        evaluated = read.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        found.append(np.empty(3 * len(evaluated.vertices), np.float32))
+        evaluated.vertices.foreach_get("co", found[-1])
+    for item in made:
+        bpy.data.objects.remove(item)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("evaluation", ["RENDER", "VIEWPORT"])
+@pytest.mark.parametrize("kind", ["abc", "usdc"])
+def test_exported_animations_have_each_frames_pose(kind, evaluation, tmp_path):
+    if not getattr(bpy.app.build_options, {"abc": "alembic", "usdc": "usd"}[kind]):
+        pytest.skip(f"this Blender is built without {kind}")
+    target = moving_scene(CASES["bend"])
+    bpy.context.scene.frame_step = 1
+    expected = exported_positions(tmp_path / f"off.{kind}", evaluation)
+    target.paradesc_live.mode = "LIVE"
+    found = exported_positions(tmp_path / f"live.{kind}", evaluation)
+    assert np.abs(expected[0] - expected[-1]).max() > 0.5
+    np.testing.assert_array_equal(found, expected)

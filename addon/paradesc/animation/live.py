@@ -112,7 +112,7 @@ class Session:
             if not request.same(self.latest.newest or self.done):
                 self.latest.ask(request)
             fresh = self.take(self.latest.step())
-        return self.show(target, scene, rendering, fresh)
+        return self.show(target, scene, depsgraph, fresh)
 
     def collect(self, target: bpy.types.Object, wait: bool = False) -> bool:
         """Writes to the mesh what has been computed meanwhile; False if nothing had to change."""
@@ -122,7 +122,7 @@ class Session:
         if scene is None or target.mode in WAITING_MODES or len(target.data.vertices) != len(self.results.coverage):
             self.unpainted = True
             return False
-        self.wrote = self.show(target, scene, False, True)
+        self.wrote = self.show(target, scene, None, True)
         return self.wrote
 
     # The type is in quotes because typing remembers it, and would keep bpy alive past Python's end, which crashes.
@@ -137,7 +137,9 @@ class Session:
         self.results, self.done = outcome.result, outcome.request
         return True
 
-    def show(self, target: bpy.types.Object, scene: bpy.types.Scene, rendering: bool, fresh: bool) -> bool:
+    def show(
+        self, target: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None, fresh: bool
+    ) -> bool:
         """Writes the results to the mesh; False if they are there already."""
         start = time.perf_counter()
         look = looks.scene_look(scene)
@@ -146,7 +148,7 @@ class Session:
         changed = self.painter.paint(target.data, self.values(), ranges, fresh or self.unpainted)
         self.unpainted = False
         if changed:
-            painting.tag_written(target.data, rendering)
+            painting.tag_written(target.data, depsgraph)
         if fresh:
             write = time.perf_counter() - start
             self.seconds = {"read": self.read_seconds, "compute": self.compute_seconds, "write": write}

@@ -9,6 +9,7 @@ import numpy as np
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
 from ..scene import mesh_io, record
+from . import unkeyed
 
 # Steps of a color table, far below what 8 bits can show.
 TABLE_STEPS = 4096
@@ -95,16 +96,25 @@ def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRa
         mesh.color_attributes.active_color = mesh.color_attributes.get(next(iter(values.shown)) + "_color")
 
 
-def tag_written(mesh: bpy.types.Mesh, rendering: bool) -> None:
-    """Makes Blender evaluate the mesh again with its new attributes.
+def tag_written(mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    """Makes Blender evaluate the mesh again with its new attributes; in this depsgraph with the animation of its frame.
 
-    A render's copies of the mesh and of what belongs to it are then made afresh from the originals, whose animated
-    values are those of the window's frame, and Blender does not animate a frame twice: touching the animation makes it.
+    The depsgraph's copies of the mesh and of what belongs to it are made afresh from the originals. Those of a render or
+    an exporter lose their animated values by that, and Blender does not animate a frame twice: touching the animation
+    makes it, in the depsgraphs of all windows as well.
     """
     mesh.update()
-    for datablock in copied_with(mesh) if rendering else ():
-        if datablock.animation_data is not None:
-            datablock.animation_data.action_influence = datablock.animation_data.action_influence
+    if depsgraph is None or is_of_view_layer(depsgraph):
+        return
+    animated = [item for item in copied_with(mesh) if item.animation_data is not None]
+    unkeyed.keep(animated)
+    for datablock in animated:
+        datablock.animation_data.action_influence = datablock.animation_data.action_influence
+
+
+def is_of_view_layer(depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether this is a view layer's own depsgraph, whose evaluation gives the originals their animated values."""
+    return depsgraph.view_layer.depsgraph == depsgraph
 
 
 def copied_with(mesh: bpy.types.Mesh) -> list[bpy.types.ID]:
