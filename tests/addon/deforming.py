@@ -347,6 +347,16 @@ def constraint_of_growing_influence(target):
 
 
 @case
+def baked_cloth_on_a_moving_object(target):
+    displace(target)
+    target.vertex_groups.new(name="held").add(tops(target), 1.0, "REPLACE")
+    cloth = target.modifiers.new("cloth", "CLOTH")
+    cloth.settings.vertex_group_mass = "held"
+    cloth.point_cache.frame_start, cloth.point_cache.frame_end = FIRST, LAST
+    assert bpy.ops.ptcache.bake_all(bake=True) == {"FINISHED"}
+
+
+@case
 def subdivision_behind_a_modifier(target):
     bend(target)
     target.modifiers.new("smooth", "SUBSURF").render_levels = 1

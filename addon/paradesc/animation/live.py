@@ -326,3 +326,13 @@ def keeps_vertices(target: bpy.types.Object, rendering: bool, count: int, found:
         return False  # it may well make as many as it cuts away
     changing = [item for item in used if item.type in source_meshes.GENERATING or item.type == "NODES"]
     return count == found or (found > count and all(item.type in APPENDING for item in changing))
+
+
+def unbaked_simulation(target: bpy.types.Object) -> str:
+    """The name of a simulation of the object whose cache is not baked, or "".
+
+    Writing to its mesh makes Blender forget such a cache, so the simulation may come out otherwise.
+    """
+    found = [*target.modifiers, *(item for item in target.particle_systems if item.settings.type == "EMITTER")]
+    free = (item.name for item in found if hasattr(item, "point_cache") and not item.point_cache.is_baked)
+    return next(free, "")
