@@ -16,9 +16,11 @@ def case(function):
 
 
 def keyed(owner, name, start, end, index=-1):
-    """Animates a property from the first frame to the last."""
+    """Animates a property, a custom one or one member of an array from the first frame to the last."""
     for frame, value in ((FIRST, start), (LAST, end)):
-        if index < 0:
+        if name.startswith("["):
+            owner[name[2:-2]] = value
+        elif index < 0:
             setattr(owner, name, value)
         else:
             getattr(owner, name)[index] = value
@@ -74,7 +76,7 @@ def hooked(target):
 
 
 def stretching_nodes(target):
-    """Geometry nodes that stretch the mesh along z; gives the modifier, its input, and the node that takes it."""
+    """Geometry nodes that stretch the mesh along z; gives the owner of their input, its name, and a socket behind it."""
     tree = bpy.data.node_groups.new("stretch", "GeometryNodeTree")
     if hasattr(tree, "interface"):
         tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
@@ -100,8 +102,11 @@ def stretching_nodes(target):
         tree.links.new(start, end)
     made = target.modifiers.new("nodes", "NODES")
     made.node_group = tree
-    made[given.identifier] = 0.0
-    return made, given.identifier, share
+    if hasattr(made, "properties"):  # since Blender 5.2
+        owner, name = getattr(made.properties.inputs, given.identifier), "value"
+    else:
+        owner, name = made, f'["{given.identifier}"]'
+    return owner, name, share.inputs["Scale"]
 
 
 def pulled_key(target):
@@ -230,17 +235,16 @@ def modifier_that_appears(target):
 
 @case
 def nodes_with_a_keyframed_input(target):
-    made, name, _ = stretching_nodes(target)
-    for frame, value in ((FIRST, 0.0), (LAST, 0.8)):
-        made[name] = value
-        target.keyframe_insert(f'modifiers["{made.name}"]["{name}"]', frame=frame)
+    owner, name, _ = stretching_nodes(target)
+    keyed(owner, name, 0.0, 0.8)
+    return owner, name
 
 
 @case
 def nodes_with_a_keyframed_node(target):
-    made, _, taking = stretching_nodes(target)
-    made.node_group.links.remove(taking.inputs["Scale"].links[0])
-    keyed(taking.inputs["Scale"], "default_value", 0.0, 0.8)
+    _, _, socket = stretching_nodes(target)
+    socket.id_data.links.remove(socket.links[0])
+    keyed(socket, "default_value", 0.0, 0.8)
 
 
 @case
@@ -262,11 +266,8 @@ def driven_by_the_frame(target):
 
 @case
 def driven_by_an_own_property(target):
-    target["push"] = 0.0
+    keyed(target, '["push"]', 0.0, 0.8)
     driven(displacing(target), "strength", target, '["push"]')
-    for frame, value in ((FIRST, 0.0), (LAST, 0.8)):
-        target["push"] = value
-        target.keyframe_insert('["push"]', frame=frame)
 
 
 @case

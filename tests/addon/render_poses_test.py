@@ -153,8 +153,9 @@ def exported_positions(path, evaluation):
 @pytest.mark.parametrize("evaluation", ["RENDER", "VIEWPORT"])
 @pytest.mark.parametrize("kind", ["abc", "usdc"])
 def test_exported_animations_have_each_frames_pose(kind, evaluation, tmp_path):
-    if not getattr(bpy.app.build_options, {"abc": "alembic", "usdc": "usd"}[kind]):
-        pytest.skip(f"this Blender is built without {kind}")
+    library = {"abc": "alembic", "usdc": "usd"}[kind]
+    if not getattr(bpy.app.build_options, library):
+        pytest.skip(f"this Blender is built without {library}")
     target = moving_scene(CASES["bend"])
     bpy.context.scene.frame_step = 1
     expected = exported_positions(tmp_path / f"off.{kind}", evaluation)

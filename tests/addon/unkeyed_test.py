@@ -82,8 +82,8 @@ def part_of_an_own_property(target):
 
 
 def input_of_nodes(target):
-    deforming.nodes_with_a_keyframed_input(target)
-    return lambda: target.modifiers["nodes"], f'["{next(iter(target.modifiers["nodes"].keys()))}"]', 0.5
+    owner, name = deforming.nodes_with_a_keyframed_input(target)
+    return lambda: owner, name, 0.5
 
 
 CHANGES = [number, number_under_an_odd_name, number_of_a_strip, count, switch, choice, part_of_a_place, part_of_a_vertex]
