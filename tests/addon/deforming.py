@@ -76,7 +76,7 @@ def hooked(target):
 
 
 def stretching_nodes(target):
-    """Geometry nodes that stretch the mesh along z; gives the owner of their input, its name, and a socket behind it."""
+    """Geometry nodes that stretch the mesh along z; gives their input as owner and name, and a socket behind it."""
     tree = bpy.data.node_groups.new("stretch", "GeometryNodeTree")
     if hasattr(tree, "interface"):
         tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")

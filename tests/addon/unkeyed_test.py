@@ -1,4 +1,4 @@
-"""A value that somebody has changed without a key is there again after a render or an export evaluated animation."""
+"""A value that was changed without a key is there again after a render or an export has evaluated animation."""
 
 from types import SimpleNamespace
 
@@ -86,8 +86,9 @@ def input_of_nodes(target):
     return lambda: owner, name, 0.5
 
 
-CHANGES = [number, number_under_an_odd_name, number_of_a_strip, count, switch, choice, part_of_a_place, part_of_a_vertex]
-CHANGES += [shape_key, own_property, own_property_under_an_odd_name, part_of_an_own_property, input_of_nodes]
+CHANGES = [number, number_under_an_odd_name, number_of_a_strip, count, switch, choice, part_of_a_place]
+CHANGES += [part_of_a_vertex, shape_key, own_property, own_property_under_an_odd_name, part_of_an_own_property]
+CHANGES += [input_of_nodes]
 
 
 def value_of(owner, name):
@@ -115,11 +116,11 @@ def test_a_value_without_a_key_stays_until_another_frame(changed):
     change(owner_of(), name, value)
     layer.update()
     for _ in range(2):  # two renders
-        painting.tag_written(target.data, FOREIGN)
-        painting.tag_written(target.data, FOREIGN)  # of two frames each
+        painting.tag_written(target, FOREIGN)
+        painting.tag_written(target, FOREIGN)  # of two frames each
         layer.update()
         assert value_of(owner_of(), name) == value
-    painting.tag_written(target.data, FOREIGN)
+    painting.tag_written(target, FOREIGN)
     scene.frame_set(deforming.FIRST + 1)
     layer.update()
     assert value_of(owner_of(), name) == keyed

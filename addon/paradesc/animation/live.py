@@ -148,7 +148,7 @@ class Session:
         changed = self.painter.paint(target.data, self.values(), ranges, fresh or self.unpainted)
         self.unpainted = False
         if changed:
-            painting.tag_written(target.data, depsgraph)
+            painting.tag_written(target, depsgraph)
         if fresh:
             write = time.perf_counter() - start
             self.seconds = {"read": self.read_seconds, "compute": self.compute_seconds, "write": write}

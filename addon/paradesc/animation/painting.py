@@ -96,17 +96,17 @@ def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRa
         mesh.color_attributes.active_color = mesh.color_attributes.get(next(iter(values.shown)) + "_color")
 
 
-def tag_written(mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph | None = None) -> None:
-    """Makes Blender evaluate the mesh again with its new attributes; in this depsgraph with the animation of its frame.
+def tag_written(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    """Makes Blender evaluate the object's mesh again with its new attributes, and in this depsgraph the animation, too.
 
-    The depsgraph's copies of the mesh and of what belongs to it are made afresh from the originals. Those of a render or
-    an exporter lose their animated values by that, and Blender does not animate a frame twice: touching the animation
+    The depsgraph's copies of the mesh and of what belongs to it are made afresh from the originals. In a render or an
+    exporter they lose their animated values by that, and Blender does not animate a frame twice: touching the animation
     makes it, in the depsgraphs of all windows as well.
     """
-    mesh.update()
+    target.data.update()
     if depsgraph is None or is_of_view_layer(depsgraph):
         return
-    animated = [item for item in copied_with(mesh) if item.animation_data is not None]
+    animated = [item for item in copied_with_mesh(target) if item.animation_data is not None]
     unkeyed.keep(animated)
     for datablock in animated:
         datablock.animation_data.action_influence = datablock.animation_data.action_influence
@@ -117,10 +117,11 @@ def is_of_view_layer(depsgraph: bpy.types.Depsgraph) -> bool:
     return depsgraph.view_layer.depsgraph == depsgraph
 
 
-def copied_with(mesh: bpy.types.Mesh) -> list[bpy.types.ID]:
-    """The mesh, and what Blender copies from the originals whenever it copies the mesh: shape keys, and its objects."""
-    keys = [] if mesh.shape_keys is None else [mesh.shape_keys]
-    return [mesh, *keys, *(item for item in bpy.data.objects if item.data == mesh)]
+def copied_with_mesh(target: bpy.types.Object) -> list[bpy.types.ID]:
+    """The object's mesh, and what Blender copies from the originals with it: shape keys and all its objects."""
+    mesh = target.data
+    objects = [target] if mesh.users == 1 else [item for item in bpy.data.objects if item.data == mesh]
+    return [mesh, *([] if mesh.shape_keys is None else [mesh.shape_keys]), *objects]
 
 
 # ---- Colors
