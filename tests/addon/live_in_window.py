@@ -16,6 +16,7 @@ import numpy as np
 words = sys.argv[sys.argv.index("--") + 1 :]
 sys.path[:0] = [words[0], str(Path(words[0]).parents[1] / "addon")]
 import animated  # noqa: E402
+import deforming  # noqa: E402
 from paradesc.animation import cache_places, handlers, live, pausing  # noqa: E402
 from paradesc.bake import modal  # noqa: E402
 from paradesc.files import cache  # noqa: E402
@@ -203,19 +204,49 @@ def prepare_render() -> None:
 
 
 def render_steps(engine: str, frame: int, found: dict) -> Iterator[None]:
-    """Presses F12 at a frame, and checks the color in the middle of the picture."""
+    """Presses F12 at a frame whose shape somebody has changed without a key; notes the color in the middle."""
     scene = bpy.context.scene
     path = Path(bpy.app.tempdir) / f"{engine}{frame}.png"
     scene.render.engine, scene.render.filepath = engine, str(path)
     scene.frame_set(frame)
+    key = target().data.shape_keys.key_blocks["Large"]
+    key.value = 0.25
     with bpy.context.temp_override(**view_context()):
         assert bpy.ops.render.render("INVOKE_DEFAULT", write_still=True) == {"RUNNING_MODAL"}
     yield from wait_for(lambda: path.is_file() and not handlers.STATE.rendering)
     for _ in range(5):
         yield
+    assert key.value == 0.25, f"F12 has made {key.value} of a value without a key"
+    found[engine, frame] = picture(path)[SIZE // 2, SIZE // 2, :3]
+
+
+def picture(path: Path) -> np.ndarray:
+    """(SIZE, SIZE, 4) pixels of an image file."""
     image = bpy.data.images.load(str(path))
-    pixels = np.array(image.pixels[:]).reshape(SIZE, SIZE, 4)
-    found[engine, frame] = pixels[SIZE // 2, SIZE // 2, :3]
+    return np.array(image.pixels[:]).reshape(SIZE, SIZE, 4)
+
+
+def animation_steps(engine: str) -> Iterator[None]:
+    """Presses Ctrl F12, with live values and without: every frame has the same silhouette."""
+    scene, shown = bpy.context.scene, {}
+    render, former = scene.render, (scene.frame_start, scene.frame_end, scene.frame_step)
+    render.engine, render.film_transparent, render.image_settings.color_mode = engine, True, "RGBA"
+    scene.frame_start, scene.frame_end, scene.frame_step = deforming.FIRST, deforming.LAST, 3
+    scene.camera.data.ortho_scale = 12.0  # the whole sphere is seen
+    for mode in ("OFF", "LIVE"):
+        target().paradesc_live.mode = mode
+        render.filepath = str(Path(bpy.app.tempdir) / f"{engine}{mode}")
+        paths = [Path(render.frame_path(frame=frame)) for frame in range(scene.frame_start, scene.frame_end + 1, 3)]
+        with bpy.context.temp_override(**view_context()):
+            assert bpy.ops.render.render("INVOKE_DEFAULT", animation=True) == {"RUNNING_MODAL"}
+        yield from wait_for(lambda last=paths[-1]: last.is_file() and not handlers.STATE.rendering)
+        for _ in range(5):
+            yield
+        shown[mode] = [picture(path)[..., 3] for path in paths]
+    assert np.abs(shown["OFF"][0] - shown["OFF"][-1]).mean() > 0.02, "nothing moves"
+    for frame, (still, live_one) in enumerate(zip(shown["OFF"], shown["LIVE"], strict=True)):
+        assert np.abs(still - live_one).mean() < 1 / 255, f"{engine} shows another pose in picture {frame}"
+    scene.frame_start, scene.frame_end, scene.frame_step = former
 
 
 def steps() -> Iterator[None]:
@@ -245,6 +276,12 @@ def steps() -> Iterator[None]:
     assert len(RENDERED_BY) >= 2 * len(engines), RENDERED_BY
     assert target().paradesc_live.mode == "LIVE", target().paradesc_live.sentence
     say(f"rendered each frame's values: {', '.join(engines)}")
+    deforming.displace(target())
+    for engine in ("CYCLES", "BLENDER_WORKBENCH"):
+        yield from animation_steps(engine)
+    target().modifiers.clear()
+    target().animation_data_clear()
+    say("rendered each frame's pose: CYCLES, BLENDER_WORKBENCH")
     scene.frame_set(1)
     target().data.shape_keys.animation_data_clear()
     yield from edit_steps()

@@ -163,6 +163,18 @@ def test_no_line_about_live_values_is_wider_than_the_sidebar(span):
     assert too_wide(labels) == []
 
 
+@pytest.mark.parametrize("kind", ["CLOTH", "SOFT_BODY", "PARTICLE_SYSTEM"])
+def test_a_simulation_is_asked_to_be_baked_before_live_values(kind):
+    target = add_sphere()
+    made = target.modifiers.new("simulated", kind)
+    (made if hasattr(made, "point_cache") else target.particle_systems[0]).point_cache.frame_end = 2
+    assert live_panel.live_sentence(target) == ""
+    target.paradesc_live.mode = "LIVE"
+    assert live_panel.live_sentence(target).startswith("Bake the simulation")
+    assert bpy.ops.ptcache.bake_all(bake=True) == {"FINISHED"}
+    assert live_panel.live_sentence(target) == ""
+
+
 def refused(target):
     raise bridge.ParadescError(3, f'The mesh "{target.data.name}" is linked from another file; make it local first.')
 

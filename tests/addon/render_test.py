@@ -115,6 +115,16 @@ def stretch_by_key(target):
         key.keyframe_insert("value", frame=frame)
 
 
+def stretch_and_bend(target):
+    """Both the shape key and a modifier with keys."""
+    stretch_by_key(target)
+    bend = target.modifiers.new("bend", "SIMPLE_DEFORM")
+    bend.deform_method = "BEND"
+    for frame, angle in zip(FRAMES, (0.0, 1.5), strict=True):
+        bend.angle = angle
+        bend.keyframe_insert("angle", frame=frame)
+
+
 def animated_scene(engine, deform):
     """A live object whose shape differs between the two frames."""
     scene = bpy.context.scene
@@ -152,6 +162,7 @@ def render_baked(target, path):
     for name in record.attributes_of(target.data):
         shape.attributes.remove(shape.attributes[name])
     still = bpy.data.objects.new("still", shape)
+    still.matrix_world = target.matrix_world
     bpy.context.collection.objects.link(still)
     bpy.ops.object.select_all(action="DESELECT")
     bpy.context.view_layer.objects.active = still
@@ -242,7 +253,7 @@ def test_motion_blur_asks_for_shapes_between_frames_not_for_values(tmp_path, mon
     reason="compiling EEVEE's shaders takes the Python module half a minute on a software rasterizer",
 )
 def test_animation_in_eevee_shows_each_frames_values(tmp_path):
-    target = animated_scene(EEVEE, stretch_by_key)
+    target = animated_scene(EEVEE, stretch_and_bend)
     check_animation(expected_frames(target, tmp_path), tmp_path)
 
 
@@ -279,7 +290,7 @@ def enabled_by_script(folder):
 @pytest.mark.skipif(not bpy.app.binary_path, reason="needs Blender's executable")
 @pytest.mark.parametrize("enable", [enabled_by_preferences, enabled_by_script])
 def test_a_farm_renders_each_frames_values(enable, tmp_path):
-    target = animated_scene("CYCLES", stretch_by_key)
+    target = animated_scene("CYCLES", stretch_and_bend)
     expected = expected_frames(target, tmp_path)
     bpy.context.scene.frame_set(FRAMES[1])
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))

@@ -17,7 +17,7 @@ from bpy.app.handlers import persistent
 from ..bridge import ParadescError
 from ..core import contexts
 from ..settings import looks
-from . import live, painting, pausing, playback
+from . import live, painting, pausing, playback, unkeyed
 
 # Seconds without another edit after which live values follow.
 EDIT_DELAY = 0.2
@@ -288,6 +288,8 @@ def lock_interface(scene: bpy.types.Scene, needed: bool) -> None:
 def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Follows another frame. Between the frames of a render, motion blur needs shapes only, so nothing is done."""
     targets = live_objects()
+    if depsgraph is not None and painting.is_of_view_layer(depsgraph):
+        unkeyed.forget()  # Blender has animated this frame itself
     if not targets or depsgraph is None or (pausing.is_held() and depsgraph.mode != "RENDER"):
         return
     between = STATE.render_time is not None and scene.frame_current_final != STATE.render_time
@@ -300,6 +302,8 @@ def on_frame(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = Non
 def on_edit(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Follows an edit: if it changed the shape of a live object, its values follow once editing pauses."""
     targets = live_objects()
+    if depsgraph is not None and painting.is_of_view_layer(depsgraph) and not STATE.rendering:
+        unkeyed.restore()
     if not targets and scene.paradesc_live.lock_taken and not STATE.rendering:
         lock_interface(scene, needed=False)  # the last one was deleted
     if not targets or depsgraph is None or is_ours():
@@ -366,6 +370,7 @@ def on_render_end(_scene: bpy.types.Scene, _depsgraph: object = None) -> None:
 def on_load_start(*_ignored: object) -> None:
     """Forgets everything, because another file is being loaded."""
     forget_all()
+    unkeyed.forget()
     STATE.edited_at, STATE.render_time, STATE.rendering = None, None, False
 
 
@@ -381,6 +386,7 @@ def on_save(*_ignored: object) -> None:
 @persistent
 def on_undo(*_ignored: object) -> None:
     """Looks at everything again, because names, topology and values may have changed."""
+    unkeyed.forget()
     STATE.object_count = -1
     for session in STATE.sessions.values():
         session.edited = True

@@ -112,7 +112,7 @@ class Session:
             if not request.same(self.latest.newest or self.done):
                 self.latest.ask(request)
             fresh = self.take(self.latest.step())
-        return self.show(target, scene, rendering, fresh)
+        return self.show(target, scene, depsgraph, fresh)
 
     def collect(self, target: bpy.types.Object, wait: bool = False) -> bool:
         """Writes to the mesh what has been computed meanwhile; False if nothing had to change."""
@@ -122,7 +122,7 @@ class Session:
         if scene is None or target.mode in WAITING_MODES or len(target.data.vertices) != len(self.results.coverage):
             self.unpainted = True
             return False
-        self.wrote = self.show(target, scene, False, True)
+        self.wrote = self.show(target, scene, None, True)
         return self.wrote
 
     # The type is in quotes because typing remembers it, and would keep bpy alive past Python's end, which crashes.
@@ -137,7 +137,9 @@ class Session:
         self.results, self.done = outcome.result, outcome.request
         return True
 
-    def show(self, target: bpy.types.Object, scene: bpy.types.Scene, rendering: bool, fresh: bool) -> bool:
+    def show(
+        self, target: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None, fresh: bool
+    ) -> bool:
         """Writes the results to the mesh; False if they are there already."""
         start = time.perf_counter()
         look = looks.scene_look(scene)
@@ -146,7 +148,7 @@ class Session:
         changed = self.painter.paint(target.data, self.values(), ranges, fresh or self.unpainted)
         self.unpainted = False
         if changed:
-            painting.tag_written(target.data, rendering)
+            painting.tag_written(target, depsgraph)
         if fresh:
             write = time.perf_counter() - start
             self.seconds = {"read": self.read_seconds, "compute": self.compute_seconds, "write": write}
@@ -324,3 +326,13 @@ def keeps_vertices(target: bpy.types.Object, rendering: bool, count: int, found:
         return False  # it may well make as many as it cuts away
     changing = [item for item in used if item.type in source_meshes.GENERATING or item.type == "NODES"]
     return count == found or (found > count and all(item.type in APPENDING for item in changing))
+
+
+def unbaked_simulation(target: bpy.types.Object) -> str:
+    """The name of a simulation of the object whose cache is not baked, or "".
+
+    Writing to its mesh makes Blender forget such a cache, so the simulation may come out otherwise.
+    """
+    found = [*target.modifiers, *(item for item in target.particle_systems if item.settings.type == "EMITTER")]
+    free = (item.name for item in found if hasattr(item, "point_cache") and not item.point_cache.is_baked)
+    return next(free, "")

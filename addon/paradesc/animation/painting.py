@@ -9,6 +9,7 @@ import numpy as np
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
 from ..scene import mesh_io, record
+from . import unkeyed
 
 # Steps of a color table, far below what 8 bits can show.
 TABLE_STEPS = 4096
@@ -95,16 +96,32 @@ def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRa
         mesh.color_attributes.active_color = mesh.color_attributes.get(next(iter(values.shown)) + "_color")
 
 
-def tag_written(mesh: bpy.types.Mesh, rendering: bool) -> None:
-    """Makes Blender evaluate the mesh again with its new attributes.
+def tag_written(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    """Makes Blender evaluate the object's mesh again with its new attributes, and in this depsgraph the animation, too.
 
-    A render's copies of the mesh and its shape keys are then made afresh from the originals, whose animated values are
-    those of the window's frame, and Blender does not animate a frame twice: touching the animation makes it.
+    The depsgraph's copies of the mesh and of what belongs to it are made afresh from the originals. In a render or an
+    exporter they lose their animated values by that, and Blender does not animate a frame twice: touching the animation
+    makes it, in the depsgraphs of all windows as well.
     """
-    mesh.update()
-    for datablock in (mesh, mesh.shape_keys) if rendering else ():
-        if datablock is not None and datablock.animation_data is not None:
-            datablock.animation_data.action_influence = datablock.animation_data.action_influence
+    target.data.update()
+    if depsgraph is None or is_of_view_layer(depsgraph):
+        return
+    animated = [item for item in copied_with_mesh(target) if item.animation_data is not None]
+    unkeyed.keep(animated)
+    for datablock in animated:
+        datablock.animation_data.action_influence = datablock.animation_data.action_influence
+
+
+def is_of_view_layer(depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether this is a view layer's own depsgraph, whose evaluation gives the originals their animated values."""
+    return depsgraph.view_layer.depsgraph == depsgraph
+
+
+def copied_with_mesh(target: bpy.types.Object) -> list[bpy.types.ID]:
+    """The object's mesh, and what Blender copies from the originals with it: shape keys and all its objects."""
+    mesh = target.data
+    objects = [target] if mesh.users == 1 else [item for item in bpy.data.objects if item.data == mesh]
+    return [mesh, *([] if mesh.shape_keys is None else [mesh.shape_keys]), *objects]
 
 
 # ---- Colors

@@ -67,7 +67,7 @@ class Player:
         ranges = painting.locked_ranges(scene.paradesc_live, look, self.shown_names(), self.found_range)
         changed = self.painter.paint(target.data, self.values(), ranges, fresh)
         if changed:
-            painting.tag_written(target.data, depsgraph.mode == "RENDER")
+            painting.tag_written(target, depsgraph)
         if fresh:
             self.seconds = {"read": read - start, "write": time.perf_counter() - read}
         return changed

@@ -62,6 +62,9 @@ def live_sentence(target: bpy.types.Object) -> str:
     session = handlers.session_at(target)
     if target.paradesc_live.mode != "OFF" and session is not None and session.note:
         return session.note
+    simulation = live.unbaked_simulation(target) if target.paradesc_live.mode != "OFF" else ""
+    if simulation:
+        return f'Bake the simulation "{simulation}" first; until then live values may change how it moves.'
     if target.library is not None or target.data.library is not None:
         return f'The mesh "{target.data.name}" is linked from another file; make it local first.'
     return ""

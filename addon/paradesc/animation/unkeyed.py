@@ -1,0 +1,89 @@
+"""Keeps what somebody has changed without a key, where animated values are evaluated again at the same frame.
+
+Blender evaluates animation at a new frame only, so that a pose or a setting without a key stays until then. Renders
+and exporters with live values make it happen earlier, in the windows, too: what was there is put back afterwards.
+"""
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import bpy
+
+
+class Value(NamedTuple):
+    """The value of one animated property."""
+
+    datablock: bpy.types.ID
+    path: str
+    index: int  # in an array, else 0
+    value: object
+
+
+_kept: list[Value] = []
+
+
+def keep(datablocks: Iterable[bpy.types.ID]) -> None:
+    """Remembers the present values of animated properties, except those that are remembered already."""
+    known = {value.datablock for value in _kept}
+    for datablock in datablocks:
+        if datablock not in known:
+            _kept.extend(values_of(datablock))
+
+
+def restore() -> None:
+    """Puts back what has changed since, and forgets all."""
+    while _kept:
+        datablock, path, index, value = _kept.pop()
+        try:
+            if value_at(datablock, path, index) != value:
+                set_value(datablock, path, index, value)
+        except (ReferenceError, LookupError, ValueError, AttributeError, TypeError):
+            continue  # the property is gone, or cannot be set
+
+
+def forget() -> None:
+    """Lets Blender's values be: another frame, an undone step, another file."""
+    _kept.clear()
+
+
+def values_of(datablock: bpy.types.ID) -> Iterator[Value]:
+    """The values of all properties that have keys."""
+    for path, index in dict.fromkeys(keyed_properties(datablock.animation_data)):
+        try:
+            yield Value(datablock, path, index, value_at(datablock, path, index))
+        except (LookupError, ValueError):
+            continue  # keys may outlive their property
+
+
+def keyed_properties(animation: bpy.types.AnimData) -> Iterator[tuple[str, int]]:
+    """The path and the index of each property with keys, whether of the action or of strips."""
+    strips = (strip.action for track in animation.nla_tracks for strip in track.strips)
+    for action in filter(None, (animation.action, *strips)):
+        if getattr(action, "layers", None):  # since Blender 4.4
+            bags = (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags)
+        else:
+            bags = (action,)
+        for bag in bags:
+            yield from ((curve.data_path, curve.array_index) for curve in bag.fcurves)
+
+
+def value_at(datablock: bpy.types.ID, path: str, index: int) -> object:
+    """The value of a property or of one member of an array."""
+    found = datablock.path_resolve(path)
+    return found[index] if hasattr(found, "__len__") and not isinstance(found, str) else found
+
+
+def set_value(datablock: bpy.types.ID, path: str, index: int, value: object) -> None:
+    """Sets a property or one member of an array."""
+    found = datablock.path_resolve(path)
+    if hasattr(found, "__len__") and not isinstance(found, str):
+        found[index] = value
+        return
+    custom = path.endswith('"]')
+    owner, _, name = path[:-2].rpartition('["') if custom else path.rpartition(".")
+    holder = datablock.path_resolve(owner) if owner else datablock
+    if custom:
+        holder[bpy.utils.unescape_identifier(name)] = value
+        datablock.update_tag()
+    else:
+        setattr(holder, name, value)
