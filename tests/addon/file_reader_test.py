@@ -178,7 +178,6 @@ def test_reader_is_blender_unless_another_is_asked_for(tmp_path, capsys):
 
 
 def test_off_is_read_where_blender_has_no_importer(tmp_path):
-    pytest.importorskip("trimesh", reason="trimesh reads .off; blend_samples/setup.sh installs it")
     path = tmp_path / "square.off"
     path.write_text("OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n")
     assert cli.main(["bake", str(path), "--output", str(tmp_path / "out.npz"), "--quiet"]) == 0
