@@ -17,8 +17,9 @@ def far_center(points: np.ndarray) -> np.ndarray | None:
     if len(points) == 0:
         return None
     low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
-    center = low / 2 + high / 2
-    return center if np.abs(center).max() > (high / 2 - low / 2).max() * 2 else None
+    with np.errstate(over="ignore", invalid="ignore"):  # positions that are not finite are refused by the library
+        center = low / 2 + high / 2
+        return center if np.abs(center).max() > (high / 2 - low / 2).max() * 2 else None
 
 
 def near_origin(points: np.ndarray) -> np.ndarray:
@@ -51,15 +52,15 @@ def check_finite(points: np.ndarray) -> None:
 
 
 def rounding_note(points: np.ndarray, mean_edge: float) -> list[str]:
-    """Says what is lost where (n, 3) positions are float32 and lie too far from the origin for their mean edge."""
-    if points.dtype != np.float32 or len(points) == 0:
+    """Says what is lost where (n, 3) positions are 32-bit floats too far from the origin for their mean edge."""
+    if far_center(points) is None:
         return []
     reach = float(np.abs(points).max())
     step = float(np.spacing(np.float32(reach)))
-    if not step > ROUNDING_THAT_SHOWS * mean_edge:
+    if not step > ROUNDING_THAT_SHOWS * mean_edge or not np.array_equal(points.astype(np.float32), points):
         return []
     return [
-        f"The mesh lies {reach:.3g} from the origin, where 32-bit floats are {step:.2g} apart, {step / mean_edge:.2g} of "
-        "the mean edge: its shape is rounded to that. Move it to the origin before it is saved so, or give it as a text "
-        "file or double .ply that is read without Blender (--reader files)."
+        f"The mesh lies {reach:.3g} from the origin, where 32-bit floats are {step:.2g} apart: its vertices are rounded "
+        f"to {step / mean_edge:.2g} of the mean edge. Move it to the origin before it becomes such numbers, or have "
+        "a text file or a .ply of doubles read by --reader files."
     ]

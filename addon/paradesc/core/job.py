@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from .. import bridge
-from ..bridge import ProgressFunction, abi
+from ..bridge import ProgressFunction, abi, origin
 from . import contexts
 from .color_maps import Look, ValueRange, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
@@ -90,6 +90,7 @@ class Results:
     fallback: str  # why "auto" did not get a better device, or ""
     warnings: list[str]  # what limits the results
     notes: list[str] = field(default_factory=list)  # what was measured, and what had no effect
+    rounding: list[str] = field(default_factory=list)  # what 32-bit floats far from the origin lost of the mesh
     near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
     seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
     maps: dict[str, np.ndarray] = field(default_factory=dict)  # each (N, N) or (N, N, 3), with evaluate = texel only
@@ -157,13 +158,13 @@ class Results:
         return float(self.report_of(name)["radius"])
 
     def facet_notes(self) -> list[str]:
-        """Warns if the smallest radius is below the mean edge, where values show facets."""
+        """Warns if values show facets, as the smallest radius is below the mean edge, or rounded positions."""
         edge = self.mesh_report["mean_edge"]
         least = min(report["radius"] for report in self.field_reports.values())
         if least >= edge:
-            return []
+            return self.rounding
         share = f"{least / edge:.2g}"
-        return [f"The radius is {share} of the mean edge: values show facets, not the surface; choose a larger one."]
+        return [*self.rounding, f"The radius is {share} of the mean edge: values show facets, not the surface; choose a larger one."]
 
     def unused_notes(self) -> list[str]:
         """Says which numbers that were chosen have no effect on the processor."""
@@ -284,6 +285,10 @@ def run_on(
     """Computes the descriptors on a mesh that was made of these arrays."""
     computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
     results = run_radii(context, mesh, settings, computing, with_buffers)
+    results.rounding = origin.rounding_note(arrays.positions, results.mesh_report["mean_edge"])
+    center = origin.far_center(arrays.positions)
+    if results.buffers and center is not None:
+        results.buffers["position"] = results.buffers["position"] + center
     if arrays.layout is not None and (bridge.uses_texture_space(results.backend) or results.maps):
         results.unwrapped = arrays.layout
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))

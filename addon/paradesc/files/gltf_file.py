@@ -6,10 +6,10 @@ Materials, skins, shapes of morphs and animations are left out: the mesh is meas
 
 import base64
 import json
+import re
 import struct
 from dataclasses import dataclass, field
 from pathlib import Path
-from urllib.parse import unquote
 
 import numpy as np
 
@@ -155,9 +155,14 @@ def check_version(version: str) -> None:
         raise UnknownError(f"it is glTF {version[:20]}, and this reader knows 2.0; convert it")
 
 
+def unescaped(address: str) -> bytes:
+    """The bytes of an address, in which %20 may stand for a blank and so on."""
+    return re.sub(rb"%([0-9A-Fa-f]{2})", lambda found: bytes.fromhex(found[1].decode()), address.encode())
+
+
 def buffer_path(path: Path, uri: str) -> Path:
-    """The file beside a .gltf that an address names, in which %20 may stand for a blank and so on."""
-    beside = path.parent / unquote(uri)
+    """The file beside a .gltf that an address names, with escapes or without."""
+    beside = path.parent / unescaped(uri).decode("utf-8", "replace")
     return beside if beside.is_file() else path.parent / uri
 
 
@@ -166,7 +171,7 @@ def addressed(path: Path, uri: str) -> bytes:
     if uri.startswith("data:"):
         about, _, text = uri.partition(",")
         try:
-            return base64.b64decode(text) if about.endswith(";base64") else unquote(text).encode("latin-1")
+            return base64.b64decode(text) if about.endswith(";base64") else unescaped(text)
         except ValueError as error:
             raise ValueError(f"a buffer in it is damaged: {error}") from error
     if "://" in uri:

@@ -62,7 +62,8 @@ def write_ply(path: Path, baked: Baked) -> None:
             values[name] = array
         else:
             values.update({f"{name}_{axis}": array[:, index] for index, axis in enumerate("xyz")})
-    layout = [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
+    place = baked.arrays.positions.dtype.newbyteorder("<")
+    layout = [("x", place), ("y", place), ("z", place), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
     vertices = np.empty(len(baked.arrays.positions), np.dtype(layout + [(name, "<f4") for name in values]))
     for axis, name in enumerate("xyz"):
         vertices[name] = baked.arrays.positions[:, axis]
@@ -75,7 +76,7 @@ def write_ply(path: Path, baked: Baked) -> None:
     faces = np.empty(len(triangles), np.dtype([("count", "u1"), ("vertices", "<i4", (3,))]))
     faces["count"] = 3
     faces["vertices"] = triangles
-    kinds = {"<f4": "float", "u1": "uchar"}
+    kinds = {"<f4": "float", "<f8": "double", "u1": "uchar"}
     header = ["ply", "format binary_little_endian 1.0", "comment Paradesc", f"element vertex {len(vertices)}"]
     header += [f"property {kinds[vertices.dtype[name].str.replace('|', '')]} {name}" for name in vertices.dtype.names]
     header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
@@ -117,7 +118,9 @@ def joined(baked: list[Baked]) -> Baked:
     found = [one.results.corners for one in baked if one.results.corners is not None]
     painted = corners.Corners(np.zeros(0, np.int32), np.concatenate([one.painted for one in found])) if found else None
     arrays = bridge.MeshArrays(
-        np.concatenate(positions).astype(np.float32), np.concatenate(corner_vertices), np.concatenate(triangle_corners)
+        bridge.origin.stored(np.concatenate(positions)),
+        np.concatenate(corner_vertices),
+        np.concatenate(triangle_corners),
     )
     coverage = np.concatenate([one.results.coverage for one in baked])
     whole = replace(first, values=values, coverage=coverage, corners=painted, transfer=joined_transfer(baked))
