@@ -184,12 +184,13 @@ def test_files_may_be_named_in_capitals_and_in_any_alphabet(tmp_path):
 def test_the_check_before_another_reader_leaves_to_it_what_this_one_does_not_know(tmp_path):
     path = tmp_path / "a.glb"
     path.write_bytes(glb(*ball(extensionsRequired=["KHR_draco_mesh_compression"])))
-    mesh_files.check(path)
+    assert mesh_files.check(path) == 0
     with pytest.raises(InputError, match="export it without compression"):
         mesh_files.read(path)
     for name, content in (("a.fbx", b"x"), ("a.gltf", GLTF["embedded"]), ("a.off", off()), ("points.ply", ply()[:9])):
         (tmp_path / name).write_bytes(content)
-    for name in ("a.fbx", "a.gltf", "a.off", "none.obj"):
-        mesh_files.check(tmp_path / name)
+    assert [mesh_files.check(tmp_path / name) for name in ("a.fbx", "a.gltf", "a.off")] == [0, 432, 432]
     with pytest.raises(InputError, match="header does not end"):
         mesh_files.check(tmp_path / "points.ply")
+    (tmp_path / "b.obj").write_bytes(obj() + b"f 1 2 3 4\nf 3 1 2\nf 2 1 3\nf 5 5 6\nf 1 2\nf 4 1 2 3\n")
+    assert mesh_files.check(tmp_path / "b.obj") == 432 + 2  # doubles and what has no area are counted by nobody

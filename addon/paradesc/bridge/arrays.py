@@ -43,6 +43,7 @@ class MeshArrays:
     sharp_edges: np.ndarray | None = None  # (sharp_edge_count, 2) int32
     layout: Layout | None = None  # where corner_uvs come from, if not from the mesh's own UV map
     maps: SurfaceMaps | None = None
+    uv_fault: str = ""  # why the mesh's own UV map is not in corner_uvs: "has a UV map without area"
 
     @property
     def triangle_vertices(self) -> np.ndarray:

@@ -4,7 +4,6 @@ A file's own vertices are kept in their order, whether a face uses them or not; 
 have no vertices in common, are welded.
 """
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +14,7 @@ from ..bridge import InputError, MeshArrays, ParadescError, origin
 from ..core.polygons import PolygonMesh
 from . import gltf_file, obj_file, off_file, ply_file, stl_file, wrong_kinds
 from .gltf_file import UnknownError
+from .paths import is_file
 
 SUFFIXES = (".obj", ".ply", ".stl", ".off", ".glb", ".gltf")
 # A mesh as its reader found it: its name, itself, and its (4, 4) place in the world.
@@ -45,23 +45,30 @@ def read(path: Path) -> list[FileMesh]:
     return with_own_names(found)
 
 
-def check(path: Path) -> None:
+def check(path: Path) -> int:
     """Refuses a damaged file of a kind that is read here, with the sentence of read(), whoever reads it afterwards.
 
-    What this reader does not know, another one may.
+    Gives how many sound faces another reader has to find: 0 of a file that this one does not know.
     """
-    path = Path(path)
-    if path.suffix.lower() in SUFFIXES and is_file(path):
-        try:
-            polygon_meshes(path)
-        except InputError as error:
-            if not isinstance(error.__cause__, UnknownError):
-                raise
+    if path.suffix.lower() not in SUFFIXES:
+        return 0
+    try:
+        return sum(sound_faces(mesh) for _, mesh, _ in polygon_meshes(path))
+    except InputError as error:
+        if isinstance(error.__cause__, UnknownError):
+            return 0
+        raise
 
 
-def is_file(path: Path) -> bool:
-    """Whether there is a file; names that are too long or hold what no name can are none."""
-    return os.path.isfile(path)  # noqa: PTH113 (Path.is_file() raises for these)
+def sound_faces(mesh: PolygonMesh) -> int:
+    """How many faces have three or more vertices, none of them twice, those with the same vertices counted once."""
+    starts, count = np.cumsum(mesh.sizes) - mesh.sizes, 0
+    for size in np.unique(mesh.sizes[mesh.sizes > 2]):
+        rows = np.sort(mesh.corner_vertices[starts[mesh.sizes == size, None] + np.arange(size)], axis=1)
+        rows = rows[(rows[:, 1:] != rows[:, :-1]).all(axis=1)]
+        rows = rows[np.lexsort(rows.T)]
+        count += len(rows) and 1 + int((rows[1:] != rows[:-1]).any(axis=1).sum())
+    return count
 
 
 def polygon_meshes(path: Path) -> list[Found]:

@@ -16,6 +16,13 @@ from ..bridge import ParadescError, abi
 from ..core import color_maps, corners, legend
 from ..core.job import Results, Transfer
 from . import picture, png
+from .paths import name_fault
+
+
+# Names of files may hold bytes that are no text; JSON reads this way to write them.
+ESCAPED = "backslashreplace"
+# So much of a name is in that of the file that is written first, which must not be too long where the name itself fits.
+LONGEST_STEM = 60
 
 
 @dataclass
@@ -201,21 +208,23 @@ def listed_corners(baked: Baked) -> list[dict[str, object]]:
 
 def write_json(path: Path, content: object) -> None:
     """Writes plain Python as JSON, with null for what is not a number."""
-    path.write_text(json_text(content), encoding="utf-8")
+    path.write_text(json_text(content), encoding="utf-8", errors=ESCAPED)
 
 
-def json_text(content: object) -> str:
-    """Plain Python as JSON, with null for what is not a number."""
-    return json.dumps(finite_only(content), indent=2, ensure_ascii=False) + "\n"
+def json_text(content: object, ascii_only: bool = False) -> str:
+    """Plain Python as JSON, with null for what is not a number; ascii_only: for consoles of any alphabet."""
+    return json.dumps(finite_only(content), indent=2, ensure_ascii=ascii_only) + "\n"
 
 
 def part_path(path: Path) -> Path:
     """The place beside its own where a file or folder is written first; every writer has another one."""
-    return path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    return path.with_name(f".{path.name[:LONGEST_STEM]}.{secrets.token_hex(4)}.part")
 
 
 def file_fault(path: Path) -> str:
     """One sentence about why no file can be written there, or ""."""
+    if name_fault(path):
+        return f'"{path}" cannot be written: {name_fault(path)}.'
     folder = path.absolute().parent
     if not folder.is_dir():
         return f'There is no folder "{folder}" to write "{path.name}" into.'
@@ -226,6 +235,8 @@ def file_fault(path: Path) -> str:
 
 def folder_fault(path: Path) -> str:
     """One sentence about why no folder of files can be made there, or ""."""
+    if name_fault(path):
+        return f'"{path}" cannot be written: {name_fault(path)}.'
     folder = path.absolute().parent
     if not folder.is_dir():
         return f'There is no folder "{folder}" to write "{path.name}" into.'

@@ -12,10 +12,7 @@ from .text_rows import numbers_in, plain, shown
 
 HEADER = 84  # bytes before the first triangle, the last four of which are their number
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-FACET = re.compile(rb"\bfacet\b", re.IGNORECASE)
-VERTEX = re.compile(rb"\bvertex\s+(\S+\s+\S+\s+\S+)", re.IGNORECASE)
-# A line that begins or ends a solid may hold any words of its name.
-NAMES = re.compile(rb"^[ \t]*(?:end[ \t]*)?solid\b[^\n]*\n", re.IGNORECASE | re.MULTILINE)
+VERTEX = re.compile(rb"vertex\s+(\S+\s+\S+\s+\S+)")
 ENDING = re.compile(rb"\bend\s*solid\b", re.IGNORECASE)
 
 
@@ -59,10 +56,11 @@ def binary_corners(content: bytes, notes: list[str]) -> np.ndarray:
 
 def text_corners(content: bytes, notes: list[str]) -> np.ndarray:
     """(3 n, 3) corners of a text, whose words may stand on any lines."""
-    text = plain(content)
-    if b"\n" in text.strip():
-        text = NAMES.sub(b"\n", text + b"\n")
-    facets = len(FACET.findall(text))
+    text = plain(content.lower())
+    if b"\n" in text.strip():  # a line that begins or ends a solid may hold any words in its name
+        first, *others = text.split(b"solid")
+        text = b"\n".join([first, *(other.partition(b"\n")[2] for other in others)])
+    facets = text.count(b"facet") - text.count(b"endfacet")
     found = VERTEX.findall(text)
     if len(found) != 3 * facets:
         raise ValueError(f"its {facets:,} facets have {len(found):,} corners, and not three each; it was cut off, or damaged")
