@@ -29,7 +29,7 @@ def read(path: Path) -> PolygonMesh:
     lines = [line for line in content[keyword.end() :].split(b"\n") if line.strip()]
     rows = rows_of(lines)
     counts = rows.values[:2]
-    if len(counts) < 2 or (counts < 0).any() or (counts != np.rint(counts)).any():
+    if len(counts) < 2 or not ((counts >= 0) & (counts < 2**31) & (counts == np.rint(counts))).all():
         raise ValueError("it does not begin with the numbers of its vertices and faces")
     after = 2 if rows.sizes[0] == 2 else 3  # the number of edges says nothing, and may be missing
     rest = Rows(rows.values, np.concatenate([[after], rows.starts[rows.starts > after]]))
