@@ -1,9 +1,7 @@
 """What cannot be read of a mesh file is one sentence that says why, and every refusal of the readers is provoked here."""
 
-import ast
 import copy
 import json
-import sys
 
 import numpy as np
 import pytest
@@ -11,6 +9,7 @@ import pytest
 from mesh_kinds import SOUND, ball, embedded, glb, gltf, obj, off, ply, quantised, sparse, stl, stl_binary
 from paradesc.bridge import InputError, origin
 from paradesc.files import gltf_file, mesh_files, obj_file, off_file, ply_file, stl_file, text_rows, wrong_kinds
+from refusals import check_all_provoked
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 HEAD = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -224,36 +223,11 @@ def test_what_reaches_too_far_for_the_library_is_one_sentence():
 READERS = (gltf_file, mesh_files, obj_file, off_file, ply_file, stl_file, text_rows, wrong_kinds)
 
 
-def raising_lines():
-    """Each line of the readers that raises something of its own, by file and number."""
-    for module in READERS:
-        with open(module.__file__, encoding="utf-8") as source:
-            tree = ast.parse(source.read())
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Raise) and node.exc is not None:
-                yield module.__file__, node.lineno
-
-
 def test_every_refusal_of_the_readers_is_provoked_above(tmp_path, monkeypatch):
-    wanted = set(raising_lines())
-    files = {name for name, _ in wanted}
-    seen = set()
-
-    def trace(frame, event, _):
-        if frame.f_code.co_filename not in files:
-            return None
-        if event == "line":
-            seen.add((frame.f_code.co_filename, frame.f_lineno))
-        return trace
-
-    before = sys.gettrace()
-    sys.settrace(trace)
-    try:
+    def provoke():
         for suffix, content, _ in ALL:
             refusal(tmp_path, suffix, content)
         test_a_file_that_is_not_there_or_cannot_be_is_one_sentence(tmp_path, "b.obj")
         test_a_file_that_cannot_be_opened_or_needs_more_memory_than_there_is_is_one_sentence(tmp_path, monkeypatch)
-    finally:
-        sys.settrace(before)
-    assert len(wanted) > 40
-    assert not wanted - seen, sorted(wanted - seen)
+
+    check_all_provoked(READERS, provoke)
