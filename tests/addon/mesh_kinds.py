@@ -101,6 +101,12 @@ def off_in_words():
     return f"OFF\n{len(points)} {len(triangles)} 0\n{words}\n{faces}".encode()
 
 
+def off_over_lines():
+    points, triangles = sphere()
+    faces = "".join(f"3 {a}\n{b} {c} 255 0 0\n" for a, b, c in triangles)
+    return f"OFF\n{len(points)} {len(triangles)} 0\n{rows(points)}{faces}".encode()
+
+
 OFF = {
     "plain": off(),
     "lower": off("off\n"),
@@ -115,6 +121,7 @@ OFF = {
     "comments": off("OFF # made by hand\n#\n\n"),
     "mac": off(end="\r"),
     "words": off_in_words(),
+    "colors over lines": off_over_lines(),
     "all in one line": off(end=" "),
 }
 
