@@ -13,6 +13,7 @@ from shapes import ADDON, cube_sphere, write_obj
 
 NAME = "é猫😀.obj"
 LONG = "x" * 300
+BAKE = ("bake", "--reader", "files")
 
 
 def run(folder, encoding, *words):
@@ -64,13 +65,13 @@ def test_a_name_that_is_no_text_is_written_in_reports(tmp_path):
 @pytest.mark.parametrize(
     ("words", "code", "sentence"),
     [
-        (("bake", f"{LONG}.obj", "-o", "o.npz", "--reader", "files"), 3, "There is no file"),
-        (("bake", "a.obj", "-o", f"{LONG}.npz", "--reader", "files"), 2, "cannot be written: File name too long"),
-        (("bake", "a.obj", "--dump-buffers", LONG, "--reader", "files"), 2, "cannot be written: File name too long"),
-        (("bake", "a.obj", "-o", "o.npz", "--json", f"{LONG}.json", "--reader", "files"), 2, "File name too long"),
-        (("bake", "a.obj", "-o", "o.npz", "--displacement", f"{LONG}.png", "--reader", "files"), 3, "There is no image"),
-        (("bake", "a.obj", "-o", "o.npz", "--preset", f"{LONG}.json", "--reader", "files"), 3, ""),
-        (("bake", "a.obj", "-o", "o.npz", "--from-file", f"{LONG}.obj", "--reader", "files"), 3, "There is no file"),
+        ((*BAKE, f"{LONG}.obj", "-o", "o.npz"), 3, "There is no file"),
+        ((*BAKE, "a.obj", "-o", f"{LONG}.npz"), 2, "cannot be written: File name too long"),
+        ((*BAKE, "a.obj", "--dump-buffers", LONG), 2, "cannot be written: File name too long"),
+        ((*BAKE, "a.obj", "-o", "o.npz", "--json", f"{LONG}.json"), 2, "File name too long"),
+        ((*BAKE, "a.obj", "-o", "o.npz", "--displacement", f"{LONG}.png"), 3, "There is no image"),
+        ((*BAKE, "a.obj", "-o", "o.npz", "--preset", f"{LONG}.json"), 3, "is not there; choose another file"),
+        ((*BAKE, "a.obj", "-o", "o.npz", "--from-file", f"{LONG}.obj"), 3, "There is no file"),
         (("animate", f"{LONG}.ply", "--cache", "c"), 3, ""),
         (("animate", f"{LONG}#.ply", "--cache", "c"), 3, "has a number in its name"),
         (("library", LONG, "-o", "out"), 3, "There is no folder"),
@@ -116,9 +117,8 @@ def test_a_uv_map_that_cannot_be_used_is_told_from_none(tmp_path, capsys, line, 
     points, quads, _ = cube_sphere(4)
     path = write_obj(tmp_path / "a.obj", points, quads)
     text = path.read_text().replace("f ", f"{line}\nf ", 1)
-    path.write_text("\n".join(
-        "f " + " ".join(f"{word}/1" for word in row[2:].split()) if row.startswith("f ") else row for row in text.splitlines()
-    ))  # fmt: skip
+    lines = [row if row[0] != "f" else row.replace(" ", "/1 ").replace("f/1", "f") + "/1" for row in text.splitlines()]
+    path.write_text("\n".join(lines))
     words = ["bake", str(path), "--reader", "files", "--backend", "cpu"]
     assert cli.main([*words, "--map", str(tmp_path / "o.exr")]) == 3
     assert reason in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""A mesh far from the origin, as map coordinates place it, has the values that it has there, as far as files hold digits."""
+"""A mesh far from the origin has the values that it has there, as far as its file holds digits."""
 
 import json
 
@@ -41,7 +41,11 @@ def write(path, offset=MAP, steps=10, double=True):
     elif path.suffix == ".stl":
         lines = ["solid far"]
         for triangle in points[triangles]:
-            lines += ["facet normal 0 0 0", "outer loop", *(f"vertex {line}" for line in rows(triangle, "{:.6f}").splitlines())]
+            lines += [
+                "facet normal 0 0 0",
+                "outer loop",
+                *(f"vertex {line}" for line in rows(triangle, "{:.6f}").splitlines()),
+            ]
             lines += ["endloop", "endfacet"]
         path.write_text("\n".join([*lines, "endsolid far"]) + "\n")
     elif path.suffix == ".glb":
@@ -61,7 +65,15 @@ def write(path, offset=MAP, steps=10, double=True):
 def bake(folder, path, *words, radius=("--radius", "0.8", "--radius-unit", "absolute")):
     """Arrays and report of a bake without Blender."""
     out, report = folder / "out.npz", folder / "out.json"
-    more = ["--descriptors", "mean_curvature,principal_direction_max", "--backend", "cpu", "--reader", "files", "--quiet"]
+    more = [
+        "--descriptors",
+        "mean_curvature,principal_direction_max",
+        "--backend",
+        "cpu",
+        "--reader",
+        "files",
+        "--quiet",
+    ]
     assert cli.main(["bake", str(path), "-o", str(out), "--json", str(report), *more, *radius, *map(str, words)]) == 0
     with np.load(out) as arrays:
         return dict(arrays), json.loads(report.read_text())
@@ -87,7 +99,10 @@ def test_a_file_with_digits_enough_gives_the_same_values_anywhere(tmp_path, suff
 def test_what_32_bit_floats_lose_far_away_is_said(tmp_path, suffix):
     _, report = bake(tmp_path, write(tmp_path / f"far{suffix}", double=False))
     (note,) = [note for note in report["objects"][0]["notes"] if "from the origin" in note]
-    assert "5.4e+06 from the origin, where 32-bit floats are 0.5 apart: its vertices are rounded to 0.6 of the mean" in note
+    assert (
+        "5.4e+06 from the origin, where 32-bit floats are 0.5 apart: its vertices are rounded to 0.6 of the mean"
+        in note
+    )
     near = write(tmp_path / f"near{suffix}", np.array([30.0, 0, 0]), double=False)
     assert not [note for note in bake(tmp_path, near)[1]["objects"][0]["notes"] if "from the origin" in note]
 
@@ -124,7 +139,7 @@ def test_a_picture_and_several_objects_in_one_file_are_right_far_away(tmp_path):
     for name, offset in (("here", np.zeros(3)), ("far", MAP)):
         path = write(tmp_path / f"{name}.obj", offset)
         lines = path.read_text().splitlines()
-        moved, count = surface(offset + [20, 0, 0])[0], len(surface()[0])
+        moved, count = surface(offset + np.array([20, 0, 0]))[0], len(surface()[0])
         second = ["o second", *(f"v {line}" for line in rows(moved, "{:.6f}").splitlines())]
         second += ["f " + " ".join(str(vertex + count + 1) for vertex in quad) for quad in surface()[1]]
         path.write_text("\n".join(["o first", *lines, *second]) + "\n")
@@ -149,6 +164,15 @@ def test_the_arrays_of_python_and_corners_of_harris_are_right_far_away():
         agree(mesh.compute("mean_curvature", 0.1), here)
 
 
+def test_many_triangles_without_area_are_said():
+    points, quads, _ = surface(np.zeros(3))
+    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+    flat = np.concatenate([triangles, np.repeat(triangles[:20, :1], 3, axis=1)])
+    assert not paradesc.compute(points, triangles, radius=0.2, backend="cpu").warnings
+    (warning,) = paradesc.compute(points, flat, radius=0.2, backend="cpu").warnings
+    assert warning == "20 of 1,220 triangles have no area, so that nothing is measured on them."
+
+
 def test_arrays_of_any_type_reach_the_library_near_the_origin():
     points, quads, _ = surface(np.array([1000.0, 0, 0]))
     triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]).astype(np.int32)
@@ -170,7 +194,16 @@ def test_arrays_of_any_type_reach_the_library_near_the_origin():
 
 def test_buffers_hold_the_meshs_own_positions(tmp_path):
     path = write(tmp_path / "far.obj")
-    words = ["--backend", "software", "--dump-buffers", str(tmp_path / "buffers"), "--buffer", "64", "--reader", "files"]
+    words = [
+        "--backend",
+        "software",
+        "--dump-buffers",
+        str(tmp_path / "buffers"),
+        "--buffer",
+        "64",
+        "--reader",
+        "files",
+    ]
     assert cli.main(["bake", str(path), "--quiet", *words]) == 0
     with np.load(tmp_path / "buffers" / "buffers.npz") as buffers:
         there = buffers["position"][np.isfinite(buffers["position"]).all(axis=2)]

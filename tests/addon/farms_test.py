@@ -12,6 +12,7 @@ import pytest
 
 from conftest import blender_program
 from libraries import all_hash, make_library, process_environment, rows_of, waited_for
+from mesh_kinds import SOUND, sphere
 from paradesc import bridge
 from paradesc.commands import bundles
 from paradesc.commands.common import UsageError, with_also
@@ -19,7 +20,6 @@ from paradesc.commands.main import main
 from paradesc.core import costs, job
 from paradesc.files import cache, mesh_files
 from paradesc.files.triangle_counts import triangles
-from mesh_kinds import SOUND, sphere
 from shapes import cube_sphere, write_obj
 
 QUICK = ("--radius", "0.2", "--samples", "16", "--backend", "cpu")
@@ -130,7 +130,13 @@ def test_costs_grow_with_what_there_is_to_do():
 
 def test_triangles_are_told_without_reading_a_file(tmp_path):
     for (suffix, name), content in SOUND.items():
-        if (suffix, name) in ((".ply", "little"), (".stl", "binary"), (".off", "plain"), (".glb", "plain"), (".off", "at once")):
+        if (suffix, name) in (
+            (".ply", "little"),
+            (".stl", "binary"),
+            (".off", "plain"),
+            (".glb", "plain"),
+            (".off", "at once"),
+        ):
             (tmp_path / f"a{suffix}").write_bytes(content)
             assert triangles(tmp_path / f"a{suffix}") == len(sphere()[1]), name
     obj = write_obj(tmp_path / "a.obj", *cube_sphere(20))

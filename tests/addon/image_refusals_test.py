@@ -1,4 +1,4 @@
-"""Every refusal of the readers of images, of sequences and of frames is provoked, and its sentence says what is wrong."""
+"""Every refusal of the readers of images, sequences and frames is provoked, and its sentence says what is wrong."""
 
 import struct
 import zlib
@@ -70,13 +70,19 @@ def exr_files(folder):
     yield whole[:9], "it ends too early"
     yield whole[:channels] + struct.pack("<i", -1) + whole[channels + 4 :], "it is damaged"
     yield whole.replace(b"dataWindow", b"dataWandow"), "it is damaged: its header lacks an attribute"
-    yield whole.replace(b"compression\0\1\0\0\0\3", b"compression\0\1\0\0\0\4"), "it has PIZ compression; save it with ZIP"
+    yield (
+        whole.replace(b"compression\0\1\0\0\0\3", b"compression\0\1\0\0\0\4"),
+        "it has PIZ compression; save it with ZIP",
+    )
     yield whole.replace(b"compression\0\1\0\0\0\3", b"compression\0\1\0\0\0\x63"), "it has an unknown compression"
     yield whole[:window] + struct.pack("<4i", 3, 0, 0, 3) + whole[window + 16 :], "it has no pixels"
     yield whole.replace(kind, struct.pack("<iB3xii", 2, 0, 2, 1)), 'its channel "Y" has fewer pixels than others'
     yield whole.replace(kind, struct.pack("<iB3xii", 9, 0, 1, 1)), 'its channel "Y" has fewer pixels than others'
     yield whole[: channels + 4] + b"\0" + whole[channels + 5 :], "it has no channels"
-    yield whole[:window] + struct.pack("<4i", 0, 0, 99999, 99999) + whole[window + 16 :], "it ends too early, or is damaged"
+    yield (
+        whole[:window] + struct.pack("<4i", 0, 0, 99999, 99999) + whole[window + 16 :],
+        "it ends too early, or is damaged",
+    )
     yield plain[:-5], "it ends too early, or is damaged"
     yield plain[:table] + plain[table : table + 8] * 4 + plain[table + 32 :], "it is damaged: lines are missing"
     for line in range(4):  # wherever the first place points to
@@ -112,7 +118,10 @@ def test_images_of_other_kinds_names_and_channels_say_so(tmp_path, monkeypatch):
         with pytest.raises(InputError, match=sentence):
             map_images.read_image(tmp_path / name)
     assert "of its channels A none" in refusal(tmp_path / "a.exr", exr.encode_exr({"A": values}))
-    for error, sentence in ((MemoryError(), "there is not enough memory"), (OSError(5, "Input/output error"), "Input/output")):
+    for error, sentence in (
+        (MemoryError(), "there is not enough memory"),
+        (OSError(5, "Input/output error"), "Input/output"),
+    ):
 
         def fails(_path, error=error):
             raise error
@@ -148,15 +157,16 @@ def full(*_words, **_more):
 
 def test_frames_that_the_system_refuses_say_why(tmp_path, monkeypatch):
     (tmp_path / "file").write_bytes(b"")
-    with pytest.raises(ParadescError, match="The folder .* cannot be made: File exists"):
+    with pytest.raises(ParadescError, match=r"The folder .* cannot be made: File exists"):
         cache.settled_method(tmp_path / "file", "a" * 16, "cpu")
     with pytest.raises(ParadescError, match="cannot be read: "):
         cache.frames_in(tmp_path / "file")
     with pytest.raises(ParadescError, match="cannot be read: "):
         cache.read_frame(tmp_path)
-    with monkeypatch.context() as patched, pytest.raises(ParadescError, match="cannot be written: No space left"):
-        patched.setattr(type(tmp_path), "open", full)
+    monkeypatch.setattr(type(tmp_path), "open", full)
+    with pytest.raises(ParadescError, match="cannot be written: No space left"):
         cache.settled_method(tmp_path, "a" * 16, "cpu")
+    monkeypatch.undo()
     request = SimpleNamespace(settings=SimpleNamespace(space="world"))
     with pytest.raises(InputError, match="Frames are measured in object space"):
         frame_baking.Baker("a", "a", request)

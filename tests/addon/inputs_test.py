@@ -101,7 +101,11 @@ def test_stl_of_few_digits_is_welded_into_a_closed_surface(run, report, tmp_path
 
 @pytest.mark.parametrize(
     ("suffix", "words"),
-    [(".stl", '"junk.stl" cannot be read: '), (".fbx", 'Blender cannot read "junk.fbx": '), (".gltf", '"junk.gltf" cannot be read: ')],
+    [
+        (".stl", '"junk.stl" cannot be read: '),
+        (".fbx", 'Blender cannot read "junk.fbx": '),
+        (".gltf", '"junk.gltf" cannot be read: '),
+    ],
 )
 def test_broken_file_of_every_kind_is_one_sentence(run, tmp_path, suffix, words):
     (tmp_path / f"junk{suffix}").write_text("junk")

@@ -89,7 +89,9 @@ PLY = {
 
 def off(word="OFF\n", vertex="", face="", end="\n"):
     points, triangles = sphere()
-    text = f"{word}{len(points)} {len(triangles)} 0\n" + "".join(f"{line}{vertex}\n" for line in rows(points).splitlines())
+    text = f"{word}{len(points)} {len(triangles)} 0\n" + "".join(
+        f"{line}{vertex}\n" for line in rows(points).splitlines()
+    )
     text += "".join(f"3 {line}{face}\n" for line in rows(triangles, "{}").splitlines())
     return text.replace("\n", end).encode()
 
@@ -132,7 +134,9 @@ def stl(name="x", end="\n", ending=True, word="facet"):
     points, triangles = sphere()
     text = f"solid {name}\n"
     for triangle in points[triangles]:
-        text += f"{word} normal 0 0 0\nouter loop\n" + "".join(f"vertex {line}\n" for line in rows(triangle).splitlines())
+        text += f"{word} normal 0 0 0\nouter loop\n" + "".join(
+            f"vertex {line}\n" for line in rows(triangle).splitlines()
+        )
         text += f"endloop\nend{word}\n"
     return (text + (f"endsolid {name}\n" if ending else "")).replace("\n", end).encode("latin-1")
 
@@ -237,7 +241,12 @@ def sparse():
     places = np.arange(0, len(points), 2)
     wrong = points.copy()
     wrong[places] = 0
-    arrays = [wrong.astype("<f4"), triangles.reshape(-1).astype("<u2"), places.astype("<u2"), points[places].astype("<f4")]
+    arrays = [
+        wrong.astype("<f4"),
+        triangles.reshape(-1).astype("<u2"),
+        places.astype("<u2"),
+        points[places].astype("<f4"),
+    ]
     header, content = gltf([{"attributes": {"POSITION": 0}, "indices": 1}], arrays)
     at = {"bufferView": 2, "componentType": 5123}
     header["accessors"][0]["sparse"] = {"count": len(places), "indices": at, "values": {"bufferView": 3}}

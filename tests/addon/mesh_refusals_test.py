@@ -1,4 +1,4 @@
-"""What cannot be read of a mesh file is one sentence that says why, and every refusal of the readers is provoked here."""
+"""What cannot be read of a mesh file is one sentence that says why; every refusal of the readers is provoked here."""
 
 import copy
 import json
@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from mesh_kinds import SOUND, ball, embedded, glb, gltf, obj, off, ply, quantised, sparse, stl, stl_binary
+from mesh_kinds import SOUND, ball, embedded, glb, obj, off, ply, sparse, stl, stl_binary
 from paradesc.bridge import InputError, origin
 from paradesc.files import gltf_file, mesh_files, obj_file, off_file, ply_file, stl_file, text_rows, wrong_kinds
 from refusals import check_all_provoked
@@ -45,7 +45,7 @@ def draco():
 
 
 def with_uri(uri):
-    header, content = ball()
+    header, _ = ball()
     header["buffers"][0]["uri"] = uri
     return json.dumps(header).encode()
 
@@ -81,7 +81,7 @@ PLY = [
     (HEAD + FACE + "0 0 0\n1 0 0\n0 1 x\n3 0 1 2\n", '"0 1 x" is no row of numbers'),
     (HEAD + FACE + "0,5 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", '"0,5 0 0" is no row of numbers; decimals take a point'),
     (HEAD + FACE + "0 0 0\n1 0 0\n", "ends too early"),
-    (HEAD + FACE.replace("vertex_indices", "points") + POINTS + "3 0 1 2\n", "have no list of vertices, which is called"),
+    (HEAD + FACE.replace("vertex_indices", "points") + POINTS + "3 0 1 2\n", "have no list of vertices"),
     (HEAD.replace("float x", "float X") + FACE + POINTS + "3 0 1 2\n", "its vertices have no property x"),
     (HEAD.replace("float z", "list uchar float z") + FACE + "0 0 1 0\n" * 3 + "3 0 1 2\n", "have no property z"),
     (HEAD + FACE + "0 0 nan\n1 0 0\n0 1 0\n3 0 1 2\n", "Vertex 0 is at (0, 0, nan)"),
@@ -131,20 +131,20 @@ GLTF = [
     (".glb", SOUND[".glb", "plain"][:-2000], "bytes; it was cut off"),
     (".glb", changed(ball(), "asset", "version", value="1.0"), "it is glTF 1.0, and this reader knows 2.0"),
     (".glb", glb(*ball(extensionsRequired=["KHR_draco_mesh_compression"])), "KHR_draco_mesh_compression; export it "),
-    (".glb", glb(*ball(extensionsRequired=["X_y"])), "needs the extensions X_y; export it without them, or let Blender"),
+    (".glb", glb(*ball(extensionsRequired=["X_y"])), "needs the extensions X_y; export it without them, or"),
     (".glb", meshopt(), "compressed (EXT_meshopt_compression); export it without compression"),
     (".glb", draco(), "compressed (KHR_draco_mesh_compression); export it without compression"),
-    (".glb", changed(ball(), "meshes", 0, "primitives", 0, "attributes", value={}), "primitive of mesh 0 has no positions"),
+    (".glb", changed(ball(), "meshes", 0, "primitives", 0, "attributes", value={}), "of mesh 0 has no positions"),
     (".glb", changed(ball(), "bufferViews", 0, "byteLength", value=9), "reaches beyond its buffer view 0"),
     (".glb", changed(ball(), "accessors", 0, "count", value=-1), "reaches beyond its buffer view 0"),
     (".glb", changed(ball(), "accessors", 0, "bufferView"), "accessor 0 has no buffer view"),
     (".glb", changed(ball(), "accessors", 0, "type", value="VEC2"), "positions have not three coordinates"),
-    (".glb", changed(ball(), "accessors", 0, "count", value=7), "a face has vertex 217, counted from 0, and there are 7"),
+    (".glb", changed(ball(), "accessors", 0, "count", value=7), "a face has vertex 217, counted from 0, and"),
     (".glb", changed(ball(), "accessors", 0, "count"), "its header is damaged (KeyError: 'count')"),
     (".glb", changed(ball(), "nodes", value=[{"children": [0], "mesh": 0}]), "stands in several places of its scene"),
     (".glb", changed(sparse(), "accessors", 0, "count", value=2), "replaces rows that are not there"),
-    (".glb", changed((changed_sparse := sparse()), "accessors", 0, value={
-        **{key: value for key, value in changed_sparse[0]["accessors"][0].items() if key != "bufferView"}, "count": 1 << 40,
+    (".glb", changed(sparse(), "accessors", 0, value={
+        "componentType": 5126, "type": "VEC3", "count": 1 << 40, "sparse": {},
     }), "has 1,099,511,627,776 rows"),
     (".glb", changed(ball(), "meshes", 0, "primitives", 0, "mode", value=1), "has no faces"),
     (".gltf", "{", "its header is no JSON"),
@@ -154,7 +154,7 @@ GLTF = [
     (".gltf", with_uri("a\0b"), "is not beside it"),
     (".gltf", with_uri("https://example.org/a.bin"), 'its buffer "https://example.org/a.bin" is on the network'),
     (".gltf", with_uri("data:a;base64,A"), "a buffer in it is damaged"),
-    (".gltf", embedded(*ball()).replace(b'"uri": "data:application/octet-stream;base64,', b'"uri": "data:,'), "a face has vertex"),
+    (".gltf", embedded(*ball()).replace(b"data:application/octet-stream;base64,", b"data:,"), "a face has vertex"),
 ]  # fmt: skip
 OTHERS = [
     (".obj", "", "it is empty"),
@@ -205,8 +205,13 @@ def test_a_file_that_is_not_there_or_cannot_be_is_one_sentence(tmp_path, name):
 def test_a_file_that_cannot_be_opened_or_needs_more_memory_than_there_is_is_one_sentence(tmp_path, monkeypatch):
     path = tmp_path / "a.obj"
     path.write_bytes(obj())
-    for error, sentence in ((OSError(5, "Input/output error"), "cannot be read: Input/output error."),
-                            (MemoryError(), "not enough memory"), (ValueError(), "cannot be read: ValueError.")):  # fmt: skip
+    failures = [
+        (OSError(5, "Input/output error"), "cannot be read: Input/output error."),
+        (MemoryError(), "not enough memory"),
+        (ValueError(), "cannot be read: ValueError."),
+    ]
+    for error, sentence in failures:
+
         def fails(_path, error=error):
             raise error
 

@@ -3,14 +3,14 @@
 import ast
 import sys
 from contextlib import contextmanager
+from pathlib import Path
 
 
 def raising_lines(modules):
     """Each line of the modules that raises something of its own, by file and number."""
     found = set()
     for module in modules:
-        with open(module.__file__, encoding="utf-8") as source:
-            tree = ast.parse(source.read())
+        tree = ast.parse(Path(module.__file__).read_text(encoding="utf-8"))
         nodes = (node for node in ast.walk(tree) if isinstance(node, ast.Raise) and node.exc is not None)
         found |= {(module.__file__, node.lineno) for node in nodes}
     return found

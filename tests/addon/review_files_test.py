@@ -1,4 +1,4 @@
-"""The odd mesh files of a review, where they stand beside the checkout: each has the right values, or the right sentence."""
+"""The odd mesh files of a review, where they stand beside the checkout: each has its values, or the right sentence."""
 
 import numpy as np
 import pytest
@@ -67,9 +67,8 @@ SHAPES = {
     "tri_hex.off": (1.5 * 3**0.5 + 0.75 * 3**0.5, 0.25 * 3**0.5),  # a hexagon, and two thirds of another one above it
     "only_fan.glb": (24 * np.sin(np.pi / 24), 16 * np.sin(np.pi / 24)),  # the unit disk at height two, of 48 sides
     "tube_with_fan_caps.glb": (6 * np.pi, 2 * np.pi),  # a closed cylinder of radius one and height two
-    **{name: (4 * np.pi, 4 / 3 * np.pi) for name in (  # its side alone
-        "strips.glb", "strip_restart.glb", "strip_degenerate_joined.glb", "strips_no_indices.glb",
-    )},
+    **dict.fromkeys(("strips.glb", "strip_restart.glb", "strip_degenerate_joined.glb", "strips_no_indices.glb"),
+                    (4 * np.pi, 4 / 3 * np.pi)),  # its side alone
 }  # fmt: skip
 SPHERES = [path for path in FILES if path.name not in REFUSED and path.name not in SHAPES]
 pytestmark = pytest.mark.skipif(not FILES, reason=f"the review's files are not at {BUGS}")
@@ -99,8 +98,8 @@ def test_spheres_have_mean_curvature_one_over_radius(path):
     (mesh,) = mesh_files.read(path)
     radius = np.linalg.norm(mesh.arrays.positions - mesh.arrays.positions.mean(axis=0), axis=1).max()
     area, volume = area_and_volume(mesh)
-    assert area == pytest.approx(4 * np.pi * radius ** 2, rel=0.02)  # what facets cut off
-    assert volume == pytest.approx(4 / 3 * np.pi * radius ** 3, rel=0.04)  # and wound outwards
+    assert area == pytest.approx(4 * np.pi * radius**2, rel=0.02)  # what facets cut off
+    assert volume == pytest.approx(4 / 3 * np.pi * radius**3, rel=0.04)  # and wound outwards
     settings = job.Settings(backend="cpu")
     settings.options.radius = 0.1
     found = job.run(mesh.arrays, settings).values["mean_curvature"] * radius

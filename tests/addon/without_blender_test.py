@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paradesc.files import cache, exr
 from mesh_kinds import SOUND
+from paradesc.files import cache, exr
 from shapes import ADDON, RADIUS, cube_sphere, write_obj
 
 COMMANDS = ("bake", "animate", "library", "tasks", "compare", "info", "list")
@@ -284,7 +284,9 @@ def test_files_of_all_formats_are_read_where_only_numpy_is_beside_it(python, tmp
     for suffix, content in kinds.items():
         (tmp_path / f"ball{suffix}").write_bytes(content)
     more = ("--radius", "0.2", "--space", "world", "--all")
-    runs = [["bake", f"ball{kind}", "--output", f"{kind[1:]}.npz", "--json", f"{kind[1:]}.json", *more] for kind in kinds]
+    runs = [
+        ["bake", f"ball{kind}", "--output", f"{kind[1:]}.npz", "--json", f"{kind[1:]}.json", *more] for kind in kinds
+    ]
     for kind, (code, said, _) in zip(kinds, many(python, runs), strict=True):
         assert (code, said) == (0, "")
         report = json.loads((tmp_path / f"{kind[1:]}.json").read_text())

@@ -27,7 +27,6 @@ import numpy as np
 sys.path.append(str(Path(__file__).resolve().parents[1] / "addon"))
 
 from mesh_kinds import SOUND
-
 from paradesc.bridge import InputError, ParadescError
 from paradesc.core import stored
 from paradesc.files import cache, mesh_files, triangle_counts
@@ -237,9 +236,24 @@ def read_range(source: random.Random, folder: Path) -> bool:
 # ---- Mesh files
 
 # What numbers, words and lines of text are changed into.
-ODD_WORDS = (b"0", b"-1", b"1", b"4294967295", b"99999999999999999999", b"1e400", b"nan", b"-inf", b"1.#IND", b"1,5", b"x",
-             b"", b"//", b"1/", b"#", b"\\\n", b"\r", b"\0", b"\xef\xbb\xbf", b"\xff", b"end_header", b"f", b"v", b"o",
-             b"element face 1000000000000", b"property list double double vertex_indices", b"solid", b"OFF")  # fmt: skip
+ODD_WORDS = (
+    *(
+        b"0",
+        b"-1",
+        b"1",
+        b"4294967295",
+        b"99999999999999999999",
+        b"1e400",
+        b"nan",
+        b"-inf",
+        b"1.#IND",
+        b"1,5",
+        b"x",
+        b"",
+    ),
+    *(b"//", b"1/", b"#", b"\\\n", b"\r", b"\0", b"\xef\xbb\xbf", b"\xff", b"end_header", b"f", b"v", b"o", b"solid"),
+    *(b"element face 1000000000000", b"property list double double vertex_indices", b"OFF"),
+)
 
 
 def damaged_mesh(source: random.Random, suffix: str, content: bytes) -> bytes:

@@ -1,6 +1,6 @@
 """What a new user does with files of every kind, and with a library on Dask, without Blender.
 
-Run by the Python of the environment that pip installed paradesc[dask], and trimesh to make files, into, in an empty folder.
+Run in an empty folder by the Python of an environment with paradesc[dask], and with trimesh, which makes files.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Brings meshes that lie far from the origin to it, where 32-bit floats hold their shape, and refuses endless positions.
+"""Brings meshes that lie far from the origin to it, where 32-bit floats hold their shape; refuses endless positions.
 
 Every descriptor is the same wherever the mesh is; 32-bit floats far from the origin are not.
 """
@@ -60,7 +60,7 @@ def rounding_note(points: np.ndarray, mean_edge: float) -> list[str]:
     if not step > ROUNDING_THAT_SHOWS * mean_edge or not np.array_equal(points.astype(np.float32), points):
         return []
     return [
-        f"The mesh lies {reach:.3g} from the origin, where 32-bit floats are {step:.2g} apart: its vertices are rounded "
-        f"to {step / mean_edge:.2g} of the mean edge. Move it to the origin before it becomes such numbers, or have "
-        "a text file or a .ply of doubles read by --reader files."
+        f"The mesh lies {reach:.3g} from the origin, where 32-bit floats are {step:.2g} apart: its vertices are "
+        f"rounded to {step / mean_edge:.2g} of the mean edge. Move it to the origin before it is saved so; text, and "
+        "a .ply of doubles, keep their digits where --reader files reads them."
     ]

@@ -65,11 +65,8 @@ def main(words: list[str]) -> int:
             sentence = " ".join(content.get("failed_checks", []))
             code = EXIT_CHECK if sentence else EXIT_OK
             write_report(arguments, content, code, sentence)
-    except (UsageError, ParadescError, KeyboardInterrupt, Terminated) as error:
+    except (UsageError, ParadescError, OSError, KeyboardInterrupt, Terminated) as error:
         return fail(arguments, sentence_of(error), exit_code(error))
-    except OSError as error:
-        named = f'"{error.filename}" cannot be used' if error.filename else "The system refused"
-        return fail(arguments, f"{named}: {error.strerror or error}.", EXIT_FAILED)
     except Exception as error:  # a defect of ours; --verbose shows where
         if getattr(arguments, "verbose", False):
             raise
@@ -92,6 +89,9 @@ def sentence_of(error: BaseException) -> str:
     """The error for people."""
     if isinstance(error, (KeyboardInterrupt, Terminated)):
         return "Terminated." if isinstance(error, Terminated) else "Interrupted."
+    if isinstance(error, OSError):
+        named = f'"{error.filename}" cannot be used' if error.filename else "The system refused"
+        return f"{named}: {error.strerror or error}."
     return error.sentence if isinstance(error, ParadescError) else str(error)
 
 

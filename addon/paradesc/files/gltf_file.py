@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ..core.polygons import PolygonMesh
+from .paths import is_file
 from .strips import triangles_of_fan, triangles_of_strips
 
 # What files may require that changes no position and no face: these can be read without it.
@@ -163,7 +164,7 @@ def unescaped(address: str) -> bytes:
 def buffer_path(path: Path, uri: str) -> Path:
     """The file beside a .gltf that an address names, with escapes or without."""
     beside = path.parent / unescaped(uri).decode("utf-8", "replace")
-    return beside if beside.is_file() else path.parent / uri
+    return beside if is_file(beside) else path.parent / uri
 
 
 def addressed(path: Path, uri: str) -> bytes:

@@ -107,7 +107,9 @@ def positions(lines: list[bytes]) -> np.ndarray:
         rows = rows_of(lines)
     except ValueError:
         place = first_fault(lines)
-        raise LineError(b"v", place, "is no row of numbers" + no_numbers(lines[place]).partition("numbers")[2]) from None
+        raise LineError(
+            b"v", place, "is no row of numbers" + no_numbers(lines[place]).partition("numbers")[2]
+        ) from None
     if len(lines) and rows.sizes.min() < 3:
         raise LineError(b"v", rows.sizes.argmin(), "has fewer than 3 numbers")
     return origin.stored(rows.first(3))
@@ -142,7 +144,7 @@ def corners_of(faces: list[bytes]) -> tuple[np.ndarray, np.ndarray]:
 
 def of_three(face: bytes) -> bytes:
     """A face whose corners are written in different ways, each with three numbers; 0 is none."""
-    parts = [(corner.split(b"/") + [b"0", b"0"])[:3] if corner.count(b"/") < 3 else [b"?"] for corner in face.split()]
+    parts = [[*corner.split(b"/"), b"0", b"0"][:3] if corner.count(b"/") < 3 else [b"?"] for corner in face.split()]
     return b" ".join(b"/".join(part or b"0" for part in corner) for corner in parts)
 
 

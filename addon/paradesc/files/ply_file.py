@@ -86,12 +86,16 @@ def opened(content: bytes) -> tuple[list[Element], str, bytes]:
     end = re.compile(line_end + rb"[ \t]*end_header[ \t]*(" + line_end + rb"|$)").search(content)
     if end is None:
         raise ValueError("its header does not end")
+    elements, order = tables_of(content[: end.start()].decode("ascii", "replace").splitlines()[1:])
+    return elements, order, content[end.end() :]
+
+
+def tables_of(lines: list[str]) -> tuple[list[Element], str]:
+    """The tables that the lines of a header describe, and the order of their bytes."""
     elements: list[Element] = []
     order = ""
-    for words in (line.split() for line in content[: end.start()].decode("ascii", "replace").splitlines()[1:]):
+    for words in filter(None, map(str.split, lines)):
         try:
-            if not words:
-                continue
             if words[0] == "format":
                 order = words[1]
             elif words[0] == "element":
@@ -104,7 +108,7 @@ def opened(content: bytes) -> tuple[list[Element], str, bytes]:
         raise ValueError("its header does not say its format")
     if any(element.rows < 0 for element in elements):
         raise ValueError("its header has a negative number of rows")
-    return elements, order, content[end.end() :]
+    return elements, order
 
 
 def property_of(words: list[str], order: str) -> Property:

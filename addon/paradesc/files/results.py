@@ -18,7 +18,6 @@ from ..core.job import Results, Transfer
 from . import picture, png
 from .paths import name_fault
 
-
 # Names of files may hold bytes that are no text; JSON reads this way to write them.
 ESCAPED = "backslashreplace"
 # So much of a name is in that of the file that is written first, which must not be too long where the name itself fits.

@@ -63,7 +63,9 @@ def text_corners(content: bytes, notes: list[str]) -> np.ndarray:
     facets = text.count(b"facet") - text.count(b"endfacet")
     found = VERTEX.findall(text)
     if len(found) != 3 * facets:
-        raise ValueError(f"its {facets:,} facets have {len(found):,} corners, and not three each; it was cut off, or damaged")
+        raise ValueError(
+            f"its {facets:,} facets have {len(found):,} corners, and not three each; it was cut off, or damaged"
+        )
     numbers = numbers_in(b" ".join(found))
     if numbers is None or len(numbers) != 3 * len(found):
         wrong = next((row for row in found if numbers_in(row) is None), b"")

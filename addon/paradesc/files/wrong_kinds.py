@@ -1,4 +1,4 @@
-"""Says what a file is that is not what its name says: a pointer, a web page, an archive, or text of another alphabet."""
+"""Says what a file is that is not what its name says: a pointer, a web page, an archive, or text in UTF-16."""
 
 import re
 
@@ -35,8 +35,8 @@ def fault(suffix: str, first: bytes) -> str:
         return "it is text in UTF-16; save it as UTF-8"
     if suffix == ".obj" and MNI.match(first):
         return "it is a surface of the MNI tools, and no Wavefront file; convert it to .ply"
-    for beginning, other in OTHERS:
-        if suffix != other and suffix != ".gltf" and first.startswith(beginning) and not first[len(beginning) :][:1].isalpha():
+    for beginning, other in OTHERS if suffix in (*TEXTS, ".ply") else ():  # a binary .stl may begin with any words
+        if suffix != other and first.startswith(beginning) and not first[len(beginning) :][:1].isalpha():
             return f"it begins as a {other}; rename it"
     if suffix in TEXTS and b"\0" in first:
         return "it is no text, which files of this kind are"
