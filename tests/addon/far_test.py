@@ -164,6 +164,22 @@ def test_the_arrays_of_python_and_corners_of_harris_are_right_far_away():
         agree(mesh.compute("mean_curvature", 0.1), here)
 
 
+def test_32_bit_floats_that_hold_all_digits_give_the_same_values():
+    points, quads, _ = surface(np.zeros(3))
+    points = np.round(points * 1024) / 1024  # so that nothing is lost at 4096
+    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]).astype(np.int32)
+    corners = np.arange(triangles.size, dtype=np.int32).reshape(-1, 3)
+    settings = job.Settings(backend="cpu")
+    settings.options.radius = 0.15
+    here, far = (
+        job.run(MeshArrays((points + offset).astype(np.float32), triangles.reshape(-1), corners), settings)
+        for offset in (np.zeros(3), np.array([4096.0, 0, -4096]))
+    )
+    assert not far.facet_notes()
+    found, expected = far.values["mean_curvature"], here.values["mean_curvature"]
+    np.testing.assert_allclose(found, expected, atol=1e-5 * np.ptp(expected))  # the middle is no whole number
+
+
 def test_many_triangles_without_area_are_said():
     points, quads, _ = surface(np.zeros(3))
     triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])

@@ -199,6 +199,24 @@ def test_options_that_do_not_go_together_are_refused(tmp_path, monkeypatch, caps
     assert sentence in capsys.readouterr().err
 
 
+# ---- Far from the origin
+
+
+def test_what_blender_rounds_far_away_is_said(tmp_path, capsys):
+    points, quads, _ = cube_sphere(8)
+    path = write_obj(tmp_path / "far.obj", points + np.array([500000, 5400000, 100]), quads)
+    found = {}
+    for reader in ("files", "blender"):
+        words = ["--reader", reader, "--radius", "0.2", "--backend", "cpu", "--output", str(tmp_path / "o.npz")]
+        assert cli.main(["bake", str(path), *words]) == 0
+        with np.load(tmp_path / "o.npz") as arrays:
+            found[reader] = arrays["mean_curvature"]
+        said = "32-bit floats are 0.5 apart: its vertices are rounded to" in capsys.readouterr().out
+        assert said == (reader == "blender")
+    assert np.allclose(found["files"], 1 / RADIUS, rtol=0.02)
+    assert not np.allclose(found["blender"], 1 / RADIUS, rtol=0.5)  # which the note is about
+
+
 # ---- One result of a file, whoever reads it
 
 DAMAGED = [

@@ -146,6 +146,12 @@ def test_gltf_nodes_stand_where_their_parents_and_they_say(tmp_path):
     assert (one.name, other.name) == ("one", "ball")
 
 
+def test_a_gltf_node_below_several_others_stands_in_as_many_places(tmp_path):
+    nodes = [{"children": [1, 2]}, {"children": [3]}, {"children": [3], "translation": [9, 0, 0]}, {"mesh": 0}]
+    found = read(tmp_path, ".glb", glb(*ball(nodes=nodes)))
+    assert [(mesh.name, mesh.matrix_world[0, 3]) for mesh in found] == [("ball", 0), ("ball.001", 9)]
+
+
 def test_gltf_texture_coordinates_may_be_whole_numbers_and_end_at_the_top(tmp_path):
     points, triangles = sphere()
     for kind in ("u1", "u2", "f4"):

@@ -27,6 +27,7 @@ HARMLESS = (
 KINDS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 STRIP, FAN, TRIANGLES = 5, 6, 4
+MOST_PLACES = 1 << 20
 
 
 class UnknownError(ValueError):
@@ -59,7 +60,7 @@ class Document:
             raise UnknownError("its buffers are compressed (EXT_meshopt_compression); export it without compression")
         begin, size = row.get("byteOffset", 0), kind.itemsize * width
         stride = row.get("byteStride", size)
-        content = self.buffer(row["buffer"])[begin : begin + row["byteLength"]]
+        content = memoryview(self.buffer(row["buffer"]))[begin : begin + row["byteLength"]]
         if count == 0:
             return np.empty((0, width), kind)
         if offset < 0 or count < 0 or stride < size or offset + stride * (count - 1) + size > len(content):
@@ -103,7 +104,7 @@ def read(path: Path) -> list[tuple[str, PolygonMesh, np.ndarray]]:
         check(header)
         meshes = header.get("meshes", [])
         nodes, places = header.get("nodes", []), shown_places(header)
-        found = [(node, nodes[node]["mesh"], place) for node, place in sorted(places.items()) if "mesh" in nodes[node]]
+        found = [(node, nodes[node]["mesh"], place) for node, place in places if "mesh" in nodes[node]]
         if not any("mesh" in node for node in nodes):  # a library of meshes
             found = [(index, index, np.eye(4)) for index in range(len(meshes))]
             nodes = [{} for _ in meshes]
@@ -183,22 +184,25 @@ def addressed(path: Path, uri: str) -> bytes:
         raise ValueError(f'its buffer "{uri[:80]}" is not beside it; keep both in one folder') from error
 
 
-def shown_places(header: dict) -> dict[int, np.ndarray]:
-    """(4, 4) float64 places of the nodes of the file's scene, or of all if it has no scenes, by their numbers."""
+def shown_places(header: dict) -> list[tuple[int, np.ndarray]]:
+    """Number and (4, 4) float64 place of each node of the file's scene, or of all nodes if it has no scenes.
+
+    A node below several others, which the format forbids, stands in as many places.
+    """
     nodes, scenes = header.get("nodes", []), header.get("scenes", [])
     below = {child for node in nodes for child in node.get("children", [])}
     roots = [number for number in range(len(nodes)) if number not in below]
     if scenes:
         roots = scenes[header.get("scene", 0)].get("nodes", [])
-    places: dict[int, np.ndarray] = {}
-    waiting = [(root, np.eye(4)) for root in roots]
+    places: list[tuple[int, np.ndarray]] = []
+    waiting = [(root, np.eye(4), 1) for root in roots]
     while waiting:
-        number, above = waiting.pop()
-        if number in places:
-            raise ValueError(f"node {number} stands in several places of its scene")
-        places[number] = above @ own_place(nodes[number])
-        waiting += [(child, places[number]) for child in nodes[number].get("children", [])]
-    return places
+        number, above, depth = waiting.pop()
+        if depth > len(nodes) or len(places) > MOST_PLACES:
+            raise ValueError(f"node {number} is below itself, or there are too many places of nodes")
+        places.append((number, above @ own_place(nodes[number])))
+        waiting += [(child, places[-1][1], depth + 1) for child in reversed(nodes[number].get("children", []))]
+    return sorted(places, key=lambda row: row[0])
 
 
 def own_place(node: dict) -> np.ndarray:

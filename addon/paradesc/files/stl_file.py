@@ -8,9 +8,10 @@ import numpy as np
 from ..bridge import origin
 from ..core.polygons import PolygonMesh
 from ..core.stream import columns_of, place_keys
-from .text_rows import numbers_in, plain, shown
+from .text_rows import MARK, numbers_in, plain, shown
 
 HEADER = 84  # bytes before the first triangle, the last four of which are their number
+FIRST_BYTES = 1000  # in which a binary file has a zero
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 VERTEX = re.compile(rb"vertex\s+(\S+\s+\S+\s+\S+)")
 ENDING = re.compile(rb"\bend\s*solid\b", re.IGNORECASE)
@@ -31,9 +32,11 @@ def read(path: Path) -> PolygonMesh:
 
 
 def is_text(content: bytes) -> bool:
-    """Whether a file is text: it begins with "solid", and its size is not that of a binary file of its count."""
-    begins = content.lstrip()[:5].lower() == b"solid"
-    return begins and (len(content) < HEADER or len(content) != HEADER + TRIANGLE.itemsize * count_of(content))
+    """Whether a file is text: it begins with "solid", and nothing in it is what only a binary one has."""
+    begins = content[:FIRST_BYTES].removeprefix(MARK).lstrip()[:5].lower() == b"solid"
+    if not begins or b"\0" in content[:FIRST_BYTES]:
+        return False
+    return len(content) < HEADER or len(content) != HEADER + TRIANGLE.itemsize * count_of(content)
 
 
 def count_of(content: bytes) -> int:
