@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +19,8 @@ BAKE = ("bake", "--reader", "files")
 
 def run(folder, encoding, *words):
     """A command as a process whose streams have this alphabet."""
-    variables = {**os.environ, "PYTHONPATH": str(ADDON), "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    modules = os.pathsep.join(map(str, (ADDON, Path(np.__file__).parents[1])))
+    variables = {**os.environ, "PYTHONPATH": modules, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
     return subprocess.run([sys.executable, "-m", "paradesc", *words], env=variables, cwd=folder, capture_output=True,
                           timeout=120, check=False)  # fmt: skip
 
