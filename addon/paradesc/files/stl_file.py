@@ -22,13 +22,13 @@ def read(path: Path) -> PolygonMesh:
     content = path.read_bytes()
     notes: list[str] = []
     corners = text_corners(content, notes) if is_text(content) else binary_corners(content, notes)
-    first, places = weld(corners)
+    points, places = weld(corners)
     notes.append(
         f"An STL file holds loose triangles: the {len(corners):,} corners of {len(corners) // 3:,} were welded into "
-        f"{len(first):,} vertices, where they are equal."
+        f"{len(points):,} vertices, where they are equal."
     )
     sizes = np.full(len(corners) // 3, 3, np.int64)
-    return PolygonMesh(corners[first], places.astype(np.int32), sizes, notes=notes if len(corners) else [])
+    return PolygonMesh(points, places.astype(np.int32), sizes, notes=notes if len(corners) else [])
 
 
 def is_text(content: bytes) -> bool:
@@ -79,7 +79,7 @@ def text_corners(content: bytes, notes: list[str]) -> np.ndarray:
 
 
 def weld(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The first corner at each place, in order, and each corner's place, (n,), of (n, 3) corners."""
+    """The places of (n, 3) corners in order of first use, (k, 3), and which of them each corner is at, (n,)."""
     near = origin.near_origin(corners)
     _, first, group = np.unique(place_keys(columns_of(near)), return_index=True, return_inverse=True)
     if not np.array_equal(near[first][group], near):  # two places have one key, or are not finite
@@ -87,4 +87,4 @@ def weld(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     order = np.argsort(first)
     rank = np.empty(len(first), np.int64)
     rank[order] = np.arange(len(first))
-    return first[order], rank[group.reshape(-1)]
+    return corners[first[order]], rank[group.reshape(-1)]
