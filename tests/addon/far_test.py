@@ -10,7 +10,7 @@ from mesh_kinds import glb, gltf, rows
 from paradesc import cli
 from paradesc.bridge import MeshArrays, origin
 from paradesc.core import job, spaces
-from paradesc.files import mesh_files
+from paradesc.files import cache, mesh_files
 from shapes import cube_sphere
 
 MAP = np.array([500000.0, 5400000.0, 100.0])  # 10 m of surface in a zone of UTM
@@ -133,6 +133,21 @@ def test_high_to_low_gives_the_same_values_anywhere(tmp_path):
     directions = [found[name]["principal_direction_max"] for name in ("here", "far")]
     alike = np.abs((directions[0] * directions[1]).sum(axis=1))
     assert np.quantile(alike, 0.1) > 0.99  # at umbilics a direction may be any
+
+
+def test_frames_have_the_same_values_anywhere(tmp_path):
+    found = {}
+    for name, offset in (("here", np.zeros(3)), ("far", MAP)):
+        (tmp_path / name).mkdir()
+        for frame in (1, 2):
+            write(tmp_path / name / f"m_{frame}.ply", offset + 7.0 * frame)
+        words = ["--radius", "0.1", "--backend", "cpu", "--relative-to-rest", "--quiet"]
+        assert cli.main(["animate", str(tmp_path / name), "--cache", str(tmp_path / f"{name}_frames"), *words]) == 0
+        frames = tmp_path / f"{name}_frames" / "m"
+        found[name] = [cache.read_frame(cache.frame_path(frames, frame)).values for frame in (1, 2)]
+    for far, here in zip(found["far"], found["here"], strict=True):
+        agree(far, here)
+        assert np.abs(far["mean_curvature_change"]).max() < SHARE * np.ptp(here["mean_curvature"])
 
 
 def test_a_picture_and_several_objects_in_one_file_are_right_far_away(tmp_path):

@@ -173,8 +173,8 @@ def starts(triangles: np.ndarray) -> range:
 
 
 def columns_of(positions: np.ndarray) -> np.ndarray:
-    """Turns (n, 3) into (3, n), each coordinate in a row."""
-    return np.ascontiguousarray(positions.T)
+    """Turns (n, 3) into (3, n) float32 as the library gets them, each coordinate in a row."""
+    return np.ascontiguousarray(origin.near_origin(positions).T)
 
 
 def area_and_edge(columns: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
