@@ -11,7 +11,7 @@ from paradesc.core import job
 from paradesc.files import gltf_file, mesh_files
 from shapes import RADIUS
 
-# What corner the sphere's numbers are rounded to in the files: six places, and 1/32767 of the radius where quantised.
+# Coordinates of the files are rounded to six places and, where they are quantized, to 1/32767 of the radius.
 PLACES = RADIUS / 32767
 
 

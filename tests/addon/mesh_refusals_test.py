@@ -1,4 +1,4 @@
-"""What cannot be read of a mesh file is one sentence that says why; every refusal of the readers is provoked here."""
+"""A mesh file that cannot be read is one sentence that says why; every refusal of the readers is provoked here."""
 
 import copy
 import json

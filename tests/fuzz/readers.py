@@ -235,7 +235,7 @@ def read_range(source: random.Random, folder: Path) -> bool:
 
 # ---- Mesh files
 
-# What numbers, words and lines of text are changed into.
+# Numbers, words and lines of text are changed into these.
 ODD_WORDS = (
     *(
         b"0",

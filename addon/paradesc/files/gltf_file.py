@@ -17,7 +17,7 @@ from ..core.polygons import PolygonMesh
 from .paths import is_file
 from .strips import triangles_of_fan, triangles_of_strips
 
-# What files may require that changes no position and no face: these can be read without it.
+# These change no position and no face, so that a file that requires them can be read without them.
 HARMLESS = (
     "KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp",
     "KHR_animation_", "KHR_node_", "KHR_audio", "KHR_interactivity", "KHR_mesh_quantization", "KHR_accessor_",

@@ -34,7 +34,7 @@ class Lines:
 
 
 class LineError(Exception):
-    """What is wrong with a line, by its first word and its number among those that begin so."""
+    """Says what is wrong with a line, by its first word and its number among those that begin so."""
 
     def __init__(self, word: bytes, place: int, why: str) -> None:
         self.word, self.place, self.why = word, int(place), why

@@ -82,7 +82,7 @@ def ends_of(rows: Rows, begins: np.ndarray) -> np.ndarray:
 
 
 def walked(rows: Rows, at: int, count: int, colored: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Where each face begins, and its size, one after the other; refuses fewer and more than so many."""
+    """Looks where each face begins, and how large it is, one after the other; refuses fewer and more than so many."""
     begins, sizes, length = [], [], len(rows.values)
     for _ in range(count):
         size = int(rows.values[at]) if at < length and 0 <= rows.values[at] < length else -1

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 MARK = b"\xef\xbb\xbf"  # by which some programs begin text in UTF-8
-# What C libraries of Windows write where there is no number.
+# C libraries of Windows write these words where there is no number.
 NO_NUMBER = re.compile(rb"[+-]?(?:\d\.#(?:IND|QNAN|SNAN)\w*|nan\(\w*\))", re.IGNORECASE)
 INFINITE = re.compile(rb"\d\.#INF\w*", re.IGNORECASE)
 

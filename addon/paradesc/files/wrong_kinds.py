@@ -23,7 +23,7 @@ TEXTS = (".obj", ".off")
 
 
 def fault(suffix: str, first: bytes) -> str:
-    """What a file with this suffix and these first bytes is instead, or ""."""
+    """Says what a file with this suffix and these first bytes is instead, or gives ""."""
     found = next((sentence for beginning, sentence in BEGINNINGS if first.startswith(beginning)), "")
     if found:
         return found
