@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .bridge import Descriptor, InputError, MeshArrays, ParadescError, ProgressFunction, abi, descriptors
+from .bridge import Descriptor, InputError, MeshArrays, ParadescError, ProgressFunction, abi, descriptors, origin
 from .core import job
 from .core.polygons import Polygons, triangle_corners
 from .core.stream import Stream
@@ -128,7 +128,7 @@ class Mesh:
             settings = options.settings_of("mean_curvature", 0.02, self._machine)
             self._points, self._polygons = surface_of(vertices, faces)
             arrays = inputs.mesh_arrays(self._points, self._polygons, uvs, None, sharp_edges)
-            self._near = arrays.positions  # the points as the library reads them
+            self._near = origin.near_origin(self._points)  # the points as the library reads them
             self._stream: Stream | None = Stream(arrays, settings)
         self._lock = threading.RLock()
         self._finalizer = weakref.finalize(self, self._stream.leave)
@@ -147,7 +147,7 @@ class Mesh:
             points = inputs.points_of(vertices)
             if points.shape != self._points.shape:
                 raise InputError(f"positions has the shape {points.shape}, but the mesh has {self._points.shape}.")
-            self._points, self._near = points, inputs.near_origin(points)
+            self._points, self._near = points, origin.near_origin(points)
 
     @property
     def report(self) -> dict[str, float | int]:

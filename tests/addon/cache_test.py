@@ -101,6 +101,7 @@ def test_any_damaged_byte_is_found(tmp_path):
         ({"arrays": 5}, b"", "damaged"),
         ({"arrays": [[1, 1, 40]]}, b"", "damaged"),
         ({"counts": {"mean_curvature": 41}}, b"", "count"),
+        ({"counts": [1]}, b"", "its counts are none"),
         ({"info": 3}, b"", "header"),
         ({"key": 3}, b"", "key"),
         ({}, b"more", "too late"),

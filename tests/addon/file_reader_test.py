@@ -7,9 +7,10 @@ import pytest
 
 pytest.importorskip("bpy", reason="needs Blender")
 
+from mesh_kinds import GLB, OBJ, PLY, STL, ball, glb, obj, ply, stl_binary
 from paradesc import cli
 from paradesc.files import png
-from shapes import cube_sphere, write_obj
+from shapes import RADIUS, cube_sphere, write_obj
 
 WORDS = ("--radius", "0.1", "--backend", "cpu", "--descriptors", "mean_curvature,shape_index", "--quiet")
 
@@ -178,7 +179,6 @@ def test_reader_is_blender_unless_another_is_asked_for(tmp_path, capsys):
 
 
 def test_off_is_read_where_blender_has_no_importer(tmp_path):
-    pytest.importorskip("trimesh", reason="trimesh reads .off; blend_samples/setup.sh installs it")
     path = tmp_path / "square.off"
     path.write_text("OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n")
     assert cli.main(["bake", str(path), "--output", str(tmp_path / "out.npz"), "--quiet"]) == 0
@@ -197,3 +197,96 @@ def test_options_that_do_not_go_together_are_refused(tmp_path, monkeypatch, caps
     monkeypatch.chdir(tmp_path)
     assert cli.main(list(words)) == 2
     assert sentence in capsys.readouterr().err
+
+
+# ---- Far from the origin
+
+
+def test_what_blender_rounds_far_away_is_said(tmp_path, capsys):
+    points, quads, _ = cube_sphere(8)
+    path = write_obj(tmp_path / "far.obj", points + np.array([500000, 5400000, 100]), quads)
+    found = {}
+    for reader in ("files", "blender"):
+        words = ["--reader", reader, "--radius", "0.2", "--backend", "cpu", "--output", str(tmp_path / "o.npz")]
+        assert cli.main(["bake", str(path), *words]) == 0
+        with np.load(tmp_path / "o.npz") as arrays:
+            found[reader] = arrays["mean_curvature"]
+        said = "32-bit floats are 0.5 apart: its vertices are rounded to" in capsys.readouterr().out
+        assert said == (reader == "blender")
+    assert np.allclose(found["files"], 1 / RADIUS, rtol=0.02)
+    assert not np.allclose(found["blender"], 1 / RADIUS, rtol=0.5)  # which the note is about
+
+
+# ---- One result of a file, whoever reads it
+
+DAMAGED = [
+    (".obj", obj("v nan 0 0\n")),
+    (".obj", obj().replace(b"v -", b"v -0,", 1)),
+    (".obj", obj()[:-100] + b"f 1 2 999"),
+    (".obj", obj().replace(b"f ", b"f 0 ", 1)),
+    (".obj", obj().decode().encode("utf-16")),
+    (".ply", ply()[:-200]),
+    (".ply", ply().replace(b"end_header\n", b"end_header\nnan nan nan\n").replace(b"vertex 218", b"vertex 219")),
+    (".ply", ply("binary_little_endian")[:-5]),
+    (".stl", stl_binary(count=1000)),
+    (".stl", STL["text"][: len(STL["text"]) // 2]),
+    (".glb", GLB["plain"][:-500]),
+    (".gltf", b"version https://git-lfs.github.com/spec/v1"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("suffix", "content"), DAMAGED)
+def test_a_damaged_file_is_refused_with_the_same_sentence_by_blender(tmp_path, capsys, suffix, content):
+    path, good = tmp_path / f"bad{suffix}", write_obj(tmp_path / "good.obj", *cube_sphere(4))
+    path.write_bytes(content)
+    said = []
+    for words in ((path, "--reader", "files"), (path,), (good, "--from-file", path)):
+        assert cli.main(["bake", *map(str, words), "-o", str(tmp_path / "o.npz"), "--quiet"]) == 3
+        said.append(capsys.readouterr().err)
+    assert len(set(said)) == 1
+    assert str(path) in said[0]
+
+
+@pytest.mark.parametrize(
+    ("suffix", "kinds"), [(".obj", OBJ), (".ply", PLY), (".stl", STL), (".glb", GLB)], ids=["obj", "ply", "stl", "glb"]
+)
+def test_a_sound_file_of_any_kind_is_right_by_blender_or_refused_with_the_way_out(tmp_path, capsys, suffix, kinds):
+    expected = {}
+    for name, content in kinds.items():
+        path = tmp_path / f"ball{suffix}"
+        path.write_bytes(content)
+        arguments = ["bake", str(path), "--space", "world", *WORDS]
+        code = cli.main([*arguments, "-o", str(tmp_path / "o.npz")])
+        said = capsys.readouterr().err
+        if code == 0:
+            expected[name] = np.load(tmp_path / "o.npz")["mean_curvature"]
+        else:
+            assert code == 3, name
+            assert said.rstrip().endswith(("--reader files reads it.", "--reader files reads all of it.")), (name, said)
+            assert cli.main([*arguments, "-o", str(tmp_path / "o.npz"), "--reader", "files"]) == 0
+    assert len(expected) >= 2
+    for name, values in expected.items():
+        assert np.allclose(values, 1 / RADIUS, rtol=0.05), name  # what facets of this size leave
+
+
+def test_what_only_blender_reads_is_left_to_it(tmp_path):
+    path = tmp_path / "ball.glb"
+    draco = ["KHR_draco_mesh_compression"]
+    path.write_bytes(glb(*ball(extensionsUsed=draco, extensionsRequired=draco)))
+    assert cli.main(["bake", str(path), "--reader", "files", "-o", str(tmp_path / "o.npz"), *WORDS]) == 3
+    assert cli.main(["bake", str(path), "-o", str(tmp_path / "o.npz"), *WORDS]) == 0
+
+
+@pytest.mark.parametrize(("uv", "reason"), [(0.5, "has a UV map without area"), (np.nan, "that are not finite")])
+def test_a_uv_map_of_blender_that_cannot_be_used_is_told_from_none(tmp_path, capsys, uv, reason):
+    import bpy
+
+    from scene import add_sphere, empty_scene
+
+    empty_scene()
+    mesh = add_sphere().data
+    mesh.uv_layers.active.data.foreach_set("uv", np.full(2 * len(mesh.loops), uv, np.float32))
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    words = ["bake", str(tmp_path / "a.blend"), "--backend", "cpu", "--map", str(tmp_path / "o.exr")]
+    assert cli.main(words) == 2
+    assert reason in capsys.readouterr().err

@@ -99,13 +99,20 @@ def test_stl_of_few_digits_is_welded_into_a_closed_surface(run, report, tmp_path
     assert row["boundary_edges"] == 0
 
 
-@pytest.mark.parametrize("suffix", [".stl", ".fbx", ".gltf"])
-def test_broken_file_of_every_kind_is_one_sentence(run, tmp_path, suffix):
+@pytest.mark.parametrize(
+    ("suffix", "words"),
+    [
+        (".stl", '"junk.stl" cannot be read: '),
+        (".fbx", 'Blender cannot read "junk.fbx": '),
+        (".gltf", '"junk.gltf" cannot be read: '),
+    ],
+)
+def test_broken_file_of_every_kind_is_one_sentence(run, tmp_path, suffix, words):
     (tmp_path / f"junk{suffix}").write_text("junk")
     ended = run("bake", f"junk{suffix}", *QUICK, "--output", "out.npz")
     assert ended.code == common.EXIT_INPUT
     sentence = ended.error.splitlines()[-1]  # this process's own streams also show what Python add-ons print
-    assert sentence.startswith(f'paradesc: Blender cannot read "junk{suffix}": ')
+    assert sentence.startswith(f"paradesc: {words}")
     assert "Location" not in sentence
     assert not (tmp_path / "out.npz").exists()
 

@@ -170,7 +170,7 @@ def test_failures_are_rows_and_nothing_else_is_lost(library, tmp_path, capfd):
         "empty.obj": 3,
         "noise.ply": 3,
     }
-    assert "no faces" in rows["empty.obj"]["error"]
+    assert "it is empty" in rows["empty.obj"]["error"]
     assert {row["file"] for row in report["failed"]} == {"empty.obj", "noise.ply"}
     again = compute(library, tmp_path / "out", code=5)
     assert (again["made"], again["kept"]) == (0, 9)

@@ -240,6 +240,24 @@ def test_files_that_cannot_be_read_are_one_sentence(tmp_path):
     assert "is a folder" in refused(tmp_path)
     os.mkfifo(tmp_path / "pipe.json")
     assert "is not there" in refused(tmp_path / "pipe.json")
+    assert "is not there" in refused(tmp_path / ("x" * 300 + ".json"))
+
+
+def test_what_the_system_refuses_of_a_preset_is_one_sentence(own, monkeypatch):
+    def fails(*_words, **_more):
+        raise OSError(5, "Input/output error")
+
+    path = own / "old.py"
+    path.write_text("import bpy\n")
+    assert "sets nothing; save the preset again" in refused(path)
+    path.write_text(OLD)
+    with monkeypatch.context() as patched:
+        patched.setattr(type(path), "open", fails)
+        assert "cannot be read: Input/output error" in refused(path)
+    usual = type(path).replace
+    monkeypatch.setattr(type(path), "replace", lambda self, place: fails() if self == path else usual(self, place))
+    with pytest.raises(preset_file.PresetError, match="cannot be put aside"):
+        old_presets.convert(path, lambda *_: None)
 
 
 @pytest.mark.slow

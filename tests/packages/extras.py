@@ -1,6 +1,6 @@
-"""What a new user does with the wheel's extras: files by trimesh, a library on Dask, without Blender.
+"""What a new user does with files of every kind, and with a library on Dask, without Blender.
 
-Run by the Python of the environment that pip installed paradesc[io,dask] into, in an empty folder.
+Run in an empty folder by the Python of an environment with paradesc[dask], and with trimesh, which makes files.
 """
 
 import json
@@ -72,4 +72,4 @@ if __name__ == "__main__":
     make_files()
     check_commands()
     check_library()
-    sys.stdout.write(f"paradesc[io,dask]: numpy {np.__version__}, trimesh {trimesh.__version__}\n")
+    sys.stdout.write(f"paradesc[dask]: numpy {np.__version__}, trimesh {trimesh.__version__}\n")

@@ -1,5 +1,6 @@
 """The way from Python to libparadesc: plain Python, ctypes and numpy, never Blender."""
 
+from . import origin
 from .arrays import Layout, MeshArrays, SurfaceMaps
 from .library import (
     Descriptor,
@@ -75,5 +76,6 @@ __all__ = [
     "load_library",
     "missing_sentence",
     "needs_texture_space",
+    "origin",
     "uses_texture_space",
 ]

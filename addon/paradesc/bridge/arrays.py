@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import abi
+from . import abi, origin
 from .library import ParadescError, new_struct
 
 
@@ -34,7 +34,7 @@ class SurfaceMaps:
 class MeshArrays:
     """A triangle mesh as the native library reads it; a corner is a face's use of a vertex."""
 
-    positions: np.ndarray  # (vertex_count, 3) float32
+    positions: np.ndarray  # (vertex_count, 3) float32, or float64 where it lies far from the origin
     corner_vertices: np.ndarray  # (corner_count,) int32
     triangle_corners: np.ndarray  # (triangle_count, 3) int32
     corner_uvs: np.ndarray | None = None  # (corner_count, 2) float32
@@ -43,6 +43,7 @@ class MeshArrays:
     sharp_edges: np.ndarray | None = None  # (sharp_edge_count, 2) int32
     layout: Layout | None = None  # where corner_uvs come from, if not from the mesh's own UV map
     maps: SurfaceMaps | None = None
+    uv_fault: str = ""  # why the mesh's own UV map is not in corner_uvs: "has a UV map without area"
 
     @property
     def triangle_vertices(self) -> np.ndarray:
@@ -64,7 +65,7 @@ def native_mesh(library: ctypes.CDLL, arrays: MeshArrays) -> tuple[abi.MeshInput
     native.vertex_count = len(arrays.positions)
     native.corner_count = len(arrays.corner_vertices)
     native.triangle_count = len(arrays.triangle_corners)
-    native.positions = give(arrays.positions, np.float32, "positions", 3, abi.Float32Pointer)
+    native.positions = give(near_positions(arrays.positions), np.float32, "positions", 3, abi.Float32Pointer)
     native.corner_vertices = give(arrays.corner_vertices, np.int32, "corner_vertices", 1, abi.Int32Pointer)
     native.triangle_corners = give(arrays.triangle_corners, np.int32, "triangle_corners", 3, abi.Int32Pointer)
     native.corner_uvs = give(arrays.corner_uvs, np.float32, "corner_uvs", 2, abi.Float32Pointer)
@@ -81,6 +82,12 @@ def native_mesh(library: ctypes.CDLL, arrays: MeshArrays) -> tuple[abi.MeshInput
             sentence = f"{name} has {len(array)} rows, but {count} are needed."
             raise ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
     return native, kept
+
+
+def near_positions(positions: np.ndarray) -> np.ndarray:
+    """(vertex_count, 3) float32 positions as the library gets them, near the origin wherever they lie."""
+    array = np.asarray(positions)
+    return contiguous(origin.near_origin(array) if array.ndim == 2 else array, np.float32, "positions", 3)
 
 
 def contiguous(array: np.ndarray, kind: type, name: str, width: int) -> np.ndarray:

@@ -9,7 +9,7 @@ from types import TracebackType
 import numpy as np
 
 from . import abi
-from .arrays import MeshArrays, SurfaceMaps, address, contiguous, image, native_mesh
+from .arrays import MeshArrays, SurfaceMaps, address, contiguous, image, native_mesh, near_positions
 from .interrupts import Interrupts
 from .library import InputError, check, components, load_library, new_struct, text
 from .options import BACKENDS, Options, choice, int32, native_options
@@ -108,8 +108,8 @@ class Mesh:
         return as_dict(report)
 
     def set_positions(self, positions: np.ndarray) -> None:
-        """New positions, (vertex_count, 3) float32, for the same topology."""
-        array = contiguous(positions, np.float32, "positions", 3)
+        """New positions, (vertex_count, 3), for the same topology."""
+        array = near_positions(positions)
         status = self._library.pdesc_mesh_set_positions(self._pointer, address(array, abi.Float32Pointer), len(array))
         check(self._library, status)
 

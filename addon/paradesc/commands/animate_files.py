@@ -17,6 +17,7 @@ from ..files import cache, mesh_files, sequences
 from ..files.frame_baking import Baker, FrameRequest, Task, at_frame
 from ..files.map_images import MapChoice
 from ..files.mesh_files import FileMesh
+from ..files.paths import is_folder
 from . import file_reading
 from .common import UsageError
 
@@ -93,7 +94,7 @@ def cache_folder(arguments: argparse.Namespace) -> Path:
     """The folder asked for, or one beside the files."""
     if arguments.cache is not None:
         return arguments.cache
-    return (arguments.input if arguments.input.is_dir() else arguments.input.parent) / cache.DEFAULT_FOLDER
+    return (arguments.input if is_folder(arguments.input) else arguments.input.parent) / cache.DEFAULT_FOLDER
 
 
 class FileBaker(Baker):

@@ -20,6 +20,8 @@ from ..bridge import InputError, ParadescError, ProgressFunction, abi
 from ..core import job
 from ..core.distributions import distribution
 from ..files import mesh_files, results
+from ..files.gltf_file import buffer_path
+from ..files.paths import is_file
 from ..files.results import Baked, make_folder, write_whole
 from .common import EXIT_FAILED, EXIT_INPUT, EXIT_USAGE, exit_code
 from .file_reading import read_mesh
@@ -102,7 +104,7 @@ def write_row(work: Work, row: dict) -> None:
 
 def write_line(path: Path, row: dict) -> None:
     """Writes a row as one line of JSON."""
-    path.write_text(line_of(row), encoding="utf-8")
+    path.write_text(line_of(row), encoding="utf-8", errors=results.ESCAPED)
 
 
 def line_of(row: dict) -> str:
@@ -118,14 +120,14 @@ def content_hash(path: Path) -> str:
     try:
         content = path.read_bytes()
         found = hashlib.sha256(content)
-        for name in buffers_beside(path, content):
-            found.update((path.parent / name).read_bytes())
+        for buffer in buffers_beside(path, content):
+            found.update(buffer.read_bytes())
         return found.hexdigest()
     except OSError as error:
         raise InputError(f'"{path}" cannot be read: {error.strerror or error}.') from error
 
 
-def buffers_beside(path: Path, content: bytes) -> list[str]:
+def buffers_beside(path: Path, content: bytes) -> list[Path]:
     """The files that a .gltf names as its buffers; none of any other file, and of a damaged one."""
     if path.suffix.lower() != ".gltf":
         return []
@@ -133,7 +135,8 @@ def buffers_beside(path: Path, content: bytes) -> list[str]:
         names = [str(buffer.get("uri", "")) for buffer in json.loads(content).get("buffers", [])]
     except (ValueError, TypeError, AttributeError, RecursionError):
         return []
-    return [name for name in names if name and not name.startswith("data:") and (path.parent / name).is_file()]
+    places = [buffer_path(path, name) for name in names if name and not name.startswith("data:")]
+    return [place for place in places if is_file(place)]
 
 
 def kept_row(work: Work, asked: dict) -> dict | None:

@@ -9,6 +9,7 @@ from ..core import job, spaces, tangents, uv_faults
 from ..files import map_images, mesh_files
 from ..files.map_images import MapChoice
 from ..files.mesh_files import FileMesh
+from ..files.paths import is_file
 from .common import UsageError, has_blender
 from .images import paths_of
 
@@ -49,7 +50,7 @@ def missing(arguments: argparse.Namespace) -> Exception:
     found, suffix = "Blender's Python module bpy is not installed here", arguments.input.suffix.lower()
     if suffix in mesh_files.SUFFIXES:
         sentence = f"{found}; pip install bpy, or leave --reader blender out."
-    elif arguments.input.is_file():
+    elif is_file(arguments.input):
         sentence = f'{found} to open "{arguments.input}"; pip install bpy, or give one of {KNOWN}.'
     else:
         return InputError(f'There is no file "{arguments.input}".')
@@ -76,7 +77,7 @@ def check_options(arguments: argparse.Namespace) -> None:
         if getattr(arguments, name, None):
             raise refused(what)
     other = getattr(arguments, "from_file", None)
-    if other is not None and other.is_file() and other.suffix.lower() not in mesh_files.SUFFIXES:
+    if other is not None and is_file(other) and other.suffix.lower() not in mesh_files.SUFFIXES:
         raise refused(f'"{other}" is opened by Blender')
     if any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", [])):
         raise refused("A .blend is written by Blender")
@@ -114,13 +115,15 @@ def read_mesh(
                 f'The mesh "{mesh.name}" {reason}, and without Blender it cannot be unwrapped; give it one, or '
                 "pip install bpy, or compute at vertices (--backend cpu, no image)."
             )
-        arrays.corner_uvs = None
+        arrays.corner_uvs, arrays.uv_fault = None, reason
     map_notes = add_maps(mesh, arrays, reason, maps)
     if settings.options.normals == "mesh":
         if mesh.corner_normals is None:
             raise InputError(f'The file has no normals for "{mesh.name}"; choose fitted ones.')
         arrays.corner_normals = spaces.unit(mesh.corner_normals)
     measured, notes = spaces.measured(arrays, mesh.matrix_world, mesh.name, settings.space, "give --space world")
+    if reason and mesh.arrays.corner_uvs is not None:
+        notes.append(f'The mesh "{mesh.name}" {reason}, which was left out.')
     return FileRead(arrays, measured, [*mesh.notes, *notes, *map_notes])
 
 

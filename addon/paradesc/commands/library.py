@@ -11,7 +11,8 @@ from pathlib import Path
 from .. import bridge
 from ..bridge import InputError
 from ..core import job
-from ..files import mesh_files
+from ..files import mesh_files, results
+from ..files.paths import is_file, is_folder
 from ..files.results import folder_fault, make_folder, write_whole
 from . import assets, spreading
 from .assets import Done, Work
@@ -129,7 +130,7 @@ def asked(arguments: argparse.Namespace) -> list[str]:
     if arguments.asset:
         names = dict.fromkeys(Path(name).as_posix() for name in arguments.asset)
         for name in names:
-            if not (folder / name).is_file():
+            if not is_file(folder / name):
                 raise InputError(f'There is no file "{name}" in "{folder}".')
         return list(names)
     sizes = dict(found(folder))
@@ -138,7 +139,7 @@ def asked(arguments: argparse.Namespace) -> list[str]:
 
 def found(folder: Path) -> Iterator[tuple[str, int]]:
     """The name of every asset below a folder, from there on and with slashes, and its size in bytes."""
-    if not folder.is_dir():
+    if not is_folder(folder):
         raise InputError(f'There is no folder "{folder}".')
     for root, folders, names in os.walk(folder):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
@@ -194,7 +195,7 @@ def stopping(progress: Progress) -> Callable[[], None]:
 
 def write_listing(path: Path, lines: dict[str, str]) -> None:
     """Writes the line of each asset, by name."""
-    with path.open("w", encoding="utf-8") as file:
+    with path.open("w", encoding="utf-8", errors=results.ESCAPED) as file:
         file.writelines(lines[name] for name in sorted(lines))
 
 

@@ -44,6 +44,7 @@ def make_parser() -> Parser:
 
 def main(words: list[str]) -> int:
     """Runs one command; gives the exit code. Any failure is one sentence on the standard error stream."""
+    take_any_alphabet()
     try:
         arguments, unknown = make_parser().parse_known_args(with_also(words))
         if unknown:
@@ -64,7 +65,7 @@ def main(words: list[str]) -> int:
             sentence = " ".join(content.get("failed_checks", []))
             code = EXIT_CHECK if sentence else EXIT_OK
             write_report(arguments, content, code, sentence)
-    except (UsageError, ParadescError, KeyboardInterrupt, Terminated) as error:
+    except (UsageError, ParadescError, OSError, KeyboardInterrupt, Terminated) as error:
         return fail(arguments, sentence_of(error), exit_code(error))
     except Exception as error:  # a defect of ours; --verbose shows where
         if getattr(arguments, "verbose", False):
@@ -77,10 +78,20 @@ def main(words: list[str]) -> int:
     return say(sentence, code) if sentence else code
 
 
+def take_any_alphabet() -> None:
+    """Lets the standard streams write what their alphabet lacks as escapes, where Python would fail."""
+    for stream in (sys.stdout, sys.stderr, sys.__stdout__, sys.__stderr__):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
 def sentence_of(error: BaseException) -> str:
     """The error for people."""
     if isinstance(error, (KeyboardInterrupt, Terminated)):
         return "Terminated." if isinstance(error, Terminated) else "Interrupted."
+    if isinstance(error, OSError):
+        named = f'"{error.filename}" cannot be used' if error.filename else "The system refused"
+        return f"{named}: {error.strerror or error}."
     return error.sentence if isinstance(error, ParadescError) else str(error)
 
 
@@ -126,7 +137,7 @@ def write_report(arguments: argparse.Namespace, content: dict[str, object], code
         **content,
     }
     if prints_json(arguments):
-        print(results.json_text(report), end="")
+        print(results.json_text(report, ascii_only=True), end="")
         return
     results.write_whole(path, report, results.write_json)
     if code in (EXIT_OK, EXIT_CHECK) and not arguments.quiet:

@@ -153,11 +153,16 @@ def program_of(arguments: argparse.Namespace) -> list[str]:
 
 def write_list(arguments: argparse.Namespace, tasks: list[dict]) -> None:
     """Writes a line for each task."""
-    text = "".join(json.dumps(results.finite_only(task), ensure_ascii=False) + "\n" for task in tasks)
-    if arguments.list is None or str(arguments.list) == "-":
+    printed = arguments.list is None or str(arguments.list) == "-"
+    text = "".join(json.dumps(results.finite_only(task), ensure_ascii=printed) + "\n" for task in tasks)
+    if printed:
         print(text, end="")
-    else:
-        write_whole(arguments.list, text, lambda path, content: path.write_text(content, encoding="utf-8"))
+        return
+
+    def write(path: Path, content: str) -> None:
+        path.write_text(content, encoding="utf-8", errors=results.ESCAPED)
+
+    write_whole(arguments.list, text, write)
 
 
 # ---- Frames

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from .. import bridge
-from ..bridge import ProgressFunction, abi
+from ..bridge import ProgressFunction, abi, origin
 from . import contexts
 from .color_maps import Look, ValueRange, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
@@ -16,6 +16,9 @@ CHANGE = "_change"
 
 # The computation has this share of the progress if corners are looked for afterwards.
 COMPUTING = 0.95
+
+# A larger share of triangles without area than this is worth a note.
+FLAT_SHARE = 0.01
 
 # The attribute that marks vertices without a value.
 UNDEFINED_MASK = "paradesc_mask"
@@ -90,6 +93,7 @@ class Results:
     fallback: str  # why "auto" did not get a better device, or ""
     warnings: list[str]  # what limits the results
     notes: list[str] = field(default_factory=list)  # what was measured, and what had no effect
+    shape_notes: list[str] = field(default_factory=list)  # what the mesh lacks where its values are taken as they are
     near_seam: np.ndarray | None = None  # (vertex_count,) bool, with seam_error only
     seam_error: dict[str, np.ndarray] = field(default_factory=dict)  # each (vertex_count,) float32
     maps: dict[str, np.ndarray] = field(default_factory=dict)  # each (N, N) or (N, N, 3), with evaluate = texel only
@@ -157,13 +161,14 @@ class Results:
         return float(self.report_of(name)["radius"])
 
     def facet_notes(self) -> list[str]:
-        """Warns if the smallest radius is below the mean edge, where values show facets."""
+        """Warns of what the mesh lacks, and if values show facets as the smallest radius is below the mean edge."""
         edge = self.mesh_report["mean_edge"]
         least = min(report["radius"] for report in self.field_reports.values())
         if least >= edge:
-            return []
+            return self.shape_notes
         share = f"{least / edge:.2g}"
-        return [f"The radius is {share} of the mean edge: values show facets, not the surface; choose a larger one."]
+        facets = f"The radius is {share} of the mean edge: values show facets, not the surface; choose a larger one."
+        return [*self.shape_notes, facets]
 
     def unused_notes(self) -> list[str]:
         """Says which numbers that were chosen have no effect on the processor."""
@@ -284,11 +289,24 @@ def run_on(
     """Computes the descriptors on a mesh that was made of these arrays."""
     computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
     results = run_radii(context, mesh, settings, computing, with_buffers)
+    results.shape_notes = shape_notes(arrays, results.mesh_report)
+    center = origin.far_center(arrays.positions)
+    if results.buffers and center is not None:
+        results.buffers["position"] = results.buffers["position"] + center
     if arrays.layout is not None and (bridge.uses_texture_space(results.backend) or results.maps):
         results.unwrapped = arrays.layout
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
     add_corners(results, arrays, progress)
     return results
+
+
+def shape_notes(arrays: bridge.MeshArrays, report: dict[str, float | int]) -> list[str]:
+    """Says what positions lost to rounding, and how many triangles have no area if these are more than a few."""
+    flat, count = report["degenerate_triangles"], report["triangle_count"]
+    found = origin.rounding_note(arrays.positions, report["mean_edge"])
+    if flat > FLAT_SHARE * count:
+        found.append(f"{flat:,} of {count:,} triangles have no area, so that nothing is measured on them.")
+    return found
 
 
 def add_corners(results: Results, arrays: bridge.MeshArrays, progress: ProgressFunction | None = None) -> None:

@@ -4,7 +4,7 @@ No vertex of a polygon is left on the side of a triangle as long as the polygon 
 stays connected. All polygons with the same number of corners are cut together.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -34,11 +34,12 @@ class Polygons:
 class PolygonMesh:
     """A mesh of polygons as files hold it, whose corners follow each other."""
 
-    positions: np.ndarray  # (vertex_count, 3) float32
+    positions: np.ndarray  # (vertex_count, 3) float32, or float64 where it lies far from the origin
     corner_vertices: np.ndarray  # (corner_count,) int32
     sizes: np.ndarray  # (face_count,) int64 corners of each face
     corner_uvs: np.ndarray | None = None  # (corner_count, 2) float32
     corner_normals: np.ndarray | None = None  # (corner_count, 3) float32 unit
+    notes: list[str] = field(default_factory=list)  # what was left out of the file
 
     def arrays(self) -> MeshArrays:
         """The mesh as triangles, which keep its vertices and corners; without its normals."""

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..bridge import MeshArrays, ParadescError, abi
+from ..bridge import MeshArrays, ParadescError, abi, origin
 
 # Scales along the axes count as equal if they differ by less than this share.
 EVEN = 1e-4
@@ -57,7 +57,9 @@ def to_world(arrays: MeshArrays, matrix: np.ndarray, name: str) -> None:
     linear = np.asarray(matrix, np.float64)[:3, :3]
     if np.linalg.det(linear) < 0:
         linear = -linear
-    arrays.positions = np.ascontiguousarray(arrays.positions @ linear.T, np.float32)
+    positions = arrays.positions @ linear.T
+    near = arrays.positions.dtype == np.float32
+    arrays.positions = np.ascontiguousarray(positions, np.float32) if near else origin.stored(positions)
     if arrays.corner_normals is not None:
         arrays.corner_normals = unit(arrays.corner_normals @ np.linalg.inv(linear))
     if arrays.maps is not None:

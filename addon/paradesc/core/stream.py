@@ -11,7 +11,7 @@ from types import TracebackType
 import numpy as np
 
 from .. import bridge
-from ..bridge import MeshArrays, ParadescError, abi
+from ..bridge import MeshArrays, ParadescError, abi, origin
 from . import job
 
 # The bound of native/src/mesh/halfedge.cpp: twice the area against the square of the longest edge.
@@ -85,7 +85,7 @@ class Stream:
         self, positions: np.ndarray, corner_normals: np.ndarray | None, corner_tangents: np.ndarray | None
     ) -> MeshArrays:
         """The mesh at these positions; refuses positions of another mesh, and normals that are missing."""
-        positions = np.ascontiguousarray(positions, np.float32)
+        positions = np.ascontiguousarray(origin.near_origin(np.asarray(positions)))
         if positions.shape != self.arrays.positions.shape:
             wanted = len(self.arrays.positions)
             raise refused(f"Positions have the shape {positions.shape}, but the mesh has {wanted} vertices.")
@@ -173,8 +173,8 @@ def starts(triangles: np.ndarray) -> range:
 
 
 def columns_of(positions: np.ndarray) -> np.ndarray:
-    """Turns (n, 3) into (3, n), each coordinate in a row."""
-    return np.ascontiguousarray(positions.T)
+    """Turns (n, 3) into (3, n) float32 as the library gets them, each coordinate in a row."""
+    return np.ascontiguousarray(origin.near_origin(positions).T)
 
 
 def area_and_edge(columns: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -318,8 +318,8 @@ def settled_method(folder: Path, animation: str, own: str) -> str:
     animation names the frames whatever their method; own is what this machine says if it is the first.
     """
     path = folder / f"method_{animation[:16]}.json"
+    results.make_folder(folder)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         with path.open("x", encoding="utf-8") as file:  # only one of several machines succeeds
             json.dump({"method": own}, file)
         return own

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..bridge import InputError, SurfaceMaps
 from .exr_reading import read_exr
+from .paths import is_file
 from .png_reading import read_png
 
 # The largest numbers of a channel stand for 1. Blender multiplies too, so that one image is the same bits everywhere.
@@ -69,7 +70,7 @@ def read_image(path: Path) -> tuple[np.ndarray, bool]:
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise InputError(f'The image "{path}" is none of {", ".join(READERS)}, which are read without Blender.')
-    if not path.is_file():
+    if not is_file(path):
         raise InputError(f'There is no image "{path}".')
     try:
         pixels, fine = reader(path)

@@ -1,18 +1,20 @@
 """Reads a Wavefront .obj into polygons that keep the file's own vertices, one mesh for each object of the file.
 
 Libraries for this format divide vertices where texture coordinates part, and results belong to the file's vertices.
+Texture coordinates and normals that are damaged, which no value at a vertex needs, are left out, and a note says so.
 """
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from ..bridge import origin
 from ..core.polygons import PolygonMesh
+from .text_rows import first_fault, is_numeric, no_numbers, plain, rows_of, shown
 
-REFERENCES = ("vertex", "texture vertex", "normal")
+SIGNS = b"0123456789+-"
 
 
 @dataclass
@@ -31,20 +33,29 @@ class Lines:
         return len(self.vertices), len(self.uvs), len(self.normals)
 
 
+class LineError(Exception):
+    """Says what is wrong with a line, by its first word and its number among those that begin so."""
+
+    def __init__(self, word: bytes, place: int, why: str) -> None:
+        self.word, self.place, self.why = word, int(place), why
+
+
 def read(path: Path) -> list[tuple[str, PolygonMesh]]:
     """The objects with faces, each with its name, "" where it has none; raises ValueError if the file is damaged."""
-    content = (
-        path.read_bytes().replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\\\n", b" ").replace(b"\t", b" ")
-    )
-    found = lines_of(content)
-    del content
+    found = lines_of(plain(path.read_bytes()).replace(b"\\\n", b" ").replace(b"\t", b" "))
     if not found.faces:
         return []
-    positions = table(found.vertices, 3)
-    uvs = table(found.uvs, 2) if found.uvs else None
-    normals = table(found.normals, 3) if found.normals else None
-    corners, sizes = corners_of(found.faces, found.counts)
-    return [(name, polygons(part, uvs, normals)) for name, part in parts(found, positions, corners, sizes)]
+    try:
+        points = positions(found.vertices)
+        corners, sizes = corners_of(found.faces)
+        check_vertices(corners[:, 0], sizes, len(points))
+    except LineError as error:
+        number, line = line_at(plain(path.read_bytes()), error.word, error.place)
+        raise ValueError(f'line {number}, "{shown(line)}", {error.why}') from None
+    notes: list[str] = []
+    uvs = texture_vertices(found.uvs, corners[:, 1], notes)
+    normals = normals_of(found.normals, corners[:, 2], notes)
+    return [(name, polygons(part, uvs, normals, notes)) for name, part in parts(found, points, corners - 1, sizes)]
 
 
 def lines_of(content: bytes) -> Lines:
@@ -52,13 +63,13 @@ def lines_of(content: bytes) -> Lines:
     found = Lines()
     by_word = {b"v": found.vertices, b"vt": found.uvs, b"vn": found.normals, b"f": found.faces}
     for line in content.split(b"\n"):
-        if b"#" in line:
-            line = line.partition(b"#")[0]
         word, _, rest = line.partition(b" ")
         if not word:
             word, _, rest = line.strip().partition(b" ")
         rows = by_word.get(word)
         if rows is not None:
+            if b"#" in rest:
+                rest = rest.partition(b"#")[0]
             rows.append(counted_from_one(rest, found.counts) if word == b"f" and b"-" in rest else rest)
         elif word == b"o":
             name = rest.strip().decode("utf-8", "replace")
@@ -67,86 +78,120 @@ def lines_of(content: bytes) -> Lines:
 
 
 def counted_from_one(face: bytes, counts: tuple[int, int, int]) -> bytes:
-    """The same face with positive numbers; -1 is the last one so far."""
-    return b" ".join(
-        b"/".join(
-            b"%d" % (int(part) + count + 1) if part.startswith(b"-") else part
-            for part, count in zip(corner.split(b"/"), counts, strict=False)
-        )
-        for corner in face.split()
-    )
+    """The same face with positive numbers, where -1 is the last one so far; numbers before the first stay negative."""
+
+    def counted(part: bytes, count: int) -> bytes:
+        if not part.startswith(b"-") or not part[1:].isdigit() or not 0 < int(part[1:]) <= count:
+            return part
+        return b"%d" % (count + 1 - int(part[1:]))
+
+    corners = (zip(corner.split(b"/"), (*counts, 0), strict=False) for corner in face.split())
+    return b" ".join(b"/".join(counted(part, count) for part, count in corner) for corner in corners)
 
 
-def table(lines: list[bytes], width: int) -> np.ndarray:
-    """(n, width) float32 of lines of numbers; what follows these (weights, colors) is left out."""
-    widths = np.fromiter((len(line.split()) for line in lines), np.int64, len(lines))
-    if (widths < width).any():
-        raise ValueError(f'"{text_of(lines[int(np.argmax(widths < width))])}" has fewer than {width} numbers')
-    if (widths != widths[0]).any():
-        lines = [b" ".join(line.split()[:width]) for line in lines]
-        widths[0] = width
-    return rows_of(lines, np.float64, len(lines), int(widths[0]))[:, :width].astype(np.float32)
+def line_at(content: bytes, word: bytes, place: int) -> tuple[int, bytes]:
+    """The number, from 1, and the text of a line: the one at this place among those that begin with this word."""
+    number = 1
+    for line in content.replace(b"\\\n", b"\\").split(b"\n"):  # a backslash ends no line
+        if line.replace(b"\\", b" ").split(None, 1)[:1] == [word]:
+            if place == 0:
+                break
+            place -= 1
+        number += 1 + line.count(b"\\")
+    return number, line.replace(b"\\", b" ")
 
 
-def rows_of(lines: list[bytes], kind: type, count: int, width: int) -> np.ndarray:
-    """(count, width) numbers of this type; a line may have several rows."""
-    found = numbers_in(b" ".join(lines), kind)
-    if found is None or len(found) != count * width:
-        bad = next((line for line in lines if not is_numeric(line, kind)), lines[0])
-        raise ValueError(f'"{text_of(bad)}" is no row of numbers')
-    return found.reshape(count, width)
+def positions(lines: list[bytes]) -> np.ndarray:
+    """(n, 3) positions of lines of numbers; what follows these (weights, colors) is left out."""
+    try:
+        rows = rows_of(lines)
+    except ValueError:
+        place = first_fault(lines)
+        raise LineError(
+            b"v", place, "is no row of numbers" + no_numbers(lines[place]).partition("numbers")[2]
+        ) from None
+    if len(lines) and rows.sizes.min() < 3:
+        raise LineError(b"v", rows.sizes.argmin(), "has fewer than 3 numbers")
+    return origin.stored(rows.first(3))
 
 
-def numbers_in(text: bytes, kind: type) -> np.ndarray | None:
-    """(n,) numbers between blanks, or None if anything else stands there."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # by which numpy says that it stopped at such a place
-        try:
-            return np.fromstring(text, kind, sep=" ")
-        except (ValueError, DeprecationWarning):
-            return None
-
-
-def is_numeric(line: bytes, kind: type) -> bool:
-    """Whether a line holds numbers only."""
-    found = numbers_in(line, kind)
-    return found is not None and len(found) == len(line.split())
-
-
-def text_of(line: bytes) -> str:
-    """A line for a sentence."""
-    return line.decode("utf-8", "replace")[:60]
-
-
-def corners_of(faces: list[bytes], counts: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """(corner_count, 3) int64 vertex, texture vertex and normal, -1 for none, and (face_count,) sizes."""
+def corners_of(faces: list[bytes]) -> tuple[np.ndarray, np.ndarray]:
+    """(corner_count, 3) int64 vertex, texture vertex and normal, from 1, 0 for none, and (face_count,) sizes."""
     text = b"\n".join(faces).replace(b"//", b"/0/")
     if b"/ " in text or b"/\n" in text or text.endswith(b"/"):
         text = (text + b"\n").replace(b"/ ", b"/0 ").replace(b"/\n", b"/0\n")[:-1]
     rows = text.split(b"\n")
     sizes = np.fromiter((len(row.split()) for row in rows), np.int64, len(rows))
-    slashes = np.fromiter((row.count(b"/") for row in rows), np.int64, len(rows))
-    form = slashes // np.maximum(sizes, 1)
-    wrong = (slashes != form * sizes) | (form > 2)
-    if wrong.any():
-        raise ValueError(f'"f {text_of(faces[int(np.argmax(wrong))])}" is no face')
+    marks = text.translate(None, SIGNS).split(b"\n")  # the slashes at each corner: few kinds of rows
+    kinds = {mark: mark.split() for mark in set(marks)}
+    form = np.fromiter((len(kinds[mark][0]) if kinds[mark] else 0 for mark in marks), np.int64, len(marks))
+    marked = np.fromiter((len(kinds[mark]) for mark in marks), np.int64, len(marks))
+    alike = np.fromiter((len(set(kinds[mark])) < 2 for mark in marks), bool, len(marks))
+    for place in np.flatnonzero(~alike | (form > 2) | ((marked != sizes) & (marked > 0))):
+        rows[place], form[place] = of_three(rows[place]), 2
     corners = np.zeros((int(sizes.sum()), 3), np.int64)
     for kind in np.unique(form):
-        own = [rows[k].replace(b"/", b" ") for k in np.flatnonzero(form == kind)]
+        places = np.flatnonzero(form == kind)
+        own = [rows[place].replace(b"/", b" ") for place in places]
         where = np.flatnonzero(np.repeat(form == kind, sizes))
-        corners[where, : kind + 1] = rows_of(own, np.int64, len(where), int(kind) + 1)
-    check_references(corners, counts)
-    return corners - 1, sizes
+        try:
+            numbers = rows_of(own, np.int64)
+            corners[where, : kind + 1] = numbers.values.reshape(len(where), kind + 1)
+        except ValueError:
+            raise LineError(b"f", places[first_fault(own, np.int64)], "is no face") from None
+    return corners, sizes
 
 
-def check_references(corners: np.ndarray, counts: tuple[int, int, int]) -> None:
-    """Refuses corners (n, 3), counted from 1, of what is not there."""
-    for column, (what, count) in enumerate(zip(REFERENCES, counts, strict=True)):
-        lowest = 1 if column == 0 else 0
-        wrong = (corners[:, column] < lowest) | (corners[:, column] > count)
-        if wrong.any():
-            number = int(corners[np.argmax(wrong), column])
-            raise ValueError(f"a face has {what} {number}, and there are {count}")
+def of_three(face: bytes) -> bytes:
+    """A face whose corners are written in different ways, each with three numbers; 0 is none."""
+    parts = [[*corner.split(b"/"), b"0", b"0"][:3] if corner.count(b"/") < 3 else [b"?"] for corner in face.split()]
+    return b" ".join(b"/".join(part or b"0" for part in corner) for corner in parts)
+
+
+def check_vertices(vertices: np.ndarray, sizes: np.ndarray, count: int) -> None:
+    """Refuses corners (n,), counted from 1, of vertices that are not there."""
+    wrong = (vertices < 1) | (vertices > count)
+    if wrong.any():
+        corner = int(wrong.argmax())
+        face = np.searchsorted(np.cumsum(sizes), corner, side="right")
+        raise LineError(b"f", face, f"names vertex {vertices[corner]}, and there are {count}, counted from 1")
+
+
+def texture_vertices(lines: list[bytes], corners: np.ndarray, notes: list[str]) -> np.ndarray | None:
+    """(n + 1, 2) float32 texture coordinates, of which the last are no numbers and stand for those that are not there.
+
+    corners (n,) are given those numbers. A map with coordinates that are no numbers counts as none.
+    """
+    missing = (corners < 0) | (corners > len(lines))
+    if not lines:
+        corners[missing] = 0
+        if missing.any():
+            notes.append("The file has no texture coordinates, which its faces name; they were left out.")
+        return None
+    try:
+        rows = rows_of(lines)
+    except ValueError:
+        rows = rows_of([line if is_numeric(line) else b"nan nan" for line in lines])
+    values = np.append(rows.values, [np.nan, np.nan])
+    second = np.where(rows.sizes > 1, values[rows.starts[:-1] + 1], 0.0)  # vt u alone is on the line v = 0
+    first = np.where(rows.sizes > 0, values[rows.starts[:-1]], np.nan)
+    corners[missing] = len(lines) + 1
+    return np.append(np.column_stack([first, second]), [[np.nan, np.nan]], axis=0).astype(np.float32)
+
+
+def normals_of(lines: list[bytes], corners: np.ndarray, notes: list[str]) -> np.ndarray | None:
+    """(n, 3) float32 normals, or None with a note where they are damaged or not those that corners (n,) name."""
+    missing = (corners < 0) | (corners > len(lines))
+    try:
+        rows = rows_of(lines)
+        sound = len(lines) == 0 or rows.sizes.min() >= 3
+    except ValueError:
+        sound = False
+    if missing.any() or not sound:
+        why = "its faces name normals that it lacks" if missing.any() else "some are no three numbers"
+        notes.append(f"The file's normals were left out: {why}.")
+        return None
+    return rows.first(3).astype(np.float32) if lines else None
 
 
 def parts(
@@ -179,11 +224,14 @@ def parts(
 
 
 def polygons(
-    part: tuple[np.ndarray, np.ndarray, np.ndarray], uvs: np.ndarray | None, normals: np.ndarray | None
+    part: tuple[np.ndarray, np.ndarray, np.ndarray],
+    uvs: np.ndarray | None,
+    normals: np.ndarray | None,
+    notes: list[str],
 ) -> PolygonMesh:
     """The polygons of an object; corners without a texture vertex lie at 0. Normals count if all corners have one."""
     positions, corners, sizes = part
-    mesh = PolygonMesh(positions, corners[:, 0].astype(np.int32), sizes)
+    mesh = PolygonMesh(positions, corners[:, 0].astype(np.int32), sizes, notes=list(notes))
     if uvs is not None and (corners[:, 1] >= 0).any():
         mesh.corner_uvs = np.where(corners[:, 1:2] >= 0, uvs[corners[:, 1]], np.float32(0))
     if normals is not None and len(corners) and (corners[:, 2] >= 0).all():

@@ -1,12 +1,15 @@
 """Reads a .ply, text or binary, into polygons of the file's own vertices; faces may have any number of corners."""
 
-from collections.abc import Callable
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from ..bridge import origin
 from ..core.polygons import PolygonMesh
+from .strips import triangles_of_strips
+from .text_rows import MARK, plain, rows_of, shown
 
 KINDS = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
@@ -14,7 +17,9 @@ KINDS = {
     "float32": "f4", "float64": "f8", "int64": "i8", "uint64": "u8",
 }  # fmt: skip
 ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
-INDICES = ("vertex_indices", "vertex_index")
+INDICES = ("vertex_indices", "vertex_index", "vertex_indexes")
+FIRST_LINE = re.compile(rb"ply[ \t]*(\r\n|\n|\r)")
+COMMENTS = (b"comment", b"obj_info")
 # What exporters call texture coordinates at vertices.
 UV_NAMES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"), ("texture_s", "texture_t"))
 NORMAL_NAMES = ("nx", "ny", "nz")
@@ -51,41 +56,59 @@ Columns = dict[str, "np.ndarray | Lists"]
 
 def read(path: Path) -> PolygonMesh | None:
     """The polygons, or None without faces; raises ValueError if the file is damaged."""
-    with path.open("rb") as file:
-        elements, is_text = read_header(file.readline)
-        body = file.read()
-    if is_text:
-        body = as_binary(body, elements)
+    elements, order, body = opened(path.read_bytes())
     found: dict[str, Columns] = {}
+    lines: list[bytes] = []
+    if order == "ascii":
+        body = plain(body)
+        lines = [line for line in body.split(b"\n") if line.strip() and not line.lstrip().startswith(COMMENTS)]
+        if len(lines) < sum(element.rows for element in elements):  # of several rows each, or cut off
+            body, lines = as_binary(body, elements), []
     at = 0
     for element in elements:
-        if {"vertex", "face"} <= found.keys():
+        if "vertex" in found and found.get("face"):
             break
-        found[element.name], at = read_element(body, at, element)
-    return polygons(found.get("vertex", {}), found.get("face", {}))
+        if lines:
+            found[element.name] = read_lines(lines[: element.rows], element)
+            lines = lines[element.rows :]
+        else:
+            found[element.name], at = read_element(body, at, element)
+    return polygons(found.get("vertex", {}), found.get("face", {}) or strips(found.get("tristrips", {})))
 
 
-def read_header(line_of: Callable[[], bytes]) -> tuple[list[Element], bool]:
-    """The tables that a header describes, and whether they are text."""
-    if line_of().strip() != b"ply":
+def opened(content: bytes) -> tuple[list[Element], str, bytes]:
+    """The tables that a header describes, the order of their bytes, and what follows the header."""
+    content = content.removeprefix(MARK)
+    begin = FIRST_LINE.match(content)
+    if begin is None:
         raise ValueError("it does not begin as one")
+    line_end = rb"\r" if begin[1] == b"\r" else rb"\r?\n"  # after a lone CR the bytes begin at once
+    end = re.compile(line_end + rb"[ \t]*end_header[ \t]*(" + line_end + rb"|$)").search(content)
+    if end is None:
+        raise ValueError("its header does not end")
+    elements, order = tables_of(content[: end.start()].decode("ascii", "replace").splitlines()[1:])
+    return elements, order, content[end.end() :]
+
+
+def tables_of(lines: list[str]) -> tuple[list[Element], str]:
+    """The tables that the lines of a header describe, and the order of their bytes."""
     elements: list[Element] = []
     order = ""
-    while (words := line_of().decode("ascii", "replace").split()) != ["end_header"]:
-        if not words:
-            raise ValueError("its header does not end")
+    for words in filter(None, map(str.split, lines)):
         try:
             if words[0] == "format":
                 order = words[1]
             elif words[0] == "element":
                 elements.append(Element(words[1], int(words[2])))
             elif words[0] == "property":
-                elements[-1].properties.append(property_of(words, ORDERS[order]))
+                elements[-1].properties.append(property_of(words, ORDERS.get(order, "<")))
         except (IndexError, KeyError, ValueError):
             raise ValueError(f'its header has the line "{" ".join(words)[:60]}"') from None
-    if order not in ORDERS or any(element.rows < 0 for element in elements):
-        raise ValueError("its header is none")
-    return elements, order == "ascii"
+    if order not in ORDERS:
+        raise ValueError("its header does not say its format")
+    if any(element.rows < 0 for element in elements):
+        raise ValueError("its header has a negative number of rows")
+    return elements, order
 
 
 def property_of(words: list[str], order: str) -> Property:
@@ -95,21 +118,47 @@ def property_of(words: list[str], order: str) -> Property:
     return Property(words[2], np.dtype(order + KINDS[words[1]]))
 
 
+def read_lines(lines: list[bytes], element: Element) -> Columns:
+    """The columns of a table of text; a row is a line, and what follows its last property is left out."""
+    rows = rows_of(lines)
+    at, ends = rows.starts[:-1].copy(), rows.starts[1:]
+    values = np.append(rows.values, 0.0)
+    columns: Columns = {}
+    for one in element.properties:
+        sizes = np.ones(len(lines), np.int64)
+        if one.length is not None:
+            sizes = values[np.minimum(at, ends)].astype(np.int64)
+            at += 1
+        wrong = (at + sizes > ends) | (sizes < 0)
+        if wrong.any():
+            raise ValueError(f'the row "{shown(lines[int(wrong.argmax())])}" has too few numbers')
+        found = values[listed(at, sizes)]
+        columns[one.name] = found if one.length is None else Lists(sizes, found)
+        at += sizes
+    return columns
+
+
+def listed(places: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """The places of all items of lists that begin at places (n,) and have so many each (n,)."""
+    before = np.cumsum(sizes) - sizes
+    return np.repeat(places - before, sizes) + np.arange(int(sizes.sum()))
+
+
 def as_binary(text: bytes, elements: list[Element]) -> bytes:
     """The numbers of a text as doubles, of which all properties then consist."""
     for one in (one for element in elements for one in element.properties):
         one.kind = np.dtype("<f8")
         one.length = None if one.length is None else one.kind
-    try:
-        return np.array(text.split(), np.bytes_).astype("<f8").tobytes()
-    except ValueError:
-        raise ValueError("it has a word where a number belongs") from None
+    return rows_of(text.split(b"\n")).values.astype("<f8").tobytes()
 
 
 def read_element(body: bytes, at: int, element: Element) -> tuple[Columns, int]:
     """The columns of a table that begins at a byte, and where it ends."""
     if element.rows == 0 or not element.properties:
         return {}, at
+    least = sum((one.length or one.kind).itemsize for one in element.properties)
+    if at + element.rows * least > len(body):
+        raise ValueError("it ends too early")
     found = read_even(body, at, element)
     return read_uneven(body, at, element) if found is None else found
 
@@ -127,8 +176,6 @@ def read_even(body: bytes, at: int, element: Element) -> tuple[Columns, int] | N
         offset += one.length.itemsize + size * one.kind.itemsize
     row = np.dtype(fields)
     if at + element.rows * row.itemsize > len(body):
-        if all(one.length is None for one in element.properties):
-            raise ValueError("it ends too early")
         return None
     rows = np.frombuffer(body, row, element.rows, at)
     columns: Columns = {}
@@ -192,20 +239,37 @@ def gathered(body: bytes, places: np.ndarray, sizes: np.ndarray, kind: np.dtype)
 def polygons(vertex: Columns, face: Columns) -> PolygonMesh | None:
     """The polygons that the tables of vertices and faces hold; None without faces."""
     lists = next((face[name] for name in INDICES if name in face), None)
-    if lists is None:
+    if lists is None or not isinstance(lists, Lists):
+        if face:
+            raise ValueError(f"its faces have no list of vertices, which is called {INDICES[0]}")
         return None
-    if not isinstance(lists, Lists) or not {"x", "y", "z"} <= vertex.keys():
-        raise ValueError("its vertices or its faces have other properties than a mesh has")
-    positions = stacked(vertex, ("x", "y", "z"))
+    lacking = [name for name in "xyz" if not isinstance(vertex.get(name), np.ndarray)]
+    if lacking:
+        raise ValueError(f"its vertices have no property {lacking[0]}")
     corners = lists.values.astype(np.int64)
-    if corners.size and not 0 <= corners.min() <= corners.max() < len(positions):
+    if (corners != lists.values).any():
+        raise ValueError("a face has a vertex that is no whole number")
+    count = len(vertex["x"])
+    if corners.size and not 0 <= corners.min() <= corners.max() < count:
         wrong = corners.min() if corners.min() < 0 else corners.max()
-        raise ValueError(f"a face has vertex {wrong}, counted from 0, and there are {len(positions)}")
-    mesh = PolygonMesh(positions, corners.astype(np.int32), lists.sizes)
+        raise ValueError(f"a face has vertex {wrong}, counted from 0, and there are {count}")
+    points = np.stack([vertex[name].astype(np.float64) for name in "xyz"], axis=1)
+    mesh = PolygonMesh(origin.stored(points), corners.astype(np.int32), lists.sizes)
     mesh.corner_uvs = uvs_of(vertex, face, mesh)
-    if all(name in vertex for name in NORMAL_NAMES):
+    if all(isinstance(vertex.get(name), np.ndarray) for name in NORMAL_NAMES):
         mesh.corner_normals = stacked(vertex, NORMAL_NAMES)[mesh.corner_vertices]
     return mesh
+
+
+def strips(element: Columns) -> Columns:
+    """The faces of strips of triangles, between which -1 stands, as some scanners' programs write them."""
+    lists = next((element[name] for name in INDICES if isinstance(element.get(name), Lists)), None)
+    if lists is None:
+        return {}
+    ends = np.cumsum(lists.sizes)
+    whole = [triangles_of_strips(part.astype(np.int64), -1) for part in np.split(lists.values, ends[:-1])]
+    triangles = np.concatenate([np.empty((0, 3), np.int64), *whole])
+    return {INDICES[0]: Lists(np.full(len(triangles), 3, np.int64), triangles.reshape(-1))}
 
 
 def uvs_of(vertex: Columns, face: Columns, mesh: PolygonMesh) -> np.ndarray | None:
@@ -213,7 +277,7 @@ def uvs_of(vertex: Columns, face: Columns, mesh: PolygonMesh) -> np.ndarray | No
     own = face.get("texcoord")
     if isinstance(own, Lists) and (own.sizes == 2 * mesh.sizes).all():
         return own.values.reshape(-1, 2).astype(np.float32)
-    names = next((names for names in UV_NAMES if all(name in vertex for name in names)), None)
+    names = next((names for names in UV_NAMES if all(isinstance(vertex.get(name), np.ndarray) for name in names)), None)
     return None if names is None else stacked(vertex, names)[mesh.corner_vertices]
 
 

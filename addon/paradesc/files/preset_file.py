@@ -17,6 +17,7 @@ from typing import NoReturn
 import numpy as np
 
 from ..bridge import InputError
+from .paths import is_file, is_folder
 from .results import write_whole
 
 SUFFIX = ".json"
@@ -115,9 +116,9 @@ def read(path: Path) -> Content:
 def text_in(path: Path, kind: str) -> str:
     """The text of a file that is no larger than a preset can be, without a byte order mark at its beginning."""
     try:
-        if path.is_dir():
+        if is_folder(path):
             refuse(path, "is a folder; choose a file in it")
-        if not path.is_file():
+        if not is_file(path):
             refuse(path, "is not there; choose another file")
         with path.open("rb") as file:
             found = file.read(LARGEST_FILE + 1)

@@ -16,6 +16,12 @@ from ..bridge import ParadescError, abi
 from ..core import color_maps, corners, legend
 from ..core.job import Results, Transfer
 from . import picture, png
+from .paths import name_fault
+
+# Names of files may hold bytes that are no text; JSON reads this way to write them.
+ESCAPED = "backslashreplace"
+# So much of a name is in that of the file that is written first, which must not be too long where the name itself fits.
+LONGEST_STEM = 60
 
 
 @dataclass
@@ -62,7 +68,8 @@ def write_ply(path: Path, baked: Baked) -> None:
             values[name] = array
         else:
             values.update({f"{name}_{axis}": array[:, index] for index, axis in enumerate("xyz")})
-    layout = [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
+    place = baked.arrays.positions.dtype.newbyteorder("<")
+    layout = [("x", place), ("y", place), ("z", place), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
     vertices = np.empty(len(baked.arrays.positions), np.dtype(layout + [(name, "<f4") for name in values]))
     for axis, name in enumerate("xyz"):
         vertices[name] = baked.arrays.positions[:, axis]
@@ -75,7 +82,7 @@ def write_ply(path: Path, baked: Baked) -> None:
     faces = np.empty(len(triangles), np.dtype([("count", "u1"), ("vertices", "<i4", (3,))]))
     faces["count"] = 3
     faces["vertices"] = triangles
-    kinds = {"<f4": "float", "u1": "uchar"}
+    kinds = {"<f4": "float", "<f8": "double", "u1": "uchar"}
     header = ["ply", "format binary_little_endian 1.0", "comment Paradesc", f"element vertex {len(vertices)}"]
     header += [f"property {kinds[vertices.dtype[name].str.replace('|', '')]} {name}" for name in vertices.dtype.names]
     header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
@@ -117,7 +124,9 @@ def joined(baked: list[Baked]) -> Baked:
     found = [one.results.corners for one in baked if one.results.corners is not None]
     painted = corners.Corners(np.zeros(0, np.int32), np.concatenate([one.painted for one in found])) if found else None
     arrays = bridge.MeshArrays(
-        np.concatenate(positions).astype(np.float32), np.concatenate(corner_vertices), np.concatenate(triangle_corners)
+        bridge.origin.stored(np.concatenate(positions)),
+        np.concatenate(corner_vertices),
+        np.concatenate(triangle_corners),
     )
     coverage = np.concatenate([one.results.coverage for one in baked])
     whole = replace(first, values=values, coverage=coverage, corners=painted, transfer=joined_transfer(baked))
@@ -198,21 +207,23 @@ def listed_corners(baked: Baked) -> list[dict[str, object]]:
 
 def write_json(path: Path, content: object) -> None:
     """Writes plain Python as JSON, with null for what is not a number."""
-    path.write_text(json_text(content), encoding="utf-8")
+    path.write_text(json_text(content), encoding="utf-8", errors=ESCAPED)
 
 
-def json_text(content: object) -> str:
-    """Plain Python as JSON, with null for what is not a number."""
-    return json.dumps(finite_only(content), indent=2, ensure_ascii=False) + "\n"
+def json_text(content: object, ascii_only: bool = False) -> str:
+    """Plain Python as JSON, with null for what is not a number; ascii_only: for consoles of any alphabet."""
+    return json.dumps(finite_only(content), indent=2, ensure_ascii=ascii_only) + "\n"
 
 
 def part_path(path: Path) -> Path:
     """The place beside its own where a file or folder is written first; every writer has another one."""
-    return path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    return path.with_name(f".{path.name[:LONGEST_STEM]}.{secrets.token_hex(4)}.part")
 
 
 def file_fault(path: Path) -> str:
     """One sentence about why no file can be written there, or ""."""
+    if name_fault(path):
+        return f'"{path}" cannot be written: {name_fault(path)}.'
     folder = path.absolute().parent
     if not folder.is_dir():
         return f'There is no folder "{folder}" to write "{path.name}" into.'
@@ -223,6 +234,8 @@ def file_fault(path: Path) -> str:
 
 def folder_fault(path: Path) -> str:
     """One sentence about why no folder of files can be made there, or ""."""
+    if name_fault(path):
+        return f'"{path}" cannot be written: {name_fault(path)}.'
     folder = path.absolute().parent
     if not folder.is_dir():
         return f'There is no folder "{folder}" to write "{path.name}" into.'

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ..bridge import InputError
 from . import mesh_files
+from .paths import is_file, is_folder
 
 NUMBER = re.compile(r"(\d+)\D*$")
 HASHES = re.compile(r"#+")
@@ -15,7 +16,7 @@ WILD = re.compile(r"[*?\[]")
 
 def is_sequence(given: Path) -> bool:
     """Whether a path stands for several files: a folder, or a name with # or * in it that is no file itself."""
-    return given.is_dir() or (bool(HASHES.search(given.name) or WILD.search(given.name)) and not given.is_file())
+    return is_folder(given) or (bool(HASHES.search(given.name) or WILD.search(given.name)) and not is_file(given))
 
 
 def frames_of(given: Path) -> dict[int, Path]:
@@ -23,9 +24,9 @@ def frames_of(given: Path) -> dict[int, Path]:
 
     The frame is the number in place of #### or the last one in the name; files without one are left out.
     """
-    folder = given if given.is_dir() else given.parent
+    folder = given if is_folder(given) else given.parent
     pattern, number = patterns(given)
-    if not folder.is_dir():
+    if not is_folder(folder):
         raise InputError(f'There is no folder "{folder}".')
     found: dict[int, Path] = {}
     for path in sorted(folder.iterdir()):
@@ -45,7 +46,7 @@ def frames_of(given: Path) -> dict[int, Path]:
 
 def patterns(given: Path) -> tuple[re.Pattern[str], re.Pattern[str]]:
     """What the names of a sequence's files match, and the number in their stems."""
-    if given.is_dir():
+    if is_folder(given):
         return re.compile(".*"), NUMBER
     hashes = HASHES.search(given.name)
     if hashes is None:
@@ -58,4 +59,4 @@ def patterns(given: Path) -> tuple[re.Pattern[str], re.Pattern[str]]:
 def name_of(given: Path, first: Path) -> str:
     """What a sequence is called: its files' common name without number, or its folder's."""
     stem = NUMBER.sub("", first.stem).rstrip("_-. ")
-    return stem or (given if given.is_dir() else given.parent).absolute().name or "mesh"
+    return stem or (given if is_folder(given) else given.parent).absolute().name or "mesh"

@@ -34,8 +34,8 @@ def counted(suffix: str, first: bytes, size: int) -> int:
     if suffix == ".stl" and (size - BINARY_STL[0]) % BINARY_STL[1] == 0 and not first.startswith(b"solid"):
         return (size - BINARY_STL[0]) // BINARY_STL[1]
     if suffix == ".off":
-        numbers = [word for word in first[:1000].split() if word.isdigit()]
-        return int(numbers[1])
+        found = re.search(rb"\d+\s+(\d+)", re.sub(rb"#[^\r\n]*", b"", first[:1000]))
+        return int(found[1])
     if suffix in (".glb", ".gltf"):
         return counted_gltf(first, size)
     return size // TEXT_BYTES[suffix]

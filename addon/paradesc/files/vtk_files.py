@@ -11,7 +11,7 @@ import numpy as np
 from .results import Baked
 
 # VTK's names of types, by numpy's.
-KINDS = {"<f4": "Float32", "<i4": "Int32", "<i8": "Int64"}
+KINDS = {"<f4": "Float32", "<f8": "Float64", "<i4": "Int32", "<i8": "Int64"}
 
 
 def write_vtp(path: Path, baked: Baked) -> None:
@@ -50,7 +50,8 @@ def write_vtk(path: Path, baked: Baked) -> None:
     positions, triangles, values = parts_of(baked)
     faces = np.column_stack([np.full(len(triangles), 3, np.int32), triangles])
     content = [b"# vtk DataFile Version 3.0\nParadesc\nBINARY\nDATASET POLYDATA\n"]
-    content += [b"POINTS %d float\n" % len(positions), big(positions), b"\n"]
+    kind = b"double" if positions.dtype.itemsize == 8 else b"float"
+    content += [b"POINTS %d %s\n" % (len(positions), kind), big(positions), b"\n"]
     content += [b"POLYGONS %d %d\n" % (len(faces), faces.size), big(faces), b"\n"]
     content += [b"POINT_DATA %d\n" % len(positions)]
     for name, array in values.items():
@@ -65,7 +66,7 @@ def write_vtk(path: Path, baked: Baked) -> None:
 def parts_of(baked: Baked) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
     """(n, 3) positions, (m, 3) triangles, and values (n,) or (n, 3) by name."""
     found = {**baked.results.values, **baked.results.extras}
-    positions = np.ascontiguousarray(baked.arrays.positions, "<f4")
+    positions = np.ascontiguousarray(baked.arrays.positions, baked.arrays.positions.dtype.newbyteorder("<"))
     triangles = np.ascontiguousarray(baked.arrays.triangle_vertices, "<i4")
     return positions, triangles, {name: np.ascontiguousarray(array, "<f4") for name, array in found.items()}
 

@@ -7,11 +7,10 @@ from itertools import chain
 
 import numpy as np
 
-from ..bridge import InputError, MeshArrays
+from ..bridge import InputError, MeshArrays, origin
 from ..core.polygons import Polygons, triangle_corners
 
 FACES_WANTED = "(m, 3) triangles, (m, k) polygons or a list of lists of vertices are needed"
-LARGEST = float(np.finfo(np.float32).max)
 LARGEST_COUNT = 2**31 - 1
 
 
@@ -24,7 +23,7 @@ def mesh_arrays(
 ) -> MeshArrays:
     """The mesh of (n, 3) float64 points and of polygons as the library reads it, with what else was given."""
     return MeshArrays(
-        positions=near_origin(points),
+        positions=points,
         corner_vertices=polygons.corner_vertices,
         triangle_corners=triangle_corners(polygons, points),
         corner_uvs=None if uvs is None else at_corners(uvs, "uvs", 2, len(points), polygons),
@@ -48,26 +47,8 @@ def points_of(vertices: object) -> np.ndarray:
     if len(array) > LARGEST_COUNT:
         raise InputError(f"vertices has {len(array)} rows, which is more than {LARGEST_COUNT}.")
     points = array.astype(np.float64)
-    unusable = ~np.isfinite(points).all(axis=1)
-    if unusable.any():
-        first = int(unusable.argmax())
-        sentence = f"Vertex {first} is at ({', '.join(f'{value:g}' for value in points[first])})"
-        raise InputError(f"{sentence}; positions have to be finite numbers.")
+    origin.check_finite(points)
     return points
-
-
-def near_origin(points: np.ndarray) -> np.ndarray:
-    """(n, 3) float32 positions of (n, 3) float64 ones, moved to the origin if they lie farther from it than they span.
-
-    Every descriptor is the same wherever the mesh is; 32-bit floats far from the origin are not.
-    """
-    low, high = points.min(axis=0), points.max(axis=0)
-    center = low / 2 + high / 2
-    if np.abs(center).max() > (high / 2 - low / 2).max() * 2:
-        points = points - center
-    if np.abs(points).max() > LARGEST:
-        raise InputError(f"The mesh reaches {np.abs(points).max():.3g} far, which is more than 32-bit floats hold.")
-    return points.astype(np.float32)
 
 
 def polygons_of(faces: object, vertex_count: int) -> Polygons:
@@ -142,7 +123,7 @@ def at_corners(values: object, name: str, width: int, vertex_count: int, polygon
         wanted = f"({vertex_count}, {width}) for vertices or ({len(corners)}, {width}) for corners"
         raise InputError(f"{name} has the shape {array.shape}, but {wanted} is needed.")
     with np.errstate(invalid="ignore"):
-        fits = np.abs(array) <= LARGEST
+        fits = np.abs(array) <= origin.LARGEST
     if not fits.all():
         corner = int((~fits.all(axis=1)).argmax())
         raise InputError(f"{name} is not a finite 32-bit float at corner {corner}, which is vertex {corners[corner]}.")

@@ -45,6 +45,7 @@ def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name:
     )
     reason = uv_faults.fault(arrays.corner_uvs, arrays.triangle_corners)
     if reason:
+        arrays.uv_fault = reason
         arrays.layout = unwrap.layout(mesh, record.layout_of(mesh), arrays, reason) if needs_uvs else None
         arrays.corner_uvs = arrays.layout.uvs if arrays.layout else None
     return arrays

@@ -11,6 +11,9 @@ import numpy as np
 
 from ..bridge import ParadescError, abi
 from ..core.standard_streams import quiet
+from ..files import mesh_files
+from ..files.paths import is_file
+from ..files.text_rows import MARK
 from .mesh_io import read_positions, refuse
 
 # The operators that import a suffix, with their own defaults; the first one that this Blender has is used.
@@ -33,25 +36,25 @@ WELD_SHARE = 1e-6
 
 def open_scene(path: Path, verbose: bool = False) -> list[str]:
     """Makes the file the open scene, importing all but .blend into an empty one; says what was done to it."""
-    with reading(path, verbose) as whole:
+    with reading(path, verbose) as (whole, faces):
         if path.suffix.lower() == ".blend":
             bpy.ops.wm.open_mainfile(filepath=str(whole), load_ui=False)
             return []
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-        return imported(whole, list(bpy.data.meshes))
+        return imported(whole, faces)
 
 
 def add_objects(path: Path, verbose: bool = False) -> list[bpy.types.Object]:
     """Adds the mesh objects of another file to the open scene; another name that is taken gets a number."""
-    before, meshes = set(bpy.data.objects), list(bpy.data.meshes)
-    with reading(path, verbose) as whole:
+    before = set(bpy.data.objects)
+    with reading(path, verbose) as (whole, faces):
         if path.suffix.lower() == ".blend":
             with bpy.data.libraries.load(str(whole)) as (there, here):
                 here.objects = list(there.objects)
             for item in set(bpy.data.objects) - before:
                 bpy.context.scene.collection.objects.link(item)
         else:
-            imported(whole, meshes)
+            imported(whole, faces)
     bpy.context.view_layer.update()
     added = sorted(set(bpy.data.objects) - before, key=lambda item: item.name)
     found = [item for item in added if item.type == "MESH"]
@@ -72,28 +75,43 @@ def without_added() -> Iterator[None]:
 
 
 @contextmanager
-def reading(path: Path, verbose: bool) -> Iterator[Path]:
-    """The whole path of a file that can be read, or one sentence; also about what goes wrong meanwhile."""
+def reading(path: Path, verbose: bool) -> Iterator[tuple[Path, int]]:
+    """The whole path of a sound file and how many faces it has at least, or one sentence; also while it is read.
+
+    Importers make 0 of NaN and a mesh of half a file: so our own reader looks at a file first, if it knows its kind.
+    """
     if path.suffix.lower() not in SUFFIXES:
         raise refuse(f'"{path}" is none of {", ".join(SUFFIXES)}.')
-    if not path.is_file():
+    if not is_file(path):
         raise refuse(f'There is no file "{path}".')
+    faces = mesh_files.check(path)
     try:
         with quiet(verbose):
-            yield path.absolute()  # Blender would resolve it by $PWD, which may not be the working directory
+            yield path.absolute(), faces  # Blender would resolve it by $PWD, which may not be the working directory
     except ParadescError:
         raise
     except (RuntimeError, ValueError, KeyError, IndexError, TypeError, AttributeError, OSError) as error:
-        raise refuse(f'Blender cannot read "{path}": {reason(error)}.') from error
+        remedy = "; --reader files reads it" if faces else ""
+        raise refuse(f'Blender cannot read "{path}": {reason(error)}{remedy}.') from error
 
 
-def imported(path: Path, before: list[bpy.types.Mesh]) -> list[str]:
-    """Imports a file into the open scene; says what was done to the meshes that were not there before."""
-    suffix = path.suffix.lower()
+def imported(path: Path, faces: int) -> list[str]:
+    """Imports a file, which has at least so many faces, into the open scene; says what was done to its meshes."""
+    suffix, objects, meshes = path.suffix.lower(), set(bpy.data.objects), list(bpy.data.meshes)
     importer = find_importer(suffix)
     with numpy_bool():
         importer(filepath=str(path))
-    return weld_meshes(before) if suffix == ".stl" else []
+    found = sum(len(item.data.polygons) for item in set(bpy.data.objects) - objects if item.type == "MESH")
+    if found < faces or (suffix == ".obj" and begins_with_mark(path)):
+        lost = f"only {found:,} of its {faces:,} faces" if found < faces else "it without its first line"
+        raise refuse(f'Blender reads "{path}" wrongly, {lost}; --reader files reads all of it.')
+    return weld_meshes(meshes) if suffix == ".stl" else []
+
+
+def begins_with_mark(path: Path) -> bool:
+    """Whether text begins with the mark of UTF-8, after which Blender's importer of .obj reads no word."""
+    with path.open("rb") as file:
+        return file.read(len(MARK)) == MARK
 
 
 def find_importer(suffix: str) -> object:

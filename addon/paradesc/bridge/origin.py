@@ -1,0 +1,66 @@
+"""Brings meshes that lie far from the origin to it, where 32-bit floats hold their shape; refuses endless positions.
+
+Every descriptor is the same wherever the mesh is; 32-bit floats far from the origin are not.
+"""
+
+import numpy as np
+
+from .library import InputError
+
+LARGEST = float(np.finfo(np.float32).max)
+# Rounding that moves vertices by a larger share of the mean edge than this shows in the values.
+ROUNDING_THAT_SHOWS = 1e-3
+
+
+def far_center(points: np.ndarray) -> np.ndarray | None:
+    """(3,) float64 middle of (n, 3) positions that lie farther from the origin than they span; None of others."""
+    if len(points) == 0:
+        return None
+    low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
+    with np.errstate(over="ignore", invalid="ignore"):  # positions that are not finite are refused by the library
+        center = low / 2 + high / 2
+        return center if np.abs(center).max() > (high / 2 - low / 2).max() * 2 else None
+
+
+def near_origin(points: np.ndarray) -> np.ndarray:
+    """(n, 3) float32 positions for the library of (n, 3) ones of any type, moved to the origin if they lie far away."""
+    center = far_center(points)
+    if center is not None:
+        points = points - center
+    if points.dtype == np.float32:
+        return points
+    with np.errstate(over="ignore", invalid="ignore"):
+        if len(points) and np.abs(points).max() > LARGEST:
+            raise InputError(f"The mesh reaches {np.abs(points).max():.3g} far, which is more than 32-bit floats hold.")
+        return points.astype(np.float32)
+
+
+def stored(points: np.ndarray) -> np.ndarray:
+    """(n, 3) float64 positions as float32, unless they lie so far away that their shape would be lost."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        rounded = points.astype(np.float32)
+        return rounded if far_center(points) is None or np.array_equal(rounded, points) else points
+
+
+def check_finite(points: np.ndarray) -> None:
+    """Refuses (n, 3) positions that are not finite."""
+    unusable = ~np.isfinite(points).all(axis=1)
+    if unusable.any():
+        first = int(unusable.argmax())
+        sentence = f"Vertex {first} is at ({', '.join(f'{value:g}' for value in points[first])})"
+        raise InputError(f"{sentence}; positions have to be finite numbers.")
+
+
+def rounding_note(points: np.ndarray, mean_edge: float) -> list[str]:
+    """Says what is lost where (n, 3) positions are 32-bit floats too far from the origin for their mean edge."""
+    if far_center(points) is None:
+        return []
+    reach = float(np.abs(points).max())
+    step = float(np.spacing(np.float32(reach)))
+    if not step > ROUNDING_THAT_SHOWS * mean_edge or not np.array_equal(points.astype(np.float32), points):
+        return []
+    return [
+        f"The mesh lies {reach:.3g} from the origin, where 32-bit floats are {step:.2g} apart: its vertices are "
+        f"rounded to {step / mean_edge:.2g} of the mean edge. Move it to the origin before it is saved so; text, and "
+        "a .ply of doubles, keep their digits where --reader files reads them."
+    ]

@@ -1,0 +1,98 @@
+"""Reads a .off, the text format of Geomview, into polygons of the file's own vertices. Never imports bpy.
+
+Rows are lines, but for files that have several vertices in a line or a face over several; colors that follow a face's
+vertices, and normals, colors and texture coordinates that follow a vertex, are left out.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ..bridge import origin
+from ..core.polygons import PolygonMesh
+from .text_rows import Rows, plain, rows_of
+
+# The keyword, which may be missing, and may be followed by the numbers at once.
+KEYWORD = re.compile(rb"\s*((?i:(?:ST)?C?)N?(4?)(n?)(?i:OFF))?(\s+BINARY\b)?")
+COMMENT = re.compile(rb"#[^\n]*")
+
+
+def read(path: Path) -> PolygonMesh:
+    """The polygons; raises ValueError if the file is damaged or of a kind that has no surface in space."""
+    content = COMMENT.sub(b"", plain(path.read_bytes()))
+    keyword = KEYWORD.match(content)
+    if keyword[2] or keyword[3]:
+        raise ValueError(f"{keyword[1].decode()} has vertices in another space than three dimensions")
+    if keyword[4]:
+        raise ValueError("it is a binary OFF, which this reader does not know; save it as text")
+    lines = [line for line in content[keyword.end() :].split(b"\n") if line.strip()]
+    rows = rows_of(lines)
+    counts = rows.values[:2]
+    if len(counts) < 2 or not ((counts >= 0) & (counts < 2**31) & (counts == np.rint(counts))).all():
+        raise ValueError("it does not begin with the numbers of its vertices and faces")
+    after = 2 if rows.sizes[0] == 2 else 3  # the number of edges says nothing, and may be missing
+    rest = Rows(rows.values, np.concatenate([[after], rows.starts[rows.starts > after]]))
+    points, corners, sizes = tables(rest, int(counts[0]), int(counts[1]), (keyword[1] or b"").upper())
+    if corners.size and not 0 <= corners.min() <= corners.max() < len(points):
+        wrong = corners.min() if corners.min() < 0 else corners.max()
+        raise ValueError(f"a face has vertex {wrong:g}, counted from 0, and there are {len(points)}")
+    if (corners != np.rint(corners)).any():
+        raise ValueError("a face has a vertex that is no whole number")
+    return PolygonMesh(origin.stored(points), corners.astype(np.int32), sizes)
+
+
+def tables(rows: Rows, vertices: int, faces: int, keyword: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(n, 3) points, (c,) corners and (m,) sizes, by the first way to read the rows that leaves nothing over."""
+    width = 3 + 3 * (b"N" in keyword) + 4 * (b"C" in keyword) + 2 * keyword.startswith(b"ST")
+    begin = int(rows.starts[0])
+    if len(rows.values) - begin < 3 * vertices + faces:
+        raise ValueError(f"it promises {vertices} vertices and {faces} faces, and holds too few numbers for them")
+    ways = []
+    if (rows.sizes[:vertices] >= 3).all() and len(rows.sizes) >= vertices:
+        ways.append((Rows(rows.values, rows.starts[: vertices + 1]).first(3), int(rows.starts[vertices]), True))
+    if len(rows.values) - begin >= width * vertices:
+        of_words = rows.values[begin : begin + width * vertices].reshape(-1, width)[:, :3]
+        ways += [(of_words, begin + width * vertices, colored) for colored in (True, False)]
+    faults = []
+    for points, at, colored in ways:
+        try:
+            return points, *faces_of(rows, at, faces, colored)
+        except ValueError as error:
+            faults.append(error)
+    raise faults[0] if faults else ValueError(f"it ends before its {vertices} vertices")
+
+
+def faces_of(rows: Rows, at: int, count: int, colored: bool) -> tuple[np.ndarray, np.ndarray]:
+    """(c,) corners and (count,) sizes of the faces that begin at a number, if nothing is left over after them.
+
+    colored: what is left of the line on which a face ends is its color.
+    """
+    begins = rows.starts[np.searchsorted(rows.starts, at) : -1]
+    sizes = rows.values[begins].astype(np.int64)
+    if not (colored and len(begins) == count and (sizes >= 0).all() and (begins + sizes < ends_of(rows, begins)).all()):
+        begins, sizes = walked(rows, at, count, colored)
+    before = np.cumsum(sizes) - sizes
+    return rows.values[np.repeat(begins + 1 - before, sizes) + np.arange(int(sizes.sum()))], sizes
+
+
+def ends_of(rows: Rows, begins: np.ndarray) -> np.ndarray:
+    """(n,) where the rows end that begin at these numbers."""
+    return rows.starts[np.searchsorted(rows.starts, begins, side="right")]
+
+
+def walked(rows: Rows, at: int, count: int, colored: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Looks where each face begins, and how large it is, one after the other; refuses fewer and more than so many."""
+    begins, sizes, length = [], [], len(rows.values)
+    for _ in range(count):
+        size = int(rows.values[at]) if at < length and 0 <= rows.values[at] < length else -1
+        if size < 0 or at + size >= length:
+            raise ValueError(f"it promises {count} faces, and ends after {len(sizes)}")
+        begins.append(at)
+        sizes.append(size)
+        at += 1 + size
+        if colored:
+            at = int(rows.starts[np.searchsorted(rows.starts, at)])
+    if at < length:
+        raise ValueError(f"more follows the {count} faces that it promises")
+    return np.array(begins, np.int64), np.array(sizes, np.int64)

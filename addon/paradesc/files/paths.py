@@ -1,0 +1,27 @@
+"""Asks what is at a path; a name that is too long, or holds what no name can, is nothing rather than an error."""
+
+# ruff: noqa: PTH112, PTH113 (what pathlib asks in their place raises for such names)
+
+import os
+from pathlib import Path
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a file."""
+    return os.path.isfile(path)
+
+
+def is_folder(path: Path) -> bool:
+    """Whether there is a folder."""
+    return os.path.isdir(path)
+
+
+def name_fault(path: Path) -> str:
+    """Why nothing can have this name, or ""."""
+    try:
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return ""
+    except (OSError, ValueError) as error:
+        return str(getattr(error, "strerror", None) or error)
+    return ""

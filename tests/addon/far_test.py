@@ -1,0 +1,241 @@
+"""A mesh far from the origin has the values that it has there, as far as its file holds digits."""
+
+import json
+
+import numpy as np
+import pytest
+
+import paradesc
+from mesh_kinds import glb, gltf, rows
+from paradesc import cli
+from paradesc.bridge import MeshArrays, origin
+from paradesc.core import job, spaces
+from paradesc.files import cache, mesh_files
+from shapes import cube_sphere
+
+MAP = np.array([500000.0, 5400000.0, 100.0])  # 10 m of surface in a zone of UTM
+SIZE = 5.0
+# Digits of the text files below, and what 32-bit floats about the middle leave: both 1e-6 of the radius of the sphere.
+SHARE = 1e-3
+
+
+def surface(offset=MAP, steps=10):
+    """A sphere with bumps at a place: positions, quads and UV coordinates."""
+    points, quads, uvs = cube_sphere(steps, 1.0)
+    return SIZE * points * (1 + 0.04 * np.cos(3 * points).prod(axis=1, keepdims=True)) + offset, quads, uvs
+
+
+def write(path, offset=MAP, steps=10, double=True):
+    """The surface as a file."""
+    points, quads, uvs = surface(offset, steps)
+    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+    if path.suffix == ".obj":
+        lines = [f"v {line}" for line in rows(points, "{:.6f}").splitlines()]
+        lines += [f"vt {u:.6f} {v:.6f}" for u, v in uvs.reshape(-1, 2)]
+        for number, quad in enumerate(quads):
+            lines.append("f " + " ".join(f"{vertex + 1}/{4 * number + k + 1}" for k, vertex in enumerate(quad)))
+        path.write_text("\n".join(lines) + "\n")
+    elif path.suffix == ".off":
+        text = f"OFF\n{len(points)} {len(quads)} 0\n" + rows(points, "{:.6f}")
+        path.write_text(text + "".join(f"4 {line}\n" for line in rows(quads, "{}").splitlines()))
+    elif path.suffix == ".stl":
+        lines = ["solid far"]
+        for triangle in points[triangles]:
+            lines += [
+                "facet normal 0 0 0",
+                "outer loop",
+                *(f"vertex {line}" for line in rows(triangle, "{:.6f}").splitlines()),
+            ]
+            lines += ["endloop", "endfacet"]
+        path.write_text("\n".join([*lines, "endsolid far"]) + "\n")
+    elif path.suffix == ".glb":
+        arrays = [points.astype("<f4"), triangles.reshape(-1).astype("<u2")]
+        path.write_bytes(glb(*gltf([{"attributes": {"POSITION": 0}, "indices": 1}], arrays)))
+    else:
+        kind = "double" if double else "float"
+        header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
+        header += "".join(f"property {kind} {name}\n" for name in "xyz")
+        header += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+        faces = np.empty(len(triangles), [("n", "u1"), ("v", "<i4", 3)])
+        faces["n"], faces["v"] = 3, triangles
+        path.write_bytes(header.encode() + points.astype("<f8" if double else "<f4").tobytes() + faces.tobytes())
+    return path
+
+
+def bake(folder, path, *words, radius=("--radius", "0.8", "--radius-unit", "absolute")):
+    """Arrays and report of a bake without Blender."""
+    out, report = folder / "out.npz", folder / "out.json"
+    more = [
+        "--descriptors",
+        "mean_curvature,principal_direction_max",
+        "--backend",
+        "cpu",
+        "--reader",
+        "files",
+        "--quiet",
+    ]
+    assert cli.main(["bake", str(path), "-o", str(out), "--json", str(report), *more, *radius, *map(str, words)]) == 0
+    with np.load(out) as arrays:
+        return dict(arrays), json.loads(report.read_text())
+
+
+def agree(found, expected):
+    spread = np.ptp(expected["mean_curvature"])
+    np.testing.assert_allclose(found["mean_curvature"], expected["mean_curvature"], atol=SHARE * spread)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".off", ".stl", ".ply"])
+@pytest.mark.parametrize("space", ["object", "world"])
+def test_a_file_with_digits_enough_gives_the_same_values_anywhere(tmp_path, suffix, space):
+    here, _ = bake(tmp_path, write(tmp_path / f"here{suffix}", np.zeros(3)), "--space", space)
+    far, report = bake(tmp_path, write(tmp_path / f"far{suffix}"), "--space", space)
+    agree(far, here)
+    np.testing.assert_allclose(far["vertices"], here["vertices"] + MAP, atol=2e-6)  # of digits in the text
+    assert np.ptp(here["mean_curvature"]) > 0.02
+    assert not [note for note in report["objects"][0]["notes"] if "from the origin" in note]
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".glb"])
+def test_what_32_bit_floats_lose_far_away_is_said(tmp_path, suffix):
+    _, report = bake(tmp_path, write(tmp_path / f"far{suffix}", double=False))
+    (note,) = [note for note in report["objects"][0]["notes"] if "from the origin" in note]
+    assert (
+        "5.4e+06 from the origin, where 32-bit floats are 0.5 apart: its vertices are rounded to 0.6 of the mean"
+        in note
+    )
+    near = write(tmp_path / f"near{suffix}", np.array([30.0, 0, 0]), double=False)
+    assert not [note for note in bake(tmp_path, near)[1]["objects"][0]["notes"] if "from the origin" in note]
+
+
+def test_results_are_written_at_the_files_own_places(tmp_path):
+    path = write(tmp_path / "far.ply")
+    (mesh,) = mesh_files.read(path)
+    for suffix in (".ply", ".vtp", ".vtk"):
+        bake(tmp_path, path, "-o", tmp_path / f"again{suffix}")
+    (again,) = mesh_files.read(tmp_path / "again.ply")
+    assert np.array_equal(again.arrays.positions, mesh.arrays.positions)
+    assert again.arrays.positions.dtype == np.float64
+    assert mesh.arrays.positions.astype("<f8").tobytes() in (tmp_path / "again.vtp").read_bytes()
+    assert mesh.arrays.positions.astype(">f8").tobytes() in (tmp_path / "again.vtk").read_bytes()
+    text = path.read_bytes()
+    assert text.split(b"end_header\n")[1][: 24 * len(mesh.arrays.positions)] == mesh.arrays.positions.tobytes()
+
+
+def test_high_to_low_gives_the_same_values_anywhere(tmp_path):
+    found = {}
+    for name, offset in (("here", np.zeros(3)), ("far", MAP)):
+        low = write(tmp_path / f"{name}_low.obj", offset, 6)
+        high = write(tmp_path / f"{name}_high.ply", offset, 24)
+        words = ["--from-file", high, "--map", tmp_path / f"{name}.exr", "--texels", "64", "--cage", "1"]
+        found[name], _ = bake(tmp_path, low, *words)
+    assert np.isfinite(found["here"]["mean_curvature"]).all()
+    agree(found["far"], found["here"])
+    directions = [found[name]["principal_direction_max"] for name in ("here", "far")]
+    alike = np.abs((directions[0] * directions[1]).sum(axis=1))
+    assert np.quantile(alike, 0.1) > 0.99  # at umbilics a direction may be any
+
+
+def test_frames_have_the_same_values_anywhere(tmp_path):
+    found = {}
+    for name, offset in (("here", np.zeros(3)), ("far", MAP)):
+        (tmp_path / name).mkdir()
+        for frame in (1, 2):
+            write(tmp_path / name / f"m_{frame}.ply", offset + 7.0 * frame)
+        words = ["--radius", "0.1", "--backend", "cpu", "--relative-to-rest", "--quiet"]
+        assert cli.main(["animate", str(tmp_path / name), "--cache", str(tmp_path / f"{name}_frames"), *words]) == 0
+        frames = tmp_path / f"{name}_frames" / "m"
+        found[name] = [cache.read_frame(cache.frame_path(frames, frame)).values for frame in (1, 2)]
+    for far, here in zip(found["far"], found["here"], strict=True):
+        agree(far, here)
+        assert np.abs(far["mean_curvature_change"]).max() < SHARE * np.ptp(here["mean_curvature"])
+
+
+def test_a_picture_and_several_objects_in_one_file_are_right_far_away(tmp_path):
+    for name, offset in (("here", np.zeros(3)), ("far", MAP)):
+        path = write(tmp_path / f"{name}.obj", offset)
+        lines = path.read_text().splitlines()
+        moved, count = surface(offset + np.array([20, 0, 0]))[0], len(surface()[0])
+        second = ["o second", *(f"v {line}" for line in rows(moved, "{:.6f}").splitlines())]
+        second += ["f " + " ".join(str(vertex + count + 1) for vertex in quad) for quad in surface()[1]]
+        path.write_text("\n".join(["o first", *lines, *second]) + "\n")
+        out = [tmp_path / f"{name}{suffix}" for suffix in (".png", ".ply")]
+        bake(tmp_path, path, "--all", "-o", out[0], "-o", out[1])
+    (here,), (far,) = (mesh_files.read(tmp_path / f"{name}.ply") for name in ("here", "far"))
+    np.testing.assert_allclose(far.arrays.positions - MAP, here.arrays.positions, atol=2e-6)
+    here, far = ((tmp_path / f"{name}.png").read_bytes() for name in ("here", "far"))
+    assert abs(len(here) - len(far)) < 0.02 * len(here)  # the last digits differ
+
+
+def test_the_arrays_of_python_and_corners_of_harris_are_right_far_away():
+    points, quads, _ = surface(np.zeros(3))
+    here = paradesc.compute(points, quads, ["mean_curvature", "harris"], 0.1, backend="cpu")
+    far = paradesc.compute(points + MAP, quads, ["mean_curvature", "harris"], 0.1, backend="cpu")
+    agree(far, here)
+    assert not far.warnings
+    rounded = paradesc.compute((points + MAP).astype(np.float32), quads, "mean_curvature", 0.1, backend="cpu")
+    assert "32-bit floats are 0.5 apart" in rounded.warnings[0]
+    with paradesc.Mesh(points, quads, backend="cpu") as mesh:
+        mesh.positions = points + MAP
+        agree(mesh.compute("mean_curvature", 0.1), here)
+
+
+def test_32_bit_floats_that_hold_all_digits_give_the_same_values():
+    points, quads, _ = surface(np.zeros(3))
+    points = np.round(points * 1024) / 1024  # so that nothing is lost at 4096
+    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]).astype(np.int32)
+    corners = np.arange(triangles.size, dtype=np.int32).reshape(-1, 3)
+    settings = job.Settings(backend="cpu")
+    settings.options.radius = 0.15
+    here, far = (
+        job.run(MeshArrays((points + offset).astype(np.float32), triangles.reshape(-1), corners), settings)
+        for offset in (np.zeros(3), np.array([4096.0, 0, -4096]))
+    )
+    assert not far.facet_notes()
+    found, expected = far.values["mean_curvature"], here.values["mean_curvature"]
+    np.testing.assert_allclose(found, expected, atol=1e-5 * np.ptp(expected))  # the middle is no whole number
+
+
+def test_many_triangles_without_area_are_said():
+    points, quads, _ = surface(np.zeros(3))
+    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+    flat = np.concatenate([triangles, np.repeat(triangles[:20, :1], 3, axis=1)])
+    assert not paradesc.compute(points, triangles, radius=0.2, backend="cpu").warnings
+    (warning,) = paradesc.compute(points, flat, radius=0.2, backend="cpu").warnings
+    assert warning == "20 of 1,220 triangles have no area, so that nothing is measured on them."
+
+
+def test_arrays_of_any_type_reach_the_library_near_the_origin():
+    points, quads, _ = surface(np.array([1000.0, 0, 0]))
+    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]).astype(np.int32)
+    corners = np.arange(triangles.size, dtype=np.int32).reshape(-1, 3)
+    near = origin.near_origin(points)
+    assert near.dtype == np.float32
+    assert np.abs(near).max() < 2 * SIZE
+    assert origin.near_origin(near) is near
+    settings = job.Settings(backend="cpu")
+    found = [
+        job.run(MeshArrays(positions, triangles.reshape(-1), corners), settings).values["mean_curvature"]
+        for positions in (points, near)
+    ]
+    assert np.array_equal(*found, equal_nan=True)
+    arrays = MeshArrays(points, triangles.reshape(-1), corners)
+    spaces.to_world(arrays, np.diag([2.0, 2, 2, 1]), "x")
+    assert np.array_equal(arrays.positions, 2 * points)
+
+
+def test_buffers_hold_the_meshs_own_positions(tmp_path):
+    path = write(tmp_path / "far.obj")
+    words = [
+        "--backend",
+        "software",
+        "--dump-buffers",
+        str(tmp_path / "buffers"),
+        "--buffer",
+        "64",
+        "--reader",
+        "files",
+    ]
+    assert cli.main(["bake", str(path), "--quiet", *words]) == 0
+    with np.load(tmp_path / "buffers" / "buffers.npz") as buffers:
+        there = buffers["position"][np.isfinite(buffers["position"]).all(axis=2)]
+    assert np.abs(there - MAP).max() < 1.1 * SIZE
