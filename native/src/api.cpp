@@ -184,14 +184,12 @@ void pdesc_context_destroy(pdesc_context *context) {
   if (live().remove(context)) delete context;
 }
 int32_t pdesc_context_backend(const pdesc_context *context) {
-  return live().contains(context) ? context->context->backend.load() : PDESC_BACKEND_AUTO;
+  return live().contains(context) ? context->context->backend : PDESC_BACKEND_AUTO;
 }
 const char *pdesc_context_device(const pdesc_context *context) {
   return live().contains(context) ? context->context->device.load() : "";
 }
-const char *pdesc_context_fallback(const pdesc_context *context) {
-  return live().contains(context) ? context->context->fallback.load() : "";
-}
+const char *pdesc_context_fallback(const pdesc_context *) { return ""; }
 
 void pdesc_mesh_input_init(pdesc_mesh_input *input) { zero_init(input); }
 void pdesc_mesh_report_init(pdesc_mesh_report *report) { zero_init(report); }
@@ -306,7 +304,7 @@ int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, 
     const std::vector<int> requested = rows_of(names, count);
     const Turn turn(*mesh->mesh->context);
     const paradesc::Context &context = *mesh->mesh->context;
-    if (backend == PDESC_BACKEND_AUTO) backend = paradesc::backend_for(*mesh->mesh, ours);
+    if (backend == PDESC_BACKEND_AUTO) backend = paradesc::backend_for(context, ours);
     const paradesc::MemoryForecast needed = paradesc::forecast_memory_of(*mesh->mesh, backend, ours, requested);
     pdesc_memory found{};
     found.mesh = needed.mesh;
@@ -326,7 +324,7 @@ int32_t pdesc_mesh_backend(const pdesc_mesh *mesh, const pdesc_options *options,
     const auto ours = read_struct(options, pdesc_options_init, "pdesc_options");
     check_options(ours);
     const Turn turn(*mesh->mesh->context);
-    *backend = paradesc::backend_for(*mesh->mesh, ours);
+    *backend = paradesc::backend_for(*mesh->mesh->context, ours);
   });
 }
 

@@ -9,7 +9,6 @@ import threading
 from collections import deque
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import lru_cache
 from types import TracebackType
 
 from .. import bridge
@@ -64,13 +63,13 @@ class Pool:
         return slot
 
     def give_back(self, slot: Slot) -> None:
-        """Removes a user. The last one leaves the context to the next, unless it failed or replaced another device."""
+        """Removes a user. The last one leaves the context to the next, unless it failed."""
         with self.lock:
             slot.users -= 1
             if slot.users > 0:
                 return
             self.used.remove(slot)
-            keeps = slot.sound and not slot.context.fallback and slot.key not in self.idle
+            keeps = slot.sound and slot.key not in self.idle
             if keeps:
                 self.idle[slot.key] = slot.context
             keys = list(self.idle)[:-MOST_IDLE]
@@ -121,13 +120,6 @@ class Lease:
         if error is not None:
             self.failed(error)
         self.close()
-
-
-@lru_cache(maxsize=1)
-def automatic() -> str:
-    """The backend that "auto" takes on this machine, "gpu" or "cpu"; looked for once."""
-    with Lease("auto", -1) as context:
-        return context.backend
 
 
 def close_idle() -> None:

@@ -47,7 +47,7 @@ struct Mesh {
       refined;            // by the number of divisions, the normals' key and the maps' version
   uint64_t divisions = 0; // that were made so far
 
-  std::shared_ptr<Engine> engine; // that the session is of: the context may have gone on to another since
+  std::shared_ptr<Engine> engine; // the session's, which may be another than the context's
   std::unique_ptr<Session> session;
   int64_t memory_held = 0; // bytes, about, that the mesh and its session keep for the next computation
 
@@ -68,7 +68,7 @@ NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options);
 ReadBuffer read_buffer(Mesh &mesh, const std::string &name);
 int buffer_size(const Mesh &mesh);
 
-// Throws Error(UNSUPPORTED) for more triangles than the engine takes.
-void check_triangle_count(const Engine &engine, int32_t triangles);
+// Throws Error(UNSUPPORTED) for more triangles than an engine of these abilities takes.
+void check_triangle_count(const Abilities &abilities, int32_t triangles);
 
 } // namespace paradesc
