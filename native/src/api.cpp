@@ -16,8 +16,8 @@
 #include "support/free_memory.h"
 #include "support/live.h"
 
-std::string &paradesc::edge::last_error() {
-  thread_local std::string sentence;
+paradesc::edge::LastError &paradesc::edge::last_error() {
+  thread_local LastError sentence;
   return sentence;
 }
 
@@ -56,6 +56,9 @@ public:
     if (context_.holder == std::this_thread::get_id())
       throw Error(PDESC_ERROR_INVALID_OPERATION,
                   "This call comes from the progress callback of another on the same context; return from the callback first.");
+    if (context_.process != paradesc::this_process() && context_.holder.load() != std::thread::id())
+      throw Error(PDESC_ERROR_INVALID_OPERATION, "Another thread computed on this context while this process was forked, and is "
+                                                 "not there any more; make another context.");
     context_.mutex.lock();
     context_.holder = std::this_thread::get_id();
     scope_.emplace(context_.workers);
@@ -137,7 +140,7 @@ void copy_texels(const std::vector<float> &texels, float *values, int64_t count)
 
 int32_t pdesc_abi_version(void) { return PDESC_ABI_VERSION; }
 const char *pdesc_version(void) { return PARADESC_VERSION; }
-const char *pdesc_last_error(void) { return last_error().c_str(); }
+const char *pdesc_last_error(void) { return last_error().text(); }
 
 void pdesc_descriptor_info_init(pdesc_descriptor_info *info) { zero_init(info); }
 

@@ -10,6 +10,7 @@
 
 #include "engine/engines.h"
 #include "paradesc/paradesc.h"
+#include "support/process.h"
 #include "support/workers.h"
 
 namespace paradesc {
@@ -20,15 +21,16 @@ struct Context {
   Abilities abilities;                 // the engine's
   int device_index = -1;
   int threads = 0;
-  int64_t memory_limit = 0;                          // as in pdesc_context_options
-  std::shared_ptr<Engine> engine;                    // the one in use; only the thread whose turn it is reads it
-  std::shared_ptr<Engine> software;                  // under AUTO, opened when it is first needed
+  int64_t memory_limit = 0;         // as in pdesc_context_options
+  std::shared_ptr<Engine> engine;   // the one in use; only the thread whose turn it is reads it
+  std::shared_ptr<Engine> software; // under AUTO, opened when it is first needed
   std::atomic<const char *> device = "";
   std::list<std::string> devices; // the names that `device` points to, and has pointed to: callers may hold them still
   int smallest_tile = 128;        // centers of the smallest tile, which no result may depend on
   DriverSubstitute substitute;
   Workers workers;                     // of the call
   std::mutex mutex;                    // one call at a time
+  const long process = this_process(); // that made it
   std::atomic<std::thread::id> holder; // the thread that has it
 };
 

@@ -77,14 +77,16 @@ class Pool:
         for context in unused:
             context.close()
 
-    def unlock(self) -> None:
-        """Makes the pool of a forked process usable: the thread that held the lock may be none of its own."""
+    def leave_to_other_process(self) -> None:
+        """Makes the pool of a forked process usable: the threads that hold the lock or compute are none of its own."""
         self.lock = threading.Lock()
+        for slot in self.used:
+            slot.sound = False
 
 
 POOL = Pool()
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=POOL.unlock)
+    os.register_at_fork(after_in_child=POOL.leave_to_other_process)
 
 
 class Lease:

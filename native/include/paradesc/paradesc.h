@@ -23,6 +23,8 @@
  *   Handles are opaque. Every handle may be used from any thread; calls on one context, on its meshes and on their fields are
  *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh. A handle that was destroyed, or one of another
  *   kind, is refused (INVALID_ARGUMENT), as long as no new one has got its address; while one thread destroys a handle, no other may use it.
+ *   A process that is forked goes on with the handles of CPU and REFERENCE; devices stay with the other process: what computes there is
+ *   refused, and so is a new device, since no driver follows a fork. Any handle may be destroyed.
  *   A progress callback may not call into the context that it was called from: INVALID_OPERATION.
  *
  * ERRORS

@@ -13,7 +13,10 @@
 namespace paradesc {
 
 TextureSpace::~TextureSpace() {
-  gl_->run([&](const Gl &, ProgramCache &) { device_.reset(); });
+  if (gl_->is_left_behind())
+    static_cast<void>(device_.release());
+  else
+    gl_->run([&](const Gl &, ProgramCache &) { device_.reset(); });
 }
 
 int TextureSpace::buffer_size() const { return baked_.key() ? device_->buffer->size() : 0; }
