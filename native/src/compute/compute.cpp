@@ -55,14 +55,16 @@ static void warn(const Mesh &mesh, const pdesc_options &options, Field &field) {
 }
 
 static Surface surface_of(Mesh &mesh, const pdesc_options &options) {
-  return {mesh.triangles,
-          mesh.half_edges,
-          normals_of(mesh, options),
-          options.creases == PDESC_CREASES_NONE ? nullptr : &creases_of(mesh, options),
-          mesh.maps,
-          mesh.extent.box,
-          mesh.atlases,
-          mesh.positions_version};
+  Surface surface{mesh.triangles,
+                  mesh.half_edges,
+                  normals_of(mesh, options),
+                  options.creases == PDESC_CREASES_NONE ? nullptr : &creases_of(mesh, options),
+                  mesh.maps,
+                  mesh.extent.box,
+                  mesh.atlases,
+                  mesh.positions_version};
+  surface.facets = [&]() -> const Facets & { return facets_of(mesh, options); };
+  return surface;
 }
 
 static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors,

@@ -141,6 +141,12 @@ NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options) {
   return normals;
 }
 
+const Facets &facets_of(Mesh &mesh, const pdesc_options &options) {
+  const NormalsOnDemand normals = normals_of(mesh, options);
+  return mesh.facets.get(normals.key,
+                         [&] { return find_facets(mesh.triangles, mesh.half_edges, normals(), creases_of(mesh, options)); });
+}
+
 ReadBuffer read_buffer(Mesh &mesh, const std::string &name) {
   if (!mesh.session) refuse_to_read_buffers();
   return mesh.session->read_buffer(name, mesh.atlases.current());
