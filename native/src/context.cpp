@@ -10,7 +10,9 @@ static void use(Context &context, int32_t backend) {
   context.device = context.devices.emplace_back(context.engine->device()).c_str();
 }
 
-Resources resources_of(const Context &context) { return {context.threads, context.memory_limit, context.smallest_tile}; }
+Resources resources_of(const Context &context) {
+  return {context.threads, context.memory_limit, context.smallest_tile, context.tile_seconds};
+}
 
 std::shared_ptr<Context> make_context(const pdesc_context_options &options, DriverSubstitute substitute) {
   auto context = std::make_shared<Context>();

@@ -5,6 +5,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -25,8 +26,9 @@ struct Context {
   std::shared_ptr<Engine> engine;   // the one in use; only the thread whose turn it is reads it
   std::shared_ptr<Engine> software; // under AUTO, opened when it is first needed
   std::atomic<const char *> device = "";
-  std::list<std::string> devices; // the names that `device` points to, and has pointed to: callers may hold them still
-  int smallest_tile = 128;        // centers of the smallest tile, which no result may depend on
+  std::list<std::string> devices;     // the names that `device` points to, and has pointed to: callers may hold them still
+  int smallest_tile = 128;            // centers of the smallest tile, which no result may depend on
+  std::optional<double> tile_seconds; // as in Resources
   DriverSubstitute substitute;
   Workers workers;                     // of the call
   std::mutex mutex;                    // one call at a time

@@ -33,9 +33,10 @@ struct Abilities {
 };
 
 struct Resources {
-  int threads = 0;          // as in pdesc_context_options
-  int64_t memory_limit = 0; // likewise
-  int smallest_tile = 128;  // centers of the smallest tile, which no result may depend on
+  int threads = 0;                         // as in pdesc_context_options
+  int64_t memory_limit = 0;                // likewise
+  int smallest_tile = 128;                 // centers of the smallest tile, which no result may depend on
+  std::optional<double> tile_seconds = {}; // that each tile takes, as tests say; else they are measured
 };
 
 // The mesh that a surface was divided from.

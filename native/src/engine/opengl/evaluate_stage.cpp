@@ -71,7 +71,7 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
                                   double from, double to) {
   const int smallest = job.resources.smallest_tile;
   const TileSizes sizes{job.connected() ? std::max(cells().tile, smallest) : smallest, smallest, gl_->largest_dispatch(),
-                        gl_->group_size()};
+                        gl_->group_size(), job.resources.tile_seconds};
   const int next = in_tiles(
       0, count, sizes,
       [&](int first, int last) {
