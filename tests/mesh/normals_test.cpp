@@ -96,7 +96,8 @@ TEST(Normals, max_are_exact_on_a_sphere) {
 }
 
 TEST(Normals, fitted_come_near_the_exact_ones) {
-  // METHOD's trial of cubic jets on such meshes gave a mean of 0.002 to 0.004 degrees, of quadratic ones 0.016 to 0.025: between.
+  // Cubic jets have a mean error of 0.002 to 0.004 degrees on such meshes, quadratic ones of 0.016 to 0.025: the bound is
+  // between.
   const TestMesh bent = torus(1, 0.4, {.vertices = 15000});
   const AngleError on_torus = angle_error(bent, PDESC_NORMALS_FITTED);
   EXPECT_LT(on_torus.mean, 0.012);

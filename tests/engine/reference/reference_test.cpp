@@ -155,7 +155,7 @@ TEST(Reference, saddle_point_is_neither_convex_nor_concave) {
   EXPECT_GT(values.columns[3][center], -1);
 }
 
-// The project's bound for the whole chain of fitted normals and shape operator: METHOD's table, mean %AE against exact values.
+// The project's bound for the whole chain of fitted normals and shape operator: mean %AE against exact values.
 TEST(Reference, irregular_surfaces_have_their_curvatures_within_a_quarter_of_a_percent) {
   const TestMesh meshes[] = {torus(1, 0.4, {.vertices = 15000}), ellipsoid(1.5, 1, 0.7, {.vertices = 22000})};
   for (const TestMesh &mesh : meshes) {
