@@ -120,7 +120,7 @@ public:
       Point a = corners_[i], b = corners_[(i + 1) % 3];
       if (a.y > b.y) std::swap(a, b);
       if (b.y < low || a.y > high) continue;
-      const double slope = (b.x - a.x) / (b.y - a.y); // used where neither is 0
+      const double slope = (b.x - a.x) / (b.y - a.y); // of an edge that crosses a line: its ends are not level
       for (const double x : {a.y < low ? a.x + (low - a.y) * slope : a.x, b.y > high ? a.x + (high - a.y) * slope : b.x}) {
         found.low = std::min(found.low, x - margin_);
         found.high = std::max(found.high, x + margin_);
