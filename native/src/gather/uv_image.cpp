@@ -191,7 +191,7 @@ public:
   // Must be called for the last triangle first: the first caller keeps its texels, and so does the last tile of each.
   void claim(int triangle) {
     const Tiled uv = tiled(input_, triangle);
-    for (int tiles = uv.rows - 1; tiles >= 0 && !is_full(); --tiles) {
+    for (int tiles = uv.rows - 1; tiles >= 0; --tiles) {
       checkpoint();
       const Corners corners = on_tile(uv, tiles * uv.columns, input_.size);
       const Outline outline(corners);
