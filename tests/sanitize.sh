@@ -19,7 +19,7 @@ address)
   ;;
 thread)
   packages=("${CLANG_PACKAGES[@]}") flags="-O1 -gline-tables-only" option=-DPARADESC_SANITIZE=thread
-  : "${filter:=*Threads*:*GlThread*:*cancel*}"
+  : "${filter:=*Threads*:*GlThread*:*cancel*:DriverFailures.meshes_are_made_while*}"
   export TSAN_OPTIONS=suppressions=$lists/threads.txt:ignore_noninstrumented_modules=1:second_deadlock_stack=1
   ;;
 valgrind)

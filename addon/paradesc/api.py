@@ -73,7 +73,7 @@ def compute(
     sharp_edges: (k, 2) vertices; creases "auto" finds more by angles, "marked" takes these, "none" measures past them.
     estimator: of curvature: "shape-operator", the paper's "integral" (8, 11-14), or "extrapolated" to radius 0.
     map_descriptor: on which the operators work (gradient_magnitude, laplacian, harris and so on).
-    backend: "auto" takes a graphics card, else all cores ("cpu"); "reference" integrates exactly, and slowly.
+    backend: "auto" takes all cores ("cpu"); "gpu" a graphics card; "reference" integrates exactly, and slowly.
     threads: 0 is all cores; values do not depend on it. memory_limit: bytes, 0 is half of what is free.
     progress: called as progress(stage, fraction) every few milliseconds; returns False to cancel.
     more: what is needed less often, see numpy_api.options.MoreOptions and the manual's reference.

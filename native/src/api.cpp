@@ -16,8 +16,8 @@
 #include "support/free_memory.h"
 #include "support/live.h"
 
-std::string &paradesc::edge::last_error() {
-  thread_local std::string sentence;
+paradesc::edge::LastError &paradesc::edge::last_error() {
+  thread_local LastError sentence;
   return sentence;
 }
 
@@ -56,6 +56,9 @@ public:
     if (context_.holder == std::this_thread::get_id())
       throw Error(PDESC_ERROR_INVALID_OPERATION,
                   "This call comes from the progress callback of another on the same context; return from the callback first.");
+    if (context_.process != paradesc::this_process() && context_.holder.load() != std::thread::id())
+      throw Error(PDESC_ERROR_INVALID_OPERATION, "Another thread computed on this context while this process was forked, and is "
+                                                 "not there any more; make another context.");
     context_.mutex.lock();
     context_.holder = std::this_thread::get_id();
     scope_.emplace(context_.workers);
@@ -137,7 +140,7 @@ void copy_texels(const std::vector<float> &texels, float *values, int64_t count)
 
 int32_t pdesc_abi_version(void) { return PDESC_ABI_VERSION; }
 const char *pdesc_version(void) { return PARADESC_VERSION; }
-const char *pdesc_last_error(void) { return last_error().c_str(); }
+const char *pdesc_last_error(void) { return last_error().text(); }
 
 void pdesc_descriptor_info_init(pdesc_descriptor_info *info) { zero_init(info); }
 
@@ -184,14 +187,12 @@ void pdesc_context_destroy(pdesc_context *context) {
   if (live().remove(context)) delete context;
 }
 int32_t pdesc_context_backend(const pdesc_context *context) {
-  return live().contains(context) ? context->context->backend.load() : PDESC_BACKEND_AUTO;
+  return live().contains(context) ? context->context->backend : PDESC_BACKEND_AUTO;
 }
 const char *pdesc_context_device(const pdesc_context *context) {
   return live().contains(context) ? context->context->device.load() : "";
 }
-const char *pdesc_context_fallback(const pdesc_context *context) {
-  return live().contains(context) ? context->context->fallback.load() : "";
-}
+const char *pdesc_context_fallback(const pdesc_context *) { return ""; }
 
 void pdesc_mesh_input_init(pdesc_mesh_input *input) { zero_init(input); }
 void pdesc_mesh_report_init(pdesc_mesh_report *report) { zero_init(report); }
@@ -306,7 +307,7 @@ int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, 
     const std::vector<int> requested = rows_of(names, count);
     const Turn turn(*mesh->mesh->context);
     const paradesc::Context &context = *mesh->mesh->context;
-    if (backend == PDESC_BACKEND_AUTO) backend = paradesc::backend_for(*mesh->mesh, ours);
+    if (backend == PDESC_BACKEND_AUTO) backend = paradesc::backend_for(context, ours);
     const paradesc::MemoryForecast needed = paradesc::forecast_memory_of(*mesh->mesh, backend, ours, requested);
     pdesc_memory found{};
     found.mesh = needed.mesh;
@@ -326,7 +327,7 @@ int32_t pdesc_mesh_backend(const pdesc_mesh *mesh, const pdesc_options *options,
     const auto ours = read_struct(options, pdesc_options_init, "pdesc_options");
     check_options(ours);
     const Turn turn(*mesh->mesh->context);
-    *backend = paradesc::backend_for(*mesh->mesh, ours);
+    *backend = paradesc::backend_for(*mesh->mesh->context, ours);
   });
 }
 

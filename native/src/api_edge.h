@@ -3,7 +3,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <initializer_list>
 #include <new>
 #include <string>
 
@@ -11,26 +13,50 @@
 
 namespace paradesc::edge {
 
-std::string &last_error(); // sentence of this thread's last failure
+// The sentence of this thread's last failure, in memory that is there when no other is.
+class LastError {
+public:
+  const char *text() const { return text_.data(); }
+  // The parts one after the other, as far as there is room: whole characters of UTF-8.
+  void set(std::initializer_list<const char *> parts) noexcept {
+    size_t length = 0;
+    for (const char *part : parts)
+      for (; *part; ++part) {
+        if (length + 1 == text_.size()) {
+          while (length > 0 && (text_[length - 1] & 0xC0) == 0x80) --length;
+          if (length > 0 && (text_[length - 1] & 0x80) != 0) --length;
+          text_[length] = 0;
+          return;
+        }
+        text_[length++] = *part;
+      }
+    text_[length] = 0;
+  }
+
+private:
+  std::array<char, 4096> text_{};
+};
+LastError &last_error();
 
 // Runs a call's body; whatever it throws becomes a code and a sentence.
 template <class Body> int32_t guarded(const Body &body) noexcept {
+  LastError &sentence = last_error();
   try {
-    last_error().clear();
+    sentence.set({});
     body();
-    last_error().clear(); // of calls from the progress callback
+    sentence.set({}); // of calls from the progress callback
     return PDESC_OK;
   } catch (const Error &error) {
-    last_error() = error.what();
+    sentence.set({error.what()});
     return error.status();
   } catch (const std::bad_alloc &) {
-    last_error() = "Out of memory; use a smaller mesh or smaller buffers.";
+    sentence.set({"Out of memory; use a smaller mesh or smaller buffers."});
     return PDESC_ERROR_OUT_OF_MEMORY;
   } catch (const std::exception &error) {
-    last_error() = std::string("Internal error: ") + error.what() + "; please report it.";
+    sentence.set({"Internal error: ", error.what(), "; please report it."});
     return PDESC_ERROR_UNKNOWN;
   } catch (...) {
-    last_error() = "Internal error of unknown kind; please report it.";
+    sentence.set({"Internal error of unknown kind; please report it."});
     return PDESC_ERROR_UNKNOWN;
   }
 }

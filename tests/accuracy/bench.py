@@ -161,7 +161,6 @@ class Bench:
                 field_report=field.report(),
                 backend=context.backend,
                 device=context.device,
-                fallback=context.fallback,
                 warnings=field.warnings(),
             )
             if chosen.seam_error and context is not self.oracle:

@@ -19,7 +19,7 @@ import paradesc as package  # noqa: E402
 from cli_test import accepted  # noqa: E402
 from paradesc import bridge, cli  # noqa: E402
 from paradesc.animation import frames  # noqa: E402
-from paradesc.core import contexts, job  # noqa: E402
+from paradesc.core import job  # noqa: E402
 from paradesc.files import cache, frame_baking  # noqa: E402
 from paradesc.files.frame_baking import at_fixed_radii  # noqa: E402
 from paradesc.scene import mesh_io, source_meshes, unwrap  # noqa: E402
@@ -88,33 +88,12 @@ def test_swelling_sphere_has_the_curvature_of_its_radius_and_the_change(tmp_path
     assert shown["mean_curvature_change"].minimum == pytest.approx(-0.25, rel=0.05)
 
 
-def test_frame_that_the_reference_computed_for_a_failed_device_is_not_kept(tmp_path, monkeypatch):
-    target = animated.swelling_sphere(steps=5)
-    compute = frame_baking.Stream.compute
-
-    def failing(*arguments):
-        return replace(compute(*arguments), backend="reference", fallback="The graphics device was lost.")
-
-    monkeypatch.setattr(frame_baking.Stream, "compute", failing)
-    with pytest.raises(bridge.ParadescError, match=r"failed \(The graphics device was lost\); start again"):
-        bake(target, tmp_path, (1,))
-    assert not contents(tmp_path)
-    monkeypatch.undo()
-    assert bake(target, tmp_path, (1,)) == [1]
-
-
 # ---- One method for all frames
 
 AUTO = replace(SETTINGS, backend="auto")
 
 
-def no_graphics_card():
-    if contexts.automatic() != "cpu":
-        pytest.skip("auto takes the graphics card")
-
-
 def test_auto_goes_on_by_the_method_of_frames_that_an_earlier_version_left(tmp_path):
-    no_graphics_card()
     target = animated.bent_cylinder(rings=6, sides=8)
     bake(target, tmp_path / "old", (1, 2))  # by what auto was; no file says the method
     before = contents(tmp_path / "old")
@@ -125,7 +104,6 @@ def test_auto_goes_on_by_the_method_of_frames_that_an_earlier_version_left(tmp_p
 
 
 def test_auto_goes_on_by_the_method_that_was_chosen_first(tmp_path, monkeypatch):
-    no_graphics_card()
     target = animated.bent_cylinder(rings=6, sides=8)
     assert bake(target, tmp_path / "auto", (1,), settings=AUTO) == [1]
     bake(target, tmp_path / "cpu", (1, 2), settings=replace(SETTINGS, backend="cpu"))
@@ -134,13 +112,12 @@ def test_auto_goes_on_by_the_method_that_was_chosen_first(tmp_path, monkeypatch)
     def with_card(stream):
         return "gpu" if stream.settings.backend == "auto" else stream.settings.backend
 
-    monkeypatch.setattr(frame_baking.Stream, "backend", property(with_card))  # as a machine that has one
+    monkeypatch.setattr(frame_baking.Stream, "backend", property(with_card))  # as an earlier version with a card
     assert bake(target, tmp_path / "auto", (1, 2), settings=AUTO) == [2]
     assert contents(tmp_path / "auto") == contents(tmp_path / "cpu")
 
 
 def test_a_mesh_without_a_uv_map_is_unwrapped_only_where_its_frames_are_of_texture_space(tmp_path, monkeypatch):
-    no_graphics_card()
     target = animated.bent_cylinder(rings=6, sides=8)
     while target.data.uv_layers:
         target.data.uv_layers.remove(target.data.uv_layers[0])
@@ -294,16 +271,19 @@ def start(*words, cwd):
 
 @pytest.mark.slow
 def test_run_that_is_killed_and_started_again_gives_the_same_files(paradesc, cylinder_blend, tmp_path):
-    count = int(os.environ.get("PARADESC_KILLED_FRAMES", "10"))
-    words = ("animate", cylinder_blend, *QUICK, "--frames", f"1:{count}")
-    process = start(*words, "--cache", "killed", cwd=tmp_path)
-    folder = tmp_path / "killed" / "cylinder"
-    deadline = time.monotonic() + 120
-    while len(cache.frames_in(folder)) < count // 3 and process.poll() is None and time.monotonic() < deadline:
-        time.sleep(0.005)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    some = contents(folder)
+    least = int(os.environ.get("PARADESC_KILLED_FRAMES", "10"))
+    for count in (least, 8 * least, 64 * least):  # a busy machine may kill it when a few frames are made already
+        words = ("animate", cylinder_blend, *QUICK, "--frames", f"1:{count}")
+        process = start(*words, "--cache", "killed", cwd=tmp_path)
+        folder = tmp_path / "killed" / "cylinder"
+        before = len(cache.frames_in(folder))
+        while len(cache.frames_in(folder)) <= before and process.poll() is None:
+            time.sleep(0.005)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        some = contents(folder)
+        if len(some) < count:
+            break
     assert 0 < len(some) < count
     output = accepted(paradesc(*words, "--cache", "killed"))
     assert f"{count - len(some)} frames made, {len(some)} kept" in output

@@ -1,4 +1,4 @@
-"""What auto does without a graphics card: the processor, without unwrapping; the software rasterizer where it must."""
+"""What auto takes: the processor, without unwrapping; the software rasterizer where it must."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ import pytest
 from conftest import command_line, completed, environment
 from paradesc import bridge
 from paradesc.bridge import Options
-from paradesc.core import compare, contexts, job, stream
+from paradesc.core import compare, job, stream
 from paradesc.files import maps
 from paradesc.files.results import Baked
 from shapes import cube_sphere, write_obj
@@ -22,13 +22,6 @@ NEEDS = {
     "adaptive sampling": {"adaptive": 0.05},
     "seam errors": {"seam_error": True},
 }
-
-
-@pytest.fixture(autouse=True)
-def without_card():
-    """Leaves out machines on which auto takes a graphics card."""
-    if contexts.automatic() != "cpu":
-        pytest.skip("auto takes the graphics card")
 
 
 @pytest.fixture

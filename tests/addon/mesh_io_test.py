@@ -39,7 +39,6 @@ def made_up_results(target, names=("mean_curvature",)):
         field_report={"radius": 0.1, "seconds_total": 0.0},
         backend="software",
         device="none",
-        fallback="",
         warnings=["One.", "Two."],
     )
 

@@ -399,6 +399,41 @@ def test_a_forked_process_computes_the_same(sphere):
     process.join()
 
 
+def forked_with_a_device(channel, mesh, points, quads):
+    """What a forked process is told of the device that the other one has open, and what it computes without it."""
+    told = []
+    for call in (
+        lambda: mesh.compute("mean_curvature", 0.1, buffer_size=128),
+        lambda: paradesc.compute(points, quads, radius=0.1, backend="software"),
+        lambda: paradesc.compute(points, quads, radius=0.1, precision="half"),
+    ):
+        try:
+            call()
+        except paradesc.ParadescError as error:
+            told.append(str(error))
+    mesh.close()
+    channel.send((told, paradesc.compute(points, quads, radius=0.1)["mean_curvature"].tobytes()))
+
+
+@pytest.mark.skipif(not hasattr(__import__("os"), "fork"), reason="this system does not fork")
+def test_a_process_forked_with_a_device_open_is_refused_it_and_computes_on_the_processor(sphere):
+    points, quads, uvs = sphere
+    expected = paradesc.compute(points, quads, radius=0.1)["mean_curvature"].tobytes()
+    with paradesc.Mesh(points, quads, uvs=uvs, backend="software") as mesh:
+        of_device = mesh.compute("mean_curvature", 0.1, buffer_size=128)["mean_curvature"].tobytes()
+        context = multiprocessing.get_context("fork")
+        ours, theirs = context.Pipe()
+        process = context.Process(target=forked_with_a_device, args=(theirs, mesh, points, quads))
+        process.start()
+        assert ours.poll(120), "it hangs"
+        told, found = ours.recv()
+        process.join()
+        assert found == expected
+        assert len(told) == 3
+        assert all("forked" in sentence for sentence in told), told
+        assert mesh.compute("mean_curvature", 0.1, buffer_size=128)["mean_curvature"].tobytes() == of_device
+
+
 @pytest.mark.slow
 @of_python
 def test_hostile_inputs_give_a_result_or_one_sentence():

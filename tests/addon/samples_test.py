@@ -183,8 +183,6 @@ def test_samples_have_as_many_charts_as_they_say_and_none_overlaps(opened, name,
     assert report["charts"] >= charts
     assert report["nonmanifold_edges"] == report["zero_uv_area_triangles"] == report["degenerate_triangles"] == 0
     with bridge.Context("auto") as context:
-        if context.backend == "reference":
-            pytest.skip(context.fallback)
         options = bridge.Options(radius=0.03, samples=32, buffer_size=512)
         with context.mesh(arrays) as mesh, mesh.compute(["mean_curvature"], options) as field:
             found = field.report()

@@ -88,6 +88,17 @@ def test_what_lies_beside_all_tiles_makes_a_single_image_and_a_sentence(move):
     assert tiling.warnings == [udim.OUTSIDE + " All of it was drawn into a single image."]
 
 
+def test_a_map_in_meters_is_told_without_looking_at_all_of_its_squares(monkeypatch):
+    low = 9.0 * np.stack(np.meshgrid(np.arange(40), np.arange(40)), axis=-1).reshape(-1, 1, 2)
+    uvs = np.concatenate([low + [[0, 0], [9, 0], [9, 9]], low + [[0, 0], [9, 9], [0, 9]]]).astype(np.float32)
+    expected = udim.Tiling(why=udim.OUTSIDE)
+    monkeypatch.setattr(udim, "middles", lambda uvs: np.zeros((0, 2), np.int64))
+    assert udim.tiling_of(uvs[::40]) == expected, "by all squares"
+    monkeypatch.undo()
+    monkeypatch.setattr(udim, "meetings", None)
+    assert udim.tiling_of(uvs) == expected
+
+
 def test_a_map_about_the_origin_expects_no_tiles_and_gets_no_sentence():
     assert udim.tiling_of(np.stack([RIGHT - 0.5, RIGHT - 1])) == udim.Tiling()
     assert udim.tiling_of(np.stack([RIGHT, RIGHT * 1e9])) == udim.Tiling()

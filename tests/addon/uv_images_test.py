@@ -1,11 +1,13 @@
 """Images over a UV map equal, byte for byte, those of a few lines of numpy that define an image."""
 
+import threading
+
 import numpy as np
 import pytest
 
 from conftest import real_mesh
 from paradesc import bridge
-from paradesc.bridge import ParadescError, TexelMap, draw_uv_image, fill_gutter
+from paradesc.bridge import ParadescError, TexelMap, draw_uv_image, fill_gutter, uv_images
 
 
 @np.errstate(all="ignore")
@@ -203,6 +205,20 @@ def test_what_has_no_size_or_another_is_refused_in_one_sentence():
             draw_uv_image(*arguments)
     with pytest.raises(ParadescError, match="steps"):
         fill_gutter(np.zeros((2, 2, 1), np.float32), 65)
+
+
+def test_an_image_without_progress_can_be_interrupted_too(monkeypatch):
+    asked = []
+    original = uv_images.progress_callback
+
+    def noted(progress, caught):
+        assert progress is None
+        return original(lambda *_: asked.append(threading.current_thread()) or True, caught)
+
+    monkeypatch.setattr(uv_images, "progress_callback", noted)
+    draw_uv_image(np.zeros((1, 3, 2), np.float32), np.zeros((1, 3), np.int32), np.zeros(1, np.float32), 8)
+    assert asked
+    assert set(asked) == {threading.main_thread()}, "where Ctrl-C is caught"
 
 
 def test_an_image_that_is_filled_is_another():

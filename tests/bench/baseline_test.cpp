@@ -36,7 +36,7 @@ TEST(Baseline, has_a_spheres_mean_curvature_within_the_steps_of_its_weights) {
   const std::vector<int32_t> requested = choose_points(made.surface, 0, 1);
   std::vector<float> values(requested.size());
   const BaselineRun run = run_baseline(made.surface, 0.8, requested, 1, values);
-  // A ball holds some 160 vertices, so its rim comes in steps: METHOD's bias is none on a sphere.
+  // A ball holds some 160 vertices, so its rim comes in steps: a sphere has no bias beside that.
   double mean = 0.0;
   for (const float value : values) {
     EXPECT_NEAR(value, 0.5, 0.02);

@@ -1,4 +1,4 @@
-// Every backend against exact values, on surfaces whose curvatures have a closed form; figures of issue "Core" and METHOD.md.
+// Every backend against exact values, on surfaces whose curvatures have a closed form.
 //
 // By default each case runs once. PARADESC_LONG_TESTS adds meshes, seeds, regular grids and bent UV maps.
 #include <algorithm>
@@ -84,10 +84,10 @@ TEST_P(IrregularSurface, has_its_exact_curvatures_and_the_oracles_volume_and_ben
     record(title, measured[i], errors.all);
     record(title + ", seams", measured[i], errors.seams);
     record(title + ", interior", measured[i], errors.interior);
-    // Issue "Core": 0.25 % of H and K against exact values, 1 % of the others against the oracle. Exact normals alone leave
-    // 0.08 to 0.18 % (METHOD.md, "Normals decide"), fitted ones 0.02 to 0.05 % more.
+    // The bounds: 0.25 % of H and K against exact values, 1 % of the others against the oracle. Exact normals alone leave
+    // 0.08 to 0.18 % (native/README.md, "Normals decide"), fitted ones 0.02 to 0.05 % more.
     EXPECT_LE(errors.all.mean, i < 2 ? 0.25 : 1.0) << measured[i];
-    // Issue "Core": seam vertices at most 1.5 times the interior. The bias of a finite neighborhood is larger at some places,
+    // Seam vertices err at most 1.5 times as much as the interior. The bias of a finite neighborhood is larger at some places,
     // with or without seams: the oracle, which knows no seams, shows by how much.
     double ratio = 1;
     if (i < 2) {
@@ -203,7 +203,7 @@ TEST_P(Analytic, sphere_has_its_curvatures_bending_and_volume) {
   }
 }
 
-// Scaled by 1/r and 1/r² (METHOD.md, "Error"). 1e-3 %: float positions of size 1 are rounded to 6e-8, which over r = 0.04 turns a
+// Scaled by 1/r and 1/r². 1e-3 %: float positions of size 1 are rounded to 6e-8, which over r = 0.04 turns a
 // normal by 1e-6 at most; half-texel weights do not matter where every summand is zero.
 TEST_P(Analytic, plane_is_flat_over_interior_vertices) {
   TestMesh mesh = plane(2, 1.5, {.vertices = 10000});
@@ -276,7 +276,7 @@ protected:
     for (size_t i = 2; i < measured.size(); ++i) {
       const PercentAe change = percent_ae(after[measured[i]], as_double(before[measured[i]]));
       record(what + ", change", measured[i], change);
-      EXPECT_LE(change.mean, 1.0) << measured[i]; // issue "Core": their error against the oracle
+      EXPECT_LE(change.mean, 1.0) << measured[i]; // the bound of their error against the oracle
     }
   }
 };
@@ -360,7 +360,7 @@ TEST_P(Invariance, vertices_split_at_the_seams_get_the_results_of_the_whole) {
   }
 }
 
-// The seam error of issue "Core": the difference between a vertex's wedges.
+// The seam error: the difference between a vertex's wedges.
 TEST(SeamError, wedges_of_one_vertex_agree) {
   std::string why_not;
   const Context context = open_context(device_backend(), why_not);
@@ -380,7 +380,7 @@ TEST(SeamError, wedges_of_one_vertex_agree) {
       const PercentAe error = percent_ae(other, values, seam);
       record(mesh.domain == Domain::sphere ? "ellipsoid seam error" : "torus seam error", measured[i], error);
       EXPECT_GT(error.count, 500);
-      EXPECT_LE(error.mean, 0.25); // issue "Core"
+      EXPECT_LE(error.mean, 0.25); // the bound against exact values
       EXPECT_LE(error.p99, 1.0);
     }
   }

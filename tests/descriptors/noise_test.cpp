@@ -80,7 +80,7 @@ protected:
   Context reference, software;
 };
 
-// 1 %, as for any mesh (issue "Core"): the noise is part of the surface, and both see the same surface.
+// 1 %, as for any mesh: the noise is part of the surface, and both see the same surface.
 TEST_F(Noise, positions_off_by_a_thousandth_of_the_diagonal_change_nothing_about_parity) {
   add_noise(mesh, 0.001, 5);
   expect_parity({.radius = 0.04}, 1.0, 1.0);

@@ -46,7 +46,7 @@ protected:
     const auto loose = std::ranges::count_if(fast.mask, [](uint8_t mask) { return (mask & PDESC_MASK_NO_FACE) != 0; });
     EXPECT_EQ(fast.report.undefined_vertices, loose);
     EXPECT_NEAR(fast.report.radius, settings.radius * mesh.diagonal(), 1e-9 * fast.report.radius);
-    EXPECT_NEAR(fast.report.coverage_mean, 1, 0.01); // issue "Core"
+    EXPECT_NEAR(fast.report.coverage_mean, 1, 0.01); // next to nothing is lost
     return fast;
   }
 

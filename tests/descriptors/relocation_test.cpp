@@ -402,7 +402,7 @@ TEST_F(Relocation, the_directional_ellipse_finds_what_the_centers_distortion_lea
 }
 
 // The stereographic map of the unit sphere, about a point of the equator: straight lines there have kappa_g = (n . e) with n
-// across the way to the pole, and mean kappa_g^2 = 1/2. The sum of chords measures them, so that K comes out as 1.5 (METHOD.md).
+// across the way to the pole, and mean kappa_g^2 = 1/2. The sum of chords measures them, so that K comes out as 1.5.
 TEST_F(Relocation, the_sum_of_chords_has_the_curvature_of_straight_lines_in_the_map) {
   // The patch is as wide as balls around the middle, whose size is half that at the pole.
   const auto patch = [](double middle, double width) {

@@ -333,7 +333,6 @@ def sound_summary() -> dict[str, object]:
         },
         "backend": "reference",
         "device": "CPU",
-        "fallback": "There is no device.",
         "warnings": "One.\nTwo.",
         "ranges": {"mean_curvature": [-1.0, 1.0], "shape_index": [-1.0, 1.0]},
         "drawn": {"mean_curvature": {"map": "heat", "diverging": True, "neutral": 0.0, "radius": 0.1, "unit": "1/m"}},

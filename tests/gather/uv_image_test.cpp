@@ -1,9 +1,12 @@
 // Images over a UV map through the C interface: what each texel shows, known in closed form.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <random>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -177,6 +180,77 @@ TEST(UvImage, of_a_triangle_larger_than_a_tile_shows_its_upper_right_tile) {
   EXPECT_EQ(at(image, 4, 1, 1), 0.375f); // of the tile (0, 3)
   EXPECT_EQ(at(image, 4, 0, 0), 0.125f);
   EXPECT_EQ(at(image, 4, 3, 3), 0.875f); // of the tile (0, 2): at (0, 3), u + v is 4.75
+}
+
+// The same by drawing each tile of each triangle in turn, later ones over earlier ones: texels show a triangle's number.
+std::vector<float> drawn_one_by_one(const Drawing &drawing) {
+  std::vector<float> image(static_cast<size_t>(drawing.floats()), none);
+  for (size_t triangle = 0; triangle < drawing.uvs.size() / 6; ++triangle) {
+    const float *uv = drawing.uvs.data() + 6 * triangle;
+    const double left = std::floor(std::min({uv[0], uv[2], uv[4]})), right = std::ceil(std::max({uv[0], uv[2], uv[4]}));
+    const double bottom = std::floor(std::min({uv[1], uv[3], uv[5]})), top = std::ceil(std::max({uv[1], uv[3], uv[5]}));
+    for (double v = bottom; v < std::clamp(top, bottom + 1, bottom + 16); ++v)
+      for (double u = left; u < std::clamp(right, left + 1, left + 16); ++u)
+        for (int texel = 0; texel < drawing.size * drawing.size; ++texel) {
+          double from[3][2];
+          for (int i = 0; i < 3; ++i) {
+            from[i][0] = (uv[2 * i] - u) * drawing.size - (texel % drawing.size + 0.5);
+            from[i][1] = (uv[2 * i + 1] - v) * drawing.size - (texel / drawing.size + 0.5);
+          }
+          int left_of = 0, right_of = 0;
+          for (int i = 0; i < 3; ++i) {
+            const auto &a = from[i], &b = from[(i + 1) % 3];
+            const double turn = a[0] * b[1] - a[1] * b[0];
+            left_of += turn >= 0.0;
+            right_of += turn <= 0.0;
+          }
+          if (left_of != right_of && (left_of == 3 || right_of == 3))
+            image[static_cast<size_t>(texel)] = drawing.values[3 * triangle];
+        }
+  }
+  return image;
+}
+
+TEST(UvImage, over_many_unit_squares_shows_what_drawing_them_one_by_one_shows) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> place(-3.0f, 3.0f), reach(0.001f, 1.0f);
+  for (const float wide : {0.2f, 1.0f, 4.0f, 30.0f})
+    for (const float tall : {0.0001f, 0.3f, 5.0f}) { // needles, too
+      Drawing drawing{.size = 24};
+      for (int i = 0; i < 40; ++i) {
+        const float x = place(random), y = place(random), value = static_cast<float>(i);
+        const auto u = [&] { return x + wide * reach(random); };
+        const auto v = [&] { return y + tall * reach(random); };
+        drawing.add({x, y, u(), v(), u(), v()}, {value, value, value});
+      }
+      SCOPED_TRACE(std::to_string(wide) + " x " + std::to_string(tall));
+      expect_same_bits(drawing.draw(), drawn_one_by_one(drawing));
+    }
+}
+
+int32_t count(void *user, const char *, double) {
+  ++*static_cast<int *>(user);
+  return 1;
+}
+
+// A terrain whose UVs are meters: each square is two triangles over 3 x 3 unit squares. It asks whether to go on between rows of
+// unit squares, which tells how many it drew.
+TEST(UvImage, draws_no_unit_square_that_others_hide) {
+  const auto patience = cancel_patience;
+  cancel_patience = std::chrono::milliseconds(0);
+  Drawing drawing{.size = 128};
+  for (int i = 0; i < 60; ++i)
+    for (int j = 0; j < 60; ++j) {
+      const auto u = 3.0f * static_cast<float>(i), v = 3.0f * static_cast<float>(j);
+      drawing.add({u, v, u + 3, v, u, v + 3}, {1, 2, 3});
+      drawing.add({u + 3, v + 3, u, v + 3, u + 3, v}, {1, 2, 3});
+    }
+  int asked = 0;
+  drawing.progress = count;
+  drawing.user = &asked;
+  for (const float x : drawing.draw()) EXPECT_FALSE(std::isnan(x));
+  EXPECT_LT(asked, 100);
+  cancel_patience = patience;
 }
 
 TEST(UvImage, leaves_out_corners_without_a_value) {

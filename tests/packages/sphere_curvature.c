@@ -37,7 +37,7 @@ int main(int argc, char **argv) {
 
   pdesc_context_options context_options;
   pdesc_context *context = NULL;
-  call(pdesc_context_options_init)(&context_options); /* auto: has to come to the processor by itself where there is no device */
+  call(pdesc_context_options_init)(&context_options); /* auto: the processor, with or without a device */
 #if !defined(_WIN32)
   context_options.backend = PDESC_BACKEND_CPU;
 #endif

@@ -2,26 +2,16 @@
 #include "support/workers.h"
 
 #include <atomic>
+#include <new>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "support/fork.h"
+#include "support/no_memory.h"
 #include "support/parallel.h"
-
-// ThreadSanitizer knows no threads after a fork.
-#if defined(__has_feature)
-#define IS_THREAD_SANITIZED __has_feature(thread_sanitizer)
-#elif defined(__SANITIZE_THREAD__)
-#define IS_THREAD_SANITIZED 1
-#else
-#define IS_THREAD_SANITIZED 0
-#endif
-#if defined(__unix__) && !IS_THREAD_SANITIZED
-#define CAN_FORK
-#include <sys/wait.h>
-#include <unistd.h>
-#endif
 
 namespace paradesc::test {
 namespace {
@@ -71,26 +61,51 @@ TEST(Workers, scopes_nest_as_calls_from_a_callback_do) {
   EXPECT_EQ(visits(30), std::vector<int>(30, 1));
 }
 
+// How many loops this thread has been in.
+thread_local int loops_of_thread = 0;
+
+// Two threads at once, of which the caller is one: how many loops the other one has been in.
+int loops_of_helper() {
+  std::atomic<int> arrived{0}, found{0};
+  const auto owner = std::this_thread::get_id();
+  parallel_blocks(2, 2, 1, [&](int, int) {
+    ++arrived;
+    while (arrived < 2) std::this_thread::yield();
+    if (std::this_thread::get_id() != owner) found = ++loops_of_thread;
+  });
+  return found;
+}
+
+TEST(Workers, without_memory_to_start_are_there_for_the_next_loop) {
+  for (int allocations = 0; allocations < 12; ++allocations) { // of which the loop needs some, and its first thread
+    Workers workers;
+    const Workers::Scope scope(workers);
+    int visited = 0;
+    try {
+      const WithoutMemory none(allocations);
+      parallel_blocks(1000, 2, 1000, [&](int begin, int end) { visited += end - begin; });
+      parallel_blocks(1000, 2, 500, [](int, int) {});
+    } catch (const std::bad_alloc &) { // the loop itself had none
+    }
+    const int before = loops_of_helper();
+    EXPECT_EQ(loops_of_helper(), before + 1) << "a fresh thread came, after " << allocations;
+  }
+}
+
 #ifdef CAN_FORK
 TEST(Workers, a_forked_process_starts_its_own_and_ends) {
   Workers workers;
   const Workers::Scope scope(workers);
   ASSERT_EQ(visits(100), std::vector<int>(100, 1));
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    alarm(20); // a hang is a failure
+  expect_right_in_a_fork([&] {
     bool right = visits(100) == std::vector<int>(100, 1);
     {
       Workers of_child;
       const Workers::Scope own(of_child);
       right = right && visits(100) == std::vector<int>(100, 1);
     }
-    _exit(right ? 0 : 1);
-  }
-  int status = -1;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+    return right ? "" : "an item was not visited once";
+  });
   EXPECT_EQ(visits(100), std::vector<int>(100, 1));
 }
 #endif

@@ -7,6 +7,7 @@ import numpy as np
 
 from . import abi
 from .arrays import address
+from .interrupts import Interrupts
 from .library import check, load_library, new_struct
 from .session import ProgressFunction, progress_callback
 from .uv_images import shaped
@@ -67,10 +68,10 @@ def cast_rays(
     native.triangle_vertices, native.reach = address(numbers, abi.Int32Pointer), reach
     hits = Hits(numbers, np.empty(len(given), np.int32), np.empty((len(given), 3), np.float32))
     caught: list[BaseException] = []
-    if progress is not None:
-        native.progress = progress_callback(progress, caught)
+    native.progress = progress_callback(progress, caught)
     triangles, weights = address(hits.triangles, abi.Int32Pointer), address(hits.weights, abi.Float32Pointer)
-    status = library.pdesc_rays_cast(byref(native), triangles, weights, len(given))
+    with Interrupts(caught):
+        status = library.pdesc_rays_cast(byref(native), triangles, weights, len(given))
     if caught:
         raise caught[0]
     check(library, status)

@@ -238,11 +238,6 @@ class Context:
         """The device's name, for people."""
         return text(self._library.pdesc_context_device(self._pointer))
 
-    @property
-    def fallback(self) -> str:
-        """Why "auto" did not get a device, or ""."""
-        return text(self._library.pdesc_context_fallback(self._pointer))
-
     def mesh(self, arrays: MeshArrays, progress: ProgressFunction | None = None) -> Mesh:
         """Validates and copies a mesh, and builds its adjacency, charts and seams."""
         native, kept = native_mesh(self._library, arrays)

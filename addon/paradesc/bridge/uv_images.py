@@ -7,6 +7,7 @@ import numpy as np
 
 from . import abi
 from .arrays import address
+from .interrupts import Interrupts
 from .library import ParadescError, check, load_library, new_struct
 from .options import int32
 from .session import ProgressFunction, progress_callback
@@ -52,9 +53,9 @@ def draw_uv_image(
         native.map_uvs = address(layout, abi.Float32Pointer)
     image = np.empty((max(size, 0), max(size, 0), width), np.float32)
     caught: list[BaseException] = []
-    if progress is not None:
-        native.progress = progress_callback(progress, caught)
-    status = library.pdesc_uv_image_draw(byref(native), address(image, abi.Float32Pointer), image.size)
+    native.progress = progress_callback(progress, caught)
+    with Interrupts(caught):
+        status = library.pdesc_uv_image_draw(byref(native), address(image, abi.Float32Pointer), image.size)
     if caught:
         raise caught[0]
     check(library, status)

@@ -106,10 +106,8 @@ class FileBaker(Baker):
         super().__init__(mesh.name, mesh.first.name, request)
 
     def open(self, settings: job.Settings) -> None:
-        """Opens the device, which a mesh without a UV map may need none for."""
+        """Opens the device, and has the meshes of all frames read for it."""
         self.settings = settings
-        if self.read_base(True).corner_uvs is None:
-            settings = job.without_uvs(settings)
         super().open(settings)
 
     def read_base(self, _needs_uvs: bool) -> MeshArrays:

@@ -18,7 +18,6 @@ from .common import (
     add_objects_options,
     add_output_options,
     check_overwriting,
-    fallback_note,
     open_file,
     print_notes,
 )
@@ -35,7 +34,7 @@ from .options import (
 )
 from .outputs import add_output_files, check_files, files_of, write_files
 from .preset_options import check_preset, look_of_preset, notes_of_preset
-from .reading import Target, fitting, mesh_name, read_object, world_matrix
+from .reading import Target, mesh_name, read_object, world_matrix
 
 if TYPE_CHECKING:
     import bpy
@@ -83,8 +82,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     files = write_files(arguments, baked)
     for one in baked:
         print_summary(one)
-    fallback = baked[0].results.fallback
-    print_notes([*opened.notes, fallback_note(fallback, baked[0].results.backend)])
+    print_notes(opened.notes)
     for path in files["outputs"]:
         print(f"wrote {path}")
     warnings = warnings_of(baked)
@@ -92,7 +90,7 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
         "settings": settings.as_dict(),
         "backend": baked[0].results.backend,
         "device": baked[0].results.device,
-        "fallback": fallback,
+        "fallback": "",  # for readers of earlier versions
         "objects": [results.report(one) for one in baked],
         "notes": opened.notes,
         "warnings": warnings,
@@ -162,7 +160,7 @@ def bake_objects(
                     else:
                         buffers = arguments.dump_buffers is not None
                         computed = texel_tiles.run_where_asked(
-                            read.measured, fitting(settings, read), tiles, part, buffers
+                            read.measured, settings, tiles, part, buffers
                         )
                 computed.look = look
             else:

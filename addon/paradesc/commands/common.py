@@ -121,11 +121,6 @@ def print_notes(sentences: list[str]) -> None:
         print(f"note: {sentence}")
 
 
-def fallback_note(fallback: str, backend: str) -> str:
-    """Why no better device computed, or "". It leaves out what to do without one, because that is done already."""
-    return f"{fallback.partition(';')[0].rstrip('.')}; the {backend} backend computed." if fallback else ""
-
-
 def write_line(stage: str, fraction: float) -> None:
     """Writes the progress as a line of a log."""
     sys.stderr.write(f"Progress: {100 * fraction:.0f}% {stage}\n")

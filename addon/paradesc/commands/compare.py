@@ -9,13 +9,12 @@ from .common import (
     UsageError,
     add_output_options,
     check_outputs,
-    fallback_note,
     print_notes,
 )
 from .opening import open_object
 from .options import add_mesh_options, opened_settings, settings_of
 from .preset_options import check_preset, notes_of_preset
-from .reading import fitting, read_object
+from .reading import read_object
 
 COLUMNS = (
     ("mean_percent_ae", "mean %"),
@@ -56,19 +55,19 @@ def run(arguments: argparse.Namespace) -> dict[str, object]:
     read = read_object(target, settings, arguments)
     read.notes += notes_of_preset(arguments.preset_content, has_colors=False)
     with Progress(arguments.progress) as progress:
-        rows, device, reference = compare.compare(read.measured, fitting(settings, read), progress)
+        rows, device, reference = compare.compare(read.measured, settings, progress)
     print(f'object "{target.name}", radius {device.radius:.6g}, {settings.options.samples} samples')
     print(f"{device.backend}: {device.device}, {device.field_report['seconds_total']:.2f} s")
     print(f"reference: {reference.device}, {reference.field_report['seconds_total']:.2f} s")
     print_table(rows)
     spreads = [f"{note[0].upper()}{note[1:]}." for note in filter(None, map(compare.spread_note, rows))]
-    print_notes([*read.notes, *spreads, fallback_note(device.fallback, device.backend), *device.warnings])
+    print_notes([*read.notes, *spreads, *device.warnings])
     return {
         "object": target.name,
         "settings": settings.as_dict(),
         "backend": device.backend,
         "device": device.device,
-        "fallback": device.fallback,
+        "fallback": "",  # for readers of earlier versions
         "notes": read.notes,
         "warnings": device.warnings,
         "rows": rows,

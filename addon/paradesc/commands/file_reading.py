@@ -110,7 +110,7 @@ def read_mesh(
     arrays = replace(mesh.arrays)
     reason = uv_faults.fault(arrays.corner_uvs, arrays.triangle_corners)
     if reason:
-        if job.needs_uvs(job.without_uvs(settings)) or (has_images and writes_images(arguments)):
+        if job.needs_uvs(settings) or (has_images and writes_images(arguments)):
             raise InputError(
                 f'The mesh "{mesh.name}" {reason}, and without Blender it cannot be unwrapped; give it one, or '
                 "pip install bpy, or compute at vertices (--backend cpu, no image)."

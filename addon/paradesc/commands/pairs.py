@@ -15,7 +15,7 @@ from ..files.mesh_files import FileMesh
 from .common import Parser, UsageError
 from .file_reading import FileRead, chosen, open_files, read_mesh, reads_files
 from .opening import Opened, open_input, open_objects
-from .reading import Target, fitting, mesh_name, read_object, world_matrix
+from .reading import Target, mesh_name, read_object, world_matrix
 
 if TYPE_CHECKING:
     from ..scene.targets import Read
@@ -173,7 +173,6 @@ def run_onto(
     parts, notes = [], []
     for high in highs:
         found = read_high(high, settings, arguments)
-        settings = fitting(settings, found)
         # What is said about where its results would go belongs to no detailed object.
         notes += [note for note in found.notes if found.reading is None or note not in found.reading.notes]
         parts.append(part_of(high, found))

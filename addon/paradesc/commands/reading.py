@@ -34,11 +34,6 @@ def read_object(target: Target, settings: job.Settings, arguments: argparse.Name
     return read
 
 
-def fitting(settings: job.Settings, read: "Read | FileRead") -> job.Settings:
-    """The settings for what was read: a mesh of a file may have no UV map, and gets none."""
-    return job.without_uvs(settings) if isinstance(read, FileRead) and read.arrays.corner_uvs is None else settings
-
-
 def mesh_name(target: Target) -> str:
     """What objects have in common that share a mesh."""
     return target.name if isinstance(target, FileMesh) else target.data.name_full

@@ -133,8 +133,7 @@ def compare(
     device_settings = replace(settings, options=replace(settings.options, seam_error=seams))
     device = job.run(arrays, device_settings, staged(progress, "device", 0.0))
     if device.backend == "reference":
-        sentence = f"There is no device to compare with the reference. {device.fallback}".strip()
-        raise bridge.ParadescError(abi.STATUS_UNSUPPORTED, sentence)
+        raise bridge.ParadescError(abi.STATUS_UNSUPPORTED, "There is no device to compare with the reference.")
     reference_settings = replace(
         settings, backend="reference", device_index=-1, options=replace(settings.options, seam_error=False)
     )

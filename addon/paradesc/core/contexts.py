@@ -9,7 +9,6 @@ import threading
 from collections import deque
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import lru_cache
 from types import TracebackType
 
 from .. import bridge
@@ -64,13 +63,13 @@ class Pool:
         return slot
 
     def give_back(self, slot: Slot) -> None:
-        """Removes a user. The last one leaves the context to the next, unless it failed or replaced another device."""
+        """Removes a user. The last one leaves the context to the next, unless it failed."""
         with self.lock:
             slot.users -= 1
             if slot.users > 0:
                 return
             self.used.remove(slot)
-            keeps = slot.sound and not slot.context.fallback and slot.key not in self.idle
+            keeps = slot.sound and slot.key not in self.idle
             if keeps:
                 self.idle[slot.key] = slot.context
             keys = list(self.idle)[:-MOST_IDLE]
@@ -78,14 +77,16 @@ class Pool:
         for context in unused:
             context.close()
 
-    def unlock(self) -> None:
-        """Makes the pool of a forked process usable: the thread that held the lock may be none of its own."""
+    def leave_to_other_process(self) -> None:
+        """Makes the pool of a forked process usable: the threads that hold the lock or compute are none of its own."""
         self.lock = threading.Lock()
+        for slot in self.used:
+            slot.sound = False
 
 
 POOL = Pool()
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=POOL.unlock)
+    os.register_at_fork(after_in_child=POOL.leave_to_other_process)
 
 
 class Lease:
@@ -121,13 +122,6 @@ class Lease:
         if error is not None:
             self.failed(error)
         self.close()
-
-
-@lru_cache(maxsize=1)
-def automatic() -> str:
-    """The backend that "auto" takes on this machine, "gpu" or "cpu"; looked for once."""
-    with Lease("auto", -1) as context:
-        return context.backend
 
 
 def close_idle() -> None:

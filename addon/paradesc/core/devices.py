@@ -16,7 +16,7 @@ TITLES = {
     "cpu": "Processor",
 }
 ABOUT = {
-    "auto": "A graphics card where there is one, else the processor; the software rasterizer for what takes OpenGL",
+    "auto": "The processor; the software rasterizer for what takes OpenGL",
     "gpu": "A graphics card with OpenGL 4.5",
     "software": "The method of graphics cards on the processor, by a software rasterizer",
     "reference": "Exact integration over the triangles, to compare with; slow, needs no UV map",

@@ -90,7 +90,6 @@ class Results:
     field_report: dict[str, float | int]  # of the first radius
     backend: str
     device: str
-    fallback: str  # why "auto" did not get a better device, or ""
     warnings: list[str]  # what limits the results
     notes: list[str] = field(default_factory=list)  # what was measured, and what had no effect
     shape_notes: list[str] = field(default_factory=list)  # what the mesh lacks where its values are taken as they are
@@ -251,22 +250,13 @@ def backend_for(settings: Settings, buffers: bool = False) -> str:
     """The backend that computes with these settings, told before there is a mesh."""
     if settings.backend != "auto":
         return settings.backend
-    here = contexts.automatic()
-    needed = bridge.needs_texture_space(settings.options, buffers)
-    return "software" if needed and not bridge.uses_texture_space(here) else here
+    return "software" if bridge.needs_texture_space(settings.options, buffers) else "cpu"
 
 
 def needs_uvs(settings: Settings, buffers: bool = False) -> bool:
     """Whether a mesh without a UV map gets a layout for the computation; images that displace it need its own map."""
     backend = backend_for(settings, buffers=buffers)
     return bridge.uses_texture_space(backend) or (backend == "cpu" and settings.options.evaluate == "texel")
-
-
-def without_uvs(settings: Settings) -> Settings:
-    """The same for a mesh without UV coordinates: the processor in place of an automatic device that needs them."""
-    if settings.backend == "auto" and not bridge.needs_texture_space(settings.options):
-        return replace(settings, backend="cpu")
-    return settings
 
 
 def check_uvs(arrays: bridge.MeshArrays, backend: str) -> None:
@@ -347,7 +337,6 @@ def run_radii(
                     field_report=found.report(),
                     backend=found.backend,
                     device=found.device,
-                    fallback=context.fallback,
                     warnings=[],
                 )
             results.coverage = np.minimum(results.coverage, found.values("coverage"))

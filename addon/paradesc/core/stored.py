@@ -21,7 +21,7 @@ MESH_REPORT = (
     "nonmanifold_vertices",
 )
 FIELD_REPORT = ("radius", "coverage_mean", "undefined_vertices", "seconds_total", "radius_in_texels")
-WORDS = ("backend", "device", "fallback", "warnings", "notes")
+WORDS = ("backend", "device", "warnings", "notes")
 
 
 def checked(content: object) -> dict[str, object]:

@@ -118,6 +118,10 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
         return Tiling(first=True)
     if counts(uvs).max() > MOST_TILES:
         return Tiling(why=MANY.format(int(counts(uvs).max()), MOST_TILES))
+    sure = middles(uvs)
+    inside = in_tiles(sure)
+    if not inside.all() and (sure[inside] != 0).any():  # as a map in meters, of whose squares there are too many to look at
+        return Tiling(why=OUTSIDE)
     triangles, squares = meetings(uvs)
     low = squares.min(axis=0)
     keys, number = np.unique((squares - low) @ (1, KEY_STEP), return_inverse=True)
@@ -125,7 +129,7 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
     number = number.reshape(-1)
     real = deep(uvs[triangles] - squares[:, None], number, len(places))
     found = places[real]
-    inside = ((found >= 0) & (found < (COLUMNS, ROWS))).all(axis=1)
+    inside = in_tiles(found)
     tiles = np.sort(name_of(*found[inside].T))
     if not inside.all():
         return Tiling(why=OUTSIDE if (tiles != FIRST).any() else "")
@@ -156,6 +160,18 @@ def with_area(uvs: np.ndarray) -> np.ndarray:
     """(n,) bool: which of (n, 3, 2) triangles can show up in an image."""
     area = areas(uvs)
     return np.isfinite(area) & (area > 0)
+
+
+def in_tiles(squares: np.ndarray) -> np.ndarray:
+    """(n,) bool: which of (n, 2) squares are those of tiles."""
+    return ((squares >= 0) & (squares < (COLUMNS, ROWS))).all(axis=1)
+
+
+def middles(uvs: np.ndarray) -> np.ndarray:
+    """(k, 2) squares in which (n, 3, 2) triangles have their middles, without those that only hold rounding at borders."""
+    squares = np.floor(uvs.mean(axis=1))
+    low, high = uvs.min(axis=1) - squares, uvs.max(axis=1) - squares
+    return squares[((high > SPILL) & (low < 1 - SPILL)).all(axis=1)].astype(np.int64)
 
 
 def first_squares(uvs: np.ndarray) -> np.ndarray:

@@ -108,7 +108,7 @@ class Baker:
             raise
 
     def settled(self) -> str:
-        """The backend for these frames: auto is what this machine has, unless frames of the other method are there."""
+        """The backend for these frames: under auto the one that goes on with frames of an earlier version, if there are some."""
         own = self.request.settings.backend
         if own != "auto":
             return own
@@ -154,7 +154,6 @@ class Baker:
             if not self.stream.matches(arrays):
                 self.stream.replace(arrays)
             results = self.stream.compute(arrays.positions, progress, arrays.corner_normals)
-            self.check_method(results)
             computed = time.perf_counter()
             path = cache.write_frame(self.request.folder, self.content(task, results, rest))
         except ParadescError as error:
@@ -165,15 +164,6 @@ class Baker:
         write = {"write": time.perf_counter() - computed}
         seconds = {**task.seconds, "upload": computed - start - total, **native, **write}
         return Done(task.frame, path, seconds, f"{results.backend}: {results.device}", results.warnings)
-
-    def check_method(self, results: job.Results) -> None:
-        """Refuses what another method computed because a device failed: all frames have one method in common."""
-        if METHODS[results.backend] != self.method:
-            failure = results.fallback.rstrip(".")
-            raise ParadescError(
-                abi.STATUS_DEVICE_LOST,
-                f"The graphics device failed ({failure}); start again to go on from here, or choose another backend.",
-            )
 
     def rest(self, progress: ProgressFunction | None) -> job.Results:
         """The results of the base mesh, which are computed once."""

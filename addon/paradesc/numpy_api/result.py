@@ -97,7 +97,7 @@ class Result(Mapping[str, NDArray[np.float32]]):
         return {
             "backend": self.backend,
             "device": self.device,
-            "fallback": results.fallback,
+            "fallback": "",  # for readers of earlier versions
             "settings": results.settings.as_dict(),
             "mesh_report": results.mesh_report,
             "field_report": results.field_report,

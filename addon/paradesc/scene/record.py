@@ -66,7 +66,6 @@ def facts_of(results: Results) -> dict[str, object]:
         "field_report": results.field_report,
         "backend": results.backend,
         "device": results.device,
-        "fallback": results.fallback,
         "warnings": "\n".join(results.warnings),
         "notes": "\n".join(results.notes),
     }

@@ -23,6 +23,8 @@
  *   Handles are opaque. Every handle may be used from any thread; calls on one context, on its meshes and on their fields are
  *   serialized. A mesh must be destroyed before its context, a field may outlive its mesh. A handle that was destroyed, or one of another
  *   kind, is refused (INVALID_ARGUMENT), as long as no new one has got its address; while one thread destroys a handle, no other may use it.
+ *   A process that is forked goes on with the handles of CPU and REFERENCE; devices stay with the other process: what computes there is
+ *   refused, and so is a new device, since no driver follows a fork. Any handle may be destroyed.
  *   A progress callback may not call into the context that it was called from: INVALID_OPERATION.
  *
  * ERRORS
@@ -77,7 +79,7 @@ typedef enum pdesc_status {
 } pdesc_status;
 
 typedef enum pdesc_backend {
-  PDESC_BACKEND_AUTO = 0,      /* gpu, else cpu; see pdesc_context_create */
+  PDESC_BACKEND_AUTO = 0,      /* cpu, and software for what takes texture space; see pdesc_context_create */
   PDESC_BACKEND_GPU = 1,       /* a hardware device by EGL or WGL, OpenGL 4.5 */
   PDESC_BACKEND_SOFTWARE = 2,  /* a software rasterizer (llvmpipe), OpenGL 4.5 */
   PDESC_BACKEND_REFERENCE = 3, /* object space on the CPU, exact quadrature over the surface, needs no UV map */
@@ -205,18 +207,16 @@ typedef struct pdesc_context_options {
 } pdesc_context_options;
 
 PDESC_API void pdesc_context_options_init(pdesc_context_options *options);
-/* options may be NULL: defaults. AUTO takes a graphics card where there is one, else CPU, and then pdesc_context_fallback says why.
- * Nor does it fail where a card fails later (it is lost, out of memory, or its driver refuses a program): CPU then computes, for the rest
- * of the context, and every field's warnings say so. What belongs to texture space alone - the relocations AFFINE and PAPER, half
- * floats, adaptive sampling, seam errors, buffers to be read - goes under AUTO to the card, else to SOFTWARE, with a sentence in the
- * field's warnings, and is UNSUPPORTED where there is no OpenGL; a mesh without a UV map goes to CPU. Any other backend gives the
- * error, and the context stays usable. */
+/* options may be NULL: defaults. AUTO is CPU on every system; GPU is taken by its name alone. What belongs to texture space alone - the
+ * relocations AFFINE and PAPER, half floats, adaptive sampling, seam errors, buffers to be read - goes under AUTO to SOFTWARE, with a
+ * sentence in the field's warnings, and is UNSUPPORTED where there is none. A device that fails gives the error, and the context stays
+ * usable. */
 PDESC_API int32_t pdesc_context_create(const pdesc_context_options *options, pdesc_context **context);
 PDESC_API void pdesc_context_destroy(pdesc_context *context); /* NULL is allowed */
 /* The strings live as long as the context. */
 PDESC_API int32_t pdesc_context_backend(const pdesc_context *context);       /* the pdesc_backend in use */
 PDESC_API const char *pdesc_context_device(const pdesc_context *context);    /* its name, for people */
-PDESC_API const char *pdesc_context_fallback(const pdesc_context *context);  /* why AUTO did not get a device, or "" */
+PDESC_API const char *pdesc_context_fallback(const pdesc_context *context);  /* always "": AUTO needs no device. For callers of earlier versions */
 
 /* stage: "mesh", "bake", ...; fraction of the whole in [0, 1]. Return 0 to cancel. Called on the calling thread, every few milliseconds. */
 typedef int32_t (*pdesc_progress)(void *user, const char *stage, double fraction);
@@ -326,13 +326,12 @@ typedef struct pdesc_options {
                            end at 2 sigma: f itself is smooth at the scale of the radius, and a corner lies in the middle of its slopes */
   double harris_k;      /* k of harris (16), in [0, 0.25); default 0.04 */
   int32_t buffers;      /* 1: baked buffers are to be read afterwards (pdesc_mesh_read_buffer); default 0. GPU and SOFTWARE always leave
-                           some, AUTO where it computed in texture space */
+                           some, AUTO only where this asks for them */
   int32_t creases;      /* pdesc_creases; default AUTO. Where surface maps displace the surface they only end normals */
 } pdesc_options;
 
 PDESC_API void pdesc_options_init(pdesc_options *options);
-/* The pdesc_backend that would compute with these options, and the surface maps that are set: under AUTO it may be another than the
- * context's own. Opens no device. */
+/* The pdesc_backend that would compute with these options: under AUTO it may be another than the context's own. Opens no device. */
 PDESC_API int32_t pdesc_mesh_backend(const pdesc_mesh *mesh, const pdesc_options *options, int32_t *backend);
 
 /* Computes the named descriptors at every vertex from one sampling. descriptor_count >= 1. progress may be NULL. */

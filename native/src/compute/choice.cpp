@@ -20,31 +20,26 @@ std::string texture_space_needs(const pdesc_options &options) {
   return sentence;
 }
 
-int32_t backend_for(const Mesh &mesh, const pdesc_options &options) {
-  const Context &context = *mesh.context;
-  if (context.requested_backend != PDESC_BACKEND_AUTO) return context.backend;
-  const bool needed = !texture_space_needs(options).empty();
-  if (needed && !context.engine->abilities().texture_space) return PDESC_BACKEND_SOFTWARE;
-  const bool mapped = !mesh.triangles.corner_uv.empty() || options.evaluate == PDESC_EVALUATE_TEXEL;
-  return needed || mapped ? context.backend.load() : PDESC_BACKEND_CPU;
+int32_t backend_for(const Context &context, const pdesc_options &options) {
+  return context.automatic && !texture_space_needs(options).empty() ? PDESC_BACKEND_SOFTWARE : context.backend;
 }
 
-static std::shared_ptr<Engine> open_for(const Mesh &mesh, const pdesc_options &options, int32_t backend) {
+static std::shared_ptr<Engine> engine_for(Context &context, const pdesc_options &options) {
+  if (backend_for(context, options) == context.backend) return context.engine;
   try {
-    return engine_of(*mesh.context, backend);
+    return software_of(context);
   } catch (const Error &error) {
-    if (backend != PDESC_BACKEND_SOFTWARE || mesh.context->requested_backend != PDESC_BACKEND_AUTO) throw;
     std::string why = error.what();
     while (why.ends_with('.')) why.pop_back();
     throw Error(PDESC_ERROR_UNSUPPORTED, "A computation with " + texture_space_needs(options) +
-                                             " takes OpenGL, and no device has it here (" + why + "); do without " +
-                                             "what was asked for, or install a driver.");
+                                             " takes OpenGL, and there is no software device here (" + why +
+                                             "); do without what was asked for, or choose the backend gpu if there is a card.");
   }
 }
 
 void take_engine(Mesh &mesh, const pdesc_options &options) {
   reopen_lost_device(*mesh.context);
-  const std::shared_ptr<Engine> engine = open_for(mesh, options, backend_for(mesh, options));
+  const std::shared_ptr<Engine> engine = engine_for(*mesh.context, options);
   if (mesh.session && mesh.engine == engine) return;
   mesh.session.reset();
   mesh.memory_held = 0;
@@ -70,7 +65,7 @@ void refuse_beyond_abilities(const Mesh &mesh, const pdesc_options &options) {
   if (abilities.texels && options.evaluate == PDESC_EVALUATE_TEXEL && mesh.triangles.corner_uv.empty())
     throw Error(PDESC_ERROR_INVALID_OPERATION, "Texels were to be evaluated, and the mesh has no UV map in which they could lie; "
                                                "unwrap it, or evaluate at vertices, which needs none.");
-  check_triangle_count(*mesh.engine, mesh.triangles.triangle_count);
+  check_triangle_count(abilities, mesh.triangles.triangle_count);
 }
 
 } // namespace paradesc

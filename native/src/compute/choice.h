@@ -1,4 +1,4 @@
-// A mesh and options → the engine that computes them: under AUTO another than the context's own, where only that can.
+// A mesh and options → the engine that computes them: under AUTO the processor, or the software device where only that can.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@ namespace paradesc {
 // What of a computation belongs to texture space alone, for a sentence: "half floats and seam errors"; "" if nothing does.
 std::string texture_space_needs(const pdesc_options &options);
 
-// The backend that computes: one of the context's own, without opening another.
-int32_t backend_for(const Mesh &mesh, const pdesc_options &options);
+// The backend that computes with these options; no device is opened for it.
+int32_t backend_for(const Context &context, const pdesc_options &options);
 
 // Gives the mesh the engine, with a session, that computes. Throws Error(UNSUPPORTED) where there is none.
 void take_engine(Mesh &mesh, const pdesc_options &options);

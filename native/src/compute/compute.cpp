@@ -24,8 +24,6 @@ static double resolve_radius(const Mesh &mesh, const pdesc_options &options) {
 static void warn(const Mesh &mesh, const pdesc_options &options, Field &field) {
   auto add = [&](const std::string &sentence) { field.warnings += (field.warnings.empty() ? "" : "\n") + sentence; };
   const pdesc_field_report &report = field.report;
-  if (mesh.context->given_up)
-    add("The graphics device failed, and " + mesh.engine->device() + " computed instead: " + mesh.context->fallback.load());
   if (mesh.engine != mesh.context->engine && mesh.engine->abilities().texture_space)
     add("Only texture space has " + texture_space_needs(options) + ", so " + mesh.engine->device() +
         " computed instead of the processor.");
@@ -57,14 +55,16 @@ static void warn(const Mesh &mesh, const pdesc_options &options, Field &field) {
 }
 
 static Surface surface_of(Mesh &mesh, const pdesc_options &options) {
-  return {mesh.triangles,
-          mesh.half_edges,
-          normals_of(mesh, options),
-          options.creases == PDESC_CREASES_NONE ? nullptr : &creases_of(mesh, options),
-          mesh.maps,
-          mesh.extent.box,
-          mesh.atlases,
-          mesh.positions_version};
+  Surface surface{mesh.triangles,
+                  mesh.half_edges,
+                  normals_of(mesh, options),
+                  options.creases == PDESC_CREASES_NONE ? nullptr : &creases_of(mesh, options),
+                  mesh.maps,
+                  mesh.extent.box,
+                  mesh.atlases,
+                  mesh.positions_version};
+  surface.facets = [&]() -> const Facets & { return facets_of(mesh, options); };
+  return surface;
 }
 
 static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors,
@@ -106,21 +106,23 @@ static Field compute_on_engine(Mesh &mesh, const pdesc_options &options, std::sp
   return field;
 }
 
-// If a card fails, the processor computes, provided that the caller asked for AUTO.
+// Whether the device failed, and not the input or the caller's patience.
+static bool is_of_device(const Error &error) {
+  return error.status() == PDESC_ERROR_UNSUPPORTED || error.status() == PDESC_ERROR_OUT_OF_MEMORY ||
+         error.status() == PDESC_ERROR_DEVICE_LOST || error.status() == PDESC_ERROR_UNKNOWN;
+}
+
 Field compute(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors, const Progress &progress) {
   {
     const CancelScope cancel([&] { check_cancel(progress, "prepare", 0.0); });
     check_memory_of_compute(mesh, options, descriptors);
   }
-  while (true) {
-    try {
-      take_engine(mesh, options);
-      return compute_on_engine(mesh, options, descriptors, progress);
-    } catch (const Error &error) {
-      if (!is_of_device(error)) throw;
-      mesh.session.reset(); // half of it may be missing
-      if (backend_for(mesh, options) != mesh.context->backend || !fall_back(*mesh.context, error)) throw;
-    }
+  try {
+    take_engine(mesh, options);
+    return compute_on_engine(mesh, options, descriptors, progress);
+  } catch (const Error &error) {
+    if (is_of_device(error)) mesh.session.reset(); // half of it may be missing
+    throw;
   }
 }
 

@@ -70,7 +70,7 @@ void check_memory_of_input(const Context &context, const pdesc_mesh_input &input
 }
 
 void check_memory_of_compute(Mesh &mesh, const pdesc_options &options, std::span<const int> descriptors) {
-  const int32_t backend = backend_for(mesh, options);
+  const int32_t backend = backend_for(*mesh.context, options);
   const MemoryForecast memory = forecast_memory_of(mesh, backend, options, descriptors);
   const bool divided = is_divided(mesh, backend);
   const bool buffers = backend == PDESC_BACKEND_GPU || backend == PDESC_BACKEND_SOFTWARE;

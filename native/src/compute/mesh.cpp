@@ -40,16 +40,15 @@ pdesc_mesh_report report_of(const Mesh &mesh) {
   return report;
 }
 
-void check_triangle_count(const Engine &engine, int32_t triangles) {
-  const int32_t max_triangles = engine.abilities().max_triangles;
-  if (triangles > max_triangles)
+void check_triangle_count(const Abilities &abilities, int32_t triangles) {
+  if (triangles > abilities.max_triangles)
     throw Error(PDESC_ERROR_UNSUPPORTED, "The mesh has " + std::to_string(triangles) + " triangles, and graphics devices take " +
-                                             std::to_string(max_triangles) + "; use fewer, or the backend cpu.");
+                                             std::to_string(abilities.max_triangles) + "; use fewer, or the backend cpu.");
 }
 
 std::unique_ptr<Mesh> make_mesh(std::shared_ptr<Context> context, const pdesc_mesh_input &input) {
   check_memory_of_input(*context, input);
-  if (context->requested_backend != PDESC_BACKEND_AUTO) check_triangle_count(*context->engine, input.triangle_count);
+  check_triangle_count(context->abilities, input.triangle_count);
   const CancelScope cancel([&] {
     if (input.progress && !input.progress(input.user, "mesh", 0.0))
       throw Error(PDESC_ERROR_CANCELLED, "Cancelled in stage mesh.");
@@ -140,6 +139,12 @@ NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options) {
   normals.rings = [&mesh, &creases]() -> const NormalRings & { return rings_of(mesh, creases); };
   normals.fans_version = mesh.rings_version;
   return normals;
+}
+
+const Facets &facets_of(Mesh &mesh, const pdesc_options &options) {
+  const NormalsOnDemand normals = normals_of(mesh, options);
+  return mesh.facets.get(normals.key,
+                         [&] { return find_facets(mesh.triangles, mesh.half_edges, normals(), creases_of(mesh, options)); });
 }
 
 ReadBuffer read_buffer(Mesh &mesh, const std::string &name) {

@@ -12,6 +12,7 @@
 #include "bake/refined_surface.h"
 #include "context.h"
 #include "engine/engine.h"
+#include "mesh/facets.h"
 #include "support/keyed.h"
 
 namespace paradesc {
@@ -36,7 +37,8 @@ struct Mesh {
   Keyed<std::pair<uint64_t, int32_t>, Creases> creases;                   // by the positions' version and pdesc_creases
   Keyed<std::tuple<uint64_t, int32_t, double>, Creases> counting_creases; // and by the radius
   Keyed<std::array<uint64_t, 3>, Normals> normals; // by the positions' version, pdesc_normals and the rings' version
-  uint64_t rings_version = 1;                      // 0: normals that have none
+  Keyed<std::array<uint64_t, 3>, Facets> facets;   // by the normals' key
+  uint64_t rings_version = 1;                      // differs whenever creases do; 0: normals that have no rings
   std::vector<int32_t> normals_end_at;             // Creases::edges that the rings' version is of
   std::optional<NormalRings> rings;                // if they are kept
 
@@ -47,7 +49,7 @@ struct Mesh {
       refined;            // by the number of divisions, the normals' key and the maps' version
   uint64_t divisions = 0; // that were made so far
 
-  std::shared_ptr<Engine> engine; // that the session is of: the context may have gone on to another since
+  std::shared_ptr<Engine> engine; // the session's, which may be another than the context's
   std::unique_ptr<Session> session;
   int64_t memory_held = 0; // bytes, about, that the mesh and its session keep for the next computation
 
@@ -63,12 +65,13 @@ double mean_edge_of(const Mesh &mesh);
 double requested_radius(const Mesh &mesh, const pdesc_options &options); // in units of the positions
 const Creases &creases_of(Mesh &mesh, const pdesc_options &options);     // at which normals end
 NormalsOnDemand normals_of(Mesh &mesh, const pdesc_options &options);
+const Facets &facets_of(Mesh &mesh, const pdesc_options &options);
 
 // As Session::read_buffer and buffer_size.
 ReadBuffer read_buffer(Mesh &mesh, const std::string &name);
 int buffer_size(const Mesh &mesh);
 
-// Throws Error(UNSUPPORTED) for more triangles than the engine takes.
-void check_triangle_count(const Engine &engine, int32_t triangles);
+// Throws Error(UNSUPPORTED) for more triangles than an engine of these abilities takes.
+void check_triangle_count(const Abilities &abilities, int32_t triangles);
 
 } // namespace paradesc

@@ -1,6 +1,7 @@
 // Values at the centers of evaluation (wedges, texels, or points of the reference), before they go to vertices or texels.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -15,6 +16,12 @@ struct CenterResults {
   std::vector<float> coverage;            // (centers)
   std::vector<uint8_t> boundary;          // (centers)
 };
+
+// A value in another unit, which may be beyond what a float holds where the value is not: 0 stays 0.
+inline float in_unit(float value, double unit) {
+  const auto rounded = static_cast<float>(unit);
+  return std::isnormal(rounded) ? value * rounded : static_cast<float>(value * unit);
+}
 
 // Results of every point as its own only center, all of whose surface was found; values and boundary are left to the caller.
 CenterResults results_at_points(int point_count);

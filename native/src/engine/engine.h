@@ -18,6 +18,7 @@
 #include "mesh/atlas.h"
 #include "mesh/creases.h"
 #include "mesh/division.h"
+#include "mesh/facets.h"
 #include "mesh/normals.h"
 #include "support/progress.h"
 
@@ -32,9 +33,10 @@ struct Abilities {
 };
 
 struct Resources {
-  int threads = 0;          // as in pdesc_context_options
-  int64_t memory_limit = 0; // likewise
-  int smallest_tile = 128;  // centers of the smallest tile, which no result may depend on
+  int threads = 0;                         // as in pdesc_context_options
+  int64_t memory_limit = 0;                // likewise
+  int smallest_tile = 128;                 // centers of the smallest tile, which no result may depend on
+  std::optional<double> tile_seconds = {}; // that each tile takes, as tests say; else they are measured
 };
 
 // The mesh that a surface was divided from.
@@ -52,11 +54,12 @@ struct Surface {
   NormalsOnDemand normals;
   const Creases *creases; // beside which curvature is that of the solid; or null
   const SurfaceMaps &maps;
-  const Box &box;                          // of the positions
-  Atlases &atlases;                        // an engine in texture space may ask for a better one
-  uint64_t positions_version;              // differs whenever positions do
-  uint64_t topology_version = 0;           // differs whenever triangles do
-  std::optional<DividedMesh> divided = {}; // whose points are the surface's first ones, and whose layout is the atlas
+  const Box &box;                                   // of the positions
+  Atlases &atlases;                                 // an engine in texture space may ask for a better one
+  uint64_t positions_version;                       // differs whenever positions do
+  uint64_t topology_version = 0;                    // differs whenever triangles do
+  std::optional<DividedMesh> divided = {};          // whose points are the surface's first ones, and whose layout is the atlas
+  std::function<const Facets &()> facets = nullptr; // with these normals, beside the creases; made when first asked for
 
   // Points at which results are wanted: the mesh's.
   int32_t wanted_points() const { return divided ? divided->half_edges.point_count : half_edges.point_count; }

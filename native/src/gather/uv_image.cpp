@@ -1,4 +1,5 @@
-// Bands of rows, each on its own: first which triangle every texel shows, then its value.
+// Bands of rows, each on its own: first which triangle every texel shows, then its value. Texels that show one already are passed
+// over at once, so the time follows what is seen of the map, and not how often it repeats.
 //
 // All numbers are doubles, and each sum is taken in the order in which it stands here: the build keeps the compiler from fusing
 // products into sums (CMakeLists.txt), so an image has the same bits on every machine.
@@ -21,7 +22,7 @@
 namespace paradesc {
 namespace {
 
-constexpr double max_tiles = 16.0; // along either axis of the UV plane, that one triangle is drawn on
+constexpr int max_tiles = 16; // along either axis of the UV plane, that one triangle is drawn on
 constexpr int band_rows = 64;
 constexpr int many_columns = 256; // texels of a row that take long enough to ask whether to go on
 
@@ -37,7 +38,6 @@ struct Tiled {
   Corners uvs;
   Point low; // the corner of its first tile
   int columns, rows;
-  int count() const { return columns * rows; }
 };
 
 double finite(float x) {
@@ -46,7 +46,7 @@ double finite(float x) {
   return std::clamp(static_cast<double>(x), -largest, largest);
 }
 
-int tiles_between(double low, double high) { return static_cast<int>(std::clamp(std::ceil(high) - low, 1.0, max_tiles)); }
+int tiles_between(double low, double high) { return static_cast<int>(std::clamp(std::ceil(high) - low, 1.0, double{max_tiles})); }
 
 Tiled tiled(const pdesc_uv_image_input &input, int triangle) {
   const float *uv = input.uvs + size_t{6} * triangle;
@@ -72,8 +72,6 @@ struct Range {
   int first, last;
 };
 
-bool has(Range range, int texel) { return range.first <= texel && texel <= range.last; }
-
 Range centers_between(double low, double high, int size) {
   return {static_cast<int>(std::clamp(std::ceil(low - 0.5), 0.0, static_cast<double>(size))),
           static_cast<int>(std::clamp(std::floor(high - 0.5), -1.0, static_cast<double>(size - 1)))};
@@ -90,6 +88,51 @@ Range rows_of(const Corners &corners, int size) {
 }
 
 double cross(Point a, Point b) { return a.x * b.y - a.y * b.x; }
+
+struct Interval {
+  double low, high;
+};
+
+// A triangle grown by all that rounding may add to it in weights_at().
+class Outline {
+public:
+  explicit Outline(const Corners &corners) : corners_(corners) {
+    double longest = 0.0, shortest = std::numeric_limits<double>::infinity();
+    for (size_t i = 0; i < 3; ++i) {
+      const Point from = corners[i], to = corners[(i + 1) % 3];
+      const double length = std::hypot(to.x - from.x, to.y - from.y);
+      longest = std::max(longest, length);
+      shortest = std::min(shortest, length);
+    }
+    // A cross product is rounded by some 2^-51 of the square of the longest side, which is so much of a distance from the
+    // shortest.
+    margin_ = 0.01 + 0x1p-48 * longest * longest / shortest;
+  }
+
+  // A triangle with two corners in one place, or one that is not finite, has no texel.
+  bool can_show() const { return std::isfinite(margin_); }
+
+  // Between which coordinates a row's texels may lie in the triangle; none where low is above high.
+  Interval columns_at(int row) const {
+    const double low = row + 0.5 - margin_, high = row + 0.5 + margin_;
+    Interval found{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    for (size_t i = 0; i < 3; ++i) {
+      Point a = corners_[i], b = corners_[(i + 1) % 3];
+      if (a.y > b.y) std::swap(a, b);
+      if (b.y < low || a.y > high) continue;
+      const double slope = (b.x - a.x) / (b.y - a.y); // of an edge that crosses a line: its ends are not level
+      for (const double x : {a.y < low ? a.x + (low - a.y) * slope : a.x, b.y > high ? a.x + (high - a.y) * slope : b.x}) {
+        found.low = std::min(found.low, x - margin_);
+        found.high = std::max(found.high, x + margin_);
+      }
+    }
+    return found;
+  }
+
+private:
+  Corners corners_;
+  double margin_;
+};
 
 // Barycentric weights of a texel's center in a triangle of either winding, where it lies in it; its border belongs to it.
 std::optional<Weights> weights_at(const Corners &corners, int column, int row) {
@@ -134,40 +177,51 @@ template <size_t Width> Value<Width> from_map(const pdesc_uv_image_input &input,
   return blended<Width>(values, shares, input.components, has_directions(input));
 }
 
-// Some rows of the image: which triangle each of their texels shows, and the values there.
+// Some rows of the image: which triangle each of their texels shows, on which of its tiles, and the values there.
 class Band {
 public:
   Band(const pdesc_uv_image_input &input, Range rows)
-      : input_(input), rows_(rows), shown_(input.size * (rows.last - rows.first + 1), none) {}
+      : input_(input), rows_(rows), bare_(size_t{1} * input.size * (rows.last - rows.first + 1)), shown_(bare_, none),
+        tile_(bare_), next_((input.size + size_t{1}) * (rows.last - rows.first + 1)) {
+    for (size_t i = 0; i < next_.size(); ++i) next_[i] = static_cast<int32_t>(i % (input.size + size_t{1}));
+  }
 
-  // Must be called for the last triangle first: the first caller keeps its texels.
+  bool is_full() const { return bare_ == 0; }
+
+  // Must be called for the last triangle first: the first caller keeps its texels, and so does the last tile of each.
   void claim(int triangle) {
     const Tiled uv = tiled(input_, triangle);
-    for (int tile = 0; tile < uv.count(); ++tile) {
+    for (int tiles = uv.rows - 1; tiles >= 0; --tiles) {
       checkpoint();
-      claim(triangle, on_tile(uv, tile, input_.size));
+      const Corners corners = on_tile(uv, tiles * uv.columns, input_.size);
+      const Outline outline(corners);
+      if (!outline.can_show()) return;
+      const Range rows = rows_of(corners, input_.size);
+      for (int row = std::max(rows.first, rows_.first); row <= std::min(rows.last, rows_.last); ++row)
+        if (bare_from(row, 0) < input_.size) claim(triangle, uv, tiles, row, outline.columns_at(row));
     }
   }
 
   // image: the first texel of the first of the rows.
   template <size_t Width> void draw(float *image) {
-    int triangle = none;
+    int triangle = none, tile = none;
     Tiled uv{};
     Corners corners{};
     for (int row = rows_.first; row <= rows_.last; ++row) {
-      const int32_t *shown = texels(row);
+      const int32_t *shown = shown_.data() + texel(row, 0);
+      const uint8_t *tiles = tile_.data() + texel(row, 0);
       for (int column = 0; column < input_.size; ++column, image += input_.components) {
         if (shown[column] == none) {
           std::fill_n(image, input_.components, std::numeric_limits<float>::quiet_NaN());
           continue;
         }
-        if (shown[column] != triangle) {
+        if (shown[column] != triangle) uv = tiled(input_, shown[column]);
+        if (shown[column] != triangle || tiles[column] != tile) {
           triangle = shown[column];
-          uv = tiled(input_, triangle);
-          corners = on_tile(uv, 0, input_.size);
+          tile = tiles[column];
+          corners = on_tile(uv, tile, input_.size);
         }
-        const auto weights = uv.count() == 1 ? weights_at(corners, column, row) : weights_on_last_tile(uv, column, row);
-        const Value<Width> value = value_at<Width>(triangle, *weights);
+        const Value<Width> value = value_at<Width>(triangle, *weights_at(corners, column, row));
         for (int c = 0; c < input_.components; ++c) image[c] = static_cast<float>(value[c]);
       }
     }
@@ -176,27 +230,37 @@ public:
 private:
   static constexpr int32_t none = -1;
 
-  int32_t *texels(int row) { return shown_.data() + (row - rows_.first) * input_.size; }
+  size_t texel(int row, int column) const { return size_t{1} * (row - rows_.first) * input_.size + column; }
 
-  void claim(int triangle, const Corners &corners) {
-    const Range rows = rows_of(corners, input_.size), columns = columns_of(corners, input_.size);
-    for (int row = std::max(rows.first, rows_.first); row <= std::min(rows.last, rows_.last); ++row) {
-      if (columns.last - columns.first > many_columns) checkpoint();
-      int32_t *shown = texels(row);
-      for (int column = columns.first; column <= columns.last; ++column)
-        if (shown[column] == none && weights_at(corners, column, row)) shown[column] = triangle;
+  // The first column from this one on that shows nothing yet; size where there is none.
+  int bare_from(int row, int column) {
+    int32_t *const next = next_.data() + size_t{1} * (row - rows_.first) * (input_.size + 1);
+    while (next[column] != column) column = next[column] = next[next[column]];
+    return column;
+  }
+
+  // A row of texels on a row of tiles. between: coordinates in texels of the first of these tiles.
+  void claim(int triangle, const Tiled &uv, int tiles, int row, Interval between) {
+    const double size = input_.size;
+    const double first = std::max(std::floor(between.low / size), 0.0), last = std::min(between.high / size, uv.columns - 1.0);
+    for (int column_of_tiles = static_cast<int>(std::max(last, -1.0)); column_of_tiles >= first; --column_of_tiles) {
+      const int tile = tiles * uv.columns + column_of_tiles;
+      const Corners corners = on_tile(uv, tile, size);
+      const Range near =
+          centers_between(between.low - column_of_tiles * size, between.high - column_of_tiles * size, input_.size);
+      const Range columns = columns_of(corners, input_.size);
+      if (near.last - near.first > many_columns) checkpoint();
+      const int end = std::min(near.last, columns.last);
+      for (int column = bare_from(row, std::max(near.first, columns.first)); column <= end; column = bare_from(row, column + 1))
+        if (weights_at(corners, column, row)) show(triangle, tile, row, column);
     }
   }
 
-  // A triangle that is larger than the image may lie over a texel on several tiles; the texel is one that it claimed.
-  std::optional<Weights> weights_on_last_tile(const Tiled &uv, int column, int row) const {
-    std::optional<Weights> weights;
-    for (int tile = uv.count() - 1; tile >= 0 && !weights; --tile) {
-      const Corners corners = on_tile(uv, tile, input_.size);
-      if (has(columns_of(corners, input_.size), column) && has(rows_of(corners, input_.size), row))
-        weights = weights_at(corners, column, row);
-    }
-    return weights;
+  void show(int triangle, int tile, int row, int column) {
+    shown_[texel(row, column)] = triangle;
+    tile_[texel(row, column)] = static_cast<uint8_t>(tile);
+    next_[size_t{1} * (row - rows_.first) * (input_.size + 1) + column] = column + 1;
+    --bare_;
   }
 
   template <size_t Width> Value<Width> value_at(int triangle, const Weights &weights) const {
@@ -210,8 +274,12 @@ private:
 
   const pdesc_uv_image_input &input_;
   const Range rows_;
+  size_t bare_;                // texels that show nothing yet
   std::vector<int32_t> shown_; // (rows, size)
+  std::vector<uint8_t> tile_;  // (rows, size)
+  std::vector<int32_t> next_;  // (rows, size + 1) a column's own number, or one that is nearer to the next bare column
 };
+static_assert(max_tiles * max_tiles - 1 <= std::numeric_limits<uint8_t>::max());
 
 // (triangle_count) the rows that each triangle may show up in.
 std::vector<Range> rows_of_triangles(const pdesc_uv_image_input &input) {
@@ -219,7 +287,7 @@ std::vector<Range> rows_of_triangles(const pdesc_uv_image_input &input) {
   parallel_blocks(input.triangle_count, input.threads, 4096, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const Tiled uv = tiled(input, i);
-      rows[i] = uv.count() == 1 ? rows_of(on_tile(uv, 0, input.size), input.size) : Range{0, input.size - 1};
+      rows[i] = uv.rows == 1 ? rows_of(on_tile(uv, 0, input.size), input.size) : Range{0, input.size - 1};
     }
   });
   return rows;
@@ -227,7 +295,7 @@ std::vector<Range> rows_of_triangles(const pdesc_uv_image_input &input) {
 
 void draw_band(const pdesc_uv_image_input &input, const std::vector<Range> &rows, Range of_band, float *image) {
   Band band(input, of_band);
-  for (int i = input.triangle_count - 1; i >= 0; --i)
+  for (int i = input.triangle_count - 1; i >= 0 && !band.is_full(); --i)
     if (rows[i].first <= of_band.last && rows[i].last >= of_band.first) band.claim(i);
   if (input.components <= static_cast<int>(few))
     band.draw<few>(image);

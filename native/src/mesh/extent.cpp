@@ -11,7 +11,7 @@ namespace paradesc {
 double mean_edge(const Triangles &triangles, const HalfEdges &mesh, int threads) {
   constexpr int block = 65536;
   const int half_edges = 3 * triangles.triangle_count;
-  std::vector<std::pair<double, int>> parts((half_edges + block - 1) / block); // sum and count
+  std::vector<std::pair<double, int>> parts(static_cast<size_t>(Blocks{half_edges, block}.number())); // sum and count
   parallel_blocks(half_edges, threads, block, [&](int begin, int end) {
     auto &[sum, count] = parts[begin / block];
     for (int h = begin; h < end; ++h) {

@@ -77,8 +77,8 @@ void for_each_edge(std::span<const int32_t> half_edges, const std::vector<int32_
     int32_t half_edge;
   };
   const auto ends = [&](int32_t h) { return std::minmax(ids[h], ids[next_corner(h)]); };
-  std::vector<int32_t> begin(id_count + 2, 0);
-  for (int32_t h : half_edges) ++begin[(ends(h).first) + 2];
+  std::vector<int32_t> begin(size_t{2} + id_count, 0);
+  for (int32_t h : half_edges) ++begin[size_t{2} + ends(h).first];
   checkpoint();
   for (size_t i = 2; i < begin.size(); ++i) begin[i] += begin[i - 1];
   std::vector<Side> sides(half_edges.size());
@@ -86,7 +86,7 @@ void for_each_edge(std::span<const int32_t> half_edges, const std::vector<int32_
   for (size_t i = 0; i < half_edges.size(); ++i) {
     checkpoint_at(i);
     const auto [low, high] = ends(half_edges[i]);
-    sides[begin[low + 1]++] = {high, half_edges[i]};
+    sides[begin[size_t{1} + low]++] = {high, half_edges[i]};
   }
   std::vector<int32_t> edge;
   for (int32_t low = 0; low < id_count; ++low) {
@@ -400,7 +400,7 @@ Box bounding_box(const Triangles &triangles, const HalfEdges &half_edges, int th
   if (half_edges.point_vertex.empty()) return {};
   const vec3 first = triangles.positions[half_edges.point_vertex.front()];
   const auto count = static_cast<int>(half_edges.point_vertex.size());
-  std::vector<std::pair<vec3, vec3>> parts(static_cast<size_t>((count + block - 1) / block), {first, first});
+  std::vector<std::pair<vec3, vec3>> parts(static_cast<size_t>(Blocks{count, block}.number()), {first, first});
   parallel_blocks(count, threads, block, [&](int begin, int end) {
     auto &[low, high] = parts[begin / block];
     for (int i = begin; i < end; ++i) {

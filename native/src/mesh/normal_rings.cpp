@@ -91,10 +91,6 @@ RingRun walk_run(RingWalker &walker, int begin, int end) {
 
 void append(const std::vector<int32_t> &from, std::vector<int32_t> &to) { to.insert(to.end(), from.begin(), from.end()); }
 
-void append_sizes(const std::vector<int32_t> &sizes, std::vector<int32_t> &begins) {
-  for (const int32_t size : sizes) begins.push_back(begins.back() + size);
-}
-
 // Each run is given up as soon as it is copied: rings take more memory than the mesh.
 void join_runs(std::vector<RingRun> &runs, NormalRings &rings) {
   size_t vertices = 0, faces = 0;
@@ -110,8 +106,8 @@ void join_runs(std::vector<RingRun> &runs, NormalRings &rings) {
   }
   for (RingRun &run : runs) {
     checkpoint();
-    append_sizes(run.ring_size, rings.ring_begin);
-    append_sizes(run.face_size, rings.face_begin);
+    append_begins(run.ring_size, rings.ring_begin);
+    append_begins(run.face_size, rings.face_begin);
     append(run.vertices, rings.ring_vertex);
     append(run.faces, rings.face);
     run = {};
@@ -119,6 +115,10 @@ void join_runs(std::vector<RingRun> &runs, NormalRings &rings) {
 }
 
 } // namespace
+
+void append_begins(const std::vector<int32_t> &sizes, std::vector<int64_t> &begins) {
+  for (const int32_t size : sizes) begins.push_back(begins.back() + size);
+}
 
 FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, NormalRings &rings) {
   const auto vertex = [&](int32_t corner) { return triangles.corner_vertex[corner]; };
@@ -149,7 +149,7 @@ FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, co
       if (corner == first) break;
     }
     fans.begin.push_back(static_cast<int32_t>(fans.corner.size()));
-    rings.fan_begin.push_back(static_cast<int32_t>(rings.fan_vertex.size()));
+    rings.fan_begin.push_back(static_cast<int64_t>(rings.fan_vertex.size()));
     rings.fan_point.push_back(half_edges.corner_point[first]);
   }
   rings.fan_count = traced.count;
@@ -167,15 +167,15 @@ FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, co
 
 void walk_rings(const HalfEdges &half_edges, const NormalRings &rings, const FanCorners &fans, int threads,
                 const std::function<void(RingRun)> &use) {
-  const int run_count = (rings.fan_count + run_length - 1) / run_length;
+  const Blocks runs{rings.fan_count, run_length};
   // There are as many shares as threads; each has stamps of its own.
-  const int shares = std::min(thread_count(threads), std::max(run_count, 1));
+  const int shares = std::min(thread_count(threads), std::max(runs.number(), 1));
   parallel_blocks(shares, threads, 1, [&](int share, int) {
-    const auto first_of = [&](int i) { return static_cast<int>(int64_t{run_count} * i / shares); };
+    const auto first_of = [&](int i) { return static_cast<int>(int64_t{runs.number()} * i / shares); };
     RingWalker walker(half_edges, rings, fans);
     for (int run = first_of(share); run < first_of(share + 1); ++run) {
       checkpoint();
-      use(walk_run(walker, run * run_length, std::min((run + 1) * run_length, rings.fan_count)));
+      use(walk_run(walker, runs.begin(run), runs.end(run)));
     }
   });
 }
@@ -188,7 +188,7 @@ NormalRings build_normal_rings(const Triangles &triangles, const HalfEdges &half
   NormalRings rings;
   const FanCorners fans = find_fans(triangles, half_edges, creases, rings);
   checkpoint();
-  std::vector<RingRun> runs(static_cast<size_t>((rings.fan_count + run_length - 1) / run_length));
+  std::vector<RingRun> runs(static_cast<size_t>(Blocks{rings.fan_count, run_length}.number()));
   walk_rings(half_edges, rings, fans, threads, [&](RingRun run) {
     run.vertices.shrink_to_fit();
     run.faces.shrink_to_fit();

@@ -21,11 +21,11 @@ struct NormalRings {
   std::vector<int32_t> fan_point;                         // (fan_count)
   std::vector<int32_t> point_fan;                         // (point_count) below 0 for points of several fans, or none
   bool one_fan_a_point = false;                           // everywhere
-  std::vector<int32_t> fan_begin;                         // (fan_count + 1) into fan_vertex
+  std::vector<int64_t> fan_begin;                         // (fan_count + 1) into fan_vertex
   std::vector<int32_t> fan_vertex;  // the fan's own vertex; those around it, in turning order: each face lies between two of them
-  std::vector<int32_t> ring_begin;  // (fan_count + 1) into ring_vertex
+  std::vector<int64_t> ring_begin;  // (fan_count + 1) into ring_vertex
   std::vector<int32_t> ring_vertex; // neighbors over rings of the mesh, nearest ring first, creases never crossed
-  std::vector<int32_t> face_begin;  // (fan_count + 1) into face
+  std::vector<int64_t> face_begin;  // (fan_count + 1) into face
   std::vector<int32_t> face;        // triangles of the rings used, the fan's own first
 };
 
@@ -40,6 +40,9 @@ struct RingRun {
   int first_fan = 0;
   std::vector<int32_t> ring_size, face_size, vertices, faces;
 };
+
+// Where lists of these sizes begin, behind those that end at begins.back(). A mesh has far more neighbors in rings than corners.
+void append_begins(const std::vector<int32_t> &sizes, std::vector<int64_t> &begins);
 
 // The fans, which end at creases; no rings.
 FanCorners find_fans(const Triangles &triangles, const HalfEdges &half_edges, const Creases &creases, NormalRings &rings);

@@ -53,7 +53,7 @@ std::vector<vec3> face_normals(const Triangles &triangles, int threads) {
   return normals;
 }
 
-std::span<const int32_t> slice(const std::vector<int32_t> &begins, const std::vector<int32_t> &all, int index) {
+std::span<const int32_t> slice(const std::vector<int64_t> &begins, const std::vector<int32_t> &all, int index) {
   const auto begin = static_cast<size_t>(begins[index]);
   return {all.data() + begin, static_cast<size_t>(begins[index + 1]) - begin};
 }

@@ -307,7 +307,7 @@ private:
       std::vector<Crossing> crossings;
       Pairs boundaries;
     };
-    std::vector<Found> found(static_cast<size_t>((count + one_block - 1) / one_block));
+    std::vector<Found> found(static_cast<size_t>(Blocks{count, one_block}.number()));
     parallel_blocks(count, threads_, one_block, [&](int begin, int end) {
       Found here; // of its own: neighboring vectors share cache lines
       for (int half_edge = begin; half_edge < end; ++half_edge) link_along(half_edge, here.crossings, here.boundaries);

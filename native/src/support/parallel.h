@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <thread>
@@ -17,10 +18,19 @@ inline int thread_count(int requested) {
   return requested > 0 ? requested : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
+// What [0, count) is cut into, up to the largest count that there is; the last block may be shorter.
+struct Blocks {
+  int count, size;
+  int number() const { return static_cast<int>((int64_t{count} + size - 1) / size); }
+  int begin(int block) const { return static_cast<int>(std::min(int64_t{block} * size, int64_t{count})); }
+  int end(int block) const { return begin(block + 1); }
+};
+
 // body(begin, end) for blocks of [0, count); the calling thread takes part. The first exception is thrown on after all have
 // stopped. Between blocks the caller may cancel, and while it waits for the others' last ones, which end at their next
 // checkpoint.
 template <class Body> void parallel_blocks(int count, int threads, int block, const Body &body) {
+  const Blocks blocks{count, block};
   std::atomic<int> next{0};
   std::atomic<bool> failed{false};
   std::exception_ptr error;
@@ -35,16 +45,16 @@ template <class Body> void parallel_blocks(int count, int threads, int block, co
   const std::function<void()> work = [&] {
     const CancelScope::Member member(scope);
     while (!failed) {
-      const int begin = next.fetch_add(block);
-      if (begin >= count || begin < 0) return;
+      const int i = next.fetch_add(1);
+      if (i >= blocks.number()) return;
       attempt([&] {
         checkpoint();
-        body(begin, std::min(begin + block, count));
+        body(blocks.begin(i), blocks.end(i));
       });
     }
   };
   {
-    Workers::Loop loop(std::min(thread_count(threads), (count + block - 1) / std::max(block, 1)) - 1, work);
+    Workers::Loop loop(std::min(thread_count(threads), blocks.number()) - 1, work);
     work();
     constexpr std::chrono::milliseconds patience{10};
     while (!failed && !loop.wait(patience)) attempt(checkpoint);

@@ -1,55 +1,49 @@
 // A loop is called out; who comes takes part, and its caller waits for no one else.
 #include "support/workers.h"
 
+#include <new>
 #include <system_error>
 #include <utility>
 
-#if defined(__unix__) || defined(__APPLE__)
-#include <unistd.h>
-#endif
+#include "support/process.h"
 
 namespace paradesc {
 
 static thread_local Workers *workers_here = nullptr;
 
-// A process that was forked has none of the threads of the one before it.
-static long this_process() {
-#if defined(__unix__) || defined(__APPLE__)
-  return getpid();
-#else
-  return 0;
-#endif
-}
-
 Workers::Workers() : process_(this_process()) {}
 
 Workers::~Workers() {
-  leave_to_other_process();
+  if (process_ != this_process()) {
+    static_cast<void>(call_.release());
+    return;
+  }
   {
     const std::lock_guard lock(call_->mutex);
     call_->closing = true;
   }
   call_->called.notify_all();
-  for (std::thread &thread : threads_) thread.join();
+  for (std::thread &thread : call_->threads) thread.join();
 }
 
-// After a fork: one of the threads that are gone may have held the lock, and been waited for. So what they shared is left as it
-// is.
+// After a fork: one of the threads that are gone may have held the lock, and been waited for. So they and what they shared are
+// left as they are.
 void Workers::leave_to_other_process() {
   if (process_ == this_process()) return;
+  auto call = std::make_unique<Call>();
+  call.swap(call_);
+  static_cast<void>(call.release());
   process_ = this_process();
-  for (std::thread &thread : threads_) thread.detach();
-  threads_.clear();
-  static_cast<void>(call_.release());
-  call_ = std::make_unique<Call>();
   in_use_ = false;
 }
 
-// So many in all; fewer if the system gives no more.
+// So many in all; fewer if the system gives no more threads, or no memory for them.
 void Workers::start(size_t count) {
+  Call &call = *call_;
   try {
-    while (threads_.size() < count) threads_.emplace_back([&call = *call_] { serve(call); });
+    while (call.threads.size() < count) call.threads.emplace_back([&call] { serve(call); });
   } catch (const std::system_error &) {
+  } catch (const std::bad_alloc &) {
   }
 }
 

@@ -48,8 +48,9 @@ public:
   };
 
 private:
-  // What threads share.
+  // What threads share, and who they are.
   struct Call {
+    std::vector<std::thread> threads;
     std::mutex mutex; // of all that follows
     std::condition_variable called, ended;
     const std::function<void()> *work = nullptr;
@@ -61,7 +62,6 @@ private:
   void leave_to_other_process();
   static void serve(Call &call);
 
-  std::vector<std::thread> threads_;
   std::unique_ptr<Call> call_ = std::make_unique<Call>();
   long process_; // that the threads belong to
   bool in_use_ = false;

@@ -1,5 +1,5 @@
 // The paper's way over seams (4.1): the whole pattern on the center's own chart, and again on every chart that samples left for, from the
-// center carried there (METHOD.md's map of the seam edge instead of eq. 2 and 3). A sample counts on the chart whose pass it belongs to.
+// center carried there (by the map of the seam edge instead of eq. 2 and 3). A sample counts on the chart whose pass it belongs to.
 // A visit is a chart by way of a seam; where a chart was reached over several seams, a position belongs to the nearest center.
 
 // A region of MAX_VISITS for each invocation of the dispatch; number 0 is the center's own chart. A buffer and no local array:

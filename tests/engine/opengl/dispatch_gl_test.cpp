@@ -36,21 +36,15 @@ TEST(NextTile, has_whole_groups_within_what_a_count_holds) {
   EXPECT_LE(next_tile(std::numeric_limits<int>::max(), 0.0, 64, 64), 1000000000);
 }
 
-// A clock of the test's own.
-double every_tile_takes = 0.0;
-struct TestClock {
-  double lap() const { return every_tile_takes; }
-};
-
 struct Tiles {
   std::vector<int> sizes;
   int next;
 };
-Tiles tiles_of(int count, const TileSizes &sizes, double seconds) {
-  every_tile_takes = seconds;
+Tiles tiles_of(int count, TileSizes sizes, double seconds) {
+  sizes.seconds = seconds;
   Tiles tiles{};
   int end = 0;
-  tiles.next = in_tiles<TestClock>(
+  tiles.next = in_tiles(
       0, count, sizes,
       [&](int first, int last) {
         EXPECT_EQ(first, end);
@@ -83,7 +77,7 @@ void APIENTRY noted_dispatch(GLuint x, GLuint y, GLuint z) {
   dispatched.push_back(x * y);
   real_dispatch(x, y, z);
 }
-// More than twice what a tile may take, after the first two.
+// More than twice what a tile may take, after the first two. How long the others take is not known.
 void APIENTRY slow_finish() {
   if (dispatched.size() <= 2) std::this_thread::sleep_for(std::chrono::milliseconds(70));
 }
@@ -133,7 +127,6 @@ TEST_F(SlowDevice, gets_fewer_invocations_at_once_and_computes_each_once) {
   ASSERT_GE(dispatched.size(), 4u);
   EXPECT_LT(2 * dispatched[1], dispatched[0] + 1);
   EXPECT_LT(2 * dispatched[2], dispatched[1] + 1);
-  EXPECT_GT(dispatched[3], dispatched[2]);
 }
 
 TEST_F(SlowDevice, gets_fewer_texels_at_once_and_computes_each_once) {

@@ -1,6 +1,7 @@
-// A driver that fails, at first or in the middle: one sentence, the next backend under AUTO, and a context that stays usable.
+// A driver that fails, at first or in the middle: one sentence, and a context that stays usable.
 #include <atomic>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -30,35 +31,23 @@ struct Script {
   std::atomic<int> fail_at = 0;    // the dispatch after which the device is out of memory
   std::atomic<bool> lost = false;
   std::atomic<bool> failing = false;
-  std::atomic<int> hardware = 0; // so many openings show the device as a graphics card
 };
 Script script;
 PFNGLDISPATCHCOMPUTEPROC real_dispatch = nullptr;
 PFNGLGETERRORPROC real_error = nullptr;
 PFNGLGETINTEGERVPROC real_integer = nullptr;
-PFNGLGETSTRINGPROC real_string = nullptr;
 PFNGLGETSHADERIVPROC real_shader = nullptr;
 PFNGLGETPROGRAMIVPROC real_program = nullptr;
-test::DeviceString real_device_string = nullptr;
-
-bool pretends_hardware() { return script.opened <= script.hardware; }
-// Where there is a card, it alone is lost.
-bool is_lost() { return script.lost && (script.hardware == 0 || pretends_hardware()); }
 
 void APIENTRY dispatch(GLuint x, GLuint y, GLuint z) {
   const int number = ++script.dispatches;
   if (number == script.lose_at) script.lost = true;
   if (number == script.fail_at) script.failing = true;
-  if (!is_lost()) real_dispatch(x, y, z);
+  if (!script.lost) real_dispatch(x, y, z);
 }
 void APIENTRY dispatch_nothing(GLuint, GLuint, GLuint) {}
-GLenum APIENTRY reset_status() { return is_lost() ? GL_GUILTY_CONTEXT_RESET : GL_NO_ERROR; }
+GLenum APIENTRY reset_status() { return script.lost ? GL_GUILTY_CONTEXT_RESET : GL_NO_ERROR; }
 GLenum APIENTRY error_status() { return script.failing.exchange(false) ? GL_OUT_OF_MEMORY : real_error(); }
-const GLubyte *APIENTRY device_name(GLenum name) {
-  if (name == GL_RENDERER && pretends_hardware()) return reinterpret_cast<const GLubyte *>("Pretended card");
-  return real_string(name);
-}
-const char *device_extensions(void *device, int32_t name) { return pretends_hardware() ? "" : real_device_string(device, name); }
 void APIENTRY old_version(GLenum name, GLint *value) {
   real_integer(name, value);
   if (name == GL_MAJOR_VERSION) *value = 3;
@@ -96,10 +85,8 @@ DriverSubstitute scripted(const FailingDriver &failing) {
     keep("glDispatchCompute", real_dispatch);
     keep("glGetError", real_error);
     keep("glGetIntegerv", real_integer);
-    keep("glGetString", real_string);
     keep("glGetShaderiv", real_shader);
     keep("glGetProgramiv", real_program);
-    keep("eglQueryDeviceStringEXT", real_device_string);
     return put(name, found);
   };
 }
@@ -109,7 +96,7 @@ DriverSubstitute scripted(const FailingDriver &failing) {
 class DriverFailures : public ::testing::Test {
 protected:
   void SetUp() override {
-    script.opened = script.dispatches = script.lose_at = script.fail_at = script.hardware = 0;
+    script.opened = script.dispatches = script.lose_at = script.fail_at = 0;
     script.lost = script.failing = false;
     ball = test::sphere(1, {.vertices = 400});
     test::lay_out(ball, {.charts = 6});
@@ -152,46 +139,38 @@ protected:
       ADD_FAILURE() << "half floats were computed: " << word;
     } catch (const Error &error) {
       EXPECT_EQ(error.status(), PDESC_ERROR_UNSUPPORTED);
-      test::expect_one_sentence(error.what(), test::on_card() ? "no device has it" : word); // beside a card there may be no other
+      test::expect_one_sentence(error.what(), test::on_card() ? "no software device" : word); // beside a card there may be none
       test::expect_one_sentence(error.what(), "half floats");
     }
     EXPECT_EQ(compute_on(*mesh).report.backend, PDESC_BACKEND_CPU) << "the mesh stays usable";
   }
 
-  // The same driver, whose first device says that it is a graphics card.
-  static FailingDriver as_card(FailingDriver failing) {
-    return failing.put("glGetString", device_name).put("eglQueryDeviceStringEXT", device_extensions);
-  }
-
-  // Computes with a driver that fails on the way: an error by name, and the same values as the processor's under AUTO.
+  // Computes with a driver that fails on the way: an error by name, and under AUTO for what takes texture space alone.
   void expect_failure_in_the_middle(const FailingDriver &failing, pdesc_status status, const char *word) {
     if (!has_device()) GTEST_SKIP() << "no device";
-    {
-      const auto mesh = mesh_on(open(test::device_backend(), failing));
+    const auto expect_failure = [&](Mesh &mesh) {
       try {
-        compute_on(*mesh);
+        compute_on(mesh);
         ADD_FAILURE() << "nothing was thrown: " << word;
       } catch (const Error &error) {
         EXPECT_EQ(error.status(), status) << error.what();
         test::expect_one_sentence(error.what(), word);
       }
-    }
+    };
+    expect_failure(*mesh_on(open(test::device_backend(), failing)));
+    if (test::on_card()) return; // beside which there may be no software device
     const int lose_at = script.lose_at, fail_at = script.fail_at;
     SetUp();
     script.lose_at = lose_at;
     script.fail_at = fail_at;
-    script.hardware = 1;
-    const auto context = open(PDESC_BACKEND_AUTO, as_card(failing));
-    ASSERT_EQ(context->backend, PDESC_BACKEND_GPU) << "else nothing is left to fail";
-    const auto mesh = mesh_on(context);
+    const auto mesh = mesh_on(open(PDESC_BACKEND_AUTO, failing)), processor = mesh_on(open(PDESC_BACKEND_CPU, {}));
+    options.buffers = 1;
+    expect_failure(*mesh);
+    options.buffers = 0;
     const Field field = compute_on(*mesh);
     EXPECT_EQ(field.report.backend, PDESC_BACKEND_CPU);
-    test::expect_one_sentence(field.warnings.substr(0, field.warnings.find('\n')),
-                              word); // the other is about the size of the buffers
-    EXPECT_EQ(context->backend, PDESC_BACKEND_CPU);
-    const auto processor = mesh_on(open(PDESC_BACKEND_CPU, {}));
+    EXPECT_EQ(field.warnings, "") << "the processor has not failed";
     test::expect_same_bits(field.values[0], compute_on(*processor).values[0]);
-    test::expect_one_sentence(compute_on(*mesh).warnings, word); // who comes later must learn it too
   }
 
   test::TestMesh ball;
@@ -220,7 +199,7 @@ TEST_F(DriverFailures, limits_below_those_of_opengl_4_5_are_refused_with_the_num
   expect_refused_at_once(FailingDriver().put("glGetInteger64v", no_storage), "it takes -1 bytes");
 }
 
-TEST_F(DriverFailures, a_program_that_does_not_compile_or_link_leaves_the_work_to_the_next_backend) {
+TEST_F(DriverFailures, a_program_that_does_not_compile_or_link_is_an_error_of_the_device_alone) {
   expect_failure_in_the_middle(FailingDriver().put("glGetShaderiv", not_compiled), PDESC_ERROR_UNSUPPORTED, "did not compile");
   SetUp();
   expect_failure_in_the_middle(FailingDriver().put("glGetShaderiv", not_compiled).put("glGetShaderInfoLog", long_log),
@@ -229,7 +208,7 @@ TEST_F(DriverFailures, a_program_that_does_not_compile_or_link_leaves_the_work_t
   expect_failure_in_the_middle(FailingDriver().put("glGetProgramiv", not_linked), PDESC_ERROR_UNSUPPORTED, "did not link");
 }
 
-TEST_F(DriverFailures, a_device_out_of_memory_leaves_the_work_to_the_next_backend) {
+TEST_F(DriverFailures, a_device_out_of_memory_says_so_wherever_it_happens) {
   for (const int at : first_dispatches) {
     SetUp();
     script.fail_at = at;
@@ -238,7 +217,7 @@ TEST_F(DriverFailures, a_device_out_of_memory_leaves_the_work_to_the_next_backen
   }
 }
 
-TEST_F(DriverFailures, a_device_lost_at_the_first_or_at_a_later_dispatch_leaves_the_work_to_the_next_backend) {
+TEST_F(DriverFailures, a_device_lost_at_the_first_or_at_a_later_dispatch_says_so) {
   for (const int at : first_dispatches) {
     SetUp();
     script.lose_at = at;
@@ -255,29 +234,6 @@ TEST_F(DriverFailures, a_device_that_cannot_draw_into_buffers_of_the_size_it_pro
 TEST_F(DriverFailures, a_device_that_computes_nothing_is_found_out) {
   expect_failure_in_the_middle(FailingDriver().put("glDispatchCompute", dispatch_nothing), PDESC_ERROR_UNSUPPORTED,
                                "without a result");
-}
-
-TEST_F(DriverFailures, a_graphics_card_that_is_lost_leaves_texture_space_to_the_software_rasterizer) {
-  if (test::on_card() || !has(PDESC_BACKEND_SOFTWARE)) GTEST_SKIP() << "the software rasterizer has to be the card, too";
-  script.hardware = 1;
-  options.precision = PDESC_PRECISION_HALF;
-  const auto context =
-      open(PDESC_BACKEND_AUTO,
-           as_card(FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status)));
-  ASSERT_EQ(context->backend, PDESC_BACKEND_GPU) << context->fallback.load();
-  const char *card = context->device.load();
-  const auto mesh = mesh_on(context), other = mesh_on(context);
-  const std::vector<float> expected = compute_on(*other).values[0]; // whose buffers stay on the card
-  script.dispatches = 0;
-  script.lose_at = 2;
-  const Field field = compute_on(*mesh);
-  EXPECT_EQ(field.report.backend, PDESC_BACKEND_SOFTWARE);
-  test::expect_one_sentence(field.warnings.substr(0, field.warnings.find('\n')), "lost"); // others are about the layout
-  EXPECT_NE(field.warnings.find("llvmpipe"), std::string::npos) << field.warnings << "\nsays what computed";
-  EXPECT_EQ(context->backend, PDESC_BACKEND_CPU) << "for all else";
-  EXPECT_STREQ(card, "Pretended card") << "callers may hold the name";
-  test::expect_same_bits(field.values[0], expected); // it is the same rasterizer
-  test::expect_same_bits(compute_on(*other).values[0], expected);
 }
 
 TEST_F(DriverFailures, a_device_that_was_asked_for_by_name_is_opened_again_after_it_was_lost) {
@@ -322,21 +278,38 @@ TEST_F(DriverFailures, a_device_that_does_not_come_back_says_so_each_time) {
   }
 }
 
-TEST_F(DriverFailures, a_graphics_card_that_is_lost_leaves_a_surface_with_maps_to_the_processor) {
+// Under tests/sanitize.sh thread this fails if the two share the device without a lock.
+TEST_F(DriverFailures, meshes_are_made_while_a_lost_device_is_opened_again) {
   if (!has_device()) GTEST_SKIP() << "no device";
-  script.hardware = 1;
-  const auto context =
-      open(PDESC_BACKEND_AUTO,
-           as_card(FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status)));
-  ASSERT_EQ(context->backend, PDESC_BACKEND_GPU) << context->fallback.load();
-  const auto mesh = mesh_on(context), by_name = mesh_on(open(PDESC_BACKEND_CPU, {}));
-  const float height = 0.5f;
-  for (Mesh *each : {mesh.get(), by_name.get()}) set_displacement(each->maps, each->triangles, &height, 1, 1, 0.0, 0.1);
-  script.dispatches = 0;
-  script.lose_at = 2;
-  const Field field = compute_on(*mesh);
-  EXPECT_EQ(field.report.backend, PDESC_BACKEND_CPU);
-  test::expect_same_bits(field.values[0], compute_on(*by_name).values[0]);
+  const auto context = open(test::device_backend(),
+                            FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status));
+  const auto mesh = mesh_on(context);
+  std::atomic<bool> ended = false;
+  std::thread other([&] {
+    while (!ended) mesh_on(context);
+  });
+  for (int i = 0; i < 3; ++i) {
+    script.lose_at = script.dispatches + 1;
+    EXPECT_THROW(compute_on(*mesh), Error);
+    script.lost = false;
+    EXPECT_EQ(compute_on(*mesh).report.backend, test::device_backend());
+  }
+  ended = true;
+  other.join();
+  EXPECT_EQ(script.opened, 4);
+}
+
+TEST_F(DriverFailures, an_automatic_context_opens_its_software_device_again_after_it_was_lost) {
+  if (!has(PDESC_BACKEND_SOFTWARE)) GTEST_SKIP() << "no software rasterizer";
+  const auto mesh = mesh_on(
+      open(PDESC_BACKEND_AUTO, FailingDriver().put("glDispatchCompute", dispatch).put("glGetGraphicsResetStatus", reset_status)));
+  options.buffers = 1;
+  const std::vector<float> expected = compute_on(*mesh).values[0];
+  script.lose_at = script.dispatches + 2;
+  EXPECT_THROW(compute_on(*mesh), Error);
+  script.lost = false;
+  test::expect_same_bits(compute_on(*mesh).values[0], expected);
+  EXPECT_EQ(script.opened, 2);
 }
 
 TEST_F(DriverFailures, what_only_a_device_has_ends_with_the_devices_own_sentence) {
@@ -353,15 +326,16 @@ TEST_F(DriverFailures, what_only_a_device_has_ends_with_the_devices_own_sentence
   }
 }
 
-TEST_F(DriverFailures, a_wrong_input_or_a_cancel_is_not_the_devices_fault) {
+TEST_F(DriverFailures, a_wrong_input_or_a_cancel_leaves_what_the_mesh_keeps_on_the_device) {
   if (!has_device()) GTEST_SKIP() << "no device";
-  const auto context = open(PDESC_BACKEND_AUTO, {});
-  const auto mesh = mesh_on(context);
+  const auto mesh = mesh_on(open(test::device_backend(), {}));
+  compute_on(*mesh);
+  const Session *kept = mesh->session.get();
   const std::vector<int> requested = {find_descriptor("mean_curvature")};
   EXPECT_THROW(compute(*mesh, options, requested, [](const char *, double) { return false; }), Error);
   options.radius = 17;
   EXPECT_THROW(compute_on(*mesh), Error);
-  EXPECT_FALSE(context->given_up);
+  EXPECT_EQ(mesh->session.get(), kept);
 }
 
 // Why llvmpipe's own limit of 2^27 bytes is not believed.

@@ -1,4 +1,4 @@
-// An EGL that lacks something: one sentence, and the processor under AUTO.
+// An EGL that lacks something: one sentence.
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <gtest/gtest.h>

@@ -141,9 +141,10 @@ static double power(double base, int exponent) {
 // To the units of the positions.
 static void scale_values(std::span<const int> rows, double scale, CenterResults &results) {
   for (size_t k = 0; k < rows.size(); ++k) {
-    const auto unit = static_cast<float>(power(scale, -descriptor_row(rows[k]).length_power));
-    if (unit == 1.0f) continue;
-    for (float &value : results.values[k]) value *= unit;
+    const int exponent = -descriptor_row(rows[k]).length_power;
+    if (exponent == 0) continue;
+    const double unit = power(scale, exponent);
+    for (float &value : results.values[k]) value = in_unit(value, unit);
   }
 }
 
@@ -218,7 +219,7 @@ public:
         surfels_(build_surfels(source_, radius_, fineness_of(pass, request.options))),
         samples_(samples_within(resources.memory_limit, source_, surfels_)),
         params_(params_of(request, space.scale, radius_, share_of_clusters(surfels_))),
-        creases_(surface, radius_of(pass, request.options, request.radius), resources.threads) {
+        creases_(surface, pass.rows, radius_of(pass, request.options, request.radius), resources.threads) {
     surfels_.cluster = {}; // samples stand for them
   }
 

@@ -292,8 +292,8 @@ static void add_blocks(const std::vector<int32_t> &samples_of_cell, int threads,
 SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels) {
   constexpr int surfels_of_part = 1024;
   const auto count = static_cast<int>(surfels.surfel.size());
-  const int part_count = (count + surfels_of_part - 1) / surfels_of_part;
-  std::vector<SampleList> parts(static_cast<size_t>(part_count));
+  const Blocks blocks{count, surfels_of_part};
+  std::vector<SampleList> parts(static_cast<size_t>(blocks.number()));
   SurfaceSamples result;
   result.first.resize(static_cast<size_t>(count) + 1);
   parallel_blocks(count, source.threads, surfels_of_part, [&](int begin, int end) {
@@ -311,12 +311,11 @@ SurfaceSamples list_samples(const SurfelSource &source, const Surfels &surfels) 
   result.list.sample.resize(static_cast<size_t>(begin.back()));
   if (source.map) result.list.map.resize(static_cast<size_t>(begin.back()));
   result.first[count] = begin.back();
-  parallel_blocks(part_count, source.threads, 1, [&](int index, int) {
+  parallel_blocks(blocks.number(), source.threads, 1, [&](int index, int) {
     const SampleList part = std::exchange(parts[index], {});
     std::ranges::copy(part.sample, result.list.sample.begin() + begin[index]);
     std::ranges::copy(part.map, result.list.map.begin() + (source.map ? begin[index] : 0));
-    const int end = std::min((index + 1) * surfels_of_part, count);
-    for (int k = index * surfels_of_part; k < end; ++k) result.first[k] += begin[index];
+    for (int k = blocks.begin(index); k < blocks.end(index); ++k) result.first[k] += begin[index];
   });
   std::vector<int32_t> samples_of_cell;
   for (const int32_t surfel : surfels.cell_begin) samples_of_cell.push_back(result.first[surfel]);

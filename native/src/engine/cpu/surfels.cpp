@@ -267,7 +267,7 @@ private:
   void link() {
     const auto cells = static_cast<int>(result_.cell_begin.size()) - 1;
     constexpr int cells_of_part = 128;
-    std::vector<Part> parts(static_cast<size_t>((cells + cells_of_part - 1) / cells_of_part));
+    std::vector<Part> parts(static_cast<size_t>(Blocks{cells, cells_of_part}.number()));
     result_.cell_sphere.resize(static_cast<size_t>(cells));
     parallel_blocks(cells, source_.threads, cells_of_part, [&](int begin, int end) {
       Part part;

@@ -85,11 +85,10 @@ static void mix(float *value, const Value &solid, size_t components, float share
   for (int k = 0; k < 3; ++k) value[k] = largest < 0.0f ? -unit[k] : unit[k];
 }
 
-CreaseBlend::CreaseBlend(const Surface &surface, double radius, int threads)
+CreaseBlend::CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int threads)
     : surface_(surface), radius_(radius), threads_(threads) {
-  if (!surface.creases || surface.creases->edges.empty() || surface.maps.any()) return;
-  facets_ = find_facets(surface.triangles, surface.half_edges, surface.normals(), *surface.creases);
-  creased_.emplace(CreasedSurface{surface.triangles, surface.half_edges, surface.normals(), *surface.creases, facets_});
+  if (!surface.creases || surface.creases->edges.empty() || surface.maps.any() || std::ranges::none_of(rows, is_of_solid)) return;
+  creased_.emplace(CreasedSurface{surface.triangles, surface.half_edges, surface.normals(), *surface.creases, surface.facets()});
   near_.emplace(*creased_, radius);
 }
 

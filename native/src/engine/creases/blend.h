@@ -10,15 +10,16 @@
 
 namespace paradesc {
 
-// For one radius, in units of the positions. Does nothing where the surface has no creases, or where maps displace it.
+// For one radius, in units of the positions. Does nothing where the surface has no creases, where maps displace it, or where none
+// of the rows follows from curvature.
 class CreaseBlend {
 public:
-  CreaseBlend(const Surface &surface, double radius, int threads);
+  CreaseBlend(const Surface &surface, std::span<const int> rows, double radius, int threads);
 
   CreaseBlend(const CreaseBlend &) = delete;
   CreaseBlend &operator=(const CreaseBlend &) = delete;
 
-  // results: of these rows, at points, in units of the positions. Rows that follow from no curvature stay.
+  // results: of some of the rows, at points, in units of the positions. Rows that follow from no curvature stay.
   void at_points(std::span<const int> rows, CenterResults &results) const;
   // Of texels [first, …).
   void at_texels(std::span<const int> rows, const TexelMap &texels, size_t first, CenterResults &results) const;
@@ -30,8 +31,7 @@ private:
   const Surface &surface_;
   double radius_;
   int threads_;
-  Facets facets_;
-  std::optional<CreasedSurface> creased_; // refers to them
+  std::optional<CreasedSurface> creased_;
   std::optional<NearCreases> near_;
 };
 

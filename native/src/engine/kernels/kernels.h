@@ -1,5 +1,5 @@
-// shaders/kernel as C++: KERNEL<float, bool> adds one neighbor at a time and finishes; KERNEL<Lanes, Choices> adds eight, whose sums
-// are added up before they are finished by add_lanes().
+// shaders/kernel as C++: KERNEL<float, bool> adds one neighbor at a time and finishes; KERNEL<Lanes, Choices> adds as many as there
+// are lanes, whose sums are added up before they are finished by add_lanes().
 //
 // No include guard: each engine, or each choice of an engine, includes it with a name of its own for KERNEL. What GLSL chooses when it
 // compiles is chosen in the same way: INTEGRAL, EXTRAPOLATED, GEODESIC_BALL, FACES and MAP are 0 or 1, as are TERMS_BALL and so on for

@@ -38,7 +38,8 @@ void DeviceSurface::set_normals(const Gl &gl, const Normals &normals) {
 void DeviceSurface::upload_rings(const Gl &gl, const NormalRings &rings) {
   std::vector<ivec4> begins;
   for (size_t fan = 0; fan <= static_cast<size_t>(rings.fan_count); ++fan)
-    begins.emplace_back(rings.fan_begin[fan], rings.ring_begin[fan], rings.face_begin[fan], 0);
+    begins.emplace_back(static_cast<int>(rings.fan_begin[fan]), static_cast<int>(rings.ring_begin[fan]),
+                        static_cast<int>(rings.face_begin[fan]), 0);
   rings_.upload(gl, GL_RGBA32I, begins, GL_STATIC_DRAW);
   fan_vertices_.upload(gl, GL_R32I, rings.fan_vertex, GL_STATIC_DRAW);
   ring_vertices_.upload(gl, GL_R32I, rings.ring_vertex, GL_STATIC_DRAW);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 
 #include "engine/opengl/gl.h"
 #include "support/progress.h"
@@ -18,19 +19,21 @@ int next_tile(int tile, double seconds, int smallest, int group);
 // multiples of.
 struct TileSizes {
   int first, smallest, largest, group;
+  std::optional<double> seconds = {}; // that each takes, as tests say; else they are measured
 };
 
 // Calls compute(begin, end), which returns when the device has finished, for one tile of [begin, end) after the other, and
 // then(end of the tile), whose time does not count. Returns what the first tile may be when the same is computed again: what is
 // left for the last one may be so little that its time tells nothing but that it is not too much.
-template <class Stopwatch = Clock, class Compute, class Then>
+template <class Compute, class Then>
 int in_tiles(int begin, int end, const TileSizes &sizes, const Compute &compute, const Then &then) {
   int tile = std::min(sizes.first, sizes.largest);
   for (int last = begin; begin < end; begin = last) {
     last = begin + std::min(tile, end - begin);
-    Stopwatch clock;
+    Clock clock;
     compute(begin, last);
-    const int next = std::min(next_tile(tile, clock.lap(), sizes.smallest, sizes.group), sizes.largest);
+    const double seconds = sizes.seconds.value_or(clock.lap());
+    const int next = std::min(next_tile(tile, seconds, sizes.smallest, sizes.group), sizes.largest);
     if (last - begin == tile || next < tile) tile = next;
     then(last);
   }

@@ -71,7 +71,7 @@ void TextureSpace::evaluate_tiles(const Job &job, const EvaluateSettings &settin
                                   double from, double to) {
   const int smallest = job.resources.smallest_tile;
   const TileSizes sizes{job.connected() ? std::max(cells().tile, smallest) : smallest, smallest, gl_->largest_dispatch(),
-                        gl_->group_size()};
+                        gl_->group_size(), job.resources.tile_seconds};
   const int next = in_tiles(
       0, count, sizes,
       [&](int first, int last) {
@@ -158,12 +158,12 @@ CenterResults TextureSpace::results_of(const EvaluateSettings &settings, const F
   size_t row = ROW_DESCRIPTORS;
   for (size_t k = 0; k < settings.descriptors.size(); ++k) {
     const DescriptorRow &descriptor = descriptor_row(settings.descriptors[k]);
-    const auto unit = static_cast<float>(std::pow(frame.space.scale, -descriptor.length_power));
+    const double unit = std::pow(frame.space.scale, -descriptor.length_power);
     const auto width = static_cast<size_t>(descriptor.components);
     results.values[k].resize(count * width);
     for (size_t component = 0; component < width; ++component, ++row)
       for (size_t i = 0; i < count; ++i)
-        results.values[k][static_cast<size_t>(order[i]) * width + component] = rows[row * count + i] * unit;
+        results.values[k][static_cast<size_t>(order[i]) * width + component] = in_unit(rows[row * count + i], unit);
   }
   return results;
 }

@@ -3,11 +3,13 @@
 #include "engine/opengl/gl_context.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <type_traits>
 
 #include "support/error.h"
 #include "support/math.h"
+#include "support/process.h"
 
 #include "shared.h"
 
@@ -84,7 +86,19 @@ static void check_index(int device_index, int count) {
                                            "; choose a lower index or -1.");
 }
 
+// Drivers keep threads for their whole process: one that is forked from it has their state without these threads, and would wait
+// for them for ever.
+static void refuse_after_fork() {
+  static std::atomic<long> opened_in = 0;
+  long other = 0;
+  if (opened_in.compare_exchange_strong(other, this_process()) || other == this_process()) return;
+  throw Error(PDESC_ERROR_UNSUPPORTED,
+              "OpenGL was open in the process that this one was forked from, which no driver follows; start "
+              "processes by spawn, or use the cpu backend.");
+}
+
 GlContext::GlContext(bool software, int device_index, const DriverSubstitute &substitute) : system_(substitute) {
+  refuse_after_fork();
   const int count = system_.list_devices(software);
   check_index(device_index, count);
   const int first = std::max(device_index, 0), end = device_index < 0 ? count : device_index + 1;

@@ -6,45 +6,59 @@
 
 #include "support/error.h"
 #include "support/math.h"
+#include "support/process.h"
 
 #include "shared.h"
 
 namespace paradesc {
 
-GlThread::GlThread(bool software, int device_index, const DriverSubstitute &substitute)
-    : thread_([=, this] { loop(software, device_index, substitute); }) {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return ready_; });
-  if (!error_) return;
+GlThread::GlThread(bool software, int device_index, const DriverSubstitute &substitute) : process_(this_process()) {
+  Shared &shared = *shared_;
+  shared.thread = std::thread([=, this] { loop(software, device_index, substitute); });
+  std::unique_lock lock(shared.mutex);
+  shared.changed.wait(lock, [&] { return shared.ready; });
+  if (!shared.error) return;
   lock.unlock();
-  thread_.join();
-  std::rethrow_exception(error_);
+  shared.thread.join();
+  std::rethrow_exception(shared.error);
 }
 
 GlThread::~GlThread() {
-  {
-    std::lock_guard lock(mutex_);
-    stop_ = true;
+  if (is_left_behind()) {
+    static_cast<void>(shared_.release());
+    return;
   }
-  changed_.notify_all();
-  thread_.join();
+  {
+    std::lock_guard lock(shared_->mutex);
+    shared_->stop = true;
+  }
+  shared_->changed.notify_all();
+  shared_->thread.join();
 }
 
+bool GlThread::is_left_behind() const { return process_ != this_process(); }
+
 void GlThread::run(const std::function<void(const Gl &, ProgramCache &)> &work) {
-  std::lock_guard one_caller(calls_);
-  std::unique_lock lock(mutex_);
-  work_ = &work;
-  error_ = nullptr;
+  if (is_left_behind())
+    throw Error(PDESC_ERROR_DEVICE_LOST,
+                "The graphics device stayed with the process that this one was forked from; start processes "
+                "by spawn, or use the cpu backend.");
+  Shared &shared = *shared_;
+  std::lock_guard one_caller(shared.calls);
+  std::unique_lock lock(shared.mutex);
+  shared.work = &work;
+  shared.error = nullptr;
   lock.unlock(); // or the thread would wake up only to wait for it
-  changed_.notify_all();
+  shared.changed.notify_all();
   lock.lock();
-  changed_.wait(lock, [&] { return work_ == nullptr; });
-  if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
+  shared.changed.wait(lock, [&] { return shared.work == nullptr; });
+  if (shared.error) std::rethrow_exception(std::exchange(shared.error, nullptr));
 }
 
 void GlThread::loop(bool software, int device_index, const DriverSubstitute &substitute) {
+  Shared &shared = *shared_;
   std::unique_ptr<GlContext> context;
-  std::unique_lock lock(mutex_);
+  std::unique_lock lock(shared.mutex);
   try {
     context = std::make_unique<GlContext>(software, device_index, substitute);
     device_ = context->device();
@@ -53,31 +67,31 @@ void GlThread::loop(bool software, int device_index, const DriverSubstitute &sub
     list_texels_ = limits.list_texels;
     largest_dispatch_ = std::min(limits.work_groups, (1 << 30) / group_size_) * group_size_;
   } catch (...) {
-    error_ = std::current_exception();
+    shared.error = std::current_exception();
   }
-  ready_ = true;
-  changed_.notify_all();
-  if (error_) return;
+  shared.ready = true;
+  shared.changed.notify_all();
+  if (shared.error) return;
 
   ProgramCache programs;
   while (true) {
-    changed_.wait(lock, [&] { return work_ || stop_; });
-    if (!work_) break;
+    shared.changed.wait(lock, [&] { return shared.work || shared.stop; });
+    if (!shared.work) break;
     lock.unlock();
     std::exception_ptr error;
     try {
-      (*work_)(context->gl(), programs);
+      (*shared.work)(context->gl(), programs);
     } catch (const Error &failure) {
-      lost_ = lost_ || failure.status() == PDESC_ERROR_DEVICE_LOST;
+      shared.lost = shared.lost || failure.status() == PDESC_ERROR_DEVICE_LOST;
       error = std::current_exception();
     } catch (...) {
       error = std::current_exception();
     }
     lock.lock();
-    error_ = error;
-    work_ = nullptr;
+    shared.error = error;
+    shared.work = nullptr;
     lock.unlock();
-    changed_.notify_all();
+    shared.changed.notify_all();
     lock.lock();
   }
   programs.clear();

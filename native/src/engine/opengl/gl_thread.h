@@ -27,22 +27,31 @@ public:
   int largest_dispatch() const { return largest_dispatch_; } // invocations of a list that one call may start
   int group_size() const { return group_size_; }             // invocations that a device runs together
   int list_texels() const { return list_texels_; }           // of a buffer texture, at most
-  bool lost() const { return lost_; } // some work ended with DEVICE_LOST: nothing more can be computed here
+  // Nothing more can be computed here: some work ended with DEVICE_LOST, or the thread is in another process.
+  bool lost() const { return shared_->lost || is_left_behind(); }
+  // Whether this process was forked from the thread's own. What lives on the device must then be left as it is.
+  bool is_left_behind() const;
 
 private:
+  // What callers share with the thread, which a forked process must not touch.
+  struct Shared {
+    std::mutex calls;
+    std::mutex mutex;
+    std::condition_variable changed;
+    const std::function<void(const Gl &, ProgramCache &)> *work = nullptr;
+    bool ready = false;
+    bool stop = false;
+    std::atomic<bool> lost = false;
+    std::exception_ptr error;
+    std::thread thread;
+  };
+
   void loop(bool software, int device_index, const DriverSubstitute &substitute);
 
-  std::mutex calls_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  const std::function<void(const Gl &, ProgramCache &)> *work_ = nullptr;
-  bool ready_ = false;
-  bool stop_ = false;
-  std::atomic<bool> lost_ = false;
-  std::exception_ptr error_;
+  std::unique_ptr<Shared> shared_ = std::make_unique<Shared>();
   std::string device_;
   int largest_dispatch_ = 0, group_size_ = 1, list_texels_ = 0;
-  std::thread thread_;
+  long process_;
 };
 
 } // namespace paradesc

@@ -22,7 +22,7 @@ public:
       : software_(software), thread_(std::make_shared<GlThread>(software, device_index, substitute)) {}
   int32_t backend() const override { return software_ ? PDESC_BACKEND_SOFTWARE : PDESC_BACKEND_GPU; }
   const std::string &device() const override { return thread_->device(); }
-  // Shaders carry triangles' numbers in floats, which are exact up to 2^24.
+  // Shaders carry charts' numbers in floats, which are exact up to 2^24, and there may be as many as triangles.
   Abilities abilities() const override {
     return {.texture_space = true, .surface_maps = true, .texels = true, .max_triangles = 1 << 24};
   }

@@ -13,7 +13,10 @@
 namespace paradesc {
 
 TextureSpace::~TextureSpace() {
-  gl_->run([&](const Gl &, ProgramCache &) { device_.reset(); });
+  if (gl_->is_left_behind())
+    static_cast<void>(device_.release());
+  else
+    gl_->run([&](const Gl &, ProgramCache &) { device_.reset(); });
 }
 
 int TextureSpace::buffer_size() const { return baked_.key() ? device_->buffer->size() : 0; }
@@ -74,7 +77,7 @@ void TextureSpace::at_vertices(const Job &job, Frame &frame, Computed &computed)
       return job.progress(stage, 0.3 + 0.7 * (number + (fraction - 0.3) / 0.7) / count);
     };
     CenterResults results = evaluate_centers(job, settings, frame, centers, search, part);
-    CreaseBlend(job.surface, pass_radius, job.resources.threads).at_points(pass.rows, results);
+    CreaseBlend(job.surface, pass.rows, pass_radius, job.resources.threads).at_points(pass.rows, results);
     return results;
   };
   computed.results =
@@ -127,7 +130,7 @@ void TextureSpace::at_texels(const Job &job, Frame &frame, Computed &computed) {
   settings.descriptors = job.request.descriptors;
   const TexelMap &map = texel_map(job, frame);
   const std::vector<vec4> sizes = job.connected() ? std::vector<vec4>() : ellipses(job, frame.space, 1);
-  const CreaseBlend creases(surface, job.request.radius, job.resources.threads);
+  const CreaseBlend creases(surface, job.request.descriptors, job.request.radius, job.resources.threads);
   CenterResults all;
   const size_t count = map.centers.size();
   for (size_t first = 0; first < count; first += batch) {

@@ -64,7 +64,7 @@ Computed ReferenceSession::compute(const Surface &surface, const Request &reques
                        at_all_points(compute_reference(surface.triangles, surface.half_edges, surface.normals(), settings,
                                                        pass.rows, resources.threads, part),
                                      points);
-                   CreaseBlend(surface, settings.radius, resources.threads).at_points(pass.rows, results);
+                   CreaseBlend(surface, pass.rows, settings.radius, resources.threads).at_points(pass.rows, results);
                    return results;
                  });
   check_cancel(progress, "evaluate", 1.0); // other threads may have finished the last points
