@@ -150,13 +150,6 @@ def test_cancelled_between_two_meshes_no_file_is_left(settings, tmp_path):
     assert (tmp_path / "curves_other.exr").read_bytes() == b"old"
 
 
-def test_where_the_mesh_refuses_the_attributes_no_image_is_left_aside(settings, tmp_path):
-    bpy.data.objects["ball"].data.attributes.new("mean_curvature", "INT", "POINT")
-    with pytest.raises(RuntimeError, match="rename it"):
-        bpy.ops.paradesc.bake()
-    assert names_in(tmp_path) == []
-
-
 def test_blender_knows_of_every_path_that_it_may_be_relative():
     scene = bpy.context.scene
     groups = [getattr(scene, name) for name in dir(scene) if name.startswith("paradesc")]

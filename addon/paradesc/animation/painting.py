@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
-from ..scene import mesh_io, record
+from ..scene import mesh_io, ownership, record
 
 # Steps of a color table, far below what 8 bits can show.
 TABLE_STEPS = 4096
@@ -23,10 +23,9 @@ class Values:
     facts: dict[str, object]  # as record.facts_of() has them
     drawn: Callable[[str, ValueRange], dict[str, object]]  # gives what record.drawing_of() has
 
-    @property
-    def names(self) -> list[str]:
-        """The names of all attributes."""
-        return [name for shown in self.shown for name in (shown, f"{shown}_color")] + list(self.extras)
+    def names(self, at: dict[str, str]) -> list[str]:
+        """The names of all attributes, of which each value has the one that it is given here."""
+        return mesh_io.attribute_names(self.shown, self.extras, at)
 
 
 @dataclass
@@ -36,17 +35,20 @@ class Painter:
     ranges: dict[str, ValueRange] = field(default_factory=dict)
     tables: dict[str, np.ndarray] = field(default_factory=dict)
     written: dict[str, np.ndarray] = field(default_factory=dict)  # (n,) float32 by attribute
+    at: dict[str, str] = field(default_factory=dict)  # the attribute that each value becomes
 
     def paint(self, mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
         """Fills the attributes, and makes those that are missing; False if they hold all of it already."""
-        complete = has_all(mesh, values.names)
+        complete = self.at.keys() == {*values.shown, *values.extras} and has_all(mesh, values.names(self.at))
         if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
             return False
         if not complete or ranges != self.ranges:
-            mesh_io.make_attributes(mesh, values.names, mesh_io.check_names(mesh, values.names))
+            self.at = mesh_io.places(mesh, values.shown, values.extras)
+            mesh_io.make_attributes(mesh, values.names(self.at))
             self.tables = {name: color_table(shown) for name, shown in ranges.items()}
             self.ranges = ranges
-            leave_record(mesh, values, ranges)
+            leave_record(mesh, values, ranges, self.at)
+        ownership.forget(mesh, values.names(self.at))
         self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
         for name, array in self.written.items():
             attribute = mesh.attributes[name]
@@ -71,10 +73,10 @@ class Painter:
     def attribute_values(self, values: Values) -> Iterable[tuple[str, np.ndarray]]:
         """Every attribute with its (vertex_count,) or (vertex_count, k) float32 values."""
         for name, array in values.shown.items():
-            yield name, np.ascontiguousarray(array, np.float32)
-            yield f"{name}_color", colors(array, self.ranges[name], self.tables[name])
+            yield self.at[name], np.ascontiguousarray(array, np.float32)
+            yield f"{self.at[name]}_color", colors(array, self.ranges[name], self.tables[name])
         for name, array in values.extras.items():
-            yield name, np.ascontiguousarray(array, np.float32)
+            yield self.at[name], np.ascontiguousarray(array, np.float32)
 
 
 def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:
@@ -87,12 +89,15 @@ def member_of(attribute: bpy.types.Attribute) -> str:
     return {"FLOAT_COLOR": "color", "FLOAT_VECTOR": "vector"}.get(attribute.data_type, "value")
 
 
-def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange]) -> None:
+def leave_record(
+    mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], at: dict[str, str]
+) -> None:
     """Says on the mesh what is written there, so that the attributes are known as ours."""
-    drawn = {name: values.drawn(name, shown) for name, shown in ranges.items()}
-    record.write(mesh, values.facts, ranges, drawn, values.names)
+    drawn = {at[name]: values.drawn(name, shown) for name, shown in ranges.items()}
+    spans = {at[name]: shown for name, shown in ranges.items()}
+    record.write(mesh, values.facts, spans, drawn, values.names(at))
     if mesh.color_attributes.active_color is None:
-        mesh.color_attributes.active_color = mesh.color_attributes.get(next(iter(values.shown)) + "_color")
+        mesh.color_attributes.active_color = mesh.color_attributes.get(at[next(iter(values.shown))] + "_color")
 
 
 def tag_written(mesh: bpy.types.Mesh, rendering: bool) -> None:

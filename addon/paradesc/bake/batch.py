@@ -88,10 +88,8 @@ class Batch(OneByOne):
                     self.attempt(piece, self.write)
 
     def write(self, piece: MeshBake) -> None:
-        """Puts one mesh's results where they belong, or nothing: files go first, once the mesh can take its share."""
+        """Puts one mesh's results where they belong, or nothing: files go first."""
         target = piece.target()
-        if self.write_attributes and piece.reading.own:
-            mesh_io.check_names(target.data, mesh_io.wanted_names(piece.results))
         try:
             piece.placed = piece.files.commit()
         except OSError as error:

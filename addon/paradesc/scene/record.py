@@ -9,7 +9,7 @@ import bpy
 
 from ..core import legend, stored
 from ..core.color_maps import ValueRange
-from ..core.job import Results
+from ..core.job import NUMBER, Results
 
 # The custom property has settings, reports, how colors were made, and the names of our attributes.
 PROPERTY = "paradesc"
@@ -27,8 +27,14 @@ def layout_of(mesh: bpy.types.Mesh) -> dict[str, str]:
 
 
 def attributes_of(mesh: bpy.types.Mesh) -> list[str]:
-    """The names of our attributes that are still on this mesh."""
-    return list(read(mesh).get("attributes", []))
+    """The names of our attributes that are still on this mesh, and have not been deleted or renamed since."""
+    return [name for name in read(mesh).get("attributes", []) if name in mesh.attributes]
+
+
+def attribute_of(mesh: bpy.types.Mesh, name: str) -> str:
+    """Our newest attribute with these values: it has a number behind its name where the name was taken."""
+    found = [one for one in attributes_of(mesh) if name in (one, NUMBER.sub("", one))]
+    return max(found, key=lambda one: (len(one), one), default=name)
 
 
 def write(

@@ -155,9 +155,11 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
             )
         attributes, title, settings = (mean, ""), f"{CAVITY_GROUP} of {mean}", {"Radius": radius}
     elif concave or convex:
-        suffix = concave.removeprefix("cavity") or convex.removeprefix("convexity")
+        ends = [concave.removeprefix("cavity"), convex.removeprefix("convexity")]
+        suffix = ends[0] or ends[1]
         attributes = (concave or f"cavity{suffix}", convex or f"convexity{suffix}")
-        title, settings = f"{CAVITY_GROUP} {suffix.removeprefix('_')}".rstrip(), {}
+        different = [] if not (concave and convex) or ends[0] == ends[1] else ["and", ends[1].removeprefix("_") or "1"]
+        title, settings = " ".join([CAVITY_GROUP, suffix.removeprefix("_"), *different]).rstrip(), {}
     else:
         raise mesh_io.refuse(
             f'The mesh "{mesh.name}" has neither cavity nor convexity nor mean curvature; bake those first.'

@@ -1,0 +1,298 @@
+"""What is the user's stays the user's: whatever writes replaces only what is ours and as we left it.
+
+Every writer is driven twice through one test: first beside things of the user's that have the names it wants, all of
+which have to stay as they are to the last bit; then again, when its own things are replaced and do not pile up.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+from mesh_io_test import made_up_results  # noqa: E402
+
+from paradesc.scene import mesh_io, sculpt_masks  # noqa: E402
+from paradesc.show import recolor  # noqa: E402
+from scene import add_sphere  # noqa: E402
+
+NAME = "mean_curvature"
+MEMBERS = {"FLOAT": ("value", 1), "INT": ("value", 1), "FLOAT_VECTOR": ("vector", 3)}
+MEMBERS |= {"FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4)}
+
+pytestmark = pytest.mark.usefixtures("registered")
+
+
+# ---- Everything that there is
+
+
+def attributes_of(mesh):
+    """The values of every attribute and UV map that people see, by name."""
+    found = {}
+    for attribute in mesh.attributes:
+        if attribute.data_type in MEMBERS and not attribute.name.startswith("."):
+            member, width = MEMBERS[attribute.data_type]
+            values = np.empty(len(attribute.data) * width, np.int32 if attribute.data_type == "INT" else np.float32)
+            attribute.data.foreach_get(member, values)
+            found["attribute", mesh.name, attribute.name] = (attribute.data_type, attribute.domain, values.tobytes())
+    if sculpt_masks.is_painted(mesh):
+        found["sculpt mask", mesh.name] = sculpt_masks.values(mesh).tobytes()
+    for layer in mesh.uv_layers:
+        values = np.empty(2 * len(layer.data), np.float32)
+        layer.data.foreach_get("uv", values)
+        found["UV map", mesh.name, layer.name] = values.tobytes()
+    return found
+
+
+def weights_of(target):
+    """The weights of every vertex group, by name."""
+    names = {group.index: group.name for group in target.vertex_groups}
+    found = {("vertex group", target.name, name): [] for name in names.values()}
+    for vertex in target.data.vertices:
+        for one in vertex.groups:
+            found["vertex group", target.name, names[one.group]].append((vertex.index, one.weight))
+    return found
+
+
+def everything(folder):
+    """The contents of all that a writer could change, by kind and name."""
+    found: dict[tuple, Any] = {}
+    for mesh in bpy.data.meshes:
+        found |= attributes_of(mesh)
+    for target in bpy.data.objects:
+        if target.type == "MESH":
+            found |= weights_of(target)
+        found["object", target.name] = (target.data.name, tuple(target.location))
+        found |= {("modifier", target.name, item.name): item.type for item in target.modifiers}
+    for path in folder.rglob("*"):
+        if path.is_file() and path.suffix not in (".blend", ".blend1"):
+            found["file", str(path.relative_to(folder))] = path.read_bytes()
+    return found
+
+
+# ---- The writers
+
+
+@dataclass
+class Writer:
+    """One thing that writes, and what the user has made before where it would write."""
+
+    write: Any  # called with the object
+    taken: Any  # called with the object, makes the user's things
+    fails: str = ""  # where the user's thing leaves no room, the sentence says so
+    changes: set = field(default_factory=set)  # what a click is asked to change, of the kinds above
+    again: Any = None  # the second click, where it has to be another one
+
+
+def bake(target):
+    mesh_io.write_results(target, made_up_results(target, (NAME, "cavity")))
+
+
+def attribute(name, kind="FLOAT", domain="POINT"):
+    """Makes the user's attribute, with values of his own."""
+
+    def make(target):
+        made = target.data.attributes.new(name, kind, domain)
+        member, width = MEMBERS[kind]
+        values = np.arange(len(made.data) * width) % 7
+        made.data.foreach_set(member, values.astype(np.int32 if kind == "INT" else np.float32))
+
+    return make
+
+
+def group(name):
+    """Makes the user's vertex group."""
+    return lambda target: target.vertex_groups.new(name=name).add([1, 2, 3], 0.25, "REPLACE")
+
+
+def uv_map(name):
+    """Gives the user's UV map a name."""
+
+    def make(target):
+        target.data.uv_layers[0].name = name
+
+    return make
+
+
+def painted(name, write=bake):
+    """Makes what we make, and paints over it as the user would."""
+
+    def make(target):
+        write(target)
+        attribute = target.data.attributes[name]
+        member, width = MEMBERS[attribute.data_type]
+        values = np.empty(len(attribute.data) * width, np.float32)
+        attribute.data.foreach_get(member, values)
+        values[3] = 0.625
+        attribute.data.foreach_set(member, values)
+
+    return make
+
+
+def click(name, **words):
+    """Bakes, if nothing is there, and clicks one of the buttons that copy values."""
+
+    def write(target):
+        if NAME not in target.data.attributes:
+            bake(target)
+        assert getattr(bpy.ops.paradesc, name)(**words) == {"FINISHED"}
+
+    return write
+
+
+def pack(target):
+    bpy.context.scene.paradesc_looks.pack_red = NAME
+    click("pack")(target)
+
+
+def painted_group(target):
+    click("vertex_group")(target)
+    target.vertex_groups[NAME].add([3], 0.625, "REPLACE")
+
+
+def baked_then(make):
+    """Bakes, then makes the user's thing."""
+
+    def both(target):
+        bake(target)
+        make(target)
+
+    return both
+
+
+def sculpt_mask(target):
+    sculpt_masks.write(target, np.full(len(target.data.vertices), 0.25, np.float32))
+
+
+MADE = "not made here, or was changed since"
+COLORS = f"{NAME}_corner_color"
+WRITERS = {
+    "corner colors": Writer(click("corner_colors"), attribute(COLORS, "BYTE_COLOR", "CORNER"), MADE),
+    "corner colors painted over": Writer(click("corner_colors"), painted(COLORS, click("corner_colors")), MADE),
+    "packed channels": Writer(pack, attribute("paradesc_packed", "FLOAT_COLOR"), MADE),
+    "packed channels painted over": Writer(pack, painted("paradesc_packed", pack), MADE),
+    "copies for glTF": Writer(click("export_copies"), attribute(f"_{NAME}"), MADE),
+    "copies for glTF painted over": Writer(click("export_copies"), painted(f"_{NAME}", click("export_copies")), MADE),
+    "vertex group": Writer(click("vertex_group"), baked_then(group(NAME)), MADE),
+    "vertex group painted over": Writer(click("vertex_group"), painted_group, MADE),
+    "sculpt mask": Writer(
+        click("sculpt_mask"), sculpt_mask, "allow to replace it", again=click("sculpt_mask", replace=True)
+    ),
+    "recolor": Writer(click("recolor"), painted(f"{NAME}_color", click("recolor")), "painted over"),
+    "attribute": Writer(bake, attribute(NAME)),
+    "attribute of another type": Writer(bake, attribute(NAME, "INT", "FACE")),
+    "colors": Writer(bake, attribute(f"{NAME}_color", "FLOAT_COLOR")),
+    "coverage": Writer(bake, attribute("coverage")),
+    "mask": Writer(bake, attribute("paradesc_mask")),
+    "UV map": Writer(bake, uv_map(NAME)),
+    "vertex group of a descriptor": Writer(bake, group(NAME)),
+    "vertex group of colors": Writer(bake, group(f"{NAME}_color")),
+    "vertex group of the coverage": Writer(bake, group("coverage")),
+    "values painted over": Writer(bake, painted(NAME)),
+    "colors painted over": Writer(bake, painted(f"{NAME}_color")),
+    "coverage painted over": Writer(bake, painted("coverage")),
+}
+
+
+@pytest.fixture
+def target():
+    return add_sphere(steps=3)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """The folder of the saved file."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "file.blend"), check_existing=False)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_what_is_the_users_stays_as_it_is(name, target, folder: Path):
+    writer = WRITERS[name]
+    writer.taken(target)
+    before = everything(folder)
+    if writer.fails:
+        with pytest.raises(RuntimeError, match=writer.fails):
+            writer.write(target)
+        after = everything(folder)
+        assert {key: after.get(key) for key in before} == before
+        return
+    writer.write(target)
+    after = everything(folder)
+    changed = {key for key, content in before.items() if after.get(key) != content}
+    assert {key for key in changed if key[0] not in writer.changes} == set()
+    assert after.keys() > before.keys()  # and what was asked for is there
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_what_is_ours_is_replaced_and_does_not_pile_up(name, target, folder):
+    writer = WRITERS[name]
+    if not writer.fails:
+        writer.taken(target)
+    writer.write(target)
+    once = everything(folder)
+    (writer.again or writer.write)(target)
+    assert everything(folder).keys() == once.keys()
+
+
+# ---- What else follows
+
+
+def gone(mesh, name):
+    mesh.attributes.remove(mesh.attributes[name])
+
+
+def renamed(mesh, name):
+    mesh.attributes[name].name = "mine"
+
+
+def converted(mesh, name):
+    bpy.context.scene.view_layers[0].objects.active = bpy.data.objects["sphere"]
+    mesh.attributes.active_index = mesh.attributes.keys().index(name)
+    bpy.ops.geometry.attribute_convert(domain="CORNER", data_type="BYTE_COLOR")
+
+
+@pytest.mark.parametrize("which", [NAME, f"{NAME}_color"])
+@pytest.mark.parametrize("change", [gone, renamed, converted])
+def test_menus_and_buttons_leave_out_what_was_deleted_or_renamed(change, which, target):
+    bake(target)
+    change(target.data, which)
+    assert recolor.baked_names(target.data) == ["cavity"]
+    assert recolor.shown_name(target.data) in ("", "cavity")
+    with pytest.raises(TypeError, match="not found in"):
+        bpy.ops.paradesc.show(name=NAME)
+    bpy.ops.paradesc.show(name="cavity")
+    for name in ("corner_colors", "vertex_group", "export_copies", "make_material", "recolor", "pack"):
+        bpy.context.scene.paradesc_looks.pack_red = "cavity"
+        assert getattr(bpy.ops.paradesc, name)() == {"FINISHED"}, name
+    bake(target)
+    assert NAME in recolor.baked_names(target.data) or f"{NAME}_2" in recolor.baked_names(target.data)
+
+
+def test_buttons_are_grey_where_all_was_deleted(target):
+    bake(target)
+    for name in (NAME, "cavity"):
+        gone(target.data, name)
+    with pytest.raises(RuntimeError, match="poll"):
+        bpy.ops.paradesc.corner_colors()
+
+
+def test_ours_stays_ours_when_the_mesh_is_edited(target):
+    bake(target)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    names = target.data.attributes.keys()
+    bake(target)
+    assert target.data.attributes.keys() == names
+
+
+def test_the_sentence_says_what_stays_and_where_the_values_are(target):
+    attribute(NAME)(target)
+    (sentence,) = mesh_io.write_results(target, made_up_results(target))
+    assert f'"{NAME}" is there' in sentence
+    assert f'"{NAME}_2"' in sentence
