@@ -4,6 +4,7 @@ Every writer is driven twice through one test: first beside things of the user's
 which have to stay as they are to the last bit; then again, when its own things are replaced and do not pile up.
 """
 
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,8 @@ def attributes_of(mesh):
     """The values of every attribute and UV map that people see, by name."""
     found = {}
     for attribute in mesh.attributes:
-        if attribute.data_type in MEMBERS and not attribute.name.startswith("."):
+        seen = attribute.name[0] != "." and attribute.name != "material_index"  # which "faces" has
+        if seen and attribute.data_type in MEMBERS:
             member, width = MEMBERS[attribute.data_type]
             values = np.empty(len(attribute.data) * width, np.int32 if attribute.data_type == "INT" else np.float32)
             attribute.data.foreach_get(member, values)
@@ -57,6 +59,14 @@ def weights_of(target):
     return found
 
 
+def node_tree(tree):
+    """The nodes of a tree with what they are set to."""
+    return {
+        node.name: (node.bl_idname, [str(getattr(socket, "default_value", None)) for socket in node.inputs])
+        for node in tree.nodes
+    }
+
+
 def everything(folder):
     """The contents of all that a writer could change, by kind and name."""
     found: dict[tuple, Any] = {}
@@ -65,12 +75,22 @@ def everything(folder):
     for target in bpy.data.objects:
         if target.type == "MESH":
             found |= weights_of(target)
+            slots = [(item.link, item.material) for item in target.material_slots]
+            found |= {("slot", target.name, index): item for index, item in enumerate(slots)}
+            found["faces", target.data.name] = [face.material_index for face in target.data.polygons]
         found["object", target.name] = (target.data.name, tuple(target.location))
         found |= {("modifier", target.name, item.name): item.type for item in target.modifiers}
+    found |= {("material", item.name): node_tree(item.node_tree) for item in bpy.data.materials if item.use_nodes}
+    found |= {("node group", item.name): node_tree(item) for item in bpy.data.node_groups}
     for path in folder.rglob("*"):
         if path.is_file() and path.suffix not in (".blend", ".blend1"):
             found["file", str(path.relative_to(folder))] = path.read_bytes()
     return found
+
+
+def kinds(found):
+    """How much there is of each kind; what is made again may have another number behind its name."""
+    return Counter(key[0] for key in found)
 
 
 # ---- The writers
@@ -167,6 +187,39 @@ def sculpt_mask(target):
     sculpt_masks.write(target, np.full(len(target.data.vertices), 0.25, np.float32))
 
 
+def materials(target):
+    """Gives the faces two materials, of which the object has one itself."""
+    for name in ("skin", "cloth"):
+        made = bpy.data.materials.new(name)
+        made.use_nodes = True
+        target.data.materials.append(made)
+    target.material_slots[1].link = "OBJECT"
+    target.material_slots[1].material = bpy.data.materials["skin"]
+    target.data.polygons.foreach_set("material_index", np.arange(len(target.data.polygons)) % 2)
+
+
+def tuned_material(target):
+    """Makes one of our materials, and tunes it."""
+    click("make_material", kind="flat")(target)
+    target.data.materials[0].node_tree.nodes["Emission"].inputs["Strength"].default_value = 3.0
+
+
+def tuned_nodes(target):
+    """Makes one of our groups of geometry nodes, and tunes it."""
+    click("add_geometry_nodes")(target)
+    target.modifiers[0].node_group.nodes["Map Range"].inputs["To Max"].default_value = 3.0
+
+
+def instead_of_the_last(write):
+    """Takes away the modifier that the last click has added, and clicks again."""
+
+    def both(target):
+        target.modifiers.remove(target.modifiers[-1])
+        write(target)
+
+    return both
+
+
 MADE = "not made here, or was changed since"
 COLORS = f"{NAME}_corner_color"
 WRITERS = {
@@ -180,6 +233,12 @@ WRITERS = {
     "vertex group painted over": Writer(click("vertex_group"), painted_group, MADE),
     "sculpt mask": Writer(
         click("sculpt_mask"), sculpt_mask, "allow to replace it", again=click("sculpt_mask", replace=True)
+    ),
+    "material": Writer(click("make_material"), materials, changes={"faces"}),
+    "material of another kind": Writer(click("make_material"), tuned_material, changes={"slot"}),
+    "cavity material": Writer(click("make_material", kind="cavity"), tuned_material, changes={"slot"}),
+    "geometry nodes": Writer(
+        click("add_geometry_nodes"), tuned_nodes, again=instead_of_the_last(click("add_geometry_nodes"))
     ),
     "recolor": Writer(click("recolor"), painted(f"{NAME}_color", click("recolor")), "painted over"),
     "attribute": Writer(bake, attribute(NAME)),
@@ -233,9 +292,9 @@ def test_what_is_ours_is_replaced_and_does_not_pile_up(name, target, folder):
     if not writer.fails:
         writer.taken(target)
     writer.write(target)
-    once = everything(folder)
+    once = kinds(everything(folder))
     (writer.again or writer.write)(target)
-    assert everything(folder).keys() == once.keys()
+    assert kinds(everything(folder)) == once
 
 
 # ---- What else follows
@@ -270,6 +329,75 @@ def test_menus_and_buttons_leave_out_what_was_deleted_or_renamed(change, which, 
         assert getattr(bpy.ops.paradesc, name)() == {"FINISHED"}, name
     bake(target)
     assert NAME in recolor.baked_names(target.data) or f"{NAME}_2" in recolor.baked_names(target.data)
+
+
+def slots_and_faces(target):
+    """What the faces of an object show: by slots, and by the materials in these."""
+    slots = [(item.link, item.material.name) for item in target.material_slots]
+    return slots, [slots[face.material_index] for face in target.data.polygons]
+
+
+def test_removing_our_material_keeps_what_objects_have_in_slots_behind_it(target):
+    bake(target)
+    materials(target)
+    click("make_material")(target)
+    target.data.materials.append(bpy.data.materials["cloth"])
+    target.material_slots[3].link = "OBJECT"
+    target.material_slots[3].material = bpy.data.materials["skin"]
+    assert bpy.ops.paradesc.remove_material() == {"FINISHED"}
+    slots, _ = slots_and_faces(target)
+    assert slots == [("DATA", "skin"), ("OBJECT", "skin"), ("OBJECT", "skin")]
+
+
+def other_way(target):
+    click("make_material", kind="flat")(target)
+
+
+@pytest.mark.parametrize("between", [lambda _target: None, other_way])
+def test_removing_our_material_keeps_what_faces_were_given_since(between, target):
+    bake(target)
+    materials(target)
+    click("make_material")(target)
+    target.data.polygons[0].material_index = 1
+    between(target)
+    bpy.ops.paradesc.remove_material()
+    found = [face.material_index for face in target.data.polygons]
+    assert found == [1, *(number % 2 for number in range(1, len(found)))]
+
+
+def test_removing_our_material_finds_slots_that_were_moved(target):
+    bake(target)
+    materials(target)
+    target.material_slots[1].link = "DATA"
+    _, before = slots_and_faces(target)
+    click("make_material")(target)
+    target.active_material_index = 1
+    bpy.ops.object.material_slot_move(direction="UP")
+    bpy.ops.paradesc.remove_material()
+    _, after = slots_and_faces(target)
+    assert after == before
+
+
+def test_a_material_of_ours_that_was_tuned_stays_and_is_saved(target):
+    bake(target)
+    tuned_material(target)
+    target.data.materials[0].name = "mine"
+    bpy.ops.paradesc.remove_material()
+    assert bpy.data.materials["mine"].use_fake_user
+    assert len(target.data.materials) == 0
+
+
+def test_the_base_color_that_was_set_on_the_cavity_group_comes_back(target):
+    bake(target)
+    materials(target)
+    material = target.data.materials[0]
+    target.active_material_index = 0
+    bpy.ops.paradesc.plug_cavity()
+    node = next(node for node in material.node_tree.nodes if node.type == "GROUP")
+    node.inputs["Base Color"].default_value = (0.25, 0.5, 0.75, 1.0)
+    bpy.ops.paradesc.remove_material()
+    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    assert tuple(shader.inputs["Base Color"].default_value) == (0.25, 0.5, 0.75, 1.0)
 
 
 def test_buttons_are_grey_where_all_was_deleted(target):

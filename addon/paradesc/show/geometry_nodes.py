@@ -4,8 +4,8 @@ import bpy
 
 from ..core.job import UNDEFINED_MASK
 from ..scene import record
-from . import recolor
-from .node_groups import add_map_range, add_math, add_node, add_socket, new_group
+from . import recolor, tuned
+from .node_groups import MARK, add_map_range, add_math, add_node, add_socket, new_group
 
 TREE = "GeometryNodeTree"
 MATH = "ShaderNodeMath"
@@ -117,6 +117,17 @@ def scatter(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.ty
     return node
 
 
+def shared(tree: bpy.types.NodeTree) -> bpy.types.NodeTree:
+    """The group that an earlier click made just like this new one, if nobody has changed it since; else the new one."""
+    tuned.leave(tree)
+    for other in bpy.data.node_groups:
+        same = other.get(MARK) == tree[MARK] and other.get(tuned.PROPERTY) == tree[tuned.PROPERTY]
+        if same and other != tree and other.library is None and tuned.is_as_left(other):
+            bpy.data.node_groups.remove(tree)
+            return other
+    return tree
+
+
 class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
     """Add a Geometry Nodes modifier that reads the values of the descriptor that is shown: a start for your own"""
 
@@ -143,7 +154,8 @@ class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
         if recolor.is_direction(name):
             raise recolor.mesh_io.refuse(f"{name} is a direction; show a descriptor with one value a vertex.")
         shown = recolor.stored_range(mesh, name)
-        tree = build(self.kind, name, shown.minimum, shown.maximum, record.attribute_of(mesh, UNDEFINED_MASK))
+        mask = record.attribute_of(mesh, UNDEFINED_MASK)
+        tree = shared(build(self.kind, name, shown.minimum, shown.maximum, mask))
         modifier = target.modifiers.new(tree.name, "NODES")
         if modifier.node_group is not None:  # Blender 3.4 makes one of its own
             made = modifier.node_group
