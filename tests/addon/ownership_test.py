@@ -4,6 +4,7 @@ Every writer is driven twice through one test: first beside things of the user's
 which have to stay as they are to the last bit; then again, when its own things are replaced and do not pile up.
 """
 
+import unicodedata
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,9 +17,11 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from mesh_io_test import made_up_results  # noqa: E402
 
+from paradesc.bake import pieces  # noqa: E402
+from paradesc.files import cache, file_names, marks  # noqa: E402
 from paradesc.scene import mesh_io, sculpt_masks  # noqa: E402
 from paradesc.show import recolor  # noqa: E402
-from scene import add_sphere  # noqa: E402
+from scene import add_sphere, small_bake  # noqa: E402
 
 NAME = "mean_curvature"
 MEMBERS = {"FLOAT": ("value", 1), "INT": ("value", 1), "FLOAT_VECTOR": ("vector", 3)}
@@ -82,6 +85,11 @@ def everything(folder):
         found |= {("modifier", target.name, item.name): item.type for item in target.modifiers}
     found |= {("material", item.name): node_tree(item.node_tree) for item in bpy.data.materials if item.use_nodes}
     found |= {("node group", item.name): node_tree(item) for item in bpy.data.node_groups}
+    for image in bpy.data.images:
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
+        settings = (image.colorspace_settings.name, image.alpha_mode, image.filepath)
+        found["image", image.name] = (*settings, tuple(image.size), pixels.tobytes())
     for path in folder.rglob("*"):
         if path.is_file() and path.suffix not in (".blend", ".blend1"):
             found["file", str(path.relative_to(folder))] = path.read_bytes()
@@ -220,6 +228,86 @@ def instead_of_the_last(write):
     return both
 
 
+def bake_image(target):
+    """Bakes a texture of a few texels."""
+    settings = small_bake("cpu")
+    settings.texels, settings.descriptors = 16, {NAME}
+    for item in bpy.context.view_layer.objects:
+        item.select_set(item == target)
+    bpy.context.view_layer.objects.active = target
+    assert bpy.ops.paradesc.bake_image() == {"FINISHED"}
+
+
+def file(name, content=b"the user's own"):
+    """Makes the user's file beside the .blend."""
+    return lambda _target: (Path(bpy.data.filepath).parent / name).write_bytes(content)
+
+
+def image_of(name):
+    return next(image for image in bpy.data.images if Path(image.filepath).name == name)
+
+
+def edited_file(_target):
+    """Bakes a texture, which another program then writes again."""
+    bake_image(_target)
+    path = Path(bpy.data.filepath).parent / "sphere_curvature.png"
+    path.write_bytes(path.read_bytes() + b"written by another program")
+    bpy.data.images.remove(image_of("sphere_curvature.png"))
+
+
+def painted_image(target):
+    """Bakes a texture, and paints on it in Blender without saving it."""
+    bake_image(target)
+    image = image_of("sphere_curvature.png")
+    pixels = np.full(len(image.pixels), 0.25, np.float32)
+    image.pixels.foreach_set(pixels)
+    image.update()
+    assert image.is_dirty
+
+
+def texture_of(*names):
+    """Bakes the textures of other objects of these names, one after another."""
+
+    def make(target):
+        target.name = "Wall.001"
+        for name in names:
+            bake_image(add_sphere(name, steps=3))
+
+    return make
+
+
+def bake_from_elsewhere(target):
+    """Bakes a texture from another .blend in the same folder, whose object has the same name."""
+    bake_image(target)
+    path = Path(bpy.data.filepath)
+    bpy.data.images.remove(image_of("sphere_curvature.png"))
+    bpy.ops.wm.save_as_mainfile(filepath=str(path.with_name("other.blend")), check_existing=False)
+    target.data.vertices[0].co *= 2.0
+
+
+def in_unsaved_file(write):
+    """What Blender does in a file that is not saved: it packs images."""
+
+    def make(target):
+        name = target.name
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+        write(add_sphere(name, steps=3))
+
+    return make
+
+
+def packed_and_painted(target):
+    bake_image(target)
+    image = bpy.data.images["sphere_curvature"]
+    image.pixels.foreach_set(np.full(len(image.pixels), 0.25, np.float32))
+    image.pack()
+    assert not image.is_dirty
+
+
+def bake_image_here(_target):
+    bake_image(bpy.data.objects["sphere"])
+
+
 MADE = "not made here, or was changed since"
 COLORS = f"{NAME}_corner_color"
 WRITERS = {
@@ -239,6 +327,17 @@ WRITERS = {
     "cavity material": Writer(click("make_material", kind="cavity"), tuned_material, changes={"slot"}),
     "geometry nodes": Writer(
         click("add_geometry_nodes"), tuned_nodes, again=instead_of_the_last(click("add_geometry_nodes"))
+    ),
+    "image file": Writer(bake_image, file("sphere_curvature.png")),
+    "image file in other case": Writer(bake_image, file("Sphere_Curvature.PNG")),
+    "image file that was edited": Writer(bake_image, edited_file),
+    "image that was painted on": Writer(bake_image, painted_image),
+    "image of another object": Writer(bake_image, texture_of("Wall 001")),
+    "image of two other objects": Writer(bake_image, texture_of("Wall 001", "wall_001")),
+    "image of another .blend": Writer(bake_image, bake_from_elsewhere),
+    "packed image": Writer(bake_image_here, in_unsaved_file(packed_and_painted)),
+    "packed image of another object": Writer(
+        lambda _target: bake_image(bpy.data.objects["Wall.001"]), in_unsaved_file(texture_of("Wall 001"))
     ),
     "recolor": Writer(click("recolor"), painted(f"{NAME}_color", click("recolor")), "painted over"),
     "attribute": Writer(bake, attribute(NAME)),
@@ -417,6 +516,64 @@ def test_ours_stays_ours_when_the_mesh_is_edited(target):
     names = target.data.attributes.keys()
     bake(target)
     assert target.data.attributes.keys() == names
+
+
+def test_a_file_saved_under_another_name_goes_on_with_its_textures(target, folder):
+    bake_image(target)
+    path = Path(bpy.data.filepath)
+    bpy.ops.wm.save_as_mainfile(filepath=str(path.with_name("file_v2.blend")), check_existing=False)
+    bake_image(target)
+    assert [one.name for one in folder.glob("*.png")] == ["sphere_curvature.png"]
+
+
+def test_the_sentence_says_which_texture_stays(target, folder, capfd):
+    file("sphere_curvature.png")(target)
+    bake_image(target)
+    said = capfd.readouterr().out
+    assert 'the texture is "sphere_2_curvature"' in said
+    assert "sphere_2_curvature.png, 16 × 16" in said
+
+
+def test_a_mark_says_whose_a_file_is_until_anything_in_it_changes(target, folder):
+    bake_image(target)
+    content = (folder / "sphere_curvature.png").read_bytes()
+    assert marks.owner_of(content) == {"blend": "file.blend", "object": "sphere"}
+    place = content.index(b"IDAT") + 20
+    assert marks.owner_of(content[:place] + b"\0\1" + content[place + 2 :]) is None
+    assert marks.owner_of(content + b"more") is None
+    assert marks.owner_of(content[:-3]) is None
+    again = marks.marked(content, {"blend": "b", "object": "Würfel"})
+    assert marks.owner_of(again) == {"blend": "b", "object": "Würfel"}
+    assert again.count(b"tEXtParadesc") == 1
+    for odd in (b"", b"\x89PNG\r\n\x1a\n", b"\x89PNG\r\n\x1a\n" + b"\xff" * 40, b"GIF89a"):
+        assert marks.owner_of(odd) is None
+
+
+def test_names_that_some_file_system_takes_for_one_are_kept_apart():
+    names = ["Wall_001", "wall_001", "Tür", unicodedata.normalize("NFD", "Tür"), "x" * 300, "x" * 301]
+    found = file_names.distinct(names)
+    assert len({unicodedata.normalize("NFC", name).casefold() for name in found}) == len(names)
+    assert found[0] == "Wall_001"
+    assert max(len(name.encode()) for name in found) < 200
+    assert file_names.distinct(names) == found
+
+
+def test_the_same_object_has_the_same_word_in_whatever_selection():
+    for name in ("Wall 001", "Wall.001", "wall_001"):
+        add_sphere(name, steps=1)
+    whole = dict(zip(("Wall.001", "Wall 001"), pieces.file_words(["Wall.001", "Wall 001"]), strict=True))
+    assert pieces.file_words(["Wall 001"]) == [whole["Wall 001"]]
+    assert pieces.file_words(["Wall 001", "Wall.001"]) == [whole["Wall 001"], whole["Wall.001"]]
+
+
+def test_frames_of_objects_that_differ_in_case_have_folders_apart(tmp_path):
+    assert cache.object_folder(tmp_path, "Crate").name == "Crate"
+    assert cache.object_folder(tmp_path, "crate", [tmp_path / "Crate"]).name.startswith("crate_")
+    (tmp_path / "Crate").mkdir()
+    assert cache.object_folder(tmp_path, "Crate").name == "Crate"
+    assert cache.object_folder(tmp_path, "crate").name.startswith("crate_")
+    for name in ("con", "AUX", "nul", "com1"):
+        assert cache.object_folder(tmp_path, name).name.startswith(f"{name}_")
 
 
 def test_the_sentence_says_what_stays_and_where_the_values_are(target):

@@ -8,7 +8,7 @@ from pathlib import Path
 from .. import bridge
 from ..bridge import MeshArrays, ProgressFunction
 from ..core import udim
-from ..files import image_files, maps, tile_names
+from ..files import file_names, image_files, maps, tile_names
 from ..files.results import Baked, write_whole
 
 Rows = list[dict[str, object]]
@@ -116,8 +116,6 @@ def write_texture(path: Path, baked: Baked, names: list[str], shown: udim.Cut | 
 
 
 def file_name(one: Baked, baked: list[Baked]) -> str:
-    """An object's name as part of a file name; a number follows if two would be equal."""
-    names = [re.sub(r"[^\w.-]+", "_", other.object_name) for other in baked]
-    place = next(number for number, other in enumerate(baked) if other is one)
-    before = names[:place].count(names[place])
-    return names[place] if before == 0 else f"{names[place]}_{before + 1}"
+    """An object's name as part of a file name; a number follows if some file system would take two for one."""
+    names = file_names.distinct([re.sub(r"[^\w.-]+", "_", other.object_name) for other in baked])
+    return next(name for name, other in zip(names, baked, strict=True) if other is one)
