@@ -308,6 +308,60 @@ def bake_image_here(_target):
     bake_image(bpy.data.objects["sphere"])
 
 
+def remeshed(target):
+    """Bakes what Remesh makes, whose vertices are none of the object's."""
+    if "Remesh" not in target.modifiers:
+        target.modifiers.new("Remesh", "REMESH").voxel_size = 1.0
+    settings = small_bake("cpu")
+    settings.descriptors = {NAME}
+    bpy.context.scene.paradesc_animation.source = "evaluated"
+    bpy.context.view_layer.objects.active = target
+    for item in bpy.context.view_layer.objects:
+        item.select_set(item == target)
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+
+
+def result_of(target):
+    return bpy.data.objects[f"{target.name}_paradesc"]
+
+
+def remeshed_and(change):
+    """The user's change of the result object."""
+
+    def make(target):
+        remeshed(target)
+        change(result_of(target))
+
+    return make
+
+
+def sculpted(result):
+    result.data.vertices[0].co.z += 0.5
+
+
+def with_material(result):
+    result.data.materials.append(bpy.data.materials.new("mine"))
+
+
+def with_attribute(result):
+    attribute("mine")(result)
+
+
+def called_otherwise(result):
+    result.name = "mine"
+
+
+def painted_result(result):
+    colors = result.data.attributes[f"{NAME}_color"]
+    colors.data[0].color = (0.25, 0.5, 0.75, 1.0)
+
+
+def long_name(target):
+    """An object whose name leaves no room for an ending."""
+    target.name = "x" * 60
+
+
+CHANGES = (sculpted, with_material, with_attribute, called_otherwise, painted_result)
 MADE = "not made here, or was changed since"
 COLORS = f"{NAME}_corner_color"
 WRITERS = {
@@ -339,6 +393,8 @@ WRITERS = {
     "packed image of another object": Writer(
         lambda _target: bake_image(bpy.data.objects["Wall.001"]), in_unsaved_file(texture_of("Wall 001"))
     ),
+    **{f"result object, {change.__name__}": Writer(remeshed, remeshed_and(change)) for change in CHANGES},
+    "result object of a long name": Writer(remeshed, long_name),
     "recolor": Writer(click("recolor"), painted(f"{NAME}_color", click("recolor")), "painted over"),
     "attribute": Writer(bake, attribute(NAME)),
     "attribute of another type": Writer(bake, attribute(NAME, "INT", "FACE")),
@@ -500,6 +556,27 @@ def test_a_mask_brings_its_radius_where_nobody_has_chosen_one(target):
     settings.radius_unit = "absolute"
     bpy.ops.paradesc.mask(name="openness")
     assert (settings.radius_unit, settings.radius_percent) == ("absolute", 2.0)
+
+
+def test_a_result_object_keeps_earlier_masks_and_where_it_was_moved(target):
+    remeshed(target)
+    result = result_of(target)
+    values = result.data.attributes[NAME].data
+    before = [item.value for item in values]
+    result.location.x, settings = 9.0, bpy.context.scene.paradesc
+    settings.descriptors = {"cavity"}
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert recolor.baked_names(result.data) == ["cavity", NAME]
+    assert [item.value for item in result.data.attributes[NAME].data] == before
+    assert result.location.x == 9.0
+
+
+def test_a_result_object_that_was_not_moved_follows_its_object(target):
+    remeshed(target)
+    target.location.x = 5.0
+    bpy.context.view_layer.update()
+    remeshed(target)
+    assert result_of(target).location.x == 5.0
 
 
 def slots_and_faces(target):

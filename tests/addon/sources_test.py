@@ -9,7 +9,7 @@ import animated  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import abi  # noqa: E402
 from paradesc.core import job  # noqa: E402
-from paradesc.scene import mesh_io, source_meshes  # noqa: E402
+from paradesc.scene import delivery, mesh_io, source_meshes  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
 
 QUICK = job.Settings(("mean_curvature",), bridge.Options(radius=0.1, samples=64, buffer_size=256), "software")
@@ -135,13 +135,13 @@ def test_where_vertices_are_lost_results_get_an_object_of_their_own(kind, settin
     reading = source_meshes.read(target, "evaluated")
     assert not reading.own
     results = job.run(reading.arrays, QUICK)
-    sentences = source_meshes.deliver(target, results, reading)
+    sentences = delivery.deliver(target, results, reading)
     holder = bpy.data.objects["sphere_paradesc"]
     assert any("sphere_paradesc" in sentence for sentence in sentences)
     assert np.array_equal(attribute_values(holder.data, "mean_curvature"), results.values["mean_curvature"])
     assert fingerprint(target)[:4] == before
     objects, meshes = len(bpy.data.objects), len(bpy.data.meshes)
-    source_meshes.deliver(target, results, source_meshes.read(target, "evaluated"))
+    delivery.deliver(target, results, source_meshes.read(target, "evaluated"))
     assert (len(bpy.data.objects), len(bpy.data.meshes)) == (objects, meshes)
 
 
@@ -149,7 +149,7 @@ def test_an_object_that_has_the_name_by_chance_is_left_alone():
     target = with_modifiers(("REMESH", {"voxel_size": 0.4}))
     stranger = bpy.data.objects.new("sphere_paradesc", bpy.data.meshes.new("other"))
     reading = source_meshes.read(target, "evaluated")
-    source_meshes.deliver(target, job.run(reading.arrays, QUICK), reading)
+    delivery.deliver(target, job.run(reading.arrays, QUICK), reading)
     assert len(stranger.data.vertices) == 0
     assert "sphere_paradesc.001" in bpy.data.objects
 
@@ -158,7 +158,7 @@ def test_subdivided_results_on_the_original_are_those_of_its_vertices():
     target = with_modifiers(("SUBSURF", {"levels": 1}), steps=12)
     reading = source_meshes.read(target, "evaluated")
     results = job.run(reading.arrays, QUICK)
-    source_meshes.deliver(target, results, reading)
+    delivery.deliver(target, results, reading)
     values = attribute_values(target.data, "mean_curvature")
     assert np.array_equal(values, results.values["mean_curvature"][reading.vertices])
     radius = np.linalg.norm(reading.arrays.positions[reading.vertices], axis=1).mean()
@@ -169,7 +169,7 @@ def test_corners_come_along_to_the_original():
     target = with_modifiers(("SUBSURF", {"levels": 1}))
     reading = source_meshes.read(target, "evaluated")
     settings = job.Settings(("harris",), QUICK.options, "software")
-    found = source_meshes.on_original(job.run(reading.arrays, settings), reading)
+    found = delivery.on_original(job.run(reading.arrays, settings), reading)
     assert len(found.corners.painted) == 152
     assert all(found.corners.painted[vertex] == 1 for vertex in found.corners.vertices)
 
@@ -189,7 +189,7 @@ def test_masks_and_seams_come_along_to_the_original_where_vertices_are_reordered
         ("mean_curvature",), bridge.Options(0.1, samples=64, buffer_size=256, seam_error=True), "software"
     )
     expected, results = job.run(own.arrays, settings), job.run(reading.arrays, settings)
-    found = source_meshes.on_original(results, reading)
+    found = delivery.on_original(results, reading)
     near_rim = np.isin(own.arrays.positions[:, 2].round(6), (0, 4))
     assert np.array_equal(expected.mask & abi.MASK_BOUNDARY != 0, near_rim)
     assert np.array_equal(found.mask, expected.mask)

@@ -14,7 +14,7 @@ from ..bridge import MeshArrays, ParadescError
 from ..core import job
 from ..core.digests import digest
 from ..files.frame_baking import Baker, FrameRequest, Task, at_frame
-from ..scene import mesh_io, source_meshes, surface_maps
+from ..scene import delivery, mesh_io, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from . import pausing
 
@@ -41,7 +41,7 @@ class FrameBaker(Baker):
 
     def on_base(self, results: job.Results, reading: source_meshes.Reading) -> job.Results:
         """The results at the object's own vertices, where those are still there."""
-        return source_meshes.on_original(results, reading)
+        return delivery.on_original(results, reading)
 
     def add_maps(self, arrays: MeshArrays) -> None:
         """Puts the displacement into the arrays; normal maps would need the tangents of every frame."""

@@ -10,7 +10,7 @@ from ..bridge import ParadescError, abi
 from ..core import job
 from ..core.threads import Worker
 from ..files import bake_files, tile_names
-from ..scene import mesh_io, modes, source_meshes, surface_maps, targets
+from ..scene import delivery, mesh_io, modes, source_meshes, surface_maps, targets
 from ..settings import looks, properties
 from .pieces import ObjectKey, OneByOne, Piece, file_words, key_of
 
@@ -97,7 +97,7 @@ class Batch(OneByOne):
             raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence) from error
         if self.write_attributes:
             piece.results.look = self.look
-            piece.notes += source_meshes.deliver(target, piece.results, piece.reading)
+            piece.notes += delivery.deliver(target, piece.results, piece.reading)
 
     @property
     def written(self) -> list[MeshBake]:

@@ -205,12 +205,12 @@ def named(target: Target, count: int) -> Iterator[None]:
 
 def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:
     """Writes the results where they belong; if several objects share a mesh, those of the first."""
-    from ..scene import source_meshes
+    from ..scene import delivery
     from ..scene import targets as groups
 
     for sharing in groups.by_mesh(targets):
         one = baked[targets.index(sharing[0])]
-        one.notes += source_meshes.deliver(sharing[0], one.results, one.reading)
+        one.notes += delivery.deliver(sharing[0], one.results, one.reading)
         one.notes += groups.shared_note(sharing, one.results.settings.space, one.reading.source)
 
 

@@ -26,3 +26,8 @@ def attribute_values(attribute: bpy.types.Attribute) -> np.ndarray:
     """(n,) or (n, width) float32 values of an attribute of floats or colors; not in edit mode, where they are hidden."""
     member, width = MEMBERS[attribute.data_type]
     return read_array(attribute.data, member, np.float32, width)
+
+
+def copy_values(source: bpy.types.Attribute, target: bpy.types.Attribute) -> None:
+    """Copies the values of an attribute to another one of the same type."""
+    target.data.foreach_set(MEMBERS[source.data_type][0], attribute_values(source).ravel())

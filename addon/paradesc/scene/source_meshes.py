@@ -13,9 +13,8 @@ import bpy
 import numpy as np
 
 from ..bridge import MeshArrays
-from ..core.job import Results
 from ..core.source_kinds import NAMES
-from . import mesh_io, record
+from . import mesh_io
 from .mesh_io import refuse
 
 # Modifiers that make or remove vertices or faces. Geometry Nodes may do either, which is tried out.
@@ -27,7 +26,6 @@ GENERATING = {
 MARK = "paradesc_origin"
 # Whole numbers up to here are exact in 32-bit floats.
 EXACT = 1 << 24
-RESULT_SUFFIX = "_paradesc"
 
 
 @dataclass
@@ -247,64 +245,3 @@ def marked(mesh: bpy.types.Mesh, marks: np.ndarray) -> Iterator[None]:
         mesh.attributes.active_index = active
         mesh.update()
         bpy.context.view_layer.update()
-
-
-# ---- Giving results back
-
-
-def deliver(target: bpy.types.Object, results: Results, reading: Reading) -> list[str]:
-    """Writes the results where they belong; gives sentences about that and about what was replaced."""
-    if reading.own:
-        return mesh_io.write_results(target, on_original(results, reading))
-    holder = result_object(target, reading.arrays)
-    return [f'The results are in "{holder.name}".', *mesh_io.write_results(holder, results)]
-
-
-def on_original(results: Results, reading: Reading) -> Results:
-    """Brings the results to the object's own vertices."""
-    if reading.vertices is None:
-        return results
-    at = reading.vertices
-    corners = results.corners
-    if corners is not None:
-        painted = corners.painted[at]
-        place = {int(vertex): index for index, vertex in reversed(list(enumerate(at)))}
-        kept = [vertex for vertex in corners.vertices.tolist() if vertex in place]
-        own = np.array([place[vertex] for vertex in kept], corners.vertices.dtype)
-        corners = replace(corners, vertices=own, painted=painted)
-    return replace(
-        results,
-        values={name: values[at] for name, values in results.values.items()},
-        coverage=results.coverage[at],
-        mask=results.mask[at],
-        near_seam=None if results.near_seam is None else results.near_seam[at],
-        seam_error={name: values[at] for name, values in results.seam_error.items()},
-        unwrapped=None,  # it is a layout of the evaluated mesh, which nothing keeps
-        corners=corners,
-    )
-
-
-def result_object(target: bpy.types.Object, arrays: MeshArrays) -> bpy.types.Object:
-    """The object "<name>_paradesc" with the evaluated mesh; an object of an earlier bake gets the new mesh."""
-    name = target.name + RESULT_SUFFIX
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    mesh = bpy.data.meshes.new_from_object(
-        target.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
-    )
-    if len(mesh.vertices) != len(arrays.positions):
-        bpy.data.meshes.remove(mesh)
-        raise refuse(f'The object "{target.name}" was changed while it was being computed; run it again.')
-    mesh.name = name
-    holder = bpy.data.objects.get(name)
-    if holder is not None and holder.get(record.PROPERTY) == target.name:
-        former = holder.data
-        holder.data = mesh
-        if former.users == 0:
-            bpy.data.meshes.remove(former)
-    else:
-        holder = bpy.data.objects.new(name, mesh)
-        holder[record.PROPERTY] = target.name
-        for collection in target.users_collection or [bpy.context.scene.collection]:
-            collection.objects.link(holder)
-    holder.matrix_world = target.matrix_world
-    return holder
