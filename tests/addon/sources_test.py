@@ -1,5 +1,7 @@
 """Original, deformed and evaluated meshes: what is measured, where results go, and that the scene stays as it is."""
 
+import ast
+
 import numpy as np
 import pytest
 
@@ -8,9 +10,10 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 import animated  # noqa: E402
 from paradesc import bridge  # noqa: E402
 from paradesc.bridge import abi  # noqa: E402
-from paradesc.core import job  # noqa: E402
+from paradesc.core import job, source_kinds  # noqa: E402
 from paradesc.scene import delivery, mesh_io, source_meshes  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
+from scene import add_sphere, attribute_values, empty_scene, fingerprint, small_bake  # noqa: E402
+from shapes import ADDON  # noqa: E402
 
 QUICK = job.Settings(("mean_curvature",), bridge.Options(radius=0.1, samples=64, buffer_size=256), "software")
 
@@ -246,3 +249,88 @@ def test_unknown_source_and_taken_name_are_one_sentence():
     target.data.attributes.new(source_meshes.MARK, "INT", "POINT")
     with pytest.raises(bridge.ParadescError, match="rename"):
         source_meshes.read(target, "evaluated")
+
+
+# ---- What shows or hides modifiers, and how often they are evaluated
+
+
+def driven(target):
+    curve = target.driver_add('modifiers["SUBSURF"].show_viewport')
+    curve.driver.expression = "1"
+
+
+def animated_switch(target):
+    target.modifiers["SUBSURF"].keyframe_insert("show_viewport", frame=1)
+
+
+@pytest.mark.parametrize("switch", [driven, animated_switch])
+def test_deformed_leaves_out_what_a_driver_or_an_animation_shows(switch):
+    target = with_modifiers(SUBSURF, BEND)
+    switch(target)
+    bpy.context.view_layer.update()
+    before = scene_state(target)
+    reading = source_meshes.read(target, "deformed")
+    assert len(reading.arrays.positions) == 152
+    assert "SUBSURF" in reading.notes[0]
+    assert scene_state(target) == before
+    curves = [*target.animation_data.drivers, *(source_meshes.showing(target.modifiers["SUBSURF"]))]
+    assert curves
+    assert not any(curve.mute for curve in curves)
+
+
+def count_evaluations(monkeypatch):
+    """Counts how often the modifiers of objects are evaluated to meshes."""
+    counted = []
+    evaluated = source_meshes.evaluated_mesh
+
+    def counting(target):
+        counted.append(target.name)
+        return evaluated(target)
+
+    monkeypatch.setattr(source_meshes, "evaluated_mesh", counting)
+    return counted
+
+
+@pytest.mark.parametrize("placing", [True, False])
+def test_modifiers_that_make_vertices_are_evaluated_once(placing, monkeypatch):
+    target = with_modifiers(SUBSURF)
+    counted = count_evaluations(monkeypatch)
+    reading = source_meshes.read(target, "evaluated", placing=placing)
+    assert counted == ["sphere"]
+    assert (reading.vertices is not None, reading.own) == (placing, placing)
+    assert source_meshes.MARK not in target.data.attributes
+
+
+def test_an_image_of_a_linked_mesh_says_nothing_of_vertices_that_are_lost(tmp_path, capfd):
+    import paradesc
+
+    with_modifiers(SUBSURF)
+    path = tmp_path / "library.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+    paradesc.register()
+    try:
+        empty_scene()
+        with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+            wanted.objects = ["sphere"]
+        linked = bpy.data.objects["sphere"]
+        bpy.context.collection.objects.link(linked)
+        bpy.context.view_layer.objects.active = linked
+        linked.select_set(True)
+        settings = small_bake("cpu")
+        settings.texels = 16
+        bpy.context.scene.paradesc_animation.source = "evaluated"
+        assert bpy.ops.paradesc.bake_image() == {"FINISHED"}
+        assert "lose" not in capfd.readouterr().out
+    finally:
+        paradesc.unregister()
+
+
+def test_sentences_about_sources_name_what_the_panel_and_the_command_line_have():
+    labels = {name: label for name, label, _ in source_kinds.SOURCES}
+    assert source_kinds.in_words("evaluated", "original") == "With Modifiers (evaluated) or Base Mesh (original)"
+    folders = ("scene", "bake", "show", "animation", "settings", "ui")  # commands have words of their own
+    for path in [path for folder in folders for path in (ADDON / "paradesc" / folder).glob("*.py")]:
+        for node in ast.walk(ast.parse(path.read_text())):
+            text = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+            assert not any(f"the source {name}" in text for name in labels), f"{path}: {text}"
+            assert "the backend cpu" not in text, f"{path}: {text}"

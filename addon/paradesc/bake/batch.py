@@ -41,8 +41,10 @@ class Batch(OneByOne):
         """Takes the settings as they are now, and the chosen objects; raises if nothing can be computed."""
         group = context.scene.paradesc
         maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
-        self.request = targets.ReadRequest(group.shape_key, maps, source, group.write_buffers)
         self.write_attributes = group.write_attributes
+        self.request = targets.ReadRequest(
+            group.shape_key, maps, source, group.write_buffers, placing=self.write_attributes
+        )
         self.settings = properties.job_settings(group)
         job.check_descriptors(self.settings.descriptors)
         shared = targets.by_mesh(targets.chosen(context))

@@ -44,7 +44,7 @@ class ImageBatch(OneByOne):
         """
         group = context.scene.paradesc
         maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
-        self.request = targets.ReadRequest(group.shape_key, maps, source)
+        self.request = targets.ReadRequest(group.shape_key, maps, source, placing=False)
         self.choice = image_files.Choice(
             group.texels, group.image_outside == "transparent", group.image_packed, looks.scene_look(context.scene)
         )
@@ -93,7 +93,7 @@ class ImageBatch(OneByOne):
         highs = []
         for high in map(find, piece.highs):
             read = targets.read(high, self.settings, self.request)
-            piece.notes += pairs.notes_of(read)
+            piece.notes += read.notes
             piece.warnings += read.warnings
             highs.append(pairs.part_of(high, read))
         return partial(image_files.run_onto, piece.stem, low, highs, self.settings, self.choice, self.cage)

@@ -35,7 +35,7 @@ from .options import (
 )
 from .outputs import add_output_files, check_files, files_of, write_files
 from .preset_options import check_preset, look_of_preset, notes_of_preset
-from .reading import Target, fitting, mesh_name, read_object, world_matrix
+from .reading import Target, fitting, mesh_name, read_object, saves_scene, world_matrix
 
 if TYPE_CHECKING:
     import bpy
@@ -121,11 +121,6 @@ def check(arguments: argparse.Namespace) -> None:
         corners.check_threshold(arguments.corner_threshold)
     if arguments.material_maps and (arguments.displacement or arguments.normal_map):
         raise UsageError("Maps come from the material or from files; leave --material-maps or the images out.")
-
-
-def saves_scene(arguments: argparse.Namespace) -> bool:
-    """Whether the scene itself is an output."""
-    return any(path.suffix.lower() == ".blend" for path in arguments.output)
 
 
 def bake_objects(
