@@ -175,7 +175,7 @@ def test_a_mesh_without_a_uv_map_is_one_sentence(settings):
     assert fingerprint(target) == before
     target.data.uv_layers.new(name="empty")
     target.data.uv_layers["empty"].data.foreach_set("uv", np.zeros(2 * len(target.data.loops), np.float32))
-    with pytest.raises(RuntimeError, match=r"has (no usable UV map|a UV map without area); unwrap it"):
+    with pytest.raises(RuntimeError, match=r"has a UV map without area; unwrap it"):
         bpy.ops.paradesc.bake_image()
     assert not bpy.data.images
 

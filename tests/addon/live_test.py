@@ -279,6 +279,14 @@ def test_attributes_that_are_not_ours_are_left_alone(stretching):
         assert np.array_equal(attribute_values(stretching.data, f"{NAME}_2"), expected)
 
 
+def test_objects_that_nobody_has_made_live_get_no_settings(stretching):
+    other = add_sphere("other", steps=2)
+    switch(stretching)
+    bpy.context.scene.frame_set(2)
+    assert not handlers.is_live(other)
+    assert not other.is_property_set("paradesc_live")
+
+
 def test_a_removed_object_is_forgotten(stretching):
     switch(stretching)
     bpy.data.objects.remove(stretching)

@@ -114,7 +114,7 @@ def test_files_that_cannot_be_written_are_one_sentence_before_anything_is_comput
 def test_an_image_needs_a_uv_map_of_the_mesh(settings, tmp_path):
     layers = bpy.data.objects["ball"].data.uv_layers
     layers.remove(layers[0])
-    with pytest.raises(RuntimeError, match="no usable UV map"):
+    with pytest.raises(RuntimeError, match="has no UV map, and an image needs one"):
         bpy.ops.paradesc.bake()
     assert names_in(tmp_path) == []
 

@@ -9,9 +9,11 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
 from paradesc import bridge  # noqa: E402
+from paradesc.bake import image_batch  # noqa: E402
 from paradesc.bridge import abi  # noqa: E402
 from paradesc.core import job, source_kinds  # noqa: E402
-from paradesc.scene import delivery, mesh_io, source_meshes  # noqa: E402
+from paradesc.scene import delivery, mesh_io, scene_io, source_meshes  # noqa: E402
+from paradesc.show.node_groups import add_socket  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint, small_bake  # noqa: E402
 from shapes import ADDON  # noqa: E402
 
@@ -334,3 +336,41 @@ def test_sentences_about_sources_name_what_the_panel_and_the_command_line_have()
             text = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
             assert not any(f"the source {name}" in text for name in labels), f"{path}: {text}"
             assert "the backend cpu" not in text, f"{path}: {text}"
+
+
+@pytest.mark.parametrize("source", ["evaluated", "original"])
+def test_geometry_nodes_make_a_mesh_of_nothing(source):
+    with_modifiers()
+    target = bpy.data.objects.new("made", bpy.data.meshes.new("empty"))
+    bpy.context.collection.objects.link(target)
+    tree = bpy.data.node_groups.new("cube", "GeometryNodeTree")
+    add_socket(tree, "Geometry", "geometry", output=True)
+    nodes = [tree.nodes.new(kind) for kind in ("GeometryNodeMeshCube", "NodeGroupOutput")]
+    tree.links.new(nodes[0].outputs[0], nodes[1].inputs[0])
+    target.modifiers.new("cube", "NODES").node_group = tree
+    bpy.context.view_layer.update()
+    chosen, sentences = scene_io.all_objects(source)
+    assert [item.name for item in chosen] == (["made", "sphere"] if source == "evaluated" else ["sphere"])
+    assert ["has no faces" in sentence for sentence in sentences] == ([] if source == "evaluated" else [True])
+
+
+def spoiled(target, value):
+    uvs = target.data.uv_layers.active.data
+    uvs.foreach_set("uv", np.full(2 * len(uvs), value, np.float32))
+
+
+@pytest.mark.parametrize(("value", "words"), [(np.nan, "coordinates that are not finite"), (0.25, "without area")])
+def test_a_uv_map_that_cannot_be_used_is_said_with_the_one_that_can(value, words):
+    target = with_modifiers()
+    spoiled(target, value)
+    arrays = mesh_io.read_object(target, corner_normals=False, needs_uvs=False)
+    assert arrays.corner_uvs is None
+    assert arrays.uv_fault == f"has a UV map {'with ' if np.isnan(value) else ''}{words}"
+    spoiled(target, 0.0)
+    good = target.data.uv_layers.new(name="good")
+    good.data.foreach_set("uv", np.random.default_rng(0).random(2 * len(good.data)).astype(np.float32))
+    target.data.uv_layers.active_index = 0
+    arrays = mesh_io.read_object(target, corner_normals=False, needs_uvs=False)
+    assert arrays.uv_fault == 'has a UV map without area (its other "good" can be used: make it the active one)'
+    with pytest.raises(bridge.ParadescError, match=r'without area \(its other "good" can be used'):
+        image_batch.check_layout(target, arrays)

@@ -163,7 +163,7 @@ def check_uv_map(target: bpy.types.Object, source: str) -> None:
 def check_layout(target: bpy.types.Object, arrays: MeshArrays) -> None:
     """Refuses a mesh whose UV map cannot be used."""
     if arrays.layout is not None or arrays.corner_uvs is None:
-        raise mesh_io.refuse(no_map(target, arrays.layout.reason if arrays.layout else "has no usable UV map"))
+        raise mesh_io.refuse(no_map(target, arrays.uv_fault or "has no UV map"))
 
 
 def no_map(target: bpy.types.Object, fault: str) -> str:

@@ -43,6 +43,7 @@ class MeshArrays:
     sharp_edges: np.ndarray | None = None  # (sharp_edge_count, 2) int32
     layout: Layout | None = None  # where corner_uvs come from, if not from the mesh's own UV map
     maps: SurfaceMaps | None = None
+    uv_fault: str = ""  # what the mesh's own UV map lacks: "has no UV map"
 
     @property
     def triangle_vertices(self) -> np.ndarray:

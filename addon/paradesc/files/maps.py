@@ -20,7 +20,7 @@ STACKED = "Charts of the UV map share texture space: where several lie at one te
 def user_uvs(baked: Baked) -> np.ndarray:
     """(triangle_count, 3, 2) UV coordinates of the mesh's UV map."""
     if baked.arrays.corner_uvs is None:
-        sentence = "The mesh has no UV map to make an image in; unwrap it."
+        sentence = f"The mesh {baked.arrays.uv_fault or 'has no UV map'}, and an image needs one; unwrap it."
         raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
     return baked.arrays.corner_uvs[baked.arrays.triangle_corners]
 

@@ -48,6 +48,7 @@ def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name:
     )
     reason = uv_faults.fault(arrays.corner_uvs, arrays.triangle_corners)
     if reason:
+        arrays.uv_fault = uv_faults.with_others(reason, sound_maps(mesh, arrays.triangle_corners))
         arrays.layout = unwrap.layout(mesh, record.layout_of(mesh), arrays, reason) if needs_uvs else None
         arrays.corner_uvs = arrays.layout.uvs if arrays.layout else None
     return arrays
@@ -83,6 +84,12 @@ def read_uvs(mesh: bpy.types.Mesh) -> np.ndarray | None:
     """(corner_count, 2) float32 of the active UV map, or None without one."""
     layer = mesh.uv_layers.active
     return None if layer is None else unwrap.read_uvs(layer)
+
+
+def sound_maps(mesh: bpy.types.Mesh, triangle_corners: np.ndarray) -> list[str]:
+    """The names of the UV maps besides the active one that can be computed on."""
+    others = [layer for layer in mesh.uv_layers if layer != mesh.uv_layers.active]
+    return [layer.name for layer in others if not uv_faults.fault(unwrap.read_uvs(layer), triangle_corners)]
 
 
 def read_corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
