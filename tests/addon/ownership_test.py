@@ -8,6 +8,7 @@ import unicodedata
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,8 @@ from mesh_io_test import made_up_results  # noqa: E402
 
 from paradesc.bake import batch, pieces  # noqa: E402
 from paradesc.files import cache, file_names, marks  # noqa: E402
-from paradesc.scene import mesh_io, sculpt_masks  # noqa: E402
+from paradesc.scene import mesh_io, sculpt_masks, viewports  # noqa: E402
+from paradesc.settings import preset_folders  # noqa: E402
 from paradesc.show import recolor  # noqa: E402
 from scene import add_sphere, small_bake  # noqa: E402
 
@@ -111,7 +113,7 @@ class Writer:
     write: Any  # called with the object
     taken: Any  # called with the object, makes the user's things
     fails: str = ""  # where the user's thing leaves no room, the sentence says so
-    changes: set = field(default_factory=set)  # what a click is asked to change, of the kinds above
+    changes: set = field(default_factory=set)  # what a click is asked to change, by kinds as above or by names
     again: Any = None  # the second click, where it has to be another one
 
 
@@ -361,6 +363,40 @@ def long_name(target):
     target.name = "x" * 60
 
 
+def live(target):
+    """Switches live values on, and off again."""
+    bpy.context.scene.paradesc.descriptors = {NAME}
+    target.paradesc_live.mode = "LIVE"
+    assert target.paradesc_live.sentence == ""
+    target.paradesc_live.mode = "OFF"
+
+
+def frames(target):
+    """Bakes two frames into the cache, and plays one."""
+    small_bake("cpu")
+    scene = bpy.context.scene
+    scene.frame_end, scene.paradesc.descriptors = 2, {NAME}
+    for item in bpy.context.view_layer.objects:
+        item.select_set(item == target)
+    bpy.context.view_layer.objects.active = target
+    scene.paradesc_animation.overwrite = True
+    assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
+    target.paradesc_live.mode = "CACHE"
+    assert target.paradesc_live.sentence == ""
+    target.paradesc_live.mode = "OFF"
+
+
+def frames_of(*names):
+    """Bakes the frames of other objects of these names, one after another."""
+
+    def make(target):
+        target.name = "Crate"
+        for name in names:
+            frames(add_sphere(name, steps=4))
+
+    return make
+
+
 CHANGES = (sculpted, with_material, with_attribute, called_otherwise, painted_result)
 MADE = "not made here, or was changed since"
 COLORS = f"{NAME}_corner_color"
@@ -395,6 +431,11 @@ WRITERS = {
     ),
     **{f"result object, {change.__name__}": Writer(remeshed, remeshed_and(change)) for change in CHANGES},
     "result object of a long name": Writer(remeshed, long_name),
+    "live values": Writer(live, attribute(NAME)),
+    "live values over what was painted": Writer(live, painted(f"{NAME}_color"), changes={"coverage"}),
+    "live coverage": Writer(live, attribute("coverage")),
+    "played values": Writer(frames, attribute(NAME)),
+    "frames of another object": Writer(frames, frames_of("crate", "Cr ate")),
     "recolor": Writer(click("recolor"), painted(f"{NAME}_color", click("recolor")), "painted over"),
     "attribute": Writer(bake, attribute(NAME)),
     "attribute of another type": Writer(bake, attribute(NAME, "INT", "FACE")),
@@ -437,7 +478,7 @@ def test_what_is_the_users_stays_as_it_is(name, target, folder: Path):
     writer.write(target)
     after = everything(folder)
     changed = {key for key, content in before.items() if after.get(key) != content}
-    assert {key for key in changed if key[0] not in writer.changes} == set()
+    assert {key for key in changed if not writer.changes & {key[0], key[-1]}} == set()
     assert after.keys() > before.keys()  # and what was asked for is there
 
 
@@ -681,6 +722,62 @@ def test_the_sentence_says_which_texture_stays(target, folder, capfd):
     said = capfd.readouterr().out
     assert 'the texture is "sphere_2_curvature"' in said
     assert "sphere_2_curvature.png, 16 × 16" in said
+
+
+@pytest.fixture
+def presets_folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(preset_folders, "own_folder", lambda create=False: tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("other", ["Mine.json", "mine.JSON"])
+def test_a_preset_is_saved_beside_files_that_are_none_of_that_name(other, presets_folder):
+    (presets_folder / other).write_text("a list of things to do")
+    assert bpy.ops.paradesc.add_preset(name="Mine") == {"FINISHED"}
+    bpy.ops.paradesc.add_preset(name="mine")
+    assert (presets_folder / other).read_text() == "a list of things to do"
+    assert len(list(presets_folder.iterdir())) == 3
+    bpy.ops.paradesc.add_preset(name="Mine")
+    assert len(list(presets_folder.iterdir())) == 3
+
+
+class Screen(dict):
+    """A screen with two 3D viewports between others."""
+
+    def __init__(self):
+        self.areas = [self.area("VIEW_3D", "MATERIAL"), self.area("CONSOLE"), self.area("VIEW_3D", "RANDOM")]
+        self.areas.append(self.area("VIEW_3D", "VERTEX"))
+
+    def area(self, kind, color_type=""):
+        items = [SimpleNamespace(identifier=name) for name in ("MATERIAL", "RANDOM", "SINGLE", "VERTEX")]
+        rna = SimpleNamespace(properties={"color_type": SimpleNamespace(enum_items=items)})
+        shading = SimpleNamespace(type="SOLID", color_type=color_type, bl_rna=rna)
+        return SimpleNamespace(type=kind, spaces=SimpleNamespace(active=SimpleNamespace(shading=shading)))
+
+    def shown(self):
+        return [area.spaces.active.shading.color_type for area in self.areas if area.type == "VIEW_3D"]
+
+
+def test_every_viewport_gets_back_what_it_showed():
+    screen = Screen()
+    for _ in range(2):  # two bakes
+        for _, shading in viewports.shadings(screen):
+            viewports.show_attributes(screen, shading)
+    assert screen.shown() == ["VERTEX"] * 3
+    viewports.restore(screen)
+    assert screen.shown() == ["MATERIAL", "RANDOM", "VERTEX"]
+
+
+def test_a_viewport_that_was_set_since_stays_and_old_files_are_read():
+    screen = Screen()
+    for _, shading in viewports.shadings(screen):
+        viewports.show_attributes(screen, shading)
+    screen.areas[0].spaces.active.shading.color_type = "SINGLE"
+    viewports.restore(screen)
+    assert screen.shown() == ["SINGLE", "RANDOM", "VERTEX"]
+    screen[viewports.FORMER] = "MATERIAL"
+    viewports.restore(screen)
+    assert screen.shown() == ["SINGLE", "RANDOM", "MATERIAL"]
 
 
 def test_a_mark_says_whose_a_file_is_until_anything_in_it_changes(target, folder):
