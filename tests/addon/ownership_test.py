@@ -173,6 +173,17 @@ def click(name, **words):
     return write
 
 
+def converted_to_whole(name, write):
+    """Makes what we make, and converts it to another type as the user would."""
+
+    def make(target):
+        write(target)
+        target.data.attributes.remove(target.data.attributes[name])
+        attribute(name, "INT")(target)
+
+    return make
+
+
 def pack(target):
     bpy.context.scene.paradesc_looks.pack_red = NAME
     click("pack")(target)
@@ -405,6 +416,7 @@ WRITERS = {
     "corner colors painted over": Writer(click("corner_colors"), painted(COLORS, click("corner_colors")), MADE),
     "packed channels": Writer(pack, attribute("paradesc_packed", "FLOAT_COLOR"), MADE),
     "packed channels painted over": Writer(pack, painted("paradesc_packed", pack), MADE),
+    "packed channels of another type": Writer(pack, converted_to_whole("paradesc_packed", pack), MADE),
     "copies for glTF": Writer(click("export_copies"), attribute(f"_{NAME}"), MADE),
     "copies for glTF painted over": Writer(click("export_copies"), painted(f"_{NAME}", click("export_copies")), MADE),
     "vertex group": Writer(click("vertex_group"), baked_then(group(NAME)), MADE),

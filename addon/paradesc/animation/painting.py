@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
-from ..scene import mesh_io, ownership, record
+from ..scene import arrays, mesh_io, ownership, record
 
 # Steps of a color table, far below what 8 bits can show.
 TABLE_STEPS = 4096
@@ -52,7 +52,7 @@ class Painter:
         self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
         for name, array in self.written.items():
             attribute = mesh.attributes[name]
-            attribute.data.foreach_set(member_of(attribute), array)
+            attribute.data.foreach_set(arrays.MEMBERS[attribute.data_type][0], array)
         return True
 
     def is_there(self, mesh: bpy.types.Mesh) -> bool:
@@ -65,7 +65,7 @@ class Painter:
             attribute, found = mesh.attributes.get(name), np.empty(values.size, np.float32)
             if attribute is None or mesh_io.wanted_kind(name) != (attribute.data_type, attribute.domain):
                 return False
-            attribute.data.foreach_get(member_of(attribute), found)
+            attribute.data.foreach_get(arrays.MEMBERS[attribute.data_type][0], found)
             if not np.array_equal(found.view(np.uint32), values.view(np.uint32)):
                 return False
         return True
@@ -84,14 +84,7 @@ def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:
     return all(mesh.attributes.get(name) is not None for name in names)
 
 
-def member_of(attribute: bpy.types.Attribute) -> str:
-    """The member of our attributes that foreach_get and foreach_set read and write."""
-    return {"FLOAT_COLOR": "color", "FLOAT_VECTOR": "vector"}.get(attribute.data_type, "value")
-
-
-def leave_record(
-    mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], at: dict[str, str]
-) -> None:
+def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], at: dict[str, str]) -> None:
     """Says on the mesh what is written there, so that the attributes are known as ours."""
     drawn = {at[name]: values.drawn(name, shown) for name, shown in ranges.items()}
     spans = {at[name]: shown for name, shown in ranges.items()}

@@ -130,8 +130,8 @@ class ImageBatch(OneByOne):
         tiles = {texture.tile: marks.marked(texture.content, owner) for texture in textures}
         place = image_places.found(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
         if place != name:
-            sentence = f'"{name}" is no image that a bake of "{piece.name}" has left like this, and stays as it is: the '
-            piece.notes.append(f'{sentence}texture is "{place}".')
+            sentence = f'"{name}" is no image that a bake of "{piece.name}" has left like this, and stays as it is: '
+            piece.notes.append(f'{sentence}the texture is "{place}".')
         piece.made += [str(tile_names.of_tile(Path(f"{place}.png"), tile)) for tile in tiles]
         if self.folder is None:
             return images.from_memory(place, tiles, owner["object"])

@@ -4,7 +4,8 @@ import bpy
 import numpy as np
 
 # How the values of each type of attribute are read, and how many numbers each has.
-MEMBERS = {"FLOAT": ("value", 1), "FLOAT_VECTOR": ("vector", 3), "FLOAT_COLOR": ("color", 4), "BYTE_COLOR": ("color", 4)}
+COLOR = ("color", 4)
+MEMBERS = {"FLOAT": ("value", 1), "FLOAT_VECTOR": ("vector", 3), "FLOAT_COLOR": COLOR, "BYTE_COLOR": COLOR}
 
 
 def read_array(collection: object, member: str, kind: type, width: int = 1) -> np.ndarray:
@@ -23,7 +24,7 @@ def read_corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def attribute_values(attribute: bpy.types.Attribute) -> np.ndarray:
-    """(n,) or (n, width) float32 values of an attribute of floats or colors; not in edit mode, where they are hidden."""
+    """(n,) or (n, width) float32 values of an attribute of floats or colors; not in edit mode, which hides them."""
     member, width = MEMBERS[attribute.data_type]
     return read_array(attribute.data, member, np.float32, width)
 

@@ -35,7 +35,7 @@ def remember(mesh: bpy.types.Mesh, kind: str, name: str) -> None:
 
 def is_own(mesh: bpy.types.Mesh, attribute: bpy.types.Attribute) -> bool:
     """Whether this file made the attribute, and nobody has painted over it since."""
-    if attribute.name not in own_names(mesh, "attributes"):
+    if attribute.name not in own_names(mesh, "attributes") or attribute.data_type not in arrays.MEMBERS:
         return False
     values, faces = arrays.attribute_values(attribute), ownership.faces_of(mesh)
     return ownership.is_untouched(mesh, attribute.name, values, faces)

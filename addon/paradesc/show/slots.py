@@ -77,7 +77,10 @@ def slot_names(mesh: bpy.types.Mesh) -> list[str]:
 
 
 def take_back(mesh: bpy.types.Mesh) -> list[str]:
-    """Gives the faces on our slots their former ones again and removes ours, not in edit mode; sentences as assign()."""
+    """Gives the faces on our slots their former ones again, and removes ours. Not in edit mode.
+
+    Gives sentences as assign() does.
+    """
     ours = own_slots(mesh)
     mesh.polygons.foreach_set("material_index", former_slots(mesh, ours))
     if FORMER_SLOTS in mesh.attributes:
