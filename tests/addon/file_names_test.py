@@ -71,9 +71,24 @@ def test_names_that_some_file_system_takes_for_one_are_kept_apart():
 def test_the_same_object_has_the_same_word_in_whatever_selection():
     for name in ("Wall 001", "Wall.001", "wall_001"):
         add_sphere(name, steps=1)
-    whole = dict(zip(("Wall.001", "Wall 001"), pieces.file_words(["Wall.001", "Wall 001"]), strict=True))
-    assert pieces.file_words(["Wall 001"]) == [whole["Wall 001"]]
-    assert pieces.file_words(["Wall 001", "Wall.001"]) == [whole["Wall 001"], whole["Wall.001"]]
+    first, second, linked = ("Wall.001", None), ("Wall 001", None), ("Wall.001", "//library.blend")
+    whole = pieces.file_words([first, second])
+    assert pieces.file_words([second]) == whole[1:]
+    assert pieces.file_words([second, first]) == whole[::-1]
+    assert len(set(pieces.file_words([linked, first, second]))) == 3
+
+
+def test_a_linked_object_of_the_same_name_has_textures_of_its_own(target, folder):
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "library.blend"), copy=True, check_existing=False)
+    with bpy.data.libraries.load(str(folder / "library.blend"), link=True) as (_, wanted):
+        wanted.objects = ["sphere"]
+    (linked,) = (item for item in bpy.data.objects if item.library is not None)
+    bpy.context.collection.objects.link(linked)
+    bake_image(target)
+    bake_image(linked)
+    bake_image(target)
+    names = sorted(path.name for path in folder.glob("*.png"))
+    assert names == ["sphere_2_curvature.png", "sphere_curvature.png"]
 
 
 def test_frames_of_objects_that_differ_in_case_have_folders_apart(tmp_path):

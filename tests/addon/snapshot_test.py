@@ -5,6 +5,7 @@ import pytest
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.bake import batch  # noqa: E402
+from paradesc.settings import snapshot  # noqa: E402
 from scene import add_sphere  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -85,3 +86,12 @@ def test_a_mask_brings_its_radius_where_nobody_has_chosen_one(target):
     settings.radius_unit = "absolute"
     bpy.ops.paradesc.mask(name="openness")
     assert (settings.radius_unit, settings.radius_percent) == ("absolute", 2.0)
+
+
+def test_settings_of_a_file_that_is_gone_are_brought_to_no_other(target):
+    tuned_settings(bpy.context.scene)
+    kept = snapshot.Snapshot(bpy.context.scene)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    before = settings_of(bpy.context.scene)
+    kept.restore()
+    assert settings_of(bpy.context.scene) == before

@@ -49,7 +49,7 @@ class Batch(OneByOne):
         job.check_descriptors(self.settings.descriptors)
         shared = targets.by_mesh(targets.chosen(context))
         super().__init__([MeshBake(key_of(objects[0]), [key_of(item) for item in objects]) for objects in shared])
-        self.places = file_places(group, [piece.name for piece in self.pieces])
+        self.places = file_places(group, [piece.key for piece in self.pieces])
 
     def start(self, piece: MeshBake) -> None:
         """Reads a mesh and starts its worker."""
@@ -110,14 +110,14 @@ class Batch(OneByOne):
 # ---- Files
 
 
-def file_places(group: bpy.types.PropertyGroup, names: list[str]) -> list[tuple[Path | None, Path | None]]:
+def file_places(group: bpy.types.PropertyGroup, keys: list[ObjectKey]) -> list[tuple[Path | None, Path | None]]:
     """The image and the folder of buffers of each object; if there are several, each has its own, named after it."""
     image = whole_path(group.image_path, "image", IMAGE_STEM) if group.write_image else None
     buffers = whole_path(group.buffers_path, "folder", BUFFERS_NAME) if group.write_buffers else None
     if image is not None:
         image = image.with_suffix("") if image.suffix.lower() in (".exr", ".png") else image
     places = []
-    for word in file_words(names) if len(names) > 1 else [""]:
+    for word in file_words(keys) if len(keys) > 1 else [""]:
         own = image and image.with_name(image.name + group.image_format)
         places.append(
             (

@@ -126,7 +126,7 @@ class ImageBatch(OneByOne):
 
         They get the first name that is free, or has what an earlier bake of the same object has left.
         """
-        owner = {"blend": Path(bpy.data.filepath).name, "object": piece.name}
+        owner = {"blend": Path(bpy.data.filepath).name, "object": " of ".join(filter(None, piece.key))}
         tiles = {texture.tile: marks.marked(texture.content, owner) for texture in textures}
         place = image_places.found(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
         if place != name:

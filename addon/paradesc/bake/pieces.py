@@ -157,11 +157,12 @@ def file_word(name: str) -> str:
     return file_names.cut(bpy.path.clean_name(name))
 
 
-def file_words(names: list[str]) -> list[str]:
+def file_words(keys: list[ObjectKey]) -> list[str]:
     """The same, no two alike; numbers go by all objects that there are, so that each bake gives the same."""
-    every = sorted({*names, *(item.name for item in bpy.data.objects if item.type == "MESH")})
-    words = dict(zip(every, file_names.distinct(list(map(file_word, every))), strict=True))
-    return [words[name] for name in names]
+    there = {*keys, *(key_of(item) for item in bpy.data.objects if item.type == "MESH")}
+    every = sorted(there, key=lambda key: (key[0], key[1] or ""))
+    words = file_names.distinct([file_word(name) for name, _ in every])
+    return [words[every.index(key)] for key in keys]
 
 
 def with_name(name: str, failure: str) -> str:

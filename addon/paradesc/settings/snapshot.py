@@ -7,12 +7,17 @@ from . import presets
 GROUPS = ("paradesc", "paradesc_looks")
 
 
+def identity(scene: bpy.types.Scene) -> int:
+    """What no scene of another file has; before Blender 4.2 where it lies in memory."""
+    return scene.session_uid if hasattr(scene, "session_uid") else scene.as_pointer()
+
+
 class Snapshot:
-    """The settings of a scene at one time: plain values, since it outlasts an undo."""
+    """The settings of a scene at one time: plain values, since another file may be open when they are asked for."""
 
     def __init__(self, scene: bpy.types.Scene) -> None:
         """Takes them."""
-        self.scene_name = scene.name
+        self.scene_name, self.identity = scene.name, identity(scene)
         self.chosen = presets.shown_chosen()
         self.values = {
             (place, item.identifier): (getattr(group, item.identifier), group.is_property_set(item.identifier))
@@ -25,7 +30,7 @@ class Snapshot:
     def restore(self) -> None:
         """Brings them back, where they differ; what was at its default follows that again."""
         scene = bpy.data.scenes.get(self.scene_name)
-        if scene is None:
+        if scene is None or identity(scene) != self.identity:
             return
         for (place, name), (value, stored) in self.values.items():
             group = getattr(scene, place)
