@@ -78,6 +78,8 @@ def unregister() -> bool:
     """Takes it away; False if it is not there."""
     if not hasattr(bpy.types, PARADESC_PT_failure.bl_idname):
         return False
+    if bpy.app.timers.is_registered(pop_up):
+        bpy.app.timers.unregister(pop_up)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)
     return True
