@@ -134,6 +134,22 @@ def test_a_result_object_keeps_earlier_masks_and_where_it_was_moved(target):
     assert result.location.x == 9.0
 
 
+@pytest.mark.parametrize("kind", ["DECIMATE", "BEVEL"])
+def test_a_result_object_takes_along_what_was_baked_on_the_base_mesh(kind, target, capfd):
+    bake(target)
+    target.modifiers.new(kind, kind)
+    if kind == "DECIMATE":
+        target.modifiers[kind].ratio = 0.5
+    target.modifiers.new("Remesh", "REMESH").show_viewport = False
+    for _ in range(2):
+        remeshed(target)
+        result = result_of(target)
+        assert recolor.baked_names(result.data) == ["cavity", NAME]
+        assert recolor.stored_range(result.data, "cavity")
+        assert "stays as it is" not in capfd.readouterr().out
+    assert len(bpy.data.objects) == 2
+
+
 def test_a_result_object_that_was_not_moved_follows_its_object(target):
     remeshed(target)
     target.location.x = 5.0

@@ -23,6 +23,11 @@ def read_corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
     return read_array(mesh.loops, "vertex_index", np.int32)
 
 
+def kind_of(attribute: bpy.types.Attribute) -> tuple[str, str]:
+    """The type and domain of an attribute."""
+    return attribute.data_type, attribute.domain
+
+
 def attribute_values(attribute: bpy.types.Attribute) -> np.ndarray:
     """(n,) or (n, width) float32 values of an attribute of floats or colors; not in edit mode, which hides them."""
     member, width = MEMBERS[attribute.data_type]

@@ -8,7 +8,7 @@ import numpy as np
 from ..bridge import MeshArrays
 from ..core.job import Results
 from . import mesh_io, ownership, record, source_meshes
-from .arrays import copy_values
+from .arrays import copy_values, kind_of
 
 RESULT_SUFFIX = "_paradesc"
 
@@ -61,7 +61,7 @@ def result_object(target: bpy.types.Object, arrays: MeshArrays) -> tuple[bpy.typ
             notes = [f'The object "{item.name}" of an earlier bake was edited since, and stays as it is.']
     if holder is not None:
         former = holder.data
-        keep_attributes(former, mesh)
+        keep_results(former, mesh)
         holder.data = mesh
         if former.users == 0:
             bpy.data.meshes.remove(former)
@@ -70,6 +70,7 @@ def result_object(target: bpy.types.Object, arrays: MeshArrays) -> tuple[bpy.typ
         holder[record.PROPERTY] = target.name
         for collection in target.users_collection or [bpy.context.scene.collection]:
             collection.objects.link(holder)
+    record.take_over(target.data, mesh)  # modifiers carry its attributes along
     mesh.name = holder.name
     if ownership.is_where_left(holder):
         holder.matrix_world = target.matrix_world
@@ -92,17 +93,20 @@ def evaluated_copy(target: bpy.types.Object, arrays: MeshArrays) -> bpy.types.Me
     if len(mesh.vertices) != len(arrays.positions):
         bpy.data.meshes.remove(mesh)
         raise mesh_io.refuse(f'The object "{target.name}" was changed while it was being computed; run it again.')
+    for name in (record.PROPERTY, ownership.PROPERTY):
+        if name in mesh:
+            del mesh[name]  # they are of the object's own mesh
     return mesh
 
 
-def keep_attributes(former: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
+def keep_results(former: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
     """Brings the results of earlier bakes along to a mesh with the same faces."""
-    if not source_meshes.same_vertices(former, mesh):
-        return
-    names = [name for name in record.attributes_of(former) if name not in mesh.attributes]
-    mesh_io.make_attributes(mesh, names)
-    for name in names:
-        copy_values(former.attributes[name], mesh.attributes[name])
-    for name in (record.PROPERTY, ownership.PROPERTY):
-        if name in former:
-            mesh[name] = former[name]
+    if source_meshes.same_vertices(former, mesh):
+        names = record.attributes_of(former)
+        mesh_io.make_attributes(mesh, names)
+        for name in names:
+            if kind_of(mesh.attributes[name]) == kind_of(former.attributes[name]) == mesh_io.wanted_kind(name):
+                copy_values(former.attributes[name], mesh.attributes[name])
+        for name in (record.PROPERTY, ownership.PROPERTY):
+            if name in former:
+                mesh[name] = former[name]

@@ -34,7 +34,8 @@ def is_free_in_folder(path: Path, there: list[Path], owner: marks.Owner) -> bool
 
 def is_owners(found: marks.Owner | None, owner: marks.Owner, loaded: bool) -> bool:
     """Whether a mark is the owner's; that of a .blend saved as another one is, too, where this one has loaded it."""
-    return found is not None and found["object"] == owner["object"] and (loaded or found["blend"] == owner["blend"])
+    theirs = found or {}
+    return theirs.get("object") == owner["object"] and (loaded or theirs.get("blend") == owner["blend"])
 
 
 def is_free_in_file(name: str, owner: marks.Owner) -> bool:

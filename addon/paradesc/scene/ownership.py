@@ -81,8 +81,7 @@ def is_untouched(mesh: bpy.types.Mesh, key: str, values: np.ndarray, faces: str)
 def is_as_left(mesh: bpy.types.Mesh, name: str, kind: tuple[str, str], faces: str) -> bool:
     """Whether one of our attributes has the type and domain, and the values, that we gave it."""
     attribute = mesh.attributes[name]
-    same = (attribute.data_type, attribute.domain) == kind
-    return same and is_untouched(mesh, name, arrays.attribute_values(attribute), faces)
+    return arrays.kind_of(attribute) == kind and is_untouched(mesh, name, arrays.attribute_values(attribute), faces)
 
 
 # ---- Result objects

@@ -61,6 +61,16 @@ def write(
     }
 
 
+def take_over(source: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
+    """Adds what the record of another mesh says of attributes that this one has, too; its own entries stay."""
+    theirs, own = read(source), read(mesh)
+    if theirs:
+        names = sorted({*theirs["attributes"], *own.get("attributes", [])})
+        both = {word: {**theirs[word], **own.get(word, {})} for word in ("ranges", "drawn")}
+        kept = {**theirs, **own, **both, "layout": own.get("layout", {})}
+        mesh[PROPERTY] = {**kept, "attributes": [name for name in names if name in mesh.attributes]}
+
+
 # ---- What there is to say
 
 

@@ -24,8 +24,7 @@ def baked_names(mesh: bpy.types.Mesh) -> list[str]:
 
 def is_usable(mesh: bpy.types.Mesh, name: str) -> bool:
     """Whether an attribute has the type and domain that a bake gave it, which Blender can convert."""
-    attribute = mesh.attributes[name]
-    return (attribute.data_type, attribute.domain) == mesh_io.wanted_kind(name)
+    return arrays.kind_of(mesh.attributes[name]) == mesh_io.wanted_kind(name)
 
 
 def is_direction(name: str) -> bool:
