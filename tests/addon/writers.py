@@ -430,6 +430,7 @@ WRITERS = {
     "result object of a long name": Writer(remeshed, long_name),
     "live values": Writer(live, attribute(NAME)),
     "live values over what was painted": Writer(live, painted(f"{NAME}_color"), changes={"coverage"}),
+    "values painted over after live ones": Writer(bake, painted(f"{NAME}_color", live), changes={"coverage"}),
     "live coverage": Writer(live, attribute("coverage")),
     "played values": Writer(frames, attribute(NAME)),
     "frames of another object": Writer(frames, frames_of("crate", "Cr ate")),

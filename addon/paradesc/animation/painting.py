@@ -93,6 +93,14 @@ def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRa
         mesh.color_attributes.active_color = mesh.color_attributes.get(at[next(iter(values.shown))] + "_color")
 
 
+def leave(target: bpy.types.Object) -> None:
+    """Keeps fingerprints of values that change no more."""
+    mesh = target.data
+    if target.type == "MESH" and mesh.library is None and not mesh.is_editmode:
+        known = ownership.fingerprints(mesh)
+        ownership.leave(mesh, [name for name in record.attributes_of(mesh) if name not in known])
+
+
 def tag_written(mesh: bpy.types.Mesh, rendering: bool) -> None:
     """Makes Blender evaluate the mesh again with its new attributes.
 

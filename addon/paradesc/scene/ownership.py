@@ -2,8 +2,8 @@
 
 An attribute or vertex group is ours if a bake, or a button that copies values, has made it. Its fingerprint, kept in a
 custom property of the mesh, tells whether somebody has painted or edited it since: then it is the user's. After a
-change of the faces nothing can be told from values, and it stays ours. So does what has no fingerprint: live values,
-which change at every frame, and what earlier versions have left.
+change of the faces nothing can be told from values, and it stays ours. So does what has no fingerprint: live values
+while they change at every frame, and what earlier versions have left.
 """
 
 import zlib
@@ -33,8 +33,9 @@ def fingerprints(mesh: bpy.types.Mesh) -> dict[str, str]:
 
 def leave(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
     """Keeps the fingerprints of attributes that have just been written. Not in edit mode."""
-    faces = faces_of(mesh)
-    made = {name: faces + short(arrays.attribute_values(mesh.attributes[name])) for name in names}
+    faces, found = faces_of(mesh), [mesh.attributes[name] for name in names]
+    known = [item for item in found if item.data_type in arrays.MEMBERS]
+    made = {item.name: faces + short(arrays.attribute_values(item)) for item in known}
     keep(mesh, {**fingerprints(mesh), **made})
 
 
