@@ -11,7 +11,7 @@ import bpy
 from ..bridge import MeshArrays
 from ..core import job, transfer
 from ..core.threads import Worker
-from ..files import image_files, marks, tile_names
+from ..files import image_files, marks
 from ..files.results import file_fault, write_whole
 from ..scene import image_places, images, mesh_io, pairs, surface_maps, targets
 from ..settings import looks, properties
@@ -132,15 +132,14 @@ class ImageBatch(OneByOne):
         if place != name:
             sentence = f'"{name}" is no image that a bake of "{piece.name}" has left like this, and stays as it is: '
             piece.notes.append(f'{sentence}the texture is "{place}".')
-        piece.made += [str(tile_names.of_tile(Path(f"{place}.png"), tile)) for tile in tiles]
+        names = [replace(texture, name=place).file_name for texture in textures]
+        piece.made += names
         if self.folder is None:
             return images.from_memory(place, tiles, owner["object"])
-        path = self.folder / f"{place}.png"
-        for tile, content in tiles.items():
-            own = tile_names.of_tile(path, tile)
+        for own, content in zip(map(self.folder.joinpath, names), tiles.values(), strict=True):
             write_whole(own, content, Path.write_bytes)
             piece.placed.append(own)
-        return images.from_disk(path, list(tiles), owner["object"])
+        return images.from_disk(self.folder / f"{place}.png", list(tiles), owner["object"])
 
 
 def alone(context: bpy.types.Context) -> list[TextureBake]:
