@@ -83,24 +83,33 @@ def modules() -> list[ModuleType]:
 
 
 def register() -> None:
-    """Registers every module's classes, then what it adds to Blender besides."""
+    """Registers every module's classes, then what it adds to Blender besides; a stand-in if any cannot be imported."""
     import bpy
 
-    for module in modules():
+    try:
+        found = modules()
+    except ImportError as error:
+        from .ui import failure
+
+        failure.register(error)
+        return
+    for module in found:
         for cls in module.classes:
             bpy.utils.register_class(cls)
         if hasattr(module, "register"):
             module.register()
     if not bpy.app.binary_path:
         atexit.unregister(end)
-        atexit.register(end, [cls for module in modules() for cls in module.classes])
+        atexit.register(end, [cls for module in found for cls in module.classes])
 
 
 def unregister() -> None:
     """Takes back what register() did, in reverse order; does nothing if that was done already."""
     import bpy
 
-    if not hasattr(bpy.types.Scene, "paradesc"):
+    from .ui import failure
+
+    if failure.unregister() or not hasattr(bpy.types.Scene, "paradesc"):
         return
     for module in reversed(modules()):
         if hasattr(module, "unregister"):

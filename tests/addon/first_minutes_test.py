@@ -10,7 +10,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from paradesc.animation import handlers  # noqa: E402
 from paradesc.core import job  # noqa: E402
 from paradesc.scene import record, source_meshes, targets  # noqa: E402
-from paradesc.settings import migrations, presets  # noqa: E402
+from paradesc.settings import presets  # noqa: E402
 from paradesc.ui import panel, report_panel  # noqa: E402
 from scene import add_sphere, attribute_values, saved_scene  # noqa: E402
 
@@ -183,14 +183,46 @@ def test_the_switch_beside_the_button_is_live_mode():
 def test_an_old_file_keeps_the_defaults_of_its_time(tmp_path):
     scene = bpy.context.scene
     scene.paradesc.samples = 64  # the add-on was used in it
-    migrations.unregister()  # as the version that saved it
+    scene.paradesc.property_unset("version")  # as the version that saved it
     path = saved_scene(tmp_path / "old.blend")
-    migrations.register()
     bpy.ops.wm.open_mainfile(filepath=str(path))
     scene = bpy.context.scene
     assert scene.paradesc.descriptors == {"mean_curvature"}
     assert scene.paradesc.texels == 512
     assert scene.paradesc_animation.source == "original"
+
+
+def test_a_scene_that_is_appended_from_an_old_file_keeps_them_too(tmp_path):
+    scene = bpy.context.scene
+    scene.name, scene.paradesc.samples = "old", 64
+    scene.paradesc.property_unset("version")
+    path = saved_scene(tmp_path / "old.blend")
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(str(path)) as (_, wanted):
+        wanted.scenes = ["old"]
+    scene = bpy.data.scenes["old"]
+    bpy.context.window.scene = scene
+    bpy.context.view_layer.update()
+    assert scene.paradesc.descriptors == {"mean_curvature"}
+
+
+def used(scene):
+    scene.paradesc.samples = 64
+
+
+def looked_at(scene):
+    assert scene.paradesc.samples > 0
+
+
+@pytest.mark.parametrize("before", [used, looked_at])
+def test_a_recovered_file_keeps_the_defaults_of_today(before, tmp_path):
+    before(bpy.context.scene)
+    bpy.app.handlers.save_pre.clear()  # Blender saves for recovery without calling any
+    path = saved_scene(tmp_path / "recovered.blend")
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    scene = bpy.context.scene
+    assert (scene.paradesc.descriptors, scene.paradesc.texels) == ({"cavity"}, 1024)
+    assert scene.paradesc_animation.source == "auto"
 
 
 def test_a_new_file_keeps_its_own(tmp_path):

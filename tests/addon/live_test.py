@@ -270,9 +270,21 @@ def test_a_linked_duplicate_of_a_live_object_leaves_the_mesh_to_the_first(stretc
 
 def test_attributes_that_are_not_ours_are_left_alone(stretching):
     stretching.data.attributes.new(NAME, "INT", "FACE")
-    assert "not ours" in switch(stretching)
+    assert switch(stretching) == ""
     assert stretching.data.attributes[NAME].data_type == "INT"
     assert f"{NAME}_color" not in stretching.data.attributes
+    for frame in (2, 3):
+        bpy.context.scene.frame_set(frame)
+        expected = baked_shape(stretching, live_settings(stretching)).values[NAME]
+        assert np.array_equal(attribute_values(stretching.data, f"{NAME}_2"), expected)
+
+
+def test_objects_that_nobody_has_made_live_get_no_settings(stretching):
+    other = add_sphere("other", steps=2)
+    switch(stretching)
+    bpy.context.scene.frame_set(2)
+    assert not handlers.is_live(other)
+    assert not other.is_property_set("paradesc_live")
 
 
 def test_a_removed_object_is_forgotten(stretching):

@@ -178,6 +178,14 @@ def test_a_switch_of_an_operator_does_not_stay_on_for_the_next_click():
     assert switches == []
 
 
+def test_operators_that_change_the_scene_are_steps_to_undo():
+    """Those without a step write files of their own, or change a view, which Blender does not undo either."""
+    known = [cls for module in paradesc.modules() for cls in module.classes if issubclass(cls, bpy.types.Operator)]
+    without = {cls.bl_idname for cls in known if "UNDO" not in getattr(cls, "bl_options", ())}
+    places = ("add_preset", "manual", "view_colors", "restore_shading")
+    assert without == {f"paradesc.{name}" for name in places}
+
+
 def test_operators_are_grey_without_a_bake():
     add_sphere(steps=2)
     assert recolor.obstacle(bpy.context) == "Bake descriptors on this mesh first"

@@ -200,29 +200,38 @@ def test_largest_seed_fits_the_summary(sphere_object):
     assert record.read(sphere_object.data)["settings"]["seed"] == 2**32 - 1
 
 
-def test_own_attribute_of_another_type_is_replaced_and_said(sphere_object):
+def test_attribute_of_another_type_stays_whoever_made_it(sphere_object):
     mesh_io.write_results(sphere_object, made_up_results(sphere_object))
     mesh = sphere_object.data
     mesh.attributes.remove(mesh.attributes["coverage"])
     mesh.attributes.new("coverage", "INT", "FACE")
-    (sentence,) = mesh_io.write_results(sphere_object, made_up_results(sphere_object))
-    assert "coverage" in sentence
-    assert (mesh.attributes["coverage"].data_type, mesh.attributes["coverage"].domain) == ("FLOAT", "POINT")
-    assert not [attribute.name for attribute in mesh.attributes if "replaced" in attribute.name]
+    mesh.attributes.remove(mesh.attributes["mean_curvature_color"])
+    mesh.attributes.new("mean_curvature_color", "FLOAT", "FACE")
+    sentences = mesh_io.write_results(sphere_object, made_up_results(sphere_object))
+    assert ["mean_curvature_2" in sentences[0], "coverage_2" in sentences[1]] == [True, True]
+    assert (mesh.attributes["coverage"].data_type, mesh.attributes["coverage_2"].data_type) == ("INT", "FLOAT")
+    assert mesh.attributes["mean_curvature_color"].domain == "FACE"
 
 
-def test_foreign_attribute_of_another_type_is_refused_and_kept(sphere_object):
-    sphere_object.data.attributes.new("mean_curvature_color", "FLOAT", "FACE")
-    before = fingerprint(sphere_object)
-    with pytest.raises(ParadescError, match="mean_curvature_color"):
-        mesh_io.write_results(sphere_object, made_up_results(sphere_object))
-    assert fingerprint(sphere_object) == before
-
-
-def test_uv_map_with_a_result_name_is_refused_and_kept(sphere_object):
+def test_uv_map_with_a_result_name_stays(sphere_object):
     sphere_object.data.uv_layers[0].name = "mean_curvature"
-    before = fingerprint(sphere_object)
-    with pytest.raises(ParadescError, match="UV map"):
+    (sentence,) = mesh_io.write_results(sphere_object, made_up_results(sphere_object))
+    assert '"mean_curvature_2"' in sentence
+    assert sphere_object.data.uv_layers.keys() == ["mean_curvature"]
+
+
+def test_a_failure_takes_back_what_was_made(sphere_object, monkeypatch):
+    before, make = fingerprint(sphere_object), mesh_io.make_attribute
+    made = []
+
+    def fail_at_the_third(mesh, name):
+        made.append(name)
+        if len(made) == 3:
+            raise mesh_io.refuse("No.")
+        return make(mesh, name)
+
+    monkeypatch.setattr(mesh_io, "make_attribute", fail_at_the_third)
+    with pytest.raises(ParadescError, match=r"No\."):
         mesh_io.write_results(sphere_object, made_up_results(sphere_object))
     assert fingerprint(sphere_object) == before
 

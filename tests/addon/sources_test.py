@@ -1,5 +1,7 @@
 """Original, deformed and evaluated meshes: what is measured, where results go, and that the scene stays as it is."""
 
+import ast
+
 import numpy as np
 import pytest
 
@@ -7,10 +9,13 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 import animated  # noqa: E402
 from paradesc import bridge  # noqa: E402
+from paradesc.bake import image_batch  # noqa: E402
 from paradesc.bridge import abi  # noqa: E402
-from paradesc.core import job  # noqa: E402
-from paradesc.scene import mesh_io, source_meshes  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, fingerprint  # noqa: E402
+from paradesc.core import job, source_kinds  # noqa: E402
+from paradesc.scene import delivery, mesh_io, scene_io, source_meshes  # noqa: E402
+from paradesc.show.node_groups import add_socket  # noqa: E402
+from scene import add_sphere, attribute_values, empty_scene, fingerprint, small_bake  # noqa: E402
+from shapes import ADDON  # noqa: E402
 
 QUICK = job.Settings(("mean_curvature",), bridge.Options(radius=0.1, samples=64, buffer_size=256), "software")
 
@@ -135,13 +140,13 @@ def test_where_vertices_are_lost_results_get_an_object_of_their_own(kind, settin
     reading = source_meshes.read(target, "evaluated")
     assert not reading.own
     results = job.run(reading.arrays, QUICK)
-    sentences = source_meshes.deliver(target, results, reading)
+    sentences = delivery.deliver(target, results, reading)
     holder = bpy.data.objects["sphere_paradesc"]
     assert any("sphere_paradesc" in sentence for sentence in sentences)
     assert np.array_equal(attribute_values(holder.data, "mean_curvature"), results.values["mean_curvature"])
     assert fingerprint(target)[:4] == before
     objects, meshes = len(bpy.data.objects), len(bpy.data.meshes)
-    source_meshes.deliver(target, results, source_meshes.read(target, "evaluated"))
+    delivery.deliver(target, results, source_meshes.read(target, "evaluated"))
     assert (len(bpy.data.objects), len(bpy.data.meshes)) == (objects, meshes)
 
 
@@ -149,7 +154,7 @@ def test_an_object_that_has_the_name_by_chance_is_left_alone():
     target = with_modifiers(("REMESH", {"voxel_size": 0.4}))
     stranger = bpy.data.objects.new("sphere_paradesc", bpy.data.meshes.new("other"))
     reading = source_meshes.read(target, "evaluated")
-    source_meshes.deliver(target, job.run(reading.arrays, QUICK), reading)
+    delivery.deliver(target, job.run(reading.arrays, QUICK), reading)
     assert len(stranger.data.vertices) == 0
     assert "sphere_paradesc.001" in bpy.data.objects
 
@@ -158,7 +163,7 @@ def test_subdivided_results_on_the_original_are_those_of_its_vertices():
     target = with_modifiers(("SUBSURF", {"levels": 1}), steps=12)
     reading = source_meshes.read(target, "evaluated")
     results = job.run(reading.arrays, QUICK)
-    source_meshes.deliver(target, results, reading)
+    delivery.deliver(target, results, reading)
     values = attribute_values(target.data, "mean_curvature")
     assert np.array_equal(values, results.values["mean_curvature"][reading.vertices])
     radius = np.linalg.norm(reading.arrays.positions[reading.vertices], axis=1).mean()
@@ -169,7 +174,7 @@ def test_corners_come_along_to_the_original():
     target = with_modifiers(("SUBSURF", {"levels": 1}))
     reading = source_meshes.read(target, "evaluated")
     settings = job.Settings(("harris",), QUICK.options, "software")
-    found = source_meshes.on_original(job.run(reading.arrays, settings), reading)
+    found = delivery.on_original(job.run(reading.arrays, settings), reading)
     assert len(found.corners.painted) == 152
     assert all(found.corners.painted[vertex] == 1 for vertex in found.corners.vertices)
 
@@ -189,7 +194,7 @@ def test_masks_and_seams_come_along_to_the_original_where_vertices_are_reordered
         ("mean_curvature",), bridge.Options(0.1, samples=64, buffer_size=256, seam_error=True), "software"
     )
     expected, results = job.run(own.arrays, settings), job.run(reading.arrays, settings)
-    found = source_meshes.on_original(results, reading)
+    found = delivery.on_original(results, reading)
     near_rim = np.isin(own.arrays.positions[:, 2].round(6), (0, 4))
     assert np.array_equal(expected.mask & abi.MASK_BOUNDARY != 0, near_rim)
     assert np.array_equal(found.mask, expected.mask)
@@ -246,3 +251,126 @@ def test_unknown_source_and_taken_name_are_one_sentence():
     target.data.attributes.new(source_meshes.MARK, "INT", "POINT")
     with pytest.raises(bridge.ParadescError, match="rename"):
         source_meshes.read(target, "evaluated")
+
+
+# ---- What shows or hides modifiers, and how often they are evaluated
+
+
+def driven(target):
+    curve = target.driver_add('modifiers["SUBSURF"].show_viewport')
+    curve.driver.expression = "1"
+
+
+def animated_switch(target):
+    target.modifiers["SUBSURF"].keyframe_insert("show_viewport", frame=1)
+
+
+@pytest.mark.parametrize("switch", [driven, animated_switch])
+def test_deformed_leaves_out_what_a_driver_or_an_animation_shows(switch):
+    target = with_modifiers(SUBSURF, BEND)
+    switch(target)
+    bpy.context.view_layer.update()
+    before = scene_state(target)
+    reading = source_meshes.read(target, "deformed")
+    assert len(reading.arrays.positions) == 152
+    assert "SUBSURF" in reading.notes[0]
+    assert scene_state(target) == before
+    curves = [*target.animation_data.drivers, *(source_meshes.showing(target.modifiers["SUBSURF"]))]
+    assert curves
+    assert not any(curve.mute for curve in curves)
+
+
+def count_evaluations(monkeypatch):
+    """Counts how often the modifiers of objects are evaluated to meshes."""
+    counted = []
+    evaluated = source_meshes.evaluated_mesh
+
+    def counting(target):
+        counted.append(target.name)
+        return evaluated(target)
+
+    monkeypatch.setattr(source_meshes, "evaluated_mesh", counting)
+    return counted
+
+
+@pytest.mark.parametrize("placing", [True, False])
+def test_modifiers_that_make_vertices_are_evaluated_once(placing, monkeypatch):
+    target = with_modifiers(SUBSURF)
+    counted = count_evaluations(monkeypatch)
+    reading = source_meshes.read(target, "evaluated", placing=placing)
+    assert counted == ["sphere"]
+    assert (reading.vertices is not None, reading.own) == (placing, placing)
+    assert source_meshes.MARK not in target.data.attributes
+
+
+def test_an_image_of_a_linked_mesh_says_nothing_of_vertices_that_are_lost(tmp_path, capfd):
+    import paradesc
+
+    with_modifiers(SUBSURF)
+    path = tmp_path / "library.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+    paradesc.register()
+    try:
+        empty_scene()
+        with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+            wanted.objects = ["sphere"]
+        linked = bpy.data.objects["sphere"]
+        bpy.context.collection.objects.link(linked)
+        bpy.context.view_layer.objects.active = linked
+        linked.select_set(True)
+        settings = small_bake("cpu")
+        settings.texels = 16
+        bpy.context.scene.paradesc_animation.source = "evaluated"
+        assert bpy.ops.paradesc.bake_image() == {"FINISHED"}
+        assert "lose" not in capfd.readouterr().out
+    finally:
+        paradesc.unregister()
+
+
+def test_sentences_about_sources_name_what_the_panel_and_the_command_line_have():
+    labels = {name: label for name, label, _ in source_kinds.SOURCES}
+    assert source_kinds.in_words("evaluated", "original") == "With Modifiers (evaluated) or Base Mesh (original)"
+    folders = ("scene", "bake", "show", "animation", "settings", "ui")  # commands have words of their own
+    for path in [path for folder in folders for path in (ADDON / "paradesc" / folder).glob("*.py")]:
+        for node in ast.walk(ast.parse(path.read_text())):
+            text = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+            assert not any(f"the source {name}" in text for name in labels), f"{path}: {text}"
+            assert "the backend cpu" not in text, f"{path}: {text}"
+
+
+@pytest.mark.parametrize("source", ["evaluated", "original"])
+def test_geometry_nodes_make_a_mesh_of_nothing(source):
+    with_modifiers()
+    target = bpy.data.objects.new("made", bpy.data.meshes.new("empty"))
+    bpy.context.collection.objects.link(target)
+    tree = bpy.data.node_groups.new("cube", "GeometryNodeTree")
+    add_socket(tree, "Geometry", "geometry", output=True)
+    nodes = [tree.nodes.new(kind) for kind in ("GeometryNodeMeshCube", "NodeGroupOutput")]
+    tree.links.new(nodes[0].outputs[0], nodes[1].inputs[0])
+    target.modifiers.new("cube", "NODES").node_group = tree
+    bpy.context.view_layer.update()
+    chosen, sentences = scene_io.all_objects(source)
+    assert [item.name for item in chosen] == (["made", "sphere"] if source == "evaluated" else ["sphere"])
+    assert ["has no faces" in sentence for sentence in sentences] == ([] if source == "evaluated" else [True])
+
+
+def spoiled(target, value):
+    uvs = target.data.uv_layers.active.data
+    uvs.foreach_set("uv", np.full(2 * len(uvs), value, np.float32))
+
+
+@pytest.mark.parametrize(("value", "words"), [(np.nan, "coordinates that are not finite"), (0.25, "without area")])
+def test_a_uv_map_that_cannot_be_used_is_said_with_the_one_that_can(value, words):
+    target = with_modifiers()
+    spoiled(target, value)
+    arrays = mesh_io.read_object(target, corner_normals=False, needs_uvs=False)
+    assert arrays.corner_uvs is None
+    assert arrays.uv_fault == f"has a UV map {'with ' if np.isnan(value) else ''}{words}"
+    spoiled(target, 0.0)
+    good = target.data.uv_layers.new(name="good")
+    good.data.foreach_set("uv", np.random.default_rng(0).random(2 * len(good.data)).astype(np.float32))
+    target.data.uv_layers.active_index = 0
+    arrays = mesh_io.read_object(target, corner_normals=False, needs_uvs=False)
+    assert arrays.uv_fault == 'has a UV map without area (its other "good" can be used: make it the active one)'
+    with pytest.raises(bridge.ParadescError, match=r'without area \(its other "good" can be used'):
+        image_batch.check_layout(target, arrays)

@@ -145,7 +145,7 @@ def test_tiles_of_a_mesh_without_a_map_are_refused(run, tmp_path):
     points, quads, _ = bent()
     ended = run("bake", write_obj(tmp_path / "bare.obj", points, quads), *WORDS, "--map", "x.<UDIM>.png")
     assert ended.code == 3
-    assert "no usable UV map; unwrap it" in ended.error
+    assert "has no UV map; unwrap it" in ended.error
 
 
 def test_objects_that_share_a_mesh_have_the_same_tiles(run, tmp_path):

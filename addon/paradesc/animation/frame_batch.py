@@ -164,7 +164,8 @@ def pieces_of(objects: list[bpy.types.Object], root: Path) -> list[ObjectFrames]
     """Makes a piece for each object, each with a folder of its own."""
     pieces: list[ObjectFrames] = []
     for item in objects:
-        piece = ObjectFrames(key_of(item), cache.object_folder(root, item.name))
+        folder = cache.object_folder(root, item.name, [other.folder for other in pieces])
+        piece = ObjectFrames(key_of(item), folder)
         if any(other.folder == piece.folder for other in pieces):
             piece.failure = f'Another object is called "{item.name}" as well, and has its frames there; rename one.'
         pieces.append(piece)

@@ -11,16 +11,16 @@ import bpy
 import numpy as np
 
 from ..bridge import MeshArrays, ParadescError
-from ..core import job
+from ..core import job, source_kinds
 from ..core.digests import digest
 from ..files.frame_baking import Baker, FrameRequest, Task, at_frame
-from ..scene import mesh_io, source_meshes, surface_maps
+from ..scene import delivery, mesh_io, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from . import pausing
 
 OWN_VERTICES = (
-    "The modifiers lose original vertices, so that frames hold the values of the evaluated mesh's own vertices: they "
-    "are for reading, and cannot be played on the object."
+    "The original vertices are not found among those that the modifiers make, so that frames hold the values of the "
+    "evaluated mesh's own vertices: they are for reading, and cannot be played on the object."
 )
 
 
@@ -41,7 +41,7 @@ class FrameBaker(Baker):
 
     def on_base(self, results: job.Results, reading: source_meshes.Reading) -> job.Results:
         """The results at the object's own vertices, where those are still there."""
-        return source_meshes.on_original(results, reading)
+        return delivery.on_original(results, reading)
 
     def add_maps(self, arrays: MeshArrays) -> None:
         """Puts the displacement into the arrays; normal maps would need the tangents of every frame."""
@@ -94,7 +94,7 @@ class FrameBaker(Baker):
             if self.request.relative:
                 raise refuse(
                     f'The modifiers of "{self.target.name}" change its vertices, so there is no rest pose to compare '
-                    "with; choose the source deformed."
+                    f"with; choose the source {source_kinds.in_words('deformed')}."
                 )
             self.add_maps(reading.arrays)
         self.reading = reading

@@ -82,8 +82,12 @@ def holder_of(target: bpy.types.Object) -> bpy.types.Object | None:
 
 
 def is_live(target: bpy.types.Object) -> bool:
-    """Whether live values are on for a local mesh; a linked mesh could not keep what is written to it."""
-    return target.type == "MESH" and target.library is None and target.paradesc_live.mode != "OFF"
+    """Whether live values are on for a local mesh; a linked mesh could not keep what is written to it.
+
+    Reading the settings of an object would store them there, so those that have none are left alone.
+    """
+    stored = target.type == "MESH" and target.library is None and target.is_property_set("paradesc_live")
+    return stored and target.paradesc_live.mode != "OFF"
 
 
 # ---- Values

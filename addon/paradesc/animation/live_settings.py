@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import handlers
+from . import handlers, painting
 
 MODES = [
     ("OFF", "Off", "Values stay as they were baked"),
@@ -16,8 +16,10 @@ MISSING = [
 
 
 def mode_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
-    """Starts or ends live values."""
+    """Starts or ends live values; those that stay are known as ours until somebody paints over them."""
     handlers.mode_changed(group.id_data)
+    if group.mode == "OFF":
+        painting.leave(group.id_data)
 
 
 def settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:

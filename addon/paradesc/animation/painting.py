@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core import color_maps
 from ..core.color_maps import Look, ValueRange
-from ..scene import mesh_io, record
+from ..scene import arrays, mesh_io, ownership, record
 from . import unkeyed
 
 # Steps of a color table, far below what 8 bits can show.
@@ -24,10 +24,9 @@ class Values:
     facts: dict[str, object]  # as record.facts_of() has them
     drawn: Callable[[str, ValueRange], dict[str, object]]  # gives what record.drawing_of() has
 
-    @property
-    def names(self) -> list[str]:
-        """The names of all attributes."""
-        return [name for shown in self.shown for name in (shown, f"{shown}_color")] + list(self.extras)
+    def names(self, at: dict[str, str]) -> list[str]:
+        """The names of all attributes, of which each value has the one that it is given here."""
+        return mesh_io.attribute_names(self.shown, self.extras, at)
 
 
 @dataclass
@@ -37,21 +36,24 @@ class Painter:
     ranges: dict[str, ValueRange] = field(default_factory=dict)
     tables: dict[str, np.ndarray] = field(default_factory=dict)
     written: dict[str, np.ndarray] = field(default_factory=dict)  # (n,) float32 by attribute
+    at: dict[str, str] = field(default_factory=dict)  # the attribute that each value becomes
 
     def paint(self, mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], fresh: bool) -> bool:
         """Fills the attributes, and makes those that are missing; False if they hold all of it already."""
-        complete = has_all(mesh, values.names)
+        complete = self.at.keys() == {*values.shown, *values.extras} and has_all(mesh, values.names(self.at))
         if complete and not fresh and ranges == self.ranges and self.is_written(mesh):
             return False
         if not complete or ranges != self.ranges:
-            mesh_io.make_attributes(mesh, values.names, mesh_io.check_names(mesh, values.names))
+            self.at = mesh_io.places(mesh, values.shown, values.extras)
+            mesh_io.make_attributes(mesh, values.names(self.at))
             self.tables = {name: color_table(shown) for name, shown in ranges.items()}
             self.ranges = ranges
-            leave_record(mesh, values, ranges)
+            leave_record(mesh, values, ranges, self.at)
+        ownership.forget(mesh, values.names(self.at))
         self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
         for name, array in self.written.items():
             attribute = mesh.attributes[name]
-            attribute.data.foreach_set(member_of(attribute), array)
+            attribute.data.foreach_set(arrays.MEMBERS[attribute.data_type][0], array)
         return True
 
     def is_there(self, mesh: bpy.types.Mesh) -> bool:
@@ -64,7 +66,7 @@ class Painter:
             attribute, found = mesh.attributes.get(name), np.empty(values.size, np.float32)
             if attribute is None or mesh_io.wanted_kind(name) != (attribute.data_type, attribute.domain):
                 return False
-            attribute.data.foreach_get(member_of(attribute), found)
+            attribute.data.foreach_get(arrays.MEMBERS[attribute.data_type][0], found)
             if not np.array_equal(found.view(np.uint32), values.view(np.uint32)):
                 return False
         return True
@@ -72,10 +74,10 @@ class Painter:
     def attribute_values(self, values: Values) -> Iterable[tuple[str, np.ndarray]]:
         """Every attribute with its (vertex_count,) or (vertex_count, k) float32 values."""
         for name, array in values.shown.items():
-            yield name, np.ascontiguousarray(array, np.float32)
-            yield f"{name}_color", colors(array, self.ranges[name], self.tables[name])
+            yield self.at[name], np.ascontiguousarray(array, np.float32)
+            yield f"{self.at[name]}_color", colors(array, self.ranges[name], self.tables[name])
         for name, array in values.extras.items():
-            yield name, np.ascontiguousarray(array, np.float32)
+            yield self.at[name], np.ascontiguousarray(array, np.float32)
 
 
 def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:
@@ -83,17 +85,21 @@ def has_all(mesh: bpy.types.Mesh, names: Iterable[str]) -> bool:
     return all(mesh.attributes.get(name) is not None for name in names)
 
 
-def member_of(attribute: bpy.types.Attribute) -> str:
-    """The member of our attributes that foreach_get and foreach_set read and write."""
-    return {"FLOAT_COLOR": "color", "FLOAT_VECTOR": "vector"}.get(attribute.data_type, "value")
-
-
-def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange]) -> None:
+def leave_record(mesh: bpy.types.Mesh, values: Values, ranges: dict[str, ValueRange], at: dict[str, str]) -> None:
     """Says on the mesh what is written there, so that the attributes are known as ours."""
-    drawn = {name: values.drawn(name, shown) for name, shown in ranges.items()}
-    record.write(mesh, values.facts, ranges, drawn, values.names)
+    drawn = {at[name]: values.drawn(name, shown) for name, shown in ranges.items()}
+    spans = {at[name]: shown for name, shown in ranges.items()}
+    record.write(mesh, values.facts, spans, drawn, values.names(at))
     if mesh.color_attributes.active_color is None:
-        mesh.color_attributes.active_color = mesh.color_attributes.get(next(iter(values.shown)) + "_color")
+        mesh.color_attributes.active_color = mesh.color_attributes.get(at[next(iter(values.shown))] + "_color")
+
+
+def leave(target: bpy.types.Object) -> None:
+    """Keeps fingerprints of values that change no more."""
+    mesh = target.data
+    if target.type == "MESH" and mesh.library is None and not mesh.is_editmode:
+        known = ownership.fingerprints(mesh)
+        ownership.leave(mesh, [name for name in record.attributes_of(mesh) if name not in known])
 
 
 def tag_written(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> None:

@@ -10,7 +10,7 @@ from ..bridge import ParadescError, abi
 from ..core import job
 from ..core.threads import Worker
 from ..files import bake_files, tile_names
-from ..scene import mesh_io, modes, source_meshes, surface_maps, targets
+from ..scene import delivery, mesh_io, modes, source_meshes, surface_maps, targets
 from ..settings import looks, properties
 from .pieces import ObjectKey, OneByOne, Piece, file_words, key_of
 
@@ -41,13 +41,15 @@ class Batch(OneByOne):
         """Takes the settings as they are now, and the chosen objects; raises if nothing can be computed."""
         group = context.scene.paradesc
         maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
-        self.request = targets.ReadRequest(group.shape_key, maps, source, group.write_buffers)
         self.write_attributes = group.write_attributes
+        self.request = targets.ReadRequest(
+            group.shape_key, maps, source, group.write_buffers, placing=self.write_attributes
+        )
         self.settings = properties.job_settings(group)
         job.check_descriptors(self.settings.descriptors)
         shared = targets.by_mesh(targets.chosen(context))
         super().__init__([MeshBake(key_of(objects[0]), [key_of(item) for item in objects]) for objects in shared])
-        self.places = file_places(group, [piece.name for piece in self.pieces])
+        self.places = file_places(group, [piece.key for piece in self.pieces])
 
     def start(self, piece: MeshBake) -> None:
         """Reads a mesh and starts its worker."""
@@ -88,10 +90,8 @@ class Batch(OneByOne):
                     self.attempt(piece, self.write)
 
     def write(self, piece: MeshBake) -> None:
-        """Puts one mesh's results where they belong, or nothing: files go first, once the mesh can take its share."""
+        """Puts one mesh's results where they belong, or nothing: files go first."""
         target = piece.target()
-        if self.write_attributes and piece.reading.own:
-            mesh_io.check_names(target.data, mesh_io.wanted_names(piece.results))
         try:
             piece.placed = piece.files.commit()
         except OSError as error:
@@ -99,7 +99,7 @@ class Batch(OneByOne):
             raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence) from error
         if self.write_attributes:
             piece.results.look = self.look
-            piece.notes += source_meshes.deliver(target, piece.results, piece.reading)
+            piece.notes += delivery.deliver(target, piece.results, piece.reading)
 
     @property
     def written(self) -> list[MeshBake]:
@@ -110,14 +110,14 @@ class Batch(OneByOne):
 # ---- Files
 
 
-def file_places(group: bpy.types.PropertyGroup, names: list[str]) -> list[tuple[Path | None, Path | None]]:
+def file_places(group: bpy.types.PropertyGroup, keys: list[ObjectKey]) -> list[tuple[Path | None, Path | None]]:
     """The image and the folder of buffers of each object; if there are several, each has its own, named after it."""
     image = whole_path(group.image_path, "image", IMAGE_STEM) if group.write_image else None
     buffers = whole_path(group.buffers_path, "folder", BUFFERS_NAME) if group.write_buffers else None
     if image is not None:
         image = image.with_suffix("") if image.suffix.lower() in (".exr", ".png") else image
     places = []
-    for word in file_words(names) if len(names) > 1 else [""]:
+    for word in file_words(keys) if len(keys) > 1 else [""]:
         own = image and image.with_name(image.name + group.image_format)
         places.append(
             (

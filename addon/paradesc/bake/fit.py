@@ -62,7 +62,7 @@ class PARADESC_OT_fit_radius(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Reads the mesh by its source, and sets the radius in percent of the diagonal."""
         group, target = context.scene.paradesc, targets.chosen(context)[0]
-        request = targets.ReadRequest(group.shape_key, source=context.scene.paradesc_animation.source)
+        request = targets.ReadRequest(group.shape_key, source=context.scene.paradesc_animation.source, placing=False)
         try:
             edge, diagonal = lengths_of(targets.read(target, properties.job_settings(group), request).measured)
         except ParadescError as error:

@@ -11,11 +11,11 @@ import bpy
 from ..bridge import MeshArrays
 from ..core import job, transfer
 from ..core.threads import Worker
-from ..files import image_files, tile_names
+from ..files import image_files, marks
 from ..files.results import file_fault, write_whole
-from ..scene import images, mesh_io, pairs, surface_maps, targets
+from ..scene import image_places, images, mesh_io, pairs, surface_maps, targets
 from ..settings import looks, properties
-from .pieces import ObjectKey, OneByOne, Piece, file_words, find, key_of
+from .pieces import ObjectKey, OneByOne, Piece, file_word, find, key_of
 
 
 @dataclass
@@ -25,6 +25,7 @@ class TextureBake(Piece):
     highs: list[ObjectKey] = field(default_factory=list)  # the detailed meshes that are measured in place of its own
     stem: str = ""  # with which the names of its textures begin
     textures: image_files.Textures | None = None
+    made: list[str] = field(default_factory=list)  # names of the files, or of the images in the .blend
     placed: list[Path] = field(default_factory=list)  # files that were written
     material: str = ""  # the name of the one that has the images now
 
@@ -43,7 +44,7 @@ class ImageBatch(OneByOne):
         """
         group = context.scene.paradesc
         maps, source = surface_maps.MapChoice(material=group.material_maps), context.scene.paradesc_animation.source
-        self.request = targets.ReadRequest(group.shape_key, maps, source)
+        self.request = targets.ReadRequest(group.shape_key, maps, source, placing=False)
         self.choice = image_files.Choice(
             group.texels, group.image_outside == "transparent", group.image_packed, looks.scene_look(context.scene)
         )
@@ -55,8 +56,8 @@ class ImageBatch(OneByOne):
         self.started = time.monotonic()
         self.cage = group.cage
         super().__init__(paired(context) if onto else alone(context))
-        for piece, stem in zip(self.pieces, file_words([piece.name for piece in self.pieces]), strict=True):
-            piece.stem = stem
+        for piece in self.pieces:
+            piece.stem = file_word(piece.name)
 
     @property
     def written(self) -> list[TextureBake]:
@@ -92,7 +93,7 @@ class ImageBatch(OneByOne):
         highs = []
         for high in map(find, piece.highs):
             read = targets.read(high, self.settings, self.request)
-            piece.notes += pairs.notes_of(read)
+            piece.notes += read.notes
             piece.warnings += read.warnings
             highs.append(pairs.part_of(high, read))
         return partial(image_files.run_onto, piece.stem, low, highs, self.settings, self.choice, self.cage)
@@ -121,17 +122,24 @@ class ImageBatch(OneByOne):
             piece.material = images.add_to_material(target, loaded).name
 
     def kept(self, piece: TextureBake, name: str, textures: list[image_files.Texture]) -> bpy.types.Image:
-        """Writes the file of a texture, or those of its tiles, and loads them; without a folder it packs them."""
-        tiles = {texture.tile: texture.content for texture in textures}
-        tiled = None not in tiles
+        """Writes the file of a texture, or those of its tiles, and loads them; without a folder it packs them.
+
+        They get the first name that is free, or has what an earlier bake of the same object has left.
+        """
+        owner = {"blend": Path(bpy.data.filepath).name, "object": " of ".join(filter(None, piece.key))}
+        tiles = {texture.tile: marks.marked(texture.content, owner) for texture in textures}
+        place = image_places.found(self.folder, piece.stem, name.removeprefix(f"{piece.stem}_"), owner)
+        if place != name:
+            sentence = f'"{name}" is no image that a bake of "{piece.name}" has left like this, and stays as it is: '
+            piece.notes.append(f'{sentence}the texture is "{place}".')
+        names = [replace(texture, name=place).file_name for texture in textures]
+        piece.made += names
         if self.folder is None:
-            return images.from_memory_of_tiles(name, tiles) if tiled else images.from_memory(name, tiles[None])
-        for texture in textures:
-            path = self.folder / texture.file_name
-            write_whole(path, texture.content, Path.write_bytes)
-            piece.placed.append(path)
-        path = self.folder / f"{name}.png"
-        return images.from_tiles(tile_names.with_token(path), list(tiles)) if tiled else images.from_file(path)
+            return images.from_memory(place, tiles, owner["object"])
+        for own, content in zip(map(self.folder.joinpath, names), tiles.values(), strict=True):
+            write_whole(own, content, Path.write_bytes)
+            piece.placed.append(own)
+        return images.from_disk(self.folder / f"{place}.png", list(tiles), owner["object"])
 
 
 def alone(context: bpy.types.Context) -> list[TextureBake]:
@@ -154,7 +162,7 @@ def check_uv_map(target: bpy.types.Object, source: str) -> None:
 def check_layout(target: bpy.types.Object, arrays: MeshArrays) -> None:
     """Refuses a mesh whose UV map cannot be used."""
     if arrays.layout is not None or arrays.corner_uvs is None:
-        raise mesh_io.refuse(no_map(target, arrays.layout.reason if arrays.layout else "has no usable UV map"))
+        raise mesh_io.refuse(no_map(target, arrays.uv_fault or "has no UV map"))
 
 
 def no_map(target: bpy.types.Object, fault: str) -> str:

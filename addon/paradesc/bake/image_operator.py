@@ -92,7 +92,7 @@ class PARADESC_OT_bake_onto(ImageJob, bpy.types.Operator):
 
 def image_sentence(batch: ImageBatch) -> str:
     """What was written, where, and how long it took, in one line."""
-    made = [texture.file_name for piece in batch.written for texture in piece.textures.made]
+    made = [name for piece in batch.written for name in piece.made]
     several = {"count": len(made), "first": made[0], "last": made[-1]}
     what = said("{count} images, {first} to {last}").format(**several) if len(made) > 1 else made[0]
     here = said("in this .blend, which is not saved yet")

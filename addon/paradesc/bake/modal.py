@@ -7,6 +7,7 @@ import bpy
 from ..bridge import ParadescError
 from ..core.threads import Worker
 from ..settings import translation
+from ..settings.snapshot import Snapshot
 
 # Events that move the view; everything else waits until the work has ended.
 VIEW_EVENTS = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
@@ -73,12 +74,14 @@ class ModalJob:
         """Takes the same steps in a row, for scripts and background mode, where timers never fire."""
         if not self.has_begun(context, beside=False):
             return {"CANCELLED"}
+        ended = {"CANCELLED"}
         try:
             while not self.job.done:
                 self.job.step(wait=True)
-            return self.finish(context)
+            ended = self.finish(context)
         finally:  # also after Ctrl-C
-            self.job.close()
+            self.end(ended)
+        return ended
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Starts the work; modal() goes on with it."""
@@ -96,12 +99,20 @@ class ModalJob:
 
     def has_begun(self, context: bpy.types.Context, beside: bool) -> bool:
         """Begins the work; reports what stands in the way."""
+        self.before = Snapshot(context.scene)
         try:
             self.job = self.begin(context, beside)
         except ParadescError as error:
+            self.before.restore()
             self.report({"ERROR"}, error.sentence)
             return False
         return True
+
+    def end(self, ended: set[str]) -> None:
+        """Tidies up; work that came to nothing leaves the settings as they were before begin() changed them."""
+        self.job.close()
+        if ended != {"FINISHED"}:
+            self.before.restore()
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Shows progress, cancels on Esc, and finishes when all is done."""
@@ -122,12 +133,12 @@ class ModalJob:
         except BaseException:
             self.cancel(context)
             raise
-        self.job.close()
+        self.end(ended)
         return ended
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Cleans up when Blender ends the operator itself, for example because another file is loaded."""
-        self.job.close()
+        self.end({"CANCELLED"})
         self.clean_up(context)
 
     def show_progress(self, context: bpy.types.Context) -> None:

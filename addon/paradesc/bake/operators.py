@@ -27,7 +27,7 @@ class PARADESC_OT_bake(RadiusOption, ModalJob, bpy.types.Operator):
 
     mask: bpy.props.EnumProperty(
         name="Mask",
-        description="What to bake: a mask with its settings, or what the panel has",
+        description="What to bake: a mask, or what the panel has",
         items=[AS_SET, *((name, presets.PRESETS[name].label, presets.PRESETS[name].purpose) for name in presets.MASKS)],
         default=AS_SET[0],
         options={"SKIP_SAVE"},
@@ -42,7 +42,7 @@ class PARADESC_OT_bake(RadiusOption, ModalJob, bpy.types.Operator):
         """Takes settings and selection, with or without a window; what the operator itself is given goes first."""
         group = context.scene.paradesc
         if self.mask != AS_SET[0]:
-            presets.apply(group, self.mask)
+            presets.choose_mask(group, self.mask)
         self.take_radius(group)
         return Batch(context)
 

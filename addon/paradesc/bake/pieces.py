@@ -7,6 +7,7 @@ import bpy
 
 from ..bridge import ParadescError, abi
 from ..core.threads import Worker
+from ..files import file_names
 from ..settings.translation import said
 
 ObjectKey = tuple[str, str | None]  # an object's name and library: objects themselves do not outlive an undo
@@ -151,16 +152,17 @@ def failures(batch: Pieces) -> list[str]:
     return [with_name(piece.name, piece.failure) for piece in batch.failed]
 
 
-def file_words(names: list[str]) -> list[str]:
-    """The names of objects as files may have them, no two the same."""
-    words: list[str] = []
-    for name in names:
-        word, number = bpy.path.clean_name(name), 1
-        while word in words:
-            number += 1
-            word = f"{bpy.path.clean_name(name)}_{number}"
-        words.append(word)
-    return words
+def file_word(name: str) -> str:
+    """The name of an object as a file may have it; the names of two may become one."""
+    return file_names.cut(bpy.path.clean_name(name))
+
+
+def file_words(keys: list[ObjectKey]) -> list[str]:
+    """The same, no two alike; numbers go by all objects that there are, so that each bake gives the same."""
+    there = {*keys, *(key_of(item) for item in bpy.data.objects if item.type == "MESH")}
+    every = sorted(there, key=lambda key: (key[0], key[1] or ""))
+    words = file_names.distinct([file_word(name) for name, _ in every])
+    return [words[every.index(key)] for key in keys]
 
 
 def with_name(name: str, failure: str) -> str:

@@ -34,7 +34,7 @@ from .options import (
 )
 from .outputs import add_output_files, check_files, files_of, write_files
 from .preset_options import check_preset, look_of_preset, notes_of_preset
-from .reading import Target, mesh_name, read_object, world_matrix
+from .reading import Target, mesh_name, read_object, saves_scene, world_matrix
 
 if TYPE_CHECKING:
     import bpy
@@ -121,11 +121,6 @@ def check(arguments: argparse.Namespace) -> None:
         raise UsageError("Maps come from the material or from files; leave --material-maps or the images out.")
 
 
-def saves_scene(arguments: argparse.Namespace) -> bool:
-    """Whether the scene itself is an output."""
-    return any(path.suffix.lower() == ".blend" for path in arguments.output)
-
-
 def bake_objects(
     targets: list[Target],
     settings: job.Settings,
@@ -203,12 +198,12 @@ def named(target: Target, count: int) -> Iterator[None]:
 
 def write_attributes(targets: list["bpy.types.Object"], baked: list[results.Baked]) -> None:
     """Writes the results where they belong; if several objects share a mesh, those of the first."""
-    from ..scene import source_meshes
+    from ..scene import delivery
     from ..scene import targets as groups
 
     for sharing in groups.by_mesh(targets):
         one = baked[targets.index(sharing[0])]
-        one.notes += source_meshes.deliver(sharing[0], one.results, one.reading)
+        one.notes += delivery.deliver(sharing[0], one.results, one.reading)
         one.notes += groups.shared_note(sharing, one.results.settings.space, one.reading.source)
 
 

@@ -108,7 +108,7 @@ def read_mesh(
     """
     maps = map_sources(arguments) if maps is None else maps
     arrays = replace(mesh.arrays)
-    reason = uv_faults.fault(arrays.corner_uvs, arrays.triangle_corners)
+    reason = arrays.uv_fault = uv_faults.fault(arrays.corner_uvs, arrays.triangle_corners)
     if reason:
         if job.needs_uvs(settings) or (has_images and writes_images(arguments)):
             raise InputError(

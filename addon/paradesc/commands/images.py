@@ -8,7 +8,7 @@ from pathlib import Path
 from .. import bridge
 from ..bridge import MeshArrays, ProgressFunction
 from ..core import udim
-from ..files import image_files, maps, tile_names
+from ..files import file_names, image_files, maps, tile_names
 from ..files.results import Baked, write_whole
 
 Rows = list[dict[str, object]]
@@ -24,7 +24,7 @@ def tiles_of(name: str, arrays: MeshArrays, arguments: argparse.Namespace) -> tu
     paths, tiling = paths_of(arguments), udim.of_mesh(arrays)
     asked = [path for path in paths if tile_names.TOKEN in path.name]
     if asked and (arrays.corner_uvs is None or arrays.layout is not None):
-        raise bridge.InputError(f'The mesh of "{name}" has no usable UV map; unwrap it.')
+        raise bridge.InputError(f'The mesh of "{name}" {arrays.uv_fault or "has no UV map"}; unwrap it.')
     if asked and not (tiling.tiles or tiling.first):
         why = tiling.why or udim.OUTSIDE
         raise bridge.InputError(f'"{asked[0].name}" stands for the UDIM tiles of "{name}", which has none. {why}')
@@ -116,8 +116,6 @@ def write_texture(path: Path, baked: Baked, names: list[str], shown: udim.Cut | 
 
 
 def file_name(one: Baked, baked: list[Baked]) -> str:
-    """An object's name as part of a file name; a number follows if two would be equal."""
-    names = [re.sub(r"[^\w.-]+", "_", other.object_name) for other in baked]
-    place = next(number for number, other in enumerate(baked) if other is one)
-    before = names[:place].count(names[place])
-    return names[place] if before == 0 else f"{names[place]}_{before + 1}"
+    """An object's name as part of a file name; a number follows if some file system would take two for one."""
+    names = file_names.distinct([re.sub(r"[^\w.-]+", "_", other.object_name) for other in baked])
+    return next(name for name, other in zip(names, baked, strict=True) if other is one)

@@ -59,7 +59,7 @@ def open_objects(arguments: argparse.Namespace) -> Opened:
     from ..scene import scene_io
 
     if arguments.all:
-        chosen, left_out = scene_io.all_objects()
+        chosen, left_out = scene_io.all_objects(getattr(arguments, "source", None) or arguments.usual_source)
         return Opened(chosen, notes + left_out)
     if arguments.object:
         return Opened([scene_io.find_object(name) for name in dict.fromkeys(arguments.object)], notes)

@@ -169,7 +169,7 @@ def run_onto(
 ) -> tuple[job.Results, list[str]]:
     """Measures the detailed objects for one low-poly one, which has been read; sentences about how they were read."""
     if read.arrays.corner_uvs is None or read.arrays.layout is not None:
-        raise InputError(f'The mesh "{mesh_name(low)}" has no usable UV map; unwrap it.')
+        raise InputError(f'The mesh "{mesh_name(low)}" {read.arrays.uv_fault or "has no UV map"}; unwrap it.')
     parts, notes = [], []
     for high in highs:
         found = read_high(high, settings, arguments)

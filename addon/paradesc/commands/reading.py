@@ -27,11 +27,17 @@ def read_object(target: Target, settings: job.Settings, arguments: argparse.Name
 
     shape = arguments.shape_key or "basis"
     buffers = getattr(arguments, "dump_buffers", None) is not None
-    request = targets.ReadRequest(shape, map_sources(arguments), arguments.source, buffers, "give --space world")
+    maps, remedy = map_sources(arguments), "give --space world"
+    request = targets.ReadRequest(shape, maps, arguments.source, buffers, saves_scene(arguments), remedy)
     with quiet(arguments.verbose):
         read = targets.read(target, settings, request)
     read.notes += [*read.warnings, *read.map_notes]
     return read
+
+
+def saves_scene(arguments: argparse.Namespace) -> bool:
+    """Whether the scene itself is an output, so that results go to its objects."""
+    return any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", None) or ())
 
 
 def mesh_name(target: Target) -> str:

@@ -1,5 +1,6 @@
 """Runs one bake from arrays to arrays, for the operator, the command line and the tests. Never imports bpy."""
 
+import re
 from dataclasses import asdict, dataclass, field, replace
 from typing import Protocol
 
@@ -13,6 +14,8 @@ from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
 # Ends the names of values relative to the rest pose.
 CHANGE = "_change"
+# Follows the name of an attribute if that name was the user's already.
+NUMBER = re.compile(r"_\d+$")
 
 # The computation has this share of the progress if corners are looked for afterwards.
 COMPUTING = 0.95
@@ -191,10 +194,10 @@ def radius_suffix(radius: float) -> str:
 
 
 def registry_name(name: str) -> str:
-    """The descriptor of values of this name: mean_curvature for mean_curvature_r0.02 and for its _change."""
+    """The descriptor of values of this name: mean_curvature for mean_curvature_r0.02, for its _change, and for a _2."""
     known = {row.name for row in bridge.descriptors()}
     if name not in known:
-        name = name.removesuffix(CHANGE)
+        name = NUMBER.sub("", name).removesuffix(CHANGE)
     stem, mark, _ = name.rpartition("_r")
     return stem if mark and name not in known and stem in known else name
 
@@ -202,7 +205,7 @@ def registry_name(name: str) -> str:
 def registry_row(name: str) -> bridge.Descriptor:
     """The registry's row of a descriptor, at whatever radius; that of a change is signed, about zero."""
     found = next(row for row in bridge.descriptors() if row.name == registry_name(name))
-    if name == found.name or not name.endswith(CHANGE):
+    if name == found.name or not NUMBER.sub("", name).endswith(CHANGE):
         return found
     nan = float("nan")
     changed = {"is_signed": True, "neutral_value": 0.0, "display_minimum": nan, "display_maximum": nan}

@@ -13,3 +13,9 @@ SOURCES = (
 NAMES = tuple(name for name, _, _ in SOURCES)
 # What a single bake in a window measures unless another source is chosen. Files keep the numbers of the choices.
 AUTOMATIC_SOURCE = (AUTOMATIC, "As Shown", "With modifiers and shape keys where the viewport shows any")
+
+
+def in_words(*names: str) -> str:
+    """Sources as sentences name them: by the label that the panel has, and the word that the command line has."""
+    labels = {name: label for name, label, _ in SOURCES}
+    return " or ".join(f"{labels[name]} ({name})" for name in names)

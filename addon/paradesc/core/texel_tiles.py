@@ -120,5 +120,5 @@ def coarser(side: int, size: int, uvs: np.ndarray) -> list[str]:
         return []
     return [
         f"All UDIM tiles share one map of {side} texels here, so in each some {size * side / wanted:.0f} along a side "
-        "are measured and those between are interpolated; the backend cpu measures one tile after another."
+        "are measured and those between are interpolated; the processor (cpu) measures one tile after another."
     ]

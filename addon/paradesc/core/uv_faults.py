@@ -17,6 +17,14 @@ def fault(uvs: np.ndarray | None, triangle_corners: np.ndarray) -> str:
     return ""
 
 
+def with_others(reason: str, sound: list[str]) -> str:
+    """The same with the names of the mesh's other UV maps that lack nothing."""
+    if not sound:
+        return reason
+    names = " and ".join(f'"{name}"' for name in sound)
+    return f"{reason} (its other {names} can be used: make it the active one)"
+
+
 def has_uv_area(uvs: np.ndarray, triangle_corners: np.ndarray) -> bool:
     """Whether enough triangles have an area in the UV map; most often a part of them is enough to tell."""
     needed = LEAST_SHARE_WITH_AREA * len(triangle_corners)

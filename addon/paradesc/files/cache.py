@@ -21,7 +21,7 @@ import numpy as np
 from ..bridge import METHODS, MeshArrays, ParadescError, abi
 from ..core import color_maps, job, stored
 from ..core.digests import digest
-from . import results
+from . import file_names, results
 
 MAGIC = b"PDFRAME\n"
 VERSION = 1
@@ -69,10 +69,9 @@ def frame_path(folder: Path, frame: int) -> Path:
     return folder / f"frame_{frame:05d}{SUFFIX}"
 
 
-def object_folder(folder: Path, name: str) -> Path:
-    """The folder of an object's frames; a name that some file system would change gets its hash added."""
-    plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)[:80]
-    return folder / (plain if plain == name else f"{plain}_{hashlib.sha256(name.encode()).hexdigest()[:8]}")
+def object_folder(folder: Path, name: str, others: Iterable[Path] = ()) -> Path:
+    """The folder of an object's frames, apart from those of other objects that are there or among the others."""
+    return folder / file_names.folder_name(name, {path.name for path in others} | file_names.names_in(folder))
 
 
 def frames_in(folder: Path) -> dict[int, Path]:

@@ -5,7 +5,6 @@ colors and image, each an object from the names of properties to their values. W
 their values may be, is said by rules that whoever reads the file brings along.
 """
 
-import itertools
 import json
 import math
 import re
@@ -17,6 +16,7 @@ from typing import NoReturn
 import numpy as np
 
 from ..bridge import InputError
+from . import file_names
 from .paths import is_file, is_folder
 from .results import write_whole
 
@@ -31,8 +31,6 @@ MOST_DIGITS = 30
 LARGEST_NUMBER = 3.4e38  # 32-bit floats end just above
 # A file name has to leave room for the suffix, and for what stands around it while the file is written.
 LONGEST_STEM = 100  # bytes
-# Windows keeps these names for devices, whatever suffix follows.
-RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)", re.IGNORECASE)
 
 
 class PresetError(InputError):
@@ -283,22 +281,21 @@ def file_stem(name: str) -> str:
     """A name as a file may be called on every system, without its suffix."""
     words = re.sub(r"[^\w+-]+", "_", name).strip("_")
     stem = words.encode()[:LONGEST_STEM].decode(errors="ignore") or "preset"
-    return f"{stem}_" if RESERVED.fullmatch(stem) else stem
+    return f"{stem}_" if file_names.RESERVED.fullmatch(stem) else stem
 
 
 def place_of(folder: Path, name: str) -> Path:
     """The file of a preset of this name in a folder: the one that has it already, else a new one."""
     stem = file_stem(name)
-    taken = {path.name.casefold() for path in folder.iterdir()}
-    fits = (path for path in candidates(folder, stem) if path.name.casefold() not in taken or name_in(path) == name)
+    taken = {file_names.folded(path.name) for path in folder.iterdir()}
+    there = candidates(folder, stem)
+    fits = (path for path in there if file_names.folded(path.name) not in taken or name_in(path) == name)
     return next(fits)
 
 
 def candidates(folder: Path, stem: str) -> Iterator[Path]:
     """Files that could be called so: by the name itself, then with a number."""
-    yield folder / f"{stem}{SUFFIX}"
-    for number in itertools.count(2):
-        yield folder / f"{stem}_{number}{SUFFIX}"
+    return (folder / f"{one}{SUFFIX}" for one in file_names.numbered(stem))
 
 
 def name_in(path: Path) -> str | None:

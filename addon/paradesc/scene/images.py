@@ -5,34 +5,48 @@ from pathlib import Path
 
 import bpy
 
-from ..files import tile_names
+from ..files import file_names, tile_names
 from . import mesh_io
 
 # The custom property of images that were packed because the .blend had no folder yet, and of materials made for images.
 MARK = "paradesc_image"
+# The custom property of images that names the object whose bake they are.
+OBJECT = "paradesc_object"
 # Where nodes stand beside each other, in the node editor's units.
 NODE_WIDTH, NODE_HEIGHT = 300.0, 300.0
 
 
-def from_file(path: Path) -> bpy.types.Image:
-    """The image of this file, read afresh where Blender has it already."""
-    image = bpy.data.images.load(str(path), check_existing=True)
-    unpack(image)
-    image.reload()
+def from_disk(path: Path, tiles: list[int | None], name: str) -> bpy.types.Image:
+    """The image of a file, or of its UDIM tiles, that a bake of an object of this name has written, read afresh.
+
+    Where Blender has it already it keeps how people use it; images that they themselves made of the file only see it.
+    """
+    tiled, there = tiles != [None], at_path(path)
+    ours = (item for item in there if OBJECT in item or item.colorspace_settings.is_data)
+    image = next((item for item in ours if (item.source == "TILED") == tiled), None)
+    made = image is None
+    if made:
+        image = bpy.data.images.load(str(tile_names.of_tile(path, tiles[0])), check_existing=False)
+    if tiled:
+        path = tile_names.with_token(path)
+        image.name = path.name if made else image.name
+        read_tiles(image, path, tiles)
+    else:
+        unpack(image)
+        image.reload()
+    for other in there:
+        if other != image:
+            other.reload()
     place(image, path)
-    return as_data(image)
+    image[OBJECT] = name
+    return as_data(image) if made else image
 
 
-def from_tiles(path: Path, tiles: list[int]) -> bpy.types.Image:
-    """The tiled image of UDIM tiles whose files lie at a path with a place for their numbers, read afresh."""
-    same = (item for item in bpy.data.images if item.source == "TILED" and item.library is None)
-    image = next((item for item in same if Path(bpy.path.abspath(item.filepath)) == path), None)
-    if image is None:
-        image = bpy.data.images.load(str(tile_names.of_tile(path, tiles[0])))
-        image.name = path.name
-    read_tiles(image, path, tiles)
-    place(image, path)
-    return as_data(image)
+def at_path(path: Path) -> list[bpy.types.Image]:
+    """The local images that show a file, or the tiles that have its name."""
+    names = {file_names.folded(str(one)) for one in (path, tile_names.with_token(path))}
+    local = (item for item in bpy.data.images if item.library is None and item.filepath)
+    return [item for item in local if file_names.folded(str(Path(bpy.path.abspath(item.filepath)))) in names]
 
 
 def read_tiles(image: bpy.types.Image, path: Path, tiles: list[int]) -> None:
@@ -47,6 +61,7 @@ def read_tiles(image: bpy.types.Image, path: Path, tiles: list[int]) -> None:
     for number in tiles[1:]:
         image.tiles.new(tile_number=number)
     image.tiles.active_index = 0
+    image.alpha_mode = image.alpha_mode  # has Blender read the files of these tiles
 
 
 def unpack(image: bpy.types.Image) -> None:
@@ -61,9 +76,24 @@ def place(image: bpy.types.Image, path: Path) -> None:
         image.filepath_raw = bpy.path.relpath(str(path))
 
 
-def from_memory(name: str, content: bytes) -> bpy.types.Image:
-    """The image of a file that is packed into the .blend; the one of an earlier call is filled anew."""
-    image = kept_in_file(name)
+def from_memory(name: str, contents: dict[int | None, bytes], owner: str) -> bpy.types.Image:
+    """The image of a file, or of UDIM tiles, that is packed into the .blend for a bake of an object of this name.
+
+    That of an earlier bake is filled anew.
+    """
+    image = packed_as(name) or bpy.data.images.new(name, 8, 8)
+    made = OBJECT not in image
+    image[MARK], image[OBJECT] = name, owner
+    image.use_fake_user = True  # nothing may use it yet, and Blender saves only what is used
+    if None in contents:
+        pack(image, name, contents[None])
+    else:
+        pack_tiles(image, name, contents)
+    return as_data(image) if made else image
+
+
+def pack(image: bpy.types.Image, name: str, content: bytes) -> None:
+    """Packs a file into an image."""
     if image.source == "TILED":
         unpack(image)
         image.source = "FILE"
@@ -72,12 +102,10 @@ def from_memory(name: str, content: bytes) -> bpy.types.Image:
     image.source = "FILE"
     image.reload()
     image.filepath_raw = f"//{name}.png"
-    return as_data(image)
 
 
-def from_memory_of_tiles(name: str, contents: dict[int, bytes]) -> bpy.types.Image:
-    """The same of UDIM tiles, which Blender packs from files alone."""
-    image = kept_in_file(name)
+def pack_tiles(image: bpy.types.Image, name: str, contents: dict[int, bytes]) -> None:
+    """Packs UDIM tiles, which Blender does from files alone."""
     with tempfile.TemporaryDirectory(dir=bpy.app.tempdir) as folder:
         path = tile_names.with_token(Path(folder) / f"{name}.png")
         for tile, content in contents.items():
@@ -85,16 +113,11 @@ def from_memory_of_tiles(name: str, contents: dict[int, bytes]) -> bpy.types.Ima
         read_tiles(image, path, list(contents))
         image.pack()
     image.filepath_raw = f"//{path.name}"
-    return as_data(image)
 
 
-def kept_in_file(name: str) -> bpy.types.Image:
-    """The image that an earlier call packed into the .blend under this name, or a new one."""
-    found = (item for item in bpy.data.images if item.get(MARK) == name and item.library is None)
-    image = next(found, None) or bpy.data.images.new(name, 8, 8)
-    image[MARK] = name
-    image.use_fake_user = True  # nothing may use it yet, and Blender saves only what is used
-    return image
+def packed_as(name: str) -> bpy.types.Image | None:
+    """The image that an earlier bake has packed into the .blend under this name."""
+    return next((item for item in bpy.data.images if item.get(MARK) == name and item.library is None), None)
 
 
 def as_data(image: bpy.types.Image) -> bpy.types.Image:

@@ -1,12 +1,15 @@
 """Reads Blender's meshes into arrays and writes results to attributes, by foreach_get and foreach_set on numpy."""
 
+from collections.abc import Iterable
+
 import bpy
 import numpy as np
 
 from ..bridge import InputError, MeshArrays, ParadescError, components
 from ..core import color_maps, uv_faults
 from ..core.job import Results, registry_name
-from . import modes, record, unwrap
+from . import modes, ownership, record, unwrap
+from .arrays import read_array, read_corner_vertices
 
 
 def refuse(sentence: str) -> InputError:
@@ -45,17 +48,10 @@ def read_mesh(mesh: bpy.types.Mesh, corner_normals: bool, needs_uvs: bool, name:
     )
     reason = uv_faults.fault(arrays.corner_uvs, arrays.triangle_corners)
     if reason:
-        arrays.uv_fault = reason
+        arrays.uv_fault = uv_faults.with_others(reason, sound_maps(mesh, arrays.triangle_corners))
         arrays.layout = unwrap.layout(mesh, record.layout_of(mesh), arrays, reason) if needs_uvs else None
         arrays.corner_uvs = arrays.layout.uvs if arrays.layout else None
     return arrays
-
-
-def read_array(collection: object, member: str, kind: type, width: int = 1) -> np.ndarray:
-    """(n,) or (n, width) values of one member of a bpy collection."""
-    array = np.empty(len(collection) * width, kind)
-    collection.foreach_get(member, array)
-    return array.reshape(-1, width) if width > 1 else array
 
 
 def read_positions(mesh: bpy.types.Mesh) -> np.ndarray:
@@ -64,14 +60,6 @@ def read_positions(mesh: bpy.types.Mesh) -> np.ndarray:
     if attribute is not None:
         return read_array(attribute.data, "vector", np.float32, 3)
     return read_array(mesh.vertices, "co", np.float32, 3)
-
-
-def read_corner_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
-    """(corner_count,) int32"""
-    attribute = mesh.attributes.get(".corner_vert")
-    if attribute is not None:
-        return read_array(attribute.data, "value", np.int32)
-    return read_array(mesh.loops, "vertex_index", np.int32)
 
 
 def has_triangles_only(mesh: bpy.types.Mesh) -> bool:
@@ -96,6 +84,12 @@ def read_uvs(mesh: bpy.types.Mesh) -> np.ndarray | None:
     """(corner_count, 2) float32 of the active UV map, or None without one."""
     layer = mesh.uv_layers.active
     return None if layer is None else unwrap.read_uvs(layer)
+
+
+def sound_maps(mesh: bpy.types.Mesh, triangle_corners: np.ndarray) -> list[str]:
+    """The names of the UV maps besides the active one that can be computed on."""
+    others = [layer for layer in mesh.uv_layers if layer != mesh.uv_layers.active]
+    return [layer.name for layer in others if not uv_faults.fault(unwrap.read_uvs(layer), triangle_corners)]
 
 
 def read_corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
@@ -173,56 +167,56 @@ def wanted_kind(name: str) -> tuple[str, str]:
     return ("FLOAT_VECTOR" if components(registry_name(name)) == 3 else "FLOAT", "POINT")
 
 
-def wanted_names(results: Results) -> list[str]:
-    """The names of all attributes that these results become."""
-    names = [name for descriptor in results.values for name in (descriptor, f"{descriptor}_color")]
-    return [*names, *results.extras]
+def places(mesh: bpy.types.Mesh, shown: Iterable[str], extras: Iterable[str]) -> dict[str, str]:
+    """The attribute that each value becomes, by name: it has that name, or a number behind it where that is taken.
+
+    A value that is shown has its colors in an attribute beside its own, so that both must be free or ours.
+    """
+    faces = ownership.faces_of(mesh)
+    found = {name: ownership.place(mesh, name, ("", "_color"), wanted_kind, faces) for name in shown}
+    return found | {name: ownership.place(mesh, name, ("",), wanted_kind, faces) for name in extras}
 
 
-def check_names(mesh: bpy.types.Mesh, names: list[str]) -> list[str]:
-    """The names whose attribute is ours but has another type or domain; refuses attributes that are not ours."""
-    ours = record.attributes_of(mesh)
-    replaced = []
-    for name in names:
-        if name in mesh.uv_layers:
-            raise refuse(f'The mesh "{mesh.name}" has a UV map called "{name}"; rename it, the result needs that name.')
-        attribute = mesh.attributes.get(name)
-        if attribute is None or (attribute.data_type, attribute.domain) == wanted_kind(name):
-            continue
-        if name not in ours:
-            raise refuse(
-                f'The mesh "{mesh.name}" has an attribute "{name}" of another type ({attribute.data_type} on '
-                f"{attribute.domain}) that is not ours; rename it, the result needs that name."
-            )
-        replaced.append(name)
-    return replaced
+def attribute_names(shown: Iterable[str], extras: Iterable[str], at: dict[str, str]) -> list[str]:
+    """The names of all attributes that hold these values."""
+    return [name for one in shown for name in (at[one], f"{at[one]}_color")] + [at[name] for name in extras]
+
+
+def moved_notes(at: dict[str, str]) -> list[str]:
+    """Says which attributes could not have their usual names."""
+    return [
+        f'An attribute or vertex group "{name}" is there that no bake has left like this, and stays as it is: the '
+        f'values are in "{place}".'
+        for name, place in at.items()
+        if name != place
+    ]
 
 
 def write_results(target: bpy.types.Object, results: Results) -> list[str]:
-    """Writes the results to the object's mesh; gives sentences about what it replaced. A failure changes nothing."""
+    """Writes the results to the object's mesh; gives sentences about what had to move. A failure changes nothing."""
     check_writable(target)
     mesh = target.data
     with modes.object_mode(target):
         if len(mesh.vertices) != len(results.coverage):
             raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
-        replaced = check_names(mesh, wanted_names(results))
-        make_attributes(mesh, wanted_names(results), replaced)
+        at = places(mesh, results.values, results.extras)
+        names = attribute_names(results.values, results.extras, at)
+        make_attributes(mesh, names)
         layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
         shown = {name: results.shown(name) for name in results.values}
-        write_values(mesh, results, shown)
-        drawn = {name: record.drawing_of(shown[name], results, name) for name in shown}
-        record.write(mesh, record.facts_of(results), shown, drawn, wanted_names(results), layout)
+        write_values(mesh, results, shown, at)
+        drawn = {at[name]: record.drawing_of(shown[name], results, name) for name in shown}
+        ranges = {at[name]: span for name, span in shown.items()}
+        record.write(mesh, record.facts_of(results), ranges, drawn, names, layout)
+        ownership.leave(mesh, names)
         mesh.update()
-    return [f'The attribute "{name}" had another type or domain and was replaced.' for name in replaced]
+    return moved_notes(at)
 
 
-def make_attributes(mesh: bpy.types.Mesh, names: list[str], replaced: list[str]) -> None:
-    """Makes the attributes that are missing; those to be replaced go only once all the others are there."""
-    aside = {name: f"{name}.replaced" for name in replaced}
+def make_attributes(mesh: bpy.types.Mesh, names: list[str]) -> None:
+    """Makes the attributes that are missing, or none of them."""
     made: list[str] = []
     try:
-        for name, other in aside.items():
-            mesh.attributes[name].name = other
         for name in names:
             if mesh.attributes.get(name) is None:
                 made.append(make_attribute(mesh, name))
@@ -231,37 +225,34 @@ def make_attributes(mesh: bpy.types.Mesh, names: list[str], replaced: list[str])
     except (RuntimeError, ParadescError):
         for name in made:
             mesh.attributes.remove(mesh.attributes[name])
-        for name, other in aside.items():
-            if mesh.attributes.get(other) is not None:
-                mesh.attributes[other].name = name
         raise
-    for other in aside.values():
-        mesh.attributes.remove(mesh.attributes[other])
 
 
 def make_attribute(mesh: bpy.types.Mesh, name: str) -> str:
     """Makes one of our attributes; gives the name that Blender chose."""
     attribute = mesh.attributes.new(name, *wanted_kind(name))
     if attribute is None:
-        raise refuse(f'Blender made no attribute "{name}" on the mesh "{mesh.name}".')
+        raise refuse(f'Blender made no attribute "{name}" on the mesh "{mesh.name}"; rename what is called so.')
     return attribute.name
 
 
-def write_values(mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.ValueRange]) -> None:
+def write_values(
+    mesh: bpy.types.Mesh, results: Results, shown: dict[str, color_maps.ValueRange], at: dict[str, str]
+) -> None:
     """Fills the attributes, which exist by now: making one would move the values of the others in memory."""
     for name, values in results.values.items():
         member = "value" if values.ndim == 1 else "vector"
-        mesh.attributes[name].data.foreach_set(member, np.ascontiguousarray(values, np.float32).ravel())
-        write_colors(mesh, name, values, shown[name])
+        mesh.attributes[at[name]].data.foreach_set(member, np.ascontiguousarray(values, np.float32).ravel())
+        write_colors(mesh, at[name], values, shown[name])
     for name, values in results.extras.items():
-        mesh.attributes[name].data.foreach_set("value", np.ascontiguousarray(values, np.float32))
-    first = next(iter(results.values)) + "_color"
+        mesh.attributes[at[name]].data.foreach_set("value", np.ascontiguousarray(values, np.float32))
+    first = at[next(iter(results.values))] + "_color"
     colors = mesh.color_attributes
     colors.active_color = colors[first]
     colors.render_color_index = colors.find(first)
 
 
 def write_colors(mesh: bpy.types.Mesh, name: str, values: np.ndarray, shown: color_maps.ValueRange) -> None:
-    """Fills the color attribute of a descriptor's (n,) or (n, 3) values."""
+    """Fills the color attribute beside the attribute of a descriptor's (n,) or (n, 3) values."""
     rgba = color_maps.linear_rgba(color_maps.colors(values, shown))
     mesh.attributes[f"{name}_color"].data.foreach_set("color", rgba.ravel())

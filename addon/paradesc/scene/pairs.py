@@ -30,8 +30,3 @@ def by_name(objects: list[bpy.types.Object]) -> dict[bpy.types.Object, list[bpy.
 def part_of(target: bpy.types.Object, read: targets.Read) -> transfer.Part:
     """The object as it stands in the world, as it was read."""
     return transfer.Part(target.name, read.arrays, read.measured, mesh_io.world_matrix(target))
-
-
-def notes_of(read: targets.Read) -> list[str]:
-    """Sentences about how a detailed object was read, without those about where its results would go."""
-    return [note for note in read.notes if note not in read.reading.notes]

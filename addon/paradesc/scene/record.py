@@ -9,7 +9,7 @@ import bpy
 
 from ..core import legend, stored
 from ..core.color_maps import ValueRange
-from ..core.job import Results
+from ..core.job import NUMBER, Results
 
 # The custom property has settings, reports, how colors were made, and the names of our attributes.
 PROPERTY = "paradesc"
@@ -27,8 +27,14 @@ def layout_of(mesh: bpy.types.Mesh) -> dict[str, str]:
 
 
 def attributes_of(mesh: bpy.types.Mesh) -> list[str]:
-    """The names of our attributes that are still on this mesh."""
-    return list(read(mesh).get("attributes", []))
+    """The names of our attributes that are still on this mesh, and have not been deleted or renamed since."""
+    return [name for name in read(mesh).get("attributes", []) if name in mesh.attributes]
+
+
+def attribute_of(mesh: bpy.types.Mesh, name: str) -> str:
+    """Our newest attribute with these values: it has a number behind its name where the name was taken."""
+    found = [one for one in attributes_of(mesh) if name in (one, NUMBER.sub("", one))]
+    return max(found, key=lambda one: (len(one), one), default=name)
 
 
 def write(
@@ -53,6 +59,16 @@ def write(
         "drawn": {**former.get("drawn", {}), **drawn},
         "attributes": [name for name in known if name in mesh.attributes],
     }
+
+
+def take_over(source: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
+    """Adds what the record of another mesh says of attributes that this one has, too; its own entries stay."""
+    theirs, own = read(source), read(mesh)
+    if theirs:
+        names = sorted({*theirs["attributes"], *own.get("attributes", [])})
+        both = {word: {**theirs[word], **own.get(word, {})} for word in ("ranges", "drawn")}
+        kept = {**theirs, **own, **both, "layout": own.get("layout", {})}
+        mesh[PROPERTY] = {**kept, "attributes": [name for name in names if name in mesh.attributes]}
 
 
 # ---- What there is to say

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from ..bridge import ParadescError, abi
+from ..core import source_kinds
 from ..core.standard_streams import quiet
 from ..files import mesh_files
 from ..files.paths import is_file
@@ -218,8 +219,8 @@ def find_among(objects: list[bpy.types.Object], name: str, numbered: bool = Fals
     return found[0]
 
 
-def all_objects() -> tuple[list[bpy.types.Object], list[str]]:
-    """Every mesh object of the view layer that has faces and renders; sentences about the others."""
+def all_objects(source: str = source_kinds.ORIGINAL) -> tuple[list[bpy.types.Object], list[str]]:
+    """Every mesh object of the view layer that renders and has faces by this source; sentences about the others."""
     shapes = bone_shapes()
     chosen, sentences = [], []
     for item in (item for item in bpy.context.view_layer.objects if item.type == "MESH"):
@@ -227,7 +228,7 @@ def all_objects() -> tuple[list[bpy.types.Object], list[str]]:
             reason = "is the shape of a bone"
         elif item.hide_render or all(collection.hide_render for collection in item.users_collection):
             reason = "is disabled in renders"
-        elif not item.data.polygons:
+        elif not has_faces(item, source):
             reason = "has no faces"
         else:
             chosen.append(item)
@@ -236,6 +237,14 @@ def all_objects() -> tuple[list[bpy.types.Object], list[str]]:
     if not chosen:
         raise refuse(" ".join(["There is no mesh object with faces in the scene that renders.", *sentences]))
     return sorted(chosen, key=lambda item: item.name), sentences
+
+
+def has_faces(item: bpy.types.Object, source: str) -> bool:
+    """Whether a mesh object has any, which modifiers may make of nothing."""
+    evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    if source != source_kinds.EVALUATED or not evaluated.is_evaluated:
+        return bool(item.data.polygons)
+    return evaluated.type == "MESH" and bool(evaluated.data.polygons)
 
 
 def bone_shapes() -> set[bpy.types.Object]:

@@ -13,9 +13,9 @@ import bpy
 import numpy as np
 
 from ..bridge import MeshArrays
-from ..core.job import Results
+from ..core import source_kinds
 from ..core.source_kinds import NAMES
-from . import mesh_io, record
+from . import mesh_io
 from .mesh_io import refuse
 
 # Modifiers that make or remove vertices or faces. Geometry Nodes may do either, which is tried out.
@@ -27,7 +27,7 @@ GENERATING = {
 MARK = "paradesc_origin"
 # Whole numbers up to here are exact in 32-bit floats.
 EXACT = 1 << 24
-RESULT_SUFFIX = "_paradesc"
+BASE = source_kinds.in_words(source_kinds.ORIGINAL)
 
 
 @dataclass
@@ -54,10 +54,12 @@ def read(
     needs_uvs: bool = True,
     base: MeshArrays | None = None,
     former: Reading | None = None,
+    placing: bool = True,
 ) -> Reading:
     """The object's mesh by this source, in object space at the current frame; the scene stays as it is.
 
-    base, the original as it was read, and the former frame's reading save reading them again at each frame.
+    base, the original as it was read, and the former frame's reading save reading them again at each frame. Without
+    placing nothing says where results belong on the object, and modifiers are evaluated less often.
     """
     check_source(source)
 
@@ -71,13 +73,19 @@ def read(
         return Reading(mesh_io.read_object(target, corner_normals, needs_uvs), "original", notes=[note])
     if source == "deformed":
         return read_deformed(target, original())
-    with evaluated_mesh(target) as mesh:
+    # Where modifiers are known to make vertices, the marks are there when they are evaluated for the first time.
+    generating = any(modifier.type in GENERATING for modifier in shown_modifiers(target))
+    marks = marks_of(target) if placing and generating and former is None else None
+    with marked(target.data, marks), evaluated_mesh(target) as mesh:
         if same_vertices(mesh, target.data):
             return Reading(moved(mesh, original()), source)
         arrays = mesh_io.read_mesh(mesh, corner_normals, needs_uvs, target.data.name)
+        vertices = None if marks is None else carried(mesh, marks)
     if former is not None and former.source == source and same_corners(former.arrays, arrays):
         return replace(former, arrays=arrays)
-    return placed(target, arrays)
+    if not placing:
+        return Reading(arrays, source, own=False)
+    return placed(target, arrays, origins(target) if vertices is None else vertices)
 
 
 def moved(mesh: bpy.types.Mesh, base: MeshArrays) -> MeshArrays:
@@ -91,17 +99,17 @@ def read_deformed(target: bpy.types.Object, base: MeshArrays) -> Reading:
     with only_deforming(target) as hidden, evaluated_mesh(target) as mesh:
         if not same_vertices(mesh, target.data):
             names = quoted([modifier.name for modifier in shown_modifiers(target)])
+            others = source_kinds.in_words(source_kinds.EVALUATED, source_kinds.ORIGINAL)
             raise refuse(
-                f'The modifiers of "{target.name}" ({names}) change its faces, though none is known to; '
-                "choose the source evaluated or original."
+                f'The modifiers of "{target.name}" ({names}) change its faces and cannot be left out; choose the '
+                f"source {others}."
             )
         notes = [f"Measured without the modifiers that change the vertices: {quoted(hidden)}."] if hidden else []
         return Reading(moved(mesh, base), "deformed", notes=notes)
 
 
-def placed(target: bpy.types.Object, arrays: MeshArrays) -> Reading:
-    """The arrays that the whole stack of modifiers made, and where their results go."""
-    vertices = origins(target, arrays)
+def placed(target: bpy.types.Object, arrays: MeshArrays, vertices: np.ndarray) -> Reading:
+    """The arrays that the whole stack of modifiers made, and where their results go, by the original vertices."""
     count, lost = len(target.data.vertices), int((vertices < 0).sum())
     made = f"The modifiers make {len(arrays.positions):,} vertices of {count:,}"
     if lost or not count:
@@ -120,7 +128,7 @@ def check_maps(reading: Reading) -> None:
     """Refuses a normal map whose tangents are not those of the mesh that is measured."""
     maps = reading.arrays.maps
     if maps is not None and maps.normals is not None and reading.source != "original":
-        raise refuse("A normal map belongs to the original mesh; choose the source original, or leave the map out.")
+        raise refuse(f"A normal map belongs to the base mesh; choose the source {BASE}, or leave the map out.")
 
 
 # ---- Evaluating
@@ -134,7 +142,7 @@ def evaluated_mesh(target: bpy.types.Object) -> Iterator[bpy.types.Mesh]:
     if not evaluated.is_evaluated:
         raise refuse(
             f'The object "{target.name}" is disabled in viewports or not in the view layer, so Blender does not '
-            "evaluate its modifiers; enable it, or choose the source original."
+            f"evaluate its modifiers; enable it, or choose the source {BASE}."
         )
     try:
         mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
@@ -151,29 +159,47 @@ def only_deforming(target: bpy.types.Object) -> Iterator[list[str]]:
     """Hides modifiers that change vertices or faces for a while; gives their names. It always shows them again."""
     generating = [modifier for modifier in shown_modifiers(target) if modifier.type in GENERATING]
     hidden: list[bpy.types.Modifier] = []
+    silenced: list[bpy.types.FCurve] = []
     try:
-        hide(generating, hidden)
+        hide(generating, hidden, silenced)
         nodes = [modifier for modifier in shown_modifiers(target) if modifier.type == "NODES"]
         if nodes:
             with evaluated_mesh(target) as mesh:
                 changed = not same_vertices(mesh, target.data)
             if changed:
-                hide(nodes, hidden)
+                hide(nodes, hidden, silenced)
         yield [modifier.name for modifier in hidden]
     finally:
         for modifier in hidden:
             modifier.show_viewport = True
+        for curve in silenced:
+            curve.mute = False
         if hidden:
             bpy.context.view_layer.update()
 
 
-def hide(modifiers: list[bpy.types.Modifier], hidden: list[bpy.types.Modifier]) -> None:
-    """Hides these and adds them to the hidden ones."""
+def hide(
+    modifiers: list[bpy.types.Modifier], hidden: list[bpy.types.Modifier], silenced: list[bpy.types.FCurve]
+) -> None:
+    """Hides these and adds them to the hidden ones; what would show them again is muted and added to the silenced."""
     for modifier in modifiers:
+        for curve in showing(modifier):
+            curve.mute = True
+            silenced.append(curve)
         modifier.show_viewport = False
         hidden.append(modifier)
     if modifiers:
         bpy.context.view_layer.update()
+
+
+def showing(modifier: bpy.types.Modifier) -> list[bpy.types.FCurve]:
+    """The drivers and curves that show or hide a modifier, and are not muted."""
+    data = modifier.id_data.animation_data
+    if data is None:
+        return []
+    curves = [*data.drivers, *(getattr(data.action, "fcurves", ()) if data.action is not None else ())]
+    path = f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"].show_viewport'
+    return [curve for curve in curves if curve.data_path == path and not curve.mute]
 
 
 def shown_modifiers(target: bpy.types.Object) -> list[bpy.types.Modifier]:
@@ -201,21 +227,35 @@ def same_corners(arrays: MeshArrays, others: MeshArrays) -> bool:
 # ---- Finding vertices again
 
 
-def origins(target: bpy.types.Object, arrays: MeshArrays) -> np.ndarray:
+def origins(target: bpy.types.Object) -> np.ndarray:
     """(original_count,) int64 first vertex of the evaluated mesh that each original vertex became, or -1."""
-    count = len(target.data.vertices)
-    if count >= EXACT:
-        return np.full(count, -1, np.int64)
+    marks = marks_of(target)
+    if marks is None:
+        return np.full(len(target.data.vertices), -1, np.int64)
+    with marked(target.data, marks), evaluated_mesh(target) as mesh:
+        return carried(mesh, marks)
+
+
+def marks_of(target: bpy.types.Object) -> np.ndarray | None:
+    """(original_count, 3) float32 values by which vertices are found again; None where there can be none.
+
+    That is where floats cannot number them, and on linked meshes, whose evaluated copies get no attributes.
+    """
+    count, mesh = len(target.data.vertices), target.data
+    if count >= EXACT or mesh.library is not None or mesh.override_library is not None:
+        return None
     marks = np.empty((count, 3), np.float32)
     marks[:, 0] = np.arange(count)
     marks[:, 1:] = np.random.default_rng(0).integers(1, EXACT, (count, 2))  # a mixed vertex has neither
-    with marked(target.data, marks), evaluated_mesh(target) as mesh:
-        attribute = mesh.attributes.get(MARK)
-        usable = attribute is not None and (attribute.data_type, attribute.domain) == ("FLOAT_VECTOR", "POINT")
-        if not usable or len(attribute.data) != len(arrays.positions):
-            return np.full(count, -1, np.int64)
-        carried = mesh_io.read_array(attribute.data, "vector", np.float32, 3)
-    return matched(carried, marks)
+    return marks
+
+
+def carried(mesh: bpy.types.Mesh, marks: np.ndarray) -> np.ndarray:
+    """(original_count,) int64 first vertex of an evaluated mesh that has each of the marks, or -1."""
+    attribute = mesh.attributes.get(MARK)
+    if attribute is None or (attribute.data_type, attribute.domain) != ("FLOAT_VECTOR", "POINT"):
+        return np.full(len(marks), -1, np.int64)
+    return matched(mesh_io.read_array(attribute.data, "vector", np.float32, 3), marks)
 
 
 def matched(carried: np.ndarray, marks: np.ndarray) -> np.ndarray:
@@ -231,8 +271,11 @@ def matched(carried: np.ndarray, marks: np.ndarray) -> np.ndarray:
 
 
 @contextmanager
-def marked(mesh: bpy.types.Mesh, marks: np.ndarray) -> Iterator[None]:
-    """Gives the mesh's vertices the marks (vertex_count, 3) for a while."""
+def marked(mesh: bpy.types.Mesh, marks: np.ndarray | None) -> Iterator[None]:
+    """Gives the mesh's vertices the marks (vertex_count, 3) for a while, if there are any."""
+    if marks is None:
+        yield
+        return
     if MARK in mesh.attributes:
         raise refuse(f'The mesh "{mesh.name}" has an attribute "{MARK}"; rename it, that name is needed.')
     active = mesh.attributes.active_index
@@ -247,64 +290,3 @@ def marked(mesh: bpy.types.Mesh, marks: np.ndarray) -> Iterator[None]:
         mesh.attributes.active_index = active
         mesh.update()
         bpy.context.view_layer.update()
-
-
-# ---- Giving results back
-
-
-def deliver(target: bpy.types.Object, results: Results, reading: Reading) -> list[str]:
-    """Writes the results where they belong; gives sentences about that and about what was replaced."""
-    if reading.own:
-        return mesh_io.write_results(target, on_original(results, reading))
-    holder = result_object(target, reading.arrays)
-    return [f'The results are in "{holder.name}".', *mesh_io.write_results(holder, results)]
-
-
-def on_original(results: Results, reading: Reading) -> Results:
-    """Brings the results to the object's own vertices."""
-    if reading.vertices is None:
-        return results
-    at = reading.vertices
-    corners = results.corners
-    if corners is not None:
-        painted = corners.painted[at]
-        place = {int(vertex): index for index, vertex in reversed(list(enumerate(at)))}
-        kept = [vertex for vertex in corners.vertices.tolist() if vertex in place]
-        own = np.array([place[vertex] for vertex in kept], corners.vertices.dtype)
-        corners = replace(corners, vertices=own, painted=painted)
-    return replace(
-        results,
-        values={name: values[at] for name, values in results.values.items()},
-        coverage=results.coverage[at],
-        mask=results.mask[at],
-        near_seam=None if results.near_seam is None else results.near_seam[at],
-        seam_error={name: values[at] for name, values in results.seam_error.items()},
-        unwrapped=None,  # it is a layout of the evaluated mesh, which nothing keeps
-        corners=corners,
-    )
-
-
-def result_object(target: bpy.types.Object, arrays: MeshArrays) -> bpy.types.Object:
-    """The object "<name>_paradesc" with the evaluated mesh; an object of an earlier bake gets the new mesh."""
-    name = target.name + RESULT_SUFFIX
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    mesh = bpy.data.meshes.new_from_object(
-        target.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
-    )
-    if len(mesh.vertices) != len(arrays.positions):
-        bpy.data.meshes.remove(mesh)
-        raise refuse(f'The object "{target.name}" was changed while it was being computed; run it again.')
-    mesh.name = name
-    holder = bpy.data.objects.get(name)
-    if holder is not None and holder.get(record.PROPERTY) == target.name:
-        former = holder.data
-        holder.data = mesh
-        if former.users == 0:
-            bpy.data.meshes.remove(former)
-    else:
-        holder = bpy.data.objects.new(name, mesh)
-        holder[record.PROPERTY] = target.name
-        for collection in target.users_collection or [bpy.context.scene.collection]:
-            collection.objects.link(holder)
-    holder.matrix_world = target.matrix_world
-    return holder

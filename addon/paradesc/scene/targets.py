@@ -89,6 +89,7 @@ class ReadRequest:
     maps: surface_maps.MapChoice = field(default_factory=surface_maps.MapChoice)
     source: str = source_kinds.ORIGINAL  # or another of NAMES, or AUTOMATIC
     buffers: bool = False  # those that are baked will be written
+    placing: bool = True  # results will be written to the object's vertices
     remedy: str = "measure in World"  # what a sentence suggests if the scale does not count
 
 
@@ -110,7 +111,8 @@ def read(target: bpy.types.Object, settings: job.Settings, request: ReadRequest)
     source = request.source
     if source == source_kinds.AUTOMATIC:
         source = shown_source(target, request.shape_key)
-    reading = source_meshes.read(target, source, settings.options.normals == "mesh", needs_uvs)
+    corner_normals = settings.options.normals == "mesh"
+    reading = source_meshes.read(target, source, corner_normals, needs_uvs, placing=request.placing)
     arrays, notes = reading.arrays, list(reading.notes)
     if reading.source == "original":
         notes += take_shape(target, arrays, request.shape_key)

@@ -123,7 +123,7 @@ def has_area(arrays: MeshArrays) -> bool:
 
 def failure(why: str) -> ParadescError:
     """The error for a mesh that Blender could not unwrap."""
-    sentence = f"Blender could not unwrap the mesh ({why}); unwrap it yourself, or choose the backend cpu."
+    sentence = f"Blender could not unwrap the mesh ({why}); unwrap it yourself, or choose the processor (cpu)."
     return ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
 
 

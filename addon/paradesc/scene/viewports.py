@@ -6,24 +6,32 @@ import bpy
 
 from ..settings import preferences
 
-# A custom property of the screen: what solid shading showed before, so that a saved file still can bring it back.
+# A custom property of the screen: what solid shading showed before, by the number of the viewport's area, so that a
+# saved file still can bring it back. Earlier versions kept one word for all of them.
 FORMER = "paradesc_color_type"
 ATTRIBUTES = "VERTEX"
 
 
-def shadings(screen: bpy.types.Screen | None) -> Iterator[bpy.types.View3DShading]:
-    """The shading of each 3D viewport of a screen."""
-    for area in screen.areas if screen is not None else ():
+def shadings(screen: bpy.types.Screen | None) -> Iterator[tuple[str, bpy.types.View3DShading]]:
+    """The number and the shading of each 3D viewport of a screen."""
+    for number, area in enumerate(screen.areas if screen is not None else ()):
         if area.type == "VIEW_3D":
-            yield area.spaces.active.shading
+            yield str(number), area.spaces.active.shading
+
+
+def formers(screen: bpy.types.Screen) -> dict[str, str]:
+    """What viewports showed before, by number."""
+    kept = screen.get(FORMER, {})
+    return dict.fromkeys((number for number, _ in shadings(screen)), kept) if isinstance(kept, str) else dict(kept)
 
 
 def show_attributes(screen: bpy.types.Screen | None, shading: bpy.types.View3DShading) -> None:
     """Lets solid shading show the active color attribute, and keeps in mind what it showed before."""
     if shading.color_type == ATTRIBUTES:
         return
-    if screen is not None and FORMER not in screen:
-        screen[FORMER] = shading.color_type
+    for number, own in shadings(screen):
+        if own == shading:
+            screen[FORMER] = {**formers(screen), number: shading.color_type}
     shading.color_type = ATTRIBUTES
 
 
@@ -31,7 +39,7 @@ def reveal(context: bpy.types.Context) -> None:
     """After a bake: every solid viewport of the window shows the colors, unless the preferences say otherwise."""
     if bpy.app.background or not preferences.shows_results():
         return
-    for shading in shadings(context.screen):
+    for _, shading in shadings(context.screen):
         if shading.type == "SOLID":
             show_attributes(context.screen, shading)
 
@@ -42,10 +50,10 @@ def can_restore(context: bpy.types.Context) -> bool:
 
 
 def restore(screen: bpy.types.Screen) -> None:
-    """Gives every viewport that shows attributes what it showed before."""
-    former = screen[FORMER]
+    """Gives every viewport that a bake has made show attributes what it showed before, if it shows them still."""
+    former = formers(screen)
     del screen[FORMER]
-    for shading in shadings(screen):
+    for number, shading in shadings(screen):
         known = {item.identifier for item in shading.bl_rna.properties["color_type"].enum_items}
-        if shading.color_type == ATTRIBUTES and former in known:
-            shading.color_type = former
+        if shading.color_type == ATTRIBUTES and former.get(number) in known:
+            shading.color_type = former[number]

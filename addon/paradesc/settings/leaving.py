@@ -7,14 +7,15 @@ import bpy
 
 
 def clear_at_end(classes: list[type]) -> None:
-    """Clears these classes when Python ends; a Blender that runs by itself does not need this."""
-    if not bpy.app.binary_path:
-        atexit.unregister(clear)
-        atexit.register(clear, classes)
+    """Clears these classes when Python ends."""
+    atexit.unregister(clear)
+    atexit.register(clear, classes)
 
 
 def clear(classes: list[type]) -> None:
-    """Removes the properties from classes that are not registered any more."""
+    """Removes the properties from classes that are not registered any more, unless Blender runs by itself."""
+    if bpy.app.binary_path:
+        return
     for cls in classes:
         getattr(cls, "__annotations__", {}).clear()
     gc.collect()

@@ -4,9 +4,9 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..core import source_kinds
+from .properties import VERSION
 
 # Files before version 1 measured the mean curvature of the base mesh unless they were told otherwise.
-VERSION = 1
 FORMER_DESCRIPTOR, FORMER_TEXELS = "mean_curvature", 512
 
 
@@ -14,35 +14,51 @@ FORMER_DESCRIPTOR, FORMER_TEXELS = "mean_curvature", 512
 def on_load(*_ignored: object) -> None:
     """Gives the scenes of an older file the defaults with which they were saved."""
     for scene in bpy.data.scenes:
-        if scene.library is not None or not scene.is_property_set("paradesc") or scene.paradesc.version >= VERSION:
-            continue
-        group, animation = scene.paradesc, scene.paradesc_animation
-        known = group.bl_rna.properties["descriptors"].enum_items
-        if not group.is_property_set("descriptors") and FORMER_DESCRIPTOR in known:
-            group.descriptors = {FORMER_DESCRIPTOR}
-        if not group.is_property_set("texels"):
-            group.texels = FORMER_TEXELS
-        if not animation.is_property_set("source"):
-            animation.source = source_kinds.ORIGINAL
-        group.version = VERSION
+        migrate(scene)
 
 
 @persistent
-def on_save(*_ignored: object) -> None:
-    """Notes which defaults the scenes are saved with."""
-    for scene in bpy.data.scenes:
-        if scene.library is None and scene.is_property_set("paradesc"):
-            scene.paradesc.version = VERSION
+def on_update(scene: bpy.types.Scene, *_ignored: object) -> None:
+    """Does so for a scene that was appended from an older file, once Blender shows it."""
+    migrate(scene)
 
 
-HANDLERS = {"load_post": on_load, "save_pre": on_save}
+def migrate(scene: bpy.types.Scene) -> None:
+    """Stores the earlier defaults in a scene whose settings were stored before they had a version.
+
+    Where nothing is stored nobody has chosen anything, and the defaults of today hold.
+    """
+    if scene.library is not None or not scene.is_property_set("paradesc"):
+        return
+    group, animation = scene.paradesc, scene.paradesc_animation
+    if group.version >= VERSION or not stores_any(group):
+        return
+    known = group.bl_rna.properties["descriptors"].enum_items
+    if not group.is_property_set("descriptors") and FORMER_DESCRIPTOR in known:
+        group.descriptors = {FORMER_DESCRIPTOR}
+    if not group.is_property_set("texels"):
+        group.texels = FORMER_TEXELS
+    if not animation.is_property_set("source"):
+        animation.source = source_kinds.ORIGINAL
+    group.version = VERSION
+
+
+def stores_any(group: bpy.types.PropertyGroup) -> bool:
+    """Whether any setting has been chosen."""
+    names = [item.identifier for item in group.bl_rna.properties if item.identifier not in ("rna_type", "name")]
+    return any(map(group.is_property_set, names))
+
+
+HANDLERS = {"load_post": on_load, "depsgraph_update_post": on_update}
 classes = ()
 
 
 def register() -> None:
-    """Adds each handler to Blender."""
+    """Adds each handler to Blender; a file that is open already is looked at now."""
     for name, function in HANDLERS.items():
         getattr(bpy.app.handlers, name).append(function)
+    if hasattr(bpy.data, "scenes"):  # not while Blender starts
+        on_load()
 
 
 def unregister() -> None:

@@ -1,5 +1,6 @@
 """Presets for common purposes, by one click each, the user's own, and those of a folder that a studio shares."""
 
+import math
 from pathlib import Path
 
 import bpy
@@ -34,6 +35,23 @@ def apply(group: bpy.types.PropertyGroup, name: str) -> Preset:
     preset_members.apply(group.id_data, preset.content())
     show_chosen(preset.label)
     return preset
+
+
+def choose_mask(group: bpy.types.PropertyGroup, name: str) -> Preset:
+    """Chooses a mask: its descriptors, and its radius unless somebody has typed or fitted one. All else stays."""
+    former, preset = chosen_mask(group), PRESETS[name]
+    usual = PRESETS[former].members["radius_percent"] if former else group.bl_rna.properties["radius_percent"].default
+    untouched = group.radius_unit == "diagonal" and math.isclose(group.radius_percent, usual, rel_tol=1e-6)
+    group.descriptors = preset.members["descriptors"]
+    if untouched:
+        group.radius_percent = preset.members["radius_percent"]
+    show_chosen(preset.label)
+    return preset
+
+
+def shown_chosen() -> tuple[str, Path | None]:
+    """What show_chosen() was told last."""
+    return PARADESC_MT_presets.bl_label, chosen[0] if chosen else None
 
 
 def show_chosen(label: str, path: Path | None = None) -> None:
@@ -72,6 +90,31 @@ class PARADESC_OT_preset(NeedsLibrary, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Applies the preset, and says what it is for."""
         preset = apply(context.scene.paradesc, self.name)
+        self.report({"INFO"}, f"{translation.label(preset.label)}: {translation.said(preset.purpose)}")
+        return {"FINISHED"}
+
+
+class PARADESC_OT_mask(NeedsLibrary, bpy.types.Operator):
+    """Choose the mask that is baked; quality and colors stay, and so does a radius that was typed or fitted"""
+
+    bl_idname = "paradesc.mask"
+    bl_label = "Choose Mask"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    name: bpy.props.EnumProperty(
+        name="Mask",
+        description="What the values are for",
+        items=[(name, PRESETS[name].label, PRESETS[name].purpose) for name in MASKS],
+    )
+
+    @classmethod
+    def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
+        """What the mask is for."""
+        return translation.tooltip(PRESETS[asked.name].purpose)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Chooses the mask, and says what it is for."""
+        preset = choose_mask(context.scene.paradesc, self.name)
         self.report({"INFO"}, f"{translation.label(preset.label)}: {translation.said(preset.purpose)}")
         return {"FINISHED"}
 
@@ -217,7 +260,7 @@ def remove(name: str) -> str:
     return ""
 
 
-classes = (PARADESC_OT_preset, PARADESC_OT_load_preset, PARADESC_MT_presets, PARADESC_OT_add_preset)
+classes = (PARADESC_OT_preset, PARADESC_OT_mask, PARADESC_OT_load_preset, PARADESC_MT_presets, PARADESC_OT_add_preset)
 
 
 def register() -> None:

@@ -5,8 +5,10 @@ import bpy
 from ..core import choices, members
 from ..core.job import Settings
 from ..core.members import Member
-from . import preferences
+from . import leaving, preferences
 
+# The defaults that a scene's settings were made with. Files before version 1 have none stored.
+VERSION = 1
 PROPERTIES = {
     "bool": bpy.props.BoolProperty,
     "int": bpy.props.IntProperty,
@@ -36,12 +38,22 @@ def property_of(member: Member, **more: object) -> object:
 
 def make_settings() -> type:
     """Makes the class of the settings, with the registry as it is now."""
-    annotations = {name: property_of(member) for group in members.GROUPS for name, member in group().items()}
+    every = [(name, member) for group in members.GROUPS for name, member in group().items()]
+    annotations = {name: property_of(member, update=stamp) for name, member in every}
     annotations["version"] = bpy.props.IntProperty(
         name="Version", description="The defaults that files were saved with", default=0, options={"HIDDEN"}
     )
     body = {"__annotations__": annotations, "__doc__": "Paradesc's settings of one scene.", "__module__": __name__}
     return type("PARADESC_PG_settings", (bpy.types.PropertyGroup,), body)
+
+
+def stamp(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """Notes beside the first setting that is stored which defaults the others have.
+
+    No save handler does so: Blender saves for recovery, and appends scenes, without calling any.
+    """
+    if group.version < VERSION:
+        group.version = VERSION
 
 
 def job_settings(group: bpy.types.PropertyGroup) -> Settings:
@@ -63,4 +75,6 @@ def register() -> None:
 def unregister() -> None:
     """Removes them."""
     del bpy.types.Scene.paradesc
-    bpy.utils.unregister_class(bpy.types.PropertyGroup.bl_rna_get_subclass_py("PARADESC_PG_settings"))
+    settings = bpy.types.PropertyGroup.bl_rna_get_subclass_py("PARADESC_PG_settings")
+    bpy.utils.unregister_class(settings)
+    leaving.clear([settings])

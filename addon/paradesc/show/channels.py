@@ -5,7 +5,7 @@ import numpy as np
 
 from ..core import color_maps
 from ..core.job import registry_row
-from ..scene import mesh_io, sculpt_masks
+from ..scene import arrays, mesh_io, ownership, sculpt_masks
 from ..settings import translation
 from ..settings.looks import CHANNELS, PACKED_DOMAINS
 from . import recolor
@@ -27,20 +27,29 @@ def own_names(mesh: bpy.types.Mesh, kind: str) -> list[str]:
 
 
 def remember(mesh: bpy.types.Mesh, kind: str, name: str) -> None:
-    """Notes on the mesh that this is ours."""
+    """Notes on the mesh that this is ours; ownership keeps what we put into it."""
     kept = {each: own_names(mesh, each) for each in ("attributes", "groups")}
     kept[kind] = sorted({*kept[kind], name})
     mesh[OWN] = {each: names for each, names in kept.items() if names}
 
 
+def is_own(mesh: bpy.types.Mesh, attribute: bpy.types.Attribute) -> bool:
+    """Whether this file made the attribute, and nobody has painted over it since."""
+    if attribute.name not in own_names(mesh, "attributes") or attribute.data_type not in arrays.MEMBERS:
+        return False
+    values, faces = arrays.attribute_values(attribute), ownership.faces_of(mesh)
+    return ownership.is_untouched(mesh, attribute.name, values, faces)
+
+
 def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bpy.types.Attribute:
-    """The attribute of that name, made anew if type or domain differ; refuses an attribute that is not ours."""
+    """The attribute of that name, made anew if type or domain differ; refuses one that is not ours as we left it."""
     if not name:
         raise mesh_io.refuse("The attribute has no name; give it one.")
     attribute = mesh.attributes.get(name)
-    if name in mesh.uv_layers or (attribute is not None and name not in own_names(mesh, "attributes")):
+    if name in mesh.uv_layers or (attribute is not None and not is_own(mesh, attribute)):
         raise mesh_io.refuse(
-            f'The mesh "{mesh.name}" has an attribute "{name}" that was not made here; choose another name.'
+            f'The mesh "{mesh.name}" has an attribute "{name}" that was not made here, or was changed since; rename '
+            "it, or choose another name."
         )
     if attribute is not None and (attribute.data_type, attribute.domain) != (kind, domain):
         mesh.attributes.remove(attribute)
@@ -100,6 +109,7 @@ def pack(mesh: bpy.types.Mesh, names: list[str], attribute_name: str, kind: str,
             rgba[:, channel] = shares(mesh, name)
     own_attribute(mesh, attribute_name, kind, domain)
     mesh.attributes[attribute_name].data.foreach_set("color", spread(mesh, rgba, domain).ravel())
+    ownership.leave(mesh, [attribute_name])
     mesh.update()
 
 
@@ -108,6 +118,7 @@ def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
     colors = mesh_io.read_array(mesh.attributes[f"{name}_color"].data, "color", np.float32, 4)
     attribute = own_attribute(mesh, name + SUFFIX_CORNER, "BYTE_COLOR", "CORNER").name
     mesh.attributes[attribute].data.foreach_set("color", spread(mesh, colors, "CORNER").ravel())
+    ownership.leave(mesh, [attribute])
     mesh.update()
     return attribute
 
@@ -115,9 +126,10 @@ def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
 def vertex_group(target: bpy.types.Object, name: str) -> None:
     """Makes a vertex group of the descriptor's name, with its values from 0 to 1 as weights."""
     mesh, group = target.data, target.vertex_groups.get(name)
-    if group is not None and name not in own_names(mesh, "groups"):
+    if group is not None and not is_own_group(target, group):
         raise mesh_io.refuse(
-            f'The object "{target.name}" has a vertex group "{name}" that was not made here; rename it first.'
+            f'The object "{target.name}" has a vertex group "{name}" that was not made here, or was changed since; '
+            "rename it first."
         )
     weights = shares(mesh, name)
     active = target.vertex_groups.active_index
@@ -128,6 +140,20 @@ def vertex_group(target: bpy.types.Object, name: str) -> None:
     remember(mesh, "groups", name)
     for vertex, weight in enumerate(weights.tolist()):
         group.add((vertex,), weight, "REPLACE")
+    ownership.leave_weights(mesh, name, weights)
+
+
+def is_own_group(target: bpy.types.Object, group: bpy.types.VertexGroup) -> bool:
+    """Whether this file made the vertex group, and nobody has painted its weights since."""
+    mesh = target.data
+    if group.name not in own_names(mesh, "groups"):
+        return False
+    weights = np.full(len(mesh.vertices), np.nan, np.float32)
+    for vertex in mesh.vertices:
+        for one in vertex.groups:
+            if one.group == group.index:
+                weights[vertex.index] = one.weight
+    return ownership.is_untouched(mesh, f":{group.name}", weights, ownership.faces_of(mesh))
 
 
 def sculpt_mask(target: bpy.types.Object, name: str, replace: bool) -> None:
@@ -152,6 +178,7 @@ def export_copies(mesh: bpy.types.Mesh) -> list[str]:
         attribute = own_attribute(mesh, EXPORT_PREFIX + name, "FLOAT", "POINT").name
         mesh.attributes[attribute].data.foreach_set("value", values.astype(np.float32))
         made.append(attribute)
+    ownership.leave(mesh, made)
     mesh.update()
     return made
 

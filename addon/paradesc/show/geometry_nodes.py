@@ -3,15 +3,19 @@
 import bpy
 
 from ..core.job import UNDEFINED_MASK
-from . import recolor
-from .node_groups import add_map_range, add_math, add_node, add_socket, new_group
+from ..scene import record
+from . import recolor, tuned
+from .node_groups import MARK, add_map_range, add_math, add_node, add_socket, new_group
 
 TREE = "GeometryNodeTree"
 MATH = "ShaderNodeMath"
 
 
-def build(kind: str, name: str, low: float, high: float) -> bpy.types.NodeTree:
-    """Makes a group that reads the attribute and does one thing by it: "swell", "keep", "mark" or "scatter"."""
+def build(kind: str, name: str, low: float, high: float, mask: str = UNDEFINED_MASK) -> bpy.types.NodeTree:
+    """Makes a group that reads the attribute and does one thing by it: "swell", "keep", "mark" or "scatter".
+
+    mask: the attribute that is 1 where there is no value.
+    """
     tree = new_group(TREE, f"Paradesc {kind} by {name}")
     add_socket(tree, "Geometry", "geometry")
     add_socket(tree, "Geometry", "geometry", output=True)
@@ -31,6 +35,8 @@ def build(kind: str, name: str, low: float, high: float) -> bpy.types.NodeTree:
     value = named_attribute(tree, name, (-500, -200))
     link = tree.links.new
     node = {"swell": swell, "keep": keep, "mark": mark, "scatter": scatter}[kind](tree, value, given)
+    if kind == "swell":
+        leave_out(tree, node, mask)
     link(given["Geometry"], node.inputs[0])
     link(node.outputs[0], result["Geometry"])
     return tree
@@ -57,7 +63,7 @@ def compare(
 
 
 def swell(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs) -> bpy.types.Node:
-    """Moves vertices along their normals by the value; the mask keeps those without a value in place."""
+    """Moves vertices along their normals by the value."""
     link = tree.links.new
     share = add_map_range(tree, (-280, -200), value, given["From Min"], given["From Max"])
     distance = add_math(tree, MATH, "MULTIPLY", (-90, -200), share, given["Offset"])
@@ -66,9 +72,13 @@ def swell(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.type
     link(distance, scale.inputs["Scale"])
     node = add_node(tree, "GeometryNodeSetPosition", (290, 0))
     link(scale.outputs[0], node.inputs["Offset"])
-    mask = named_attribute(tree, UNDEFINED_MASK, (-280, -520))
-    link(compare(tree, "LESS_THAN", (90, -480), mask, 0.5), node.inputs["Selection"])
     return node
+
+
+def leave_out(tree: bpy.types.NodeTree, node: bpy.types.Node, mask: str) -> None:
+    """Keeps a node from changing vertices without a value."""
+    value = named_attribute(tree, mask, (-280, -520))
+    tree.links.new(compare(tree, "LESS_THAN", (90, -480), value, 0.5), node.inputs["Selection"])
 
 
 def keep(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs) -> bpy.types.Node:
@@ -107,6 +117,17 @@ def scatter(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.ty
     return node
 
 
+def shared(tree: bpy.types.NodeTree) -> bpy.types.NodeTree:
+    """The group that an earlier click made just like this new one, if nobody has changed it since; else the new one."""
+    tuned.leave(tree)
+    for other in bpy.data.node_groups:
+        same = other.get(MARK) == tree[MARK] and other.get(tuned.PROPERTY) == tree[tuned.PROPERTY]
+        if same and other != tree and other.library is None and tuned.is_as_left(other):
+            bpy.data.node_groups.remove(tree)
+            return other
+    return tree
+
+
 class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
     """Add a Geometry Nodes modifier that reads the values of the descriptor that is shown: a start for your own"""
 
@@ -133,7 +154,8 @@ class PARADESC_OT_add_geometry_nodes(recolor.NeedsBake, bpy.types.Operator):
         if recolor.is_direction(name):
             raise recolor.mesh_io.refuse(f"{name} is a direction; show a descriptor with one value a vertex.")
         shown = recolor.stored_range(mesh, name)
-        tree = build(self.kind, name, shown.minimum, shown.maximum)
+        mask = record.attribute_of(mesh, UNDEFINED_MASK)
+        tree = shared(build(self.kind, name, shown.minimum, shown.maximum, mask))
         modifier = target.modifiers.new(tree.name, "NODES")
         if modifier.node_group is not None:  # Blender 3.4 makes one of its own
             made = modifier.node_group

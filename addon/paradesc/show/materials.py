@@ -1,81 +1,19 @@
 """Makes materials that show descriptors, on a slot of their own: the user's stay, and one click restores them."""
 
 import bpy
-import numpy as np
 
 from ..scene import mesh_io, record
-from . import recolor
+from ..settings.translation import said
+from . import recolor, tuned
 from .node_groups import MARK, add_map_range, add_math, add_mix, add_node, add_socket, found_group, new_group
+from .slots import DESCRIPTOR, assign, take_back
 
-# The face attribute that remembers which slot each face had before.
-FORMER_SLOTS = ".hide_paradesc_slots"
-# The custom property of our materials that names the descriptor they show.
-DESCRIPTOR = "paradesc_descriptor"
 CAVITY_GROUP = "Paradesc Cavity"
 TREE = "ShaderNodeTree"
 # What node groups and materials look like before the user changes them.
 CLAY, DIRT, WEAR = (0.35, 0.20, 0.11, 1.0), (0.025, 0.014, 0.008, 1.0), (0.78, 0.62, 0.46, 1.0)
 # Where the masks begin and where they are full, in curvature times radius: most of a surface is a little convex.
 RAMPS = {"Cavity": (0.03, 0.4), "Edge": (0.2, 0.7)}
-
-
-# ---- Slots
-
-
-def own_slots(mesh: bpy.types.Mesh) -> list[int]:
-    """The slots that hold our materials."""
-    return [index for index, item in enumerate(mesh.materials) if item is not None and DESCRIPTOR in item]
-
-
-def shown_descriptor(target: bpy.types.Object) -> str:
-    """The descriptor that an object's faces show by one of our materials, or ""."""
-    found = own_slots(target.data)
-    return target.data.materials[found[0]][DESCRIPTOR] if found else ""
-
-
-def assign(mesh: bpy.types.Mesh, material: bpy.types.Material) -> None:
-    """Gives all faces a slot with this material and remembers which slots they had. Not in edit mode."""
-    found = own_slots(mesh)
-    if found:
-        former = mesh.materials[found[0]]
-        mesh.materials[found[0]] = material
-        discard(former)
-        slot = found[0]
-    else:
-        keep_slots(mesh)
-        mesh.materials.append(material)
-        slot = len(mesh.materials) - 1
-    mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), slot, np.int32))
-    mesh.update()
-
-
-def keep_slots(mesh: bpy.types.Mesh) -> None:
-    """Remembers the faces' slots."""
-    attribute = mesh.attributes.get(FORMER_SLOTS)
-    if attribute is not None:
-        mesh.attributes.remove(attribute)
-    slots = mesh_io.read_array(mesh.polygons, "material_index", np.int32)
-    attribute = mesh.attributes.new(FORMER_SLOTS, "INT", "FACE")
-    attribute.data.foreach_set("value", slots)
-
-
-def take_back(mesh: bpy.types.Mesh) -> None:
-    """Gives the faces their former slots again and removes ours. Not in edit mode."""
-    attribute = mesh.attributes.get(FORMER_SLOTS)
-    if attribute is not None and (attribute.data_type, attribute.domain) == ("INT", "FACE"):
-        mesh.polygons.foreach_set("material_index", mesh_io.read_array(attribute.data, "value", np.int32))
-        mesh.attributes.remove(mesh.attributes[FORMER_SLOTS])
-    for slot in reversed(own_slots(mesh)):
-        former = mesh.materials[slot]
-        mesh.materials.pop(index=slot)
-        discard(former)
-    mesh.update()
-
-
-def discard(material: bpy.types.Material | None) -> None:
-    """Removes one of our materials if nothing uses it any more."""
-    if material is not None and material.users == 0 and DESCRIPTOR in material:
-        bpy.data.materials.remove(material)
 
 
 # ---- Trees
@@ -93,6 +31,7 @@ def color_material(name: str, flat: bool) -> bpy.types.Material:
         shader = add_principled(tree)
         tree.links.new(color, shader.inputs["Base Color"])
     tree.links.new(shader.outputs[0], nodes.inputs["Surface"])
+    tuned.leave(material)
     return material
 
 
@@ -105,6 +44,7 @@ def cavity_material(mesh: bpy.types.Mesh) -> bpy.types.Material:
     shader = add_principled(tree)
     tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
     tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    tuned.leave(material)
     return material
 
 
@@ -155,9 +95,11 @@ def cavity_group(mesh: bpy.types.Mesh) -> tuple[bpy.types.NodeTree, dict[str, fl
             )
         attributes, title, settings = (mean, ""), f"{CAVITY_GROUP} of {mean}", {"Radius": radius}
     elif concave or convex:
-        suffix = concave.removeprefix("cavity") or convex.removeprefix("convexity")
+        ends = [concave.removeprefix("cavity"), convex.removeprefix("convexity")]
+        suffix = ends[0] or ends[1]
         attributes = (concave or f"cavity{suffix}", convex or f"convexity{suffix}")
-        title, settings = f"{CAVITY_GROUP} {suffix.removeprefix('_')}".rstrip(), {}
+        different = [] if not (concave and convex) or ends[0] == ends[1] else ["and", ends[1].removeprefix("_") or "1"]
+        title, settings = " ".join([CAVITY_GROUP, suffix.removeprefix("_"), *different]).rstrip(), {}
     else:
         raise mesh_io.refuse(
             f'The mesh "{mesh.name}" has neither cavity nor convexity nor mean curvature; bake those first.'
@@ -262,6 +204,7 @@ def unplug(material: bpy.types.Material) -> bool:
     tree, socket = material.node_tree, shader.inputs["Base Color"]
     if node.inputs["Base Color"].is_linked:
         tree.links.new(node.inputs["Base Color"].links[0].from_socket, socket)
+    socket.default_value = node.inputs["Base Color"].default_value
     tree.nodes.remove(node)
     return True
 
@@ -291,11 +234,10 @@ class PARADESC_OT_make_material(recolor.NeedsBake, bpy.types.Operator):
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Makes the material and gives it to all faces."""
         mesh = target.data
-        if self.kind == "cavity":
-            assign(mesh, cavity_material(mesh))
-            return
         name = recolor.shown_name(mesh) or recolor.baked_names(mesh)[0]
-        assign(mesh, color_material(name, self.kind == "flat"))
+        made = cavity_material(mesh) if self.kind == "cavity" else color_material(name, self.kind == "flat")
+        for sentence in assign(mesh, made):
+            self.report({"INFO"}, said(sentence))
 
 
 class PARADESC_OT_plug_cavity(recolor.NeedsBake, bpy.types.Operator):
@@ -325,7 +267,8 @@ class PARADESC_OT_remove_material(recolor.NeedsBake, bpy.types.Operator):
 
     def run(self, _context: bpy.types.Context, target: bpy.types.Object) -> None:
         """Removes what the other two made."""
-        take_back(target.data)
+        for sentence in take_back(target.data):
+            self.report({"INFO"}, said(sentence))
         for slot in target.material_slots:
             if slot.material is not None and DESCRIPTOR not in slot.material and slot.material.library is None:
                 unplug(slot.material)

@@ -4,7 +4,7 @@ import bpy
 
 from ..core import color_maps, legend
 from ..scene import record
-from . import materials, recolor
+from . import recolor, slots
 
 BAR_WIDTH, BAR_HEIGHT, MARGIN, TEXT_SIZE, STEPS = 260, 12, 26, 12, 65
 INK, SHADOW = (1.0, 1.0, 1.0, 1.0), (0.0, 0.0, 0.0, 0.9)
@@ -26,7 +26,7 @@ def name_in(shading: str, color_type: str, target: bpy.types.Object) -> str:
     if shading == "SOLID" and (color_type == "VERTEX" or target.mode == "VERTEX_PAINT"):
         return recolor.shown_name(target.data)
     if shading in {"MATERIAL", "RENDERED"}:
-        name = materials.shown_descriptor(target)
+        name = slots.shown_descriptor(target)
         return name if name in recolor.baked_names(target.data) else ""
     return ""
 

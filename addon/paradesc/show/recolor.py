@@ -7,18 +7,24 @@ from .. import bridge
 from ..bridge import ParadescError
 from ..core import choices, color_maps, legend
 from ..core.job import registry_name, registry_row
-from ..scene import mesh_io, modes, record, viewports
+from ..scene import arrays, mesh_io, modes, ownership, record, viewports
 from ..settings import translation
 
 Item = tuple[str, str, str]
 
 
 def baked_names(mesh: bpy.types.Mesh) -> list[str]:
-    """The descriptors, by the names of their attributes, that bakes have left on this mesh with colors."""
+    """The descriptors, by the names of their attributes, whose values and colors of a bake are still on this mesh."""
     if bridge.missing_sentence():
         return []
     ours, known = record.attributes_of(mesh), {row.name for row in bridge.descriptors()}
-    return [name for name in ours if f"{name}_color" in ours and registry_name(name) in known]
+    found = [name for name in ours if f"{name}_color" in ours and registry_name(name) in known]
+    return [name for name in found if all(is_usable(mesh, one) for one in (name, f"{name}_color"))]
+
+
+def is_usable(mesh: bpy.types.Mesh, name: str) -> bool:
+    """Whether an attribute has the type and domain that a bake gave it, which Blender can convert."""
+    return arrays.kind_of(mesh.attributes[name]) == mesh_io.wanted_kind(name)
 
 
 def is_direction(name: str) -> bool:
@@ -46,18 +52,21 @@ def stored_range(mesh: bpy.types.Mesh, name: str) -> color_maps.ValueRange:
 
 def stored_values(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     """(n,) or (n, 3) float32 values of one of our attributes; not in edit mode, where Blender hides them."""
-    attribute = mesh.attributes.get(name)
-    if attribute is None or (attribute.data_type, attribute.domain) != mesh_io.wanted_kind(name):
+    if name not in mesh.attributes or not is_usable(mesh, name):
         raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" any more; bake them again.')
-    if attribute.data_type == "FLOAT_VECTOR":
-        return mesh_io.read_array(attribute.data, "vector", np.float32, 3)
-    return mesh_io.read_array(attribute.data, "value", np.float32)
+    return arrays.attribute_values(mesh.attributes[name])
 
 
 def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_maps.ValueRange:
     """Makes a descriptor's colors again by the look; gives their range. Not in edit mode."""
-    if mesh.attributes.get(f"{name}_color") is None:
-        raise mesh_io.refuse(f'The mesh "{mesh.name}" has no colors "{name}_color" any more; bake them again.')
+    colors = f"{name}_color"
+    if colors not in mesh.attributes:
+        raise mesh_io.refuse(f'The mesh "{mesh.name}" has no colors "{colors}" any more; bake them again.')
+    if not ownership.is_as_left(mesh, colors, mesh_io.wanted_kind(colors), ownership.faces_of(mesh)):
+        raise mesh_io.refuse(
+            f'The colors "{colors}" of the mesh "{mesh.name}" were painted over since they were made, and stay; bake '
+            "again, and others are made beside them."
+        )
     values = stored_values(mesh, name)
     stored = record.read(mesh)
     drawn = stored.get("drawn", {}).get(name, {})
@@ -66,6 +75,7 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     mesh_io.write_colors(mesh, name, values, shown)
     drawn = {**record.drawing(shown), **{word: drawn[word] for word in ("radius", "unit") if word in drawn}}
     record.write(mesh, {}, {name: shown}, {name: drawn})
+    ownership.leave(mesh, [colors])
     mesh.update()
     return shown
 

@@ -73,7 +73,7 @@ def draw_masks(context: bpy.types.Context, layout: bpy.types.UILayout, settings:
     grid = layout.grid_flow(row_major=True, columns=columns, even_columns=True, align=True)
     for name, words in labels.items():
         options = {"icon": MASK_ICONS[name], "depress": name == chosen}
-        button(context, grid, "paradesc.preset", words, **options).name = name
+        button(context, grid, "paradesc.mask", words, **options).name = name
     if not chosen:
         labels = [row.label for row in bridge.descriptors() if row.name in settings.descriptors]
         count = label("{count} descriptors, under Analysis").format(count=len(labels))

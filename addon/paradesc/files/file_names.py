@@ -1,0 +1,61 @@
+"""Names of files that follow those of objects: short enough, and the same to every file system or apart. No bpy."""
+
+import hashlib
+import itertools
+import re
+import unicodedata
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+# Windows keeps these names for devices, whatever suffix follows.
+RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)", re.IGNORECASE)
+# File systems allow 255 bytes; suffixes, numbers of tiles and what stands around a name while it is written need room.
+LONGEST = 120
+
+
+def folded(name: str) -> str:
+    """What is the same for two names that some file system takes for one: the case, and how letters are composed."""
+    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
+
+
+def cut(name: str) -> str:
+    """The name; a long one ends in its digest."""
+    if len(name.encode()) <= LONGEST:
+        return name
+    beginning = name.encode()[: LONGEST - 9].decode(errors="ignore")
+    return f"{beginning}_{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+
+
+def folder_name(name: str, there: set[str]) -> str:
+    """The name of an object's folder among those that are there.
+
+    It gets a digest added if some file system would change it, or take it for another that is there.
+    """
+    plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)[:80]
+    alike = {one for one in there if folded(one) == folded(plain)}
+    if plain == name and not RESERVED.fullmatch(name) and (name in alike or not alike):
+        return plain
+    return f"{plain}_{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+
+
+def names_in(folder: Path) -> set[str]:
+    """The names of what lies in a folder; none where it cannot be read."""
+    with suppress(OSError):
+        return {path.name for path in folder.iterdir()}
+    return set()
+
+
+def numbered(name: str) -> Iterator[str]:
+    """The name, then with a number behind it."""
+    return (name if number == 1 else f"{name}_{number}" for number in itertools.count(1))
+
+
+def distinct(names: list[str]) -> list[str]:
+    """The names, no two of which any file system takes for one: a number follows where they are."""
+    taken: set[str] = set()
+    found = []
+    for name in names:
+        found.append(next(one for one in numbered(cut(name)) if folded(one) not in taken))
+        taken.add(folded(found[-1]))
+    return found

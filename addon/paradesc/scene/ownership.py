@@ -1,0 +1,156 @@
+"""Tells what on a mesh is ours and as we left it; all else is the user's, and nothing replaces it.
+
+An attribute or vertex group is ours if a bake, or a button that copies values, has made it. Its fingerprint, kept in a
+custom property of the mesh, tells whether somebody has painted or edited it since: then it is the user's. After a
+change of the faces nothing can be told from values, and it stays ours. So does what has no fingerprint: live values
+while they change at every frame, and what earlier versions have left.
+"""
+
+import zlib
+from collections.abc import Callable, Iterable
+
+import bpy
+import numpy as np
+
+from . import arrays, record
+
+PROPERTY = "paradesc_left"
+# The letters of a checksum; a fingerprint has that of the faces and that of the values.
+LETTERS = 8
+# Gives the type and domain that an attribute of ours has, by its name.
+KindOf = Callable[[str], tuple[str, str]]
+
+
+# ---- Fingerprints
+
+
+def fingerprints(mesh: bpy.types.Mesh) -> dict[str, str]:
+    """What leave() kept, by name."""
+    content = mesh.get(PROPERTY)
+    found = content.to_dict() if hasattr(content, "to_dict") else {}
+    return {name: text for name, text in found.items() if isinstance(text, str)}
+
+
+def leave(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
+    """Keeps the fingerprints of attributes that have just been written. Not in edit mode."""
+    faces, found = faces_of(mesh), [mesh.attributes[name] for name in names]
+    known = [item for item in found if item.data_type in arrays.MEMBERS]
+    made = {item.name: faces + short(arrays.attribute_values(item)) for item in known}
+    keep(mesh, {**fingerprints(mesh), **made})
+
+
+def leave_weights(mesh: bpy.types.Mesh, name: str, weights: np.ndarray) -> None:
+    """The same of a vertex group's (vertex_count,) weights; a colon tells it from an attribute."""
+    keep(mesh, {**fingerprints(mesh), f":{name}": faces_of(mesh) + short(weights)})
+
+
+def forget(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
+    """Drops the fingerprints of attributes whose values change all the time."""
+    known, gone = fingerprints(mesh) if PROPERTY in mesh else {}, set(names)
+    if gone & known.keys():
+        keep(mesh, {name: text for name, text in known.items() if name not in gone})
+
+
+def keep(mesh: bpy.types.Mesh, found: dict[str, str]) -> None:
+    """Keeps fingerprints, without those of attributes that are gone."""
+    there = {name: text for name, text in found.items() if name.startswith(":") or name in mesh.attributes}
+    if there:
+        mesh[PROPERTY] = there
+    elif PROPERTY in mesh:
+        del mesh[PROPERTY]
+
+
+def faces_of(mesh: bpy.types.Mesh) -> str:
+    """The beginning of a fingerprint: how vertices and faces are connected."""
+    return short(np.array([len(mesh.vertices)]), arrays.read_corner_vertices(mesh))
+
+
+def short(*values: np.ndarray) -> str:
+    """A checksum of arrays, quick enough for millions of vertices: nobody paints what has the same one on purpose."""
+    found = 0
+    for array in values:
+        found = zlib.crc32(np.ascontiguousarray(array).reshape(-1).view(np.uint8), found)
+    return f"{found:0{LETTERS}x}"
+
+
+def is_untouched(mesh: bpy.types.Mesh, key: str, values: np.ndarray, faces: str) -> bool:
+    """Whether values are those of a fingerprint, or nothing tells that they are not; faces: as faces_of() has them."""
+    text = fingerprints(mesh).get(key, "")
+    return text[:LETTERS] != faces or text[LETTERS:] == short(values)
+
+
+def is_as_left(mesh: bpy.types.Mesh, name: str, kind: tuple[str, str], faces: str) -> bool:
+    """Whether one of our attributes has the type and domain, and the values, that we gave it."""
+    attribute = mesh.attributes[name]
+    return arrays.kind_of(attribute) == kind and is_untouched(mesh, name, arrays.attribute_values(attribute), faces)
+
+
+# ---- Result objects
+
+
+def leave_object(holder: bpy.types.Object) -> None:
+    """Keeps on a result object what it is called, what its mesh is like, and where it stands."""
+    holder[PROPERTY] = {"name": holder.name, "mesh": shape_of(holder.data), "matrix": matrix_of(holder)}
+
+
+def left_object(holder: bpy.types.Object) -> dict[str, object]:
+    """What leave_object() kept; empty on those of earlier versions."""
+    content = holder.get(PROPERTY)
+    return content.to_dict() if hasattr(content, "to_dict") else {}
+
+
+def given_name(holder: bpy.types.Object, usual: str) -> str:
+    """The name that it was given; Blender cuts long ones."""
+    return str(left_object(holder).get("name", usual))
+
+
+def is_object_as_left(holder: bpy.types.Object) -> bool:
+    """Whether nobody has edited its mesh, painted on it or given it materials."""
+    return left_object(holder).get("mesh", "") in ("", shape_of(holder.data))
+
+
+def is_where_left(holder: bpy.types.Object) -> bool:
+    """Whether nobody has moved it."""
+    return list(left_object(holder).get("matrix", matrix_of(holder))) == matrix_of(holder)
+
+
+def matrix_of(holder: bpy.types.Object) -> list[float]:
+    """Where it stands."""
+    return [float(value) for row in holder.matrix_basis for value in row]
+
+
+def shape_of(mesh: bpy.types.Mesh) -> str:
+    """A name for all of a mesh that people may edit."""
+    points = arrays.read_array(mesh.vertices, "co", np.float32, 3)
+    slots = arrays.read_array(mesh.polygons, "material_index", np.int32)
+    layers = [arrays.attribute_values(item) for item in mesh.attributes if item.data_type in arrays.MEMBERS]
+    known = [(item.name, item.data_type, item.domain) for item in mesh.attributes]
+    names = repr([*known, *(item and item.name for item in mesh.materials)])
+    return faces_of(mesh) + short(points, slots, np.frombuffer(names.encode(), np.uint8), *layers)
+
+
+# ---- Names
+
+
+def place(mesh: bpy.types.Mesh, name: str, ends: tuple[str, ...], kind_of: KindOf, faces: str) -> str:
+    """The name under which attributes, one for each of these ends, are ours as we left them, or free.
+
+    That is the name itself, or with a number behind it. Where a bake has left some, the next one finds them again.
+    """
+    ours = set(record.attributes_of(mesh))
+    taken = {*mesh.attributes.keys(), *mesh.uv_layers.keys(), *group_names(mesh)}
+    candidates = [name, *(f"{name}_{number}" for number in range(2, len(taken) + 3))]
+
+    def is_left(found: str) -> bool:
+        there = [found + end for end in ends if found + end in taken]
+        left = (one in ours and one in mesh.attributes and is_as_left(mesh, one, kind_of(one), faces) for one in there)
+        return bool(there) and all(left)
+
+    found = next(filter(is_left, candidates), None)
+    return found or next(one for one in candidates if not any(one + end in taken for end in ends))
+
+
+def group_names(mesh: bpy.types.Mesh) -> set[str]:
+    """The names of the vertex groups, which Blender lets no new attribute have; any object with the mesh knows them."""
+    user = next((item for item in bpy.data.objects if item.data == mesh), None)
+    return set() if user is None else set(user.vertex_groups.keys())

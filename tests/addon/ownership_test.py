@@ -1,0 +1,158 @@
+"""What is the user's stays the user's: whatever writes replaces only what is ours and as we left it.
+
+Every writer is driven twice through one test: first beside things of the user's that have the names it wants, all of
+which have to stay as they are to the last bit; then again, when its own things are replaced and do not pile up.
+"""
+
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="needs Blender")
+
+from mesh_io_test import made_up_results  # noqa: E402
+from paradesc.scene import mesh_io  # noqa: E402
+from paradesc.show import recolor  # noqa: E402
+from scene import add_sphere, saved_scene  # noqa: E402
+from writers import NAME, WRITERS, attribute, bake, everything, kinds, remeshed, result_of  # noqa: E402
+
+pytestmark = pytest.mark.usefixtures("registered")
+
+
+@pytest.fixture
+def target():
+    return add_sphere(steps=3)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """The folder of the saved file."""
+    saved_scene(tmp_path / "file.blend")
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_what_is_the_users_stays_as_it_is(name, target, folder):
+    writer = WRITERS[name]
+    writer.taken(target)
+    before = everything(folder)
+    if writer.fails:
+        with pytest.raises(RuntimeError, match=writer.fails):
+            writer.write(target)
+        after = everything(folder)
+        assert {key: after.get(key) for key in before} == before
+        return
+    writer.write(target)
+    after = everything(folder)
+    changed = {key for key, content in before.items() if after.get(key) != content}
+    assert {key for key in changed if not writer.changes & {key[0], key[-1]}} == set()
+    assert after.keys() > before.keys()  # and what was asked for is there
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_what_is_ours_is_replaced_and_does_not_pile_up(name, target, folder):
+    writer = WRITERS[name]
+    if not writer.fails:
+        writer.taken(target)
+    writer.write(target)
+    once = kinds(everything(folder))
+    (writer.again or writer.write)(target)
+    assert kinds(everything(folder)) == once
+
+
+# ---- Attributes
+
+
+def test_buttons_are_grey_where_all_was_deleted(target):
+    bake(target)
+    for name in (NAME, "cavity"):
+        gone(target.data, name)
+    with pytest.raises(RuntimeError, match="poll"):
+        bpy.ops.paradesc.corner_colors()
+
+
+def test_ours_stays_ours_when_the_mesh_is_edited(target):
+    bake(target)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    names = target.data.attributes.keys()
+    bake(target)
+    assert target.data.attributes.keys() == names
+
+
+def test_the_sentence_says_what_stays_and_where_the_values_are(target):
+    attribute(NAME)(target)
+    (sentence,) = mesh_io.write_results(target, made_up_results(target))
+    assert f'"{NAME}" is there' in sentence
+    assert f'"{NAME}_2"' in sentence
+
+
+def gone(mesh, name):
+    mesh.attributes.remove(mesh.attributes[name])
+
+
+def renamed(mesh, name):
+    mesh.attributes[name].name = "mine"
+
+
+def converted(mesh, name):
+    bpy.context.scene.view_layers[0].objects.active = bpy.data.objects["sphere"]
+    mesh.attributes.active_index = mesh.attributes.keys().index(name)
+    bpy.ops.geometry.attribute_convert(domain="CORNER", data_type="BYTE_COLOR")
+
+
+@pytest.mark.parametrize("which", [NAME, f"{NAME}_color"])
+@pytest.mark.parametrize("change", [gone, renamed, converted])
+def test_menus_and_buttons_leave_out_what_was_deleted_or_renamed(change, which, target):
+    bake(target)
+    change(target.data, which)
+    assert recolor.baked_names(target.data) == ["cavity"]
+    assert recolor.shown_name(target.data) in ("", "cavity")
+    with pytest.raises(TypeError, match="not found in"):
+        bpy.ops.paradesc.show(name=NAME)
+    bpy.ops.paradesc.show(name="cavity")
+    for name in ("corner_colors", "vertex_group", "export_copies", "make_material", "recolor", "pack"):
+        bpy.context.scene.paradesc_looks.pack_red = "cavity"
+        assert getattr(bpy.ops.paradesc, name)() == {"FINISHED"}, name
+    bake(target)
+    assert NAME in recolor.baked_names(target.data) or f"{NAME}_2" in recolor.baked_names(target.data)
+
+
+# ---- Result objects
+
+
+def test_a_result_object_keeps_earlier_masks_and_where_it_was_moved(target):
+    remeshed(target)
+    result = result_of(target)
+    values = result.data.attributes[NAME].data
+    before = [item.value for item in values]
+    result.location.x, settings = 9.0, bpy.context.scene.paradesc
+    settings.descriptors = {"cavity"}
+    assert bpy.ops.paradesc.bake() == {"FINISHED"}
+    assert recolor.baked_names(result.data) == ["cavity", NAME]
+    assert [item.value for item in result.data.attributes[NAME].data] == before
+    assert result.location.x == 9.0
+
+
+@pytest.mark.parametrize("kind", ["DECIMATE", "BEVEL"])
+def test_a_result_object_takes_along_what_was_baked_on_the_base_mesh(kind, target, capfd):
+    bake(target)
+    target.modifiers.new(kind, kind)
+    if kind == "DECIMATE":
+        target.modifiers[kind].ratio = 0.5
+    target.modifiers.new("Remesh", "REMESH").show_viewport = False
+    for _ in range(2):
+        remeshed(target)
+        result = result_of(target)
+        assert recolor.baked_names(result.data) == ["cavity", NAME]
+        assert recolor.stored_range(result.data, "cavity")
+        assert "stays as it is" not in capfd.readouterr().out
+    assert len(bpy.data.objects) == 2
+
+
+def test_a_result_object_that_was_not_moved_follows_its_object(target):
+    remeshed(target)
+    target.location.x = 5.0
+    bpy.context.view_layer.update()
+    remeshed(target)
+    assert result_of(target).location.x == 5.0
