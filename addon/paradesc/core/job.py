@@ -7,7 +7,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import ProgressFunction, abi
-from . import contexts
+from . import contexts, mesh_faults
 from .color_maps import Look, ValueRange, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
@@ -284,6 +284,7 @@ def run_on(
     """Computes the descriptors on a mesh that was made of these arrays."""
     computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
     results = run_radii(context, mesh, settings, computing, with_buffers)
+    results.warnings += mesh_faults.sentences(results.mesh_report)
     if arrays.layout is not None and (bridge.uses_texture_space(results.backend) or results.maps):
         results.unwrapped = arrays.layout
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))

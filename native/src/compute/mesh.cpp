@@ -40,7 +40,7 @@ pdesc_mesh_report report_of(const Mesh &mesh) {
   pdesc_mesh_report report = mesh.found;
   report.diagonal = static_cast<float>(mesh.extent.diagonal);
   report.mean_edge = static_cast<float>(mean_edge(mesh.triangles, mesh.half_edges, mesh.context->threads));
-  report.inward_parts = count_inward_parts(mesh.triangles, mesh.half_edges, mesh.extent.box);
+  report.inward_parts = count_inward_parts(mesh.triangles, mesh.half_edges, mesh.extent.box, mesh.context->threads);
   return report;
 }
 

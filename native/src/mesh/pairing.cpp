@@ -14,6 +14,7 @@ public:
   // Pairs what can be paired without doubt and returns the half-edges that may have a twin at another vertex.
   std::vector<int32_t> pair_by(const std::vector<int32_t> &ids, int id_count, std::span<const int32_t> half_edges) {
     ids_ = &ids;
+    thirds_of_ = copies_ ? &places_ : &ids; // while no copies are known, the ids are at hand
     std::vector<int32_t> alone;
     for_each_edge(half_edges, ids, id_count, [&](std::span<const int32_t> edge) {
       if (edge.size() == 1)
@@ -30,8 +31,7 @@ public:
 
 private:
   bool opposite(int32_t a, int32_t b) const { return (*ids_)[a] != (*ids_)[b]; } // they start at different ends
-  // What tells copies apart; while none are known, that of the ids is at hand.
-  int32_t third(int32_t h) const { return (copies_ ? places_ : *ids_)[previous_corner(h)]; }
+  int32_t third(int32_t h) const { return (*thirds_of_)[previous_corner(h)]; } // tells copies apart
 
   void pair(int32_t a, int32_t b) {
     pairing_.twin[a] = b;
@@ -81,7 +81,7 @@ private:
   const std::vector<int32_t> &places_;
   const Copies *copies_;
   Pairing &pairing_;
-  const std::vector<int32_t> *ids_ = nullptr;
+  const std::vector<int32_t> *ids_ = nullptr, *thirds_of_ = nullptr;
   std::vector<int32_t> thirds_, sorted_;
 };
 
