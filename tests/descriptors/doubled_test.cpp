@@ -1,4 +1,4 @@
-// Faces that are there twice, and corners that differ by rounding: values are those of the surface without them, on every backend.
+// Faces that are there twice, and corners that differ by rounding: values are those of the surface without them.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -35,7 +35,8 @@ void expect_same_results(const Results &results, const Results &expected) {
 }
 
 TEST_P(Doubled, copies_of_faces_change_no_bit) {
-  for (TestMesh mesh : {torus(1, 0.4, {.vertices = 3000}), ellipsoid(1, 0.8, 0.6, {.vertices = 3000}), cylinder(0.5, 1, {.vertices = 3000})}) {
+  for (TestMesh mesh :
+       {torus(1, 0.4, {.vertices = 3000}), ellipsoid(1, 0.8, 0.6, {.vertices = 3000}), cylinder(0.5, 1, {.vertices = 3000})}) {
     lay_out(mesh, {.charts = 6});
     const Settings settings{.radius = 0.06, .buffer_size = 256};
     const Results alone = compute(context.get(), mesh, settings, names);

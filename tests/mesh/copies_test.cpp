@@ -71,7 +71,8 @@ TEST(Copies, copies_of_some_faces_count_once) {
       for (size_t first = 0; first + 15 <= surface.faces.size(); first += 3) {
         Shape partly = surface;
         const std::vector<int32_t> faces = again(surface, over);
-        partly.faces.insert(partly.faces.end(), faces.begin() + static_cast<int>(first), faces.begin() + static_cast<int>(first) + 15);
+        partly.faces.insert(partly.faces.end(), faces.begin() + static_cast<int>(first),
+                            faces.begin() + static_cast<int>(first) + 15);
         expect_as_without_copies(surface, partly);
       }
 }
@@ -88,7 +89,8 @@ TEST(Copies, a_few_copies_that_come_first_give_way_to_the_surface) {
     EXPECT_EQ(half_edges.nonmanifold_edges, 0);
     EXPECT_EQ(half_edges.boundary_edges, 14);
     if (over) {
-      for (size_t corner = 0; corner < 15; ++corner) EXPECT_EQ(half_edges.corner_point[corner], -1) << "the others are wound alike";
+      for (size_t corner = 0; corner < 15; ++corner)
+        EXPECT_EQ(half_edges.corner_point[corner], -1) << "the others are wound alike";
     }
   }
 }
@@ -107,7 +109,8 @@ TEST(Copies, the_sheet_that_is_kept_of_a_double_sided_one_is_wound_alike_in_any_
   const Shape doubled = with_copies(grid(6, 5), true);
   std::mt19937 random(5);
   std::vector<std::array<int32_t, 3>> faces;
-  for (size_t i = 0; i < doubled.faces.size(); i += 3) faces.push_back({doubled.faces[i], doubled.faces[i + 1], doubled.faces[i + 2]});
+  for (size_t i = 0; i < doubled.faces.size(); i += 3)
+    faces.push_back({doubled.faces[i], doubled.faces[i + 1], doubled.faces[i + 2]});
   for (int round = 0; round < 20; ++round) {
     std::ranges::shuffle(faces, random);
     Shape shape = doubled;

@@ -258,8 +258,8 @@ TEST(HalfEdge, random_triangles_on_few_positions_become_manifold) {
   }
 }
 
-// Between the points b and c there would be two edges: one by index, of faces 0 and 1, and one of face 3 alone, which belongs to the
-// tetrahedron of face 1 and its neighbors by place. OpenMesh knows one edge between two points.
+// Between the points b and c there would be two edges: one by index, of faces 0 and 1, and one of face 3 alone, which belongs to
+// the tetrahedron of face 1 and its neighbors by place. OpenMesh knows one edge between two points.
 Shape two_edges_between_two_points() {
   const vec3 a(0, 0, 1), b(0, 1, 0), c(1, 0, 1), d(1, 0, 0), x(1, 1, 1);
   return {{a, b, c, d, c, d, x}, {0, 1, 2, 2, 1, 3, 4, 5, 6, 4, 6, 1, 5, 1, 6}};

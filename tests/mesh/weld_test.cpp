@@ -14,7 +14,8 @@ namespace {
 using namespace shapes;
 
 TEST(Weld, positions_are_one_place_where_they_are_equal) {
-  const Places places = weld(triangles_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-0.0f, 0, -0.0f}, {0, 0, 1}}, {0, 1, 2, 3, 4, 5}}));
+  const Places places =
+      weld(triangles_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-0.0f, 0, -0.0f}, {0, 0, 1}}, {0, 1, 2, 3, 4, 5}}));
   EXPECT_EQ(places.of_vertex, (std::vector<int32_t>{0, 1, 2, 1, 0, 5})) << "minus zero is zero";
   EXPECT_EQ(places.of_corner, (std::vector<int32_t>{0, 1, 2, 1, 0, 5}));
   EXPECT_FALSE(weld(triangles_of(cube())).are_shared());
@@ -72,7 +73,8 @@ TEST(Weld, a_mesh_whose_edges_are_a_few_units_in_the_last_place_long_keeps_its_v
 TEST(Weld, a_bridge_narrower_than_rounding_keeps_its_width) {
   // Two squares and a strip between them, of two triangles with an edge of 4 units across.
   const float narrow = 4 * std::numeric_limits<float>::epsilon();
-  const Shape shape = {{{-1, -1, 0}, {0, 0, 0}, {0, narrow, 0}, {-1, 1, 0}, {1, -1, 0}, {1, 1, 0}}, {0, 1, 2, 0, 2, 3, 1, 4, 2, 4, 5, 2}};
+  const Shape shape = {{{-1, -1, 0}, {0, 0, 0}, {0, narrow, 0}, {-1, 1, 0}, {1, -1, 0}, {1, 1, 0}},
+                       {0, 1, 2, 0, 2, 3, 1, 4, 2, 4, 5, 2}};
   const HalfEdges half_edges = build(shape);
   EXPECT_EQ(half_edges.point_count, 6);
   EXPECT_EQ(half_edges.components, 1);

@@ -11,7 +11,7 @@ LEAST = 8
 
 
 def sentences(report: dict[str, float | int]) -> list[str]:
-    """What limits the values on a mesh with this report (of bridge.Mesh.report()); nothing for a sound one, open or not."""
+    """What limits values on a mesh, by its bridge.Mesh.report(); nothing for a sound one, open or not."""
     used = report["triangle_count"] - report["degenerate_triangles"] - report["copied_triangles"]
     found = [*without_area(report), *wound(report)]
     if used >= LEAST and report["parts"] >= APART * used:
@@ -46,7 +46,8 @@ def wound(report: dict[str, float | int]) -> list[str]:
         )
     if report["inward_parts"]:
         count = report["inward_parts"]
-        which = "The closed mesh is" if report["parts"] == 1 else f"{count:,} closed part{'s are' if count > 1 else ' is'}"
+        some = f"{count:,} closed part{' is' if count == 1 else 's are'}"
+        which = "The closed mesh is" if report["parts"] == 1 else some
         found.append(
             f"{which} wound inwards, so that what is convex counts as concave: turn the faces (Mesh > Normals > "
             "Recalculate Outside, or trimesh.repair.fix_inversion)."
@@ -56,7 +57,8 @@ def wound(report: dict[str, float | int]) -> list[str]:
 
 def fallen_apart(report: dict[str, float | int], used: int) -> str:
     """About a mesh in which next to no triangle has a neighbor."""
-    parts = f"The mesh falls apart: its {used:,} triangles are {report['parts']:,} parts, and values are those of single faces"
+    counted = f"its {used:,} triangles are {report['parts']:,} parts"
+    parts = f"The mesh falls apart: {counted}, and values are those of single faces"
     if report["boundary_edges"] > used:
         return (
             f"{parts}. Where corners lie beside each other, make them one (Mesh > Merge by Distance, or trimesh's "

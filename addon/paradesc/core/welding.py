@@ -7,7 +7,7 @@ import numpy as np
 
 # Units in the last place at the largest coordinate: about the seventh digit of a decimal.
 UNITS = 16
-# Of the shortest edge, so that none shrinks to nothing.
+# The part of the shortest edge that is the most, so that none shrinks to nothing.
 SHARE_OF_EDGE = 0.01
 
 

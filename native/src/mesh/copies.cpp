@@ -41,7 +41,40 @@ void add_group(const std::vector<int32_t> &ids, std::vector<int32_t> group, Copi
   copies.groups.push_back(std::move(group));
 }
 
+// (vertex_count) 1: the place of several vertices.
+std::vector<uint8_t> shared_places(const Places &places) {
+  std::vector<uint8_t> is_shared(places.of_vertex.size(), 0);
+  for (size_t vertex = 0; vertex < is_shared.size(); ++vertex) {
+    checkpoint_at(vertex);
+    if (const int32_t place = places.of_vertex[vertex]; place != static_cast<int32_t>(vertex)) is_shared[place] = 1;
+  }
+  return is_shared;
+}
+
 } // namespace
+
+bool has_copies_of(const Triangles &triangles, const Places &places, const std::vector<uint8_t> &left_out,
+                   std::span<const int32_t> half_edges) {
+  if (half_edges.empty() || !places.are_shared()) return false;
+  const std::vector<uint8_t> is_shared = shared_places(places);
+  std::vector<Three> looked_for;
+  for (const int32_t h : half_edges) {
+    const Three three = sorted_ids(places.of_corner, h / 3);
+    if (std::ranges::all_of(three, [&](int32_t place) { return is_shared[place] != 0; })) looked_for.push_back(three);
+  }
+  if (looked_for.empty()) return false;
+  std::ranges::sort(looked_for);
+  looked_for.erase(std::ranges::unique(looked_for).begin(), looked_for.end());
+  std::vector<uint8_t> is_lowest(is_shared.size(), 0);
+  for (const Three &three : looked_for) is_lowest[three[0]] = 1;
+  size_t found = 0;
+  for (int32_t triangle = 0; triangle < triangles.triangle_count; ++triangle) {
+    checkpoint_at(triangle);
+    const Three three = sorted_ids(places.of_corner, triangle);
+    found += !left_out[triangle] && is_lowest[three[0]] && std::ranges::binary_search(looked_for, three);
+  }
+  return found > looked_for.size();
+}
 
 Copies find_copies(const Triangles &triangles, const Places &places, const std::vector<uint8_t> &left_out) {
   Copies copies;
@@ -77,7 +110,7 @@ std::vector<int32_t> leave_out_copies(const Triangles &triangles, const Copies &
     const int32_t piece = pieces.triangle_piece[triangle];
     return std::pair(-size[piece], piece);
   };
-  // Of those with the same key, the one of the best sheet stands in for the others.
+  // Among those with the same key, the one of the best sheet stands in for the others.
   const auto look = [&](std::vector<int32_t> group, const auto &key) {
     std::ranges::sort(group, {}, [&](int32_t triangle) { return std::tuple(key(triangle), place_of(triangle), triangle); });
     int32_t best = group[0];

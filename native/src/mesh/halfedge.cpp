@@ -240,20 +240,6 @@ void answer_vertices(const Triangles &triangles, const Places &places, const std
   }
 }
 
-// Whether a face at the rim of a sheet may be a copy of one elsewhere: all of its places are other vertices', too.
-bool may_be_copied(const Triangles &triangles, const Places &places, std::span<const int32_t> open) {
-  if (open.empty() || !places.are_shared()) return false;
-  std::vector<uint8_t> is_shared(triangles.vertex_count, 0);
-  for (int32_t vertex = 0; vertex < triangles.vertex_count; ++vertex) {
-    checkpoint_at(vertex);
-    if (places.of_vertex[vertex] != vertex) is_shared[places.of_vertex[vertex]] = 1;
-  }
-  return std::ranges::any_of(open, [&](int32_t h) {
-    const int32_t *place = &places.of_corner[h / 3 * 3];
-    return is_shared[place[0]] && is_shared[place[1]] && is_shared[place[2]];
-  });
-}
-
 // The pairs of a surface without its copies, which are left out.
 struct Surface {
   Places places;
@@ -268,7 +254,7 @@ Surface pair_surface(const Triangles &triangles, std::vector<uint8_t> &left_out)
   surface.pairing = pair_half_edges(triangles, surface.places, left_out);
   if (weld_rims(triangles, left_out, surface.pairing.open, surface.places))
     surface.pairing = pair_half_edges(triangles, surface.places, left_out);
-  if (!surface.pairing.has_copies && !may_be_copied(triangles, surface.places, surface.pairing.open)) return surface;
+  if (!surface.pairing.has_copies && !has_copies_of(triangles, surface.places, left_out, surface.pairing.open)) return surface;
   Copies copies = find_copies(triangles, surface.places, left_out);
   if (copies.groups.empty()) return surface;
   surface.pairing = pair_half_edges(triangles, surface.places, left_out, &copies);

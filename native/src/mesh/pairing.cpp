@@ -31,7 +31,7 @@ public:
 
 private:
   bool opposite(int32_t a, int32_t b) const { return (*ids_)[a] != (*ids_)[b]; } // they start at different ends
-  int32_t third(int32_t h) const { return (*thirds_of_)[previous_corner(h)]; } // tells copies apart
+  int32_t third(int32_t h) const { return (*thirds_of_)[previous_corner(h)]; }   // tells copies apart
 
   void pair(int32_t a, int32_t b) {
     pairing_.twin[a] = b;
