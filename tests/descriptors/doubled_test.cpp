@@ -36,7 +36,7 @@ void expect_same_results(const Results &results, const Results &expected) {
 
 TEST_P(Doubled, copies_of_faces_change_no_bit) {
   for (TestMesh mesh :
-       {torus(1, 0.4, {.vertices = 3000}), ellipsoid(1, 0.8, 0.6, {.vertices = 3000}), cylinder(0.5, 1, {.vertices = 3000})}) {
+       {torus(1, 0.4, {.vertices = 1500}), ellipsoid(1, 0.8, 0.6, {.vertices = 1500}), cylinder(0.5, 1, {.vertices = 1500})}) {
     lay_out(mesh, {.charts = 6});
     const Settings settings{.radius = 0.06, .buffer_size = 256};
     const Results alone = compute(context.get(), mesh, settings, names);
@@ -77,7 +77,7 @@ TEST_P(Doubled, a_soup_whose_corners_differ_in_the_last_bits_has_the_values_of_i
 }
 
 TEST_P(Doubled, a_back_with_vertices_of_its_own_has_the_values_of_a_surface_turned_over) {
-  const TestMesh mesh = cylinder(0.5, 1, {.vertices = 3000});
+  const TestMesh mesh = cylinder(0.5, 1, {.vertices = 1500});
   TestMesh both = mesh;
   for (const float x : mesh.positions) both.positions.push_back(x);
   both.vertex_count = 2 * mesh.vertex_count;

@@ -277,9 +277,9 @@ PDESC_API void pdesc_mesh_report_init(pdesc_mesh_report *report);
 /* Validates and copies the input, builds adjacency, charts and seams. INVALID_ARGUMENT names the first index or coordinate
  * that cannot be used. */
 PDESC_API int32_t pdesc_mesh_create(pdesc_context *context, const pdesc_mesh_input *input, pdesc_mesh **mesh);
-/* New positions for the same topology: (vertex_count, 3). Report's diagonal, mean_edge and inward_parts follow. Results are those of a new mesh, to the
- * bit, as long as the same vertices coincide, the same triangles have no area, no vertex has several fans of faces and the UV map itself
- * is baked (private_layout is 0): these stay as the mesh was made, and so do corner_normals. */
+/* New positions for the same topology: (vertex_count, 3). Report's diagonal, mean_edge and inward_parts follow. Results are those of a new
+ * mesh, to the bit, as long as the same vertices coincide (beside open edges to rounding, see welded_vertices), the same triangles have no
+ * area, no vertex has several fans of faces and private_layout is 0: these stay as the mesh was made, and so do corner_normals. */
 PDESC_API int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32_t vertex_count);
 /* Images over the mesh's UV map, which change what is measured and leave the mesh as it is: its diagonal, mean edge and report are those
  * of the base. Rows run from bottom to top as v does (as Blender's images do), lookups are bilinear by the UVs as given, and repeat
