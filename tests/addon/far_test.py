@@ -195,15 +195,6 @@ def test_32_bit_floats_that_hold_all_digits_give_the_same_values():
     np.testing.assert_allclose(found, expected, atol=1e-5 * np.ptp(expected))  # the middle is no whole number
 
 
-def test_many_triangles_without_area_are_said():
-    points, quads, _ = surface(np.zeros(3))
-    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
-    flat = np.concatenate([triangles, np.repeat(triangles[:20, :1], 3, axis=1)])
-    assert not paradesc.compute(points, triangles, radius=0.2, backend="cpu").warnings
-    (warning,) = paradesc.compute(points, flat, radius=0.2, backend="cpu").warnings
-    assert warning == "20 of 1,220 triangles have no area, so that nothing is measured on them."
-
-
 def test_arrays_of_any_type_reach_the_library_near_the_origin():
     points, quads, _ = surface(np.array([1000.0, 0, 0]))
     triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]).astype(np.int32)

@@ -66,6 +66,14 @@ def sound_sphere():
     return as_arrays(*cube_sphere())
 
 
+def test_a_soup_that_rounding_keeps_together_is_made_anew_in_every_frame(sound_sphere):
+    corners = sound_sphere.positions[sound_sphere.corner_vertices]
+    moved = corners + np.random.default_rng(2).uniform(-2e-7, 2e-7, corners.shape)
+    vertices = np.arange(len(corners), dtype=np.int32)
+    soup = replace(sound_sphere, positions=moved.astype(np.float32), corner_vertices=vertices)
+    check_frames(soup, settings(NAMES[:1]), [soup.positions, bent(soup.positions, 0.3)], made=2)
+
+
 @pytest.mark.parametrize(
     ("chosen", "made"),
     [

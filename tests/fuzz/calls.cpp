@@ -341,11 +341,11 @@ private:
     const pdesc_mesh_report report = passed.read();
     for (const int32_t count : {report.loose_vertices, report.welded_vertices})
       claim(count >= 0 && count <= slot.vertices, "a count of vertices is none");
-    for (const int32_t count :
-         {report.degenerate_triangles, report.zero_uv_area_triangles, report.flipped_triangles, report.charts, report.parts})
+    for (const int32_t count : {report.degenerate_triangles, report.zero_uv_area_triangles, report.flipped_triangles,
+                                report.charts, report.parts, report.copied_triangles, report.inward_parts})
       claim(count >= 0 && count <= slot.triangles, "a count of triangles is none");
-    for (const int32_t count :
-         {report.nonmanifold_edges, report.boundary_edges, report.seam_edges, report.self_seam_edges, report.unlinked_edges})
+    for (const int32_t count : {report.nonmanifold_edges, report.boundary_edges, report.seam_edges, report.self_seam_edges,
+                                report.unlinked_edges, report.opposed_edges})
       claim(count >= 0 && count <= 3 * slot.triangles, "a count of edges is none");
     claim(report.diagonal >= 0.0f && std::isfinite(report.diagonal) && report.mean_edge >= 0.0f &&
               std::isfinite(report.mean_edge),
@@ -477,9 +477,8 @@ private:
 } // namespace paradesc::fuzz
 
 extern "C" int LLVMFuzzerInitialize(int *, char ***) {
-  return std::atexit([] {
-    std::fprintf(stderr, "calls of the interface: %lld\n", static_cast<long long>(paradesc::fuzz::calls_made));
-  });
+  return std::atexit(
+      [] { std::fprintf(stderr, "calls of the interface: %lld\n", static_cast<long long>(paradesc::fuzz::calls_made)); });
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

@@ -163,6 +163,9 @@ class MeshReport(Structure):
         ("uv_remapped", c_int32),
         ("diagonal", c_float),
         ("mean_edge", c_float),
+        ("copied_triangles", c_int32),
+        ("opposed_edges", c_int32),
+        ("inward_parts", c_int32),
     ]
 
 

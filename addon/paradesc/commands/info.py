@@ -23,9 +23,12 @@ UV_NAME = "UVMap"
 # Counts of the mesh report that limit a bake, in words.
 DEFECTS = {
     "degenerate_triangles": "triangles without area",
+    "copied_triangles": "triangles at the places of others",
     "zero_uv_area_triangles": "triangles without area in the UV map",
     "flipped_triangles": "flipped triangles in the UV map",
     "nonmanifold_edges": "non-manifold edges",
+    "opposed_edges": "edges of faces wound against each other",
+    "inward_parts": "closed parts wound inwards",
     "nonmanifold_vertices": "non-manifold vertices",
     "loose_vertices": "loose vertices",
     "unlinked_edges": "edges without a partner over the seam",

@@ -8,7 +8,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import ProgressFunction, abi, origin
-from . import contexts
+from . import contexts, mesh_faults
 from .color_maps import Look, ValueRange, value_range
 from .corners import ATTRIBUTE, THRESHOLD, WINDOW_REACH, Corners, find_corners
 
@@ -19,9 +19,6 @@ NUMBER = re.compile(r"_\d+$")
 
 # The computation has this share of the progress if corners are looked for afterwards.
 COMPUTING = 0.95
-
-# A larger share of triangles without area than this is worth a note.
-FLAT_SHARE = 0.01
 
 # The attribute that marks vertices without a value.
 UNDEFINED_MASK = "paradesc_mask"
@@ -282,24 +279,16 @@ def run_on(
     """Computes the descriptors on a mesh that was made of these arrays."""
     computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
     results = run_radii(context, mesh, settings, computing, with_buffers)
-    results.shape_notes = shape_notes(arrays, results.mesh_report)
+    results.shape_notes = origin.rounding_note(arrays.positions, results.mesh_report["mean_edge"])
     center = origin.far_center(arrays.positions)
     if results.buffers and center is not None:
         results.buffers["position"] = results.buffers["position"] + center
+    results.warnings += mesh_faults.sentences(results.mesh_report)
     if arrays.layout is not None and (bridge.uses_texture_space(results.backend) or results.maps):
         results.unwrapped = arrays.layout
         results.warnings.insert(0, layout_sentence(arrays.layout, results.mesh_report["charts"]))
     add_corners(results, arrays, progress)
     return results
-
-
-def shape_notes(arrays: bridge.MeshArrays, report: dict[str, float | int]) -> list[str]:
-    """Says what positions lost to rounding, and how many triangles have no area if these are more than a few."""
-    flat, count = report["degenerate_triangles"], report["triangle_count"]
-    found = origin.rounding_note(arrays.positions, report["mean_edge"])
-    if flat > FLAT_SHARE * count:
-        found.append(f"{flat:,} of {count:,} triangles have no area, so that nothing is measured on them.")
-    return found
 
 
 def add_corners(results: Results, arrays: bridge.MeshArrays, progress: ProgressFunction | None = None) -> None:

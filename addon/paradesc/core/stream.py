@@ -77,7 +77,7 @@ class Stream:
             self.forget()  # a layout may have been made whose report is lost
             self._lease.failed(error)
             raise
-        if not goes_on(results):
+        if not goes_on(results) or self._contact.is_of_rounding(results.mesh_report):
             self.forget()
         return results
 
@@ -142,7 +142,7 @@ class Contact:
         _, first, group, count = np.unique(
             place_keys(columns), return_index=True, return_inverse=True, return_counts=True
         )
-        self.group_count = len(first)
+        self.vertex_count, self.group_count = len(arrays.positions), len(first)
         shared = count[group] > 1
         self.later = np.flatnonzero(shared)  # vertices at the place of another one
         self.earlier = first[group[shared]]
@@ -154,6 +154,10 @@ class Contact:
         together = np.array_equal(columns[:, self.later], columns[:, self.earlier])
         apart = distinct(place_keys(columns)) == self.group_count
         return together and apart and np.array_equal(self.flat, self.without_area(columns))
+
+    def is_of_rounding(self, mesh_report: dict[str, float | int]) -> bool:
+        """Whether vertices share a point that do not coincide to the bit, as others might do at other positions."""
+        return mesh_report["welded_vertices"] > self.vertex_count - self.group_count
 
     def without_area(self, columns: np.ndarray) -> np.ndarray:
         """(k,) int64 triangles without area at (3, vertex_count) positions."""

@@ -10,12 +10,12 @@ import bpy
 import numpy as np
 
 from ..bridge import ParadescError, abi
-from ..core import source_kinds
+from ..core import source_kinds, welding
 from ..core.standard_streams import quiet
 from ..files import mesh_files
 from ..files.paths import is_file
 from ..files.text_rows import MARK
-from .mesh_io import read_positions, refuse
+from .mesh_io import read_corner_vertices, read_positions, refuse
 
 # The operators that import a suffix, with their own defaults; the first one that this Blender has is used.
 IMPORTERS = {
@@ -31,8 +31,6 @@ IMPORTERS = {
     ".usdz": ("wm.usd_import",),
 }
 SUFFIXES = (".blend", *IMPORTERS)
-# Corners of an STL file nearer than this share of the diagonal become one vertex: numbers in text have few digits.
-WELD_SHARE = 1e-6
 
 
 def open_scene(path: Path, verbose: bool = False) -> list[str]:
@@ -144,15 +142,16 @@ def weld_meshes(before: list[bpy.types.Mesh]) -> list[str]:
         points = read_positions(mesh)
         if len(points) == 0 or not np.isfinite(points).all():
             continue
-        diagonal = float(np.linalg.norm(np.ptp(points.astype(np.float64), axis=0)))
+        corners = read_corner_vertices(mesh)
+        reach = welding.reach(points, corners.reshape(-1, 3)) if len(corners) == 3 * triangles else 0.0
         welded = bmesh.new()
         welded.from_mesh(mesh)
-        bmesh.ops.remove_doubles(welded, verts=welded.verts, dist=WELD_SHARE * diagonal)
+        bmesh.ops.remove_doubles(welded, verts=welded.verts, dist=reach)
         welded.to_mesh(mesh)
         welded.free()
         sentences.append(
             f"An STL file holds loose triangles: the {3 * triangles:,} corners of {triangles:,} were welded into "
-            f"{len(mesh.vertices):,} vertices, at a millionth of the diagonal."
+            f"{len(mesh.vertices):,} vertices, where they differ by rounding alone."
         )
     return sentences
 

@@ -10,6 +10,7 @@ from .drawing import SidebarPanel, sentence_lines
 DEFECTS = (
     ("loose_vertices", "{loose_vertices:,} vertices without a face"),
     ("degenerate_triangles", "{degenerate_triangles:,} triangles without area"),
+    ("copied_triangles", "{copied_triangles:,} triangles at the places of others"),
     ("zero_uv_area_triangles", "{zero_uv_area_triangles:,} triangles without UV area"),
     ("flipped_triangles", "{flipped_triangles:,} flipped triangles"),
     ("nonmanifold_edges", "{nonmanifold_edges:,} non-manifold edges"),
@@ -83,7 +84,7 @@ def report_lines(stored: dict[str, dict]) -> list[str]:
             else "UV islands laid out afresh"
         )
         lines.append(label(cut).format(**field))
-    lines += [label(line).format(**mesh) for name, line in DEFECTS if mesh[name]]
+    lines += [label(line).format(**mesh) for name, line in DEFECTS if mesh.get(name)]
     return lines
 
 

@@ -250,7 +250,8 @@ typedef struct pdesc_mesh_report {
   int32_t vertex_count;
   int32_t triangle_count;
   int32_t loose_vertices;           /* no usable face */
-  int32_t welded_vertices;          /* vertices that share their point with an earlier one (split by an exporter) */
+  int32_t welded_vertices;          /* vertices that share their point with an earlier one (split by an exporter): at the same position,
+                                       or beside open edges where positions differ by rounding alone, 16 units in the last place */
   int32_t degenerate_triangles;     /* no area in space, or a corner used twice: left out */
   int32_t zero_uv_area_triangles;   /* on the surface, but carried by no texel: no area in the UV map, or a needle of less than 1e-7 of it */
   int32_t flipped_triangles;        /* their UV orientation is that of the lesser part of the UV area */
@@ -265,6 +266,10 @@ typedef struct pdesc_mesh_report {
   int32_t uv_remapped;              /* 1: UVs outside [0,1] were mapped into the unit square by one affine map */
   float diagonal;                   /* of the bounding box of the vertices with a face */
   float mean_edge;
+  int32_t copied_triangles;         /* at the same three places as others that are wound alike or have the same vertices: left out. Their
+                                       vertices have the values of the surface there */
+  int32_t opposed_edges;            /* of the nonmanifold_edges: all faces run along them the same way, wound against each other */
+  int32_t inward_parts;             /* closed parts with the outside inside (a negative volume) that are no hollow of a larger part */
 } pdesc_mesh_report;
 
 PDESC_API void pdesc_mesh_report_init(pdesc_mesh_report *report);
@@ -272,9 +277,9 @@ PDESC_API void pdesc_mesh_report_init(pdesc_mesh_report *report);
 /* Validates and copies the input, builds adjacency, charts and seams. INVALID_ARGUMENT names the first index or coordinate
  * that cannot be used. */
 PDESC_API int32_t pdesc_mesh_create(pdesc_context *context, const pdesc_mesh_input *input, pdesc_mesh **mesh);
-/* New positions for the same topology: (vertex_count, 3). Report's diagonal and mean_edge follow. Results are those of a new mesh, to the
- * bit, as long as the same vertices coincide, the same triangles have no area, no vertex has several fans of faces and the UV map itself
- * is baked (private_layout is 0): these stay as the mesh was made, and so do corner_normals. */
+/* New positions for the same topology: (vertex_count, 3). Report's diagonal, mean_edge and inward_parts follow. Results are those of a new
+ * mesh, to the bit, as long as the same vertices coincide (beside open edges to rounding, see welded_vertices), the same triangles have no
+ * area, no vertex has several fans of faces and private_layout is 0: these stay as the mesh was made, and so do corner_normals. */
 PDESC_API int32_t pdesc_mesh_set_positions(pdesc_mesh *mesh, const float *positions, int32_t vertex_count);
 /* Images over the mesh's UV map, which change what is measured and leave the mesh as it is: its diagonal, mean edge and report are those
  * of the base. Rows run from bottom to top as v does (as Blender's images do), lookups are bilinear by the UVs as given, and repeat

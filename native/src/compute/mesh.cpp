@@ -6,6 +6,7 @@
 #include "compute/memory.h"
 #include "mesh/counting_creases.h"
 #include "mesh/steady_faces.h"
+#include "mesh/winding.h"
 #include "support/cancel.h"
 #include "support/error.h"
 
@@ -30,6 +31,8 @@ static pdesc_mesh_report describe(const Triangles &triangles, const HalfEdges &h
   report.unlinked_edges = charts.unlinked_edges;
   report.parts = half_edges.components;
   report.uv_remapped = triangles.uv_remapped;
+  report.copied_triangles = half_edges.copied_triangles;
+  report.opposed_edges = half_edges.opposed_edges;
   return report;
 }
 
@@ -37,6 +40,7 @@ pdesc_mesh_report report_of(const Mesh &mesh) {
   pdesc_mesh_report report = mesh.found;
   report.diagonal = static_cast<float>(mesh.extent.diagonal);
   report.mean_edge = static_cast<float>(mean_edge(mesh.triangles, mesh.half_edges, mesh.context->threads));
+  report.inward_parts = count_inward_parts(mesh.triangles, mesh.half_edges, mesh.extent.box, mesh.context->threads);
   return report;
 }
 

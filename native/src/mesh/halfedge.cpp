@@ -6,9 +6,9 @@
 #include "mesh/halfedge.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized" // OpenMesh pushes points before it sets them; seen under sanitizers
@@ -16,6 +16,9 @@
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
+#include "mesh/copies.h"
+#include "mesh/pairing.h"
+#include "mesh/weld.h"
 #include "support/angle.h"
 #include "support/cancel.h"
 #include "support/parallel.h"
@@ -29,6 +32,8 @@ using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
 // below is collinear but for the rounding of this very test.
 constexpr double no_area = 1e-12;
 
+constexpr double equally_wide = 1e-9; // radians; front and back of one face differ by the order of a sum
+
 dvec3 position(const Triangles &triangles, int corner) { return dvec3(triangles.positions[triangles.corner_vertex[corner]]); }
 
 bool is_degenerate(const Triangles &triangles, int triangle) {
@@ -37,106 +42,6 @@ bool is_degenerate(const Triangles &triangles, int triangle) {
   const dvec3 ac = position(triangles, 3 * triangle + 2) - a;
   const double longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(ac - ab, ac - ab)});
   return glm::length(glm::cross(ab, ac)) <= no_area * longest; // two corners at one position are degenerate, too
-}
-
-uint64_t hash(const vec3 &p) {
-  uint64_t h = 0;
-  for (int i = 0; i < 3; ++i) {
-    h = (h ^ std::bit_cast<uint32_t>(p[i] + 0.0f)) * 0x9e3779b97f4a7c15u; // adding zero makes -0 and 0 one
-    h ^= h >> 29;
-  }
-  return h;
-}
-
-// Each vertex → the first vertex at exactly the same position.
-std::vector<int32_t> weld(const std::vector<vec3> &positions) {
-  const size_t slots = std::bit_ceil(2 * positions.size());
-  std::vector<int32_t> table(slots, -1);
-  std::vector<int32_t> welded(positions.size());
-  for (size_t vertex = 0; vertex < positions.size(); ++vertex) {
-    checkpoint_at(vertex);
-    size_t slot = hash(positions[vertex]) & (slots - 1);
-    while (table[slot] >= 0 && positions[table[slot]] != positions[vertex]) slot = (slot + 1) & (slots - 1);
-    if (table[slot] < 0) table[slot] = static_cast<int32_t>(vertex);
-    welded[vertex] = table[slot];
-  }
-  return welded;
-}
-
-struct Pairing {
-  std::vector<int32_t> twin;        // (3 * triangle_count)
-  std::vector<uint8_t> nonmanifold; // (3 * triangle_count) 1: a side of an edge that was taken apart
-  int nonmanifold_edges = 0;
-};
-
-// Calls visit(span of half-edges) once for each edge of the half-edges given, ids[corner] being the ends.
-template <class Visit>
-void for_each_edge(std::span<const int32_t> half_edges, const std::vector<int32_t> &ids, int id_count, const Visit &visit) {
-  struct Side {
-    int32_t high;
-    int32_t half_edge;
-  };
-  const auto ends = [&](int32_t h) { return std::minmax(ids[h], ids[next_corner(h)]); };
-  std::vector<int32_t> begin(size_t{2} + id_count, 0);
-  for (int32_t h : half_edges) ++begin[size_t{2} + ends(h).first];
-  checkpoint();
-  for (size_t i = 2; i < begin.size(); ++i) begin[i] += begin[i - 1];
-  std::vector<Side> sides(half_edges.size());
-  checkpoint();
-  for (size_t i = 0; i < half_edges.size(); ++i) {
-    checkpoint_at(i);
-    const auto [low, high] = ends(half_edges[i]);
-    sides[begin[size_t{1} + low]++] = {high, half_edges[i]};
-  }
-  std::vector<int32_t> edge;
-  for (int32_t low = 0; low < id_count; ++low) {
-    checkpoint_at(low);
-    const std::span<Side> bucket(sides.begin() + begin[low], sides.begin() + begin[low + 1]);
-    std::ranges::sort(bucket, [](Side a, Side b) { return a.high != b.high ? a.high < b.high : a.half_edge < b.half_edge; });
-    for (size_t i = 0; i < bucket.size();) {
-      const int32_t high = bucket[i].high;
-      for (edge.clear(); i < bucket.size() && bucket[i].high == high; ++i) edge.push_back(bucket[i].half_edge);
-      visit(std::span<const int32_t>(edge));
-    }
-  }
-}
-
-// Pairs what can be paired without doubt and returns the half-edges that are alone on their edge.
-std::vector<int32_t> pair_edges(std::span<const int32_t> half_edges, const std::vector<int32_t> &ids, int id_count,
-                                Pairing &pairing) {
-  std::vector<int32_t> alone;
-  for_each_edge(half_edges, ids, id_count, [&](std::span<const int32_t> edge) {
-    if (edge.size() == 1) {
-      alone.push_back(edge[0]);
-    } else if (edge.size() == 2 && ids[edge[0]] != ids[edge[1]]) { // they start at different ends
-      pairing.twin[edge[0]] = edge[1];
-      pairing.twin[edge[1]] = edge[0];
-    } else {
-      ++pairing.nonmanifold_edges;
-      for (int32_t h : edge) pairing.nonmanifold[h] = 1;
-    }
-  });
-  return alone;
-}
-
-Pairing pair_half_edges(const Triangles &triangles, const std::vector<int32_t> &welded, const std::vector<uint8_t> &left_out) {
-  const int32_t count = 3 * triangles.triangle_count;
-  Pairing pairing;
-  pairing.twin.assign(count, -1);
-  pairing.nonmanifold.assign(count, 0);
-  checkpoint();
-  std::vector<int32_t> used;
-  used.reserve(count);
-  for (int32_t h = 0; h < count; ++h) {
-    checkpoint_at(h);
-    if (!left_out[h / 3]) used.push_back(h);
-  }
-  const std::vector<int32_t> alone = pair_edges(used, triangles.corner_vertex, triangles.vertex_count, pairing);
-  if (alone.empty()) return pairing;
-  std::vector<int32_t> corner_position(count);
-  for (size_t i = 0; i < corner_position.size(); ++i) corner_position[i] = welded[triangles.corner_vertex[i]];
-  pair_edges(alone, corner_position, triangles.vertex_count, pairing);
-  return pairing;
 }
 
 // A host that prints what OpenMesh thinks of its meshes helps nobody: refused faces are dealt with below.
@@ -211,7 +116,7 @@ std::vector<int32_t> connect(const Triangles &triangles, const std::vector<uint8
 }
 
 // Whether half-edges that were not paired run between the same two points: OpenMesh knows one edge there, and would pair them or
-// refuse a face. Only an edge that was taken apart, or a point of several vertices, can cause that.
+// refuse a face. Only an edge that was taken apart, a point of several vertices or copies of faces can cause that.
 bool is_in_doubt(const Triangles &triangles, const std::vector<uint8_t> &left_out, const Pairing &pairing, const Fans &fans) {
   std::vector<int32_t> fan_vertex(fans.count);
   for (size_t fan = 0; fan < fan_vertex.size(); ++fan) fan_vertex[fan] = triangles.corner_vertex[fans.first[fan]];
@@ -226,7 +131,7 @@ bool is_in_doubt(const Triangles &triangles, const std::vector<uint8_t> &left_ou
     checkpoint_at(h);
     if (left_out[h / 3]) continue;
     const int32_t from = fans.corner_fan[h], to = fans.corner_fan[next_corner(h)];
-    if (pairing.nonmanifold[h] || is_mixed[from] || is_mixed[to]) doubtful.push_back(h);
+    if (pairing.has_copies || pairing.nonmanifold[h] || is_mixed[from] || is_mixed[to]) doubtful.push_back(h);
   }
   bool found = false;
   if (doubtful.empty()) return found;
@@ -238,6 +143,7 @@ bool is_in_doubt(const Triangles &triangles, const std::vector<uint8_t> &left_ou
 
 void count_edges(const Pairing &pairing, HalfEdges &result) {
   result.nonmanifold_edges = pairing.nonmanifold_edges;
+  result.opposed_edges = pairing.opposed_edges;
   for (size_t h = 0; h < result.twin.size(); ++h) {
     checkpoint_at(h);
     if (result.corner_point[h] < 0 || result.twin[h] >= 0) continue;
@@ -265,7 +171,7 @@ void describe_points(const Triangles &triangles, const Fans &fans, HalfEdges &re
   }
 }
 
-// Among several points of one vertex the widest answers for it.
+// Among several points of one vertex the widest answers for it, and of equally wide ones, but for rounding, the first.
 void choose_widest(const Triangles &triangles, const std::vector<uint8_t> &is_split, HalfEdges &result) {
   std::vector<double> angle(result.point_count, 0.0);
   for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
@@ -278,25 +184,51 @@ void choose_widest(const Triangles &triangles, const std::vector<uint8_t> &is_sp
     if (point < 0 || !is_split[triangles.corner_vertex[corner]]) continue;
     int32_t &chosen = result.vertex_point[triangles.corner_vertex[corner]];
     const double gain = angle[point] - angle[chosen];
-    if (gain > 0 || (gain == 0 && point < chosen)) chosen = point;
+    if (gain > equally_wide || (gain >= -equally_wide && point < chosen)) chosen = point;
   }
 }
 
-void answer_vertices(const Triangles &triangles, const std::vector<int32_t> &welded, HalfEdges &result) {
+// A vertex of no face but one that was left out gets the point at its place: that of the corner there of the face that stands in
+// for a copy, else the first. stands_in: as leave_out_copies returns it.
+void answer_left_out(const Triangles &triangles, const Places &places, const std::vector<int32_t> &stands_in, HalfEdges &result) {
+  if (!places.are_shared()) return;
+  std::vector<int32_t> place_point(triangles.vertex_count, -1);
+  for (int32_t vertex = 0; vertex < triangles.vertex_count; ++vertex) {
+    checkpoint_at(vertex);
+    int32_t &point = place_point[places.of_vertex[vertex]];
+    if (point < 0) point = result.vertex_point[vertex];
+  }
+  for (int32_t corner = 0; corner < 3 * triangles.triangle_count; ++corner) {
+    checkpoint_at(corner);
+    int32_t &point = result.vertex_point[triangles.corner_vertex[corner]];
+    if (result.corner_point[corner] >= 0 || point >= 0) continue;
+    const int32_t place = places.of_corner[corner];
+    point = place_point[place];
+    if (stands_in.empty() || stands_in[corner / 3] < 0) continue;
+    int32_t there = 3 * stands_in[corner / 3];
+    while (places.of_corner[there] != place) ++there; // one of its three
+    point = result.corner_point[there];
+  }
+}
+
+void answer_vertices(const Triangles &triangles, const Places &places, const std::vector<int32_t> &stands_in, HalfEdges &result) {
   std::vector<uint8_t> is_split(triangles.vertex_count, 0), is_split_position(triangles.vertex_count, 0);
   result.vertex_point.assign(triangles.vertex_count, -1);
+  bool left_out = false;
   for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
     checkpoint_at(corner);
     const int32_t vertex = triangles.corner_vertex[corner];
     const int32_t point = result.corner_point[corner];
+    left_out = left_out || point < 0;
     if (point < 0) continue;
     int32_t &first = result.vertex_point[vertex];
     if (first < 0) first = point;
     if (first == point || is_split[vertex]) continue;
     is_split[vertex] = 1;
-    result.nonmanifold_vertices += is_split_position[welded[vertex]]++ == 0;
+    result.nonmanifold_vertices += is_split_position[places.of_vertex[vertex]]++ == 0;
   }
   if (result.nonmanifold_vertices > 0) choose_widest(triangles, is_split, result);
+  if (left_out) answer_left_out(triangles, places, stands_in, result);
   std::vector<uint8_t> is_answered(result.point_count, 0);
   for (const int32_t point : result.vertex_point) {
     if (point < 0)
@@ -306,6 +238,31 @@ void answer_vertices(const Triangles &triangles, const std::vector<int32_t> &wel
     else
       is_answered[point] = 1;
   }
+}
+
+// The pairs of a surface without its copies, which are left out.
+struct Surface {
+  Places places;
+  Pairing pairing;
+  std::vector<int32_t> stands_in; // as leave_out_copies returns it
+};
+
+Surface pair_surface(const Triangles &triangles, std::vector<uint8_t> &left_out) {
+  Surface surface;
+  surface.places = weld(triangles);
+  checkpoint();
+  surface.pairing = pair_half_edges(triangles, surface.places, left_out);
+  if (weld_rims(triangles, left_out, surface.pairing.open, surface.places))
+    surface.pairing = pair_half_edges(triangles, surface.places, left_out);
+  if (!surface.pairing.has_copies && !has_copies_of(triangles, surface.places, left_out, surface.pairing.open)) return surface;
+  Copies copies = find_copies(triangles, surface.places, left_out);
+  if (copies.groups.empty()) return surface;
+  surface.pairing = pair_half_edges(triangles, surface.places, left_out, &copies);
+  surface.stands_in = leave_out_copies(triangles, copies, surface.pairing.twin, left_out);
+  if (surface.stands_in.empty()) return surface;
+  copies = find_copies(triangles, surface.places, left_out);
+  surface.pairing = pair_half_edges(triangles, surface.places, left_out, &copies);
+  return surface;
 }
 
 } // namespace
@@ -368,9 +325,9 @@ HalfEdges build_half_edges(const Triangles &triangles, int threads) {
     left_out[triangle] = is_degenerate(triangles, triangle);
     result.degenerate_triangles += left_out[triangle];
   }
-  const std::vector<int32_t> welded = weld(triangles.positions);
-  checkpoint();
-  const Pairing pairing = pair_half_edges(triangles, welded, left_out);
+  Surface surface = pair_surface(triangles, left_out);
+  const Pairing &pairing = surface.pairing;
+  for (const int32_t other : surface.stands_in) result.copied_triangles += other >= 0;
   checkpoint();
   Fans fans = trace_fans(pairing.twin, left_out);
   checkpoint();
@@ -390,7 +347,7 @@ HalfEdges build_half_edges(const Triangles &triangles, int threads) {
     }
     describe_points(triangles, fans, result);
     count_edges(pairing, result);
-    answer_vertices(triangles, welded, result);
+    answer_vertices(triangles, surface.places, surface.stands_in, result);
   });
   return result;
 }

@@ -1,8 +1,8 @@
 // Triangle list → manifold half-edges, as flat arrays. halfedge.cpp is the only file that includes OpenMesh.
 //
 // A point is a manifold vertex: it has one fan of faces. Vertices that an exporter split share a point; a vertex where several
-// fans touch has several points. Edges are paired by vertex index first; the half-edges that remain are paired by position, so
-// that closed components that merely touch stay apart.
+// fans touch has several points. Edges are paired by vertex index first; the half-edges that remain are paired by place, so
+// that closed components that merely touch stay apart. Copies of faces leave a surface as it is without them.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,19 @@ namespace paradesc {
 
 struct HalfEdges {
   int point_count = 0;
-  std::vector<int32_t> corner_point;    // (3 * triangle_count) -1: triangle left out (degenerate)
+  std::vector<int32_t> corner_point;    // (3 * triangle_count) -1: triangle left out (degenerate, or a copy)
   std::vector<int32_t> twin;            // (3 * triangle_count) the other side's half-edge; -1: boundary or left out
   std::vector<int32_t> point_vertex;    // (point_count) an original vertex there
   std::vector<int32_t> point_half_edge; // (point_count) an outgoing half-edge; of a boundary point, the one with which turning
                                         // by twin[previous_corner(h)] reaches every face
-  std::vector<int32_t> vertex_point;    // (vertex_count) the point that answers for the vertex; -1: loose
+  std::vector<int32_t> vertex_point;    // (vertex_count) the point that answers for the vertex; -1: loose. That of a vertex of
+                                        // faces that were left out is the point at its place
   std::vector<uint8_t> point_boundary;  // (point_count) 1: on a boundary
 
   int degenerate_triangles = 0;
+  int copied_triangles = 0; // left out: at the places of others, see leave_out_copies
   int nonmanifold_edges = 0;
+  int opposed_edges = 0; // of those: all faces run along them the same way
   int nonmanifold_vertices = 0;
   int boundary_edges = 0;
   int welded_vertices = 0;

@@ -1,0 +1,72 @@
+"""Turns the report of a mesh into sentences about what in it spoils values, and what to do. Never imports bpy."""
+
+# A part of the triangles below which a fault says nothing about the rest.
+FEW = 0.01
+# So many triangles without area, as a part of all, come of a file that was read or written wrong.
+MANY_WITHOUT_AREA = 0.01
+# A mesh has fallen apart if it has this many parts for each triangle: two triangles of a card are one part.
+APART = 0.6
+# Fewer triangles than these are no surface that could fall apart.
+LEAST = 8
+
+
+def sentences(report: dict[str, float | int]) -> list[str]:
+    """What limits values on a mesh, by its bridge.Mesh.report(); nothing for a sound one, open or not."""
+    used = report["triangle_count"] - report["degenerate_triangles"] - report["copied_triangles"]
+    found = [*without_area(report), *wound(report)]
+    if used >= LEAST and report["parts"] >= APART * used:
+        found.append(fallen_apart(report, used))
+    elif report["nonmanifold_edges"] - report["opposed_edges"] > FEW * 1.5 * used:
+        shared = report["nonmanifold_edges"] - report["opposed_edges"]
+        found.append(
+            f"{edges(shared)} more than two faces, and the surface is taken apart there: remove inner faces, "
+            "which Select > All by Trait > Non Manifold finds in edit mode."
+        )
+    return found
+
+
+def without_area(report: dict[str, float | int]) -> list[str]:
+    """About triangles that are left out, if they are many."""
+    flat, count = report["degenerate_triangles"], report["triangle_count"]
+    if flat <= MANY_WITHOUT_AREA * count:
+        return []
+    return [
+        f"{flat:,} of {count:,} triangles have no area and are left out: see whether the file was written and read "
+        "right, else dissolve them (Mesh > Clean Up > Degenerate Dissolve)."
+    ]
+
+
+def wound(report: dict[str, float | int]) -> list[str]:
+    """About faces whose winding is not that of the rest, or of a solid."""
+    found = []
+    if report["opposed_edges"]:
+        found.append(
+            f"{edges(report['opposed_edges'])} faces that are wound against each other, and the surface is taken apart "
+            "there: make their winding one (Mesh > Normals > Recalculate Outside, or trimesh.repair.fix_winding)."
+        )
+    if report["inward_parts"]:
+        count = report["inward_parts"]
+        some = f"{count:,} closed part{' is' if count == 1 else 's are'}"
+        which = "The closed mesh is" if report["parts"] == 1 else some
+        found.append(
+            f"{which} wound inwards, so that what is convex counts as concave: turn the faces (Mesh > Normals > "
+            "Recalculate Outside, or trimesh.repair.fix_inversion)."
+        )
+    return found
+
+
+def fallen_apart(report: dict[str, float | int], used: int) -> str:
+    """About a mesh in which next to no triangle has a neighbor."""
+    counted = f"its {used:,} triangles are {report['parts']:,} parts"
+    parts = f"The mesh falls apart: {counted}, and values are those of single faces"
+    if report["boundary_edges"] > used:
+        return (
+            f"{parts}. Where corners lie beside each other, make them one (Mesh > Merge by Distance, or trimesh's "
+            "merge_vertices with fewer digits)."
+        )
+    return f"{parts}. Remove faces that lie within or upon others, and make the winding of the rest one."
+
+
+def edges(count: int) -> str:
+    """The beginning of a sentence about so many edges."""
+    return f"{count:,} edge{' has' if count == 1 else 's have'}"
