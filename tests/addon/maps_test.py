@@ -18,9 +18,9 @@ QUICK = ("--radius", "0.06", "--samples", "64", "--buffer", "256", "--backend", 
 NONE = np.float32(np.nan)
 
 
-def baked(arrays, names=("mean_curvature",), **options):
+def baked(arrays, names=("mean_curvature",), backend="software", **options):
     """One bake of arrays, as the files see it."""
-    settings = job.Settings(names, Options(radius=0.06, samples=64, buffer_size=256, **options), "software")
+    settings = job.Settings(names, Options(radius=0.06, samples=64, buffer_size=256, **options), backend)
     return Baked("sphere", job.run(arrays, settings), arrays, np.eye(4))
 
 
@@ -270,6 +270,25 @@ def test_stacked_charts_get_an_image_in_the_uv_map_and_a_note(paradesc, tmp_path
         inside = np.abs(image) > 0.1
         assert inside.mean() > 0.7
         np.testing.assert_allclose(image[inside], 0.5, rtol=0.05)
+
+
+@pytest.mark.parametrize("evaluate", ["vertex", "texel"])
+def test_an_image_lies_in_the_uv_map_where_the_computation_took_its_stretch_back(evaluate):
+    points, quads, uvs = bumpy()
+    arrays = as_arrays(points, quads, uvs * [0.02, 1])
+    before = arrays.corner_uvs.copy()
+    result = baked(arrays, evaluate=evaluate, texels=512)
+    assert result.results.field_report["private_layout"] == 2
+    np.testing.assert_array_equal(arrays.corner_uvs, before)
+    assert maps.notes(result) == []  # no charts share a place
+    image = maps.image_of(result, "mean_curvature")
+    expected = maps.image_of(baked(arrays, backend="cpu", evaluate=evaluate, texels=512), "mean_curvature")
+    np.testing.assert_array_equal(np.isfinite(image), np.isfinite(expected))
+    assert np.isfinite(image).sum() > 3000
+    both = np.isfinite(image)
+    span = np.ptp(np.percentile(expected[both], [2.5, 97.5]))
+    # The processor measures at the texels that are drawn, OpenGL at those of its own layout, up to a texel away.
+    assert np.abs(image - expected)[both].max() < 0.1 * span
 
 
 @pytest.mark.slow

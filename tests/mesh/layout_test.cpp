@@ -234,25 +234,60 @@ Built cut_and_repacked(Built built) {
   return repacked(std::move(built));
 }
 
-TEST(Layout, pieces_of_a_chart_that_lay_on_itself_keep_their_triangles_shapes) {
+// What a layout makes of a triangle's edges in another one.
+dmat2 linear_map(const Built &before, const Built &after, int corner) {
+  const auto edges = [&](const Built &built) {
+    return dmat2(built.uv(corner + 1) - built.uv(corner), built.uv(corner + 2) - built.uv(corner));
+  };
+  return edges(after) * glm::inverse(edges(before));
+}
+
+TEST(Layout, all_triangles_of_a_piece_of_a_chart_that_lay_on_itself_move_by_one_linear_map) {
   const Built before = build(wrapped(torus(1.0, 0.4, {.vertices = 3000}))), after = cut_and_repacked(before);
   EXPECT_GE(after.charts.chart_count, 3);
-  std::vector<double> scale(at(after.charts.chart_count), 0.0);
+  std::vector<int> largest(at(after.charts.chart_count), -1); // the corner of a triangle that rounding does not change
+  const auto area = [&](int corner) {
+    return std::abs(paradesc::cross(before.uv(corner + 1) - before.uv(corner), before.uv(corner + 2) - before.uv(corner)));
+  };
+  for (int corner = 0; corner < 3 * after.triangles.triangle_count; corner += 3)
+    if (const int32_t chart = after.charts.triangle_chart[at(corner / 3)]; chart >= 0)
+      if (int &best = largest[at(chart)]; best < 0 || area(corner) > area(best)) best = corner;
   for (int corner = 0; corner < 3 * after.triangles.triangle_count; ++corner) {
     const int32_t chart = after.charts.triangle_chart[at(corner / 3)];
     if (chart < 0) continue;
-    const double old_edge = length(before.uv(next_corner(corner)) - before.uv(corner));
-    const double edge = length(after.uv(next_corner(corner)) - after.uv(corner));
-    if (old_edge > 0.01 && scale[at(chart)] == 0.0)
-      scale[at(chart)] = edge / old_edge; // of an edge that rounding does not change
-  }
-  for (int corner = 0; corner < 3 * after.triangles.triangle_count; ++corner) {
-    const int32_t chart = after.charts.triangle_chart[at(corner / 3)];
-    if (chart < 0 || scale[at(chart)] == 0.0) continue;
-    const double old_edge = length(before.uv(next_corner(corner)) - before.uv(corner));
-    EXPECT_NEAR(length(after.uv(next_corner(corner)) - after.uv(corner)), scale[at(chart)] * old_edge, 1e-5) << "UVs are floats";
+    const dmat2 map = linear_map(before, after, largest[at(chart)]);
+    const dvec2 old_edge = before.uv(next_corner(corner)) - before.uv(corner);
+    EXPECT_GT(glm::determinant(map), 0.0);
+    EXPECT_LT(length(after.uv(next_corner(corner)) - after.uv(corner) - map * old_edge), 2e-5) << "UVs are floats";
   }
   EXPECT_FALSE(cut_charts(after.half_edges, after.charts).overlapping);
+}
+
+// ---- Charts that the map stretches
+
+// An upright grid whose UV map is squeezed to a hundredth along a direction of its own.
+TEST(Layout, a_chart_squeezed_in_one_direction_is_widened_until_its_texels_are_about_square) {
+  const dvec2 along(0.8, 0.6), across(-0.6, 0.8);
+  const Built built = repacked(build(grid(8, 8, [&](dvec2 position, int, int) {
+    return dvec2(0.5) + (0.01 * glm::dot(position, along) * along + glm::dot(position, across) * across) / 16.0;
+  })));
+  for (int corner = 0; corner < 3 * built.triangles.triangle_count; corner += 3) {
+    const dvec2 p(built.position(corner)), q(built.position(corner + 1)), r(built.position(corner + 2));
+    const dmat2 map = dmat2(built.uv(corner + 1) - built.uv(corner), built.uv(corner + 2) - built.uv(corner)) *
+                      glm::inverse(dmat2(q - p, r - p));
+    const double squares = glm::dot(map[0], map[0]) + glm::dot(map[1], map[1]), area = glm::determinant(map);
+    const double ratio = (squares + std::sqrt(squares * squares - 4 * area * area)) / (2 * std::abs(area));
+    EXPECT_LT(ratio, 1.42) << "widened by a power of two";
+  }
+  const Box box = boxes(built)[0];
+  EXPECT_GT(std::max(box.high.x - box.low.x, box.high.y - box.low.y), 0.95);
+}
+
+// Widened to squares it would be 64 times as long as wide, a few texels, and have no more of them along its length.
+TEST(Layout, a_ribbon_over_the_whole_square_stays_wide) {
+  const Built built = repacked(build(grid(64, 1, [](dvec2 position, int, int) { return position / dvec2(64, 1); })));
+  const dvec2 size = boxes(built)[0].high - boxes(built)[0].low;
+  EXPECT_GT(std::min(size.x, size.y), 0.24);
 }
 
 class PrivateLayout : public OnDevice {};
@@ -304,6 +339,61 @@ TEST_F(LaidOutAfresh, a_map_in_a_corner_of_the_square_is_laid_out_to_fill_it) {
   EXPECT_EQ(results.report.cut_charts, 0);
   EXPECT_GT(results.report.radius_in_texels, 0.8 * original.report.radius_in_texels);
   EXPECT_LE(percent_ae(results["mean_curvature"], mesh.H).mean, 1.0); // 5000 vertices
+}
+
+// Corner UVs times a factor along each axis.
+void scale_map(TestMesh &mesh, float u, float v) {
+  for (size_t i = 0; i < mesh.corner_uvs.size(); i += 2) {
+    mesh.corner_uvs[i] *= u;
+    mesh.corner_uvs[i + 1] *= v;
+  }
+}
+
+TEST_F(LaidOutAfresh, a_map_squeezed_in_one_direction_gives_the_values_of_the_map_before) {
+  for (const int charts : {1, 6})
+    for (const int32_t evaluate : {PDESC_EVALUATE_VERTEX, PDESC_EVALUATE_TEXEL}) {
+      TestMesh mesh = torus(1.0, 0.4, {.vertices = 5000});
+      lay_out(mesh, {.charts = charts});
+      const Settings settings{.evaluate = evaluate};
+      const Results original = compute(context.get(), mesh, settings, names);
+      scale_map(mesh, 0.01f, 1.0f);
+      const Results results = compute(context.get(), mesh, settings, names);
+      EXPECT_EQ(results.report.private_layout, PDESC_LAYOUT_SPARSE);
+      EXPECT_GT(results.report.radius_in_texels, 0.7 * original.report.radius_in_texels);
+      EXPECT_EQ(results.report.bare_triangles, 0);
+      // Other texels, of about the same size: values differ by a fifth of what they are off at most.
+      for (const auto &[name, exact] : {std::pair("mean_curvature", &mesh.H), {"gaussian_curvature", &mesh.K}}) {
+        const PercentAe before = percent_ae(original[name], *exact), now = percent_ae(results[name], *exact);
+        EXPECT_LE(now.mean, 1.2 * before.mean) << name;
+        EXPECT_LE(now.max, 1.2 * before.max) << name;
+      }
+    }
+}
+
+TEST_F(LaidOutAfresh, charts_that_are_squeezed_and_share_texture_space_are_widened_as_well) {
+  TestMesh mesh = torus(1.0, 0.4, {.vertices = 5000});
+  lay_out(mesh, {.charts = 6});
+  const PercentAe before = percent_ae(compute(context.get(), mesh, {}, names)["mean_curvature"], mesh.H);
+  for (size_t i = 0; i < mesh.corner_uvs.size(); ++i) mesh.corner_uvs[i] -= mesh.corner_uvs[i] < 0.5f ? 0.0f : 0.5f; // stacked
+  scale_map(mesh, 0.01f, 1.0f);
+  const Results results = compute(context.get(), mesh, {}, names);
+  EXPECT_EQ(results.report.private_layout, PDESC_LAYOUT_OVERLAPS);
+  EXPECT_LE(percent_ae(results["mean_curvature"], mesh.H).mean, 1.2 * before.mean);
+}
+
+// A radius has two texels around the ring, and a hundred around the tube: no layout of the same buffers has more around the ring.
+TEST_F(LaidOutAfresh, a_radius_of_few_texels_in_one_direction_is_said_where_no_layout_has_more) {
+  TestMesh mesh = torus(1.0, 0.02, {.vertices = 5000});
+  lay_out(mesh, {.rotate = false, .mirror = false});
+  scale_map(mesh, 1.0f, 50.0f); // over the whole square
+  const Mesh created = make_mesh(context.get(), mesh);
+  const pdesc_options options = options_of({.buffer_size = 256});
+  const char *name = "mean_curvature";
+  pdesc_field *field = nullptr;
+  ASSERT_EQ(pdesc_compute(created.get(), &options, &name, 1, nullptr, nullptr, &field), PDESC_OK) << pdesc_last_error();
+  const Field owner(field);
+  EXPECT_NE(std::string(pdesc_field_warnings(field)).find("The radius spans only 2."), std::string::npos)
+      << pdesc_field_warnings(field);
 }
 
 TEST_F(LaidOutAfresh, the_mesh_report_goes_on_describing_the_map_as_given) {

@@ -13,18 +13,36 @@ LEAST_TEXELS = 4.0
 BUFFERS = (256, 512, 1024, 2048, 4096, 8192)
 # About the share of its square that an unwrap of our own fills.
 UNWRAPPED_SHARE = 0.6
+# Charts that the UV map stretches more than this are scaled back by the library.
+LARGEST_STRETCH = 2.0**1.5
 
 
 def texels_per_length(arrays: bridge.MeshArrays) -> float:
-    """How long a unit of the surface is in the UV square, the median over triangles; an estimate without a map."""
-    area = double_areas(arrays.positions[arrays.triangle_vertices])
+    """How long a unit of the surface is in the UV square in the direction where it is shortest.
+
+    The median over triangles; an estimate without a map.
+    """
+    corners = arrays.positions[arrays.triangle_vertices].astype(np.float64)
+    area = double_areas(corners)
     if arrays.corner_uvs is None:
         total = float(area.sum()) / 2
         return float(np.sqrt(UNWRAPPED_SHARE / total)) if total > 0 else 0.0
-    uvs = arrays.corner_uvs[arrays.triangle_corners]
-    in_map = double_areas(np.concatenate([uvs, np.zeros((*uvs.shape[:2], 1), uvs.dtype)], axis=2))
+    uvs = arrays.corner_uvs[arrays.triangle_corners].astype(np.float64)
+    in_map = double_areas(np.concatenate([uvs, np.zeros((*uvs.shape[:2], 1))], axis=2))
     sound = (area > 0) & (in_map > 0)
-    return float(np.median(np.sqrt(in_map[sound] / area[sound]))) if sound.any() else 0.0
+    if not sound.any():
+        return 0.0
+    stretch = np.minimum(stretches(corners[sound], uvs[sound]), LARGEST_STRETCH)
+    return float(np.median(np.sqrt(in_map[sound] / area[sound] / stretch)))
+
+
+def stretches(corners: np.ndarray, uvs: np.ndarray) -> np.ndarray:
+    """(n,) how many times longer one direction of (n, 3, 3) triangles is in (n, 3, 2) UVs than the one across it."""
+    (e1, e2), (d1, d2) = ((v[:, 1] - v[:, 0], v[:, 2] - v[:, 0]) for v in (corners, uvs))
+    along_u, along_v = e1 * d2[:, 1:] - e2 * d1[:, 1:], e2 * d1[:, :1] - e1 * d2[:, :1]
+    area = np.linalg.norm(np.cross(along_u, along_v), axis=1)
+    half = (along_u**2 + along_v**2).sum(axis=1) / np.maximum(2 * area, np.finfo(np.float64).tiny)
+    return half + np.sqrt(np.maximum(half**2 - 1, 0))
 
 
 def mean_edge_and_diagonal(arrays: bridge.MeshArrays) -> tuple[float, float]:

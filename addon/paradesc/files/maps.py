@@ -14,6 +14,7 @@ from .results import Baked, write_whole
 SUFFIXES = (".exr", ".png")
 # So many texels around each chart take the values beside them, so that filtering and a few mipmaps show no seam.
 GUTTER = 8
+LAYOUT_OVERLAPS = 1  # pdesc_layout of the library: charts of the UV map share texture space
 STACKED = "Charts of the UV map share texture space: where several lie at one texel, an image shows the last one."
 
 
@@ -69,7 +70,7 @@ def notes(baked: Baked) -> list[str]:
         return [
             "Images show the layout that was made for the computation: they fit no UV map of the mesh; unwrap it first."
         ]
-    if baked.results.transfer is not None or not baked.results.field_report["private_layout"]:
+    if baked.results.transfer is not None or baked.results.field_report["private_layout"] != LAYOUT_OVERLAPS:
         return []
     return [STACKED]
 

@@ -359,13 +359,14 @@ PDESC_API void pdesc_memory_init(pdesc_memory *memory);
 PDESC_API int32_t pdesc_mesh_memory(const pdesc_mesh *mesh, const pdesc_options *options, const char *const *descriptors,
                                     int32_t descriptor_count, int32_t backend, pdesc_memory *memory);
 
-/* Why a mesh was given a private layout: its charts moved, turned and scaled, their texel densities brought within a factor of two of
- * the median. The mesh keeps it; the UV map itself is not touched, and pdesc_mesh_report goes on describing that. */
+/* Why a mesh was given a private layout: its charts moved, turned and scaled, strongly stretched ones along one direction alone, their
+ * texel densities brought within a factor of two of the median. The mesh keeps it; the UV map itself is not touched, and
+ * pdesc_mesh_report goes on describing that. */
 typedef enum pdesc_layout {
   PDESC_LAYOUT_GIVEN = 0,    /* none: the UV map was used as it is, outside [0,1] after one affine map */
   PDESC_LAYOUT_OVERLAPS = 1, /* places of the UV map belonged to several triangles, of several charts or of one */
   PDESC_LAYOUT_SPARSE = 2    /* less than 15 % of the texels were used, or the radius spanned less than four of them, and half of the
-                                surface has 1.5 times as many along a line now */
+                                surface has 1.5 times as many now along a line in the direction that has the fewest */
 } pdesc_layout;
 /* What the last compute baked, in texture space (under AUTO: with options.buffers = 1): texels along a side, 0 if nothing was; and
  * (size, size, components) values, row by row from v = 0 up. name: "position" (3, units of the positions), "normal" (3), "chart" (1, a number, -1 for none), "neighbor"
@@ -387,7 +388,8 @@ typedef struct pdesc_field_report {
   int32_t overlapping_texels;   /* texels claimed by more than one triangle, in the layout used: only where rasterizers round */
   int32_t covered_texels;
   int32_t bare_triangles;       /* usable triangles without a texel of their own */
-  double radius_in_texels;      /* median of the support radius measured in texels; below 4 the buffer is too coarse */
+  double radius_in_texels;      /* median of the support radius measured in texels, in the direction that has the fewest; below 4 the
+                                   buffer is too coarse */
   double seconds_prepare;       /* normals, metric and seam maps on the CPU */
   double seconds_bake;
   double seconds_evaluate;

@@ -36,12 +36,13 @@ static void warn(const Mesh &mesh, const pdesc_options &options, Field &field) {
                                : std::string()) +
         "; they were laid out afresh for the computation, and the UV map itself is unchanged.");
   if (report.private_layout == PDESC_LAYOUT_SPARSE)
-    add("The UV map uses little of its square; its charts were laid out afresh for the computation, and the UV map itself is "
-        "unchanged.");
+    add("The UV map uses little of its square, or gives the radius few texels in one direction; its charts were laid out afresh "
+        "for the computation, and the UV map itself is unchanged.");
   if (!mesh.engine->abilities().texture_space) return;
   if (report.radius_in_texels < 4.0)
     add("The radius spans only " + std::to_string(report.radius_in_texels).substr(0, 4) +
-        " texels of the buffers; use larger buffers or a larger radius.");
+        " texels of the buffers in the direction that has the fewest; use larger buffers, a larger "
+        "radius or the cpu backend.");
   if (report.bare_triangles > 0)
     add(std::to_string(report.bare_triangles) +
         " triangles are smaller than a texel and left to their neighbors; use larger buffers if "

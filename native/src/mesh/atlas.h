@@ -1,5 +1,5 @@
 // Charts + what a bake counts of their texels → the layout in use: the caller's UV map, or a private one in which no two parts
-// of the surface share texture space, or which fills more of the square.
+// of the surface share texture space, or which has more texels for the radius.
 #pragma once
 
 #include <optional>
@@ -34,7 +34,7 @@ public:
   // nothing after the first time.
   void repack_if_overfull(const Triangles &triangles, const HalfEdges &half_edges, int threads);
   // True if the atlas is another one now. A count of overlapping texels only raises the suspicion: rasterizers round, and small
-  // triangles of a sound map may share a texel too.
+  // triangles of a sound map may share a texel too. radius_in_texels: in the direction that has the fewest.
   bool repack_if_needed(const Triangles &triangles, const HalfEdges &half_edges, const TexelCounts &counts, int buffer_size,
                         double radius_in_texels, int threads);
 

@@ -30,7 +30,7 @@ struct Wedge {
   int32_t chart;
   vec2 uv;
   vec2 inside;  // (u, v) of the centroid of the incident triangle that is widest there: a direction into the chart
-  double angle; // of the wedge in the layout, in radians
+  double angle; // of the wedge in the UV map as given, in radians
 };
 
 struct Charts {

@@ -20,6 +20,7 @@ static void sort_boxes(stbrp_rect *boxes, int count, size_t, int (*compare)(cons
 #include <stb/stb_rect_pack.h>
 
 #include "support/error.h"
+#include "support/logarithm.h"
 #include "support/parallel.h"
 
 namespace paradesc {
@@ -37,6 +38,12 @@ struct Spacing {
   double smallest; // a chart's longer side: it must not fall between texels
 };
 constexpr Spacing spacings[] = {{6, 16.0}, {3, 8.0}, {2, 4.0}}; // three texels of a 1024 buffer between charts, or less
+
+// A chart is taken as stretched if the UV map gives a length on the surface this many doublings more in one direction than in the
+// other. It is widened in that of the fewest texels, until it is so many times as long there as across at most: a longer chart
+// would fill the square with one direction alone.
+constexpr int least_doublings = 2;
+constexpr double longest = 4.0;
 
 // How one chart moves: turned by an angle, its box's corner taken to the origin, then scaled and moved to `origin`.
 struct Move {
@@ -97,6 +104,69 @@ static Move best_turn(const Charts &charts, const std::vector<int32_t> &corners)
     best = move.size.x > move.size.y ? further(turn, quarter_turn) : turn;
   }
   return turned(charts, corners, best);
+}
+
+// Corners and wedges where moved(chart, uv) puts them.
+template <class Moved>
+static void move_charts(const std::vector<std::vector<int32_t>> &corners, const Moved &moved, Charts &charts) {
+  std::vector<vec2> uvs = charts.corner_uv.copy();
+  for (size_t chart = 0; chart < corners.size(); ++chart)
+    for (const int32_t corner : corners[chart]) uvs[corner] = moved(chart, uvs[corner]);
+  charts.corner_uv = std::move(uvs);
+  for (Wedge &wedge : charts.wedges) {
+    wedge.uv = moved(static_cast<size_t>(wedge.chart), wedge.uv);
+    wedge.inside = moved(static_cast<size_t>(wedge.chart), wedge.inside);
+  }
+}
+
+// The mean over a chart's surface of the logarithm of its metric, whose determinant is taken as 1. The length is the logarithm of
+// how many times more texels one direction has than the other, and twice the angle that of the direction with fewer: few needles
+// with next to no area in the map do not sway it.
+static dvec2 mean_stretch(const Triangles &triangles, const Charts &charts, const std::vector<int32_t> &corners) {
+  dvec2 sum(0.0);
+  double weight = 0.0;
+  for (const int32_t corner : corners) {
+    if (corner % 3 != 0) continue;
+    const auto position = [&](int i) { return dvec3(triangles.positions[triangles.corner_vertex[corner + i]]); };
+    const dvec3 e1 = position(1) - position(0), e2 = position(2) - position(0);
+    const dvec2 uv(charts.corner_uv[corner]), d1 = dvec2(charts.corner_uv[corner + 1]) - uv,
+                                              d2 = dvec2(charts.corner_uv[corner + 2]) - uv;
+    const dvec3 along_u = e1 * d2.y - e2 * d1.y, along_v = e2 * d1.x - e1 * d2.x;
+    const double area = length(cross(along_u, along_v));
+    const dvec2 shape = dvec2(0.5 * (dot(along_u, along_u) - dot(along_v, along_v)), dot(along_u, along_v)) / area;
+    const double size = length(shape);
+    if (!(size > 0.0 && size < 1e30)) continue; // NaN neither
+    const double surface = length(cross(e1, e2));
+    sum += surface * logarithm_of(size + std::sqrt(1.0 + size * size)) / size * shape;
+    weight += surface;
+  }
+  return weight > 0.0 ? sum / weight : sum;
+}
+
+// Scales charts that the UV map stretches strongly back along that direction. (charts) by what.
+static std::vector<double> unstretch(const Triangles &triangles, const std::vector<std::vector<int32_t>> &corners, int threads,
+                                     Charts &charts) {
+  std::vector<double> factors(corners.size(), 1.0);
+  std::vector<Move> turns(corners.size());
+  parallel_blocks(static_cast<int>(corners.size()), threads, 1, [&](int begin, int) {
+    const auto chart = static_cast<size_t>(begin);
+    const dvec2 stretch = mean_stretch(triangles, charts, corners[chart]);
+    const double size = length(stretch);
+    int doublings = static_cast<int>(std::lround(size / logarithm_of(2.0)));
+    if (doublings < least_doublings) return;
+    const double cosine = std::sqrt(std::max(0.0, 0.5 + 0.5 * stretch.x / size));
+    const double sine = std::copysign(std::sqrt(std::max(0.0, 0.5 - 0.5 * stretch.x / size)), stretch.y);
+    turns[chart] = turned(charts, corners[chart], {cosine, -sine});
+    const dvec2 box = turns[chart].size;
+    while (doublings > 0 && std::ldexp(box.x, doublings) > longest * box.y) --doublings;
+    if (doublings >= least_doublings) factors[chart] = std::ldexp(1.0, doublings);
+  });
+  if (std::ranges::count(factors, 1.0) == std::ssize(factors)) return factors;
+  const auto widened = [&](size_t chart, vec2 uv) {
+    return factors[chart] == 1.0 ? uv : vec2(turns[chart].turn(uv) * dvec2(factors[chart], 1.0));
+  };
+  move_charts(corners, widened, charts);
+  return factors;
 }
 
 static std::vector<Density> chart_densities(const Triangles &triangles, const Charts &charts) {
@@ -182,9 +252,11 @@ static std::vector<Move> plan(const Charts &charts, const std::vector<std::vecto
 std::optional<Charts> repack_charts(const Triangles &triangles, const Charts &charts, double least_gain, int threads) {
   const auto corners = corners_by_chart(triangles, charts);
   if (corners.empty()) return std::nullopt;
-  std::vector<Density> densities = chart_densities(triangles, charts);
-  const double before = median_density(densities);
-  std::vector<Move> moves = plan(charts, corners, densities, threads);
+  Charts repacked = charts;
+  const std::vector<double> factors = unstretch(triangles, corners, threads, repacked);
+  std::vector<Density> densities = chart_densities(triangles, repacked), given = densities;
+  for (size_t chart = 0; chart < given.size(); ++chart) given[chart].density /= factors[chart];
+  std::vector<Move> moves = plan(repacked, corners, densities, threads);
   if (moves.empty() && least_gain > 0.0) return std::nullopt;
   if (moves.empty())
     throw Error(PDESC_ERROR_UNSUPPORTED,
@@ -196,17 +268,9 @@ std::optional<Charts> repack_charts(const Triangles &triangles, const Charts &ch
     moves[chart].origin /= static_cast<double>(grid);
     densities[chart].density *= moves[chart].scale;
   }
-  if (median_density(densities) < least_gain * before) return std::nullopt;
-  Charts repacked = charts;
-  std::vector<vec2> uvs = charts.corner_uv.copy();
-  for (size_t chart = 0; chart < corners.size(); ++chart)
-    for (const int32_t corner : corners[chart]) uvs[corner] = moves[chart](uvs[corner]);
-  repacked.corner_uv = std::move(uvs);
-  for (Wedge &wedge : repacked.wedges) {
-    const Move &move = moves[wedge.chart];
-    wedge.uv = move(wedge.uv);
-    wedge.inside = move(wedge.inside);
-  }
+  if (median_density(densities) < least_gain * median_density(given)) return std::nullopt;
+  move_charts(
+      corners, [&](size_t chart, vec2 uv) { return moves[chart](uv); }, repacked);
   return repacked;
 }
 

@@ -32,10 +32,9 @@ double median_radius_in_texels(const Charts &charts, const CenterOptions &option
                                const std::vector<vec4> &ellipses, size_t step) {
   std::vector<double> sizes;
   for (size_t i = 0; i < ellipses.size(); ++i) {
-    const vec4 ellipse = ellipses[i] * radius;
-    if (is_center(charts, options, i * step))
-      sizes.push_back(std::sqrt(std::max(0.0f, ellipse.x * ellipse.w - ellipse.y * ellipse.z)) *
-                      static_cast<float>(options.buffer_size));
+    const dvec4 ellipse = dvec4(ellipses[i]) * static_cast<double>(radius);
+    const double shorter = 0.5 * (ellipse.x + ellipse.w - length(dvec2(ellipse.x - ellipse.w, 2.0 * ellipse.y))); // of its axes
+    if (is_center(charts, options, i * step)) sizes.push_back(std::max(0.0, shorter) * options.buffer_size);
   }
   if (sizes.empty()) return 0.0;
   std::nth_element(sizes.begin(), sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2), sizes.end());

@@ -53,7 +53,8 @@ std::vector<CenterData> describe_centers(const Charts &charts, const CenterOptio
 // Gives them position and normal.
 void place_centers(const CenterSpace &space, const Centers &centers, std::vector<CenterData> &data);
 
-// The median over the centers' wedges of the radius (in buffer units) in texels. ellipses: of every step-th wedge, for radius 1.
+// The median over the centers' wedges of the radius (in buffer units) in texels, in the direction that has the fewest. ellipses:
+// of every step-th wedge, for radius 1.
 double median_radius_in_texels(const Charts &charts, const CenterOptions &options, float radius,
                                const std::vector<vec4> &ellipses, size_t step);
 
