@@ -32,7 +32,7 @@
 #define UNIT_VERTICES 12   // buffer texture, RGBA32F, two a bake vertex: position; normal
 #define UNIT_VALUES 13     // buffer texture, RGBA32F: a map's value at each bake vertex
 // Of what neighborhoods are sampled from.
-#define UNIT_FACES 14   // buffer texture, RGBA32F: unit normal of each triangle; 0 without area
+#define UNIT_FACES 14   // buffer texture, RGBA32F: unit normal of each triangle, 0 without area; root of twice its area
 #define UNIT_MAP 15     // buffer, RGBA32F: gradient of a map, its value
 #define UNIT_SAMPLES 16 // buffer texture, RG32I: texel (x + 65536 y); the bits of the area in (u, v) that it stands for, a float
 #define UNIT_RANGES 17  // buffer texture, RG32I: first and end in UNIT_SAMPLES, or of the samples of BINDING_TEXELLESS

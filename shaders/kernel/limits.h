@@ -24,7 +24,4 @@
 // ball.
 #define CREASE_REACH 1.25
 
-// What creases turn normals by around them, over what all other edges do, where they count.
-#define CREASE_LEAST_SHARE 1.0
-
 #endif

@@ -21,6 +21,7 @@ import bench  # noqa: E402
 import page  # noqa: E402
 import sections_engines  # noqa: E402
 import sections_models  # noqa: E402
+import sections_rough  # noqa: E402
 import sections_settings  # noqa: E402
 import sections_surfaces  # noqa: E402
 
@@ -29,6 +30,7 @@ from paradesc import bridge  # noqa: E402
 # name: (function, title, part of the paper, seconds on two cores of a desktop processor with llvmpipe, quick)
 SECTIONS = {
     **sections_surfaces.SECTIONS,
+    **sections_rough.SECTIONS,
     **sections_models.SECTIONS,
     **sections_settings.SECTIONS,
     **sections_engines.SECTIONS,

@@ -87,7 +87,7 @@ typedef enum pdesc_backend {
 } pdesc_backend;
 
 typedef enum pdesc_normals {
-  PDESC_NORMALS_FITTED = 0, /* local jets over mesh rings (Cazals and Pouget), Max's where the surface is not smooth */
+  PDESC_NORMALS_FITTED = 0, /* local jets over mesh rings (Cazals and Pouget), the faces' mean where the surface is not smooth */
   PDESC_NORMALS_MAX = 1,    /* weights sin(angle)/(|e1||e2|) (Max 1999) */
   PDESC_NORMALS_MESH = 2    /* the corner normals given with the mesh */
 } pdesc_normals;

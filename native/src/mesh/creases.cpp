@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
-#include <numeric>
 #include <span>
 #include <utility>
 
+#include "mesh/crease_lines.h"
 #include "mesh/steady_faces.h"
 #include "support/parallel.h"
 
@@ -18,13 +18,19 @@ namespace paradesc {
 namespace {
 
 constexpr double degree = pi / 180;
-constexpr double least_bend = 20 * degree;
+constexpr double least_bend = 19.9 * degree; // 20, as rounded positions have it
 constexpr double least_hard_bend = 50 * degree;
 constexpr double both_sides = 3, one_side = 8, own_triangles = 2.5; // times as much as what bends beside an edge
 constexpr double reach = 3;                                         // of the width of the narrower triangle
 constexpr double flat = 0.3;                                        // of the edge's bend: what the search goes on over
 constexpr size_t max_searched = 24;                                 // triangles on one side
-constexpr int least_open_line = 16;                                 // edges
+constexpr double least_gap_bend = 0.5;                              // of the line's at its end
+constexpr double least_straight = 0.8;                              // cosine of a turn along a line in a gap
+constexpr double line_reach = 4;                                    // mean edges of a line
+constexpr double polyhedron = 8;                                    // times as much as all other edges
+constexpr double least_net = 0.75;                                  // of a line's bends
+constexpr double net_for_purity = 0.15, least_net_of_all = 0.2;
+constexpr int least_line = 16; // edges, of a line in any other surface
 constexpr int block_size = 1024;
 
 dvec3 corner_position(const Triangles &triangles, int corner) { return dvec3(triangles.position(corner)); }
@@ -37,25 +43,27 @@ public:
 
   bool stands_out(int half_edge) const {
     const int twin = half_edges_.twin[half_edge];
-    const double bend = bend_of(half_edge);
-    if (!(bend >= least_bend)) return false;
+    const double bend = bend_of(half_edge), size = std::abs(bend);
+    if (!(size >= least_bend)) return false;
     const Side left_side = side_of(half_edge), right_side = side_of(twin);
     const double distance = reach * std::min(left_side.width, right_side.width);
     if (!(distance > 0)) return false;
     // Beside a needle the same bend may come twice, there and back.
     if (left_side.is_needle || right_side.is_needle) return true;
-    const double left = most_bent(half_edge, bend, distance, both_sides);
-    if (bend >= one_side * left) return true;
-    const double least = bend >= both_sides * left ? both_sides : one_side;
-    if (bend >= least * most_bent(twin, bend, distance, least)) return true;
+    const double left = most_bent(half_edge, bend, distance, both_sides), right = most_bent(twin, bend, distance, both_sides);
+    if (size >= both_sides * std::max(left, right)) return true;
+    const auto is_bevel = [&](double most, int other) { // the side that is flat, and the other one, where no bend takes it back
+      return size >= one_side * most && size >= both_sides * most_bent(other, bend, distance, both_sides, true);
+    };
+    if (is_bevel(left, twin) || is_bevel(right, half_edge)) return true;
     const auto own = [&](int edge) { return most_bent(edge, bend, -1, own_triangles); };
-    return bend >= least_hard_bend && bend >= own_triangles * std::max(own(half_edge), own(twin));
+    return size >= least_hard_bend && size >= own_triangles * std::max(own(half_edge), own(twin));
   }
 
 private:
   double bend_of(int half_edge) const {
-    return std::abs(bend_between(dvec3(normals_[half_edge / 3]), dvec3(normals_[half_edges_.twin[half_edge] / 3]),
-                                 along(triangles_, half_edge)));
+    return bend_between(dvec3(normals_[half_edge / 3]), dvec3(normals_[half_edges_.twin[half_edge] / 3]),
+                        along(triangles_, half_edge));
   }
 
   // It bends no more than that, which is told without the angle: below a quarter of a turn, that is over its chord by less than a
@@ -99,10 +107,11 @@ private:
     return std::min(glm::dot(first, first), glm::dot(last, last)) <= distance * distance;
   }
 
-  // The most that an edge beside this one, which bends by own_bend, bends along it, on the side of this half-edge; distance below
-  // 0: of its own triangle's edges. Of what is above own_bend, so many times, any will do, and what no factor brings there counts
-  // as nothing.
-  double most_bent(int half_edge, double own_bend, double distance, double times) const {
+  // The most that an edge beside this one, which bends by bend_here, bends along it, on the side of this half-edge; distance
+  // below 0: of its own triangle's edges; back: those alone that bend the other way. Of what is above that bend, so many times,
+  // any will do, and what no factor brings there counts as nothing.
+  double most_bent(int half_edge, double bend_here, double distance, double times, bool back = false) const {
+    const double own_bend = std::abs(bend_here);
     const dvec3 begin = corner_position(triangles_, half_edge),
                 along = corner_position(triangles_, next_corner(half_edge)) - begin;
     const double span = glm::length(along);
@@ -122,9 +131,9 @@ private:
         if (high > counts || !is_flat) {
           const double length = glm::length(q - p), cosine = length > 0 ? std::abs(glm::dot(q - p, line.direction)) / length : 0;
           if (high * cosine > counts || !is_flat) {
-            const double bend = bend_of(edge);
+            const double signed_bend = bend_of(edge), bend = std::abs(signed_bend);
             is_flat = bend < flat * own_bend;
-            most = std::max(most, bend * cosine);
+            if (!back || (signed_bend < 0) != (bend_here < 0)) most = std::max(most, bend * cosine);
             if (times * most > own_bend) return most;
           }
         }
@@ -140,42 +149,56 @@ private:
   std::span<const vec3> normals_; // of steady faces
 };
 
-int root_of(std::vector<int32_t> &parent, int point) {
-  while (parent[point] != point) point = parent[point] = parent[parent[point]];
-  return point;
-}
+// Finds the edges that noise hides in a line: from a line's end, the edge that goes on straight and bends the same way, if it
+// comes to a line again.
+class Gaps {
+public:
+  Gaps(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, const std::vector<int32_t> &edges)
+      : triangles_(triangles), half_edges_(half_edges), normals_(normals),
+        edges_at_(static_cast<size_t>(half_edges.point_count)) {
+    for (const int32_t edge : edges)
+      for (const int32_t h : {edge, half_edges_.twin[edge]}) ++edges_at_[half_edges_.corner_point[h]];
+  }
 
-std::array<int32_t, 2> ends_of(const HalfEdges &half_edges, int32_t edge) {
-  return {half_edges.corner_point[edge], half_edges.corner_point[next_corner(edge)]};
-}
+  // edge: from a line's end into the line. -1: nothing closes the gap behind that end.
+  int32_t closing(int32_t edge) const {
+    if (edges_at(edge) != 1 || edges_at(next_corner(edge)) < 2) return -1;
+    const int32_t next = straight_on(edge);
+    return next >= 0 && edges_at(next_corner(next)) > 0 ? std::min(next, half_edges_.twin[next]) : -1;
+  }
 
-// Takes away lines that begin or end within the surface and are short; the marked ones stay.
-void remove_short_lines(const HalfEdges &half_edges, const Creases &marked, std::vector<int32_t> &edges) {
-  struct Line {
-    int edges = 0, ends = 0;
-  };
-  const auto points = static_cast<size_t>(half_edges.point_count);
-  const std::vector<int32_t> line_of = lines_of(half_edges, edges);
-  std::vector<int32_t> degree_of(points, 0);
-  for (size_t i = 0; i < edges.size(); ++i) {
-    checkpoint_at(i);
-    for (const int32_t point : ends_of(half_edges, edges[i])) ++degree_of[point];
+private:
+  int32_t edges_at(int32_t corner) const { return edges_at_[half_edges_.corner_point[corner]]; }
+
+  double bend_at(int32_t edge) const {
+    return bend_between(dvec3(normals_[edge / 3]), dvec3(normals_[half_edges_.twin[edge] / 3]), along(triangles_, edge));
   }
-  std::vector<Line> lines(points);
-  for (size_t i = 0; i < edges.size(); ++i) {
-    checkpoint_at(i);
-    Line &line = lines[line_of[i]];
-    ++line.edges;
-    for (const int32_t point : ends_of(half_edges, edges[i]))
-      line.ends += degree_of[point] == 1 && !half_edges.point_boundary[point];
+
+  // Of the half-edges that start where this one starts, the one that goes on most of all; -1: none.
+  int32_t straight_on(int32_t back) const {
+    const dvec3 way = -glm::normalize(along(triangles_, back));
+    int32_t best = -1;
+    double most = 0;
+    for (int32_t h = half_edges_.twin[previous_corner(back)]; h >= 0 && h != back; h = half_edges_.twin[previous_corner(h)]) {
+      if (half_edges_.twin[h] < 0) return -1;
+      const double bend = bend_at(h) / bend_at(back), straight = glm::dot(glm::normalize(along(triangles_, h)), way);
+      if (bend < least_gap_bend || straight < least_straight || !(bend * straight > most)) continue;
+      most = bend * straight;
+      best = h;
+    }
+    return best;
   }
-  size_t kept = 0;
-  for (size_t i = 0; i < edges.size(); ++i) {
-    checkpoint_at(i);
-    const Line &line = lines[line_of[i]];
-    if (marked.contains(edges[i]) || line.ends == 0 || line.edges >= least_open_line) edges[kept++] = edges[i];
-  }
-  edges.resize(kept);
+
+  const Triangles &triangles_;
+  const HalfEdges &half_edges_;
+  std::span<const vec3> normals_;
+  std::vector<int32_t> edges_at_; // (points)
+};
+
+// A line goes on, and its bends are not taken back beside it: see find_creases. The more others bend, the more has to be left.
+bool goes_on(const EdgeLine &line, const Turning &turning) {
+  const double purity = turning.edges / turning.others, least = std::max(least_net_of_all, least_net - net_for_purity * purity);
+  return turning.net >= least * turning.edges && (line.edges >= least_line || line.ends == 0 || purity >= polyhedron);
 }
 
 } // namespace
@@ -190,22 +213,6 @@ Creases creases_along(const HalfEdges &half_edges, std::vector<int32_t> edges) {
   }
   creases.edges = std::move(edges);
   return creases;
-}
-
-std::vector<int32_t> lines_of(const HalfEdges &half_edges, const std::vector<int32_t> &edges) {
-  std::vector<int32_t> parent(static_cast<size_t>(half_edges.point_count)), lines;
-  std::iota(parent.begin(), parent.end(), 0);
-  for (size_t i = 0; i < edges.size(); ++i) {
-    checkpoint_at(i);
-    const auto [begin, end] = ends_of(half_edges, edges[i]);
-    parent[root_of(parent, begin)] = root_of(parent, end);
-  }
-  lines.reserve(edges.size());
-  for (size_t i = 0; i < edges.size(); ++i) {
-    checkpoint_at(i);
-    lines.push_back(root_of(parent, half_edges.corner_point[edges[i]]));
-  }
-  return lines;
 }
 
 Creases marked_creases(const Triangles &triangles, const HalfEdges &half_edges) {
@@ -251,10 +258,30 @@ Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, st
   std::vector<int32_t> edges;
   for (const std::vector<int32_t> &some : found) edges.insert(edges.end(), some.begin(), some.end());
   if (edges.empty()) return marked;
+  const Gaps gaps(triangles, half_edges, normals, edges);
+  for (size_t i = 0, count = edges.size(); i < count; ++i) {
+    checkpoint_at(i);
+    for (const int32_t end : {edges[i], half_edges.twin[edges[i]]})
+      if (const int32_t gap = gaps.closing(end); gap >= 0) edges.push_back(gap);
+  }
+  std::ranges::sort(edges);
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   std::vector<int32_t> all;
   std::ranges::set_union(edges, marked.edges, std::back_inserter(all));
-  remove_short_lines(half_edges, marked, all);
-  return creases_along(half_edges, std::move(all));
+  const Creases creases = creases_along(half_edges, std::move(all));
+  const EdgeLines lines =
+      judge_lines(triangles, half_edges, creases.edges, creases.half_edge, normals, 0, line_reach, goes_on, threads);
+  return creases_of_lines(half_edges, creases, lines, marked);
+}
+
+Creases creases_of_lines(const HalfEdges &half_edges, const Creases &creases, const EdgeLines &lines, const Creases &marked) {
+  std::vector<int32_t> kept;
+  for (size_t i = 0; i < creases.edges.size(); ++i) {
+    checkpoint_at(i);
+    const int32_t edge = creases.edges[i];
+    if (marked.contains(edge) || lines.line[lines.line_of[i]].is_agreed()) kept.push_back(edge);
+  }
+  return creases_along(half_edges, std::move(kept));
 }
 
 } // namespace paradesc

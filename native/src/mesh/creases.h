@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "mesh/crease_lines.h"
 #include "mesh/halfedge.h"
 #include "mesh/triangles.h"
 
@@ -27,13 +28,14 @@ Creases creases_along(const HalfEdges &half_edges, std::vector<int32_t> edges);
 //   as much as any on one of its sides (the flat side of a bevel); beside is within three times the width of the narrower
 //   triangle;
 // - it bends by 50 degrees, and 2.5 times as much as the other edges of its two triangles do along it (a box of one quad a side).
-// Unmarked edges that hang together count only if they end nowhere within the surface, or are 16 at least: a fold of an organic
-// surface comes and goes. Edges of noise are as bent as their neighbors, and those of a flat-shaded smooth surface are, too.
-// normals: (triangle_count) round_steady_normals.
+// Unmarked edges that hang together are a line. Within four of its edges around it, a line of a polyhedron bends eight times as
+// much as all other edges. Any other line has 16 edges at least, and what it bends is not taken back beside it, as a step of a
+// staircase, a needle and a fold are. Edges of noise are as bent as their neighbors, and those of a coarse smooth surface are,
+// too. normals: (triangle_count) round_steady_normals.
 Creases find_creases(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, int threads = 0);
 
-// (edges) those that hang together share a number, that of one of their points.
-std::vector<int32_t> lines_of(const HalfEdges &half_edges, const std::vector<int32_t> &edges);
+// Those of lines that are agreed, and the marked ones. lines: of the creases' edges.
+Creases creases_of_lines(const HalfEdges &half_edges, const Creases &creases, const EdgeLines &lines, const Creases &marked);
 
 // The marked ones alone.
 Creases marked_creases(const Triangles &triangles, const HalfEdges &half_edges);

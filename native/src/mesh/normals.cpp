@@ -18,11 +18,15 @@ namespace paradesc {
 namespace {
 
 constexpr int block_size = 1024;
-// For smooth surfaces only: beyond these, in cosines, the fit gives way to Max's normal.
-constexpr double spread_full = 0.8660254037844387; // 30 degrees: up to here the fit alone
-constexpr double spread_none = 0.7071067811865476; // 45 degrees: from here Max's alone
-constexpr double turn_full = 0.9902680687415704;   // 8 degrees
-constexpr double turn_none = 0.9781476007338057;   // 12 degrees
+// For smooth surfaces only: beyond these, in cosines, the fit gives way to Max's normal. The spread is that of faces by their
+// areas.
+constexpr double spread_full = 0.9;              // 26 degrees: up to here the fit alone
+constexpr double spread_none = 0.8;              // 37 degrees: from here Max's alone
+constexpr double turn_full = 0.9902680687415704; // 8 degrees
+constexpr double turn_none = 0.9781476007338057; // 12 degrees
+// Where Max's weights give way to areas. A fit needs a direction that folds and slivers do not turn; Max's own are exact on a
+// sphere as long as they do not.
+constexpr double least_squares_fitted = 1, least_squares_max = 0.01;
 
 // ---- Fans -----------------------------------------------------------------------------------------------------------------
 
@@ -40,13 +44,20 @@ dvec3 unit_or(dvec3 v, dvec3 otherwise) {
   return length > 0 && std::isfinite(length) ? v / length : otherwise;
 }
 
-vec3 face_normal(const Triangles &triangles, int face) {
+// A unit normal, and the root of twice the area, which floats hold at all sizes.
+struct FaceNormal {
+  vec3 normal;
+  float size;
+};
+
+FaceNormal face_normal(const Triangles &triangles, int face) {
   const auto [a, b] = corner_edges(triangles, 3 * face);
-  return vec3(unit_or(glm::cross(a, b), dvec3(0)));
+  const dvec3 product = glm::cross(a, b);
+  return {vec3(unit_or(product, dvec3(0))), static_cast<float>(std::sqrt(glm::length(product)))};
 }
 
-std::vector<vec3> face_normals(const Triangles &triangles, int threads) {
-  std::vector<vec3> normals(static_cast<size_t>(triangles.triangle_count));
+std::vector<FaceNormal> face_normals(const Triangles &triangles, int threads) {
+  std::vector<FaceNormal> normals(static_cast<size_t>(triangles.triangle_count));
   parallel_blocks(triangles.triangle_count, threads, 4 * block_size, [&](int begin, int end) {
     for (int t = begin; t < end; ++t) normals[t] = face_normal(triangles, t);
   });
@@ -61,29 +72,30 @@ std::span<const int32_t> slice(const std::vector<int64_t> &begins, const std::ve
 struct Sources {
   const Triangles &triangles;
   const NormalRings &rings;
-  std::span<const vec3> faces; // normals of all, or none: they are measured one by one
+  std::span<const FaceNormal> faces; // of all, or none: they are measured one by one
 
-  vec3 face(int index) const { return faces.empty() ? face_normal(triangles, index) : faces[index]; }
+  FaceNormal face(int index) const { return faces.empty() ? face_normal(triangles, index) : faces[index]; }
 };
 
-// N. Max's, from edges to the vertices around.
-dvec3 max_normal(const Sources &from, int fan) {
+// N. Max's, from edges to the vertices around. Faces that are smaller than others count by their areas instead: with Max's
+// weights a sliver whose edge is one rounding long would decide alone, by a direction that says nothing. least_squares: of the
+// mean product of the squares of a face's two edges.
+dvec3 max_normal(const Sources &from, int fan, double least_squares) {
   const auto vertices = slice(from.rings.fan_begin, from.rings.fan_vertex, fan);
   const dvec3 p = position(from.triangles, vertices[0]);
-  dvec3 sum(0), a = position(from.triangles, vertices[1]) - p;
-  double square = glm::dot(a, a);
-  for (const int32_t vertex : vertices.subspan(2)) {
-    const dvec3 b = position(from.triangles, vertex) - p;
-    const double next_square = glm::dot(b, b), squares = square * next_square;
-    if (squares > 0) sum += glm::cross(a, b) / squares;
-    a = b;
-    square = next_square;
+  const auto edge = [&](size_t i) { return position(from.triangles, vertices[i]) - p; };
+  double squares = 0;
+  for (size_t i = 1; i + 1 < vertices.size(); ++i) squares += glm::dot(edge(i), edge(i)) * glm::dot(edge(i + 1), edge(i + 1));
+  squares *= least_squares / static_cast<double>(vertices.size() - 2);
+  dvec3 sum(0);
+  for (size_t i = 1; i + 1 < vertices.size(); ++i) {
+    const dvec3 a = edge(i), b = edge(i + 1);
+    const double own = std::max(squares, glm::dot(a, a) * glm::dot(b, b));
+    if (own > 0) sum += glm::cross(a, b) / own;
   }
   if (const dvec3 normal = unit_or(sum, dvec3(0)); normal != dvec3(0)) return normal;
-  for (size_t i = vertices.size() - 1; i > 1; --i) { // faces that cancel out: the last one's, which has one
-    const dvec3 face = glm::cross(position(from.triangles, vertices[i - 1]) - p, position(from.triangles, vertices[i]) - p);
-    if (const dvec3 normal = unit_or(face, dvec3(0)); normal != dvec3(0)) return normal;
-  }
+  for (size_t i = vertices.size() - 1; i > 1; --i) // faces that cancel out: the last one's, which has one
+    if (const dvec3 normal = unit_or(glm::cross(edge(i - 1), edge(i)), dvec3(0)); normal != dvec3(0)) return normal;
   return dvec3(0, 0, 1);
 }
 
@@ -103,9 +115,8 @@ public:
 
   // ring, faces: as NormalRings has them. place: of the normal.
   void add(int fan, std::span<const int32_t> ring, std::span<const int32_t> faces, int place) {
-    const dvec3 n = max_normal(from_, fan);
-    double spread = 1;
-    for (const int face : faces) spread = std::min(spread, glm::dot(dvec3(from_.face(face)), n));
+    const dvec3 n = max_normal(from_, fan, least_squares_fitted);
+    const double spread = spread_of(faces, n);
     if (spread <= spread_none) {
       normals_[place] = vec3(n);
       return;
@@ -122,6 +133,18 @@ private:
     double spread;
     dvec3 n, e1, e2;
   };
+
+  // The mean cosine between the normal and the faces, by their areas.
+  double spread_of(std::span<const int32_t> faces, dvec3 n) const {
+    double sum = 0, areas = 0;
+    for (const int index : faces) {
+      const FaceNormal face = from_.face(index);
+      const double area = static_cast<double>(face.size) * static_cast<double>(face.size);
+      sum += area * glm::dot(dvec3(face.normal), n);
+      areas += area;
+    }
+    return areas > 0 ? sum / areas : 1;
+  }
 
   void take_heights(const Member &member, std::span<const int32_t> ring) {
     const auto center = static_cast<size_t>(from_.rings.fan_begin[member.fan]);
@@ -169,7 +192,7 @@ private:
 std::vector<vec3> max_normals(const Sources &from, int count, int threads, const auto &fan_of) {
   std::vector<vec3> normals(static_cast<size_t>(count));
   parallel_blocks(count, threads, block_size, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) normals[i] = vec3(max_normal(from, fan_of(i)));
+    for (int i = begin; i < end; ++i) normals[i] = vec3(max_normal(from, fan_of(i), least_squares_max));
   });
   return normals;
 }
@@ -206,13 +229,14 @@ std::vector<vec3> fitted_normals_once(const Sources &from, const HalfEdges &half
 
 // ---- Corners and points ---------------------------------------------------------------------------------------------------
 
-std::vector<vec3> input_corner_normals(const Triangles &triangles, const HalfEdges &half_edges, const std::vector<vec3> &faces,
-                                       int threads) {
+std::vector<vec3> input_corner_normals(const Triangles &triangles, const HalfEdges &half_edges,
+                                       const std::vector<FaceNormal> &faces, int threads) {
   std::vector<vec3> corners(triangles.corner_normal.size());
   parallel_blocks(3 * triangles.triangle_count, threads, 4 * block_size, [&](int begin, int end) {
     for (int corner = begin; corner < end; ++corner) {
       const auto i = static_cast<size_t>(corner);
-      if (half_edges.corner_point[i] >= 0) corners[i] = vec3(unit_or(dvec3(triangles.corner_normal[i]), dvec3(faces[i / 3])));
+      if (half_edges.corner_point[i] >= 0)
+        corners[i] = vec3(unit_or(dvec3(triangles.corner_normal[i]), dvec3(faces[i / 3].normal)));
     }
   });
   return corners;
@@ -271,7 +295,7 @@ template <class Fit>
 static Normals fan_normals(const Triangles &triangles, const HalfEdges &half_edges, const NormalRings &rings, int32_t kind,
                            int threads, const Fit &fit) {
   const bool fitted = kind == PDESC_NORMALS_FITTED;
-  const std::vector<vec3> faces = fitted ? face_normals(triangles, threads) : std::vector<vec3>();
+  const std::vector<FaceNormal> faces = fitted ? face_normals(triangles, threads) : std::vector<FaceNormal>();
   const Sources from{triangles, rings, faces};
   return with_points(triangles, half_edges, fitted ? fit(from) : max_normals(from, rings.fan_count, threads, std::identity()),
                      &rings, threads);

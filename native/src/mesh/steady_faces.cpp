@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "support/angle.h"
 #include "support/parallel.h"
@@ -106,10 +109,56 @@ static void round_some(const Triangles &triangles, const HalfEdges &half_edges, 
   }
 }
 
+// The vector area of the faces around a corner's point. Where the point lies among its neighbors does not change it.
+static dvec3 area_around(const Triangles &triangles, const HalfEdges &half_edges, int corner) {
+  dvec3 area(0);
+  const auto turn = [&](int from, auto next) {
+    for (int c = from; c >= 0;) {
+      area += Face(triangles, c / 3).product();
+      if ((c = next(c)) == from) return true;
+    }
+    return false;
+  };
+  if (turn(corner, [&](int c) { return half_edges.twin[previous_corner(c)]; })) return area;
+  const int before = half_edges.twin[corner];
+  if (before >= 0) // at a boundary the other way, too
+    turn(next_corner(before), [&](int c) { return half_edges.twin[c] < 0 ? -1 : next_corner(half_edges.twin[c]); });
+  return area;
+}
+
+// Where a face is folded over, as one is whose vertex has moved past the opposite edge, the direction of the surface around it.
+static std::optional<vec3> unfolded(const Triangles &triangles, const HalfEdges &half_edges, int face, dvec3 normal) {
+  dvec3 sum(0);
+  for (int corner = 3 * face; corner < 3 * face + 3; ++corner) {
+    const dvec3 area = area_around(triangles, half_edges, corner);
+    if (glm::dot(area, normal) >= 0) return std::nullopt;
+    sum += area;
+  }
+  return vec3(glm::normalize(sum));
+}
+
+static void unfold(const Triangles &triangles, const HalfEdges &half_edges, std::span<vec3> normals, int threads, int block) {
+  std::vector<std::vector<std::pair<int, vec3>>> folded(static_cast<size_t>(triangles.triangle_count / block + 1));
+  parallel_blocks(triangles.triangle_count, threads, block, [&](int begin, int end) {
+    for (int t = begin; t < end; ++t) {
+      const auto turns_back = [&](int h) {
+        const int32_t twin = half_edges.twin[h];
+        return twin >= 0 && glm::dot(normals[t], normals[twin / 3]) < 0;
+      };
+      if (!(turns_back(3 * t) || turns_back(3 * t + 1) || turns_back(3 * t + 2))) continue;
+      if (const auto normal = unfolded(triangles, half_edges, t, dvec3(normals[t])))
+        folded[begin / block].emplace_back(t, *normal);
+    }
+  });
+  for (const auto &some : folded)
+    for (const auto &[t, normal] : some) normals[t] = normal;
+}
+
 void round_steady_normals(const Triangles &triangles, const HalfEdges &half_edges, std::span<vec3> normals, int threads) {
   constexpr int block = 1024;
   parallel_blocks(triangles.triangle_count, threads, block,
                   [&](int begin, int end) { round_some(triangles, half_edges, begin, end, normals); });
+  unfold(triangles, half_edges, normals, threads, block);
 }
 
 double bend_between(dvec3 left, dvec3 right, dvec3 along) {

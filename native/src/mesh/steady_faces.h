@@ -14,7 +14,8 @@ constexpr double ROUNDING = 1.0 / (1 << 17);
 // The face itself; of a needle, lower than what rounds positions, the first face behind longest edges that is none.
 int steady_face(const Triangles &triangles, const HalfEdges &half_edges, int face);
 dvec3 steady_normal(const Triangles &triangles, const HalfEdges &half_edges, int face); // 0 if there is none
-// Those of all faces, rounded to floats, which is faster. normals: (triangle_count).
+// Those of all faces, rounded to floats, which is faster. A face that is folded over its neighbors has the direction of the
+// surface around it. normals: (triangle_count).
 void round_steady_normals(const Triangles &triangles, const HalfEdges &half_edges, std::span<vec3> normals, int threads = 0);
 
 // By how much unit normals turn around the edge between them, which runs with the left face: in (-pi, pi], positive where the

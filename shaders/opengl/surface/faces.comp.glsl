@@ -1,5 +1,5 @@
 #version 450 core
-// One invocation, one triangle → its unit normal.
+// One invocation, one triangle → its unit normal, and the root of twice its area.
 #include "opengl/elements.glsl"
 #include "opengl/surface/mesh.glsl"
 layout(std430, binding = BINDING_FACES) writeonly restrict buffer Faces { vec4 faces[]; };
@@ -9,5 +9,6 @@ void main() {
   if (triangle >= last) return;
   ivec3 corners = texelFetch(triangle_vertices, triangle).xyz;
   dvec3 a = dvec3(mesh_position(corners.x)), b = dvec3(mesh_position(corners.y)), c = dvec3(mesh_position(corners.z));
-  faces[triangle] = vec4(vec3(unit_or_zero(cross(b - a, c - a))), 0.0);
+  dvec3 product = cross(b - a, c - a);
+  faces[triangle] = vec4(vec3(unit_or_zero(product)), float(sqrt(sqrt(dot(product, product)))));
 }

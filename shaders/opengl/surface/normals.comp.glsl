@@ -12,22 +12,26 @@ layout(binding = UNIT_FAN_VERTICES) uniform isamplerBuffer fan_vertices;
 layout(binding = UNIT_RING_VERTICES) uniform isamplerBuffer ring_vertices;
 layout(binding = UNIT_RING_FACES) uniform isamplerBuffer ring_faces;
 
-// In cosines: 30 and 45 degrees of spread, 8 and 12 of turn.
-const double spread_full = 0.8660254037844387LF, spread_none = 0.7071067811865476LF;
+// In cosines: 26 and 37 degrees of spread, 8 and 12 of turn.
+const double spread_full = 0.9LF, spread_none = 0.8LF;
 const double turn_full = 0.9902680687415704LF, turn_none = 0.9781476007338057LF;
+const double least_squares = FITTED == 1 ? 1.0LF : 0.01LF;
 
 dvec3 fan_position(int entry) { return dvec3(mesh_position(texelFetch(fan_vertices, entry).x)); }
 
-// N. Max's, from edges to the vertices around.
+// N. Max's, from edges to the vertices around; faces that are smaller than others count by their areas.
 dvec3 max_normal(int begin, int end) {
-  dvec3 p = fan_position(begin), sum = dvec3(0.0LF), a = fan_position(begin + 1) - p;
-  double square = dot(a, a);
-  for (int i = begin + 2; i < end; ++i) {
-    dvec3 b = fan_position(i) - p;
-    double next_square = dot(b, b), squares = square * next_square;
-    if (squares > 0.0LF) sum += cross(a, b) / squares;
-    a = b;
-    square = next_square;
+  dvec3 p = fan_position(begin), sum = dvec3(0.0LF);
+  double squares = 0.0LF;
+  for (int i = begin + 1; i < end - 1; ++i) {
+    dvec3 a = fan_position(i) - p, b = fan_position(i + 1) - p;
+    squares += dot(a, a) * dot(b, b);
+  }
+  squares *= least_squares / double(end - begin - 2);
+  for (int i = begin + 1; i < end - 1; ++i) {
+    dvec3 a = fan_position(i) - p, b = fan_position(i + 1) - p;
+    double own = max(squares, dot(a, a) * dot(b, b));
+    if (own > 0.0LF) sum += cross(a, b) / own;
   }
   dvec3 normal = unit_or_zero(sum);
   for (int i = end - 1; i > begin + 1 && normal == dvec3(0.0LF); --i) // faces that cancel out: the last one's, which has one
@@ -35,12 +39,16 @@ dvec3 max_normal(int begin, int end) {
   return normal == dvec3(0.0LF) ? dvec3(0.0LF, 0.0LF, 1.0LF) : normal;
 }
 
-// The least cosine between the normal and the faces of the rings.
+// The mean cosine between the normal and the faces of the rings, by their areas.
 double spread_of(dvec3 normal, int begin, int end) {
-  double spread = 1.0LF;
-  for (int i = begin; i < end && spread > spread_none; ++i)
-    spread = min(spread, dot(dvec3(texelFetch(faces, texelFetch(ring_faces, i).x).xyz), normal));
-  return spread;
+  double sum = 0.0LF, areas = 0.0LF;
+  for (int i = begin; i < end; ++i) {
+    vec4 face = texelFetch(faces, texelFetch(ring_faces, i).x);
+    double area = double(face.w) * double(face.w);
+    sum += area * dot(dvec3(face.xyz), normal);
+    areas += area;
+  }
+  return areas > 0.0LF ? sum / areas : 1.0LF;
 }
 
 double smooth_between(double none, double full, double value) {

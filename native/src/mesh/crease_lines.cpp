@@ -1,0 +1,175 @@
+// Lines by union-find; what bends around them, in balls that overlap along each line.
+#include "mesh/crease_lines.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "mesh/ball_flood.h"
+#include "mesh/steady_faces.h"
+#include "support/parallel.h"
+#include "support/pool.h"
+
+namespace paradesc {
+
+namespace {
+
+constexpr int octants = 8;
+
+int root_of(std::vector<int32_t> &parent, int point) {
+  while (parent[point] != point) point = parent[point] = parent[parent[point]];
+  return point;
+}
+
+std::array<int32_t, 2> ends_of(const HalfEdges &half_edges, int32_t edge) {
+  return {half_edges.corner_point[edge], half_edges.corner_point[next_corner(edge)]};
+}
+
+// Lines in the order of their first edges.
+EdgeLines join(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> edges) {
+  const auto points = static_cast<size_t>(half_edges.point_count);
+  std::vector<int32_t> parent(points), number(points, -1), edges_at(points, 0);
+  std::iota(parent.begin(), parent.end(), 0);
+  for (size_t i = 0; i < edges.size(); ++i) {
+    checkpoint_at(i);
+    const auto [begin, end] = ends_of(half_edges, edges[i]);
+    parent[root_of(parent, begin)] = root_of(parent, end);
+    ++edges_at[begin];
+    ++edges_at[end];
+  }
+  EdgeLines lines;
+  lines.line_of.reserve(edges.size());
+  for (size_t i = 0; i < edges.size(); ++i) {
+    checkpoint_at(i);
+    int32_t &line = number[root_of(parent, half_edges.corner_point[edges[i]])];
+    if (line < 0) {
+      line = static_cast<int32_t>(lines.line.size());
+      lines.line.emplace_back();
+    }
+    lines.line_of.push_back(line);
+    ++lines.line[line].edges;
+    for (const int32_t point : ends_of(half_edges, edges[i]))
+      lines.line[line].ends += edges_at[point] == 1 && !half_edges.point_boundary[point];
+    lines.line[line].length += glm::length(along(triangles, edges[i]));
+  }
+  return lines;
+}
+
+dvec3 middle_of(const Triangles &triangles, int32_t edge) {
+  return 0.5 * (dvec3(triangles.position(edge)) + dvec3(triangles.position(next_corner(edge))));
+}
+
+// One edge of each line in each cell, by their numbers: those that lie close together see the same.
+std::vector<int32_t> spread_out(const Triangles &triangles, std::span<const int32_t> edges, const EdgeLines &lines) {
+  constexpr double close = 0.4; // of the reach
+  using Cell = std::tuple<int32_t, double, double, double>;
+  std::vector<std::pair<Cell, int32_t>> places;
+  for (size_t i = 0; i < edges.size(); ++i) {
+    checkpoint_at(i);
+    const int32_t line = lines.line_of[i];
+    const dvec3 cell = glm::floor(middle_of(triangles, edges[i]) / (close * lines.line[line].reach));
+    places.emplace_back(Cell(line, cell.x, cell.y, cell.z), static_cast<int32_t>(i));
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<int32_t> first;
+  for (size_t i = 0; i < places.size(); ++i)
+    if (i == 0 || places[i].first != places[i - 1].first) first.push_back(places[i].second);
+  return first;
+}
+
+// Along the segment, the integral of 1 - rho^2 / r^2 within the ball around the origin.
+double bowl_on_segment(dvec3 begin, dvec3 end, double radius) {
+  const dvec3 edge = end - begin;
+  const double length = glm::length(edge);
+  if (!(length > 0)) return 0;
+  const double from = glm::dot(begin, edge) / length, half2 = radius * radius - (glm::dot(begin, begin) - from * from);
+  if (!(half2 > 0)) return 0;
+  const double half = std::sqrt(half2), low = std::max(from, -half), high = std::min(from + length, half);
+  const auto up_to = [&](double s) { return (half2 * s - s * s * s / 3) / (radius * radius); };
+  return low < high ? up_to(high) - up_to(low) : 0;
+}
+
+// Signed bends times the dyads of the edges' directions.
+struct BendTensor {
+  dmat3 sum{0.0};
+  double squares = 0; // the squared norm to expect of random signs
+
+  void add(double bend, dvec3 direction) {
+    sum += glm::outerProduct(bend * direction, direction);
+    squares += bend * bend;
+  }
+  double norm2() const { return glm::dot(sum[0], sum[0]) + glm::dot(sum[1], sum[1]) + glm::dot(sum[2], sum[2]); }
+};
+
+class Bends {
+public:
+  Bends(const Triangles &triangles, const HalfEdges &half_edges, std::span<const uint8_t> chosen, std::span<const vec3> normals)
+      : triangles_(triangles), half_edges_(half_edges), chosen_(chosen), normals_(normals) {}
+
+  Turning around(int32_t edge, double reach, BallFlood &flood) const {
+    const dvec3 center = middle_of(triangles_, edge);
+    flood.start_in_triangle(center, edge / 3);
+    flood.grow(reach);
+    Turning turning;
+    BendTensor all;
+    std::array<BendTensor, octants> others;
+    for (const int32_t triangle : flood.triangles())
+      for (int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
+        const dvec3 begin = dvec3(triangles_.position(h)) - center, end = dvec3(triangles_.position(next_corner(h))) - center;
+        const double bend = half_edges_.twin[h] > h ? bowl_on_segment(begin, end, reach) * signed_chord(h, end - begin) : 0;
+        if (bend == 0) continue;
+        const dvec3 direction = glm::normalize(end - begin), middle = begin + end;
+        all.add(bend, direction);
+        (chosen_[h] ? turning.edges : turning.others) += std::abs(bend);
+        if (!chosen_[h]) others[(middle.x > 0) + 2 * (middle.y > 0) + 4 * (middle.z > 0)].add(bend, direction);
+      }
+    turning.net = std::sqrt(all.norm2());
+    for (const BendTensor &octant : others) turning.others_net2 += octants * (octant.norm2() - octant.squares);
+    return turning;
+  }
+
+private:
+  // The chord of the angle between the normals beside an edge, negative where the surface is concave.
+  double signed_chord(int32_t half_edge, dvec3 way) const {
+    const vec3 left = normals_[half_edge / 3], right = normals_[half_edges_.twin[half_edge] / 3];
+    return std::copysign(static_cast<double>(length(left - right)), glm::dot(dvec3(cross(left, right)), way));
+  }
+
+  const Triangles &triangles_;
+  const HalfEdges &half_edges_;
+  std::span<const uint8_t> chosen_;
+  std::span<const vec3> normals_;
+};
+
+} // namespace
+
+EdgeLines judge_lines(const Triangles &triangles, const HalfEdges &half_edges, std::span<const int32_t> edges,
+                      std::span<const uint8_t> chosen, std::span<const vec3> normals, double least_reach, double edges_in_reach,
+                      JudgePlace judge, int threads) {
+  EdgeLines lines = join(triangles, half_edges, edges);
+  for (EdgeLine &line : lines.line) line.reach = std::max(least_reach, edges_in_reach * line.length / line.edges);
+  const std::vector<int32_t> places = spread_out(triangles, edges, lines);
+  const Bends bends(triangles, half_edges, chosen, normals);
+  std::vector<uint8_t> agreed(places.size());
+  Pool<BallFlood> pool;
+  parallel_blocks(static_cast<int>(places.size()), threads, 16, [&](int begin, int end) {
+    pool.with_one([&] { return BallFlood(triangles, half_edges); },
+                  [&](BallFlood &flood) {
+                    for (int i = begin; i < end; ++i) {
+                      const EdgeLine &line = lines.line[lines.line_of[places[i]]];
+                      agreed[i] = judge(line, bends.around(edges[places[i]], line.reach, flood));
+                    }
+                  });
+  });
+  for (size_t i = 0; i < places.size(); ++i) {
+    EdgeLine &line = lines.line[lines.line_of[places[i]]];
+    ++line.places;
+    line.agreed += agreed[i];
+  }
+  return lines;
+}
+
+} // namespace paradesc

@@ -1,0 +1,148 @@
+"""Makes surfaces that are not smooth: folded, noisy, stepped, decimated ones of known curvature, and solids with known edges."""
+
+import numpy as np
+from surfaces import cube_directions
+
+RADIUS, TUBE = 1.0, 0.4  # of the torus
+AXES = np.array([1.5, 1.0, 0.7])  # of the ellipsoid
+
+
+def grid_faces(columns, rows):
+    """(2 * columns * rows, 3) triangles of a grid that closes in both directions."""
+    i, j = np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij")
+    a, b, c, d = ((i + k) % columns * rows + (j + m) % rows for k, m in ((0, 0), (1, 0), (1, 1), (0, 1)))
+    return np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)]).reshape(-1, 3)
+
+
+def torus(vertices, moved=0.0, seed=0):
+    """A torus whose vertices are moved along it by up to this share of a cell, with its mean curvature."""
+    generator = np.random.default_rng(seed)
+    columns = round(np.sqrt(vertices * RADIUS / TUBE))
+    rows = round(vertices / columns)
+    places = np.stack(np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"), -1)
+    u, v = np.moveaxis((places + generator.uniform(-moved, moved, places.shape)) * 2 * np.pi / (columns, rows), -1, 0)
+    ring = RADIUS + TUBE * np.cos(v)
+    points = np.stack([ring * np.cos(u), ring * np.sin(u), TUBE * np.sin(v)], -1).reshape(-1, 3)
+    return points, grid_faces(columns, rows), torus_curvature(points)
+
+
+def torus_curvature(points):
+    """(n,) mean curvature of the torus near these points."""
+    v = np.arctan2(points[:, 2], np.hypot(points[:, 0], points[:, 1]) - RADIUS)
+    return (1 / TUBE + np.cos(v) / (RADIUS + TUBE * np.cos(v))) / 2
+
+
+def round_body(axes, vertices, moved=0.0, seed=0):
+    """A sphere or an ellipsoid in six patches, whose inner vertices are moved along it by up to this share of a cell."""
+    directions, patches = cube_directions(vertices, moved / 0.3, seed)  # which moves by up to 0.3 of a cell
+    faces = []
+    for patch in patches:
+        a, b, c, d = patch.vertices[:-1, :-1], patch.vertices[1:, :-1], patch.vertices[1:, 1:], patch.vertices[:-1, 1:]
+        faces += [np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)]
+    points = directions * axes
+    return points, np.concatenate(faces), ellipsoid_curvature(points, axes)
+
+
+def ellipsoid_curvature(points, axes):
+    """(n,) mean curvature of the ellipsoid near these points."""
+    axes = np.broadcast_to(np.asarray(axes, float), 3)
+    points = points / np.sqrt(((points / axes) ** 2).sum(1, keepdims=True))
+    height = 1 / np.sqrt((points**2 / axes**4).sum(1))
+    return ((axes**2).sum() - (points**2).sum(1)) * height**3 / (2 * np.prod(axes) ** 2)
+
+
+def mean_edge(points, faces):
+    """The mean length of the triangles' sides."""
+    return np.mean([np.linalg.norm(points[faces[:, k]] - points[faces[:, k - 1]], axis=1) for k in range(3)])
+
+
+def noisy(points, faces, amount, seed=0):
+    """The points, each moved in a random direction by a normal deviate of so many mean edges."""
+    generator = np.random.default_rng(seed + 100)
+    ways = generator.normal(size=points.shape)
+    ways *= generator.normal(size=(len(points), 1)) / np.linalg.norm(ways, axis=1, keepdims=True)
+    return points + ways * amount * mean_edge(points, faces)
+
+
+def staircase(body, cell):
+    """Marching cubes of the voxels whose centers lie in a body: points, triangles, mean curvature of the body."""
+    import vtk
+    from vtk.util import numpy_support
+
+    reach = {"sphere": np.ones(3), "ellipsoid": AXES, "torus": np.array([1.4, 1.4, 0.4])}[body] + 2 * cell
+    ways = [np.arange(-far, far + cell, cell) for far in reach]
+    x, y, z = np.meshgrid(*ways, indexing="ij")
+    if body == "torus":
+        inside = (np.hypot(x, y) - RADIUS) ** 2 + z**2 < TUBE**2
+    else:
+        a, b, c = AXES if body == "ellipsoid" else np.ones(3)
+        inside = (x / a) ** 2 + (y / b) ** 2 + (z / c) ** 2 < 1
+    image = vtk.vtkImageData()
+    image.SetDimensions(*(len(way) for way in ways))
+    image.SetSpacing(cell, cell, cell)
+    image.SetOrigin(*(way[0] for way in ways))
+    image.GetPointData().SetScalars(numpy_support.numpy_to_vtk(inside.astype(np.float32).ravel(order="F"), deep=True))
+    cubes = vtk.vtkMarchingCubes()
+    cubes.SetInputData(image)
+    cubes.SetValue(0, 0.5)
+    cubes.Update()
+    points, faces = arrays_of(cubes.GetOutput())
+    if body == "torus":
+        return points, faces, torus_curvature(points)
+    return points, faces, ellipsoid_curvature(points, AXES if body == "ellipsoid" else np.ones(3))
+
+
+def arrays_of(surface):
+    """Points and triangles of VTK's surface, wound outwards."""
+    from vtk.util import numpy_support
+
+    points = numpy_support.vtk_to_numpy(surface.GetPoints().GetData()).astype(float)
+    faces = numpy_support.vtk_to_numpy(surface.GetPolys().GetData()).reshape(-1, 4)[:, 1:].astype(int)
+    corners = points[faces]
+    volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    return points, faces if volume > 0 else faces[:, ::-1]
+
+
+def box(cells):
+    """A cube with so many cells along a side: points, triangles."""
+    side = 2 * np.arange(cells + 1) / cells - 1
+    a, b = (part.reshape(-1) for part in np.meshgrid(side, side, indexing="ij"))
+    place = np.arange((cells + 1) ** 2).reshape(cells + 1, -1)
+    corners = [part.reshape(-1) for part in (place[:-1, :-1], place[1:, :-1], place[1:, 1:], place[:-1, 1:])]
+    triangles = np.concatenate([np.stack([corners[0], corners[k], corners[k + 1]], 1) for k in (1, 2)])
+    points, faces = [], []
+    for axis in range(3):
+        for sign in (1, -1):
+            points.append(np.stack([np.full_like(a, sign), sign * a, b], 1)[:, np.argsort(np.roll(range(3), -axis))])
+            faces.append(triangles + len(faces) * len(a))
+    points, faces = np.concatenate(points), np.concatenate(faces)
+    _, first, shared = np.unique(np.round(points, 6), axis=0, return_index=True, return_inverse=True)
+    return points[first], shared.reshape(-1)[faces]
+
+
+def ridge(bend, rows=24):
+    """A bar whose section is a triangle; its upper edge bends by so many degrees: points, triangles."""
+    height = 0.5 * np.tan(np.radians(bend) / 2)
+    section = np.array([[-0.5, 0], [0.5, 0], [0, height]])
+    sides = np.roll(section, -1, 0) - section
+    counts = np.maximum(1, np.round(np.linalg.norm(sides, axis=1) * rows)).astype(int)
+    ring = np.concatenate(
+        [start + side * np.arange(n)[:, None] / n for start, side, n in zip(section, sides, counts, strict=True)]
+    )
+    n, layers = len(ring), max(1, int(counts.min()) // 3)
+    middle = section.mean(0)
+
+    def place(points, y):
+        return np.stack([points[:, 0], np.full(len(points), y), points[:, 1]], 1)
+
+    rings = [place(middle + (ring - middle) * k / layers, 0.0) for k in range(1, layers)]
+    rings += [place(ring, y) for y in np.linspace(0, 1, rows + 1)]
+    rings += [place(middle + (ring - middle) * k / layers, 1.0) for k in range(layers - 1, 0, -1)]
+    i, j = np.meshgrid(np.arange(len(rings) - 1), np.arange(n), indexing="ij")
+    a, b = i * n + j, i * n + (j + 1) % n
+    faces = [np.stack([a, b + n, b], -1).reshape(-1, 3), np.stack([a, a + n, b + n], -1).reshape(-1, 3)]
+    total, own, after = n * len(rings), np.arange(n), np.roll(np.arange(n), -1)
+    faces.append(np.stack([own, after, np.full(n, total)], 1))
+    faces.append(np.stack([after + total - n, own + total - n, np.full(n, total + 1)], 1))
+    ends = np.stack([place(middle[None], y)[0] for y in (0.0, 1.0)])
+    return np.concatenate([*rings, ends]), np.concatenate(faces)
