@@ -330,16 +330,11 @@ def test_malformed_mesh_gives_results_for_its_sound_vertices(paradesc, tmp_path,
 
 
 @pytest.mark.slow
-def test_infinite_coordinates_that_blender_sets_to_zero_leave_the_faces_with_area(paradesc, tmp_path):
-    accepted(paradesc("bake", real_mesh("malformed/infinite_coordinates.glb"), *QUICK, "--output", "out.npz"))
-    arrays = loaded(tmp_path / "out.npz")
-    assert (arrays["vertices"][:, 0] == 0).all()  # a cube pressed flat, without a UV map; in Blender 5.2 to a point
-    defined = np.isfinite(arrays["mean_curvature"])
-    # Before Blender 4 the unwrap gives the flat sides no area either.
-    assert defined.sum() == (8 if bpy.app.version >= (4, 0) and arrays["vertices"].any() else 0)
-    radius = float(QUICK[1]) * np.linalg.norm(np.ptp(arrays["vertices"], axis=0))
-    # All lie on the rim of a solid without thickness, which fills nothing of a ball.
-    np.testing.assert_allclose(arrays["mean_curvature"][defined] * radius, 8 / 3, rtol=1e-3)
+def test_infinite_coordinates_that_blender_would_set_to_zero_are_refused(paradesc, tmp_path):
+    path = real_mesh("malformed/infinite_coordinates.glb")
+    process = paradesc("bake", path, *QUICK, "--output", "out.npz")
+    refused(process, "infinite_coordinates.glb", "(-inf, -0.5, 0.5); positions have to be finite numbers")
+    assert not (tmp_path / "out.npz").exists()
 
 
 @pytest.mark.slow

@@ -52,6 +52,7 @@ def frame_shown() -> int:
 
 def edit_steps() -> Iterator[None]:
     """Edits the shape in object mode and in edit mode, and undoes an edit."""
+    bpy.ops.ed.undo_push(message="before the edit")  # Bake Frames has left a step at another frame
     key = target().data.shape_keys.key_blocks["Large"]
     key.value = 0.5
     yield from wait_for(follows(3.0))
