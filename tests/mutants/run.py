@@ -74,7 +74,7 @@ def read_mutants() -> list[Mutant]:
 
 
 def place(tree: Path, mutant: Mutant) -> tuple[Path | None, str]:
-    """The one file with the old text, else None and the reason."""
+    """The one file with the old text, else None and the reason: also where a file of Python cannot be compiled then."""
     hits: list[tuple[Path, int]] = []
     base = tree / mutant.folder
     for path in [base] if base.is_file() else sorted(base.rglob("*")):
@@ -85,7 +85,13 @@ def place(tree: Path, mutant: Mutant) -> tuple[Path | None, str]:
     if total != 1:
         where = ", ".join(str(path.relative_to(tree)) for path, _ in hits)
         return None, f"the old text is there {total} times{': ' if where else ''}{where}"
-    return hits[0][0], ""
+    path = hits[0][0]
+    if path.suffix == ".py":
+        try:
+            compile(mutant.pattern.sub(lambda _: mutant.new, path.read_text()), path, "exec")
+        except SyntaxError as error:
+            return None, f"{path.relative_to(tree)}: {error.msg}"
+    return path, ""
 
 
 def source_files() -> list[Path]:
