@@ -195,6 +195,19 @@ def test_32_bit_floats_that_hold_all_digits_give_the_same_values():
     np.testing.assert_allclose(found, expected, atol=1e-5 * np.ptp(expected))  # the middle is no whole number
 
 
+def test_some_positions_tell_of_no_far_mesh_that_it_is_near():
+    generator = np.random.default_rng(0)
+    far = 0
+    for count in (1, 2, 3, 65, 1000):
+        for _ in range(200):
+            points = generator.normal(size=(count, 3)) * generator.uniform(0.1, 1, 3) + generator.normal(size=3) * 3
+            low, high = points.min(axis=0), points.max(axis=0)
+            is_far = np.abs(low + high).max() > 2 * (high - low).max()
+            far += is_far
+            assert (origin.far_center(points) is not None) == is_far
+    assert 100 < far < 900
+
+
 def test_arrays_of_any_type_reach_the_library_near_the_origin():
     points, quads, _ = surface(np.array([1000.0, 0, 0]))
     triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]).astype(np.int32)

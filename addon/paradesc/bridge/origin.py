@@ -14,12 +14,22 @@ ROUNDING_THAT_SHOWS = 1e-3
 
 def far_center(points: np.ndarray) -> np.ndarray | None:
     """(3,) float64 middle of (n, 3) positions that lie farther from the origin than they span; None of others."""
-    if len(points) == 0:
+    if len(points) == 0 or is_around_origin(points):
         return None
     low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
     with np.errstate(over="ignore", invalid="ignore"):  # positions that are not finite are refused by the library
         center = low / 2 + high / 2
         return center if np.abs(center).max() > (high / 2 - low / 2).max() * 2 else None
+
+
+def is_around_origin(points: np.ndarray) -> bool:
+    """Whether some of the (n, 3) positions tell that they are not far; a mesh is asked several times a frame.
+
+    The middle of a box is half of its width from any point at most, so a box that is far has no point nearer than that.
+    """
+    some = points[:: len(points) // 64 + 1].astype(np.float64)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.abs(some).max(axis=1).min() <= np.ptp(some / 2, axis=0).max())
 
 
 def near_origin(points: np.ndarray) -> np.ndarray:
