@@ -124,7 +124,8 @@ TEST_P(RealMeshes, agree_with_the_oracle_at_every_vertex) {
   std::cout << std::ranges::count(compared, 0) << " defined and " << other << " boundaries seen on one side only\n";
   EXPECT_LE(other, test_case.boundaries);
   EXPECT_GT(fast.report.coverage_mean, 0.999);
-  EXPECT_LE(fast.report.low_coverage_vertices, 2); // the two corners of a flap of the beast, which is doubled and smaller than a texel
+  EXPECT_LE(fast.report.low_coverage_vertices,
+            2); // the two corners of a flap of the beast, which is doubled and smaller than a texel
   EXPECT_LE(fast.report.undefined_vertices, 2);
 }
 

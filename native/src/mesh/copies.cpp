@@ -64,7 +64,7 @@ bool has_copies_of(const Triangles &triangles, const Places &places, const std::
   }
   if (looked_for.empty()) return false;
   std::ranges::sort(looked_for);
-  looked_for.erase(std::ranges::unique(looked_for).begin(), looked_for.end());
+  looked_for.erase(std::unique(looked_for.begin(), looked_for.end()), looked_for.end());
   std::vector<uint8_t> is_lowest(is_shared.size(), 0);
   for (const Three &three : looked_for) is_lowest[three[0]] = 1;
   size_t found = 0;
