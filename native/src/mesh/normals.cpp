@@ -24,9 +24,9 @@ constexpr double spread_full = 0.95;             // 18 degrees: up to here the f
 constexpr double spread_none = 0.88;             // 28 degrees: from here the faces' mean alone
 constexpr double turn_full = 0.9902680687415704; // 8 degrees
 constexpr double turn_none = 0.9781476007338057; // 12 degrees
-// Where Max's weights give way to areas. A fit needs a direction that folds and slivers do not turn; Max's own are exact on a
-// sphere as long as they do not.
-constexpr double least_squares_fitted = 1, least_squares_max = 0.01;
+// Where Max's weights give way to areas: a fit needs a direction that folds and slivers do not turn. Max's own, which are exact
+// on a sphere, never do.
+constexpr double least_squares_fitted = 1, least_squares_max = 0;
 
 // ---- Fans -----------------------------------------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ layout(binding = UNIT_RING_FACES) uniform isamplerBuffer ring_faces;
 // In cosines: 18 and 28 degrees of spread, 8 and 12 of turn.
 const double spread_full = 0.95LF, spread_none = 0.88LF;
 const double turn_full = 0.9902680687415704LF, turn_none = 0.9781476007338057LF;
-const double least_squares = FITTED == 1 ? 1.0LF : 0.01LF;
+const double least_squares = FITTED == 1 ? 1.0LF : 0.0LF;
 
 dvec3 fan_position(int entry) { return dvec3(mesh_position(texelFetch(fan_vertices, entry).x)); }
 
