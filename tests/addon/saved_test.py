@@ -26,10 +26,16 @@ DESCRIPTORS = ("mean_curvature", "shape_index", "harris")
 
 
 @pytest.fixture(params=ARCHIVES, ids=lambda path: path.stem)
-def saved(request, tmp_path):
+def archive(request):
+    """What one version has saved, packed."""
+    return request.param
+
+
+@pytest.fixture
+def saved(archive, tmp_path):
     """The folder of the .blend, its frames and its preset."""
-    with zipfile.ZipFile(request.param) as archive:
-        archive.extractall(tmp_path)
+    with zipfile.ZipFile(archive) as packed:
+        packed.extractall(tmp_path)
     return tmp_path
 
 
@@ -44,6 +50,13 @@ def arrays(saved):
     """Every attribute that was in the file, by object, frame and name."""
     with np.load(saved / "expected.npz") as found:
         return dict(found)
+
+
+@pytest.fixture
+def computed(arrays, archive):
+    """The same where the method has changed since: what it gives now (the manual's values.md says why)."""
+    with np.load(archive.with_suffix(".npz")) as found:
+        return {**arrays, **found}
 
 
 @pytest.fixture
@@ -175,10 +188,10 @@ def test_colors_can_be_made_again_from_the_values_that_are_there(scene, arrays):
     assert np.ptp(colors[:, :3], axis=1).max() < 1e-3
 
 
-def test_a_bake_with_the_saved_settings_gives_the_saved_values(scene, arrays):
+def test_a_bake_with_the_saved_settings_gives_the_saved_values(scene, computed):
     choose("baked")
     scene.paradesc.descriptors, scene.paradesc_animation.source = set(DESCRIPTORS), "original"
-    wanted = below(arrays, "baked/")
+    wanted = below(computed, "baked/")
     mesh = bpy.data.objects["baked"].data
     for name in wanted:
         mesh.attributes.remove(mesh.attributes[name])
@@ -187,11 +200,11 @@ def test_a_bake_with_the_saved_settings_gives_the_saved_values(scene, arrays):
 
 
 @pytest.mark.parametrize("name", ["live", "played"])
-def test_live_and_played_objects_follow_their_frames_as_before(scene, arrays, name):
+def test_live_and_played_objects_follow_their_frames_as_before(scene, arrays, computed, name):
     for frame in (1, 2, 3):
         scene.frame_set(frame)
         assert bpy.data.objects[name].paradesc_live.sentence == ""
-        wanted = below(arrays, f"{name}/{frame}/")
+        wanted = below(arrays if name == "played" else computed, f"{name}/{frame}/")
         found = attributes(name, wanted)
         assert_close(found, wanted)
         if name == "played":
@@ -219,13 +232,13 @@ def test_frames_that_are_there_are_not_computed_again(scene, saved):
     assert all(now != before[name] for name, now in stamps(saved).items())
 
 
-def test_frames_are_baked_and_played_on_in_an_old_file(scene, saved, arrays):
+def test_frames_are_baked_and_played_on_in_an_old_file(scene, saved, computed):
     scene.paradesc_animation.overwrite = True
     choose("live")
     assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
     assert switch(bpy.data.objects["live"], "CACHE") == ""
     scene.frame_set(2)
-    wanted = {"mean_curvature": arrays["live/2/mean_curvature"]}
+    wanted = {"mean_curvature": computed["live/2/mean_curvature"]}
     assert_close(attributes("live", wanted), wanted)
 
 
@@ -265,12 +278,12 @@ def test_a_farm_goes_on_with_the_scene_settings_of_an_old_file(saved, run, repor
     assert report()["settings"]["samples"] == 72
 
 
-def test_the_command_line_bakes_an_old_file_by_its_settings(saved, paradesc, arrays):
+def test_the_command_line_bakes_an_old_file_by_its_settings(saved, paradesc, computed):
     names = ",".join(DESCRIPTORS)
     words = ("--scene-settings", "--object", "baked", "--source", "original", "--descriptors", names)
     done = paradesc("bake", saved / "saved.blend", *words, "--output", "out.npz")
     assert done.returncode == 0, done.stderr
     with np.load(saved / "out.npz") as found:
         assert_close(
-            {name: found[name] for name in DESCRIPTORS}, {name: arrays[f"baked/{name}"] for name in DESCRIPTORS}
+            {name: found[name] for name in DESCRIPTORS}, {name: computed[f"baked/{name}"] for name in DESCRIPTORS}
         )
