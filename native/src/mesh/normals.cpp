@@ -20,8 +20,8 @@ namespace {
 constexpr int block_size = 1024;
 // For smooth surfaces only: beyond these, in cosines, the fit gives way to the mean of the fan's faces. The spread is that of
 // faces by their areas.
-constexpr double spread_full = 0.95;             // 18 degrees: up to here the fit alone
-constexpr double spread_none = 0.88;             // 28 degrees: from here the faces' mean alone
+constexpr double spread_full = 0.9;              // 26 degrees: up to here the fit alone
+constexpr double spread_none = 0.8;              // 37 degrees: from here the faces' mean alone
 constexpr double turn_full = 0.9902680687415704; // 8 degrees
 constexpr double turn_none = 0.9781476007338057; // 12 degrees
 // Where Max's weights give way to areas: a fit needs a direction that folds and slivers do not turn. Max's own, which are exact

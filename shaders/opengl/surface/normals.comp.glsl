@@ -12,8 +12,8 @@ layout(binding = UNIT_FAN_VERTICES) uniform isamplerBuffer fan_vertices;
 layout(binding = UNIT_RING_VERTICES) uniform isamplerBuffer ring_vertices;
 layout(binding = UNIT_RING_FACES) uniform isamplerBuffer ring_faces;
 
-// In cosines: 18 and 28 degrees of spread, 8 and 12 of turn.
-const double spread_full = 0.95LF, spread_none = 0.88LF;
+// In cosines: 26 and 37 degrees of spread, 8 and 12 of turn.
+const double spread_full = 0.9LF, spread_none = 0.8LF;
 const double turn_full = 0.9902680687415704LF, turn_none = 0.9781476007338057LF;
 const double least_squares = FITTED == 1 ? 1.0LF : 0.0LF;
 
