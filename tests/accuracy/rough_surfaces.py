@@ -1,29 +1,26 @@
 """Makes surfaces that are not smooth: folded, noisy, stepped, decimated ones of known curvature, and solids with known edges."""
 
 import numpy as np
-from surfaces import cube_directions
+from surfaces import JITTER, cube_directions, rectangle
 
 RADIUS, TUBE = 1.0, 0.4  # of the torus
 AXES = np.array([1.5, 1.0, 0.7])  # of the ellipsoid
 
 
-def grid_faces(columns, rows):
-    """(2 * columns * rows, 3) triangles of a grid that closes in both directions."""
-    i, j = np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij")
-    a, b, c, d = ((i + k) % columns * rows + (j + m) % rows for k, m in ((0, 0), (1, 0), (1, 1), (0, 1)))
-    return np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)]).reshape(-1, 3)
+def triangles_of(patch):
+    """(2 * cells, 3) triangles of a patch, all cells cut along the same diagonal, so that some fold where vertices move far."""
+    place = patch.vertices
+    a, b, c, d = place[:-1, :-1], place[1:, :-1], place[1:, 1:], place[:-1, 1:]
+    return np.concatenate([np.stack(part, -1).reshape(-1, 3) for part in ((a, b, c), (a, c, d))])
 
 
 def torus(vertices, moved=0.0, seed=0):
     """A torus whose vertices are moved along it by up to this share of a cell, with its mean curvature."""
-    generator = np.random.default_rng(seed)
-    columns = round(np.sqrt(vertices * RADIUS / TUBE))
-    rows = round(vertices / columns)
-    places = np.stack(np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"), -1)
-    u, v = np.moveaxis((places + generator.uniform(-moved, moved, places.shape)) * 2 * np.pi / (columns, rows), -1, 0)
+    parameters, patch = rectangle((RADIUS, TUBE), (True, True), vertices, moved / JITTER, seed)
+    u, v = 2 * np.pi * parameters.T
     ring = RADIUS + TUBE * np.cos(v)
-    points = np.stack([ring * np.cos(u), ring * np.sin(u), TUBE * np.sin(v)], -1).reshape(-1, 3)
-    return points, grid_faces(columns, rows), torus_curvature(points)
+    points = np.stack([ring * np.cos(u), ring * np.sin(u), TUBE * np.sin(v)], 1)
+    return points, triangles_of(patch), torus_curvature(points)
 
 
 def torus_curvature(points):
@@ -34,13 +31,9 @@ def torus_curvature(points):
 
 def round_body(axes, vertices, moved=0.0, seed=0):
     """A sphere or an ellipsoid in six patches, whose inner vertices are moved along it by up to this share of a cell."""
-    directions, patches = cube_directions(vertices, moved / 0.3, seed)  # which moves by up to 0.3 of a cell
-    faces = []
-    for patch in patches:
-        a, b, c, d = patch.vertices[:-1, :-1], patch.vertices[1:, :-1], patch.vertices[1:, 1:], patch.vertices[:-1, 1:]
-        faces += [np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)]
+    directions, patches = cube_directions(vertices, moved / JITTER, seed)
     points = directions * axes
-    return points, np.concatenate(faces), ellipsoid_curvature(points, axes)
+    return points, np.concatenate([triangles_of(patch) for patch in patches]), ellipsoid_curvature(points, axes)
 
 
 def ellipsoid_curvature(points, axes):

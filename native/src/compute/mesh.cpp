@@ -36,10 +36,15 @@ static pdesc_mesh_report describe(const Triangles &triangles, const HalfEdges &h
   return report;
 }
 
+double mean_edge_of(const Mesh &mesh) {
+  return mesh.mean_edge.get(mesh.positions_version,
+                            [&] { return mean_edge(mesh.triangles, mesh.half_edges, mesh.context->threads); });
+}
+
 pdesc_mesh_report report_of(const Mesh &mesh) {
   pdesc_mesh_report report = mesh.found;
   report.diagonal = static_cast<float>(mesh.extent.diagonal);
-  report.mean_edge = static_cast<float>(mean_edge(mesh.triangles, mesh.half_edges, mesh.context->threads));
+  report.mean_edge = static_cast<float>(mean_edge_of(mesh));
   report.inward_parts = count_inward_parts(mesh.triangles, mesh.half_edges, mesh.extent.box, mesh.context->threads);
   return report;
 }
@@ -74,11 +79,6 @@ void move_mesh(Mesh &mesh, const float *positions, int32_t vertex_count) {
   set_positions(mesh.triangles, positions, vertex_count);
   ++mesh.positions_version;
   mesh.extent = measure_extent(mesh.triangles, mesh.half_edges, mesh.context->threads);
-}
-
-double mean_edge_of(const Mesh &mesh) {
-  return mesh.mean_edge.get(mesh.positions_version,
-                            [&] { return mean_edge(mesh.triangles, mesh.half_edges, mesh.context->threads); });
 }
 
 double requested_radius(const Mesh &mesh, const pdesc_options &options) {

@@ -35,6 +35,10 @@ constexpr int block_size = 1024;
 
 dvec3 corner_position(const Triangles &triangles, int corner) { return dvec3(triangles.position(corner)); }
 
+double bend_of(const Triangles &triangles, const HalfEdges &half_edges, std::span<const vec3> normals, int half_edge) {
+  return bend_between(dvec3(normals[half_edge / 3]), dvec3(normals[half_edges.twin[half_edge] / 3]), along(triangles, half_edge));
+}
+
 // Looks at what bends beside edges.
 class Surroundings {
 public:
@@ -61,10 +65,7 @@ public:
   }
 
 private:
-  double bend_of(int half_edge) const {
-    return bend_between(dvec3(normals_[half_edge / 3]), dvec3(normals_[half_edges_.twin[half_edge] / 3]),
-                        along(triangles_, half_edge));
-  }
+  double bend_of(int half_edge) const { return paradesc::bend_of(triangles_, half_edges_, normals_, half_edge); }
 
   // It bends no more than that, which is told without the angle: below a quarter of a turn, that is over its chord by less than a
   // ninth. Beside a needle, whose normal is another face's, it may bend less by far.
@@ -170,18 +171,16 @@ public:
 private:
   int32_t edges_at(int32_t corner) const { return edges_at_[half_edges_.corner_point[corner]]; }
 
-  double bend_at(int32_t edge) const {
-    return bend_between(dvec3(normals_[edge / 3]), dvec3(normals_[half_edges_.twin[edge] / 3]), along(triangles_, edge));
-  }
+  double bend_of(int32_t edge) const { return paradesc::bend_of(triangles_, half_edges_, normals_, edge); }
 
-  // Of the half-edges that start where this one starts, the one that goes on most of all; -1: none.
+  // Finds the half-edge from the same point that goes on most of all; -1: none.
   int32_t straight_on(int32_t back) const {
     const dvec3 way = -glm::normalize(along(triangles_, back));
     int32_t best = -1;
     double most = 0;
     for (int32_t h = half_edges_.twin[previous_corner(back)]; h >= 0 && h != back; h = half_edges_.twin[previous_corner(h)]) {
       if (half_edges_.twin[h] < 0) return -1;
-      const double bend = bend_at(h) / bend_at(back), straight = glm::dot(glm::normalize(along(triangles_, h)), way);
+      const double bend = bend_of(h) / bend_of(back), straight = glm::dot(glm::normalize(along(triangles_, h)), way);
       if (bend < least_gap_bend || straight < least_straight || !(bend * straight > most)) continue;
       most = bend * straight;
       best = h;

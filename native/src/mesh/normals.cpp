@@ -24,10 +24,6 @@ constexpr double spread_full = 0.9;              // 26 degrees: up to here the f
 constexpr double spread_none = 0.8;              // 37 degrees: from here the faces' mean alone
 constexpr double turn_full = 0.9902680687415704; // 8 degrees
 constexpr double turn_none = 0.9781476007338057; // 12 degrees
-// Where Max's weights give way to areas: a fit needs a direction that folds and slivers do not turn. Max's own, which are exact
-// on a sphere, never do.
-constexpr double least_squares_fitted = 1, least_squares_max = 0;
-
 // ---- Fans -----------------------------------------------------------------------------------------------------------------
 
 dvec3 position(const Triangles &triangles, int vertex) { return dvec3(triangles.positions[vertex]); }
@@ -77,26 +73,43 @@ struct Sources {
   FaceNormal face(int index) const { return faces.empty() ? face_normal(triangles, index) : faces[index]; }
 };
 
-// N. Max's, from edges to the vertices around. Faces that are smaller than others count by their areas instead: with Max's
-// weights a sliver whose edge is one rounding long would decide alone, by a direction that says nothing. least_squares: of the
-// mean product of the squares of a face's two edges.
-dvec3 max_normal(const Sources &from, int fan, double least_squares) {
+// use(a, b, |a|² |b|²) for each face of a fan, whose edges from the fan's own vertex are a and b.
+void for_each_face(const Sources &from, int fan, const auto &use) {
   const auto vertices = slice(from.rings.fan_begin, from.rings.fan_vertex, fan);
   const dvec3 p = position(from.triangles, vertices[0]);
-  const auto edge = [&](size_t i) { return position(from.triangles, vertices[i]) - p; };
-  double squares = 0;
-  for (size_t i = 1; i + 1 < vertices.size(); ++i) squares += glm::dot(edge(i), edge(i)) * glm::dot(edge(i + 1), edge(i + 1));
-  squares *= least_squares / static_cast<double>(vertices.size() - 2);
-  dvec3 sum(0);
-  for (size_t i = 1; i + 1 < vertices.size(); ++i) {
-    const dvec3 a = edge(i), b = edge(i + 1);
-    const double own = std::max(squares, glm::dot(a, a) * glm::dot(b, b));
-    if (own > 0) sum += glm::cross(a, b) / own;
+  dvec3 a = position(from.triangles, vertices[1]) - p;
+  double square = glm::dot(a, a);
+  for (const int32_t vertex : vertices.subspan(2)) {
+    const dvec3 b = position(from.triangles, vertex) - p;
+    const double next_square = glm::dot(b, b);
+    use(a, b, square * next_square);
+    a = b;
+    square = next_square;
   }
+}
+
+// The mean of |a|² |b|² over a fan's faces.
+double mean_squares(const Sources &from, int fan) {
+  double sum = 0;
+  int count = 0;
+  for_each_face(from, fan, [&](dvec3, dvec3, double squares) {
+    sum += squares;
+    ++count;
+  });
+  return sum / count;
+}
+
+// N. Max's weights, 1 / |a|² |b|² of the face's vector area, from edges to the vertices around. From least_squares down faces
+// count by their areas alone: a sliver whose edge is one rounding long would decide otherwise, by a direction that says nothing.
+dvec3 max_normal(const Sources &from, int fan, double least_squares = 0) {
+  dvec3 sum(0);
+  for_each_face(from, fan, [&](dvec3 a, dvec3 b, double squares) {
+    if (const double most = std::max(squares, least_squares); most > 0) sum += glm::cross(a, b) / most;
+  });
   if (const dvec3 normal = unit_or(sum, dvec3(0)); normal != dvec3(0)) return normal;
-  for (size_t i = vertices.size() - 1; i > 1; --i) // faces that cancel out: the last one's, which has one
-    if (const dvec3 normal = unit_or(glm::cross(edge(i - 1), edge(i)), dvec3(0)); normal != dvec3(0)) return normal;
-  return dvec3(0, 0, 1);
+  dvec3 last(0, 0, 1); // faces that cancel out: the last one's, which has one
+  for_each_face(from, fan, [&](dvec3 a, dvec3 b, double) { last = unit_or(glm::cross(a, b), last); });
+  return last;
 }
 
 // 1 where value >= full, 0 where value <= none, smooth between.
@@ -115,7 +128,7 @@ public:
 
   // ring, faces: as NormalRings has them. place: of the normal.
   void add(int fan, std::span<const int32_t> ring, std::span<const int32_t> faces, int place) {
-    const dvec3 n = max_normal(from_, fan, least_squares_fitted);
+    const dvec3 n = max_normal(from_, fan, mean_squares(from_, fan));
     const double spread = spread_of(faces, n);
     if (spread <= spread_none) {
       normals_[place] = vec3(n);
@@ -192,7 +205,7 @@ private:
 std::vector<vec3> max_normals(const Sources &from, int count, int threads, const auto &fan_of) {
   std::vector<vec3> normals(static_cast<size_t>(count));
   parallel_blocks(count, threads, block_size, [&](int begin, int end) {
-    for (int i = begin; i < end; ++i) normals[i] = vec3(max_normal(from, fan_of(i), least_squares_max));
+    for (int i = begin; i < end; ++i) normals[i] = vec3(max_normal(from, fan_of(i)));
   });
   return normals;
 }

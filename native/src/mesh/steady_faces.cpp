@@ -109,28 +109,23 @@ static void round_some(const Triangles &triangles, const HalfEdges &half_edges, 
   }
 }
 
-// The vector area of the faces around a corner's point. Where the point lies among its neighbors does not change it.
-static dvec3 area_around(const Triangles &triangles, const HalfEdges &half_edges, int corner) {
+// The vector area of the faces around a point. Moving the point among its neighbors does not change it.
+static dvec3 area_around(const Triangles &triangles, const HalfEdges &half_edges, int point) {
+  const int first = half_edges.point_half_edge[point];
   dvec3 area(0);
-  const auto turn = [&](int from, auto next) {
-    for (int c = from; c >= 0;) {
-      area += Face(triangles, c / 3).product();
-      if ((c = next(c)) == from) return true;
-    }
-    return false;
-  };
-  if (turn(corner, [&](int c) { return half_edges.twin[previous_corner(c)]; })) return area;
-  const int before = half_edges.twin[corner];
-  if (before >= 0) // at a boundary the other way, too
-    turn(next_corner(before), [&](int c) { return half_edges.twin[c] < 0 ? -1 : next_corner(half_edges.twin[c]); });
+  for (int corner = first; corner >= 0;) {
+    area += Face(triangles, corner / 3).product();
+    corner = half_edges.twin[previous_corner(corner)];
+    if (corner == first) break;
+  }
   return area;
 }
 
-// Where a face is folded over, as one is whose vertex has moved past the opposite edge, the direction of the surface around it.
+// The direction of the surface around a face that is folded over, as one is whose vertex has moved past the opposite edge.
 static std::optional<vec3> unfolded(const Triangles &triangles, const HalfEdges &half_edges, int face, dvec3 normal) {
   dvec3 sum(0);
   for (int corner = 3 * face; corner < 3 * face + 3; ++corner) {
-    const dvec3 area = area_around(triangles, half_edges, corner);
+    const dvec3 area = area_around(triangles, half_edges, half_edges.corner_point[corner]);
     if (glm::dot(area, normal) >= 0) return std::nullopt;
     sum += area;
   }

@@ -15,23 +15,27 @@ layout(binding = UNIT_RING_FACES) uniform isamplerBuffer ring_faces;
 // In cosines: 26 and 37 degrees of spread, 8 and 12 of turn.
 const double spread_full = 0.9LF, spread_none = 0.8LF;
 const double turn_full = 0.9902680687415704LF, turn_none = 0.9781476007338057LF;
-const double least_squares = FITTED == 1 ? 1.0LF : 0.0LF;
 
 dvec3 fan_position(int entry) { return dvec3(mesh_position(texelFetch(fan_vertices, entry).x)); }
 
-// N. Max's, from edges to the vertices around; faces that are smaller than others count by their areas.
-dvec3 max_normal(int begin, int end) {
-  dvec3 p = fan_position(begin), sum = dvec3(0.0LF);
-  double squares = 0.0LF;
+// The mean of |a|² |b|² over the faces, whose edges from the fan's own vertex are a and b.
+double mean_squares(int begin, int end) {
+  dvec3 p = fan_position(begin);
+  double sum = 0.0LF;
   for (int i = begin + 1; i < end - 1; ++i) {
     dvec3 a = fan_position(i) - p, b = fan_position(i + 1) - p;
-    squares += dot(a, a) * dot(b, b);
+    sum += dot(a, a) * dot(b, b);
   }
-  squares *= least_squares / double(end - begin - 2);
+  return sum / double(end - begin - 2);
+}
+
+// N. Max's weights, from edges to the vertices around; from least_squares down faces count by their areas alone.
+dvec3 max_normal(int begin, int end, double least_squares) {
+  dvec3 p = fan_position(begin), sum = dvec3(0.0LF);
   for (int i = begin + 1; i < end - 1; ++i) {
     dvec3 a = fan_position(i) - p, b = fan_position(i + 1) - p;
-    double own = max(squares, dot(a, a) * dot(b, b));
-    if (own > 0.0LF) sum += cross(a, b) / own;
+    double most = max(dot(a, a) * dot(b, b), least_squares);
+    if (most > 0.0LF) sum += cross(a, b) / most;
   }
   dvec3 normal = unit_or_zero(sum);
   for (int i = end - 1; i > begin + 1 && normal == dvec3(0.0LF); --i) // faces that cancel out: the last one's, which has one
@@ -76,10 +80,12 @@ void main() {
   int fan = own_element();
   if (fan >= last) return;
   ivec3 begin = texelFetch(rings, fan).xyz, end = texelFetch(rings, fan + 1).xyz;
-  dvec3 normal = max_normal(begin.x, end.x);
 #if FITTED
+  dvec3 normal = max_normal(begin.x, end.x, mean_squares(begin.x, end.x));
   double spread = spread_of(normal, begin.z, end.z);
   if (spread > spread_none) normal = turned(normal, fan_position(begin.x), spread, begin.y, end.y);
+#else
+  dvec3 normal = max_normal(begin.x, end.x, 0.0LF);
 #endif
   for (int i = 0; i < 3; ++i) normals[3 * fan + i] = float(normal[i]);
 }
