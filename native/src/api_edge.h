@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <new>
 #include <string>
+#include <string_view>
 
 #include "support/error.h"
 
@@ -18,18 +19,14 @@ class LastError {
 public:
   const char *text() const { return text_.data(); }
   // The parts one after the other, as far as there is room: whole characters of UTF-8.
-  void set(std::initializer_list<const char *> parts) noexcept {
+  void set(std::initializer_list<std::string_view> parts) noexcept {
     size_t length = 0;
-    for (const char *part : parts)
-      for (; *part; ++part) {
-        if (length + 1 == text_.size()) {
-          while (length > 0 && (text_[length - 1] & 0xC0) == 0x80) --length;
-          if (length > 0 && (text_[length - 1] & 0x80) != 0) --length;
-          text_[length] = 0;
-          return;
-        }
-        text_[length++] = *part;
-      }
+    for (const std::string_view part : parts) {
+      size_t fits = std::min(part.size(), text_.size() - 1 - length);
+      while (fits > 0 && fits < part.size() && (part[fits] & 0xC0) == 0x80) --fits;
+      length += part.copy(text_.data() + length, fits);
+      if (fits < part.size()) break;
+    }
     text_[length] = 0;
   }
 

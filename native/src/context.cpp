@@ -38,10 +38,9 @@ void reopen_lost_device(Context &context) {
   try {
     use(context, context.backend);
   } catch (const Error &error) {
-    std::string why = error.what();
-    while (why.ends_with('.')) why.pop_back();
     throw Error(PDESC_ERROR_DEVICE_LOST,
-                "The graphics device was lost and does not come back; use another backend (opening it said: " + why + ").");
+                "The graphics device was lost and does not come back; use another backend (opening it said: " + error.clause() +
+                    ").");
   }
 }
 

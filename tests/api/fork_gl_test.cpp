@@ -13,7 +13,7 @@ namespace {
 
 class Fork : public Api {
 protected:
-  // What a call in the child did that it must not: it has to be refused, by a sentence with a word.
+  // Says what is wrong with a call in the child, "" if nothing is: it has to be refused, by a sentence with a word.
   static std::string unless_refused(int32_t status, const std::string &word) {
     const std::string sentence = pdesc_last_error();
     if (status == PDESC_OK) return "it was not refused: " + word + "\n";

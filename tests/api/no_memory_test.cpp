@@ -11,15 +11,13 @@ namespace {
 
 class NoMemory : public Api {
 protected:
-  // The reference and the processor, by this thread alone: the others have memory.
-  Context alone(int32_t backend) {
+  // This thread computes alone: the others have memory.
+  static pdesc_context_options alone(int32_t backend) {
     pdesc_context_options wanted;
     pdesc_context_options_init(&wanted);
     wanted.backend = backend;
     wanted.threads = 1;
-    pdesc_context *made = nullptr;
-    EXPECT_EQ(pdesc_context_create(&wanted, &made), PDESC_OK) << pdesc_last_error();
-    return Context(made);
+    return wanted;
   }
 
   // Calls with ever more allocations until one succeeds; how many calls failed.
@@ -39,9 +37,7 @@ protected:
 };
 
 TEST_F(NoMemory, in_a_context_or_a_mesh_is_said_and_makes_none) {
-  pdesc_context_options wanted;
-  pdesc_context_options_init(&wanted);
-  wanted.threads = 1;
+  const pdesc_context_options wanted = alone(PDESC_BACKEND_AUTO);
   pdesc_context *made = nullptr;
   EXPECT_GT(failures_of([&] { return pdesc_context_create(&wanted, &made); }, 1), 0);
   const Context own(made);
@@ -52,7 +48,10 @@ TEST_F(NoMemory, in_a_context_or_a_mesh_is_said_and_makes_none) {
 
 TEST_F(NoMemory, in_a_computation_is_said_and_the_next_one_is_right) {
   for (const int32_t backend : {PDESC_BACKEND_CPU, PDESC_BACKEND_REFERENCE}) {
-    const Context own = alone(backend);
+    const pdesc_context_options wanted = alone(backend);
+    pdesc_context *made = nullptr;
+    ASSERT_EQ(pdesc_context_create(&wanted, &made), PDESC_OK) << pdesc_last_error();
+    const Context own(made);
     const Mesh mesh = make_mesh(own.get(), ball), other = make_mesh(own.get(), ball);
     const std::vector<float> expected = mean_curvature(other.get());
     const char *name = "mean_curvature";

@@ -9,6 +9,7 @@
 #include "mesh/charts.h"
 #include "mesh/halfedge.h"
 #include "mesh/triangles.h"
+#include "support/solids.h"
 #include "support/surfaces.h"
 
 namespace paradesc::test {
@@ -38,13 +39,8 @@ inline Built build(Triangles triangles) {
 }
 
 inline Built build(const Shape &shape) {
-  Triangles triangles;
-  triangles.vertex_count = static_cast<int>(shape.positions.size());
-  triangles.triangle_count = static_cast<int>(shape.faces.size() / 3);
-  triangles.positions = shape.positions;
-  triangles.corner_vertex = shape.faces;
+  Triangles triangles = test::shape(shape.positions, shape.faces);
   triangles.input_uv = triangles.corner_uv = shape.uvs;
-  triangles.half_edge_sharp.assign(shape.faces.size(), 0);
   return build(std::move(triangles));
 }
 

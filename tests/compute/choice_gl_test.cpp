@@ -1,4 +1,4 @@
-// What computes under AUTO: the processor, and the software device what it alone can.
+// The processor computes under AUTO, and the software device what it alone can.
 #include "compute/choice.h"
 
 #include <atomic>

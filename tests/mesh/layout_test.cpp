@@ -234,7 +234,7 @@ Built cut_and_repacked(Built built) {
   return repacked(std::move(built));
 }
 
-// What a layout makes of a triangle's edges in another one.
+// The linear map that takes a triangle's edges from one layout to another.
 dmat2 linear_map(const Built &before, const Built &after, int corner) {
   const auto edges = [&](const Built &built) {
     return dmat2(built.uv(corner + 1) - built.uv(corner), built.uv(corner + 2) - built.uv(corner));

@@ -1,4 +1,4 @@
-// Where the rings of fans begin in one list, which may have more than 2^31 members.
+// The rings of fans begin in one list, which may have more than 2^31 members.
 #include "mesh/normal_rings.h"
 
 #include <gtest/gtest.h>

@@ -50,8 +50,7 @@ TEST(Weld, corners_farther_apart_than_rounding_do_not_meet) {
 }
 
 TEST(Weld, sheets_a_hundred_units_in_the_last_place_apart_stay_apart) {
-  Shape back = grid(3, 2);
-  for (size_t i = 0; i < back.faces.size(); i += 3) std::swap(back.faces[i], back.faces[i + 1]);
+  Shape back = turned_over(grid(3, 2));
   for (vec3 &p : back.positions) p.z -= 300 * std::numeric_limits<float>::epsilon(); // the largest coordinate is 3
   const HalfEdges half_edges = build(join(grid(3, 2), back));
   EXPECT_EQ(half_edges.components, 2);

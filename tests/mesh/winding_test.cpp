@@ -1,8 +1,6 @@
 // Closed parts whose outside is inside.
 #include "mesh/winding.h"
 
-#include <utility>
-
 #include <gtest/gtest.h>
 
 #include "support/triangle_lists.h"
@@ -11,11 +9,6 @@ namespace paradesc::test {
 namespace {
 
 using namespace shapes;
-
-Shape turned_over(Shape shape) {
-  for (size_t i = 0; i < shape.faces.size(); i += 3) std::swap(shape.faces[i], shape.faces[i + 1]);
-  return shape;
-}
 
 Shape scaled(Shape shape, float size, vec3 offset) {
   for (vec3 &p : shape.positions) p = size * p + offset;

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "mesh/halfedge.h"
+#include "support/solids.h"
 
 namespace paradesc::test::shapes {
 
@@ -18,15 +19,7 @@ struct Shape {
   std::vector<int32_t> faces; // three vertices each
 };
 
-inline Triangles triangles_of(const Shape &shape) {
-  Triangles triangles;
-  triangles.vertex_count = static_cast<int>(shape.positions.size());
-  triangles.triangle_count = static_cast<int>(shape.faces.size() / 3);
-  triangles.positions = shape.positions;
-  triangles.corner_vertex = shape.faces;
-  triangles.half_edge_sharp.assign(shape.faces.size(), 0);
-  return triangles;
-}
+inline Triangles triangles_of(const Shape &shape) { return test::shape(shape.positions, shape.faces); }
 
 inline Shape tetrahedron() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3}}; }
 
@@ -66,6 +59,11 @@ inline Shape join(const Shape &a, const Shape &b) {
   result.positions.insert(result.positions.end(), b.positions.begin(), b.positions.end());
   for (int32_t vertex : b.faces) result.faces.push_back(vertex + static_cast<int32_t>(a.positions.size()));
   return result;
+}
+
+inline Shape turned_over(Shape shape) {
+  for (size_t i = 0; i < shape.faces.size(); i += 3) std::swap(shape.faces[i], shape.faces[i + 1]);
+  return shape;
 }
 
 // Equal positions become one vertex: what was split or apart shares indices.

@@ -29,10 +29,8 @@ static std::shared_ptr<Engine> engine_for(Context &context, const pdesc_options 
   try {
     return software_of(context);
   } catch (const Error &error) {
-    std::string why = error.what();
-    while (why.ends_with('.')) why.pop_back();
     throw Error(PDESC_ERROR_UNSUPPORTED, "A computation with " + texture_space_needs(options) +
-                                             " takes OpenGL, and there is no software device here (" + why +
+                                             " takes OpenGL, and there is no software device here (" + error.clause() +
                                              "); do without what was asked for, or choose the backend gpu if there is a card.");
   }
 }

@@ -24,7 +24,7 @@ static double resolve_radius(const Mesh &mesh, const pdesc_options &options) {
 static void warn(const Mesh &mesh, const pdesc_options &options, Field &field) {
   auto add = [&](const std::string &sentence) { field.warnings += (field.warnings.empty() ? "" : "\n") + sentence; };
   const pdesc_field_report &report = field.report;
-  if (mesh.engine != mesh.context->engine && mesh.engine->abilities().texture_space)
+  if (mesh.engine != mesh.context->engine)
     add("Only texture space has " + texture_space_needs(options) + ", so " + mesh.engine->device() +
         " computed instead of the processor.");
   if (const auto *division = mesh.division.key() ? &mesh.division.value() : nullptr; division && division->plan.coarsening > 1.0f)

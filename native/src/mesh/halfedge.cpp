@@ -214,12 +214,10 @@ void answer_left_out(const Triangles &triangles, const Places &places, const std
 void answer_vertices(const Triangles &triangles, const Places &places, const std::vector<int32_t> &stands_in, HalfEdges &result) {
   std::vector<uint8_t> is_split(triangles.vertex_count, 0), is_split_position(triangles.vertex_count, 0);
   result.vertex_point.assign(triangles.vertex_count, -1);
-  bool left_out = false;
   for (size_t corner = 0; corner < result.corner_point.size(); ++corner) {
     checkpoint_at(corner);
     const int32_t vertex = triangles.corner_vertex[corner];
     const int32_t point = result.corner_point[corner];
-    left_out = left_out || point < 0;
     if (point < 0) continue;
     int32_t &first = result.vertex_point[vertex];
     if (first < 0) first = point;
@@ -228,7 +226,7 @@ void answer_vertices(const Triangles &triangles, const Places &places, const std
     result.nonmanifold_vertices += is_split_position[places.of_vertex[vertex]]++ == 0;
   }
   if (result.nonmanifold_vertices > 0) choose_widest(triangles, is_split, result);
-  if (left_out) answer_left_out(triangles, places, stands_in, result);
+  if (result.degenerate_triangles + result.copied_triangles > 0) answer_left_out(triangles, places, stands_in, result);
   std::vector<uint8_t> is_answered(result.point_count, 0);
   for (const int32_t point : result.vertex_point) {
     if (point < 0)

@@ -41,7 +41,8 @@ struct RingRun {
   std::vector<int32_t> ring_size, face_size, vertices, faces;
 };
 
-// Where lists of these sizes begin, behind those that end at begins.back(). A mesh has far more neighbors in rings than corners.
+// Appends where lists of these sizes begin, behind those that end at begins.back(). A mesh has far more neighbors in rings than
+// corners.
 void append_begins(const std::vector<int32_t> &sizes, std::vector<int64_t> &begins);
 
 // The fans, which end at creases; no rings.

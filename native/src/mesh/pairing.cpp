@@ -93,7 +93,7 @@ Pairing pair_half_edges(const Triangles &triangles, const Places &places, const 
   Pairing pairing;
   pairing.twin.assign(count, -1);
   pairing.nonmanifold.assign(count, 0);
-  pairing.has_copies = copies != nullptr;
+  pairing.has_copies = copies && !copies->groups.empty();
   checkpoint();
   std::vector<int32_t> used;
   used.reserve(count);

@@ -19,7 +19,7 @@ struct Pairing {
   std::vector<int32_t> open;        // half-edges that have no twin and were not taken apart
   int nonmanifold_edges = 0;
   int opposed_edges = 0;   // of those: all faces run along them the same way
-  bool has_copies = false; // faces at the same three places meet at an edge, or copies were given
+  bool has_copies = false; // faces at the same three places meet at an edge, or there are some among the copies given
 };
 
 // Faces at the same three places are never paired with each other, but each with what goes on beside it: an edge of two faces and

@@ -18,7 +18,7 @@ inline int thread_count(int requested) {
   return requested > 0 ? requested : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
-// What [0, count) is cut into, up to the largest count that there is; the last block may be shorter.
+// The blocks that [0, count) is cut into, up to the largest count that there is; the last block may be shorter.
 struct Blocks {
   int count, size;
   int number() const { return static_cast<int>((int64_t{count} + size - 1) / size); }

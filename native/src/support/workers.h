@@ -48,7 +48,7 @@ public:
   };
 
 private:
-  // What threads share, and who they are.
+  // The threads, and the state that they share.
   struct Call {
     std::vector<std::thread> threads;
     std::mutex mutex; // of all that follows

@@ -1,5 +1,5 @@
-// A WGL that lacks something, or has a driver that is none: one sentence. Robust contexts are asked
-// for where they are offered, and the hidden window answers.
+// A WGL that lacks something, or has a driver that is none: one sentence. Robust contexts are asked for where they
+// are offered, and the hidden window answers.
 #define NOMINMAX
 #define WIN32_LEAN_AND_MEAN
 #include <windows.h>

@@ -33,7 +33,7 @@ public:
   bool is_left_behind() const;
 
 private:
-  // What callers share with the thread, which a forked process must not touch.
+  // The state that callers share with the thread. A forked process must not touch it.
   struct Shared {
     std::mutex calls;
     std::mutex mutex;
