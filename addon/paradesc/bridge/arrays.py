@@ -86,8 +86,7 @@ def native_mesh(library: ctypes.CDLL, arrays: MeshArrays) -> tuple[abi.MeshInput
 
 def near_positions(positions: np.ndarray) -> np.ndarray:
     """(vertex_count, 3) float32 positions as the library gets them, near the origin wherever they lie."""
-    array = np.asarray(positions)
-    return contiguous(origin.near_origin(array) if array.ndim == 2 else array, np.float32, "positions", 3)
+    return origin.near_origin(contiguous(positions, np.asarray(positions).dtype, "positions", 3))
 
 
 def contiguous(array: np.ndarray, kind: type, name: str, width: int) -> np.ndarray:
