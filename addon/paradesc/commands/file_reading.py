@@ -115,7 +115,7 @@ def read_mesh(
                 f'The mesh "{mesh.name}" {reason}, and without Blender it cannot be unwrapped; give it one, or '
                 "pip install bpy, or compute at vertices (--backend cpu, no image)."
             )
-        arrays.corner_uvs, arrays.uv_fault = None, reason
+        arrays.corner_uvs = None
     map_notes = add_maps(mesh, arrays, reason, maps)
     if settings.options.normals == "mesh":
         if mesh.corner_normals is None:

@@ -102,7 +102,7 @@ def square_of(tile: int) -> np.ndarray:
 
 def of_mesh(arrays: MeshArrays) -> Tiling:
     """The tiles of a mesh's own UV map."""
-    if arrays.corner_uvs is None or arrays.layout is not None:
+    if arrays.map_fault:
         return Tiling()
     return tiling_of(arrays.corner_uvs[arrays.triangle_corners])
 
