@@ -8,6 +8,7 @@ import pytest
 
 from mesh_kinds import SOUND, ball, embedded, glb, obj, off, ply, sparse, stl, stl_binary
 from paradesc.bridge import InputError, origin
+from paradesc.core import polygons
 from paradesc.files import gltf_file, mesh_files, obj_file, off_file, ply_file, stl_file, text_rows, wrong_kinds
 from refusals import check_all_provoked
 
@@ -225,7 +226,7 @@ def test_what_reaches_too_far_for_the_library_is_one_sentence():
         origin.near_origin(np.array([[-1e40, 0, 0], [1e40, 0, 0]]))
 
 
-READERS = (gltf_file, mesh_files, obj_file, off_file, ply_file, stl_file, text_rows, wrong_kinds)
+READERS = (gltf_file, mesh_files, obj_file, off_file, ply_file, polygons, stl_file, text_rows, wrong_kinds)
 
 
 def test_every_refusal_of_the_readers_is_provoked_above(tmp_path, monkeypatch):
