@@ -10,7 +10,7 @@ from ..files import map_images, mesh_files
 from ..files.map_images import MapChoice
 from ..files.mesh_files import FileMesh
 from ..files.paths import is_file
-from .common import UsageError, has_blender
+from .common import UsageError, has_blender, saves_scene
 from .images import paths_of
 
 READERS = ("auto", "blender", "files")
@@ -79,7 +79,7 @@ def check_options(arguments: argparse.Namespace) -> None:
     other = getattr(arguments, "from_file", None)
     if other is not None and is_file(other) and other.suffix.lower() not in mesh_files.SUFFIXES:
         raise refused(f'"{other}" is opened by Blender')
-    if any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", [])):
+    if saves_scene(arguments):
         raise refused("A .blend is written by Blender")
 
 
