@@ -120,7 +120,7 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
         return Tiling(why=MANY.format(int(counts(uvs).max()), MOST_TILES))
     sure = middles(uvs)
     inside = in_tiles(sure)
-    if not inside.all() and (sure[inside] != 0).any():  # a map in meters has too many squares to look at all
+    if not inside.all() and (sure[inside] != 0).any():  # a map in meters has too many squares to look at each
         return Tiling(why=OUTSIDE)
     triangles, squares = meetings(uvs)
     low = squares.min(axis=0)
