@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 import paradesc
-from mesh_kinds import glb, gltf, rows
+from mesh_kinds import ball, glb, off, ply, rows, stl
 from paradesc import cli
 from paradesc.bridge import MeshArrays, origin
 from paradesc.core import job, spaces
 from paradesc.files import cache, mesh_files
-from shapes import cube_sphere
+from shapes import cube_sphere, write_obj
 
 MAP = np.array([500000.0, 5400000.0, 100.0])  # 10 m of surface in a zone of UTM
 SIZE = 5.0
+DIGITS = "{:.6f}"
 # Digits of the text files below, and what 32-bit floats about the middle leave: both 1e-6 of the radius of the sphere.
 SHARE = 1e-3
 
@@ -25,55 +26,27 @@ def surface(offset=MAP, steps=10):
     return SIZE * points * (1 + 0.04 * np.cos(3 * points).prod(axis=1, keepdims=True)) + offset, quads, uvs
 
 
-def write(path, offset=MAP, steps=10, double=True):
-    """The surface as a file."""
+def write(path, offset=MAP, steps=10, kind="double"):
+    """The surface as a file; kind: the numbers that a .ply has."""
     points, quads, uvs = surface(offset, steps)
-    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
     if path.suffix == ".obj":
-        lines = [f"v {line}" for line in rows(points, "{:.6f}").splitlines()]
-        lines += [f"vt {u:.6f} {v:.6f}" for u, v in uvs.reshape(-1, 2)]
-        for number, quad in enumerate(quads):
-            lines.append("f " + " ".join(f"{vertex + 1}/{4 * number + k + 1}" for k, vertex in enumerate(quad)))
-        path.write_text("\n".join(lines) + "\n")
-    elif path.suffix == ".off":
-        text = f"OFF\n{len(points)} {len(quads)} 0\n" + rows(points, "{:.6f}")
-        path.write_text(text + "".join(f"4 {line}\n" for line in rows(quads, "{}").splitlines()))
-    elif path.suffix == ".stl":
-        lines = ["solid far"]
-        for triangle in points[triangles]:
-            lines += [
-                "facet normal 0 0 0",
-                "outer loop",
-                *(f"vertex {line}" for line in rows(triangle, "{:.6f}").splitlines()),
-            ]
-            lines += ["endloop", "endfacet"]
-        path.write_text("\n".join([*lines, "endsolid far"]) + "\n")
-    elif path.suffix == ".glb":
-        arrays = [points.astype("<f4"), triangles.reshape(-1).astype("<u2")]
-        path.write_bytes(glb(*gltf([{"attributes": {"POSITION": 0}, "indices": 1}], arrays)))
-    else:
-        kind = "double" if double else "float"
-        header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
-        header += "".join(f"property {kind} {name}\n" for name in "xyz")
-        header += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
-        faces = np.empty(len(triangles), [("n", "u1"), ("v", "<i4", 3)])
-        faces["n"], faces["v"] = 3, triangles
-        path.write_bytes(header.encode() + points.astype("<f8" if double else "<f4").tobytes() + faces.tobytes())
+        return write_obj(path, points, quads, uvs)
+    mesh = points, np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+    writers = {
+        ".off": lambda: off(surface=mesh, number=DIGITS),
+        ".stl": lambda: stl(surface=mesh, number=DIGITS),
+        ".ply": lambda: ply("binary_little_endian", surface=mesh, kind=kind),
+        ".glb": lambda: glb(*ball(surface=mesh)),
+    }
+    path.write_bytes(writers[path.suffix]())
     return path
 
 
 def bake(folder, path, *words, radius=("--radius", "0.8", "--radius-unit", "absolute")):
     """Arrays and report of a bake without Blender."""
     out, report = folder / "out.npz", folder / "out.json"
-    more = [
-        "--descriptors",
-        "mean_curvature,principal_direction_max",
-        "--backend",
-        "cpu",
-        "--reader",
-        "files",
-        "--quiet",
-    ]
+    names = "mean_curvature,principal_direction_max"
+    more = ["--descriptors", names, "--backend", "cpu", "--reader", "files", "--quiet"]
     assert cli.main(["bake", str(path), "-o", str(out), "--json", str(report), *more, *radius, *map(str, words)]) == 0
     with np.load(out) as arrays:
         return dict(arrays), json.loads(report.read_text())
@@ -97,13 +70,13 @@ def test_a_file_with_digits_enough_gives_the_same_values_anywhere(tmp_path, suff
 
 @pytest.mark.parametrize("suffix", [".ply", ".glb"])
 def test_what_32_bit_floats_lose_far_away_is_said(tmp_path, suffix):
-    _, report = bake(tmp_path, write(tmp_path / f"far{suffix}", double=False))
+    _, report = bake(tmp_path, write(tmp_path / f"far{suffix}", kind="float"))
     (note,) = [note for note in report["objects"][0]["notes"] if "from the origin" in note]
     assert (
         "5.4e+06 from the origin, where 32-bit floats are 0.5 apart: its vertices are rounded to 0.6 of the mean"
         in note
     )
-    near = write(tmp_path / f"near{suffix}", np.array([30.0, 0, 0]), double=False)
+    near = write(tmp_path / f"near{suffix}", np.array([30.0, 0, 0]), kind="float")
     assert not [note for note in bake(tmp_path, near)[1]["objects"][0]["notes"] if "from the origin" in note]
 
 
@@ -155,9 +128,9 @@ def test_a_picture_and_several_objects_in_one_file_are_right_far_away(tmp_path):
         path = write(tmp_path / f"{name}.obj", offset)
         lines = path.read_text().splitlines()
         moved, count = surface(offset + np.array([20, 0, 0]))[0], len(surface()[0])
-        second = ["o second", *(f"v {line}" for line in rows(moved, "{:.6f}").splitlines())]
+        second = ["o second", *(f"v {line}" for line in rows(moved, DIGITS).splitlines())]
         second += ["f " + " ".join(str(vertex + count + 1) for vertex in quad) for quad in surface()[1]]
-        path.write_text("\n".join(["o first", *lines, *second]) + "\n")
+        path.write_text("\n".join([*lines, *second]) + "\n")
         out = [tmp_path / f"{name}{suffix}" for suffix in (".png", ".ply")]
         bake(tmp_path, path, "--all", "-o", out[0], "-o", out[1])
     (here,), (far,) = (mesh_files.read(tmp_path / f"{name}.ply") for name in ("here", "far"))
@@ -229,16 +202,8 @@ def test_arrays_of_any_type_reach_the_library_near_the_origin():
 
 def test_buffers_hold_the_meshs_own_positions(tmp_path):
     path = write(tmp_path / "far.obj")
-    words = [
-        "--backend",
-        "software",
-        "--dump-buffers",
-        str(tmp_path / "buffers"),
-        "--buffer",
-        "64",
-        "--reader",
-        "files",
-    ]
+    folder = str(tmp_path / "buffers")
+    words = ["--backend", "software", "--dump-buffers", folder, "--buffer", "64", "--reader", "files"]
     assert cli.main(["bake", str(path), "--quiet", *words]) == 0
     with np.load(tmp_path / "buffers" / "buffers.npz") as buffers:
         there = buffers["position"][np.isfinite(buffers["position"]).all(axis=2)]

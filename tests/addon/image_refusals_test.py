@@ -20,7 +20,7 @@ from paradesc.files import (
     png_reading,
     sequences,
 )
-from refusals import check_all_provoked
+from refusals import check_all_provoked, failing, refusal
 
 GREY = np.arange(16).reshape(4, 4, 1)
 
@@ -95,21 +95,11 @@ def exr_files(folder):
     yield packed[: first + 8] + b"x" * size + packed[first + 8 + size :], "it is damaged"
 
 
-def refusal(path, content):
-    path.write_bytes(content)
-    with pytest.raises(InputError) as found:
-        map_images.read_image(path)
-    said = found.value.sentence
-    assert str(path) in said
-    assert "\n" not in said
-    assert said.endswith(".")
-    return said
-
-
 def test_images_that_cannot_be_read_say_why(tmp_path):
     for suffix, files in ((".png", png_files), (".exr", exr_files)):
         for number, (content, sentence) in enumerate(files(tmp_path)):
-            assert f"cannot be read: {sentence}" in refusal(tmp_path / f"a{suffix}", content), (suffix, number)
+            said = refusal(map_images.read_image, tmp_path / f"a{suffix}", content)
+            assert f"cannot be read: {sentence}" in said, (suffix, number)
 
 
 def test_images_of_other_kinds_names_and_channels_say_so(tmp_path, monkeypatch):
@@ -117,17 +107,14 @@ def test_images_of_other_kinds_names_and_channels_say_so(tmp_path, monkeypatch):
     for name, sentence in (("a.tif", "is none of .png, .exr"), ("a.png", "There is no image")):
         with pytest.raises(InputError, match=sentence):
             map_images.read_image(tmp_path / name)
-    assert "of its channels A none" in refusal(tmp_path / "a.exr", exr.encode_exr({"A": values}))
+    said = refusal(map_images.read_image, tmp_path / "a.exr", exr.encode_exr({"A": values}))
+    assert "of its channels A none" in said
     for error, sentence in (
         (MemoryError(), "there is not enough memory"),
         (OSError(5, "Input/output error"), "Input/output"),
     ):
-
-        def fails(_path, error=error):
-            raise error
-
-        monkeypatch.setitem(map_images.READERS, ".png", fails)
-        assert f"cannot be read: {sentence}" in refusal(tmp_path / "a.png", b"")
+        monkeypatch.setitem(map_images.READERS, ".png", failing(error))
+        assert f"cannot be read: {sentence}" in refusal(map_images.read_image, tmp_path / "a.png", b"")
 
 
 def test_what_our_own_writers_of_images_are_given_is_looked_at():

@@ -47,18 +47,18 @@ OBJ = {
 # ---- PLY
 
 
-def ply(order="ascii", end="\n", before="", extra="", lists="vertex_indices", number="{:.9g}", tail=""):
-    points, triangles = sphere()
+def ply(order="ascii", end="\n", before="", lists="vertex_indices", tail="", surface=None, kind="float"):
+    points, triangles = surface or sphere()
     header = f"ply\nformat {order} 1.0\n{before}element vertex {len(points)}\n"
-    header += "".join(f"property float {name}\n" for name in "xyz") + f"element face {len(triangles)}\n{extra}"
+    header += "".join(f"property {kind} {name}\n" for name in "xyz") + f"element face {len(triangles)}\n"
     header = (header + f"property list uchar int {lists}\nend_header\n").replace("\n", end).encode()
     if order == "ascii":
-        body = rows(points, number) + "".join(f"3 {line}{tail}\n" for line in rows(triangles, "{}").splitlines())
+        body = rows(points) + "".join(f"3 {line}{tail}\n" for line in rows(triangles, "{}").splitlines())
         return header + body.replace("\n", end).encode()
-    kind = "<" if "little" in order else ">"
-    faces = np.empty(len(triangles), [("n", "u1"), ("v", kind + "i4", 3)])
+    bytes_order = "<" if "little" in order else ">"
+    faces = np.empty(len(triangles), [("n", "u1"), ("v", bytes_order + "i4", 3)])
     faces["n"], faces["v"] = 3, triangles
-    return header + points.astype(kind + "f4").tobytes() + faces.tobytes()
+    return header + points.astype(bytes_order + {"float": "f4", "double": "f8"}[kind]).tobytes() + faces.tobytes()
 
 
 def ply_strips():
@@ -87,11 +87,10 @@ PLY = {
 # ---- OFF
 
 
-def off(word="OFF\n", vertex="", face="", end="\n"):
-    points, triangles = sphere()
-    text = f"{word}{len(points)} {len(triangles)} 0\n" + "".join(
-        f"{line}{vertex}\n" for line in rows(points).splitlines()
-    )
+def off(word="OFF\n", vertex="", face="", end="\n", surface=None, number="{:.9g}"):
+    points, triangles = surface or sphere()
+    text = f"{word}{len(points)} {len(triangles)} 0\n"
+    text += "".join(f"{line}{vertex}\n" for line in rows(points, number).splitlines())
     text += "".join(f"3 {line}{face}\n" for line in rows(triangles, "{}").splitlines())
     return text.replace("\n", end).encode()
 
@@ -130,14 +129,12 @@ OFF = {
 # ---- STL
 
 
-def stl(name="x", end="\n", ending=True, word="facet"):
-    points, triangles = sphere()
+def stl(name="x", end="\n", ending=True, surface=None, number="{:.9g}"):
+    points, triangles = surface or sphere()
     text = f"solid {name}\n"
     for triangle in points[triangles]:
-        text += f"{word} normal 0 0 0\nouter loop\n" + "".join(
-            f"vertex {line}\n" for line in rows(triangle).splitlines()
-        )
-        text += f"endloop\nend{word}\n"
+        corners = "".join(f"vertex {line}\n" for line in rows(triangle, number).splitlines())
+        text += f"facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n"
     return (text + (f"endsolid {name}\n" if ending else "")).replace("\n", end).encode("latin-1")
 
 
@@ -206,8 +203,8 @@ def embedded(header, content):
     return json.dumps({**header, "buffers": [{**header["buffers"][0], "uri": address}]}).encode()
 
 
-def ball(indices="u2", **more):
-    points, triangles = sphere()
+def ball(indices="u2", surface=None, **more):
+    points, triangles = surface or sphere()
     arrays = [points.astype("<f4"), triangles.reshape(-1).astype("<" + indices)]
     return gltf([{"attributes": {"POSITION": 0}, "indices": 1}], arrays, **more)
 
@@ -233,8 +230,7 @@ def quantised():
     arrays = [{"array": whole, "normalized": True}, triangles.reshape(-1).astype("<u4")]
     node = [{"mesh": 0, "name": "ball", "scale": [RADIUS] * 3}]
     used = {"extensionsUsed": ["KHR_mesh_quantization"], "extensionsRequired": ["KHR_mesh_quantization"]}
-    header, content = gltf([{"attributes": {"POSITION": 0}, "indices": 1}], arrays, node, **used)
-    return header, content
+    return gltf([{"attributes": {"POSITION": 0}, "indices": 1}], arrays, node, **used)
 
 
 def sparse():
@@ -255,9 +251,9 @@ def sparse():
     return header, content
 
 
-def without(name):
+def without(names):
     header, content = ball()
-    return {key: value for key, value in header.items() if key not in name}, content
+    return {key: value for key, value in header.items() if key not in names}, content
 
 
 GLB = {

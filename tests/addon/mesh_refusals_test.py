@@ -8,8 +8,9 @@ import pytest
 
 from mesh_kinds import SOUND, ball, embedded, glb, obj, off, ply, sparse, stl, stl_binary
 from paradesc.bridge import InputError, origin
+from paradesc.core import polygons
 from paradesc.files import gltf_file, mesh_files, obj_file, off_file, ply_file, stl_file, text_rows, wrong_kinds
-from refusals import check_all_provoked
+from refusals import check_all_provoked, failing, refusal
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 HEAD = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -140,6 +141,7 @@ GLTF = [
     (".glb", changed(ball(), "accessors", 0, "bufferView"), "accessor 0 has no buffer view"),
     (".glb", changed(ball(), "accessors", 0, "type", value="VEC2"), "positions have not three coordinates"),
     (".glb", changed(ball(), "accessors", 0, "count", value=7), "a face has vertex 217, counted from 0, and"),
+    (".glb", glb(*ball("i1")), "a face has vertex -128, counted from 0, and there are 218"),
     (".glb", changed(ball(), "accessors", 0, "count"), "its header is damaged (KeyError: 'count')"),
     (".glb", changed(ball(), "nodes", value=[{"children": [0], "mesh": 0}]), "node 0 is below itself"),
     (".glb", changed(sparse(), "accessors", 0, "count", value=2), "replaces rows that are not there"),
@@ -176,23 +178,9 @@ ALL = [
 ]  # fmt: skip
 
 
-def refusal(folder, suffix, content):
-    """The sentence of a file with this content."""
-    path = folder / f"a{suffix}"
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    with pytest.raises(InputError) as found:
-        mesh_files.read(path)
-    said = found.value.sentence
-    assert str(path) in said
-    assert "\n" not in said
-    assert said.endswith(".")
-    assert not said.endswith("..")
-    return said
-
-
 @pytest.mark.parametrize(("suffix", "content", "sentence"), ALL, ids=[f"{row[0]} {row[2]}" for row in ALL])
 def test_what_cannot_be_read_is_one_sentence_that_says_why(tmp_path, suffix, content, sentence):
-    said = refusal(tmp_path, suffix, content)
+    said = refusal(mesh_files.read, tmp_path / f"a{suffix}", content)
     assert any(words in said for words in sentence.split("|")), said
 
 
@@ -211,11 +199,7 @@ def test_a_file_that_cannot_be_opened_or_needs_more_memory_than_there_is_is_one_
         (ValueError(), "cannot be read: ValueError."),
     ]
     for error, sentence in failures:
-
-        def fails(_path, error=error):
-            raise error
-
-        monkeypatch.setitem(mesh_files.READERS, ".obj", fails)
+        monkeypatch.setitem(mesh_files.READERS, ".obj", failing(error))
         with pytest.raises(InputError, match=sentence):
             mesh_files.read(path)
 
@@ -225,13 +209,13 @@ def test_what_reaches_too_far_for_the_library_is_one_sentence():
         origin.near_origin(np.array([[-1e40, 0, 0], [1e40, 0, 0]]))
 
 
-READERS = (gltf_file, mesh_files, obj_file, off_file, ply_file, stl_file, text_rows, wrong_kinds)
+READERS = (gltf_file, mesh_files, obj_file, off_file, ply_file, polygons, stl_file, text_rows, wrong_kinds)
 
 
 def test_every_refusal_of_the_readers_is_provoked_above(tmp_path, monkeypatch):
     def provoke():
         for suffix, content, _ in ALL:
-            refusal(tmp_path, suffix, content)
+            refusal(mesh_files.read, tmp_path / f"a{suffix}", content)
         test_a_file_that_is_not_there_or_cannot_be_is_one_sentence(tmp_path, "b.obj")
         test_a_file_that_cannot_be_opened_or_needs_more_memory_than_there_is_is_one_sentence(tmp_path, monkeypatch)
 

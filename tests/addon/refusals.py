@@ -1,9 +1,35 @@
-"""Tells which refusals of modules a test provokes: which of the lines that raise something of their own have run."""
+"""Provokes refusals of files, and tells which of a module's a test provokes: which lines that raise have run."""
 
 import ast
 import sys
 from contextlib import contextmanager
 from pathlib import Path
+
+import pytest
+
+from paradesc.bridge import InputError
+
+
+def refusal(read, path, content):
+    """The sentence by which a reader refuses a file with this content, bytes or text."""
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(InputError) as found:
+        read(path)
+    said = found.value.sentence
+    assert str(path) in said
+    assert "\n" not in said
+    assert said.endswith(".")
+    assert not said.endswith("..")
+    return said
+
+
+def failing(error):
+    """A reader that fails whatever it reads."""
+
+    def fails(_path):
+        raise error
+
+    return fails
 
 
 def raising_lines(modules):

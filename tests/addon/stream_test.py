@@ -253,8 +253,9 @@ def test_wrong_positions_are_one_sentence_and_the_stream_goes_on(sound_sphere):
     chosen = settings()
     broken = sound_sphere.positions.copy()
     broken[7, 1] = np.nan
+    shapes = (sound_sphere.positions[:-1], sound_sphere.positions.ravel(), sound_sphere.positions[:, :0])
     with stream.Stream(sound_sphere, chosen) as opened:
-        for positions, words in ((sound_sphere.positions[:-1], "vertices"), (broken, "vertex 7")):
+        for positions, words in (*((shape, "vertices") for shape in shapes), (broken, "vertex 7")):
             with pytest.raises(bridge.ParadescError, match=words):
                 opened.compute(positions)
         with pytest.raises(bridge.ParadescError) as caught:

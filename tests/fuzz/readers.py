@@ -24,12 +24,11 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "addon"))
-
-from mesh_kinds import SOUND
-from paradesc.bridge import InputError, ParadescError
+from damage import claim, claim_one_sentence, damaged, damaged_bytes, odd
+from mesh_readers import read_mesh_file
+from paradesc.bridge import ParadescError
 from paradesc.core import stored
-from paradesc.files import cache, mesh_files, triangle_counts
+from paradesc.files import cache
 
 try:
     import bpy
@@ -44,119 +43,6 @@ except ImportError:
 MOST_MEMORY = 2 << 30
 # Where Linux has files that no disk waits for.
 IN_MEMORY = "/dev/shm"
-
-ODD = (
-    None,
-    True,
-    False,
-    0,
-    -1,
-    1,
-    2**31,
-    -(2**63),
-    10**400,
-    0.0,
-    -0.0,
-    1e308,
-    5e-324,
-    float("nan"),
-    float("inf"),
-    "",
-    "radius",
-)
-ODD_TEXTS = (
-    "",
-    "__class__",
-    "../../etc/passwd",
-    "mean_curvature:quantiles",
-    "x" * 200,
-    "\u0000",
-    "cos\nsystem",
-    "é",
-    "{0.__init__}",
-)
-
-
-class BrokenWordError(Exception):
-    """A reader did what it must not do."""
-
-
-def claim(holds: bool, what: str) -> None:
-    """Raises if a reader broke its word."""
-    if not holds:
-        raise BrokenWordError(what)
-
-
-def claim_one_sentence(error: ParadescError, path: Path) -> None:
-    """Checks that a refusal of a file is one sentence with its name."""
-    named = str(path) in error.sentence and "\n" not in error.sentence
-    claim(named, "a refusal is not one sentence that names the file")
-
-
-# ---- Damage
-
-
-def odd(source: random.Random, depth: int = 0) -> object:
-    """Any value that JSON or a custom property holds, the awkward ones first."""
-    kind = source.randrange(8)
-    if kind < 4 or depth > 3:
-        return source.choice(ODD)
-    if kind == 4:
-        return source.choice(ODD_TEXTS)
-    if kind == 5:
-        return source.randint(-(2**33), 2**33)
-    if kind == 6:
-        return [odd(source, depth + 1) for _ in range(source.randrange(4))]
-    return {source.choice(ODD_TEXTS) or "a": odd(source, depth + 1) for _ in range(source.randrange(4))}
-
-
-def damaged(source: random.Random, value: object) -> object:
-    """The value with one place in it changed, left out, doubled or given to another name."""
-    if isinstance(value, dict) and value and source.random() < 0.9:
-        name = source.choice(sorted(value))
-        found = dict(value)
-        action = source.randrange(8)
-        if action == 0:
-            del found[name]
-        elif action == 1:
-            found[source.choice(ODD_TEXTS)] = found.pop(name)
-        elif action == 2:
-            found[name] = found[source.choice(sorted(found))]
-        else:
-            found[name] = damaged(source, found[name])
-        return found
-    if isinstance(value, list) and value and source.random() < 0.9:
-        at, found = source.randrange(len(value)), list(value)
-        action = source.randrange(8)
-        if action == 0:
-            del found[at]
-        elif action == 1:
-            found.insert(at, found[source.randrange(len(found))])
-        else:
-            found[at] = damaged(source, found[at])
-        return found
-    if isinstance(value, int) and source.random() < 0.5:
-        return value + source.choice((-1, 1, 2, 1 << 20, 1 << 31, 1 << 62))
-    return odd(source)
-
-
-def damaged_bytes(source: random.Random, content: bytes) -> bytes:
-    """The bytes with some of them changed, left out or inserted, or with the end cut off."""
-    found = bytearray(content)
-    for _ in range(source.randrange(1, 4)):
-        at = source.randrange(len(found) + 1)
-        action = source.randrange(5)
-        if action == 0:
-            del found[at:]
-        elif action == 1:
-            del found[at : at + source.randrange(1, 9)]
-        elif action == 2:
-            found[at:at] = source.randbytes(source.randrange(1, 9))
-        elif action == 3:
-            found[at : at + 4] = struct.pack("<f", source.choice((np.nan, np.inf, -np.inf, 3e38, 1e-45, 0)))
-        else:
-            found[at : at + 1] = bytes([source.randrange(256)])
-    return bytes(found)
 
 
 # ---- Frame files
@@ -230,90 +116,6 @@ def read_range(source: random.Random, folder: Path) -> bool:
         return False
     for name, (low, high) in found.items():
         claim(isinstance(name, str) and low < high and np.isfinite([low, high]).all(), "a range is none")
-    return True
-
-
-# ---- Mesh files
-
-# Numbers, words and lines of text are changed into these.
-ODD_WORDS = (
-    *(
-        b"0",
-        b"-1",
-        b"1",
-        b"4294967295",
-        b"99999999999999999999",
-        b"1e400",
-        b"nan",
-        b"-inf",
-        b"1.#IND",
-        b"1,5",
-        b"x",
-        b"",
-    ),
-    *(b"//", b"1/", b"#", b"\\\n", b"\r", b"\0", b"\xef\xbb\xbf", b"\xff", b"end_header", b"f", b"v", b"o", b"solid"),
-    *(b"element face 1000000000000", b"property list double double vertex_indices", b"OFF"),
-)
-
-
-def damaged_mesh(source: random.Random, suffix: str, content: bytes) -> bytes:
-    """A mesh file with damage in its header, its words, its lines or anywhere."""
-    if suffix in (".glb", ".gltf") and source.random() < 0.8:
-        return damaged_gltf(source, content)
-    if source.random() < 0.3:
-        return damaged_bytes(source, content)
-    between = source.choice((b" ", b"\n"))
-    parts = content.split(between)
-    for _ in range(source.randrange(1, 4)):
-        # the header of a .ply and the first lines are where the structure is
-        at = source.randrange(min(len(parts), source.choice((8, 20, len(parts)))))
-        action = source.randrange(4)
-        if action == 0:
-            del parts[at : at + source.choice((1, 1, 3, len(parts)))]
-        elif action == 1:
-            parts[at:at] = parts[at : at + source.randrange(4)]
-        else:
-            parts[at] = source.choice(ODD_WORDS)
-        parts = parts or [b""]
-    return between.join(parts)
-
-
-def damaged_gltf(source: random.Random, content: bytes) -> bytes:
-    """A glTF file whose header has a few places changed."""
-    binary = b""
-    if content[:4] == b"glTF":
-        (length,) = struct.unpack_from("<I", content, 12)
-        content, binary = content[20 : 20 + length], content[20 + length :]
-    header = json.loads(content.removeprefix(b"\xef\xbb\xbf"))
-    for _ in range(source.randrange(1, 4)):
-        header = damaged(source, header)
-    text = json.dumps(header).encode()
-    if not binary:
-        return text
-    return struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(binary), len(text), b"JSON") + text + binary
-
-
-def read_mesh_file(source: random.Random, folder: Path) -> bool:
-    """Reads one damaged mesh file; True if there was a surface, which then holds together."""
-    suffix, name = source.choice(sorted(SOUND))
-    path = folder / f"a{suffix}"
-    path.write_bytes(damaged_mesh(source, suffix, SOUND[suffix, name]))
-    claim(triangle_counts.triangles(path) >= 0, "a number of triangles is negative")
-    try:
-        meshes = mesh_files.read(path)
-    except InputError as error:
-        claim_one_sentence(error, path)
-        claim(error.sentence.endswith(".") and "Error" not in error.sentence.split("(")[0], "a refusal is no sentence")
-        return False
-    claim(mesh_files.check(path) >= 0, "what is read is refused by the check")
-    for mesh in meshes:
-        arrays, count = mesh.arrays, len(mesh.arrays.positions)
-        claim(bool(np.isfinite(arrays.positions).all()), "a position is not finite")
-        claim(len(arrays.triangle_corners) > 0 and bool((arrays.triangle_vertices < count).all()), "a face is none")
-        claim(bool((arrays.corner_vertices >= 0).all()), "a corner has no vertex")
-        for rows in (arrays.corner_uvs, mesh.corner_normals):
-            claim(rows is None or len(rows) == len(arrays.corner_vertices), "corners have other rows than there are")
-        claim(mesh.matrix_world.shape == (4, 4) and all("\n" not in note for note in mesh.notes), "a mesh is none")
     return True
 
 

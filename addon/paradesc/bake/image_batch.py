@@ -161,8 +161,8 @@ def check_uv_map(target: bpy.types.Object, source: str) -> None:
 
 def check_layout(target: bpy.types.Object, arrays: MeshArrays) -> None:
     """Refuses a mesh whose UV map cannot be used."""
-    if arrays.layout is not None or arrays.corner_uvs is None:
-        raise mesh_io.refuse(no_map(target, arrays.uv_fault or "has no UV map"))
+    if arrays.map_fault:
+        raise mesh_io.refuse(no_map(target, arrays.map_fault))
 
 
 def no_map(target: bpy.types.Object, fault: str) -> str:

@@ -46,6 +46,12 @@ class MeshArrays:
     uv_fault: str = ""  # why the mesh's own UV map is not in corner_uvs: "has a UV map without area"
 
     @property
+    def map_fault(self) -> str:
+        """Why no image can lie over the mesh's own UV map: "has no UV map"; "" if one can."""
+        is_usable = self.corner_uvs is not None and self.layout is None
+        return "" if is_usable else self.uv_fault or "has no UV map"
+
+    @property
     def triangle_vertices(self) -> np.ndarray:
         """(triangle_count, 3) int32"""
         return self.corner_vertices[self.triangle_corners]
@@ -86,8 +92,7 @@ def native_mesh(library: ctypes.CDLL, arrays: MeshArrays) -> tuple[abi.MeshInput
 
 def near_positions(positions: np.ndarray) -> np.ndarray:
     """(vertex_count, 3) float32 positions as the library gets them, near the origin wherever they lie."""
-    array = np.asarray(positions)
-    return contiguous(origin.near_origin(array) if array.ndim == 2 else array, np.float32, "positions", 3)
+    return origin.near_origin(contiguous(positions, np.asarray(positions).dtype, "positions", 3))
 
 
 def contiguous(array: np.ndarray, kind: type, name: str, width: int) -> np.ndarray:

@@ -33,16 +33,14 @@ def is_around_origin(points: np.ndarray) -> bool:
 
 
 def near_origin(points: np.ndarray) -> np.ndarray:
-    """(n, 3) float32 positions for the library of (n, 3) ones of any type, moved to the origin if they lie far away."""
+    """(n, 3) contiguous float32 positions for the library of (n, 3) ones, moved to the origin if they lie far away."""
     center = far_center(points)
     if center is not None:
         points = points - center
-    if points.dtype == np.float32:
-        return points
     with np.errstate(over="ignore", invalid="ignore"):
-        if len(points) and np.abs(points).max() > LARGEST:
+        if points.dtype != np.float32 and len(points) and np.abs(points).max() > LARGEST:
             raise InputError(f"The mesh reaches {np.abs(points).max():.3g} far, which is more than 32-bit floats hold.")
-        return points.astype(np.float32)
+        return np.ascontiguousarray(points, np.float32)
 
 
 def stored(points: np.ndarray) -> np.ndarray:

@@ -104,7 +104,7 @@ def write_row(work: Work, row: dict) -> None:
 
 def write_line(path: Path, row: dict) -> None:
     """Writes a row as one line of JSON."""
-    path.write_text(line_of(row), encoding="utf-8", errors=results.ESCAPED)
+    results.write_text(path, line_of(row))
 
 
 def line_of(row: dict) -> str:

@@ -20,6 +20,7 @@ from .common import (
     check_overwriting,
     open_file,
     print_notes,
+    saves_scene,
 )
 from .look_options import add_look_options, look_of
 from .opening import Opened, open_objects
@@ -34,7 +35,7 @@ from .options import (
 )
 from .outputs import add_output_files, check_files, files_of, write_files
 from .preset_options import check_preset, look_of_preset, notes_of_preset
-from .reading import Target, mesh_name, read_object, saves_scene, world_matrix
+from .reading import Target, mesh_name, read_object, world_matrix
 
 if TYPE_CHECKING:
     import bpy

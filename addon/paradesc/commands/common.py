@@ -115,6 +115,11 @@ def add_objects_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--all", action="store_true", help="every mesh object that renders")
 
 
+def saves_scene(arguments: argparse.Namespace) -> bool:
+    """Whether the scene itself is an output, so that results go to its objects."""
+    return any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", None) or ())
+
+
 def print_notes(sentences: list[str]) -> None:
     """Prints what limits the results, one line each."""
     for sentence in filter(None, sentences):

@@ -10,7 +10,7 @@ from ..files import map_images, mesh_files
 from ..files.map_images import MapChoice
 from ..files.mesh_files import FileMesh
 from ..files.paths import is_file
-from .common import UsageError, has_blender
+from .common import UsageError, has_blender, saves_scene
 from .images import paths_of
 
 READERS = ("auto", "blender", "files")
@@ -79,7 +79,7 @@ def check_options(arguments: argparse.Namespace) -> None:
     other = getattr(arguments, "from_file", None)
     if other is not None and is_file(other) and other.suffix.lower() not in mesh_files.SUFFIXES:
         raise refused(f'"{other}" is opened by Blender')
-    if any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", [])):
+    if saves_scene(arguments):
         raise refused("A .blend is written by Blender")
 
 
@@ -115,7 +115,7 @@ def read_mesh(
                 f'The mesh "{mesh.name}" {reason}, and without Blender it cannot be unwrapped; give it one, or '
                 "pip install bpy, or compute at vertices (--backend cpu, no image)."
             )
-        arrays.corner_uvs, arrays.uv_fault = None, reason
+        arrays.corner_uvs = None
     map_notes = add_maps(mesh, arrays, reason, maps)
     if settings.options.normals == "mesh":
         if mesh.corner_normals is None:

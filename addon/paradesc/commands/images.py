@@ -23,8 +23,8 @@ def tiles_of(name: str, arrays: MeshArrays, arguments: argparse.Namespace) -> tu
     """The UDIM tiles that the images of an object have; refuses a map without any where a path wants their numbers."""
     paths, tiling = paths_of(arguments), udim.of_mesh(arrays)
     asked = [path for path in paths if tile_names.TOKEN in path.name]
-    if asked and (arrays.corner_uvs is None or arrays.layout is not None):
-        raise bridge.InputError(f'The mesh of "{name}" {arrays.uv_fault or "has no UV map"}; unwrap it.')
+    if asked and arrays.map_fault:
+        raise bridge.InputError(f'The mesh of "{name}" {arrays.map_fault}; unwrap it.')
     if asked and not (tiling.tiles or tiling.first):
         why = tiling.why or udim.OUTSIDE
         raise bridge.InputError(f'"{asked[0].name}" stands for the UDIM tiles of "{name}", which has none. {why}')

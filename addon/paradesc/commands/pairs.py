@@ -168,8 +168,8 @@ def run_onto(
     progress: object,
 ) -> tuple[job.Results, list[str]]:
     """Measures the detailed objects for one low-poly one, which has been read; sentences about how they were read."""
-    if read.arrays.corner_uvs is None or read.arrays.layout is not None:
-        raise InputError(f'The mesh "{mesh_name(low)}" {read.arrays.uv_fault or "has no UV map"}; unwrap it.')
+    if read.arrays.map_fault:
+        raise InputError(f'The mesh "{mesh_name(low)}" {read.arrays.map_fault}; unwrap it.')
     parts, notes = [], []
     for high in highs:
         found = read_high(high, settings, arguments)

@@ -8,6 +8,7 @@ import numpy as np
 from ..core import job
 from ..core.standard_streams import quiet
 from ..files.mesh_files import FileMesh
+from .common import saves_scene
 from .file_reading import FileRead, map_sources, read_mesh
 
 if TYPE_CHECKING:
@@ -33,11 +34,6 @@ def read_object(target: Target, settings: job.Settings, arguments: argparse.Name
         read = targets.read(target, settings, request)
     read.notes += [*read.warnings, *read.map_notes]
     return read
-
-
-def saves_scene(arguments: argparse.Namespace) -> bool:
-    """Whether the scene itself is an output, so that results go to its objects."""
-    return any(path.suffix.lower() == ".blend" for path in getattr(arguments, "output", None) or ())
 
 
 def mesh_name(target: Target) -> str:

@@ -157,12 +157,8 @@ def write_list(arguments: argparse.Namespace, tasks: list[dict]) -> None:
     text = "".join(json.dumps(results.finite_only(task), ensure_ascii=printed) + "\n" for task in tasks)
     if printed:
         print(text, end="")
-        return
-
-    def write(path: Path, content: str) -> None:
-        path.write_text(content, encoding="utf-8", errors=results.ESCAPED)
-
-    write_whole(arguments.list, text, write)
+    else:
+        write_whole(arguments.list, text, results.write_text)
 
 
 # ---- Frames

@@ -71,7 +71,7 @@ def places(positions: np.ndarray, step: Callable[[], None]) -> tuple[np.ndarray,
 
     Those at one place keep their order; places have none. positions (n, 3).
     """
-    bits = (np.ascontiguousarray(origin.near_origin(positions)) + np.float32(0)).view(np.uint32)  # + 0: -0 is 0
+    bits = (origin.near_origin(positions) + np.float32(0)).view(np.uint32)  # + 0: -0 is 0
     mixed = (bits * np.array([0x9E3779B1, 0x85EBCA77, 0xC2B2AE3D], np.uint32)).sum(axis=1, dtype=np.uint32)
     mixed ^= mixed >> 15
     mixed *= np.uint32(0x2C1B3C6D)

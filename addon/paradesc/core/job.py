@@ -280,8 +280,7 @@ def run_on(
     computing = span_of(progress, 0.0, COMPUTING) if "harris" in settings.descriptors else progress
     results = run_radii(context, mesh, settings, computing, with_buffers)
     results.shape_notes = origin.rounding_note(arrays.positions, results.mesh_report["mean_edge"])
-    center = origin.far_center(arrays.positions)
-    if results.buffers and center is not None:
+    if results.buffers and (center := origin.far_center(arrays.positions)) is not None:
         results.buffers["position"] = results.buffers["position"] + center
     results.warnings += mesh_faults.sentences(results.mesh_report)
     if arrays.layout is not None and (bridge.uses_texture_space(results.backend) or results.maps):

@@ -30,6 +30,16 @@ class Polygons:
         return np.diff(self.starts)
 
 
+def vertices_at(corners: np.ndarray, vertex_count: int) -> np.ndarray:
+    """(n,) int64 vertices that a file has at corners (n,), numbers of any type; ValueError if one is not there."""
+    if corners.size and not 0 <= corners.min() <= corners.max() < vertex_count:
+        wrong = corners.min() if corners.min() < 0 else corners.max()
+        raise ValueError(f"a face has vertex {wrong:.10g}, counted from 0, and there are {vertex_count}")
+    if corners.dtype.kind == "f" and (corners != np.rint(corners)).any():
+        raise ValueError("a face has a vertex that is no whole number")
+    return corners.astype(np.int64)
+
+
 @dataclass
 class PolygonMesh:
     """A mesh of polygons as files hold it, whose corners follow each other."""

@@ -85,10 +85,11 @@ class Stream:
         self, positions: np.ndarray, corner_normals: np.ndarray | None, corner_tangents: np.ndarray | None
     ) -> MeshArrays:
         """The mesh at these positions; refuses positions of another mesh, and normals that are missing."""
-        positions = np.ascontiguousarray(origin.near_origin(np.asarray(positions)))
+        positions = np.asarray(positions)
         if positions.shape != self.arrays.positions.shape:
             wanted = len(self.arrays.positions)
             raise refused(f"Positions have the shape {positions.shape}, but the mesh has {wanted} vertices.")
+        positions = origin.near_origin(positions)
         maps = self.arrays.maps
         if self.settings.options.normals == "mesh" and corner_normals is None:
             raise refused("The mesh's own normals are asked for; give those that belong to the positions.")

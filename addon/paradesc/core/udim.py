@@ -102,7 +102,7 @@ def square_of(tile: int) -> np.ndarray:
 
 def of_mesh(arrays: MeshArrays) -> Tiling:
     """The tiles of a mesh's own UV map."""
-    if arrays.corner_uvs is None or arrays.layout is not None:
+    if arrays.map_fault:
         return Tiling()
     return tiling_of(arrays.corner_uvs[arrays.triangle_corners])
 
@@ -120,7 +120,7 @@ def tiling_of(uvs: np.ndarray) -> Tiling:
         return Tiling(why=MANY.format(int(counts(uvs).max()), MOST_TILES))
     sure = middles(uvs)
     inside = in_tiles(sure)
-    if not inside.all() and (sure[inside] != 0).any():  # as a map in meters, of whose squares there are too many to look at
+    if not inside.all() and (sure[inside] != 0).any():  # a map in meters has too many squares to look at each
         return Tiling(why=OUTSIDE)
     triangles, squares = meetings(uvs)
     low = squares.min(axis=0)
@@ -168,10 +168,10 @@ def in_tiles(squares: np.ndarray) -> np.ndarray:
 
 
 def middles(uvs: np.ndarray) -> np.ndarray:
-    """(k, 2) squares in which (n, 3, 2) triangles have their middles, without those that only hold rounding at borders."""
+    """(k, 2) squares of the middles of (n, 3, 2) triangles, without those that only hold rounding at borders."""
     squares = np.floor(uvs.mean(axis=1))
     low, high = uvs.min(axis=1) - squares, uvs.max(axis=1) - squares
-    return squares[((high > SPILL) & (low < 1 - SPILL)).all(axis=1)].astype(np.int64)
+    return squares[more_than_spilled(low, high)].astype(np.int64)
 
 
 def first_squares(uvs: np.ndarray) -> np.ndarray:
@@ -221,6 +221,11 @@ def deep(uvs: np.ndarray, number: np.ndarray, count: int) -> np.ndarray:
     low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
     np.minimum.at(low, number, np.clip(uvs.min(axis=1), 0.0, 1.0))
     np.maximum.at(high, number, np.clip(uvs.max(axis=1), 0.0, 1.0))
+    return more_than_spilled(low, high)
+
+
+def more_than_spilled(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """(n,) bool: whether what reaches from low to high, (n, 2) each, lies in the unit square by more than rounding."""
     return ((high > SPILL) & (low < 1 - SPILL)).all(axis=1)
 
 

@@ -65,9 +65,8 @@ class Files:
 
 def check(files: Files, arrays: bridge.MeshArrays, backend: str) -> None:
     """Refuses what cannot be written before anything is computed."""
-    if files.image is not None and (arrays.corner_uvs is None or arrays.layout is not None):
-        fault = arrays.uv_fault or "has no UV map"
-        raise refuse(f"The mesh {fault}, and an image needs one; unwrap it, or switch the image off.")
+    if files.image is not None and arrays.map_fault:
+        raise refuse(f"The mesh {arrays.map_fault}, and an image needs one; unwrap it, or switch the image off.")
     if files.buffers is not None and backend != "auto" and not bridge.uses_texture_space(backend):
         raise refuse(f"The backend {backend} bakes no buffers to write; choose another device, or switch them off.")
     faults = [file_fault(files.image) if files.image else "", folder_fault(files.buffers) if files.buffers else ""]

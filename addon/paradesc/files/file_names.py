@@ -23,7 +23,11 @@ def cut(name: str) -> str:
     """The name; a long one ends in its digest."""
     if len(name.encode()) <= LONGEST:
         return name
-    beginning = name.encode()[: LONGEST - 9].decode(errors="ignore")
+    return with_digest(name.encode()[: LONGEST - 9].decode(errors="ignore"), name)
+
+
+def with_digest(beginning: str, name: str) -> str:
+    """A beginning that several names may have, and what tells this one from them."""
     return f"{beginning}_{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
@@ -36,7 +40,7 @@ def folder_name(name: str, there: set[str]) -> str:
     alike = {one for one in there if folded(one) == folded(plain)}
     if plain == name and not RESERVED.fullmatch(name) and (name in alike or not alike):
         return plain
-    return f"{plain}_{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+    return with_digest(plain, name)
 
 
 def names_in(folder: Path) -> set[str]:

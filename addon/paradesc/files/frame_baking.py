@@ -108,7 +108,7 @@ class Baker:
             raise
 
     def settled(self) -> str:
-        """The backend for these frames: under auto the one that goes on with frames of an earlier version, if there are some."""
+        """The backend for these frames: under auto the one that goes on with frames of an earlier version."""
         own = self.request.settings.backend
         if own != "auto":
             return own

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.polygons import PolygonMesh
+from ..core.polygons import PolygonMesh, vertices_at
 from .paths import is_file
 from .strips import triangles_of_fan, triangles_of_strips
 
@@ -288,9 +288,7 @@ def faces(document: Document, primitive: dict, vertex_count: int) -> np.ndarray:
         found = triangles_of_fan(vertices)
     else:
         found = vertices[: len(vertices) // 3 * 3].reshape(-1, 3)
-    if found.size and not 0 <= found.min() <= found.max() < vertex_count:
-        raise ValueError(f"a face has vertex {found.max()}, counted from 0, and there are {vertex_count}")
-    return found
+    return vertices_at(found, vertex_count)
 
 
 def at_corners(document: Document, primitive: dict, name: str, width: int, faces: np.ndarray) -> np.ndarray | None:

@@ -21,7 +21,7 @@ STACKED = "Charts of the UV map share texture space: where several lie at one te
 def user_uvs(baked: Baked) -> np.ndarray:
     """(triangle_count, 3, 2) UV coordinates of the mesh's UV map."""
     if baked.arrays.corner_uvs is None:
-        lacking = baked.arrays.uv_fault or "has no UV map"
+        lacking = baked.arrays.map_fault
         sentence = f"The mesh {lacking}, and an image needs a usable one that is active; unwrap it, or choose another."
         raise bridge.ParadescError(abi.STATUS_INVALID_ARGUMENT, sentence)
     return baked.arrays.corner_uvs[baked.arrays.triangle_corners]

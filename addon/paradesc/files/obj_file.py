@@ -107,9 +107,7 @@ def positions(lines: list[bytes]) -> np.ndarray:
         rows = rows_of(lines)
     except ValueError:
         place = first_fault(lines)
-        raise LineError(
-            b"v", place, "is no row of numbers" + no_numbers(lines[place]).partition("numbers")[2]
-        ) from None
+        raise LineError(b"v", place, no_numbers(lines[place])) from None
     if len(lines) and rows.sizes.min() < 3:
         raise LineError(b"v", rows.sizes.argmin(), "has fewer than 3 numbers")
     return origin.stored(rows.first(3))

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ..bridge import origin
-from ..core.polygons import PolygonMesh
-from .text_rows import Rows, plain, rows_of
+from ..core.polygons import PolygonMesh, vertices_at
+from .text_rows import Rows, listed, plain, rows_of
 
 # The keyword, which may be missing, and may be followed by the numbers at once.
 KEYWORD = re.compile(rb"\s*((?i:(?:ST)?C?)N?(4?)(n?)(?i:OFF))?(\s+BINARY\b)?")
@@ -34,12 +34,7 @@ def read(path: Path) -> PolygonMesh:
     after = 2 if rows.sizes[0] == 2 else 3  # the number of edges says nothing, and may be missing
     rest = Rows(rows.values, np.concatenate([[after], rows.starts[rows.starts > after]]))
     points, corners, sizes = tables(rest, int(counts[0]), int(counts[1]), (keyword[1] or b"").upper())
-    if corners.size and not 0 <= corners.min() <= corners.max() < len(points):
-        wrong = corners.min() if corners.min() < 0 else corners.max()
-        raise ValueError(f"a face has vertex {wrong:g}, counted from 0, and there are {len(points)}")
-    if (corners != np.rint(corners)).any():
-        raise ValueError("a face has a vertex that is no whole number")
-    return PolygonMesh(origin.stored(points), corners.astype(np.int32), sizes)
+    return PolygonMesh(origin.stored(points), vertices_at(corners, len(points)).astype(np.int32), sizes)
 
 
 def tables(rows: Rows, vertices: int, faces: int, keyword: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -72,8 +67,7 @@ def faces_of(rows: Rows, at: int, count: int, colored: bool) -> tuple[np.ndarray
     sizes = rows.values[begins].astype(np.int64)
     if not (colored and len(begins) == count and (sizes >= 0).all() and (begins + sizes < ends_of(rows, begins)).all()):
         begins, sizes = walked(rows, at, count, colored)
-    before = np.cumsum(sizes) - sizes
-    return rows.values[np.repeat(begins + 1 - before, sizes) + np.arange(int(sizes.sum()))], sizes
+    return rows.values[listed(begins + 1, sizes)], sizes
 
 
 def ends_of(rows: Rows, begins: np.ndarray) -> np.ndarray:

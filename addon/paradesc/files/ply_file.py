@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from ..bridge import origin
-from ..core.polygons import PolygonMesh
+from ..core.polygons import PolygonMesh, vertices_at
 from .strips import triangles_of_strips
-from .text_rows import MARK, plain, rows_of, shown
+from .text_rows import MARK, listed, plain, rows_of, shown
 
 KINDS = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
@@ -138,12 +138,6 @@ def read_lines(lines: list[bytes], element: Element) -> Columns:
     return columns
 
 
-def listed(places: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """The places of all items of lists that begin at places (n,) and have so many each (n,)."""
-    before = np.cumsum(sizes) - sizes
-    return np.repeat(places - before, sizes) + np.arange(int(sizes.sum()))
-
-
 def as_binary(text: bytes, elements: list[Element]) -> bytes:
     """The numbers of a text as doubles, of which all properties then consist."""
     for one in (one for element in elements for one in element.properties):
@@ -246,13 +240,7 @@ def polygons(vertex: Columns, face: Columns) -> PolygonMesh | None:
     lacking = [name for name in "xyz" if not isinstance(vertex.get(name), np.ndarray)]
     if lacking:
         raise ValueError(f"its vertices have no property {lacking[0]}")
-    corners = lists.values.astype(np.int64)
-    if (corners != lists.values).any():
-        raise ValueError("a face has a vertex that is no whole number")
-    count = len(vertex["x"])
-    if corners.size and not 0 <= corners.min() <= corners.max() < count:
-        wrong = corners.min() if corners.min() < 0 else corners.max()
-        raise ValueError(f"a face has vertex {wrong}, counted from 0, and there are {count}")
+    corners = vertices_at(lists.values, len(vertex["x"]))
     points = np.stack([vertex[name].astype(np.float64) for name in "xyz"], axis=1)
     mesh = PolygonMesh(origin.stored(points), corners.astype(np.int32), lists.sizes)
     mesh.corner_uvs = uvs_of(vertex, face, mesh)

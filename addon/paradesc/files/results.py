@@ -207,7 +207,12 @@ def listed_corners(baked: Baked) -> list[dict[str, object]]:
 
 def write_json(path: Path, content: object) -> None:
     """Writes plain Python as JSON, with null for what is not a number."""
-    path.write_text(json_text(content), encoding="utf-8", errors=ESCAPED)
+    write_text(path, json_text(content))
+
+
+def write_text(path: Path, text: str) -> None:
+    """Writes a text in which names of files may be."""
+    path.write_text(text, encoding="utf-8", errors=ESCAPED)
 
 
 def json_text(content: object, ascii_only: bool = False) -> str:
@@ -220,25 +225,29 @@ def part_path(path: Path) -> Path:
     return path.with_name(f".{path.name[:LONGEST_STEM]}.{secrets.token_hex(4)}.part")
 
 
+def place_fault(path: Path) -> str:
+    """One sentence about why nothing can be at a place, by its name or its folder, or ""."""
+    fault, folder = name_fault(path), path.absolute().parent
+    if fault:
+        return f'"{path}" cannot be written: {fault}.'
+    return "" if folder.is_dir() else f'There is no folder "{folder}" to write "{path.name}" into.'
+
+
 def file_fault(path: Path) -> str:
     """One sentence about why no file can be written there, or ""."""
-    if name_fault(path):
-        return f'"{path}" cannot be written: {name_fault(path)}.'
-    folder = path.absolute().parent
-    if not folder.is_dir():
-        return f'There is no folder "{folder}" to write "{path.name}" into.'
+    fault = place_fault(path)
+    if fault:
+        return fault
     if path.is_dir():
         return f'"{path}" is a folder, and cannot be written as a file; give it a name.'
-    return "" if os.access(folder, os.W_OK) else f'"{path}" cannot be written.'
+    return "" if os.access(path.absolute().parent, os.W_OK) else f'"{path}" cannot be written.'
 
 
 def folder_fault(path: Path) -> str:
     """One sentence about why no folder of files can be made there, or ""."""
-    if name_fault(path):
-        return f'"{path}" cannot be written: {name_fault(path)}.'
-    folder = path.absolute().parent
-    if not folder.is_dir():
-        return f'There is no folder "{folder}" to write "{path.name}" into.'
+    fault = place_fault(path)
+    if fault:
+        return fault
     return f'"{path}" is a file; it has to be a folder.' if path.exists() and not path.is_dir() else ""
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from ..bridge import origin
 from ..core.polygons import PolygonMesh
 from ..core.stream import columns_of, place_keys
-from .text_rows import MARK, numbers_in, plain, shown
+from .text_rows import MARK, no_numbers, numbers_in, plain, shown
 
 HEADER = 84  # bytes before the first triangle, the last four of which are their number
 FIRST_BYTES = 1000  # in which a binary file has a zero
@@ -72,7 +72,7 @@ def text_corners(content: bytes, notes: list[str]) -> np.ndarray:
     numbers = numbers_in(b" ".join(found))
     if numbers is None or len(numbers) != 3 * len(found):
         wrong = next((row for row in found if numbers_in(row) is None), b"")
-        raise ValueError(f'the corner "{shown(wrong)}" is no row of numbers')
+        raise ValueError(f'the corner "{shown(wrong)}" {no_numbers(wrong)}')
     if facets and not ENDING.search(content[-1000:]):
         notes.append("The file does not say that it ends (endsolid); a part of it may be missing.")
     return origin.stored(numbers.reshape(-1, 3))

@@ -44,8 +44,15 @@ def rows_of(lines: list[bytes], kind: type = np.float64) -> Rows:
     sizes = np.fromiter((len(line.split()) for line in lines), np.int64, len(lines))
     values = numbers_in(b"\n".join(lines), kind)
     if values is None or len(values) != sizes.sum():
-        raise ValueError(no_numbers(lines[first_fault(lines, kind)]))
+        wrong = lines[first_fault(lines, kind)]
+        raise ValueError(f'"{shown(wrong)}" {no_numbers(wrong)}')
     return Rows(values, np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64))
+
+
+def listed(places: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """The places of all items of lists that begin at places (n,) and have so many each (n,)."""
+    before = np.cumsum(sizes) - sizes
+    return np.repeat(places - before, sizes) + np.arange(int(sizes.sum()))
 
 
 def numbers_in(text: bytes, kind: type = np.float64) -> np.ndarray | None:
@@ -72,8 +79,8 @@ def first_fault(lines: list[bytes], kind: type = np.float64) -> int:
 
 
 def no_numbers(line: bytes) -> str:
-    """Says that a line holds anything but numbers."""
-    return f'"{shown(line)}" is no row of numbers' + ("; decimals take a point" if b"," in line else "")
+    """Says of a line that it holds anything but numbers."""
+    return "is no row of numbers" + ("; decimals take a point" if b"," in line else "")
 
 
 def shown(line: bytes) -> str:

@@ -8,10 +8,11 @@ import re
 import struct
 from pathlib import Path
 
+from .stl_file import HEADER, TRIANGLE
+
 FIRST_BYTES = 1 << 16
 # Bytes that a triangle takes in files of text, with its share of vertices, normals and texture coordinates.
 TEXT_BYTES = {".obj": 45, ".stl": 260, ".ply": 45, ".off": 45}
-BINARY_STL = 84, 50  # bytes before the first triangle, and of each
 GLTF_BYTES = 24  # of a triangle, where the file does not tell
 
 
@@ -31,8 +32,8 @@ def counted(suffix: str, first: bytes, size: int) -> int:
     if suffix == ".ply":
         found = re.search(rb"element face (\d+)", first)
         return int(found[1]) if found else 0
-    if suffix == ".stl" and (size - BINARY_STL[0]) % BINARY_STL[1] == 0 and not first.startswith(b"solid"):
-        return (size - BINARY_STL[0]) // BINARY_STL[1]
+    if suffix == ".stl" and (size - HEADER) % TRIANGLE.itemsize == 0 and not first.startswith(b"solid"):
+        return (size - HEADER) // TRIANGLE.itemsize
     if suffix == ".off":
         found = re.search(rb"\d+\s+(\d+)", re.sub(rb"#[^\r\n]*", b"", first[:1000]))
         return int(found[1])
