@@ -1,7 +1,6 @@
 """Images of displacement and normal maps read without Blender: every kind of PNG and OpenEXR, as Blender reads them."""
 
 import struct
-import time
 import zlib
 
 import numpy as np
