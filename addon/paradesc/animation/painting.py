@@ -64,7 +64,7 @@ class Painter:
         """Whether the attributes are as they were written: neither undone nor changed by anything else."""
         for name, values in self.written.items():
             attribute, found = mesh.attributes.get(name), np.empty(values.size, np.float32)
-            if attribute is None or mesh_io.wanted_kind(name) != (attribute.data_type, attribute.domain):
+            if attribute is None or arrays.kind_of(attribute) != mesh_io.wanted_kind(name):
                 return False
             attribute.data.foreach_get(arrays.MEMBERS[attribute.data_type][0], found)
             if not np.array_equal(found.view(np.uint32), values.view(np.uint32)):
