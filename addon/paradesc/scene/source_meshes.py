@@ -17,6 +17,7 @@ from ..core import source_kinds
 from ..core.source_kinds import NAMES
 from . import mesh_io
 from .arrays import kind_of, read_array, read_corner_vertices
+from .curves import curves_of
 from .mesh_io import refuse
 
 # Modifiers that make or remove vertices or faces. Geometry Nodes may do either, which is tried out.
@@ -198,8 +199,8 @@ def showing(modifier: bpy.types.Modifier) -> list[bpy.types.FCurve]:
     data = modifier.id_data.animation_data
     if data is None:
         return []
-    curves = [*data.drivers, *(getattr(data.action, "fcurves", ()) if data.action is not None else ())]
     path = f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"].show_viewport'
+    curves = (*data.drivers, *curves_of(data))
     return [curve for curve in curves if curve.data_path == path and not curve.mute]
 
 
