@@ -75,7 +75,7 @@ def read(
         return Reading(mesh_io.read_object(target, corner_normals, needs_uvs), "original", notes=[note])
     if source == "deformed":
         return read_deformed(target, original())
-    # Where modifiers are known to make vertices, the marks are there when they are evaluated for the first time.
+    # Modifiers that are known to make vertices are evaluated only once: the marks are there by then.
     generating = any(modifier.type in GENERATING for modifier in shown_modifiers(target))
     marks = marks_of(target) if placing and generating and former is None else None
     with marked(target.data, marks), evaluated_mesh(target) as mesh:
