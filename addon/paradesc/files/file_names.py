@@ -23,8 +23,13 @@ def cut(name: str) -> str:
     """The name; a long one ends in its digest."""
     if len(name.encode()) <= LONGEST:
         return name
-    beginning = name.encode()[: LONGEST - 9].decode(errors="ignore")
-    return f"{beginning}_{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+    beginning = name.encode()[: LONGEST - len(ending(name))].decode(errors="ignore")
+    return beginning + ending(name)
+
+
+def ending(name: str) -> str:
+    """A digest of a name, to stand behind what is left of it."""
+    return f"_{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
 def folder_name(name: str, there: set[str]) -> str:
@@ -36,7 +41,7 @@ def folder_name(name: str, there: set[str]) -> str:
     alike = {one for one in there if folded(one) == folded(plain)}
     if plain == name and not RESERVED.fullmatch(name) and (name in alike or not alike):
         return plain
-    return f"{plain}_{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+    return plain + ending(name)
 
 
 def names_in(folder: Path) -> set[str]:
