@@ -107,7 +107,7 @@ def pack(mesh: bpy.types.Mesh, names: list[str], attribute_name: str, kind: str,
         if name:
             rgba[:, channel] = shares(mesh, name)
     own_attribute(mesh, attribute_name, kind, domain)
-    mesh.attributes[attribute_name].data.foreach_set("color", spread(mesh, rgba, domain).ravel())
+    arrays.set_values(mesh.attributes[attribute_name], spread(mesh, rgba, domain))
     ownership.leave(mesh, [attribute_name])
     mesh.update()
 
@@ -116,7 +116,7 @@ def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
     """Copies a descriptor's colors to face corners in 8 bits, as vertex paint has them; gives the attribute's name."""
     colors = arrays.read_array(mesh.attributes[f"{name}_color"].data, "color", np.float32, 4)
     attribute = own_attribute(mesh, name + SUFFIX_CORNER, "BYTE_COLOR", "CORNER").name
-    mesh.attributes[attribute].data.foreach_set("color", spread(mesh, colors, "CORNER").ravel())
+    arrays.set_values(mesh.attributes[attribute], spread(mesh, colors, "CORNER"))
     ownership.leave(mesh, [attribute])
     mesh.update()
     return attribute
@@ -175,7 +175,7 @@ def export_copies(mesh: bpy.types.Mesh) -> list[str]:
         neutral = color_maps.neutral_value(registry_row(name), color_maps.Look())
         values = np.where(np.isfinite(values), values, neutral or 0.0)
         attribute = own_attribute(mesh, EXPORT_PREFIX + name, "FLOAT", "POINT").name
-        mesh.attributes[attribute].data.foreach_set("value", values.astype(np.float32))
+        arrays.set_values(mesh.attributes[attribute], values)
         made.append(attribute)
     ownership.leave(mesh, made)
     mesh.update()
