@@ -39,6 +39,23 @@ def registered():
     package.unregister()
 
 
+@pytest.fixture
+def target():
+    """A small sphere, the active object."""
+    from scene import add_sphere
+
+    return add_sphere(steps=3)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """The folder of the saved file."""
+    from scene import saved_scene
+
+    saved_scene(tmp_path / "file.blend")
+    return tmp_path
+
+
 def blender_program():
     """The words that start, in the background, the Blender in which the tests run; none in its Python module."""
     try:

@@ -5,6 +5,8 @@ Everything is still at the first frame and has its full strength at the last.
 
 import bpy
 
+from paradesc.show.node_groups import add_socket
+
 FIRST, LAST = 1, 7
 CASES = {}
 
@@ -78,14 +80,9 @@ def hooked(target):
 def stretching_nodes(target):
     """Geometry nodes that stretch the mesh along z; gives their input as owner and name, and a socket behind it."""
     tree = bpy.data.node_groups.new("stretch", "GeometryNodeTree")
-    if hasattr(tree, "interface"):
-        tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
-        given = tree.interface.new_socket("By", in_out="INPUT", socket_type="NodeSocketFloat")
-        tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    else:
-        tree.inputs.new("NodeSocketGeometry", "Geometry")
-        given = tree.inputs.new("NodeSocketFloat", "By")
-        tree.outputs.new("NodeSocketGeometry", "Geometry")
+    add_socket(tree, "Geometry", "geometry")
+    add_socket(tree, "By", "float")
+    add_socket(tree, "Geometry", "geometry", output=True)
     kinds = ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeSetPosition", "GeometryNodeInputPosition")
     source, output, moved, place = map(tree.nodes.new, kinds)
     along, share = (tree.nodes.new("ShaderNodeVectorMath") for _ in range(2))
@@ -102,10 +99,11 @@ def stretching_nodes(target):
         tree.links.new(start, end)
     made = target.modifiers.new("nodes", "NODES")
     made.node_group = tree
+    given = source.outputs[1].identifier
     if hasattr(made, "properties"):  # since Blender 5.2
-        owner, name = getattr(made.properties.inputs, given.identifier), "value"
+        owner, name = getattr(made.properties.inputs, given), "value"
     else:
-        owner, name = made, f'["{given.identifier}"]'
+        owner, name = made, f'["{given}"]'
     return owner, name, share.inputs["Scale"]
 
 

@@ -10,22 +10,10 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from paradesc.bake import pieces  # noqa: E402
 from paradesc.files import cache, file_names, marks  # noqa: E402
 from paradesc.settings import preset_folders  # noqa: E402
-from scene import add_sphere, saved_scene  # noqa: E402
+from scene import add_sphere  # noqa: E402
 from writers import bake_image, file  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
-
-
-@pytest.fixture
-def target():
-    return add_sphere(steps=3)
-
-
-@pytest.fixture
-def folder(tmp_path):
-    """The folder of the saved file."""
-    saved_scene(tmp_path / "file.blend")
-    return tmp_path
 
 
 def test_a_file_saved_under_another_name_goes_on_with_its_textures(target, folder):

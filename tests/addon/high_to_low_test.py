@@ -5,6 +5,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
+import scene  # noqa: E402
 from maps_test import decode16  # noqa: E402
 
 from paradesc.bake import image_batch  # noqa: E402
@@ -27,10 +28,8 @@ def settings(registered):
 
 
 def select(*names):
-    """Selects these objects, the last one as the active one."""
-    for item in bpy.context.view_layer.objects:
-        item.select_set(item.name in names)
-    bpy.context.view_layer.objects.active = bpy.data.objects[names[-1]]
+    """Selects the objects of these names, the last one as the active one."""
+    scene.select(*(bpy.data.objects[name] for name in names))
 
 
 def values_of(content):

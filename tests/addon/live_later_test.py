@@ -10,6 +10,7 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 from live_values import NAME, baked_shape, live_settings, stretching_sphere, switch, values  # noqa: E402
 from paradesc.animation import handlers, live  # noqa: E402
 from paradesc.core import contexts  # noqa: E402
+from scene import subdivide  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 
@@ -163,10 +164,7 @@ def test_results_wait_until_the_mode_is_left(played, gate, mode):
 
 def test_results_of_a_mesh_that_has_become_another_are_dropped(played, gate):
     bpy.context.scene.frame_set(2)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    subdivide()
     gate.open.set()
     collect_all()
     assert played.paradesc_live.sentence == ""

@@ -14,7 +14,7 @@ from paradesc.core import color_maps, job  # noqa: E402
 from paradesc.scene import mesh_io, source_meshes  # noqa: E402
 from paradesc.settings import properties  # noqa: E402
 from paradesc.ui import live_panel  # noqa: E402
-from scene import add_sphere, attribute_values  # noqa: E402
+from scene import add_sphere, attribute_values, subdivide  # noqa: E402
 
 NAME = "mean_curvature"
 
@@ -138,10 +138,7 @@ def test_edit_mode_is_waited_for(stretching):
 
 def test_another_topology_is_followed(stretching):
     switch(stretching)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    subdivide()
     bpy.context.scene.frame_set(3)
     assert stretching.paradesc_live.sentence == ""
     assert np.array_equal(values(stretching), baked_shape(stretching, live_settings(stretching)).values[NAME])
@@ -277,14 +274,6 @@ def test_attributes_that_are_not_ours_are_left_alone(stretching):
         bpy.context.scene.frame_set(frame)
         expected = baked_shape(stretching, live_settings(stretching)).values[NAME]
         assert np.array_equal(attribute_values(stretching.data, f"{NAME}_2"), expected)
-
-
-def test_objects_that_nobody_has_made_live_get_no_settings(stretching):
-    other = add_sphere("other", steps=2)
-    switch(stretching)
-    bpy.context.scene.frame_set(2)
-    assert not handlers.is_live(other)
-    assert not other.is_property_set("paradesc_live")
 
 
 def test_a_removed_object_is_forgotten(stretching):

@@ -8,25 +8,15 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
+from live_values import switch  # noqa: E402
 from mesh_io_test import made_up_results  # noqa: E402
+from paradesc.animation import handlers  # noqa: E402
 from paradesc.scene import mesh_io  # noqa: E402
 from paradesc.show import recolor  # noqa: E402
-from scene import add_sphere, saved_scene  # noqa: E402
+from scene import add_sphere, subdivide  # noqa: E402
 from writers import NAME, WRITERS, attribute, bake, everything, kinds, remeshed, result_of  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
-
-
-@pytest.fixture
-def target():
-    return add_sphere(steps=3)
-
-
-@pytest.fixture
-def folder(tmp_path):
-    """The folder of the saved file."""
-    saved_scene(tmp_path / "file.blend")
-    return tmp_path
 
 
 @pytest.mark.parametrize("name", WRITERS)
@@ -71,10 +61,7 @@ def test_buttons_are_grey_where_all_was_deleted(target):
 
 def test_ours_stays_ours_when_the_mesh_is_edited(target):
     bake(target)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    subdivide()
     names = target.data.attributes.keys()
     bake(target)
     assert target.data.attributes.keys() == names
@@ -116,6 +103,14 @@ def test_menus_and_buttons_leave_out_what_was_deleted_or_renamed(change, which, 
         assert getattr(bpy.ops.paradesc, name)() == {"FINISHED"}, name
     bake(target)
     assert NAME in recolor.baked_names(target.data) or f"{NAME}_2" in recolor.baked_names(target.data)
+
+
+def test_objects_that_nobody_has_made_live_get_no_settings(target):
+    other = add_sphere("other", steps=2)
+    assert switch(target) == ""
+    bpy.context.scene.frame_set(2)
+    assert not handlers.is_live(other)
+    assert not other.is_property_set("paradesc_live")
 
 
 # ---- Result objects

@@ -13,7 +13,7 @@ from paradesc.core import color_maps, job  # noqa: E402
 from paradesc.files import cache  # noqa: E402
 from paradesc.scene import record  # noqa: E402
 from paradesc.ui import report_panel  # noqa: E402
-from scene import attribute_values, measure_curvature  # noqa: E402
+from scene import attribute_values, measure_curvature, subdivide  # noqa: E402
 
 NAME = "mean_curvature"
 SETTINGS = job.Settings((NAME,), bridge.Options(radius=0.1, samples=64, buffer_size=256), "software")
@@ -133,10 +133,7 @@ def test_a_damaged_frame_is_one_sentence(swelling):
 
 
 def test_frames_of_another_mesh_are_one_sentence(swelling):
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    subdivide()
     assert "vertices" in play(swelling)
     assert NAME not in swelling.data.attributes
 

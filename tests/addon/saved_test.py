@@ -17,6 +17,7 @@ from live_values import switch  # noqa: E402
 from paradesc.scene import record  # noqa: E402
 from paradesc.show import overlay, recolor  # noqa: E402
 from paradesc.ui import report_panel  # noqa: E402
+from scene import select  # noqa: E402
 
 ARCHIVES = sorted((Path(__file__).parent / "saved").glob("*.zip"))
 GROUPS = ("paradesc", "paradesc_looks", "paradesc_animation", "paradesc_live")
@@ -104,9 +105,7 @@ def values_of(group, names):
 
 def choose(name):
     """Selects one object."""
-    for item in bpy.context.view_layer.objects:
-        item.select_set(item.name == name)
-    bpy.context.view_layer.objects.active = bpy.data.objects[name]
+    select(bpy.data.objects[name])
 
 
 def test_there_is_a_file_of_an_earlier_version():

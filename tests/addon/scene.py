@@ -74,6 +74,21 @@ def fingerprint(target):
     )
 
 
+def select(*targets):
+    """Selects these objects, the last one as the active one."""
+    for item in bpy.context.view_layer.objects:
+        item.select_set(item in targets)
+    bpy.context.view_layer.objects.active = targets[-1]
+
+
+def subdivide():
+    """Subdivides the whole mesh of the active object, as one does in edit mode."""
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def small_bake(backend="software"):
     """Settings that take a moment on small spheres."""
     settings = bpy.context.scene.paradesc

@@ -4,15 +4,9 @@ import pytest
 
 bpy = pytest.importorskip("bpy", reason="needs Blender")
 
-from scene import add_sphere  # noqa: E402
 from writers import bake, click, materials, tuned_material  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
-
-
-@pytest.fixture
-def target():
-    return add_sphere(steps=3)
 
 
 def slots_and_faces(target):

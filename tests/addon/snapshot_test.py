@@ -6,14 +6,8 @@ bpy = pytest.importorskip("bpy", reason="needs Blender")
 
 from paradesc.bake import batch  # noqa: E402
 from paradesc.settings import snapshot  # noqa: E402
-from scene import add_sphere  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
-
-
-@pytest.fixture
-def target():
-    return add_sphere(steps=3)
 
 
 def settings_of(scene):

@@ -14,7 +14,7 @@ from paradesc.bridge import abi  # noqa: E402
 from paradesc.core import job, source_kinds  # noqa: E402
 from paradesc.scene import delivery, mesh_io, scene_io, source_meshes  # noqa: E402
 from paradesc.show.node_groups import add_socket  # noqa: E402
-from scene import add_sphere, attribute_values, empty_scene, fingerprint, small_bake  # noqa: E402
+from scene import add_sphere, attribute_values, empty_scene, fingerprint, saved_scene, select, small_bake  # noqa: E402
 from shapes import ADDON  # noqa: E402
 
 QUICK = job.Settings(("mean_curvature",), bridge.Options(radius=0.1, samples=64, buffer_size=256), "software")
@@ -303,28 +303,21 @@ def test_modifiers_that_make_vertices_are_evaluated_once(placing, monkeypatch):
     assert source_meshes.MARK not in target.data.attributes
 
 
+@pytest.mark.usefixtures("registered")
 def test_an_image_of_a_linked_mesh_says_nothing_of_vertices_that_are_lost(tmp_path, capfd):
-    import paradesc
-
     with_modifiers(SUBSURF)
-    path = tmp_path / "library.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
-    paradesc.register()
-    try:
-        empty_scene()
-        with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
-            wanted.objects = ["sphere"]
-        linked = bpy.data.objects["sphere"]
-        bpy.context.collection.objects.link(linked)
-        bpy.context.view_layer.objects.active = linked
-        linked.select_set(True)
-        settings = small_bake("cpu")
-        settings.texels = 16
-        bpy.context.scene.paradesc_animation.source = "evaluated"
-        assert bpy.ops.paradesc.bake_image() == {"FINISHED"}
-        assert "lose" not in capfd.readouterr().out
-    finally:
-        paradesc.unregister()
+    path = saved_scene(tmp_path / "library.blend")
+    empty_scene()
+    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+        wanted.objects = ["sphere"]
+    linked = bpy.data.objects["sphere"]
+    bpy.context.collection.objects.link(linked)
+    select(linked)
+    settings = small_bake("cpu")
+    settings.texels = 16
+    bpy.context.scene.paradesc_animation.source = "evaluated"
+    assert bpy.ops.paradesc.bake_image() == {"FINISHED"}
+    assert "lose" not in capfd.readouterr().out
 
 
 def test_sentences_about_sources_name_what_the_panel_and_the_command_line_have():

@@ -10,7 +10,7 @@ import numpy as np
 
 from mesh_io_test import made_up_results
 from paradesc.scene import mesh_io, sculpt_masks
-from scene import add_sphere, small_bake
+from scene import add_sphere, select, small_bake
 
 NAME = "mean_curvature"
 MEMBERS = {"FLOAT": ("value", 1), "INT": ("value", 1), "FLOAT_VECTOR": ("vector", 3)}
@@ -230,9 +230,7 @@ def bake_image(target):
     """Bakes a texture of a few texels."""
     settings = small_bake("cpu")
     settings.texels, settings.descriptors = 16, {NAME}
-    for item in bpy.context.view_layer.objects:
-        item.select_set(item == target)
-    bpy.context.view_layer.objects.active = target
+    select(target)
     assert bpy.ops.paradesc.bake_image() == {"FINISHED"}
 
 
@@ -263,13 +261,13 @@ def painted_image(target):
     assert image.is_dirty
 
 
-def texture_of(*names):
-    """Bakes the textures of other objects of these names, one after another."""
+def others(write, called, *names):
+    """Gives the object a name, and does the same with other objects of these names, one after another."""
 
     def make(target):
-        target.name = "Wall.001"
+        target.name = called
         for name in names:
-            bake_image(add_sphere(name, steps=3))
+            write(add_sphere(name, steps=3))
 
     return make
 
@@ -313,9 +311,7 @@ def remeshed(target):
     settings = small_bake("cpu")
     settings.descriptors = {NAME}
     bpy.context.scene.paradesc_animation.source = "evaluated"
-    bpy.context.view_layer.objects.active = target
-    for item in bpy.context.view_layer.objects:
-        item.select_set(item == target)
+    select(target)
     assert bpy.ops.paradesc.bake() == {"FINISHED"}
 
 
@@ -372,25 +368,12 @@ def frames(target):
     small_bake("cpu")
     scene = bpy.context.scene
     scene.frame_end, scene.paradesc.descriptors = 2, {NAME}
-    for item in bpy.context.view_layer.objects:
-        item.select_set(item == target)
-    bpy.context.view_layer.objects.active = target
+    select(target)
     scene.paradesc_animation.overwrite = True
     assert bpy.ops.paradesc.bake_frames() == {"FINISHED"}
     target.paradesc_live.mode = "CACHE"
     assert target.paradesc_live.sentence == ""
     target.paradesc_live.mode = "OFF"
-
-
-def frames_of(*names):
-    """Bakes the frames of other objects of these names, one after another."""
-
-    def make(target):
-        target.name = "Crate"
-        for name in names:
-            frames(add_sphere(name, steps=4))
-
-    return make
 
 
 CHANGES = (sculpted, with_material, with_attribute, called_otherwise, painted_result)
@@ -419,12 +402,13 @@ WRITERS = {
     "image file in other case": Writer(bake_image, file("Sphere_Curvature.PNG")),
     "image file that was edited": Writer(bake_image, edited_file),
     "image that was painted on": Writer(bake_image, painted_image),
-    "image of another object": Writer(bake_image, texture_of("Wall 001")),
-    "image of two other objects": Writer(bake_image, texture_of("Wall 001", "wall_001")),
+    "image of another object": Writer(bake_image, others(bake_image, "Wall.001", "Wall 001")),
+    "image of two other objects": Writer(bake_image, others(bake_image, "Wall.001", "Wall 001", "wall_001")),
     "image of another .blend": Writer(bake_image, bake_from_elsewhere),
     "packed image": Writer(bake_image_here, in_unsaved_file(packed_and_painted)),
     "packed image of another object": Writer(
-        lambda _target: bake_image(bpy.data.objects["Wall.001"]), in_unsaved_file(texture_of("Wall 001"))
+        lambda _target: bake_image(bpy.data.objects["Wall.001"]),
+        in_unsaved_file(others(bake_image, "Wall.001", "Wall 001")),
     ),
     **{f"result object, {change.__name__}": Writer(remeshed, remeshed_and(change)) for change in CHANGES},
     "result object of a long name": Writer(remeshed, long_name),
@@ -433,7 +417,7 @@ WRITERS = {
     "values painted over after live ones": Writer(bake, painted(f"{NAME}_color", live), changes={"coverage"}),
     "live coverage": Writer(live, attribute("coverage")),
     "played values": Writer(frames, attribute(NAME)),
-    "frames of another object": Writer(frames, frames_of("crate", "Cr ate")),
+    "frames of another object": Writer(frames, others(frames, "Crate", "crate", "Cr ate")),
     "recolor": Writer(click("recolor"), painted(f"{NAME}_color", click("recolor")), "painted over"),
     "attribute": Writer(bake, attribute(NAME)),
     "attribute of another type": Writer(bake, attribute(NAME, "INT", "FACE")),

@@ -17,6 +17,7 @@ from bpy.app.handlers import persistent
 from ..bridge import ParadescError
 from ..core import contexts
 from ..settings import looks
+from ..settings.snapshot import identity
 from . import live, painting, pausing, playback, unkeyed
 
 # Seconds without another edit after which live values follow.
@@ -62,16 +63,16 @@ def live_objects() -> list[bpy.types.Object]:
     objects = bpy.data.objects
     found = [objects.get((name, None)) for name, _ in STATE.listed]
     same = all(
-        item is not None and live.identity(item) == known and is_live(item)
+        item is not None and identity(item) == known and is_live(item)
         for item, (_, known) in zip(found, STATE.listed, strict=True)
     )
     if len(objects) != STATE.object_count or not same:
         found = [item for item in objects if is_live(item)]
-        STATE.listed, STATE.object_count = [(item.name, live.identity(item)) for item in found], len(objects)
+        STATE.listed, STATE.object_count = [(item.name, identity(item)) for item in found], len(objects)
     first: dict[bpy.types.Mesh, bpy.types.Object] = {}
     for item in found:
         first.setdefault(item.data, item)
-    for known in set(STATE.sessions) - {live.identity(item) for item in first.values()}:
+    for known in set(STATE.sessions) - {identity(item) for item in first.values()}:
         STATE.sessions.pop(known).close()
     return list(first.values())
 
@@ -178,7 +179,7 @@ def start_timer(function: Callable[[], float | None], seconds: float) -> None:
 
 def session_at(target: bpy.types.Object) -> live.Session | playback.Player | None:
     """What the object keeps so far."""
-    return STATE.sessions.get(live.identity(target))
+    return STATE.sessions.get(identity(target))
 
 
 def session_of(target: bpy.types.Object) -> live.Session | playback.Player:
@@ -187,7 +188,7 @@ def session_of(target: bpy.types.Object) -> live.Session | playback.Player:
     if not isinstance(found, wanted):
         if found is not None:
             found.close()
-        found = STATE.sessions[live.identity(target)] = wanted()
+        found = STATE.sessions[identity(target)] = wanted()
     return found
 
 

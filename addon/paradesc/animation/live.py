@@ -20,6 +20,7 @@ from ..files.frame_baking import at_fixed_radii
 from ..scene import mesh_io, record, source_meshes, surface_maps
 from ..scene.mesh_io import refuse
 from ..settings import looks, properties
+from ..settings.snapshot import identity
 from . import painting
 
 # In these modes Blender works on a copy of the mesh, or keeps tables of its own, so results wait until the mode ends.
@@ -291,13 +292,6 @@ def topology_of(target: bpy.types.Object, settings: Settings) -> tuple[object, .
     counts = (len(mesh.vertices), len(mesh.edges), len(mesh.loops), len(mesh.polygons))
     maps, layer_name = measures_maps(target), "" if layer is None else layer.name
     return (identity(mesh), *counts, layer_name, settings.options.normals, needs_uvs(settings), maps)
-
-
-def identity(datablock: bpy.types.ID) -> object:
-    """Identifies an object or mesh in this session, even if it is renamed; before Blender 4.2 its name has to stay."""
-    if hasattr(datablock, "session_uid"):
-        return datablock.session_uid
-    return (datablock.name, datablock.as_pointer())
 
 
 def evaluated_object(target: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Object | None:

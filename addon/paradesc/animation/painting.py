@@ -52,8 +52,7 @@ class Painter:
         ownership.forget(mesh, values.names(self.at))
         self.written = {name: array.ravel() for name, array in self.attribute_values(values)}
         for name, array in self.written.items():
-            attribute = mesh.attributes[name]
-            attribute.data.foreach_set(arrays.MEMBERS[attribute.data_type][0], array)
+            arrays.set_values(mesh.attributes[name], array)
         return True
 
     def is_there(self, mesh: bpy.types.Mesh) -> bool:
@@ -63,10 +62,10 @@ class Painter:
     def is_written(self, mesh: bpy.types.Mesh) -> bool:
         """Whether the attributes are as they were written: neither undone nor changed by anything else."""
         for name, values in self.written.items():
-            attribute, found = mesh.attributes.get(name), np.empty(values.size, np.float32)
-            if attribute is None or mesh_io.wanted_kind(name) != (attribute.data_type, attribute.domain):
+            attribute = mesh.attributes.get(name)
+            if attribute is None or arrays.kind_of(attribute) != mesh_io.wanted_kind(name):
                 return False
-            attribute.data.foreach_get(arrays.MEMBERS[attribute.data_type][0], found)
+            found = arrays.attribute_values(attribute).ravel()
             if not np.array_equal(found.view(np.uint32), values.view(np.uint32)):
                 return False
         return True

@@ -9,31 +9,37 @@ from typing import NamedTuple
 
 import bpy
 
+from ..scene.curves import curves_of
+
 
 class Value(NamedTuple):
     """The value of one animated property."""
 
-    datablock: bpy.types.ID
     path: str
     index: int  # in an array, else 0
     value: object
 
 
-_kept: list[Value] = []
+_kept: dict[bpy.types.ID, list[Value]] = {}
 
 
 def keep(datablocks: Iterable[bpy.types.ID]) -> None:
     """Remembers the present values of animated properties, except those that are remembered already."""
-    known = {value.datablock for value in _kept}
     for datablock in datablocks:
-        if datablock not in known:
-            _kept.extend(values_of(datablock))
+        if datablock not in _kept:
+            _kept[datablock] = list(values_of(datablock))
 
 
 def restore() -> None:
     """Puts back what has changed since, and forgets all."""
     while _kept:
-        datablock, path, index, value = _kept.pop()
+        datablock, values = _kept.popitem()
+        restore_values(datablock, values)
+
+
+def restore_values(datablock: bpy.types.ID, values: list[Value]) -> None:
+    """Puts back what has changed of one datablock."""
+    for path, index, value in values:
         try:
             if value_at(datablock, path, index) != value:
                 set_value(datablock, path, index, value)
@@ -48,23 +54,12 @@ def forget() -> None:
 
 def values_of(datablock: bpy.types.ID) -> Iterator[Value]:
     """The values of all properties that have keys."""
-    for path, index in dict.fromkeys(keyed_properties(datablock.animation_data)):
+    keyed = ((curve.data_path, curve.array_index) for curve in curves_of(datablock.animation_data))
+    for path, index in dict.fromkeys(keyed):
         try:
-            yield Value(datablock, path, index, value_at(datablock, path, index))
+            yield Value(path, index, value_at(datablock, path, index))
         except (LookupError, ValueError):
             continue  # keys may outlive their property
-
-
-def keyed_properties(animation: bpy.types.AnimData) -> Iterator[tuple[str, int]]:
-    """The path and the index of each property with keys, whether of the action or of strips."""
-    strips = (strip.action for track in animation.nla_tracks for strip in track.strips)
-    for action in filter(None, (animation.action, *strips)):
-        if getattr(action, "layers", None):  # since Blender 4.4
-            bags = (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags)
-        else:
-            bags = (action,)
-        for bag in bags:
-            yield from ((curve.data_path, curve.array_index) for curve in bag.fcurves)
 
 
 def value_at(datablock: bpy.types.ID, path: str, index: int) -> object:

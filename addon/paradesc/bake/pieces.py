@@ -161,8 +161,8 @@ def file_words(keys: list[ObjectKey]) -> list[str]:
     """The same, no two alike; numbers go by all objects that there are, so that each bake gives the same."""
     there = {*keys, *(key_of(item) for item in bpy.data.objects if item.type == "MESH")}
     every = sorted(there, key=lambda key: (key[0], key[1] or ""))
-    words = file_names.distinct([file_word(name) for name, _ in every])
-    return [words[every.index(key)] for key in keys]
+    words = dict(zip(every, file_names.distinct([file_word(name) for name, _ in every]), strict=True))
+    return [words[key] for key in keys]
 
 
 def with_name(name: str, failure: str) -> str:

@@ -2,11 +2,12 @@
 
 import hashlib
 import json
-import struct
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from .png import SIGNATURE, chunk
+from .png_reading import chunks
 
 KIND, KEYWORD = b"tEXt", b"Paradesc\0"
 Owner = dict[str, str]  # for example the .blend and the object
@@ -54,16 +55,14 @@ def mark_in(content: bytes) -> tuple[int, int] | None:
 
 def beginning(content: bytes) -> Iterator[tuple[bytes, int, int]]:
     """The kind, the start and the end of the chunks up to the first one with pixels; none of what is no PNG."""
-    place = len(SIGNATURE)
-    while content.startswith(SIGNATURE) and place + 12 <= len(content):
-        (length,) = struct.unpack_from(">I", content, place)
-        kind, end = content[place + 4 : place + 8], place + 12 + length
-        if end > len(content):
-            return
-        yield kind, place, end
-        if kind == b"IDAT":
-            return
-        place = end
+    start = len(SIGNATURE)
+    with suppress(ValueError):
+        for kind, body in chunks(content):
+            end = start + 12 + len(body)
+            yield kind, start, end
+            if kind == b"IDAT":
+                return
+            start = end
 
 
 def digest(content: bytes) -> str:

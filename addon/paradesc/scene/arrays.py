@@ -1,9 +1,9 @@
-"""Reads Blender's collections into arrays, by foreach_get."""
+"""Reads Blender's collections into arrays, and fills attributes, by foreach_get and foreach_set."""
 
 import bpy
 import numpy as np
 
-# How the values of each type of attribute are read, and how many numbers each has.
+# How the values of each type of attribute are read and written, and how many numbers each has.
 COLOR = ("color", 4)
 MEMBERS = {"FLOAT": ("value", 1), "FLOAT_VECTOR": ("vector", 3), "FLOAT_COLOR": COLOR, "BYTE_COLOR": COLOR}
 
@@ -34,6 +34,6 @@ def attribute_values(attribute: bpy.types.Attribute) -> np.ndarray:
     return read_array(attribute.data, member, np.float32, width)
 
 
-def copy_values(source: bpy.types.Attribute, target: bpy.types.Attribute) -> None:
-    """Copies the values of an attribute to another one of the same type."""
-    target.data.foreach_set(MEMBERS[source.data_type][0], attribute_values(source).ravel())
+def set_values(attribute: bpy.types.Attribute, values: np.ndarray) -> None:
+    """Fills an attribute of floats or colors with (n,) or (n, width) values."""
+    attribute.data.foreach_set(MEMBERS[attribute.data_type][0], np.ascontiguousarray(values, np.float32).ravel())

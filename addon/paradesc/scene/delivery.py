@@ -8,7 +8,7 @@ import numpy as np
 from ..bridge import MeshArrays
 from ..core.job import Results
 from . import mesh_io, ownership, record, source_meshes
-from .arrays import copy_values, kind_of
+from .arrays import attribute_values, kind_of, set_values
 
 RESULT_SUFFIX = "_paradesc"
 
@@ -106,7 +106,7 @@ def keep_results(former: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
         mesh_io.make_attributes(mesh, names)
         for name in names:
             if kind_of(mesh.attributes[name]) == kind_of(former.attributes[name]) == mesh_io.wanted_kind(name):
-                copy_values(former.attributes[name], mesh.attributes[name])
+                set_values(mesh.attributes[name], attribute_values(former.attributes[name]))
         for name in (record.PROPERTY, ownership.PROPERTY):
             if name in former:
                 mesh[name] = former[name]

@@ -29,7 +29,8 @@ def from_disk(path: Path, tiles: list[int | None], name: str) -> bpy.types.Image
         image = bpy.data.images.load(str(tile_names.of_tile(path, tiles[0])), check_existing=False)
     if tiled:
         path = tile_names.with_token(path)
-        image.name = path.name if made else image.name
+        if made:
+            image.name = path.name
         read_tiles(image, path, tiles)
     else:
         unpack(image)

@@ -9,7 +9,7 @@ from ..bridge import InputError, MeshArrays, ParadescError, components
 from ..core import color_maps, uv_faults
 from ..core.job import Results, registry_name
 from . import modes, ownership, record, unwrap
-from .arrays import read_array, read_corner_vertices
+from .arrays import read_array, read_corner_vertices, set_values
 
 
 def refuse(sentence: str) -> InputError:
@@ -241,11 +241,10 @@ def write_values(
 ) -> None:
     """Fills the attributes, which exist by now: making one would move the values of the others in memory."""
     for name, values in results.values.items():
-        member = "value" if values.ndim == 1 else "vector"
-        mesh.attributes[at[name]].data.foreach_set(member, np.ascontiguousarray(values, np.float32).ravel())
+        set_values(mesh.attributes[at[name]], values)
         write_colors(mesh, at[name], values, shown[name])
     for name, values in results.extras.items():
-        mesh.attributes[at[name]].data.foreach_set("value", np.ascontiguousarray(values, np.float32))
+        set_values(mesh.attributes[at[name]], values)
     first = at[next(iter(results.values))] + "_color"
     colors = mesh.color_attributes
     colors.active_color = colors[first]
@@ -255,4 +254,4 @@ def write_values(
 def write_colors(mesh: bpy.types.Mesh, name: str, values: np.ndarray, shown: color_maps.ValueRange) -> None:
     """Fills the color attribute beside the attribute of a descriptor's (n,) or (n, 3) values."""
     rgba = color_maps.linear_rgba(color_maps.colors(values, shown))
-    mesh.attributes[f"{name}_color"].data.foreach_set("color", rgba.ravel())
+    set_values(mesh.attributes[f"{name}_color"], rgba)

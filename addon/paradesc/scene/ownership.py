@@ -6,12 +6,14 @@ change of the faces nothing can be told from values, and it stays ours. So does 
 while they change at every frame, and what earlier versions have left.
 """
 
+import itertools
 import zlib
 from collections.abc import Callable, Iterable
 
 import bpy
 import numpy as np
 
+from ..files import file_names
 from . import arrays, record
 
 PROPERTY = "paradesc_left"
@@ -26,9 +28,7 @@ KindOf = Callable[[str], tuple[str, str]]
 
 def fingerprints(mesh: bpy.types.Mesh) -> dict[str, str]:
     """What leave() kept, by name."""
-    content = mesh.get(PROPERTY)
-    found = content.to_dict() if hasattr(content, "to_dict") else {}
-    return {name: text for name, text in found.items() if isinstance(text, str)}
+    return {name: text for name, text in record.kept(mesh, PROPERTY).items() if isinstance(text, str)}
 
 
 def leave(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
@@ -95,8 +95,7 @@ def leave_object(holder: bpy.types.Object) -> None:
 
 def left_object(holder: bpy.types.Object) -> dict[str, object]:
     """What leave_object() kept; empty on those of earlier versions."""
-    content = holder.get(PROPERTY)
-    return content.to_dict() if hasattr(content, "to_dict") else {}
+    return record.kept(holder, PROPERTY)
 
 
 def given_name(holder: bpy.types.Object, usual: str) -> str:
@@ -139,11 +138,11 @@ def place(mesh: bpy.types.Mesh, name: str, ends: tuple[str, ...], kind_of: KindO
     """
     ours = set(record.attributes_of(mesh))
     taken = {*mesh.attributes.keys(), *mesh.uv_layers.keys(), *group_names(mesh)}
-    candidates = [name, *(f"{name}_{number}" for number in range(2, len(taken) + 3))]
+    candidates = list(itertools.islice(file_names.numbered(name), len(taken) + 2))
 
     def is_left(found: str) -> bool:
         there = [found + end for end in ends if found + end in taken]
-        left = (one in ours and one in mesh.attributes and is_as_left(mesh, one, kind_of(one), faces) for one in there)
+        left = (one in ours and is_as_left(mesh, one, kind_of(one), faces) for one in there)
         return bool(there) and all(left)
 
     found = next(filter(is_left, candidates), None)

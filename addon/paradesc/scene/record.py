@@ -17,8 +17,13 @@ PROPERTY = "paradesc"
 
 def read(mesh: bpy.types.Mesh) -> dict[str, object]:
     """What write() left on this mesh, checked; empty if it was never called."""
-    content = mesh.get(PROPERTY)
-    return stored.checked(content.to_dict() if hasattr(content, "to_dict") else None)
+    return stored.checked(kept(mesh, PROPERTY))
+
+
+def kept(block: bpy.types.ID, name: str) -> dict[str, object]:
+    """The members of a custom property; empty if it is missing or has none."""
+    content = block.get(name)
+    return content.to_dict() if hasattr(content, "to_dict") else {}
 
 
 def layout_of(mesh: bpy.types.Mesh) -> dict[str, str]:

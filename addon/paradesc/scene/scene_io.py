@@ -15,7 +15,8 @@ from ..core.standard_streams import quiet
 from ..files import mesh_files
 from ..files.paths import is_file
 from ..files.text_rows import MARK
-from .mesh_io import read_corner_vertices, read_positions, refuse
+from .arrays import read_corner_vertices
+from .mesh_io import read_positions, refuse
 
 # The operators that import a suffix, with their own defaults; the first one that this Blender has is used.
 IMPORTERS = {

@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 
 from . import mesh_io, modes
+from .arrays import read_array
 
 NAME = ".sculpt_mask"
 IS_ATTRIBUTE = bpy.app.version >= (4, 1, 0)
@@ -13,7 +14,7 @@ IS_ATTRIBUTE = bpy.app.version >= (4, 1, 0)
 def values(mesh: bpy.types.Mesh) -> np.ndarray | None:
     """(n,) float32 of the mask, or None if the mesh has none."""
     stored = storage(mesh)
-    return None if stored is None else mesh_io.read_array(stored.data, "value", np.float32)
+    return None if stored is None else read_array(stored.data, "value", np.float32)
 
 
 def is_painted(mesh: bpy.types.Mesh) -> bool:
@@ -75,7 +76,7 @@ def hidden_vertices(mesh: bpy.types.Mesh) -> np.ndarray:
     attribute = mesh.attributes.get(".hide_vert")
     if attribute is None:
         return np.zeros(len(mesh.vertices), bool)
-    return mesh_io.read_array(attribute.data, "value", bool)
+    return read_array(attribute.data, "value", bool)
 
 
 def multires_obstacle(target: bpy.types.Object) -> str:

@@ -16,6 +16,8 @@ from ..bridge import MeshArrays
 from ..core import source_kinds
 from ..core.source_kinds import NAMES
 from . import mesh_io
+from .arrays import kind_of, read_array, read_corner_vertices
+from .curves import curves_of
 from .mesh_io import refuse
 
 # Modifiers that make or remove vertices or faces. Geometry Nodes may do either, which is tried out.
@@ -73,7 +75,7 @@ def read(
         return Reading(mesh_io.read_object(target, corner_normals, needs_uvs), "original", notes=[note])
     if source == "deformed":
         return read_deformed(target, original())
-    # Where modifiers are known to make vertices, the marks are there when they are evaluated for the first time.
+    # Modifiers that are known to make vertices are evaluated only once: the marks are there by then.
     generating = any(modifier.type in GENERATING for modifier in shown_modifiers(target))
     marks = marks_of(target) if placing and generating and former is None else None
     with marked(target.data, marks), evaluated_mesh(target) as mesh:
@@ -197,8 +199,8 @@ def showing(modifier: bpy.types.Modifier) -> list[bpy.types.FCurve]:
     data = modifier.id_data.animation_data
     if data is None:
         return []
-    curves = [*data.drivers, *(getattr(data.action, "fcurves", ()) if data.action is not None else ())]
     path = f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"].show_viewport'
+    curves = (*data.drivers, *curves_of(data))
     return [curve for curve in curves if curve.data_path == path and not curve.mute]
 
 
@@ -213,7 +215,7 @@ def same_vertices(mesh: bpy.types.Mesh, other: bpy.types.Mesh) -> bool:
         len(mesh.vertices) == len(other.vertices)
         and len(mesh.loops) == len(other.loops)
         and len(mesh.polygons) == len(other.polygons)
-        and np.array_equal(mesh_io.read_corner_vertices(mesh), mesh_io.read_corner_vertices(other))
+        and np.array_equal(read_corner_vertices(mesh), read_corner_vertices(other))
     )
 
 
@@ -253,9 +255,9 @@ def marks_of(target: bpy.types.Object) -> np.ndarray | None:
 def carried(mesh: bpy.types.Mesh, marks: np.ndarray) -> np.ndarray:
     """(original_count,) int64 first vertex of an evaluated mesh that has each of the marks, or -1."""
     attribute = mesh.attributes.get(MARK)
-    if attribute is None or (attribute.data_type, attribute.domain) != ("FLOAT_VECTOR", "POINT"):
+    if attribute is None or kind_of(attribute) != ("FLOAT_VECTOR", "POINT"):
         return np.full(len(marks), -1, np.int64)
-    return matched(mesh_io.read_array(attribute.data, "vector", np.float32, 3), marks)
+    return matched(read_array(attribute.data, "vector", np.float32, 3), marks)
 
 
 def matched(carried: np.ndarray, marks: np.ndarray) -> np.ndarray:

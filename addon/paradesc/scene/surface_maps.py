@@ -10,7 +10,8 @@ from ..bridge import MeshArrays, SurfaceMaps
 from ..core import color_maps, spaces
 from ..files.map_images import MapChoice, displacement_notes, luminance, of_files
 from . import mesh_io
-from .mesh_io import read_array, refuse
+from .arrays import read_array, read_corner_vertices
+from .mesh_io import refuse
 
 ORIGINAL_FACE = "paradesc_face"
 
@@ -268,7 +269,7 @@ def calculate_tangents(mesh: bpy.types.Mesh) -> np.ndarray:
 def tangents_of_polygons(mesh: bpy.types.Mesh) -> np.ndarray:
     """(corner_count, 4) float32 of a mesh with larger faces. They are cut, and a corner takes the tangent of a part."""
     count = len(mesh.vertices)
-    keys = corner_faces(mesh) * count + mesh_io.read_corner_vertices(mesh)
+    keys = corner_faces(mesh) * count + read_corner_vertices(mesh)
     cut = bmesh.new()
     try:
         cut.from_mesh(mesh)
@@ -281,7 +282,7 @@ def tangents_of_polygons(mesh: bpy.types.Mesh) -> np.ndarray:
         cut.free()
     faces = read_array(mesh.attributes[ORIGINAL_FACE].data, "value", np.int32)
     tangents = calculate_tangents(mesh)
-    cut_keys = faces[corner_faces(mesh)].astype(np.int64) * count + mesh_io.read_corner_vertices(mesh)
+    cut_keys = faces[corner_faces(mesh)].astype(np.int64) * count + read_corner_vertices(mesh)
     known, first = np.unique(cut_keys, return_index=True)
     return tangents[first[np.searchsorted(known, keys)]]
 

@@ -9,6 +9,7 @@ from .. import bridge
 from ..bridge import ParadescError, abi
 from ..core import job, source_kinds, spaces
 from . import mesh_io, source_meshes, surface_maps
+from .arrays import read_array
 
 # In these modes the mesh can be read, and they can be left and entered again.
 MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
@@ -148,7 +149,7 @@ def take_shape(target: bpy.types.Object, arrays: bridge.MeshArrays, shape: str) 
     if len(key.data) != len(arrays.positions):
         sentence = f'The shape key "{key.name}" does not fit its mesh "{target.data.name}"; leave edit mode first.'
         raise ParadescError(abi.STATUS_INVALID_OPERATION, sentence)
-    arrays.positions = mesh_io.read_array(key.data, "co", np.float32, 3)
+    arrays.positions = read_array(key.data, "co", np.float32, 3)
     if key != keys.reference_key:
         return [f'The shape key "{key.name}" was measured, at its full value.']
     if shows_shape_key(target):

@@ -11,6 +11,7 @@ from ..bridge import InputError, Layout, MeshArrays, ParadescError, abi
 from ..core import packing
 from ..core.digests import digest
 from ..core.uv_faults import fault
+from .arrays import kind_of
 
 # It has three floats a corner (u, v, 0), because two would be one more UV map since Blender 3.5. Blender's own lists
 # leave out attributes whose names begin with ".hide".
@@ -49,7 +50,7 @@ def kept_uvs(mesh: bpy.types.Mesh, stored: dict[str, str], key: str) -> np.ndarr
     attribute = mesh.attributes.get(ATTRIBUTE)
     if attribute is None or stored.get("topology") != key:
         return None
-    if (attribute.data_type, attribute.domain) != ("FLOAT_VECTOR", "CORNER") or len(attribute.data) != len(mesh.loops):
+    if kind_of(attribute) != ("FLOAT_VECTOR", "CORNER") or len(attribute.data) != len(mesh.loops):
         return None
     values = np.empty(3 * len(mesh.loops), np.float32)
     attribute.data.foreach_get("vector", values)
@@ -64,7 +65,7 @@ def keep(mesh: bpy.types.Mesh, made: Layout) -> dict[str, str]:
     if topology(corner_vertices, face_starts(mesh)) != made.topology:
         return {}
     attribute = mesh.attributes.get(ATTRIBUTE)
-    if attribute is not None and (attribute.data_type, attribute.domain) != ("FLOAT_VECTOR", "CORNER"):
+    if attribute is not None and kind_of(attribute) != ("FLOAT_VECTOR", "CORNER"):
         mesh.attributes.remove(attribute)
         attribute = None
     if attribute is None:

@@ -69,7 +69,22 @@ class NeedsLibrary:
         return not bridge.missing_sentence()
 
 
-class PARADESC_OT_preset(NeedsLibrary, bpy.types.Operator):
+class Chooses(NeedsLibrary):
+    """What operators share that are given the name of a preset, which choose() applies in part or as a whole."""
+
+    @classmethod
+    def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
+        """What the preset is for."""
+        return translation.tooltip(PRESETS[asked.name].purpose)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Applies the preset, and says what it is for."""
+        preset = self.choose(context.scene.paradesc, self.name)
+        self.report({"INFO"}, f"{translation.label(preset.label)}: {translation.said(preset.purpose)}")
+        return {"FINISHED"}
+
+
+class PARADESC_OT_preset(Chooses, bpy.types.Operator):
     """Set descriptors, radius, quality and colors for a purpose"""
 
     bl_idname = "paradesc.preset"
@@ -81,20 +96,10 @@ class PARADESC_OT_preset(NeedsLibrary, bpy.types.Operator):
         description="What the settings are for",
         items=[(name, preset.label, preset.purpose) for name, preset in PRESETS.items()],
     )
-
-    @classmethod
-    def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
-        """What the preset is for."""
-        return translation.tooltip(PRESETS[asked.name].purpose)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Applies the preset, and says what it is for."""
-        preset = apply(context.scene.paradesc, self.name)
-        self.report({"INFO"}, f"{translation.label(preset.label)}: {translation.said(preset.purpose)}")
-        return {"FINISHED"}
+    choose = staticmethod(apply)
 
 
-class PARADESC_OT_mask(NeedsLibrary, bpy.types.Operator):
+class PARADESC_OT_mask(Chooses, bpy.types.Operator):
     """Choose the mask that is baked; quality and colors stay, and so does a radius that was typed or fitted"""
 
     bl_idname = "paradesc.mask"
@@ -106,17 +111,7 @@ class PARADESC_OT_mask(NeedsLibrary, bpy.types.Operator):
         description="What the values are for",
         items=[(name, PRESETS[name].label, PRESETS[name].purpose) for name in MASKS],
     )
-
-    @classmethod
-    def description(cls, _context: bpy.types.Context, asked: bpy.types.OperatorProperties) -> str:
-        """What the mask is for."""
-        return translation.tooltip(PRESETS[asked.name].purpose)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Chooses the mask, and says what it is for."""
-        preset = choose_mask(context.scene.paradesc, self.name)
-        self.report({"INFO"}, f"{translation.label(preset.label)}: {translation.said(preset.purpose)}")
-        return {"FINISHED"}
+    choose = staticmethod(choose_mask)
 
 
 class PARADESC_OT_load_preset(NeedsLibrary, bpy.types.Operator):

@@ -7,9 +7,11 @@ from . import presets
 GROUPS = ("paradesc", "paradesc_looks")
 
 
-def identity(scene: bpy.types.Scene) -> int:
-    """What no scene of another file has; before Blender 4.2 where it lies in memory."""
-    return scene.session_uid if hasattr(scene, "session_uid") else scene.as_pointer()
+def identity(datablock: bpy.types.ID) -> object:
+    """Identifies a datablock in this session, even if it is renamed; before Blender 4.2 its name has to stay."""
+    if hasattr(datablock, "session_uid"):
+        return datablock.session_uid
+    return (datablock.name, datablock.as_pointer())
 
 
 class Snapshot:

@@ -5,7 +5,7 @@ import numpy as np
 
 from ..core import color_maps
 from ..core.job import registry_row
-from ..scene import arrays, mesh_io, ownership, sculpt_masks
+from ..scene import arrays, mesh_io, ownership, record, sculpt_masks
 from ..settings import translation
 from ..settings.looks import CHANNELS, PACKED_DOMAINS
 from . import recolor
@@ -21,8 +21,7 @@ EXPORT_PREFIX = "_"
 
 def own_names(mesh: bpy.types.Mesh, kind: str) -> list[str]:
     """The names that this file made; kind is "attributes" or "groups"."""
-    content = mesh.get(OWN)
-    names = content.to_dict().get(kind) if hasattr(content, "to_dict") else None
+    names = record.kept(mesh, OWN).get(kind)
     return [name for name in names if isinstance(name, str)] if isinstance(names, list) else []
 
 
@@ -51,7 +50,7 @@ def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bp
             f'The mesh "{mesh.name}" has an attribute "{name}" that was not made here, or was changed since; rename '
             "it, or choose another name."
         )
-    if attribute is not None and (attribute.data_type, attribute.domain) != (kind, domain):
+    if attribute is not None and arrays.kind_of(attribute) != (kind, domain):
         mesh.attributes.remove(attribute)
         attribute = None
     if attribute is None:
@@ -69,7 +68,7 @@ def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bp
 
 def float_names(mesh: bpy.types.Mesh) -> list[str]:
     """The vertex attributes with one float each, whoever made them."""
-    return [item.name for item in mesh.attributes if (item.data_type, item.domain) == ("FLOAT", "POINT")]
+    return [item.name for item in mesh.attributes if arrays.kind_of(item) == ("FLOAT", "POINT")]
 
 
 def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
@@ -79,7 +78,7 @@ def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     """
     if name not in float_names(mesh):
         raise mesh_io.refuse(f'The mesh "{mesh.name}" has no values "{name}" with one float a vertex.')
-    values = mesh_io.read_array(mesh.attributes[name].data, "value", np.float32)
+    values = arrays.read_array(mesh.attributes[name].data, "value", np.float32)
     defined = np.isfinite(values)
     if name not in recolor.baked_names(mesh):
         return np.clip(np.where(defined, values, 0), 0, 1).astype(np.float32)
@@ -92,7 +91,7 @@ def shares(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
 
 def spread(mesh: bpy.types.Mesh, values: np.ndarray, domain: str) -> np.ndarray:
     """(n, k) values of the vertices, or copied to their face corners."""
-    return values if domain == "POINT" else values[mesh_io.read_corner_vertices(mesh)]
+    return values if domain == "POINT" else values[arrays.read_corner_vertices(mesh)]
 
 
 # ---- Targets
@@ -108,16 +107,16 @@ def pack(mesh: bpy.types.Mesh, names: list[str], attribute_name: str, kind: str,
         if name:
             rgba[:, channel] = shares(mesh, name)
     own_attribute(mesh, attribute_name, kind, domain)
-    mesh.attributes[attribute_name].data.foreach_set("color", spread(mesh, rgba, domain).ravel())
+    arrays.set_values(mesh.attributes[attribute_name], spread(mesh, rgba, domain))
     ownership.leave(mesh, [attribute_name])
     mesh.update()
 
 
 def corner_colors(mesh: bpy.types.Mesh, name: str) -> str:
     """Copies a descriptor's colors to face corners in 8 bits, as vertex paint has them; gives the attribute's name."""
-    colors = mesh_io.read_array(mesh.attributes[f"{name}_color"].data, "color", np.float32, 4)
+    colors = arrays.read_array(mesh.attributes[f"{name}_color"].data, "color", np.float32, 4)
     attribute = own_attribute(mesh, name + SUFFIX_CORNER, "BYTE_COLOR", "CORNER").name
-    mesh.attributes[attribute].data.foreach_set("color", spread(mesh, colors, "CORNER").ravel())
+    arrays.set_values(mesh.attributes[attribute], spread(mesh, colors, "CORNER"))
     ownership.leave(mesh, [attribute])
     mesh.update()
     return attribute
@@ -176,7 +175,7 @@ def export_copies(mesh: bpy.types.Mesh) -> list[str]:
         neutral = color_maps.neutral_value(registry_row(name), color_maps.Look())
         values = np.where(np.isfinite(values), values, neutral or 0.0)
         attribute = own_attribute(mesh, EXPORT_PREFIX + name, "FLOAT", "POINT").name
-        mesh.attributes[attribute].data.foreach_set("value", values.astype(np.float32))
+        arrays.set_values(mesh.attributes[attribute], values)
         made.append(attribute)
     ownership.leave(mesh, made)
     mesh.update()

@@ -1,5 +1,7 @@
 """Adds Geometry Nodes that read a raw attribute, as a modifier of the active object and as examples to start from."""
 
+from functools import partial
+
 import bpy
 
 from ..core.job import UNDEFINED_MASK
@@ -34,9 +36,8 @@ def build(kind: str, name: str, low: float, high: float, mask: str = UNDEFINED_M
     result = add_node(tree, "NodeGroupOutput", (500, 0)).inputs
     value = named_attribute(tree, name, (-500, -200))
     link = tree.links.new
-    node = {"swell": swell, "keep": keep, "mark": mark, "scatter": scatter}[kind](tree, value, given)
-    if kind == "swell":
-        leave_out(tree, node, mask)
+    makers = {"swell": partial(swell, mask=mask), "keep": keep, "mark": mark, "scatter": scatter}
+    node = makers[kind](tree, value, given)
     link(given["Geometry"], node.inputs[0])
     link(node.outputs[0], result["Geometry"])
     return tree
@@ -62,8 +63,10 @@ def compare(
     return node.outputs[0]
 
 
-def swell(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs) -> bpy.types.Node:
-    """Moves vertices along their normals by the value."""
+def swell(
+    tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs, mask: str
+) -> bpy.types.Node:
+    """Moves vertices along their normals by the value; the mask keeps those without a value in place."""
     link = tree.links.new
     share = add_map_range(tree, (-280, -200), value, given["From Min"], given["From Max"])
     distance = add_math(tree, MATH, "MULTIPLY", (-90, -200), share, given["Offset"])
@@ -72,13 +75,9 @@ def swell(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.type
     link(distance, scale.inputs["Scale"])
     node = add_node(tree, "GeometryNodeSetPosition", (290, 0))
     link(scale.outputs[0], node.inputs["Offset"])
+    without = named_attribute(tree, mask, (-280, -520))
+    link(compare(tree, "LESS_THAN", (90, -480), without, 0.5), node.inputs["Selection"])
     return node
-
-
-def leave_out(tree: bpy.types.NodeTree, node: bpy.types.Node, mask: str) -> None:
-    """Keeps a node from changing vertices without a value."""
-    value = named_attribute(tree, mask, (-280, -520))
-    tree.links.new(compare(tree, "LESS_THAN", (90, -480), value, 0.5), node.inputs["Selection"])
 
 
 def keep(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, given: bpy.types.NodeOutputs) -> bpy.types.Node:

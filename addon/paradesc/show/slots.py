@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from ..scene import mesh_io
+from ..scene import arrays
 from . import tuned
 
 # The face attribute that remembers which slot each face had before.
@@ -59,11 +59,11 @@ def former_slots(mesh: bpy.types.Mesh, ours: list[int]) -> np.ndarray:
 
     Slots that were moved since are found by the names of their materials.
     """
-    slots = mesh_io.read_array(mesh.polygons, "material_index", np.int32)
+    slots = arrays.read_array(mesh.polygons, "material_index", np.int32)
     attribute, before, now = mesh.attributes.get(FORMER_SLOTS), list(mesh.get(FORMER_NAMES, [])), slot_names(mesh)
-    if attribute is None or (attribute.data_type, attribute.domain) != ("INT", "FACE"):
+    if attribute is None or arrays.kind_of(attribute) != ("INT", "FACE"):
         return slots
-    former = mesh_io.read_array(attribute.data, "value", np.int32)
+    former = arrays.read_array(attribute.data, "value", np.int32)
     place = np.arange(max(len(before), former.max(initial=0) + 1), dtype=np.int32)
     for slot, name in enumerate(before):
         if slot >= len(now) or now[slot] != name:

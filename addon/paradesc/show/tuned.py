@@ -5,10 +5,10 @@ import hashlib
 import bpy
 
 PROPERTY = "paradesc_left"
-# What the nodes that we make are set to. Nodes of other kinds tell by being there; the rest says how they are laid out.
+# The members that we set on nodes that we make. Other kinds tell by being there; the rest is how they are laid out.
 OF_NODE = ("name", "label", "mute", "attribute_name", "operation", "data_type", "domain", "blend_type", "clamp", "mode")
 OF_NODE += ("use_clamp", "clamp_factor", "clamp_result", "interpolation_type", "distribution", "subsurface_method")
-# What a material has beside its nodes and may be set in its panel; other members change as Blender goes on.
+# The members of a material that its panel sets beside its nodes; others change as Blender goes on.
 OF_MATERIAL = ("name", "diffuse_color", "metallic", "roughness", "blend_method", "use_backface_culling", "pass_index")
 
 

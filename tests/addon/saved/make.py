@@ -4,8 +4,8 @@ Usage: BLENDER_USER_SCRIPTS=FOLDER blender -b --factory-startup -P make.py -- AD
 
 ADDON is the folder `addon` of a built tree of that version, and VERSION names that version. The oldest supported
 Blender, 3.4, has to run it, because newer ones read what it saves. It uses only properties and operators, as people's
-files and scripts do. Beside OUT.zip, OUT.npz has the values that the method of today gives for the same files, where they have
-changed since (addon/manual/values.md); saved_test.py compares what is computed again with them.
+files and scripts do. Beside OUT.zip, OUT.npz has the values that the method of today gives for the same files, where
+they have changed since (addon/manual/values.md); saved_test.py compares what is computed again with them.
 """
 
 import io
