@@ -11,6 +11,7 @@ import numpy as np
 
 from ..bridge import MeshArrays, ProgressFunction
 from ..core import job, texel_centers, texel_tiles, transfer, udim
+from ..core.advice import LARGEST_IN_IMAGES
 from ..core.color_maps import Look
 from ..core.threads import go_on
 from . import maps, mask_image, png, tile_names
@@ -104,7 +105,7 @@ def run(
     progress: ProgressFunction | None = None,
 ) -> Textures:
     """Computes and makes the textures, whose names begin with stem; raises ParadescError where progress says stop."""
-    settings, tiling = job.fitted(choice.settings(settings), arrays), udim.of_mesh(arrays)
+    settings, tiling = texel_centers.fitted(arrays, choice.settings(settings)), udim.of_mesh(arrays)
     exact = settings.options.evaluate == "texel"
     in_turn = bool(tiling.tiles) and texel_tiles.one_by_one(arrays, settings, choice.size, exact)
     computing, drawing = shares(progress, in_turn)
@@ -124,7 +125,7 @@ def run_onto(
     """The same of detailed surfaces, over the UV map of a coarse one; cage: as transfer.run() takes it."""
     tiling = udim.of_mesh(low.arrays)
     computing, drawing = shares(progress, bool(tiling.tiles))
-    settings = job.fitted(choice.settings(settings), highs[0].arrays)
+    settings = job.fitted(choice.settings(settings), highs[0].arrays, LARGEST_IN_IMAGES)
     results = transfer.run(low, highs, settings, choice.size, cage, computing, tiling.tiles)
     return packed(stem, results, low.arrays, choice, drawing, tiling)
 
