@@ -288,15 +288,13 @@ def narrowed(
 
 
 def bright_share(results: Results, values: dict[str, np.ndarray]) -> float:
-    """The share of the surface on which a mask is brighter than half; the largest one of several masks."""
+    """The share of the surface on which a mask is above half of its range; the largest one of several masks."""
     found = [0.0]
     for name in EDGES & values.keys():
-        areas = results.areas if values is results.values else None
-        shown = value_range(values[name], registry_row(name), results.radius, None, areas)
+        areas = results.areas if values is results.values else np.ones(values[name].shape)
         defined = np.isfinite(values[name])
-        if defined.any() and (areas is None or areas[defined].any()):
-            bright = shown.shares(values[name][defined]) > 0.5
-            found.append(float(np.average(bright, weights=None if areas is None else areas[defined])))
+        total = float(areas[defined].sum())
+        found.append(float(areas[defined & (values[name] > 0.5)].sum()) / total if total > 0 else 0.0)
     return max(found)
 
 
