@@ -13,7 +13,7 @@ from paradesc.bake import image_batch  # noqa: E402
 from paradesc.bridge import abi  # noqa: E402
 from paradesc.core import job, source_kinds  # noqa: E402
 from paradesc.scene import delivery, mesh_io, scene_io, source_meshes  # noqa: E402
-from paradesc.show.node_groups import add_socket  # noqa: E402
+from paradesc.scene.node_groups import add_socket  # noqa: E402
 from scene import add_sphere, attribute_values, empty_scene, fingerprint, saved_scene, select, small_bake  # noqa: E402
 from shapes import ADDON  # noqa: E402
 

@@ -3,8 +3,7 @@
 import bpy
 import numpy as np
 
-from ..scene import arrays
-from . import tuned
+from ..scene import arrays, tuned
 
 # The face attribute that remembers which slot each face had before.
 FORMER_SLOTS = ".hide_paradesc_slots"
