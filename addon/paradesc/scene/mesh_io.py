@@ -195,22 +195,27 @@ def moved_notes(at: dict[str, str]) -> list[str]:
 def write_results(target: bpy.types.Object, results: Results) -> list[str]:
     """Writes the results to the object's mesh; gives sentences about what had to move. A failure changes nothing."""
     check_writable(target)
-    mesh = target.data
     with modes.object_mode(target):
-        if len(mesh.vertices) != len(results.coverage):
-            raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
-        at = places(mesh, results.values, results.extras)
-        names = attribute_names(results.values, results.extras, at)
-        make_attributes(mesh, names)
-        layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
-        shown = {name: results.shown(name) for name in results.values}
-        write_values(mesh, results, shown, at)
-        drawn = {at[name]: record.drawing_of(shown[name], results, name) for name in shown}
-        ranges = {at[name]: span for name, span in shown.items()}
-        record.write(mesh, record.facts_of(results), ranges, drawn, names, layout)
-        ownership.leave(mesh, names)
-        mesh.update()
+        at = places(target.data, results.values, results.extras)
+        write_at(target.data, results, at, {name: results.shown(name) for name in results.values})
     return moved_notes(at)
+
+
+def write_at(
+    mesh: bpy.types.Mesh, results: Results, at: dict[str, str], shown: dict[str, color_maps.ValueRange]
+) -> None:
+    """Writes the results to the attributes that places() gave, in colors of these ranges. Not in edit mode."""
+    if len(mesh.vertices) != len(results.coverage):
+        raise refuse(f'The mesh "{mesh.name}" was changed while it was being computed; run it again.')
+    names = attribute_names(results.values, results.extras, at)
+    make_attributes(mesh, names)
+    layout = None if results.unwrapped is None else unwrap.keep(mesh, results.unwrapped)
+    write_values(mesh, results, shown, at)
+    drawn = {at[name]: record.drawing_of(shown[name], results, name) for name in shown}
+    ranges = {at[name]: span for name, span in shown.items()}
+    record.write(mesh, record.facts_of(results), ranges, drawn, names, layout)
+    ownership.leave(mesh, names)
+    mesh.update()
 
 
 def make_attributes(mesh: bpy.types.Mesh, names: list[str]) -> None:

@@ -11,6 +11,8 @@ from ..core import job, source_kinds, spaces
 from . import mesh_io, source_meshes, surface_maps
 from .arrays import read_array
 
+# The objects that are no meshes, but can become some.
+CONVERTIBLE = {"CURVE", "SURFACE", "META", "FONT"}
 # In these modes the mesh can be read, and they can be left and entered again.
 MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
@@ -23,13 +25,37 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
         return sorted(edited, key=lambda item: item != active)
     if active is not None and active.mode != "OBJECT":
         return [active] if active.type == "MESH" else []
-    selected = getattr(context, "selected_objects", None)  # a script may have put them there; handlers have none
-    if selected is None:
-        selected = context.view_layer.objects.selected
-    found = [item for item in selected if item.type == "MESH"]
+    found = [item for item in selected(context) if item.type == "MESH"]
     if not found and active is not None and active.type == "MESH":
         return [active]
     return sorted(found, key=lambda item: item != active)
+
+
+def selected(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The selected objects; a script may have put them into the context, and handlers have none there."""
+    found = getattr(context, "selected_objects", None)
+    return list(context.view_layer.objects.selected if found is None else found)
+
+
+def skipped(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """The selected texts, curves, surfaces and metaballs: a bake skips them until they are converted to meshes."""
+    active = context.active_object
+    if active is not None and active.mode != "OBJECT":
+        return []
+    return [item for item in selected(context) if item.type in CONVERTIBLE]
+
+
+def unconvertible(item: bpy.types.Object) -> str:
+    """One sentence about why a text, curve, surface or metaball cannot become a mesh to bake, or ""."""
+    if item.library is not None or item.data.library is not None or item.override_library is not None:
+        return f'The object "{item.name}" is linked from another file; make it local first.'
+    if item.type == "META":
+        return ""  # all of a family is in the mesh of one of them
+    evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    empty = mesh is None or not mesh.polygons
+    evaluated.to_mesh_clear()
+    return f'The object "{item.name}" has no faces: give the curve a bevel or an extrusion first.' if empty else ""
 
 
 def by_mesh(targets: list[bpy.types.Object]) -> list[list[bpy.types.Object]]:
@@ -50,7 +76,7 @@ def reading_obstacle(context: bpy.types.Context) -> str:
         return f"Leave {active.mode.replace('_', ' ').lower()} mode first"
     targets = chosen(context)
     if not targets:
-        return "Select a mesh object first"
+        return "Convert the selected objects to meshes first" if skipped(context) else "Select a mesh object first"
     for target in targets:
         if target.mode == "SCULPT" and target.use_dynamic_topology_sculpting:
             return "Switch dynamic topology off, or leave sculpt mode, first: its mesh is not yet that of the object"

@@ -5,9 +5,9 @@ from functools import partial
 import bpy
 
 from ..core.job import UNDEFINED_MASK
-from ..scene import record, tuned
+from ..scene import record
 from ..scene.node_groups import MARK, add_map_range, add_math, add_modifier, add_node, add_socket, new_group
-from . import recolor
+from . import recolor, tuned
 
 TREE = "GeometryNodeTree"
 MATH = "ShaderNodeMath"

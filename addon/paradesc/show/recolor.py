@@ -1,5 +1,7 @@
 """Shows what a bake left on a mesh in other colors, from the stored values, without computing anything again."""
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 
@@ -7,7 +9,7 @@ from .. import bridge
 from ..bridge import ParadescError
 from ..core import choices, color_maps, legend
 from ..core.job import registry_name, registry_row
-from ..scene import arrays, mesh_io, modes, ownership, record, viewports
+from ..scene import arrays, carrying, mesh_io, modes, ownership, record, viewports
 from ..settings import translation
 
 Item = tuple[str, str, str]
@@ -78,6 +80,15 @@ def recolor(mesh: bpy.types.Mesh, name: str, look: color_maps.Look) -> color_map
     ownership.leave(mesh, [colors])
     mesh.update()
     return shown
+
+
+def recolor_carried(target: bpy.types.Object, name: str, look: color_maps.Look) -> color_maps.ValueRange:
+    """The same for an object: if a mesh carries its values, both get the range of that one's, which are all of them."""
+    carrier = carrying.carrier_of(target)
+    if carrier is None or f"{name}_color" not in record.attributes_of(carrier):
+        return recolor(target.data, name, look)
+    shown = recolor(carrier, name, look)
+    return recolor(target.data, name, replace(look, ranges={"": (shown.minimum, shown.maximum)}))
 
 
 def show(mesh: bpy.types.Mesh, name: str) -> None:
@@ -159,7 +170,7 @@ class PARADESC_OT_recolor(NeedsBake, bpy.types.Operator):
         names = baked_names(mesh)
         chosen = names if self.every or not shown_name(mesh) else [shown_name(mesh)]
         for name in chosen:
-            recolor(mesh, name, choices.look_of(group))
+            recolor_carried(target, name, choices.look_of(group))
 
 
 # Blender needs the strings of such items to stay alive.

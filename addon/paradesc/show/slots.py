@@ -3,7 +3,8 @@
 import bpy
 import numpy as np
 
-from ..scene import arrays, tuned
+from ..scene import arrays
+from . import tuned
 
 # The face attribute that remembers which slot each face had before.
 FORMER_SLOTS = ".hide_paradesc_slots"
