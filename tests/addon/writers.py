@@ -342,11 +342,6 @@ def of_an_own_object(group):
     group.nodes[carrying.CARRIER].inputs["Object"].default_value = add_sphere("mine", steps=2)
 
 
-def in_the_scene(group):
-    """The user's own use of the mesh that holds the values."""
-    bpy.context.collection.objects.link(carrying.held_by(group))
-
-
 def result_object(target):
     """What earlier versions left where modifiers lose vertices."""
     made = add_sphere(f"{target.name}_paradesc", steps=2)
@@ -414,7 +409,6 @@ WRITERS = {
         in_unsaved_file(others(bake_image, "Wall.001", "Wall 001")),
     ),
     **{f"carried values, {change.__name__}": Writer(remeshed, remeshed_and(change)) for change in CHANGES},
-    "carried values, in the scene": Writer(remeshed, remeshed_and(in_the_scene), changes={"node group"}),
     "carried values of a long name": Writer(remeshed, long_name),
     "result object of an earlier version": Writer(remeshed, result_object),
     "live values": Writer(live, attribute(NAME)),

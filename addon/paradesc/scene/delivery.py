@@ -17,23 +17,32 @@ COPY_SUFFIX = "_paradesc"
 def deliver(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
     """Writes the results where they belong, or nothing; gives sentences about what stays beside them."""
     mesh_io.check_writable(target)
-    shown = {name: results.shown(name) for name in results.values}
     with modes.object_mode(target):
+        if reading.generated:
+            return deliver_generated(target, results, reading)
+        mesh_io.check_count(target.data, results)
         at = mesh_io.places(target.data, results.values, results.extras)
-        if not reading.generated:
-            mesh_io.write_at(target.data, results, at, shown)
-            carrying.release(target.data, mesh_io.attribute_names(results.values, results.extras, at))
-            return mesh_io.moved_notes(at)
-        mesh = carrier_mesh(target, reading.arrays)
-        if reading.vertices is None:
-            reading = replace(reading, vertices=nearest(target.data, reading.arrays))
-        try:
-            mesh_io.write_at(mesh, replace(results, unwrapped=None), at, shown)
-            mesh_io.write_at(target.data, on_original(results, reading), at, shown)
-        except ParadescError:
-            bpy.data.meshes.remove(mesh)
-            raise
-        carrying.carry(target, mesh)
+        mesh_io.write_at(target.data, results, at, mesh_io.drawing(target.data, results))
+        carrying.release(target.data, mesh_io.attribute_names(results.values, results.extras, at))
+    return mesh_io.moved_notes(at)
+
+
+def deliver_generated(target: bpy.types.Object, results: Results, reading: source_meshes.Reading) -> list[str]:
+    """Carries the results to what the modifiers make; the object's own vertices get theirs, or the nearest ones."""
+    mesh = carrier_mesh(target, reading.arrays)
+    if reading.vertices is None:
+        reading = replace(reading, vertices=nearest(target.data, reading.arrays))
+    try:
+        own = on_original(results, reading)
+        mesh_io.check_count(target.data, own)
+        at = mesh_io.places(target.data, results.values, results.extras)
+        drawn = mesh_io.drawing(mesh, results)
+        mesh_io.write_at(mesh, replace(results, unwrapped=None), at, drawn)
+        mesh_io.write_at(target.data, own, at, drawn)
+    except ParadescError:
+        bpy.data.meshes.remove(mesh)
+        raise
+    carrying.carry(target, mesh)
     return mesh_io.moved_notes(at) + former_notes(target)
 
 
@@ -53,6 +62,7 @@ def on_original(results: Results, reading: source_meshes.Reading) -> Results:
         results,
         values={name: values[at] for name, values in results.values.items()},
         coverage=results.coverage[at],
+        areas=None if results.areas is None else results.areas[at],
         mask=results.mask[at],
         near_seam=None if results.near_seam is None else results.near_seam[at],
         seam_error={name: values[at] for name, values in results.seam_error.items()},
