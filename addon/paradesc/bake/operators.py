@@ -185,13 +185,20 @@ class PARADESC_OT_convert_to_mesh(bpy.types.Operator):
 def convert(context: bpy.types.Context, chosen: list[bpy.types.Object]) -> None:
     """Converts these objects to meshes; of a family of metaballs one object remains, with all of it."""
     objects = context.view_layer.objects
-    active, names = objects.active, [item.name for item in targets.selected(context)]
+    active, names = objects.active, [item.name for item in chosen]
+    others = [item for item in targets.selected(context) if item not in chosen]
     modes.select_only(objects, chosen)
-    objects.active = active if active in chosen else chosen[0]
-    active_name = active.name if active is not None else chosen[0].name
+    is_other = active is not None and active not in chosen
+    objects.active = chosen[0] if is_other or active is None else active
     bpy.ops.object.convert(target="MESH")
-    modes.select_only(objects, [objects[name] for name in names if name in objects])
-    objects.active = objects.get(active_name) or objects.active
+    made = list(objects.selected)
+    for item in made:  # a new object stands for metaballs, with a number behind the name that is free by now
+        stem = item.name.rpartition(".")[0]
+        if item.name not in names and stem in names and stem not in bpy.data.objects:
+            item.name = stem
+    modes.select_only(objects, [*made, *others])
+    if is_other:
+        objects.active = active
 
 
 class PARADESC_OT_choose_device(bpy.types.Operator):
