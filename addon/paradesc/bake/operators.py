@@ -186,7 +186,7 @@ def convert(context: bpy.types.Context, chosen: list[bpy.types.Object]) -> None:
     """Converts these objects to meshes; of a family of metaballs one object remains, with all of it."""
     objects = context.view_layer.objects
     active, names = objects.active, [item.name for item in chosen]
-    others = [item for item in targets.selected(context) if item not in chosen]
+    others = [item for item in context.selected_objects if item not in chosen]
     modes.select_only(objects, chosen)
     is_other = active is not None and active not in chosen
     objects.active = chosen[0] if is_other or active is None else active

@@ -11,8 +11,8 @@ from ..core import job, source_kinds, spaces
 from . import mesh_io, source_meshes, surface_maps
 from .arrays import read_array
 
-# The objects that are no meshes, but can become some.
-CONVERTIBLE = {"CURVE", "SURFACE", "META", "FONT"}
+# Objects with a surface that becomes one of a mesh object first.
+CONVERTIBLE = ("CURVE", "SURFACE", "FONT", "META")
 # In these modes the mesh can be read, and they can be left and entered again.
 MODES = {"OBJECT", "EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT"}
 
@@ -25,24 +25,26 @@ def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
         return sorted(edited, key=lambda item: item != active)
     if active is not None and active.mode != "OBJECT":
         return [active] if active.type == "MESH" else []
-    found = [item for item in selected(context) if item.type == "MESH"]
+    selected = getattr(context, "selected_objects", None)  # a script may have put them there; handlers have none
+    if selected is None:
+        selected = context.view_layer.objects.selected
+    found = [item for item in selected if item.type == "MESH"]
     if not found and active is not None and active.type == "MESH":
         return [active]
     return sorted(found, key=lambda item: item != active)
 
 
-def selected(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The selected objects; a script may have put them into the context, and handlers have none there."""
-    found = getattr(context, "selected_objects", None)
-    return list(context.view_layer.objects.selected if found is None else found)
-
-
 def skipped(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The selected texts, curves, surfaces and metaballs: a bake skips them until they are converted to meshes."""
+    """The selected objects with a surface that a bake leaves out, because they are no meshes yet."""
     active = context.active_object
     if active is not None and active.mode != "OBJECT":
         return []
-    return [item for item in selected(context) if item.type in CONVERTIBLE]
+    return [item for item in context.selected_objects if item.type in CONVERTIBLE]
+
+
+def kind_words(target: bpy.types.Object) -> str:
+    """What kind of object it is, as Blender calls it."""
+    return target.bl_rna.properties["type"].enum_items[target.type].name
 
 
 def unconvertible(item: bpy.types.Object) -> str:
