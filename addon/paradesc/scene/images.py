@@ -27,14 +27,10 @@ def from_disk(path: Path, tiles: list[int | None], name: str) -> bpy.types.Image
     made = image is None
     if made:
         image = bpy.data.images.load(str(tile_names.of_tile(path, tiles[0])), check_existing=False)
-    if tiled:
-        path = tile_names.with_token(path)
-        if made:
-            image.name = path.name
-        read_tiles(image, path, tiles)
-    else:
-        unpack(image)
-        image.reload()
+    path = tile_names.with_token(path) if tiled else path
+    if made and tiled:
+        image.name = path.name
+    read(image, path, tiles)
     for other in there:
         if other != image:
             other.reload()
@@ -50,12 +46,14 @@ def at_path(path: Path) -> list[bpy.types.Image]:
     return [item for item in local if file_names.folded(str(Path(bpy.path.abspath(item.filepath)))) in names]
 
 
-def read_tiles(image: bpy.types.Image, path: Path, tiles: list[int]) -> None:
-    """Reads the tiles into an image, which gets them and no others."""
+def read(image: bpy.types.Image, path: Path, tiles: list[int | None]) -> None:
+    """Reads a file, or UDIM tiles, into an image, which gets these tiles and no others."""
     unpack(image)
-    image.source = "TILED"
+    image.source = "FILE" if tiles == [None] else "TILED"
     image.filepath_raw = str(path)
-    image.reload()  # which takes in all that lie there, of earlier bakes too
+    image.reload()  # which takes in all tiles that lie there, of earlier bakes too
+    if tiles == [None]:
+        return
     while len(image.tiles) > 1:  # one always stays
         image.tiles.remove(image.tiles[-1])
     image.tiles[0].number = tiles[0]
@@ -80,40 +78,23 @@ def place(image: bpy.types.Image, path: Path) -> None:
 def from_memory(name: str, contents: dict[int | None, bytes], owner: str) -> bpy.types.Image:
     """The image of a file, or of UDIM tiles, that is packed into the .blend for a bake of an object of this name.
 
-    That of an earlier bake is filled anew.
+    That of an earlier bake is filled anew. Blender packs files, so they are there for a moment: it would look for them
+    too, and complain on the console, if it were handed their content.
     """
     image = packed_as(name) or bpy.data.images.new(name, 8, 8)
     made = OBJECT not in image
     image[MARK], image[OBJECT] = name, owner
-    image.use_fake_user = True  # nothing may use it yet, and Blender saves only what is used
-    if None in contents:
-        pack(image, name, contents[None])
-    else:
-        pack_tiles(image, name, contents)
-    return as_data(image) if made else image
-
-
-def pack(image: bpy.types.Image, name: str, content: bytes) -> None:
-    """Packs a file into an image."""
-    if image.source == "TILED":
-        unpack(image)
-        image.source = "FILE"
-    image.filepath_raw = ""  # or Blender would look for a file of this name when it reloads
-    image.pack(data=content, data_len=len(content))
-    image.source = "FILE"
-    image.reload()
-    image.filepath_raw = f"//{name}.png"
-
-
-def pack_tiles(image: bpy.types.Image, name: str, contents: dict[int, bytes]) -> None:
-    """Packs UDIM tiles, which Blender does from files alone."""
     with tempfile.TemporaryDirectory(dir=bpy.app.tempdir) as folder:
-        path = tile_names.with_token(Path(folder) / f"{name}.png")
+        path = Path(folder) / f"{name}.png"
+        path = path if None in contents else tile_names.with_token(path)
         for tile, content in contents.items():
             tile_names.of_tile(path, tile).write_bytes(content)
-        read_tiles(image, path, list(contents))
+        read(image, path, list(contents))
+        if made:
+            as_data(image)
         image.pack()
     image.filepath_raw = f"//{path.name}"
+    return image
 
 
 def packed_as(name: str) -> bpy.types.Image | None:
@@ -122,7 +103,8 @@ def packed_as(name: str) -> bpy.types.Image | None:
 
 
 def as_data(image: bpy.types.Image) -> bpy.types.Image:
-    """The image, whose channels are numbers: no color management, and no channel weighs another."""
+    """A new image, whose channels are numbers: no color management, and no channel weighs another."""
+    image.use_fake_user = True  # nothing may use it yet, and Blender saves only what is used
     image.colorspace_settings.is_data = True
     image.alpha_mode = "CHANNEL_PACKED"
     return image
