@@ -138,6 +138,8 @@ class ImageBatch(OneByOne):
 
     def finish(self) -> None:
         """Keeps the textures of every mesh as files and images, and puts them into materials on request."""
+        if self.written:
+            properties.show_radius(bpy.context.scene.paradesc, self.written[0].textures.results.settings)
         for piece in self.written:
             self.attempt(piece, self.write)
 

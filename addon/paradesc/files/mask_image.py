@@ -5,13 +5,13 @@ sides of it: engines read such a texture as 2 x - 1. All others go from their mi
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from .. import bridge
 from ..core import threads
-from ..core.color_maps import ValueRange
+from ..core.color_maps import Levels, ValueRange
 from ..core.threads import Result
 
 WHOLE, MIDDLE = 65535, 32768
@@ -31,11 +31,16 @@ class Scale:
     low: float
     high: float
     outside: int  # the pixel where there is no surface
+    levels: Levels = field(default_factory=Levels)  # which have changed the pixels since
 
     def meaning(self, name: str, unit: str) -> str:
         """The same in words, as programs and people find it in the file."""
         formula = f"{name} = {self.low!r} + ({self.high!r} - {self.low!r}) * pixel / {WHOLE}"
-        return formula + (f" [{unit}]" if unit else "")
+        formula += f" [{unit}]" if unit else ""
+        numbers = {"brightness": self.levels.brightness, "contrast": self.levels.contrast}
+        changes = [f"{word} {number:g}" for word, number in numbers.items() if number]
+        changes += ["inversion"] if self.levels.invert else []
+        return formula + (f" before {', '.join(changes)}" if changes else "")
 
 
 @dataclass(frozen=True)
@@ -50,15 +55,37 @@ class Pixels:
 
 def scale_of(shown: ValueRange, neutral: float) -> Scale:
     """The scale of a range of colors; neutral: the descriptor's own, NaN if it has none."""
-    if shown.diverging and shown.neutral is not None:
+    if is_signed(shown):
         return signed_scale(shown.neutral, max(shown.maximum - shown.neutral, shown.neutral - shown.minimum))
     share = (neutral - shown.minimum) / (shown.maximum - shown.minimum) if np.isfinite(neutral) else 0.0
     return Scale(shown.minimum, shown.maximum, round(WHOLE * min(max(share, 0.0), 1.0)))
 
 
+def is_signed(shown: ValueRange) -> bool:
+    """Whether a range has its neutral value in the middle of the pixels."""
+    return shown.diverging and shown.neutral is not None
+
+
 def signed_scale(neutral: float, half: float) -> Scale:
     """The scale with neutral at the middle pixel and neutral + half at the last."""
     return Scale(neutral - half * MIDDLE / (WHOLE - MIDDLE), neutral + half, MIDDLE)
+
+
+def leveled(image: np.ndarray, scale: Scale, shown: ValueRange) -> Pixels:
+    """Pixels of (N, N, 1) values whose places in the range the levels have changed, as they change colors."""
+    levels = shown.levels
+    if levels == Levels():
+        return pixels_of(image, scale)
+    signed = is_signed(shown)
+    low = scale.low + (scale.high - scale.low) / WHOLE if signed else scale.low  # the same steps on both sides
+
+    def change(rows: slice) -> None:
+        share = np.clip((image[rows] - np.float32(low)) / np.float32(scale.high - low), 0, 1)
+        image[rows] = low + (scale.high - low) * levels.applied(share, signed)
+
+    in_bands(change, len(image))
+    outside = MIDDLE if signed else round(WHOLE * float(levels.applied(np.array([scale.outside / WHOLE]), False)[0]))
+    return pixels_of(image, replace(scale, outside=outside, levels=levels))
 
 
 def gutter_of(size: int) -> int:
