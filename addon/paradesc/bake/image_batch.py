@@ -12,7 +12,7 @@ from ..core import job, transfer
 from ..core.threads import Worker
 from ..files import image_files, marks
 from ..files.results import file_fault, write_whole
-from ..scene import image_places, image_results, images, mesh_io, pairs, surface_maps, targets, uv_maps
+from ..scene import image_nodes, image_places, image_results, images, mesh_io, pairs, surface_maps, targets, uv_maps
 from ..settings import looks, properties
 from .pieces import ObjectKey, OneByOne, Piece, file_word, find, key_of
 
@@ -146,9 +146,16 @@ class ImageBatch(OneByOne):
     def write(self, piece: TextureBake) -> None:
         """Keeps one mesh's textures."""
         target = piece.target()
-        piece.images = [self.kept(piece, name, textures) for name, textures in piece.textures.by_name().items()]
+        made = piece.textures.by_name()
+        piece.images = [self.kept(piece, name, textures) for name, textures in made.items()]
         if self.to_material:
-            piece.material = images.add_to_material(target, piece.images).name
+            uv_map, repeats = uv_maps.not_rendered(target.data, piece.over.name), piece.over.repeats
+            holds = [textures[0].holds for textures in made.values()]
+            rows = zip(piece.images, holds, strict=True)
+            found = [image_nodes.Texture(image, names, uv_map, repeats) for image, names in rows]
+            piece.material = image_nodes.add_to_material(target, found).name
+        first = list(made).index(piece.textures.most_telling())
+        piece.images.insert(0, piece.images.pop(first))  # which is shown
         image_results.keep(target.data, piece.result(self.choice.size))
 
     def kept(self, piece: TextureBake, name: str, textures: list[image_files.Texture]) -> bpy.types.Image:

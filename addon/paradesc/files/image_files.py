@@ -34,6 +34,8 @@ COMPUTING = 0.7
 BEGINNING = 0.3
 # Of the work on a texture, drawing has this share; it is packed in the rest.
 DRAWING = 0.8
+# An image of which more than this share is nearly black shows little.
+DARKEST = 0.8
 # Charts are stacked if they have so many times the area that is covered; borders take half texels more or less.
 STACKED_SHARE = 1.05
 
@@ -72,6 +74,8 @@ class Texture:
     name: str  # without suffix
     content: bytes
     tile: int | None = None  # if it is one of a tiled image
+    holds: tuple[str, ...] = ()  # the values in its channels
+    dark: float = 0.0  # the share of the surface that is nearly black
 
     @property
     def file_name(self) -> str:
@@ -86,6 +90,7 @@ class Encoded:
     content: bytes
     scales: list[mask_image.Scale]  # of the channels, without the one of what is transparent
     covered: float  # the share of texels on the surface
+    dark: float  # the share of those that are nearly black in all channels
 
 
 @dataclass
@@ -101,6 +106,12 @@ class Textures:
         for texture in self.made:
             found.setdefault(texture.name, []).append(texture)
         return found
+
+    def most_telling(self) -> str:
+        """The first of the images, unless it is black nearly everywhere and another is less so."""
+        dark = {name: sum(tile.dark for tile in tiles) / len(tiles) for name, tiles in self.by_name().items()}
+        first = next(iter(dark))
+        return first if dark[first] <= DARKEST else min(dark, key=dark.get)
 
 
 def word_of(name: str) -> str:
@@ -230,7 +241,7 @@ def textures_of(
         of_one = job.part_of(drawing, number, len(groups))
         channels = [(bakes[name], name) for name in group]
         one = encoded(channels, choice.size, choice.transparent, of_one, shown)
-        made.append(Texture(f"{any_baked.object_name}_{word}", one.content, tile))
+        made.append(Texture(f"{any_baked.object_name}_{word}", one.content, tile, tuple(group), one.dark))
         if bakes[group[0]].results.values[group[0]].ndim == 1:  # directions may be missing on the surface
             covered = one.covered
     return made, covered
@@ -247,13 +258,14 @@ def encoded(
 
     shown: the tile, if it is one of several.
     """
-    channels, filled, scales, meanings = [], None, [], []
+    channels, filled, scales, meanings, dark = [], None, [], [], 1.0
     of_channels = job.span_of(progress, 0.0, DRAWING)
     for number, (baked, name) in enumerate(sources):
         pixels = drawn(baked, name, size, job.part_of(of_channels, number, len(sources)), shown)
         meaning = pixels.scale.meaning(name, baked.unit(name))
         channels.append(pixels.values)
         scales.append(pixels.scale)
+        dark = min(dark, pixels.dark)
         meanings.append(meaning if len(sources) == 1 else f"{CHANNELS[number]}: {meaning}")
         filled = pixels.filled if filled is None else filled | pixels.filled
     go_on(progress, "write", DRAWING)
@@ -261,7 +273,7 @@ def encoded(
         channels.append(np.where(filled, OPAQUE, 0).astype(np.uint16)[:, :, None])
     image = channels[0] if len(channels) == 1 else np.concatenate(channels, axis=2)
     content = png.encode_png16(image[::-1], {"Description": "; ".join(meanings)}, quick=True)
-    return Encoded(content, scales, pixels.covered)
+    return Encoded(content, scales, pixels.covered, dark)
 
 
 def drawn(

@@ -15,6 +15,8 @@ from ..core.color_maps import Levels, ValueRange
 from ..core.threads import Result
 
 WHOLE, MIDDLE = 65535, 32768
+# What is nearly black, as a share of white.
+DARK = 0.05
 # A texture of this side keeps a gutter of a texel when it is halved again and again down to it.
 SMALLEST_CLEAN = 128
 LEAST_GUTTER = 8
@@ -50,6 +52,7 @@ class Pixels:
     values: np.ndarray  # (N, N, 1 or 3) uint16
     filled: np.ndarray  # (N, N) bool: on the surface or in the gutter
     covered: float  # the share of texels on the surface
+    dark: float  # the share of those that are nearly black
     scale: Scale
 
 
@@ -95,7 +98,8 @@ def gutter_of(size: int) -> int:
 
 def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
     """Pixels of (N, N, 1 or 3) float32 values, NaN off the surface; the image itself is used up."""
-    covered = sum(in_bands(lambda rows: to_places(image[rows], scale), len(image))) / image[:, :, 0].size
+    counts = np.sum(in_bands(lambda rows: to_places(image[rows], scale), len(image)), axis=0)
+    covered, dark = counts[0] / image[:, :, 0].size, counts[1] / max(counts[0], 1)
     image = filled_around(image, gutter_of(len(image)))
     known = np.empty(image.shape[:2], bool)
     values = np.empty(image.shape, np.uint16)
@@ -108,16 +112,21 @@ def pixels_of(image: np.ndarray, scale: Scale) -> Pixels:
         values[rows] = rounded
 
     in_bands(finish, len(image))
-    return Pixels(values, known, covered, scale)
+    return Pixels(values, known, float(covered), float(dark), scale)
 
 
-def to_places(part: np.ndarray, scale: Scale) -> int:
-    """Turns values into 1 plus their pixel, in place, so that 0 can say that nothing is there; counts what is there."""
+def to_places(part: np.ndarray, scale: Scale) -> tuple[int, int]:
+    """Turns values into 1 plus their pixel, in place, so that 0 can say that nothing is there.
+
+    Counts the texels where something is, and those of them that are nearly black.
+    """
     part -= np.float32(scale.low)
     part *= np.float32(WHOLE / (scale.high - scale.low))
     np.clip(part, 0, WHOLE, out=part)
     part += 1
-    return int(np.count_nonzero(part[:, :, 0] > 0))
+    first = part[:, :, 0]
+    there = np.count_nonzero(first > 0)
+    return there, there - np.count_nonzero(first > 1 + DARK * WHOLE)
 
 
 def filled_around(image: np.ndarray, gutter: int) -> np.ndarray:

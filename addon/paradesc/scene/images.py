@@ -1,4 +1,4 @@
-"""Brings textures into Blender: as images of data, from files or packed into the .blend, and into materials."""
+"""Brings textures into Blender: as images of data, from files or packed into the .blend."""
 
 import tempfile
 from pathlib import Path
@@ -6,14 +6,11 @@ from pathlib import Path
 import bpy
 
 from ..files import file_names, tile_names
-from . import mesh_io
 
 # The custom property of images that were packed because the .blend had no folder yet, and of materials made for images.
 MARK = "paradesc_image"
 # The custom property of images that names the object whose bake they are.
 OBJECT = "paradesc_object"
-# Where nodes stand beside each other, in the node editor's units.
-NODE_WIDTH, NODE_HEIGHT = 300.0, 300.0
 
 
 def from_disk(path: Path, tiles: list[int | None], name: str) -> bpy.types.Image:
@@ -108,55 +105,3 @@ def as_data(image: bpy.types.Image) -> bpy.types.Image:
     image.colorspace_settings.is_data = True
     image.alpha_mode = "CHANNEL_PACKED"
     return image
-
-
-def add_to_material(target: bpy.types.Object, images: list[bpy.types.Image]) -> bpy.types.Material:
-    """Puts the images into the object's active material, the first one active; without one it makes a material."""
-    material = target.active_material
-    if material is None:
-        if target.data.library is not None or target.data.override_library is not None:
-            raise mesh_io.refuse(f'The mesh "{target.data.name}" is linked and has no material; make it local first.')
-        material = target.active_material = new_material(target.name)
-    if material.library is not None or material.override_library is not None:
-        raise mesh_io.refuse(f'The material "{material.name}" is linked from another file; make it local first.')
-    if material.node_tree is None:  # never since Blender 5
-        material.use_nodes = True
-    tree = material.node_tree
-    nodes = [image_node(tree, image) for image in images]
-    for node in tree.nodes:
-        node.select = node in nodes
-    tree.nodes.active = nodes[0]
-    if material.get(MARK):
-        show(tree, nodes[0])
-    return material
-
-
-def new_material(name: str) -> bpy.types.Material:
-    """Makes a material with a shader only."""
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:  # never since Blender 5
-        material.use_nodes = True
-    material[MARK] = name
-    return material
-
-
-def image_node(tree: bpy.types.NodeTree, image: bpy.types.Image) -> bpy.types.Node:
-    """The node with this image, which is added below the others where it is missing."""
-    found = [node for node in tree.nodes if node.bl_idname == "ShaderNodeTexImage"]
-    node = next((node for node in found if node.image == image), None)
-    if node is not None:
-        return node
-    place = (min((node.location.x for node in tree.nodes), default=0.0) - NODE_WIDTH, NODE_HEIGHT)
-    if found:
-        lowest = min(found, key=lambda node: node.location.y)
-        place = (lowest.location.x, lowest.location.y - NODE_HEIGHT)
-    node = tree.nodes.new("ShaderNodeTexImage")
-    node.image, node.location = image, place
-    return node
-
-
-def show(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
-    """Makes the image the base color of the material's shader, unless something else is already."""
-    shader = next((item for item in tree.nodes if item.type == "BSDF_PRINCIPLED"), None)
-    if shader is not None and not shader.inputs["Base Color"].is_linked:
-        tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])

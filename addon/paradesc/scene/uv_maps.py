@@ -29,6 +29,12 @@ class Over:
     made: bool = False  # for this bake
     note: str = ""
 
+    @property
+    def repeats(self) -> bool:
+        """Whether the map lies beyond the image, or the tiles, that are made of it."""
+        tiling = udim.of_mesh(self.read.measured)
+        return not tiling.first and not tiling.tiles
+
 
 def read_over(target: bpy.types.Object, settings: job.Settings, request: targets.ReadRequest) -> Over:
     """Reads a mesh over its active UV map, or where that is of no use, over one of ours, which it gets if it has none.
@@ -71,6 +77,12 @@ def fault(arrays: bridge.MeshArrays) -> str:
     covered = np.isfinite(bridge.draw_uv_image(corners, arrays.triangle_vertices, ones, PROBE)).mean()
     stacked = texel_centers.uv_area(arrays) > MOST_STACKED * covered
     return "has a UV map with most faces over each other" if stacked else ""
+
+
+def not_rendered(mesh: bpy.types.Mesh, name: str) -> str:
+    """The name of a map, if renders use another one where nothing names it; else ""."""
+    layer = mesh.uv_layers.get(name)
+    return name if layer is not None and not layer.active_render else ""
 
 
 def own(mesh: bpy.types.Mesh) -> str:
