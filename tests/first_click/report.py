@@ -78,7 +78,7 @@ def beside(asset: Asset, mask: str, percent: float) -> list[Row]:
 
 def measured(asset: Asset, both: bool, with_peers: bool) -> list[Row]:
     """All rows of one asset, the judged click first."""
-    to_image = clicks.offers_image(asset.add().data)
+    to_image = clicks.offers_image(asset.add())
     ways = (True, False) if both and to_image else (to_image,)
     rows = [
         clicked(asset, mask, way, mask == asset.mask and way == to_image)[0]
@@ -99,7 +99,7 @@ def draw(asset: Asset, path: Path) -> None:
         sheets.set_up(target)
         views[name] = sheets.drawn(target, "tones")
     for mask in MASKS:
-        to_image = clicks.offers_image(asset.add().data)
+        to_image = clicks.offers_image(asset.add())
         row, shown = clicked(asset, mask, to_image, False)
         if shown is None:
             continue

@@ -59,10 +59,15 @@ def install(folder: Path) -> None:
     bpy.ops.preferences.addon_enable(module="paradesc")
 
 
+def steps_of(run: Run) -> Iterator[None]:
+    """The tasks of the group; that its module cannot be read is found in the first turn, so that Blender ends."""
+    yield from importlib.import_module(f"tasks_{run.group}").steps(run)
+
+
 def begin(group: str, folder: Path) -> None:
     """Takes a step at every turn; Blender ends after the last one."""
     run = Run(group, folder)
-    steps = importlib.import_module(f"tasks_{group}").steps(run)
+    steps = steps_of(run)
 
     def turn() -> float | None:
         try:

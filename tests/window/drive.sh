@@ -19,6 +19,7 @@ groups=("$@")
 [ ${#groups[@]} -gt 0 ] || groups=(start assets hard images live looks wear export large)
 WIDTH=1600 HEIGHT=1000 MINUTES=15
 
+rm -rf "$folder/scripts" # of another version
 mkdir -p "$folder/config" "$folder/scripts" "$folder/home"
 python3 - "$root" "$folder/stage/paradesc" "$folder/paradesc.zip" <<'PACK' || exit 1
 import shutil

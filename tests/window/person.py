@@ -20,6 +20,8 @@ ROW = 9
 COLUMNS = (0.3, 0.62, 0.85)
 # Pixels from the sidebar's right end to the middle of its tabs.
 TAB_FROM_RIGHT = 12
+# And from its top to where the add-on's is at first, the last of four.
+TAB_FROM_TOP = 172
 
 
 def window() -> bpy.types.Window:
@@ -62,7 +64,9 @@ def drawn(turns: int = 5) -> Iterator[None]:
 
 
 def alone() -> Iterator[None]:
-    """Lets the viewport fill the window, with its sidebar open."""
+    """Lets the viewport fill the window, with its sidebar open beside it: over it, each move would draw the scene again."""
+    bpy.context.preferences.system.use_region_overlap = False
+    bpy.context.preferences.system.viewport_aa = "OFF"
     in_view(bpy.ops.screen.screen_full_area, use_hide_panels=False)
     yield
     viewport().spaces[0].show_region_ui = True
@@ -170,7 +174,8 @@ def press(wanted: str, kind: str = "UI") -> Iterator[bool]:
 def open_tab() -> Iterator[bool]:
     """Clicks on the tabs of the sidebar from below until the add-on's panel is there; False without it."""
     there = region("UI")
-    for y in range(there.y + there.height - 20, there.y + there.height - 420, -25):
+    top = there.y + there.height
+    for y in (top - TAB_FROM_TOP, *range(top - 20, top - 420, -25)):
         if getattr(there, "active_panel_category", "") == "Paradesc":
             return True
         yield from click(there.x + there.width - TAB_FROM_RIGHT, y)

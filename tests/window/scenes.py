@@ -1,5 +1,7 @@
 """The scenes in which an artist tries things, and what can be asked of them."""
 
+from collections.abc import Iterator
+
 import bpy
 import person
 
@@ -76,8 +78,25 @@ def shading() -> bpy.types.View3DShading:
     return person.viewport().spaces[0].shading
 
 
-def status() -> None:
+def as_found() -> None:
     """Forgets what was typed, for the next task."""
     for group in (bpy.context.scene.paradesc, bpy.context.scene.paradesc_looks):
-        for name in group.keys():
+        for name in list(group.keys()):
             group.property_unset(name)
+
+
+def to_bake() -> Iterator[tuple[str, tuple[int, int]]]:
+    """The first button that bakes, as a person sees it: what it does, and where it is."""
+    places = yield from person.buttons(wanted="paradesc.bake")
+    return next(((words, place) for words, place in places.items() if "paradesc.bake" in words), ("", (0, 0)))
+
+
+def clicked() -> Iterator[str]:
+    """Clicks on the first button that bakes, and waits for the end; gives what it does."""
+    words, place = yield from to_bake()
+    if words:
+        yield from person.click(*place)
+        yield from person.drawn(3)
+        yield from person.wait(idle)
+        yield from person.drawn(3)
+    return words.removeprefix("bpy.ops.paradesc.")

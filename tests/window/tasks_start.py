@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 import person
-from scenes import baked, monkey, shading, status
+from scenes import as_found, baked, monkey, shading
 
 if TYPE_CHECKING:
     from drive import Run
@@ -16,18 +16,15 @@ MOST_PIXELS = 825
 
 def preferences(run: "Run") -> Iterator[None]:
     """The add-on's preferences, with its description and its buttons."""
-    bpy.ops.screen.userpref_show()
-    yield from person.drawn()
+    area = person.viewport()
+    area.type = "PREFERENCES"
     bpy.context.preferences.active_section = "ADDONS"
     bpy.context.window_manager.addon_search = "Paradesc"
     bpy.ops.preferences.addon_expand(module="paradesc")
     yield from person.drawn(10)
     file = yield from run.picture("preferences")
     run.saw("C8", "preferences: the description, documentation and bug buttons, what the memory limit says", None, file)
-    windows = bpy.context.window_manager.windows
-    with bpy.context.temp_override(window=windows[-1]):
-        if len(windows) > 1:
-            bpy.ops.wm.window_close()
+    area.type = "VIEW_3D"
     yield from person.drawn()
 
 
@@ -115,6 +112,6 @@ def radius_stays(run: "Run") -> Iterator[None]:
 def steps(run: "Run") -> Iterator[None]:
     """All of it."""
     run.saw("versions", f"Blender {bpy.app.version_string}, Paradesc {sys.modules['paradesc'].__version__}")
-    for point, task in (("C8", preferences), ("panel", first_click), ("C1", undone), ("F9", last_operator), ("B7", radius_stays)):
+    for point, task in (("C8", preferences), ("panel", first_click), ("F9", last_operator), ("C1", undone), ("B7", radius_stays)):
         yield from run.tried(point, task(run))
-    status()
+    as_found()
